@@ -1,0 +1,42 @@
+# A fresh machine needs Python and make alone: each target sets up what it uses.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+SHARED := $(abspath ../shared)
+
+ifneq ($(wildcard $(SHARED)/README.md),)
+export VPF_SIM_SHARED := $(SHARED)
+endif
+
+.PHONY: install test lint types unit slow benchmark clean
+
+install: $(VENV)/installed
+
+$(VENV)/installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+test: lint types unit
+
+lint: install
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+# mypy does not follow the mapped packages of an editable install, so it checks a regular one, beside the environment.
+types: install
+	rm -rf .types build
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --target .types .
+	MYPYPATH=.types $(BIN)/mypy -p vpf_sim
+
+unit: install
+	$(BIN)/python -m pytest -n 2
+
+slow: install
+	$(BIN)/python -m pytest -m slow
+
+benchmark: install
+	$(BIN)/vpf-sim benchmark --seeds 1000:1005
+
+clean:
+	rm -rf $(VENV) .types build *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,76 @@
+"""Angles, frames and the pinhole camera. Axes as in `vpf_sim.types`."""
+
+from math import pi
+
+import numpy as np
+
+from vpf_sim.types import Camera, Floats
+
+
+def wrap_angle(angle_rad: float) -> float:
+    """The same direction in [-pi, pi)."""
+    return (angle_rad + pi) % (2.0 * pi) - pi
+
+
+def rotation(yaw_rad: float) -> Floats:
+    """(2, 2) matrix that takes vehicle axes to world axes (METHOD A12)."""
+    cosine, sine = np.cos(yaw_rad), np.sin(yaw_rad)
+    return np.array([[cosine, -sine], [sine, cosine]])
+
+
+def vehicle_from_world(points_m: Floats, pose: Floats) -> Floats:
+    """(..., 2) world points in the axes of the vehicle at `pose` (x, y, yaw)."""
+    relative: Floats = (points_m - pose[:2]) @ rotation(pose[2])
+    return relative
+
+
+def world_from_vehicle(points_m: Floats, pose: Floats) -> Floats:
+    """(..., 2) points in the axes of the vehicle at `pose` (x, y, yaw), in the world."""
+    absolute: Floats = points_m @ rotation(pose[2]).T + pose[:2]
+    return absolute
+
+
+def camera_position(camera: Camera, pose: Floats) -> Floats:
+    """(2,) m, the camera's centre in the world."""
+    return world_from_vehicle(np.array([camera.forward_m, 0.0]), pose)
+
+
+def project(camera: Camera, points_m: Floats) -> Floats:
+    """(..., 2) px, the undistorted image of (..., 3) points in vehicle axes (forward, right, up from the road).
+
+    Points at or behind the camera's plane give nan.
+    """
+    forward, right, up = np.moveaxis(points_m, -1, 0)
+    cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+    ahead, below = forward - camera.forward_m, camera.height_m - up
+    depth = cosine * ahead + sine * below
+    down = cosine * below - sine * ahead
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = np.where(depth > 0.0, 1.0 / depth, np.nan)
+    return np.stack([camera.cx_px + camera.fx_px * right * scale, camera.cy_px + camera.fy_px * down * scale], axis=-1)
+
+
+def ground_from_pixels(camera: Camera, pixels: Floats) -> Floats:
+    """(..., 2) m, the points of the flat road in vehicle axes that undistorted pixels (..., 2) show; nan above the horizon."""
+    x = (pixels[..., 0] - camera.cx_px) / camera.fx_px
+    y = (pixels[..., 1] - camera.cy_px) / camera.fy_px
+    cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+    down = cosine * y + sine
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = np.where(down > 0.0, camera.height_m / down, np.nan)
+    return np.stack([camera.forward_m + depth * (cosine - sine * y), depth * x], axis=-1)
+
+
+def rotation_flow(camera: Camera, points_px: Floats, yaw_change_rad: Floats) -> Floats:
+    """(N, 2) px, how points at the END of a window were displaced by the camera's own turn to the right alone.
+
+    Exact for a finite turn about the vertical axis and pitch 0: the ray of each point is turned back and projected, and
+    the difference taken. Subtract it from the displacement to derotate the flow.
+    """
+    x = (points_px[..., 0] - camera.cx_px) / camera.fx_px
+    y = (points_px[..., 1] - camera.cy_px) / camera.fy_px
+    cosine, sine = np.cos(yaw_change_rad), np.sin(yaw_change_rad)
+    depth = cosine - sine * x
+    before_x = (sine + cosine * x) / depth
+    before_y = y / depth
+    return np.stack([camera.fx_px * (x - before_x), camera.fy_px * (y - before_y)], axis=-1)

@@ -1,0 +1,217 @@
+"""The records that flow between the stages, in the order in which they flow.
+
+    frame -> flow -> focus of expansion, time to contact, obstacles, road edges -> fields -> reference -> command
+
+Axes: world and vehicle X forward, Y right, yaw clockwise (growing when turning right), SI units. Image x right, y down,
+in OpenCV's convention: the centre of the first pixel is (0, 0). The pose of the vehicle is its centre of mass, which is
+the centre of its body. N is a number of image points, K a number of obstacles.
+"""
+
+from dataclasses import dataclass, field
+from math import radians
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Image = NDArray[np.uint8]  # (H, W, 3) RGB or (H, W) grey
+
+Privilege = Literal["none", "route", "world"]
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """A pinhole camera on the vehicle, looking forward; k1, k2 are the radial distortion of OpenCV's model."""
+
+    width_px: int = 640
+    height_px: int = 480
+    fx_px: float = 320.0  # 90 deg horizontal field of view
+    fy_px: float = 320.0
+    cx_px: float = 319.5
+    cy_px: float = 239.5
+    height_m: float = 1.4  # above the road
+    forward_m: float = 0.8  # ahead of the pose
+    pitch_rad: float = 0.0  # + looks down
+    k1: float = 0.0
+    k2: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleModel:
+    """The ego car as its driver knows it: kinematic bicycle, limits of the actuators."""
+
+    l_f_m: float = 1.35  # centre of mass to front axle
+    l_r_m: float = 1.35  # centre of mass to rear axle
+    width_m: float = 1.9
+    length_m: float = 4.5
+    steering_limit_rad: float = radians(40.0)
+    steering_rate_limit_radps: float = 1.0
+    full_throttle_mps2: float = 3.0
+    full_brake_mps2: float = 6.0
+
+    @property
+    def wheelbase_m(self) -> float:
+        return self.l_f_m + self.l_r_m
+
+
+@dataclass(frozen=True, slots=True)
+class DriverSetup:
+    """What a driver is told before an episode. `route` and `world` are None unless the driver declares the privilege."""
+
+    camera: Camera
+    vehicle: VehicleModel
+    rate_hz: float
+    speed_reference_mps: float
+    goal_m: tuple[float, float]
+    seed: int
+    route: Floats | None = None  # (M, 2) m, waypoints 1 m apart along the lane centre from the start to beyond the goal
+    world: Any | None = None  # highway_env.road.road.Road
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """What a driver sees at one moment."""
+
+    image: Image  # (H, W, 3) RGB
+    time_s: float
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    speed_mps: float
+    yaw_rate_radps: float
+    goal_m: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What a driver does: throttle in [-1, 1] (negative brakes), steering in [-1, 1] (+ is right, +-1 the limit)."""
+
+    throttle: float
+    steering: float
+
+
+class Driver(Protocol):
+    """What is under test."""
+
+    privileged: Privilege
+
+    def reset(self, setup: DriverSetup) -> None: ...
+
+    def act(self, observation: Observation) -> Command: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """Sparse optical flow: N image points, each followed frame by frame over a window of `gap_s` (METHOD 0.7).
+
+    A pose row is (x, y, yaw): m, m, rad.
+    """
+
+    points_px: Floats  # (N, 2) now
+    displacement_px: Floats  # (N, 2) from the start of the point's window to now
+    gap_s: Floats  # (N,) length of the window
+    past_pose: Floats  # (N, 3) of the vehicle at the start of the window
+    pose: Floats  # (3,) of the vehicle now
+    identity: NDArray[np.int64]  # (N,) stays with a point for as long as it is followed
+    first_px: Floats  # (N, 2) where the point was first seen
+    first_pose: Floats  # (N, 3) of the vehicle then
+    age_frames: NDArray[np.int64]  # (N,) frames since then
+    structure: Floats  # (N, 2, 2) mean structure tensor of the window about the point, grey levels^2 / px^2
+
+    def __len__(self) -> int:
+        return len(self.points_px)
+
+
+@dataclass(frozen=True, slots=True)
+class Expansion:
+    """The focus of expansion: the image of the direction in which the camera's centre moves."""
+
+    x_px: float
+    y_px: float
+    covariance_px2: Floats  # (2, 2)
+    inliers: Bools  # (N,) points of the flow that agree
+    confidence: float  # 0 (not to be used) .. 1
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleMap:
+    """The paper's O_t: which points stand out, the same as a coarse binary plane, and its smoothed gradient."""
+
+    on_obstacle: Bools  # (N,)
+    plane: Floats  # (h, w) 0 or 1, the image reduced by `reduction`
+    gradient: Floats  # (2, h, w) of the smoothed plane, per image pixel: (x, y)
+    reduction: int
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacles:
+    """K bodies believed to stand ahead, in vehicle axes: nearest face, side edges, time to contact."""
+
+    forward_m: Floats  # (K,) nearest face, from the pose
+    left_m: Floats  # (K,) lateral position of the left side, + is right
+    right_m: Floats  # (K,) of the right side
+    sigma_m: Floats  # (K,) standard deviation of forward_m
+    ttc_s: Floats  # (K,) inf where the gap does not close
+    identity: NDArray[np.int64]  # (K,)
+
+    def __len__(self) -> int:
+        return len(self.forward_m)
+
+
+@dataclass(frozen=True, slots=True)
+class RoadEdges:
+    """The carriageway about the vehicle, seen by the camera; distances across the road, at the pose.
+
+    `right_m` > 0 and `left_m` < 0 while the pose is on the carriageway. In the paper's terms, with the preferred
+    position `preferred` m left of the right edge: y = preferred - right_m.
+    """
+
+    left_m: float
+    right_m: float
+    heading_rad: float  # direction of the road minus yaw, at the pose
+    curvature_per_m: float  # + bends right
+    sigma_m: float  # standard deviation of the lateral position
+    confidence: float  # 0 (prior only) .. 1
+
+
+@dataclass(frozen=True, slots=True)
+class Perception:
+    """All that the planner knows of one frame."""
+
+    flow: Flow
+    expansion: Expansion
+    ttc_s: Floats  # (N,) time to contact of each point; inf where unknown
+    obstacle_map: ObstacleMap
+    obstacles: Obstacles
+    road: RoadEdges
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """The visual potential field's forces at the vehicle, in vehicle axes: (2,) each, X forward, Y right."""
+
+    target: Floats
+    obstacle: Floats
+    road: Floats
+    total: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """What the controller is asked to do."""
+
+    heading_rad: float  # in the world
+    speed_mps: float
+    heading_rate_radps: float | None = None  # None: the controller differentiates the heading itself
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """One pass of the planner, for the controller, the overlay and the scores."""
+
+    perception: Perception
+    force: Force
+    reference: Reference
+    extra: dict[str, Any] = field(default_factory=dict)  # what a variant adds for its overlay
