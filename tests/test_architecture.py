@@ -1,0 +1,65 @@
+"""The one-way flow of DESIGN: who may import whom, read from the sources without running them."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+FOLDERS = {"vpf_sim": "vpf_sim", "envs": "vpf_sim.envs", "controllers": "vpf_sim.controllers"}
+FOLDERS["scenarios"] = "vpf_sim.scenarios"
+LEAVES = {"types", "geometry", "errors", "seeding"}
+MAY_IMPORT = {
+    **dict.fromkeys(LEAVES, LEAVES),
+    "scenarios": LEAVES,
+    "controllers": LEAVES,
+    "envs": LEAVES | {"scenarios"},
+    "perception": LEAVES,
+    "planning": LEAVES | {"perception"},
+    "drivers": LEAVES | {"perception", "planning", "controllers"},
+}
+MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenarios", "report"}
+MAY_IMPORT["replay"] = MAY_IMPORT["drivers"] | {"drivers", "report"}
+MAY_IMPORT["report"] = LEAVES | {"perception", "planning"}
+MAY_IMPORT["cli"] = MAY_IMPORT["evaluation"] | {"evaluation", "replay", "report"}
+
+
+def modules() -> list[tuple[str, Path]]:
+    """(name inside vpf_sim, file) of every source file."""
+    found = []
+    for folder, package in FOLDERS.items():
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            parts = [*package.split("."), *path.relative_to(ROOT / folder).with_suffix("").parts]
+            found.append((".".join(part for part in parts[1:] if part != "__init__"), path))
+    return found
+
+
+def imported(path: Path) -> set[str]:
+    """The parts of vpf_sim that a file imports anywhere, by their first name."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import; write vpf_sim.…"
+            names.add(node.module or "")
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return {name.split(".")[1] for name in names if name.startswith("vpf_sim.")}
+
+
+@pytest.mark.parametrize(("name", "path"), [pair for pair in modules() if pair[0]], ids=lambda value: str(value))
+def test_a_part_imports_only_what_flows_into_it(name: str, path: Path) -> None:
+    part = name.split(".")[0]
+    packages = {package for package in MAY_IMPORT if (ROOT / "vpf_sim" / package).exists()} | set(MAY_IMPORT)
+    assert part in MAY_IMPORT, f"{name} belongs to no part of the architecture"
+    foreign = {other for other in imported(path) if other in packages} - MAY_IMPORT[part] - {part}
+    assert not foreign, f"{name} must not import {sorted(foreign)}"
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    heavy = "{'highway_env', 'cv2', 'scipy', 'pandas', 'pygame', 'pydantic'}"
+    code = f"import sys, vpf_sim; print(sorted({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
