@@ -1,0 +1,117 @@
+"""The waypoint PID that the paper compares with, by the structure, limits and gains of CARLA's agent.
+
+CARLA: PythonAPI/carla/agents/navigation/controller.py and local_planner.py. Lateral: PID on the signed angle from the
+heading to the vector that leads to a waypoint ahead. Longitudinal: PID on the speed error in km/h. The integral is the sum of
+the last errors (a window, so it cannot wind up); the steering's step is limited.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from math import atan2
+
+import numpy as np
+
+from vpf_sim import tables
+from vpf_sim.geometry import wrap_angle
+from vpf_sim.types import Command, Floats, Observation
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """Gains and limits of CARLA's agent; units are in the names or in gains.toml."""
+
+    rate_hz: float
+    look_ahead_m: float
+    buffer_steps: int
+    lateral_kp: float
+    lateral_ki: float
+    lateral_kd: float
+    steering_limit: float
+    steering_step: float
+    longitudinal_kp: float
+    longitudinal_ki: float
+    longitudinal_kd: float
+    throttle_limit: float
+    brake_limit: float
+
+    def __post_init__(self) -> None:
+        for key in ("rate_hz", "buffer_steps", "steering_limit", "steering_step"):
+            if not getattr(self, key) > 0:
+                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+
+
+def load_gains() -> Gains:
+    """The section [pid] of gains.toml."""
+    return tables.build(Gains, tables.read("vpf_sim.controllers", "gains.toml")["pid"], "gains.toml: [pid]")
+
+
+class Pid:
+    """One PID law on [-1, 1] with a windowed integral."""
+
+    def __init__(self, kp: float, ki: float, kd: float, buffer_steps: int, dt_s: float) -> None:
+        self._kp, self._ki, self._kd = kp, ki, kd
+        self._dt_s = dt_s
+        self._errors: deque[float] = deque(maxlen=buffer_steps)
+
+    def reset(self) -> None:
+        self._errors.clear()
+
+    def step(self, error: float) -> float:
+        """The control, clipped to [-1, 1]."""
+        self._errors.append(error)
+        rate = (self._errors[-1] - self._errors[-2]) / self._dt_s if len(self._errors) >= 2 else 0.0
+        integral = sum(self._errors) * self._dt_s if len(self._errors) >= 2 else 0.0
+        return max(-1.0, min(1.0, self._kp * error + self._ki * integral + self._kd * rate))
+
+
+class WaypointPid:
+    """Follows waypoints (M, 2) m at a constant speed; computes at its own rate and holds its command between."""
+
+    def __init__(self, gains: Gains, route_m: Floats, speed_reference_mps: float, rate_hz: float) -> None:
+        self._gains = gains
+        self._route_m = route_m
+        self._speed_reference_mps = speed_reference_mps
+        self._hold_steps = max(1, round(rate_hz / gains.rate_hz))
+        dt_s = self._hold_steps / rate_hz
+        lateral = (gains.lateral_kp, gains.lateral_ki, gains.lateral_kd)
+        longitudinal = (gains.longitudinal_kp, gains.longitudinal_ki, gains.longitudinal_kd)
+        self._lateral = Pid(*lateral, gains.buffer_steps, dt_s)
+        self._longitudinal = Pid(*longitudinal, gains.buffer_steps, dt_s)
+        self.reset()
+
+    def reset(self) -> None:
+        """At the start of the route, no memory."""
+        self._lateral.reset()
+        self._longitudinal.reset()
+        self._step = 0
+        self._next = 0
+        self._held = Command(0.0, 0.0)
+
+    def command(self, observation: Observation) -> Command:
+        """One step of 1 / rate_hz."""
+        if self._step % self._hold_steps == 0:
+            throttle = self._accelerate(observation.speed_mps)
+            self._held = Command(throttle, self._steer(observation))
+        self._step += 1
+        return self._held
+
+    def _waypoint(self, observation: Observation) -> Floats:
+        """(2,) m, the first waypoint not yet within the look-ahead; waypoints once passed never come back."""
+        reach = self._gains.look_ahead_m
+        position = np.array([observation.x_m, observation.y_m])
+        while self._next < len(self._route_m) - 1 and np.hypot(*(self._route_m[self._next] - position)) < reach:
+            self._next += 1
+        waypoint: Floats = self._route_m[self._next]
+        return waypoint
+
+    def _steer(self, observation: Observation) -> float:
+        x, y = self._waypoint(observation)
+        error = wrap_angle(atan2(y - observation.y_m, x - observation.x_m) - observation.yaw_rad)
+        wish = self._lateral.step(error)
+        gains = self._gains
+        wish = max(self._held.steering - gains.steering_step, min(self._held.steering + gains.steering_step, wish))
+        return max(-gains.steering_limit, min(gains.steering_limit, wish))
+
+    def _accelerate(self, speed_mps: float) -> float:
+        wish = self._longitudinal.step(3.6 * (self._speed_reference_mps - speed_mps))
+        return min(wish, self._gains.throttle_limit) if wish >= 0.0 else max(wish, -self._gains.brake_limit)

@@ -1,0 +1,153 @@
+"""What is under test: planner and controller together, or a baseline; and the registry that knows them by name.
+
+Naming the drivers loads none of them: planners and controllers are imported when a driver is created.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, cast
+
+from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.types import Command, Driver, DriverSetup, Observation, Plan, Privilege
+
+if TYPE_CHECKING:
+    from vpf_sim.controllers.pid import WaypointPid
+    from vpf_sim.planning.planner import Planner
+
+
+class FieldDriver:
+    """The Visual Potential Field planner in one of its variants, with the sliding mode controller of the same name."""
+
+    privileged: Privilege = "none"
+
+    def __init__(self, variant: str) -> None:
+        from vpf_sim.controllers.gtsmc import load_gains
+        from vpf_sim.planning import variant as variants
+
+        self._variant = variants.load(variant)
+        self._gains = load_gains(variant)
+        self._plan: Plan | None = None
+
+    def reset(self, setup: DriverSetup) -> None:
+        from vpf_sim.controllers.gtsmc import Gtsmc
+        from vpf_sim.planning.planner import Planner
+
+        self._planner: Planner = Planner(setup, self._variant)
+        self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
+        self._plan = None
+
+    def act(self, observation: Observation) -> Command:
+        self._plan = self._planner.step(observation)
+        return self._controller.command(observation, self._plan.reference)
+
+    def trace(self) -> Plan | None:
+        """The plan of the last step, for overlays and scores."""
+        return self._plan
+
+
+class PidDriver:
+    """CARLA's waypoint PID on the route: the paper's baseline. It knows no obstacles."""
+
+    privileged: Privilege = "route"
+
+    def reset(self, setup: DriverSetup) -> None:
+        from vpf_sim.controllers.pid import WaypointPid, load_gains
+
+        if setup.route is None:
+            raise InputError("driver pid: expected a route in its setup, got none")
+        self._controller: WaypointPid = WaypointPid(load_gains(), setup.route, setup.speed_reference_mps, setup.rate_hz)
+
+    def act(self, observation: Observation) -> Command:
+        return self._controller.command(observation)
+
+    def trace(self) -> Plan | None:
+        """A baseline makes no plan."""
+        return None
+
+
+class NeutralDriver:
+    """Touches nothing: the trivial driver."""
+
+    privileged: Privilege = "none"
+
+    def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002: the protocol's signature
+        from vpf_sim.controllers.neutral import Neutral
+
+        self._controller = Neutral()
+
+    def act(self, observation: Observation) -> Command:  # noqa: ARG002: it looks at nothing
+        return self._controller.command()
+
+    def trace(self) -> Plan | None:
+        """No plan either."""
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """A row of the drivers' table."""
+
+    name: str
+    privileged: Privilege
+    summary: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    make: Callable[[], Driver]
+    privileged: Privilege
+    summary: str
+
+
+_REGISTRY: dict[str, _Entry] = {
+    "vpf": _Entry(lambda: FieldDriver("robust"), "none", "the potential field as we would drive it (variant robust)"),
+    "vpf-paper": _Entry(
+        lambda: FieldDriver("paper"), "none", "the paper's field with the fewest repairs that make it run"
+    ),
+    "vpf-literal": _Entry(
+        lambda: FieldDriver("literal"), "none", "the paper's field as printed: a documented negative"
+    ),
+    "pid": _Entry(PidDriver, "route", "CARLA's waypoint PID, the paper's baseline; blind to obstacles"),
+    "neutral": _Entry(NeutralDriver, "none", "touches neither throttle nor steering"),
+}
+
+
+def names() -> list[str]:
+    """The registered drivers, ours first."""
+    return list(_REGISTRY)
+
+
+def describe() -> list[Description]:
+    """What each registered driver is and what it is told beyond its camera."""
+    return [Description(name, entry.privileged, entry.summary) for name, entry in _REGISTRY.items()]
+
+
+def create(name: str) -> Driver:
+    """A new driver by its registered name, or of a user's own class "package.module:Class"."""
+    if ":" in name:
+        return _load(name)
+    if name not in _REGISTRY:
+        raise unknown_name("driver", name, _REGISTRY)
+    return _REGISTRY[name].make()
+
+
+def _load(path: str) -> Driver:
+    """An instance of the class at "package.module:Class", checked against the driver's protocol."""
+    module_name, _, class_name = path.partition(":")
+    try:
+        module = import_module(module_name)
+    except (ImportError, ValueError) as error:
+        raise InputError(f"driver '{path}': cannot import '{module_name}': {error}") from None
+    found = getattr(module, class_name, None)
+    if not isinstance(found, type):
+        raise InputError(f"driver '{path}': module '{module_name}' has no class '{class_name}'")
+    missing = [part for part in ("privileged", "reset", "act") if not hasattr(found, part)]
+    if missing:
+        raise InputError(f"driver '{path}': expected privileged, reset and act; missing: {', '.join(missing)}")
+    if found.privileged not in ("none", "route", "world"):
+        raise InputError(f"driver '{path}': privileged: expected none, route or world, got {found.privileged!r}")
+    try:
+        return cast(Driver, found())
+    except TypeError as error:
+        raise InputError(f"driver '{path}': expected a class that is made without arguments: {error}") from None

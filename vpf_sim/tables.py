@@ -1,0 +1,83 @@
+"""Frozen configuration from TOML tables: every key known, every type right, every fault one clear line."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from difflib import get_close_matches
+from importlib.resources import files
+from types import NoneType, UnionType
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from vpf_sim.errors import InputError
+
+Config = TypeVar("Config")
+
+
+def read(package: str, name: str) -> dict[str, Any]:
+    """The TOML file `name` that is installed with `package`."""
+    return tomllib.loads(files(package).joinpath(name).read_text())
+
+
+def build(config: type[Config], table: Mapping[str, Any], where: str) -> Config:
+    """The dataclass `config` filled from `table`; `where` names the file and section in errors.
+
+    Nested dataclasses take nested tables, and a field with a default may be left out. What a class checks in its
+    `__post_init__` and refuses with ValueError is told with the same prefix.
+    """
+    known = {item.name: item for item in fields(config)}  # type: ignore[arg-type]
+    hints = get_type_hints(config)
+    for key in table:
+        if key not in known:
+            near = get_close_matches(key, known, n=1, cutoff=0.5)
+            remedy = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
+            raise InputError(f"{where}: unknown key '{key}': {remedy}")
+    for key, item in known.items():
+        if key not in table and item.default is MISSING and item.default_factory is MISSING:
+            raise InputError(f"{where}: key '{key}' is missing")
+    values = {key: _convert(hints[key], value, f"{where}: {key}") for key, value in table.items()}
+    try:
+        return config(**values)
+    except ValueError as error:
+        raise InputError(f"{where}: {error}") from None
+
+
+def _convert(hint: Any, value: Any, where: str) -> Any:
+    """`value` of a TOML file as what the type hint asks for."""
+    origin = get_origin(hint)
+    if origin is Literal:
+        return _choice(get_args(hint), value, where)
+    if origin in (Union, UnionType):
+        return _convert(next(option for option in get_args(hint) if option is not NoneType), value, where)
+    if origin is tuple:
+        return _sequence(get_args(hint), value, where)
+    if is_dataclass(hint) and isinstance(hint, type):
+        if not isinstance(value, Mapping):
+            raise InputError(f"{where}: expected a table, got {value!r}")
+        return build(hint, value, where)
+    return _scalar(hint, value, where)
+
+
+def _choice(options: tuple[Any, ...], value: Any, where: str) -> Any:
+    if value not in options:
+        raise InputError(f"{where}: expected one of {', '.join(map(str, options))}, got {value!r}")
+    return value
+
+
+def _sequence(hints: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
+    if not isinstance(value, list):
+        raise InputError(f"{where}: expected a list, got {value!r}")
+    if hints[-1] is Ellipsis:
+        hints = (hints[0],) * len(value)
+    if len(value) != len(hints):
+        raise InputError(f"{where}: expected {len(hints)} values, got {len(value)}")
+    return tuple(_convert(hint, item, where) for hint, item in zip(hints, value, strict=True))
+
+
+def _scalar(hint: Any, value: Any, where: str) -> Any:
+    number = isinstance(value, int) and not isinstance(value, bool)
+    if hint is float and number:
+        return float(value)
+    right = number if hint is int else isinstance(value, hint)
+    if not right:
+        raise InputError(f"{where}: expected {hint.__name__}, got {value!r}")
+    return value
