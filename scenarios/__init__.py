@@ -1,0 +1,7 @@
+"""What to drive: the scenario files, their schema and the catalog."""
+
+from vpf_sim.scenarios.files import load, names, parse
+from vpf_sim.scenarios.kinds import SIZES, BodyKind, Size
+from vpf_sim.scenarios.schema import Scenario
+
+__all__ = ["SIZES", "BodyKind", "Scenario", "Size", "load", "names", "parse"]

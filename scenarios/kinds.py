@@ -1,0 +1,28 @@
+"""The kinds of bodies that can stand or drive on a road, and their sizes."""
+
+from typing import Literal, NamedTuple
+
+BodyKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian"]
+
+
+class Size(NamedTuple):
+    """A body's box: along its heading, across it, above the road."""
+
+    length_m: float
+    width_m: float
+    height_m: float
+
+
+SIZES: dict[BodyKind, Size] = {
+    "car": Size(5.0, 2.0, 1.5),
+    "van": Size(5.5, 2.1, 2.3),
+    "truck": Size(8.5, 2.5, 3.4),
+    "cone": Size(0.4, 0.4, 0.75),
+    "pallet": Size(1.2, 0.8, 0.15),  # EUR pallet, flat on the road
+    "barrier": Size(0.5, 3.0, 1.0),  # across the road
+    "pedestrian": Size(0.4, 0.5, 1.75),
+}
+
+MOVING: frozenset[BodyKind] = frozenset({"car", "van", "truck", "pedestrian"})  # kinds that can have a speed
+
+EGO_SIZE = Size(4.5, 1.9, 1.5)

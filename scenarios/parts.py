@@ -1,0 +1,99 @@
+"""The parts of a scenario: the road, where the ego starts, where it is to go, what stands or drives there.
+
+Places are given as s_m along the centre line of the carriageway and metres right of the centre of a lane; lanes are
+counted from the right, from 1. Radii and headings grow when turning right.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
+from vpf_sim.scenarios.kinds import BodyKind
+
+Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML knows lists only
+
+
+class Section(BaseModel):
+    """What all parts of a scenario share: they cannot change, and refuse unknown keys, nan and inf."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, populate_by_name=True)
+
+
+class Line(Section):
+    kind: Literal["line"]
+    length_m: PositiveFloat
+
+
+class Arc(Section):
+    kind: Literal["arc"]
+    length_m: PositiveFloat
+    radius_m: float  # > 0 turns right
+
+
+class Clothoid(Section):
+    """Curvature changes in proportion to the distance, from where the last segment ended."""
+
+    kind: Literal["clothoid"]
+    length_m: PositiveFloat
+    end_radius_m: float | None = None  # > 0 turns right; None ends straight
+
+
+Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
+
+
+class Road(Section):
+    lanes: PositiveInt = 4
+    lane_width_m: PositiveFloat = 3.5
+    start_m: Interval = (0.0, 0.0)
+    heading_deg: float = 0.0
+    segments: Annotated[tuple[Segment, ...], Field(strict=False, min_length=1)]
+
+    @property
+    def length_m(self) -> float:
+        return sum(segment.length_m for segment in self.segments)
+
+    @property
+    def half_width_m(self) -> float:
+        return self.lanes * self.lane_width_m / 2.0
+
+    def lane_offset_m(self, lane: int) -> float:
+        """Where a lane's centre lies, right of the centre of the carriageway."""
+        return (self.lanes / 2.0 - lane + 0.5) * self.lane_width_m
+
+
+class Ego(Section):
+    lane: PositiveInt = 2
+    s_m: float = 5.0
+    lateral_m: float = 0.0  # + is right
+    heading_deg: float = 0.0  # to the road
+    speed_mps: Annotated[float, Field(ge=0.0, le=60.0)] = 5.55
+    speed_reference_mps: PositiveFloat = 5.55
+
+
+class Goal(Section):
+    s_m: float
+    kind: Literal["reach", "stop"] = "reach"
+
+
+class Body(Section):
+    kind: BodyKind
+    s_m: float
+    lane: PositiveInt
+    lateral_m: float = 0.0  # + is right
+    speed_mps: Annotated[float, Field(ge=0.0)] = 0.0  # > 0: traffic
+
+
+class Limits(Section):
+    time_s: PositiveFloat
+
+
+VaryKey = Literal[
+    "ego.s_m",
+    "ego.lateral_m",
+    "ego.heading_deg",
+    "ego.speed_mps",
+    "bodies.s_m",
+    "bodies.lateral_m",
+    "bodies.speed_mps",
+]
+
+Vary = dict[VaryKey, Interval]  # [low, high] of what the seed adds, uniformly drawn
