@@ -6,8 +6,8 @@ Lateral, with psi_e = psi - psi_d, the steering actuator as an integrator:
 
 Longitudinal: s_l = c_l v - v_d, a = -a_0 sign(s_l). With a boundary layer, sign(s) becomes clip(s / layer, -1, 1).
 
-Since d s_r / dt = (v / L) u + (what the reference does), the manifold is reached only while u_0 v / L exceeds the latter,
-and at standstill the steering has no authority at all: there it is held.
+Since d s_r / dt = (v / L) u + (what the reference does), the manifold is reached only while u_0 v / L exceeds the
+latter, and at standstill the steering has no authority at all: there it is held.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,8 @@
 """The waypoint PID that the paper compares with, by the structure, limits and gains of CARLA's agent.
 
 CARLA: PythonAPI/carla/agents/navigation/controller.py and local_planner.py. Lateral: PID on the signed angle from the
-heading to the vector that leads to a waypoint ahead. Longitudinal: PID on the speed error in km/h. The integral is the sum of
-the last errors (a window, so it cannot wind up); the steering's step is limited.
+heading to the vector that leads to a waypoint ahead. Longitudinal: PID on the speed error in km/h. The integral is the
+sum of the last errors (a window, so it cannot wind up); the steering's step is limited.
 """
 
 from collections import deque

@@ -6,14 +6,10 @@ Naming the drivers loads none of them: planners and controllers are imported whe
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, cast
+from typing import cast, get_args
 
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.types import Command, Driver, DriverSetup, Observation, Plan, Privilege
-
-if TYPE_CHECKING:
-    from vpf_sim.controllers.pid import WaypointPid
-    from vpf_sim.planning.planner import Planner
 
 
 class FieldDriver:
@@ -33,7 +29,7 @@ class FieldDriver:
         from vpf_sim.controllers.gtsmc import Gtsmc
         from vpf_sim.planning.planner import Planner
 
-        self._planner: Planner = Planner(setup, self._variant)
+        self._planner = Planner(setup, self._variant)
         self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
         self._plan = None
 
@@ -56,7 +52,7 @@ class PidDriver:
 
         if setup.route is None:
             raise InputError("driver pid: expected a route in its setup, got none")
-        self._controller: WaypointPid = WaypointPid(load_gains(), setup.route, setup.speed_reference_mps, setup.rate_hz)
+        self._controller = WaypointPid(load_gains(), setup.route, setup.speed_reference_mps, setup.rate_hz)
 
     def act(self, observation: Observation) -> Command:
         return self._controller.command(observation)
@@ -71,12 +67,12 @@ class NeutralDriver:
 
     privileged: Privilege = "none"
 
-    def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002: the protocol's signature
+    def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002
         from vpf_sim.controllers.neutral import Neutral
 
         self._controller = Neutral()
 
-    def act(self, observation: Observation) -> Command:  # noqa: ARG002: it looks at nothing
+    def act(self, observation: Observation) -> Command:  # noqa: ARG002
         return self._controller.command()
 
     def trace(self) -> Plan | None:
@@ -145,9 +141,10 @@ def _load(path: str) -> Driver:
     missing = [part for part in ("privileged", "reset", "act") if not hasattr(found, part)]
     if missing:
         raise InputError(f"driver '{path}': expected privileged, reset and act; missing: {', '.join(missing)}")
-    if found.privileged not in ("none", "route", "world"):
-        raise InputError(f"driver '{path}': privileged: expected none, route or world, got {found.privileged!r}")
     try:
-        return cast(Driver, found())
+        driver = cast(Driver, found())
     except TypeError as error:
         raise InputError(f"driver '{path}': expected a class that is made without arguments: {error}") from None
+    if driver.privileged not in get_args(Privilege):
+        raise InputError(f"driver '{path}': privileged: expected none, route or world, got {driver.privileged!r}")
+    return driver
