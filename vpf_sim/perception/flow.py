@@ -1,0 +1,261 @@
+"""Sparse optical flow: Shi-Tomasi corners, pyramidal Lucas-Kanade, and tracks chained from frame to frame."""
+
+from dataclasses import dataclass
+from math import ceil, inf, log2
+from typing import Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.perception.ground import ground_flow
+from vpf_sim.types import Bools, Camera, Floats, Flow, Image
+
+GREY_WEIGHTS = cv2.COLOR_RGB2GRAY
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """A strip of the image with its own share of the corners, so that one strong edge does not starve the far road."""
+
+    top: float  # tangent of the angle below the horizon
+    bottom: float
+    share: float  # of FlowConfig.points
+
+
+BANDS = {
+    "whole": (Band(-inf, inf, 1.0),),
+    # Above the horizon up to a lorry's roof at 7 m, the road beyond 10 m, the road before it.
+    "road": (Band(-0.35, 0.0, 0.3), Band(0.0, 0.14, 0.5), Band(0.14, 0.55, 0.2)),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class FlowConfig:
+    """What is followed and how. The defaults are the paper's; corners and iterations are METHOD A4's."""
+
+    window_px: int = 25
+    max_level: int | None = 2  # three levels; None: as many as `reach_px_per_s` needs
+    epsilon_px: float = 0.03
+    iterations: int = 30
+    window_s: float = 0.1  # frames are chained over this time
+    points: int = 300
+    quality: float = 0.01
+    min_distance_px: float = 7.0
+    block_px: int = 3
+    bands: Literal["whole", "road"] = "whole"
+    detect_period_s: float = 0.1
+    forward_backward_px: float | None = None  # largest distance after tracking back; None: no check
+    reach_px_per_s: float = 400.0  # fastest motion to follow
+    texture_floor: float = 0.0  # least small eigenvalue of a corner's structure tensor, grey levels^2 / px^2
+
+    def __post_init__(self) -> None:
+        if self.window_px < 3 or self.window_px % 2 == 0:
+            raise ValueError(f"window_px: expected an odd number >= 3, got {self.window_px}")
+        if self.window_s <= 0.0 or self.detect_period_s <= 0.0:
+            raise ValueError(f"window_s, detect_period_s: expected > 0, got {self.window_s}, {self.detect_period_s}")
+        if self.points < 8:
+            raise ValueError(f"points: expected >= 8, got {self.points}")
+        if self.bands not in BANDS:
+            raise ValueError(f"bands: expected one of {sorted(BANDS)}, got '{self.bands}'")
+
+
+def grey(image_rgb: Image) -> Image:
+    """(H, W) uint8 luma of an (H, W, 3) RGB image, 0.299 R + 0.587 G + 0.114 B."""
+    return cv2.cvtColor(image_rgb, GREY_WEIGHTS).astype(np.uint8, copy=False)
+
+
+def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
+    """(N, 2, 2) mean of grad I grad I^T over the window about each point, grey levels^2 / px^2 (Shi-Tomasi)."""
+    reach = np.arange(-(window_px // 2) - 1, window_px // 2 + 2)
+    columns = np.clip(np.rint(points_px[:, 0]).astype(np.intp)[:, None] + reach, 0, image.shape[1] - 1)
+    rows = np.clip(np.rint(points_px[:, 1]).astype(np.intp)[:, None] + reach, 0, image.shape[0] - 1)
+    patch = image[rows[:, :, None], columns[:, None, :]].astype(np.float32)
+    dx = 0.5 * (patch[:, 1:-1, 2:] - patch[:, 1:-1, :-2])
+    dy = 0.5 * (patch[:, 2:, 1:-1] - patch[:, :-2, 1:-1])
+    xx, xy, yy = (np.mean(a * b, axis=(1, 2)) for a, b in ((dx, dx), (dx, dy), (dy, dy)))
+    return np.stack([xx, xy, xy, yy], axis=1).astype(np.float64).reshape(-1, 2, 2)
+
+
+@dataclass(slots=True)
+class _Tracks:
+    """What persists of the N points that are followed; rows stay in the order of their identity."""
+
+    trail: Floats  # (G + 1, N, 2) px, newest first
+    age: NDArray[np.int64]  # (N,) frames
+    identity: NDArray[np.int64]  # (N,) ascending
+    first_px: Floats  # (N, 2)
+    first_pose: Floats  # (N, 3)
+    structure: Floats  # (N, 2, 2)
+
+    def __len__(self) -> int:
+        return len(self.age)
+
+    def keep(self, chosen: Bools) -> None:
+        self.trail = self.trail[:, chosen]
+        self.age, self.identity = self.age[chosen], self.identity[chosen]
+        self.first_px, self.first_pose = self.first_px[chosen], self.first_pose[chosen]
+        self.structure = self.structure[chosen]
+
+    def append(self, points_px: Floats, structure: Floats, pose: Floats, next_identity: int) -> None:
+        count = len(points_px)
+        self.trail = np.concatenate([self.trail, np.broadcast_to(points_px, (len(self.trail), count, 2))], axis=1)
+        self.age = np.concatenate([self.age, np.zeros(count, np.int64)])
+        self.identity = np.concatenate([self.identity, np.arange(next_identity, next_identity + count)])
+        self.first_px = np.concatenate([self.first_px, points_px])
+        self.first_pose = np.concatenate([self.first_pose, np.broadcast_to(pose, (count, 3))])
+        self.structure = np.concatenate([self.structure, structure])
+
+
+class FlowTracker:
+    """Follows corners frame by frame and reports each one's motion over the window (METHOD 0.7, A4).
+
+    Corners are topped up, not recomputed: each band is searched once a period, beside the points already followed.
+    Points known to lie on the road do not count against the band's share, so that new ones are looked for elsewhere.
+    """
+
+    def __init__(self, camera: Camera, config: FlowConfig, rate_hz: float) -> None:
+        self.camera = camera
+        self.config = config
+        self.rate_hz = rate_hz
+        self._window_frames = max(1, round(config.window_s * rate_hz))
+        self._period_frames = max(1, round(config.detect_period_s * rate_hz))
+        self._bands = [(self._rows(band), round(band.share * config.points)) for band in BANDS[config.bands]]
+        self._top = max(0, min(rows.start for rows, _ in self._bands) - config.window_px)
+        self._bottom = min(camera.height_px, max(rows.stop for rows, _ in self._bands) + config.window_px)
+        self._previous: Image | None = None
+        self._poses: Floats = np.empty((0, 3))  # newest first
+        self._next_identity = 0
+        self._frame = 0
+        trail = np.empty((self._window_frames + 1, 0, 2))
+        self._tracks = _Tracks(
+            trail, np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 3)), np.empty((0, 2, 2))
+        )
+
+    def update(self, image: Image, pose: Floats) -> Flow:
+        """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw)."""
+        self._poses = np.concatenate([pose[None], self._poses[: self._window_frames]])
+        if self._previous is not None and len(self._tracks):
+            self._follow(self._previous, image)
+        flow = self._report(pose)
+        self._top_up(image, pose)
+        self._previous = image
+        self._frame += 1
+        return flow
+
+    @property
+    def levels(self) -> int:
+        """maxLevel of Lucas-Kanade: each level doubles the motion that half a window can follow."""
+        if self.config.max_level is not None:
+            return self.config.max_level
+        motion_px = self.config.reach_px_per_s / self.rate_hz
+        return max(1, ceil(log2(motion_px / (self.config.window_px / 2))))
+
+    def _rows(self, band: Band) -> slice:
+        edges = self.camera.cy_px + self.camera.fy_px * (
+            np.array([band.top, band.bottom]) - np.tan(self.camera.pitch_rad)
+        )
+        top, bottom = np.clip(edges, 0, self.camera.height_px).astype(int)
+        return slice(int(top), int(bottom))
+
+    def _lucas_kanade(
+        self, before: Image, after: Image, points: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], Bools]:
+        config = self.config
+        moved, status, _ = cv2.calcOpticalFlowPyrLK(
+            before,
+            after,
+            points,
+            np.empty_like(points),
+            winSize=(config.window_px, config.window_px),
+            maxLevel=self.levels,
+            criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, config.iterations, config.epsilon_px),
+        )
+        return np.asarray(moved, np.float32), status.ravel() == 1
+
+    def _follow(self, before: Image, after: Image) -> None:
+        rows = slice(self._top, self._bottom)
+        offset = np.array([0.0, self._top])
+        points = (self._tracks.trail[0] - offset).astype(np.float32)
+        moved, good = self._lucas_kanade(before[rows], after[rows], points)
+        if self.config.forward_backward_px is not None:
+            back, returned = self._lucas_kanade(after[rows], before[rows], moved)
+            good &= returned & (np.hypot(*(back - points).T) < self.config.forward_backward_px)
+        now = moved.astype(np.float64) + offset
+        good &= (now[:, 0] >= 0) & (now[:, 0] <= self.camera.width_px - 1)
+        good &= (now[:, 1] >= self._top) & (now[:, 1] <= self._bottom - 1)
+        tracks = self._tracks
+        tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
+        tracks.age = tracks.age + 1
+        tracks.keep(good)
+
+    def _report(self, pose: Floats) -> Flow:
+        tracks = self._tracks
+        frames = np.minimum(tracks.age, self._window_frames)
+        now, past = tracks.trail[0], tracks.trail[frames, np.arange(len(tracks))]
+        return Flow(
+            points_px=now,
+            displacement_px=now - past,
+            gap_s=frames / self.rate_hz,
+            past_pose=self._poses[frames],
+            pose=pose,
+            identity=tracks.identity,
+            first_px=tracks.first_px,
+            first_pose=tracks.first_pose,
+            age_frames=tracks.age,
+            structure=tracks.structure,
+        )
+
+    def _top_up(self, image: Image, pose: Floats) -> None:
+        """Search the bands whose turn it is; at the start all of them."""
+        for index, (rows, quota) in enumerate(self._bands):
+            turn = (self._frame - index * self._period_frames // len(self._bands)) % self._period_frames == 0
+            if self._frame and not turn:
+                continue
+            self._drop_settled(rows, quota)
+            points = self._tracks.trail[0]
+            inside = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
+            wanted = quota - np.count_nonzero(inside)
+            if wanted >= max(1, quota // 20):
+                self._add(self._corners(image, rows, points[inside], int(wanted)), image, pose)
+
+    def _drop_settled(self, rows: slice, quota: int) -> None:
+        """Long-lived points of the road make room for new ones: half of the band's share at most."""
+        tracks = self._tracks
+        points = tracks.trail[0]
+        old = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop) & (tracks.age > 2 * self._window_frames)
+        if np.count_nonzero(old) <= quota // 2:
+            return
+        chosen = np.flatnonzero(old)
+        road = ground_flow(self.camera, points[chosen], tracks.first_pose[chosen], self._poses[0])
+        residual = np.hypot(*(points[chosen] - tracks.first_px[chosen] - road).T)
+        settled = chosen[residual < 0.02 * np.hypot(*road.T) + 0.1]
+        excess = len(chosen) - quota // 2
+        keep = np.ones(len(tracks), np.bool_)
+        keep[settled[:excess]] = False  # the oldest first
+        tracks.keep(keep)
+
+    def _corners(self, image: Image, rows: slice, taken_px: Floats, count: int) -> Floats:
+        config = self.config
+        strip = image[rows]
+        mask = np.full(strip.shape, 255, np.uint8)
+        columns = np.clip(np.rint(taken_px[:, 0]).astype(np.intp), 0, strip.shape[1] - 1)
+        lines = np.clip(np.rint(taken_px[:, 1]).astype(np.intp) - rows.start, 0, strip.shape[0] - 1)
+        mask[lines, columns] = 0
+        size = 2 * round(config.min_distance_px) + 1
+        mask = cv2.erode(mask, np.ones((size, size), np.uint8)).astype(np.uint8, copy=False)
+        found = cv2.goodFeaturesToTrack(
+            strip, count, config.quality, config.min_distance_px, mask=mask, blockSize=config.block_px
+        )
+        if found is None:
+            return np.empty((0, 2))
+        corners: Floats = found.reshape(-1, 2).astype(np.float64) + np.array([0.0, rows.start])
+        return corners
+
+    def _add(self, points_px: Floats, image: Image, pose: Floats) -> None:
+        tensor = structure_tensor(image, points_px, self.config.window_px)
+        if self.config.texture_floor > 0.0:
+            textured = np.linalg.eigvalsh(tensor)[:, 0] >= self.config.texture_floor
+            points_px, tensor = points_px[textured], tensor[textured]
+        self._tracks.append(points_px, tensor, pose, self._next_identity)
+        self._next_identity += len(points_px)

@@ -1,0 +1,118 @@
+"""Depth and height of followed points from their first and latest sighting and the car's own motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.perception.ground import past_image, relative_pose
+from vpf_sim.types import Bools, Camera, Floats, Flow
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseModel:
+    """How far a track may be off. Window noise follows the structure tensor; chaining adds to it frame by frame."""
+
+    grey_levels: float = 5.0  # noise of a pixel
+    floor_px: float = 0.04  # what texture cannot better
+    growth_s: float = 0.17  # the variance grows by its own size in this time
+    anisotropy: float = 0.04  # share of a tensor's large eigenvalue that is not trusted in the small one
+    pitch_rad: float = 0.0005  # standard deviation of the camera's pitch
+
+
+@dataclass(frozen=True, slots=True)
+class Triangulation:
+    """Points of the flow put in space. chi2 is of the track, given its depth or given the road."""
+
+    depth_m: Floats  # (N,) along the optical axis from the camera now; nan where the track fixes none
+    sigma_m: Floats  # (N,) of depth_m
+    height_m: Floats  # (N,) above the road
+    height_sigma_m: Floats  # (N,)
+    right_m: Floats  # (N,) of the vehicle's axis
+    chi2: Floats  # (N,) with the best depth
+    chi2_ground: Floats  # (N,) with the depth that the flat road has there; inf above the horizon
+
+
+def information(flow: Flow, window_px: int, age_s: Floats, noise: NoiseModel) -> Floats:
+    """(N, 2, 2) inverse covariance of a track's displacement, px^-2: cov = sigma^2 S^-1 / n + floor^2 I, times growth.
+
+    Along an edge the tensor's small eigenvalue is mostly noise, and Lucas-Kanade slides: a share of the large eigenvalue is taken off it.
+    """
+    a, b, d = flow.structure[:, 0, 0], flow.structure[:, 0, 1], flow.structure[:, 1, 1]
+    mean, half = 0.5 * (a + d), np.hypot(0.5 * (a - d), b)
+    large, small = mean + half, mean - half
+    trusted = np.maximum(small - noise.anisotropy * large, 1e-3)
+    grey = noise.grey_levels**2 / window_px**2
+    growth = 1.0 + age_s / noise.growth_s
+    large_weight = 1.0 / (growth * (grey / np.maximum(large, 1e-3) + noise.floor_px**2))
+    small_weight = 1.0 / (growth * (grey / trusted + noise.floor_px**2))
+    # Unit vector of the large eigenvalue by the double angle: cos 2t = (a - d) / (2 half), sin 2t = b / half.
+    safe = np.where(half > 1e-9, half, 1.0)
+    cosine, sine = np.where(half > 1e-9, 0.5 * (a - d) / safe, 1.0), b / safe
+    total, difference = 0.5 * (large_weight + small_weight), 0.5 * (large_weight - small_weight)
+    off = difference * sine
+    return np.stack([total + difference * cosine, off, off, total - difference * cosine], axis=1).reshape(-1, 2, 2)
+
+
+def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise: NoiseModel) -> Triangulation:
+    """Each point's depth Z by weighted least squares over its first sighting, the latest taken as exact.
+
+    With q the ray of the point now and t the camera's way, both in the first camera's axes, the point was at Z q + t,
+    so its first image (u, v) gives two equations (f q_xy - u q_z) Z = u t_z - f t_xy, linear in Z.
+    """
+    focal = np.array([camera.fx_px, camera.fy_px])
+    centre = np.array([camera.cx_px, camera.cy_px])
+    ray = (flow.points_px - centre) / focal
+    first = (flow.first_px - centre) / focal
+    q, t = _in_first_camera(camera, ray, flow)
+    a = focal * (q[:, :2] - first * q[:, 2:])
+    b = focal * (first * t[:, 2:] - t[:, :2])
+    weight = information(flow, window_px, age_s, noise)
+    wa = np.einsum("nij,nj->ni", weight, a)
+    curvature = np.sum(a * wa, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = np.where(curvature > 1e-12, np.sum(wa * b, axis=1) / curvature, np.nan)
+        past_depth = depth * q[:, 2] + t[:, 2]
+        sigma = np.abs(past_depth) / np.sqrt(curvature)
+        residual = (a * depth[:, None] - b) / past_depth[:, None]
+    chi2 = np.einsum("ni,nij,nj->n", residual, weight, residual)
+    cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+    down = cosine * ray[:, 1] + sine
+    height = camera.height_m - depth * down
+    return Triangulation(
+        depth_m=depth,
+        sigma_m=sigma,
+        height_m=height,
+        height_sigma_m=np.hypot(sigma * down, depth * noise.pitch_rad),
+        right_m=depth * ray[:, 0],
+        chi2=chi2,
+        chi2_ground=_chi2_on_road(camera, ray, down, flow, weight),
+    )
+
+
+def _in_first_camera(camera: Camera, ray: Floats, flow: Flow) -> tuple[Floats, Floats]:
+    """Rays (N, 3) of the points now and the camera's centre now (N, 3), both in the axes of the first camera."""
+    position, turn = relative_pose(flow.first_pose, flow.pose)
+    cosine, sine = np.cos(turn), np.sin(turn)
+    pitch_cosine, pitch_sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+
+    def to_camera(forward: Floats, right: Floats, down: Floats) -> Floats:
+        return np.stack(
+            [right, pitch_cosine * down - pitch_sine * forward, pitch_cosine * forward + pitch_sine * down], axis=1
+        )
+
+    forward = pitch_cosine - pitch_sine * ray[:, 1]
+    down = pitch_sine + pitch_cosine * ray[:, 1]
+    turned_forward, turned_right = cosine * forward - sine * ray[:, 0], sine * forward + cosine * ray[:, 0]
+    ahead = position[:, 0] + camera.forward_m * (cosine - 1.0)
+    aside = position[:, 1] + camera.forward_m * sine
+    return to_camera(turned_forward, turned_right, down), to_camera(ahead, aside, np.zeros_like(ahead))
+
+
+def _chi2_on_road(camera: Camera, ray: Floats, down: Floats, flow: Flow, weight: Floats) -> Floats:
+    below: Bools = down > 1e-4
+    depth = camera.height_m / np.where(below, down, 1.0)
+    forward = np.cos(camera.pitch_rad) - np.sin(camera.pitch_rad) * ray[:, 1]
+    road = np.stack([camera.forward_m + depth * forward, depth * ray[:, 0], np.zeros(len(ray))], axis=1)
+    residual = flow.first_px - past_image(camera, road, flow.first_pose, flow.pose)
+    chi2 = np.einsum("ni,nij,nj->n", residual, weight, residual)
+    return np.where(below, np.nan_to_num(chi2, nan=np.inf), np.inf)
