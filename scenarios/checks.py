@@ -77,5 +77,4 @@ def _extent(centre_m: float, size_m: float, change: tuple[float, float]) -> tupl
 
 def _change(vary: Vary, key: str) -> tuple[float, float]:
     """What the seed may add to a value, at least and at most."""
-    changes: dict[str, tuple[float, float]] = {**vary}
-    return changes.get(key, (0.0, 0.0))
+    return next((change for name, change in vary.items() if name == key), (0.0, 0.0))

@@ -1,0 +1,121 @@
+"""What stands or drives on the road beside the ego car: one class a kind, as highway-env needs it for sizes."""
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from highway_env.road.road import Road
+from highway_env.vehicle.kinematics import Vehicle
+from highway_env.vehicle.objects import Obstacle, RoadObject
+from vpf_sim.envs.rectangles import solid_bodies
+from vpf_sim.scenarios import Scenario
+from vpf_sim.scenarios.kinds import MOVING, SIZES, BodyKind
+
+MAX_ACCELERATION_MPS2 = 1.5
+COMFORTABLE_BRAKING_MPS2 = 2.0
+FULL_BRAKING_MPS2 = 6.0
+TIME_GAP_S = 1.5
+STANDING_GAP_M = 2.0
+CLOSING_SCALE_MPS2 = 2.0 * math.sqrt(MAX_ACCELERATION_MPS2 * COMFORTABLE_BRAKING_MPS2)
+SIDE_GAP_M = 0.2  # a body that passes nearer than this counts as in the way
+
+
+class Standing(Obstacle):  # type: ignore[misc]
+    """A body that does not move; it belongs in `road.objects`."""
+
+    kind: BodyKind
+    HEIGHT: float
+
+    def __init__(self, road: Road, place: tuple[float, float]) -> None:
+        self.place = place  # s, lateral on the carriageway
+        centre = road.network.centre
+        super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]))
+
+
+class Traffic(Vehicle):  # type: ignore[misc]
+    """A body that keeps its place in its lane and its speed, unless something in its way is nearer than it likes.
+
+    Its acceleration is the Intelligent Driver Model's (Treiber, Hennecke, Helbing, Phys. Rev. E 62, 2000), with the gap
+    from bumper to bumper: a [1 - (v / v0)^4 - (s* / gap)^2], s* = s0 + v T + v dv / (2 sqrt(a b)). It never reverses.
+    It moves along the lane exactly, so contacts throw it nowhere and it cannot leave the road.
+    """
+
+    kind: BodyKind
+    HEIGHT: float
+
+    def __init__(self, road: Road, place: tuple[float, float], speed: float) -> None:
+        self.place = place  # s, lateral on the carriageway
+        centre = road.network.centre
+        super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]), speed)
+        self.target_speed = speed
+
+    def act(self, action: object = None) -> None:  # noqa: ARG002
+        """Decide on the acceleration; nobody else commands it."""
+        acceleration = 1.0 - (self.speed / self.target_speed) ** 4
+        gap_m, leader = self._leader()
+        if leader is not None:
+            closing_mps = self.speed - float(leader.velocity @ self.direction)
+            wanted_m = STANDING_GAP_M + self.speed * max(0.0, TIME_GAP_S + closing_mps / CLOSING_SCALE_MPS2)
+            acceleration -= (wanted_m / max(gap_m, 0.1)) ** 2
+        acceleration = max(MAX_ACCELERATION_MPS2 * acceleration, -FULL_BRAKING_MPS2)
+        self.action = {"steering": 0.0, "acceleration": -FULL_BRAKING_MPS2 if self.crashed else acceleration}
+
+    def _leader(self) -> tuple[float, RoadObject | None]:
+        """The nearest thing ahead in the way, and the gap to it from bumper to bumper along the road."""
+        nearest_m, leader = math.inf, None
+        s, lateral = self.place
+        for other in solid_bodies(self):
+            other_s, other_lateral = other.place
+            side_m = abs(other_lateral - lateral) - (self.WIDTH + other.WIDTH) / 2.0
+            gap_m = other_s - s - (self.LENGTH + other.LENGTH) / 2.0
+            if other_s > s and side_m < SIDE_GAP_M and gap_m < nearest_m:
+                nearest_m, leader = gap_m, other
+        return nearest_m, leader
+
+    def step(self, dt: float) -> None:
+        """Move on along the lane by dt seconds."""
+        before_mps = self.speed
+        self.speed = max(before_mps + self.action["acceleration"] * dt, 0.0)
+        s, lateral = self.place
+        centre = self.road.network.centre
+        s += 0.5 * (before_mps + self.speed) * dt / (1.0 - lateral * centre.curvature_at(s))
+        self.place = (s, lateral)
+        self.position = np.array(centre.position_at(s, lateral))
+        self.heading = centre.heading_at(s)
+        self.impact = None
+
+    def on_state_update(self) -> None:
+        """The lane never changes."""
+
+
+def _classes(base: type[RoadObject], kinds: Iterable[BodyKind]) -> dict[BodyKind, type[Any]]:
+    """A subclass a kind: on an instance LENGTH and WIDTH would leave highway-env's `diagonal` stale."""
+    return {
+        kind: type(
+            f"{base.__name__}{kind.capitalize()}",
+            (base,),
+            {
+                "__doc__": f"A {kind}.",
+                "kind": kind,
+                "LENGTH": SIZES[kind].length_m,
+                "WIDTH": SIZES[kind].width_m,
+                "HEIGHT": SIZES[kind].height_m,
+            },
+        )
+        for kind in kinds
+    }
+
+
+STANDING = _classes(Standing, SIZES)
+TRAFFIC = _classes(Traffic, MOVING)
+
+
+def place_bodies(road: Road, scenario: Scenario) -> None:
+    """Put the bodies of a scenario on its road, along their lanes."""
+    for body in scenario.bodies:
+        place = (body.s_m, scenario.road.lane_offset_m(body.lane) + body.lateral_m)
+        if body.speed_mps > 0.0:
+            road.vehicles.append(TRAFFIC[body.kind](road, place, body.speed_mps))
+        else:
+            road.objects.append(STANDING[body.kind](road, place))

@@ -1,0 +1,97 @@
+"""The ego car: the paper's kinematic bicycle, with the limits of its actuators."""
+
+from collections.abc import Mapping
+from math import atan, cos, sin, tan
+
+import numpy as np
+from highway_env.road.road import Road
+from highway_env.vehicle.kinematics import Vehicle
+from vpf_sim.scenarios.kinds import EGO_SIZE, BodyKind
+
+from vpf_sim.types import Floats, VehicleModel
+
+MAX_SPEED_MPS = 60.0
+YAW_RATE_LIMIT_RADPS = 4.0  # of the sensor, not of the car
+
+
+class Ego(Vehicle):  # type: ignore[misc]
+    """Kinematic bicycle about the centre of mass (METHOD A16), slip angle beta = atan(l_r / (l_f + l_r) tan delta):
+
+        x' = v cos(psi + beta),  y' = v sin(psi + beta),  psi' = v sin(beta) / l_r,  v' = a >= -v / dt.
+
+    One step is an arc of the circle that the mean steering angle of the step gives, as long as the exact distance under
+    constant acceleration; so a constant steering angle keeps the car on its circle at every step size. The steering
+    angle follows its command at a limited rate. The speed never falls below zero: braking ends in standing.
+    """
+
+    LENGTH = EGO_SIZE.length_m
+    WIDTH = EGO_SIZE.width_m
+    HEIGHT = EGO_SIZE.height_m
+    MAX_SPEED = MAX_SPEED_MPS
+    MIN_SPEED = 0.0
+    kind: BodyKind = "car"
+
+    def __init__(self, road: Road | None, position: Floats, heading: float = 0.0, speed: float = 0.0) -> None:
+        self.model = VehicleModel()
+        self.steering_rad = 0.0
+        self.place = (0.0, 0.0)  # s, lateral on the carriageway
+        super().__init__(road, position, heading, speed)
+        self.on_state_update()
+
+    def act(self, action: Mapping[str, float] | None = None) -> None:
+        """Keep a command, {"acceleration": m/s2, "steering": rad}, until the next; the caller's mapping is copied."""
+        if action is not None:
+            self.action = dict(action)
+
+    def step(self, dt: float) -> None:
+        """Move on by dt seconds. `impact`, by which highway-env throws a body back on contact, is ignored."""
+        before_rad = self.steering_rad
+        self.steering_rad = self._steer(dt)
+        distance_m = self._accelerate(dt)
+        beta = self._slip_rad(0.5 * (before_rad + self.steering_rad))
+        turn_rad = distance_m * sin(beta) / self.model.l_r_m
+        half_turn = 0.5 * turn_rad
+        chord_m = distance_m if abs(half_turn) < 1e-9 else distance_m * sin(half_turn) / half_turn
+        direction = self.heading + beta + half_turn
+        self.position = self.position + chord_m * np.array([cos(direction), sin(direction)])
+        self.heading = self.heading + turn_rad
+        self.impact = None
+        self.on_state_update()
+
+    def _steer(self, dt: float) -> float:
+        """The steering angle after dt: towards the command, within the limits of angle and rate."""
+        limit, most = self.model.steering_limit_rad, self.model.steering_rate_limit_radps * dt
+        wanted = min(max(float(self.action["steering"]), -limit), limit)
+        return self.steering_rad + min(max(wanted - self.steering_rad, -most), most)
+
+    def _accelerate(self, dt: float) -> float:
+        """Change the speed; returns the distance travelled meanwhile, which ends early where the car comes to stand."""
+        before_mps, acceleration = self.speed, float(self.action["acceleration"])
+        after_mps = before_mps + acceleration * dt
+        self.speed = min(max(after_mps, 0.0), MAX_SPEED_MPS)
+        if after_mps < 0.0:
+            return -0.5 * before_mps**2 / acceleration
+        return 0.5 * (before_mps + self.speed) * dt
+
+    def _slip_rad(self, steering_rad: float) -> float:
+        """Angle from the heading to the velocity of the centre of mass."""
+        return atan(self.model.l_r_m / self.model.wheelbase_m * tan(steering_rad))
+
+    @property
+    def yaw_rate_radps(self) -> float:
+        return self.speed * sin(self._slip_rad(self.steering_rad)) / self.model.l_r_m
+
+    @property
+    def velocity(self) -> Floats:
+        """(2,) m/s of the centre of mass, with the slip angle."""
+        course = self.heading + self._slip_rad(self.steering_rad)
+        return self.speed * np.array([cos(course), sin(course)])
+
+    def on_state_update(self) -> None:
+        """Where the car is on the carriageway, and so on which lane."""
+        if self.road is None:
+            return
+        network = self.road.network
+        self.place = network.centre.local_at(float(self.position[0]), float(self.position[1]))
+        self.lane_index = network.lane_at(self.place[1])
+        self.lane = network.get_lane(self.lane_index)

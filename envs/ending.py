@@ -1,0 +1,93 @@
+"""How an episode ends: one status a step, "running" until the end."""
+
+from math import hypot
+from typing import Literal
+
+import numpy as np
+from vpf_sim.envs.ego import Ego
+from vpf_sim.envs.rectangles import corners, free_ahead
+from vpf_sim.envs.road import Carriageway
+from vpf_sim.scenarios import Scenario
+
+from vpf_sim.types import Image
+
+Status = Literal["running", "success", "collision", "off_road", "timeout", "stuck", "invalid_frame"]
+TERMINATED = frozenset({"success", "collision", "off_road"})
+TRUNCATED = frozenset({"timeout", "stuck", "invalid_frame"})
+
+OFF_ROAD_MARGIN_M = 0.2
+STANDING_MPS, STANDING_S = 0.05, 2.0
+STOP_AHEAD_M = (1.0, 15.0)
+STUCK_MPS, STUCK_S = 0.2, 10.0
+FRAME_MOVED_M = 0.02
+SAMPLE = 16  # px between the pixels that are looked at before whole frames are compared
+
+
+class Ending:
+    """Judges every step of one episode."""
+
+    def __init__(self, scenario: Scenario, rate_hz: float, ego: Ego, frame: Image) -> None:
+        self._scenario = scenario
+        self._rate_hz = rate_hz
+        self._steps = 0
+        self._standing_steps = 0
+        self._slow_steps = 0
+        self._last_frame = frame
+        self._last_position = ego.position
+
+    def status(self, ego: Ego, frame: Image) -> Status:
+        """The status after one more step; called once a step."""
+        self._steps += 1
+        self._slow_steps = self._slow_steps + 1 if ego.speed < STUCK_MPS else 0
+        invalid = self._invalid(ego, frame)
+        if ego.crashed:
+            return "collision"
+        if off_road(ego):
+            return "off_road"
+        if self._success(ego):
+            return "success"
+        if invalid:
+            return "invalid_frame"
+        if self._slow_steps >= STUCK_S * self._rate_hz:
+            return "stuck"
+        return "timeout" if self._steps >= self._scenario.time_limit_s * self._rate_hz else "running"
+
+    def _success(self, ego: Ego) -> bool:
+        if self._scenario.goal.kind == "reach":
+            return ego.place[0] >= self._scenario.goal.s_m
+        stopped = ego.speed < STANDING_MPS and STOP_AHEAD_M[0] <= free_ahead(ego) <= STOP_AHEAD_M[1]
+        self._standing_steps = self._standing_steps + 1 if stopped else 0
+        return self._standing_steps >= STANDING_S * self._rate_hz
+
+    def _invalid(self, ego: Ego, frame: Image) -> bool:
+        last, self._last_frame = self._last_frame, frame
+        (x, y), (last_x, last_y) = ego.position.tolist(), self._last_position.tolist()
+        self._last_position = ego.position
+        if frame.shape != last.shape or frame.dtype != np.uint8 or _constant(frame):
+            return True
+        return hypot(x - last_x, y - last_y) > FRAME_MOVED_M and _same(frame, last)
+
+
+def off_road(ego: Ego) -> bool:
+    """Whether a corner of the body is more than the margin beyond the carriageway's edges or ends."""
+    network: Carriageway = ego.road.network
+    s, lateral = ego.place
+    reach_m = ego.diagonal / 2.0
+    length_m, half_width_m = network.centre.length_m, network.half_width_m
+    if abs(lateral) + reach_m < half_width_m and reach_m < s < length_m - reach_m:
+        return False
+    places = [network.centre.local_at(*corner) for corner in corners(ego)]
+    return any(
+        abs(right) > half_width_m + OFF_ROAD_MARGIN_M or not -OFF_ROAD_MARGIN_M <= s <= length_m + OFF_ROAD_MARGIN_M
+        for s, right in places
+    )
+
+
+def _constant(frame: Image) -> bool:
+    """Black, or any one colour."""
+    first = frame[0, 0]
+    return bool((frame[::SAMPLE, ::SAMPLE] == first).all() and (frame == first).all())
+
+
+def _same(a: Image, b: Image) -> bool:
+    return bool((a[::SAMPLE, ::SAMPLE] == b[::SAMPLE, ::SAMPLE]).all() and (a == b).all())

@@ -1,0 +1,202 @@
+"""vpf_sim/FourLane-v0: the ego car on a scenario's road, seen through its camera."""
+
+from collections.abc import Sequence
+from math import radians
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from highway_env.road.road import Road
+from numpy.typing import NDArray
+from vpf_sim.envs import camera as cameras
+from vpf_sim.envs.bodies import place_bodies
+from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
+from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
+from vpf_sim.envs.rectangles import clearance, distance, solid_bodies
+from vpf_sim.envs.road import build_road
+from vpf_sim.envs.route import Route
+from vpf_sim.envs.window import Window
+from vpf_sim.scenarios import Scenario
+
+from vpf_sim import scenarios
+from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.geometry import wrap_angle
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Image, VehicleModel
+
+RATES_HZ = (60.0, 20.0)
+TRUTHS = ("depth", "flow", "foe", "ttc", "instance", "hidden")
+FARTHEST_M, LONGEST_S = 1e5, 1e5
+
+EnvObservation = dict[str, NDArray[Any]]
+
+
+class FourLane(gymnasium.Env[EnvObservation, NDArray[np.float32]]):
+    """One clock: each step is one action, one tick of the world and one camera frame. Contract: see the README.
+
+    `scenario` and `weather` are names of the catalogs, paths of TOML files, or what their `load` returns. After a reset
+    `scenario` is the one drawn for the seed, and `road`, `ego`, `route` and `goal_m` are those of the episode.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 60}  # noqa: RUF012 (gymnasium's)
+
+    road: Road
+    ego: Ego
+    route: Floats
+    goal_m: tuple[float, float]
+    route_length_m: float
+    episode_seed: int
+
+    def __init__(
+        self,
+        scenario: str | Scenario = "town04",
+        weather: "str | weathers.Weather" = "clear",
+        render_mode: str | None = None,
+        truth: Sequence[str] = (),
+        rate_hz: float = 60.0,
+        camera: Camera | None = None,
+    ) -> None:
+        self.camera = camera or Camera()
+        self.vehicle_model = VehicleModel()
+        self.rate_hz = _checked_rate(rate_hz)
+        self.metadata = {**self.metadata, "render_fps": round(rate_hz)}
+        self.render_mode = _checked_name("render mode", render_mode, self.metadata["render_modes"])
+        self._truth = tuple(str(_checked_name("truth", name, TRUTHS)) for name in truth)
+        self._undrawn = scenarios.load(scenario) if isinstance(scenario, str) else scenario
+        self.scenario = self._undrawn
+        self.weather = weathers.load(weather) if isinstance(weather, str) else weather
+        self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
+        self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        self.observation_space = _observation_space(self.camera)
+        self._window: Window | None = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[EnvObservation, dict[str, Any]]:
+        """Draw the episode of a seed; without one, the generator that the last seed started draws it."""
+        super().reset(seed=seed, options=options)
+        self.episode_seed = int(self.np_random.integers(2**31)) if seed is None else seed
+        self.scenario = self._undrawn.draw(self.episode_seed)
+        self._build_world()
+        self._renderer = cameras.Renderer(self.road, self.camera, self.weather, self.episode_seed)
+        self._steps, self._route_m = 0, self._path.progress(self.ego.place[0])
+        self._action = np.zeros(2)
+        self._frame = self._renderer.render(self.ego, 0.0)
+        self._ending = Ending(self.scenario, self.rate_hz, self.ego, self._frame)
+        self._show()
+        return self._observation(), self._info("running")
+
+    def step(self, action: NDArray[np.float32]) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
+        """Apply throttle and steering for one tick of the clock."""
+        command = _checked_action(action)
+        self.ego.act(self._controls(command))
+        self.road.act()
+        self.road.step(1.0 / self.rate_hz)
+        self._steps += 1
+        self._frame = self._renderer.render(self.ego, self._steps / self.rate_hz)
+        status = self._ending.status(self.ego, self._frame)
+        reward = self._reward(command, status)
+        self._show()
+        return self._observation(), reward, status in TERMINATED, status in TRUNCATED, self._info(status)
+
+    def render(self) -> Image | None:  # type: ignore[override]
+        """The frame last taken, for `rgb_array`; the window of `human` is drawn by reset and step."""
+        return self._frame.copy() if self.render_mode == "rgb_array" else None
+
+    def close(self) -> None:
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+
+    def _build_world(self) -> None:
+        """The road, its bodies and the ego car."""
+        ego = self.scenario.ego
+        self.road = build_road(self.scenario, stream(self.episode_seed, "road"))
+        centre = self.road.network.centre
+        self._path = Route(centre, self.scenario)
+        self.route, self.goal_m = self._path.waypoints(), self._path.goal_m
+        self.route_length_m = self._path.length_m
+        place_bodies(self.road, self.scenario)
+        position = centre.position_at(ego.s_m, self._path.offset_m + ego.lateral_m)
+        self.ego = Ego(self.road, position, centre.heading_at(ego.s_m) + radians(ego.heading_deg), ego.speed_mps)
+        self.road.vehicles.append(self.ego)
+
+    def _controls(self, command: Floats) -> dict[str, float]:
+        """What the actuators are asked for, from a command in [-1, 1]."""
+        throttle, steering = command.tolist()
+        model = self.vehicle_model
+        full_mps2 = model.full_throttle_mps2 if throttle > 0.0 else model.full_brake_mps2
+        return {"acceleration": throttle * full_mps2, "steering": steering * model.steering_limit_rad}
+
+    def _reward(self, command: Floats, status: Status) -> float:
+        """Metres gained / 10, less 0.01 x squared change of action, and 5 more or less for how it ended."""
+        before_m, self._route_m = self._route_m, self._path.progress(self.ego.place[0])
+        change, self._action = command - self._action, command
+        end = {"success": 5.0, "collision": -5.0, "off_road": -5.0}.get(status, 0.0)
+        return (self._route_m - before_m) / 10.0 - 0.01 * float(change @ change) + end
+
+    def _observation(self) -> EnvObservation:
+        ego = self.ego
+        yaw_rate = min(max(ego.yaw_rate_radps, -YAW_RATE_LIMIT_RADPS), YAW_RATE_LIMIT_RADPS)
+        yaw = -wrap_angle(-ego.heading)  # in (-pi, pi]
+        return {
+            "image": self._frame.copy(),
+            "ego": np.array([*ego.position.tolist(), yaw, ego.speed, yaw_rate]),
+            "goal": np.array(self.goal_m),
+            "time": np.array([self._steps / self.rate_hz]),
+        }
+
+    def _info(self, status: Status) -> dict[str, Any]:
+        return {
+            "status": status,
+            "route_m": self._route_m,
+            "lane_offset_m": self.ego.place[1] - self._path.offset_m,
+            "clearance_m": clearance(self.ego),
+            "collided_with": self._collided_with() if status == "collision" else None,
+            **(self._renderer.truth(self._truth) if self._truth else {}),
+        }
+
+    def _collided_with(self) -> str:
+        """The kind of the body hit: of those in contact, the nearest."""
+        hit = min((body for body in solid_bodies(self.ego) if body.crashed), key=lambda body: distance(self.ego, body))
+        return str(hit.kind)
+
+    def _show(self) -> None:
+        if self.render_mode == "human":
+            self._window = self._window or Window(self.camera.width_px, self.camera.height_px, self.rate_hz)
+            self._window.show(self._frame)
+
+
+def _observation_space(camera: Camera) -> spaces.Dict:
+    low = np.array([-FARTHEST_M, -FARTHEST_M, -np.pi, 0.0, -YAW_RATE_LIMIT_RADPS])
+    high = np.array([FARTHEST_M, FARTHEST_M, np.pi, MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS])
+    return spaces.Dict(
+        {
+            "image": spaces.Box(0, 255, (camera.height_px, camera.width_px, 3), np.uint8),
+            "ego": spaces.Box(low, high, dtype=np.float64),
+            "goal": spaces.Box(-FARTHEST_M, FARTHEST_M, (2,), np.float64),
+            "time": spaces.Box(0.0, LONGEST_S, (1,), np.float64),
+        }
+    )
+
+
+def _checked_rate(rate_hz: float) -> float:
+    if rate_hz not in RATES_HZ:
+        raise InputError(f"rate_hz: expected 60 or 20, got {rate_hz:g}")
+    return rate_hz
+
+
+def _checked_name(what: str, name: str | None, known: Sequence[str]) -> str | None:
+    if name is not None and name not in known:
+        raise unknown_name(what, name, known)
+    return name
+
+
+def _checked_action(action: NDArray[np.float32]) -> Floats:
+    """The action as a fresh array; beyond the limits it is clipped, as an actuator would."""
+    command = np.array(action, np.float64)
+    if command.shape != (2,) or not np.isfinite(command).all():
+        raise ValueError(f"action: expected two finite numbers in [-1, 1], throttle and steering, got {action}")
+    return np.clip(command, -1.0, 1.0)

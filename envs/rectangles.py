@@ -1,0 +1,87 @@
+"""Distances between the rectangles of bodies, exact, in plain floats: they are asked for at every step."""
+
+from collections.abc import Iterable
+from math import cos, hypot, inf, sin
+
+from highway_env.vehicle.objects import Landmark, RoadObject
+
+Point = tuple[float, float]
+
+
+def corners(body: RoadObject) -> list[Point]:
+    """The four corners in the world, in order round the body."""
+    x, y = body.position.tolist()
+    cosine, sine = cos(body.heading), sin(body.heading)
+    a, b = body.LENGTH / 2.0, body.WIDTH / 2.0
+    own = ((a, -b), (a, b), (-a, b), (-a, -b))
+    return [(x + cosine * along - sine * right, y + sine * along + cosine * right) for along, right in own]
+
+
+def seen_from(body: RoadObject, points: Iterable[Point]) -> list[Point]:
+    """World points in the axes of a body: forward and right of its centre."""
+    x, y = body.position.tolist()
+    cosine, sine = cos(body.heading), sin(body.heading)
+    return [(cosine * (px - x) + sine * (py - y), cosine * (py - y) - sine * (px - x)) for px, py in points]
+
+
+def distance(a: RoadObject, b: RoadObject) -> float:
+    """m between the nearest points of two bodies; 0 where they touch or overlap.
+
+    The nearest points of two convex shapes apart include a corner of one of them, so the corners of each are measured
+    against the other. They are apart if the corners of one all lie beyond one side of the other (separating axis).
+    """
+    b_from_a, a_from_b = seen_from(a, corners(b)), seen_from(b, corners(a))
+    if not (_beyond_a_side(a, b_from_a) or _beyond_a_side(b, a_from_b)):
+        return 0.0
+    return min(_from_corners(a, b_from_a), _from_corners(b, a_from_b))
+
+
+def _beyond_a_side(body: RoadObject, points: list[Point]) -> bool:
+    along, across = [point[0] for point in points], [point[1] for point in points]
+    half_length, half_width = body.LENGTH / 2.0, body.WIDTH / 2.0
+    return (
+        min(along) > half_length or max(along) < -half_length or min(across) > half_width or max(across) < -half_width
+    )
+
+
+def _from_corners(body: RoadObject, points: list[Point]) -> float:
+    half_length, half_width = body.LENGTH / 2.0, body.WIDTH / 2.0
+    return min(hypot(max(abs(x) - half_length, 0.0), max(abs(y) - half_width, 0.0)) for x, y in points)
+
+
+def solid_bodies(ego: RoadObject) -> list[RoadObject]:
+    """Everything on the ego's road that it can hit."""
+    road = ego.road
+    others = [other for other in road.vehicles if other is not ego]
+    return others + [thing for thing in road.objects if not isinstance(thing, Landmark)]
+
+
+def clearance(ego: RoadObject) -> float:
+    """m from the ego's body to the nearest other; inf without others."""
+    x, y = ego.position.tolist()
+    bounds = []
+    for other in solid_bodies(ego):
+        other_x, other_y = other.position.tolist()
+        bounds.append((hypot(other_x - x, other_y - y) - (ego.diagonal + other.diagonal) / 2.0, id(other), other))
+    nearest_m = inf
+    for bound_m, _, other in sorted(bounds):
+        if bound_m > nearest_m:
+            break
+        nearest_m = min(nearest_m, distance(ego, other))
+    return nearest_m
+
+
+def free_ahead(ego: RoadObject) -> float:
+    """m from the front bumper to the first body in the strip that the ego would sweep straight on; inf without one."""
+    faces = (_first_in_strip(seen_from(ego, corners(other)), ego.WIDTH / 2.0) for other in solid_bodies(ego))
+    return min((face for face in faces if face > 0.0), default=inf) - ego.LENGTH / 2.0
+
+
+def _first_in_strip(points: list[Point], half_width: float) -> float:
+    """The smallest distance ahead at which a convex outline lies in the strip |right| <= half_width; inf if nowhere."""
+    ahead = [x for x, right in points if abs(right) <= half_width]
+    edges = list(zip(points, points[1:] + points[:1], strict=True))
+    for side in (-half_width, half_width):
+        crossing = [edge for edge in edges if (edge[0][1] - side) * (edge[1][1] - side) < 0.0]
+        ahead += [x0 + (x1 - x0) * (side - y0) / (y1 - y0) for (x0, y0), (x1, y1) in crossing]
+    return min(ahead, default=inf)

@@ -1,0 +1,49 @@
+"""The live window of render_mode "human"."""
+
+import os
+from typing import Any
+
+from vpf_sim.errors import InputError
+from vpf_sim.types import Image
+
+UNSEEN_DRIVERS = frozenset({"dummy", "offscreen"})  # of SDL: windows that nobody can see
+
+
+class Window:
+    """A window that shows frames at the speed at which they were taken."""
+
+    def __init__(self, width_px: int, height_px: int, rate_hz: float) -> None:
+        self._pygame = _pygame()
+        self._pygame.display.init()
+        self._surface = self._pygame.display.set_mode((width_px, height_px))
+        self._pygame.display.set_caption("vpf_sim")
+        self._clock = self._pygame.time.Clock()
+        self._rate_hz = rate_hz
+
+    def show(self, frame: Image) -> None:
+        """Draw an RGB frame (H, W, 3) and wait until it is due."""
+        self._pygame.event.pump()
+        self._pygame.surfarray.blit_array(self._surface, frame.swapaxes(0, 1))
+        self._pygame.display.flip()
+        self._clock.tick(self._rate_hz)
+
+    def close(self) -> None:
+        self._pygame.display.quit()
+
+
+def require_display() -> None:
+    """InputError where a window would show nobody anything. SDL falls back to such a window without a word."""
+    pygame = _pygame()
+    pygame.display.init()
+    driver = pygame.display.get_driver()
+    pygame.display.quit()
+    if driver in UNSEEN_DRIVERS:
+        raise InputError(f"no display: expected one that a window can be seen on, got SDL's driver '{driver}'")
+
+
+def _pygame() -> Any:
+    """pygame, without the banner that it prints on stdout when it is first imported."""
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    import pygame
+
+    return pygame
