@@ -1,0 +1,68 @@
+"""The command line `vpf-sim`. Each command is a file of this folder and loads what it needs only when it runs."""
+
+import os
+import sys
+from collections.abc import Sequence
+
+import typer
+
+from vpf_sim.cli import benchmark, drive, drivers, profile, scenarios, sweep, weathers
+from vpf_sim.errors import InputError
+
+THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
+SIMULATING = ("drive", "sweep", "benchmark", "replay", "profile")
+UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
+
+app = typer.Typer(
+    name="vpf-sim",
+    help="Drive a car by one camera, in closed loop; sweep, score and compare drivers.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+app.command("drive")(drive.drive)
+app.command("sweep")(sweep.sweep)
+app.command("benchmark")(benchmark.benchmark)
+app.command("profile")(profile.profile)
+app.add_typer(scenarios.app, name="scenarios")
+app.add_typer(weathers.app, name="weathers")
+app.add_typer(drivers.app, name="drivers")
+
+
+def main() -> None:
+    """Entry point of the console script and of `python -m vpf_sim.cli`."""
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    arguments = sys.argv[1:]
+    if arguments and arguments[0] in SIMULATING:
+        _limit_threads(arguments)
+    sys.path.append(os.getcwd())  # where a user's own driver is
+    sys.exit(run(arguments))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit code; faults of the user are one line each on stderr and 2."""
+    try:
+        code = app(list(arguments), standalone_mode=False)
+    except (InputError, OSError) as error:
+        return _refuse(str(error))
+    except (KeyboardInterrupt, typer.Abort):
+        print("interrupted", file=sys.stderr)
+        return 130
+    except UsageError as error:
+        return _refuse(error.format_message())  # type: ignore[attr-defined]
+    return code if isinstance(code, int) else 0
+
+
+def _refuse(message: str) -> int:
+    for line in message.splitlines() or ["wrong use"]:
+        print(f"vpf-sim: {line}", file=sys.stderr)
+    return 2
+
+
+def _limit_threads(arguments: Sequence[str]) -> None:
+    """Start over with one thread for each numeric library: they read their limits once, when numpy is loaded."""
+    if os.name != "posix" or all(os.environ.get(name) == "1" for name in THREAD_LIMITS):
+        return
+    limits = dict.fromkeys(THREAD_LIMITS, "1")
+    os.execve(sys.executable, [sys.executable, "-m", "vpf_sim.cli", *arguments], {**os.environ, **limits})

@@ -1,0 +1,5 @@
+"""`vpf-sim benchmark`."""
+
+
+def benchmark() -> None:
+    """Being wired."""

@@ -1,0 +1,5 @@
+"""`vpf-sim drive`."""
+
+
+def drive() -> None:
+    """Being wired."""

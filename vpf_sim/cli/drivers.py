@@ -1,0 +1,42 @@
+"""`vpf-sim drivers`: the drivers that there are."""
+
+import typer
+
+from vpf_sim.cli.options import JsonOption, print_json
+from vpf_sim.cli.tables import print_table
+
+app = typer.Typer(help="The drivers that there are.", no_args_is_help=True, rich_markup_mode=None)
+
+
+@app.command("list")
+def list_drivers(json: JsonOption = False) -> None:
+    """The registry, with what each driver is told beyond its camera."""
+    from vpf_sim import drivers
+
+    described = drivers.describe()
+    if json:
+        keys = ("name", "privileged", "summary")
+        print_json({"drivers": [{key: getattr(one, key) for key in keys} for one in described]})
+        return
+    print_table(("driver", "privileged", ""), [(one.name, one.privileged, one.summary) for one in described])
+
+
+@app.command()
+def show(name: str) -> None:
+    """One driver, as JSON."""
+    from vpf_sim import drivers
+    from vpf_sim.errors import unknown_name
+
+    described = {one.name: one for one in drivers.describe()}
+    if name not in described:
+        raise unknown_name("driver", name, described)
+    one = described[name]
+    print_json({"name": one.name, "privileged": one.privileged, "summary": one.summary})
+
+
+@app.command()
+def validate(driver: str) -> None:
+    """Load a driver of your own, "package.module:Class", and check what it offers."""
+    from vpf_sim import drivers
+
+    print(f"{driver}: a good driver, privileged: {drivers.create(driver).privileged}")

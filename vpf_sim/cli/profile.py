@@ -1,0 +1,5 @@
+"""`vpf-sim profile`."""
+
+
+def profile() -> None:
+    """Being wired."""

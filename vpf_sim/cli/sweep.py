@@ -1,0 +1,5 @@
+"""`vpf-sim sweep`."""
+
+
+def sweep() -> None:
+    """Being wired."""

@@ -1,0 +1,121 @@
+"""One episode: a driver in a world, from reset to end."""
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from time import perf_counter
+from traceback import format_exc
+from typing import Any
+
+import numpy as np
+
+from vpf_sim import drivers
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation import records
+from vpf_sim.evaluation.hashing import FrameHasher
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.log import StepLog
+from vpf_sim.evaluation.paired import pid_without_obstacles
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.types import Command, Driver, DriverSetup, Image, Observation, Plan
+
+Watcher = Callable[[Image, Plan | None], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How an episode went, before any score."""
+
+    status: str
+    steps: StepTable
+    collided_with: str | None
+    frames_sha256: str
+    traceback: str | None  # of our own or the driver's exception
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeResult:
+    record: dict[str, Any]
+    steps: StepTable
+    timing: dict[str, Any]  # what a clock measured, and the traceback of an error
+
+
+def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None = None) -> EpisodeResult:
+    """Drive one episode and score it; `watch` is shown each frame with the driver's plan for it."""
+    started_s = perf_counter()
+    with closing(FourLane(scenario, weather, truth=("foe",))) as env:
+        job = Job(scenario, weather, driver, seed)
+        outcome = roll_out(env, drivers.create(driver), drivers.create("pid"), seed, watch)
+        wall_s = perf_counter() - started_s
+        own_run = pid_without_obstacles(env.scenario, seed) if len(outcome.steps) else None
+        record = records.score(job, outcome, env.route, env.route_length_m, own_run)
+    timing = {"id": record["id"], "wall_s": wall_s, "steps_per_s": len(outcome.steps) / wall_s}
+    if outcome.traceback:
+        timing["traceback"] = outcome.traceback
+    return EpisodeResult(record, outcome.steps, timing)
+
+
+def roll_out(env: Any, driver: Driver, shadow: Driver, seed: int, watch: Watcher | None = None) -> Outcome:
+    """Reset, then observe, act, step and record until the episode ends; the shadow is asked but never obeyed."""
+    traceback = None
+    with FrameHasher() as frames:
+        log = StepLog()
+        try:
+            observed, info = env.reset(seed=seed)
+            driver.reset(setup_for(driver, env, seed))
+            shadow.reset(setup_for(shadow, env, seed))
+            ended = False
+            while not ended:
+                observation = read(observed)
+                frames.add(observation.image)
+                log.observe(observation, info, env)
+                command = checked(driver.act(observation))
+                log.act(command, shadow.act(observation), plan := trace_of(driver))
+                if watch is not None:
+                    watch(observation.image, plan)
+                observed, _, terminated, truncated, info = env.step(np.array([command.throttle, command.steering]))
+                ended = terminated or truncated
+            log.observe(read(observed), info, env)
+            status = info["status"]
+        except Exception:
+            status, traceback, info = "error", format_exc(), {}
+    return Outcome(status, log.table(), info.get("collided_with"), frames.hexdigest(), traceback)
+
+
+def setup_for(driver: Driver, env: Any, seed: int) -> DriverSetup:
+    """What the driver is told before the episode, and not more than the privilege that it declares."""
+    return DriverSetup(
+        camera=env.camera,
+        vehicle=env.vehicle_model,
+        rate_hz=env.rate_hz,
+        speed_reference_mps=env.speed_reference_mps,
+        goal_m=env.goal_m,
+        seed=seed,
+        route=None if driver.privileged == "none" else env.route.copy(),
+        world=env.road if driver.privileged == "world" else None,
+    )
+
+
+def read(observed: dict[str, Any]) -> Observation:
+    """The environment's observation as the driver's; `info` never comes along."""
+    x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps = observed["ego"].tolist()
+    goal_x_m, goal_y_m = observed["goal"].tolist()
+    time_s = float(observed["time"][0])
+    goal_m = (goal_x_m, goal_y_m)
+    return Observation(observed["image"], time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m)
+
+
+def checked(command: Command) -> Command:
+    """The command within its limits; anything but finite numbers is the driver's fault."""
+    values = np.array([command.throttle, command.steering], dtype=float)
+    if not np.isfinite(values).all():
+        raise ValueError(f"driver: expected finite throttle and steering, got {command}")
+    throttle, steering = np.clip(values, -1.0, 1.0).tolist()
+    return Command(throttle, steering)
+
+
+def trace_of(driver: Driver) -> Plan | None:
+    """The plan of a driver that shows one."""
+    trace = getattr(driver, "trace", None)
+    plan = trace() if trace is not None else None
+    return plan if isinstance(plan, Plan) else None

@@ -1,0 +1,39 @@
+"""SHA-256 of all frames of an episode, on a helper thread: hashlib releases the GIL, so it costs no step time."""
+
+from hashlib import sha256
+from queue import SimpleQueue
+from threading import Thread
+from types import TracebackType
+
+from vpf_sim.types import Image
+
+
+class FrameHasher:
+    """A context: `add` each frame, ask for `hexdigest` after it is left. Frames must not change any more."""
+
+    def __init__(self) -> None:
+        self._digest = sha256()
+        self._queue: SimpleQueue[Image | None] = SimpleQueue()
+        self._thread = Thread(target=self._work, name="frame hasher", daemon=True)
+
+    def __enter__(self) -> "FrameHasher":
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._queue.put(None)
+        self._thread.join()
+
+    def add(self, frame: Image) -> None:
+        """Queue a frame, and make it read-only, for it is read later."""
+        frame.flags.writeable = False
+        self._queue.put(frame)
+
+    def hexdigest(self) -> str:
+        return self._digest.hexdigest()
+
+    def _work(self) -> None:
+        while (frame := self._queue.get()) is not None:
+            self._digest.update(frame.tobytes() if not frame.flags.c_contiguous else frame.data)

@@ -1,0 +1,104 @@
+"""Comfort as nuPlan computes it, and the raw percentiles beside it.
+
+Source: nuplan-devkit, planning/metrics/utils/state_extractors.py and evaluation_metrics/common/ego_*.py: states at
+10 Hz; accelerations smoothed by Savitzky-Golay (window 8, order 2); jerks as its derivative of those (window 15, order
+2); yaw rate and yaw acceleration as derivatives of the unwrapped heading (window 5; order 2 and 3).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+from vpf_sim.evaluation.metrics.clearance import min_ttc_s
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.types import Floats
+
+RATE_HZ = 10.0
+ACCELERATION_WINDOW = 8
+JERK_WINDOW = 15
+HEADING_WINDOW = 5
+TTC_BOUND_S = 0.95
+
+
+class Bound(NamedTuple):
+    low: float
+    high: float
+
+
+BOUNDS = {
+    "longitudinal_acceleration_mps2": Bound(-4.05, 2.40),
+    "lateral_acceleration_mps2": Bound(-4.89, 4.89),
+    "jerk_mps3": Bound(-8.37, 8.37),
+    "longitudinal_jerk_mps3": Bound(-4.13, 4.13),
+    "yaw_rate_radps": Bound(-0.95, 0.95),
+    "yaw_acceleration_radps2": Bound(-1.93, 1.93),
+}
+
+
+def comfort(table: StepTable) -> dict[str, object]:
+    """Least and greatest of each signal with whether it kept its bounds, least TTC, and whether all of them held."""
+    signals = nuplan_signals(table.time_s, table.speed_mps, table.yaw_rad, table.yaw_rate_radps)
+    if signals is None:
+        return {"comfortable": None, "signals": None, "min_ttc_s": None, "raw_p95": None}
+    kept = {name: _kept(signals[name], bound) for name, bound in BOUNDS.items()}
+    ttc_s = min_ttc_s(table.ttc_s)
+    far = ttc_s is None or ttc_s >= TTC_BOUND_S
+    return {
+        "comfortable": far and all(row["within"] for row in kept.values()),
+        "signals": kept,
+        "min_ttc_s": ttc_s,
+        "raw_p95": raw_percentiles(table),
+    }
+
+
+def nuplan_signals(
+    time_s: Floats, speed_mps: Floats, yaw_rad: Floats, yaw_rate_radps: Floats
+) -> dict[str, Floats] | None:
+    """The signals of BOUNDS at 10 Hz from (N,) states; None if there are fewer than the filters need (0.5 s)."""
+    duration_s = time_s[-1] - time_s[0] if len(time_s) else 0.0
+    samples = int(np.floor(duration_s * RATE_HZ + 1e-6)) + 1
+    if samples <= HEADING_WINDOW:
+        return None
+    at = time_s[0] + np.arange(samples) / RATE_HZ
+    yaw = np.interp(at, time_s, np.unwrap(yaw_rad))
+    along = np.interp(at, time_s, np.gradient(speed_mps, time_s))
+    across = np.interp(at, time_s, speed_mps * yaw_rate_radps)
+    smooth = {name: _smooth(signal) for name, signal in (("x", along), ("y", across), ("xy", np.hypot(along, across)))}
+    return {
+        "longitudinal_acceleration_mps2": smooth["x"],
+        "lateral_acceleration_mps2": smooth["y"],
+        "jerk_mps3": _derivative(smooth["xy"], JERK_WINDOW, order=2, times=1),
+        "longitudinal_jerk_mps3": _derivative(smooth["x"], JERK_WINDOW, order=2, times=1),
+        "yaw_rate_radps": _derivative(yaw, HEADING_WINDOW, order=2, times=1),
+        "yaw_acceleration_radps2": _derivative(yaw, HEADING_WINDOW, order=3, times=2),
+    }
+
+
+def raw_percentiles(table: StepTable) -> dict[str, float]:
+    """95th percentiles of the absolute signals at the full rate, unsmoothed; the steering's is in commands a second."""
+    dt_s = np.diff(table.time_s)
+    acceleration = np.diff(table.speed_mps) / dt_s
+    signals = {
+        "longitudinal_acceleration_mps2": acceleration,
+        "lateral_acceleration_mps2": table.speed_mps * table.yaw_rate_radps,
+        "longitudinal_jerk_mps3": np.diff(acceleration) / dt_s[1:],
+        "yaw_acceleration_radps2": np.diff(table.yaw_rate_radps) / dt_s,
+        "steering_rate_per_s": np.diff(table.steering[:-1]) / dt_s[:-1],
+    }
+    return {name: float(np.percentile(np.abs(signal), 95.0)) for name, signal in signals.items()}
+
+
+def _smooth(signal: Floats) -> Floats:
+    smooth: Floats = savgol_filter(signal, min(ACCELERATION_WINDOW, len(signal)), 2)
+    return smooth
+
+
+def _derivative(signal: Floats, window: int, order: int, times: int) -> Floats:
+    derivative: Floats = savgol_filter(signal, min(window, len(signal)), order, deriv=times, delta=1.0 / RATE_HZ)
+    return derivative
+
+
+def _kept(signal: Floats, bound: Bound) -> dict[str, float | bool]:
+    low, high = float(np.min(signal)), float(np.max(signal))
+    return {"min": low, "max": high, "within": bound.low <= low and high <= bound.high}

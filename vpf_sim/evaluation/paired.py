@@ -1,0 +1,49 @@
+"""The PID's own run, for the paired protocol: the same scenario and seed with the obstacles removed.
+
+The PID looks at no frame, so none is rendered after the first, and the run costs a fraction of a second.
+"""
+
+from contextlib import closing
+from typing import NamedTuple
+
+import numpy as np
+
+from vpf_sim import drivers
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.scenarios import Scenario
+from vpf_sim.types import Command, DriverSetup, Floats, Image, Observation
+
+NO_IMAGE: Image = np.zeros((1, 1, 3), np.uint8)
+
+
+class OwnRun(NamedTuple):
+    """(N,) where the PID was along its route, m, and what it commanded there."""
+
+    route_m: Floats
+    throttle: Floats
+    steering: Floats
+
+
+def pid_without_obstacles(drawn: Scenario, seed: int, rate_hz: float = 60.0) -> OwnRun:
+    """Drive the PID to the goal, or for as long as the scenario allows."""
+    with closing(FourLane(drawn.model_copy(update={"bodies": ()}), rate_hz=rate_hz)) as env:
+        env.reset(seed=seed)
+        pid = drivers.create("pid")
+        pid.reset(
+            DriverSetup(
+                env.camera, env.vehicle_model, rate_hz, env.speed_reference_mps, env.goal_m, seed, env.route.copy()
+            )
+        )
+        rows: list[tuple[float, float, float]] = []
+        while env.route_m < env.route_length_m and len(rows) < drawn.time_limit_s * rate_hz:
+            command = pid.act(_observation(env, len(rows) / rate_hz))
+            rows.append((env.route_m, command.throttle, command.steering))
+            env.advance(np.array([command.throttle, command.steering]))
+    return OwnRun(*np.array(rows).T)
+
+
+def _observation(env: FourLane, time_s: float) -> Observation:
+    ego = env.ego
+    x_m, y_m = ego.position.tolist()
+    return Observation(NO_IMAGE, time_s, x_m, y_m, ego.heading, ego.speed, ego.yaw_rate_radps, env.goal_m)
+

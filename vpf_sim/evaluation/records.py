@@ -1,0 +1,100 @@
+"""The record of an episode: all its scores, a pure function of scenario, weather, driver, seed and fingerprint."""
+
+import json
+from hashlib import sha256
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics import clearance, comfort, driving_score, path, perception
+from vpf_sim.evaluation.metrics.accuracy import at_distance, protocol
+from vpf_sim.evaluation.paired import OwnRun
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.types import Floats
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.episode import Outcome
+
+FAULTS = ("error", "invalid_frame")  # statuses that are no result of the driver's
+
+
+def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float, own_run: OwnRun | None) -> dict[str, Any]:
+    """The record. `route` holds waypoints (M, 2) from the start to beyond the goal, at `route_length_m`."""
+    table = outcome.steps
+    if len(table) == 0 or own_run is None:
+        return failed(job, outcome.status)
+    hits = [outcome.collided_with] if outcome.collided_with else []
+    completion = 1.0 if outcome.status == "success" else path.completion(table.route_m, route_length_m)
+    off_lane = driving_score.off_lane_share(table.route_m, table.outside)
+    record: dict[str, Any] = finite(
+        {
+            **_identity(job),
+            "status": outcome.status,
+            "route_completion": completion,
+            "path_mse_m2": path.path_mse(table.positions_m, path.shorten(route, route_length_m)),
+            "max_lane_offset_m": np.max(np.abs(table.lane_offset_m)),
+            "accuracy": _accuracy(table, own_run),
+            "collisions": len(hits),
+            "collided_with": outcome.collided_with,
+            "min_clearance_m": clearance.min_clearance_m(table.clearance_m),
+            "driving_score_2_0": driving_score.driving_score_2_0(completion, hits, off_lane),
+            "driving_score_2_1": driving_score.driving_score_2_1(completion, hits, off_lane),
+            "comfort": comfort.comfort(table),
+            "perception": _perception(table),
+            "steps": len(table),
+            "states_sha256": sha256(table.states()).hexdigest(),
+            "frames_sha256": outcome.frames_sha256,
+        }
+    )
+    return record
+
+
+def failed(job: Job, status: str = "error") -> dict[str, Any]:
+    """The record of an episode that never began, or whose worker died: nothing to score."""
+    scores = dict.fromkeys(
+        ("path_mse_m2", "max_lane_offset_m", "accuracy", "collided_with", "min_clearance_m", "comfort", "perception")
+    )
+    none_driven = {"route_completion": 0.0, "driving_score_2_0": 0.0, "driving_score_2_1": 0.0, "collisions": 0}
+    hashes = {"steps": 0, "states_sha256": None, "frames_sha256": None}
+    return {**_identity(job), "status": status, **scores, **none_driven, **hashes}
+
+
+def to_line(record: dict[str, Any]) -> str:
+    """The record as one line of JSON, keys sorted: equal records have equal lines."""
+    return json.dumps(record, sort_keys=True, allow_nan=False)
+
+
+def finite(value: Any) -> Any:
+    """Plain Python values all through, with None for what is no number."""
+    if isinstance(value, dict):
+        return {key: finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(inner) for inner in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _identity(job: Job) -> dict[str, Any]:
+    return {"id": job.id, **job._asdict()}
+
+
+def _accuracy(table: StepTable, own_run: OwnRun) -> dict[str, Any]:
+    """Both protocols, over the n states in which a command was given."""
+    driven = slice(0, len(table))
+    commands = {"throttle": table.throttle[driven], "steering": table.steering[driven]}
+    asked = {"throttle": table.pid_throttle[driven], "steering": table.pid_steering[driven]}
+    matched = {name: at_distance(table.route_m[driven], own_run.route_m, getattr(own_run, name)) for name in commands}
+    passing = table.passing[driven] > 0.0
+    return {"shadow": protocol(commands, asked, passing), "paired": protocol(commands, matched, passing)}
+
+
+def _perception(table: StepTable) -> dict[str, Any]:
+    seen = np.concatenate([table.seen_left_m, table.seen_right_m])
+    true = np.concatenate([table.true_left_m, table.true_right_m])
+    return {
+        **perception.foe(table.foe_x_px, table.foe_y_px, table.true_foe_x_px, table.true_foe_y_px),
+        **perception.edges(seen, true),
+    }

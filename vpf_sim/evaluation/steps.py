@@ -1,0 +1,92 @@
+"""The step table: what happened in an episode, one row a frame; every score is a function of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, nan
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from vpf_sim.types import Floats
+
+
+class Step(NamedTuple):
+    """One row: the state that the driver saw, and the command that it gave there (nan in the last row)."""
+
+    time_s: float
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    speed_mps: float
+    yaw_rate_radps: float
+    route_m: float  # driven along the route
+    lane_offset_m: float  # from the centre of the ego's lane, + is right
+    clearance_m: float  # between the ego's body and the nearest other; inf without bodies
+    ttc_s: float = inf  # until the bodies touch, if all keep their velocities
+    passing: float = 0.0  # 1 from 25 m before a body to 15 m after it
+    throttle: float = nan
+    steering: float = nan
+    pid_throttle: float = nan  # what the PID would do in this state
+    pid_steering: float = nan
+    foe_x_px: float = nan  # estimated; nan where the driver has no such thing or does not trust it
+    foe_y_px: float = nan
+    true_foe_x_px: float = nan
+    true_foe_y_px: float = nan
+    seen_left_m: float = nan  # distance from a point 10 m ahead to the left edge of the carriageway, as perceived
+    seen_right_m: float = nan
+    true_left_m: float = nan
+    true_right_m: float = nan
+    outside: float = 0.0  # 1 where a corner of the body is beyond the carriageway's edge
+
+
+@dataclass(frozen=True, slots=True)
+class StepTable:
+    """The rows of n steps and of the state in which they ended; `table.speed_mps` is the (n + 1,) column so called."""
+
+    rows: Floats  # (n + 1, len(Step._fields)), or no row where the episode never began
+
+    @classmethod
+    def of(cls, steps: Sequence[Step]) -> "StepTable":
+        """The table of these rows."""
+        return cls(np.array(steps, dtype=float).reshape(-1, len(Step._fields)))
+
+    def __getattr__(self, name: str) -> Floats:
+        if name not in Step._fields:
+            raise AttributeError(f"the step table has no column '{name}'")
+        column: Floats = self.rows[:, Step._fields.index(name)]
+        return column
+
+    def __len__(self) -> int:
+        """n, the number of commands."""
+        return max(0, len(self.rows) - 1)
+
+    @property
+    def positions_m(self) -> Floats:
+        """(n + 1, 2)"""
+        return np.column_stack([self.x_m, self.y_m])
+
+    def states(self) -> bytes:
+        """What makes two episodes the same: poses, speeds and commands, bit by bit."""
+        names = ("time_s", "x_m", "y_m", "yaw_rad", "speed_mps", "yaw_rate_radps", "throttle", "steering")
+        return np.column_stack([getattr(self, name) for name in names]).astype("<f8").tobytes()
+
+
+def write(table: StepTable, path: Path) -> None:
+    """A Parquet file, whole or not at all."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_suffix(".draft")
+    columns = [pa.array(column) for column in table.rows.T]
+    pq.write_table(pa.table(columns, names=list(Step._fields)), draft, compression="zstd")
+    draft.replace(path)
+
+
+def read(path: Path) -> StepTable:
+    """The table that `write` stored."""
+    import pyarrow.parquet as pq
+
+    stored = pq.read_table(path)
+    return StepTable(np.column_stack([stored[name].to_numpy() for name in Step._fields]))
