@@ -1,0 +1,129 @@
+"""A highway-env road as polylines: each lane's two edges, sampled once through the lane's own `position`.
+
+Nothing else of the road is read: `position`, `heading_at`, `width_at`, `length`, `line_types`. Every lateral place on a
+lane is then a mix of its two edges. Lanes that begin or end where the network does run on straight, out of sight.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from highway_env.road.lane import AbstractLane, LineType
+from highway_env.road.road import Road
+from scipy.spatial import cKDTree
+
+from vpf_sim.types import Floats
+
+STEP_M = 1.0  # between samples of a bent lane; a chord of 1 m leaves an arc of 15 m radius by 8 mm
+STRAIGHT_STEP_M = 8.0
+RUN_ON_M = 300.0  # how far a lane is drawn beyond the network's ends
+SAME_LINE_M = 0.4  # two lines nearer than this are one
+STRIPE_M, PERIOD_M = 3.0, 9.0
+
+
+@dataclass(frozen=True, slots=True)
+class LaneShape:
+    """One lane: its edges at the stations s."""
+
+    s_m: Floats  # (M,) along the lane, < 0 and > length where it runs on
+    left_m: Floats  # (M, 2) world
+    right_m: Floats  # (M, 2)
+    line_types: tuple[int, int]  # highway_env.road.lane.LineType of the left and the right edge
+
+    def at(self, lateral_m: float | Floats) -> Floats:
+        """(M, 2) world points `lateral_m` to the right of the centre line."""
+        across = self.right_m - self.left_m
+        width = np.linalg.norm(across, axis=1)
+        share = 0.5 + np.asarray(lateral_m) / width
+        return self.left_m + share[:, None] * across
+
+    @property
+    def width_m(self) -> float:
+        """The median width."""
+        return float(np.median(np.linalg.norm(self.right_m - self.left_m, axis=1)))
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A marking between or beside lanes."""
+
+    s_m: Floats  # (M,)
+    points_m: Floats  # (M, 2) its middle
+    striped: bool
+
+
+def lane_shapes(road: Road) -> list[LaneShape]:
+    """Every lane of the network."""
+    graph = road.network.graph
+    reached = {end for ends in graph.values() for end in ends}
+    return [
+        _sampled(lane, before=start not in reached, after=not graph.get(end))
+        for start, ends in graph.items()
+        for end, lanes in ends.items()
+        for lane in lanes
+    ]
+
+
+def lines(shapes: list[LaneShape]) -> list[Line]:
+    """The markings of the lanes; the line that two lanes share comes once."""
+    kept: list[Line] = []
+    drawn: list[Floats] = []
+    for shape in shapes:
+        for edge, kind in zip((shape.left_m, shape.right_m), shape.line_types, strict=True):
+            if kind == LineType.NONE or _covered(edge, drawn):
+                continue
+            kept.append(Line(shape.s_m, edge, striped=kind == LineType.STRIPED))
+            drawn.append(_resampled(edge))
+    return kept
+
+
+def stripes(line: Line) -> list[tuple[float, float]]:
+    """Where each stripe of a striped line begins and ends, counted along it; stripes are 3 m of every 9 m."""
+    first, last = line.s_m[0], line.s_m[-1]
+    starts = np.arange(np.ceil(first / PERIOD_M), np.floor((last - STRIPE_M) / PERIOD_M) + 1) * PERIOD_M
+    return [(float(start), float(start) + STRIPE_M) for start in starts]
+
+
+def _sampled(lane: AbstractLane, before: bool, after: bool) -> LaneShape:
+    length = float(lane.length)
+    s = _stations(lane, length)
+    half = np.array([0.5 * lane.width_at(float(x)) for x in s])
+    left = np.array([lane.position(float(x), -w) for x, w in zip(s, half, strict=True)], float)
+    right = np.array([lane.position(float(x), w) for x, w in zip(s, half, strict=True)], float)
+    beyond = np.arange(STRAIGHT_STEP_M, RUN_ON_M, STRAIGHT_STEP_M)
+    if before:
+        direction = _direction(lane, 0.0)
+        back = beyond[::-1, None] * direction
+        s = np.concatenate([-beyond[::-1], s])
+        left, right = np.concatenate([left[0] - back, left]), np.concatenate([right[0] - back, right])
+    if after:
+        onward = beyond[:, None] * _direction(lane, length)
+        s = np.concatenate([s, length + beyond])
+        left, right = np.concatenate([left, left[-1] + onward]), np.concatenate([right, right[-1] + onward])
+    return LaneShape(s, left, right, (int(lane.line_types[0]), int(lane.line_types[1])))
+
+
+def _stations(lane: AbstractLane, length: float) -> Floats:
+    """Stations along a lane, dense where it bends: the same heading at many places is taken for straight."""
+    headings = [lane.heading_at(float(x)) for x in np.linspace(0.0, length, 33)]
+    step = STRAIGHT_STEP_M if max(abs(b - a) for a, b in pairwise(headings)) < 1e-9 else STEP_M
+    return np.linspace(0.0, length, max(2, int(np.ceil(length / step)) + 1))
+
+
+def _direction(lane: AbstractLane, s: float) -> Floats:
+    heading = lane.heading_at(s)
+    return np.array([np.cos(heading), np.sin(heading)])
+
+
+def _covered(edge: Floats, drawn: list[Floats]) -> bool:
+    """Whether most of an edge lies on lines that are drawn already."""
+    if not drawn:
+        return False
+    distance, _ = cKDTree(np.concatenate(drawn)).query(_resampled(edge))
+    return bool(np.mean(distance < SAME_LINE_M) > 0.5)
+
+
+def _resampled(points: Floats, step_m: float = 0.5) -> Floats:
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    stations = np.arange(0.0, along[-1], step_m)
+    return np.stack([np.interp(stations, along, points[:, i]) for i in range(2)], axis=1)

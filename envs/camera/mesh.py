@@ -1,0 +1,99 @@
+"""Solids made of flat convex faces, with flat details (windows, lights, plates) lying on them.
+
+Body axes: x forward, y right, z up from the road, origin under the middle of the body.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vpf_sim.types import Bools, Floats
+
+Point = tuple[float, float, float]
+Colour = tuple[float, float, float]
+
+VERTICES = 12  # every face has this many; the last one is repeated
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """F faces in painter's order: what is drawn later covers what was drawn before."""
+
+    faces_m: Floats  # (F, VERTICES, 3)
+    normals: Floats  # (F, 3) unit, outward
+    colours: Floats  # (F, 3) RGB 0..255 in full light
+    lit: Bools  # (F,) whether the sun shades it; lamps and shadows shine by themselves
+
+    @property
+    def height_m(self) -> float:
+        return float(self.faces_m[..., 2].max())
+
+
+@dataclass(slots=True)
+class MeshBuilder:
+    """Collects faces."""
+
+    faces: list[Floats] = field(default_factory=list)
+    normals: list[Floats] = field(default_factory=list)
+    colours: list[Colour] = field(default_factory=list)
+    lit: list[bool] = field(default_factory=list)
+
+    def face(self, points: list[Point] | Floats, colour: Colour, lit: bool = True) -> None:
+        """Add a convex face; its points run clockwise as seen from outside (y is right, z up)."""
+        corners = np.asarray(points, float)
+        normal = np.cross(corners[1] - corners[0], corners[2] - corners[1])
+        self._add(corners, normal / np.linalg.norm(normal), colour, lit)
+
+    def detail(
+        self, panel: list[Point], low: tuple[float, float], high: tuple[float, float], colour: Colour, lit: bool = True
+    ) -> None:
+        """Add a rectangle that lies on the last panel's quadrilateral (bottom left, bottom right, top right, top left as
+        seen from outside); `low` and `high` are two of its corners as parts (right, up) of the panel."""
+        (u0, v0), (u1, v1) = low, high
+        self.shape(panel, [(u0, v0), (u0, v1), (u1, v1), (u1, v0)], colour, lit)
+
+    def shape(self, panel: list[Point], outline: list[tuple[float, float]], colour: Colour, lit: bool = True) -> None:
+        """Add a polygon that lies on a panel, given as parts (right, up) of it."""
+        bottom_left, bottom_right, top_right, top_left = np.asarray(panel, float)
+        uv = np.asarray(outline, float)
+        u, v = uv[:, :1], uv[:, 1:]
+        points = (1 - v) * ((1 - u) * bottom_left + u * bottom_right) + v * ((1 - u) * top_left + u * top_right)
+        normal = np.cross(top_left - bottom_left, bottom_right - bottom_left)
+        self._add(points, normal / np.linalg.norm(normal), colour, lit)
+
+    def disc(self, centre: Point, radius: float, side: int, colour: Colour) -> None:
+        """Add an upright disc that faces left (side -1) or right (+1)."""
+        angle = np.linspace(0.0, 2.0 * np.pi, VERTICES, endpoint=False)
+        x, z = centre[0] + radius * np.cos(angle), np.maximum(0.0, centre[2] + radius * np.sin(angle))
+        points = np.stack([x, np.full(VERTICES, centre[1]), z], axis=1)
+        self._add(points, np.array([0.0, float(side), 0.0]), colour, True)
+
+    def build(self) -> Mesh:
+        return Mesh(np.array(self.faces), np.array(self.normals), np.array(self.colours, float), np.array(self.lit))
+
+    def _add(self, points: Floats, normal: Floats, colour: Colour, lit: bool) -> None:
+        index = np.minimum(np.arange(VERTICES), len(points) - 1)
+        self.faces.append(points[index])
+        self.normals.append(normal)
+        self.colours.append(colour)
+        self.lit.append(lit)
+
+
+def box(builder: MeshBuilder, low: Point, high: Point, colour: Colour) -> dict[str, list[Point]]:
+    """Add an upright box without its bottom; gives its panels by name, for details to lie on."""
+    panels = box_panels(low, high)
+    for panel in panels.values():
+        builder.shape(panel, [(0, 0), (0, 1), (1, 1), (1, 0)], colour)
+    return panels
+
+
+def box_panels(low: Point, high: Point) -> dict[str, list[Point]]:
+    """The panels of a box: bottom left, bottom right, top right, top left as seen from outside."""
+    (x0, y0, z0), (x1, y1, z1) = low, high
+    return {
+        "rear": [(x0, y0, z0), (x0, y1, z0), (x0, y1, z1), (x0, y0, z1)],
+        "front": [(x1, y1, z0), (x1, y0, z0), (x1, y0, z1), (x1, y1, z1)],
+        "right": [(x0, y1, z0), (x1, y1, z0), (x1, y1, z1), (x0, y1, z1)],
+        "left": [(x1, y0, z0), (x0, y0, z0), (x0, y0, z1), (x1, y0, z1)],
+        "top": [(x0, y0, z1), (x0, y1, z1), (x1, y1, z1), (x1, y0, z1)],
+    }

@@ -1,0 +1,101 @@
+"""What is painted on the ground: carriageway, shoulders, patches, markings, as polygons of palette values.
+
+All of it is flat and never moves, so it is cut into polygons of a few shapes once, when the road is new.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.layout import LaneShape, Line, lane_shapes, lines, stripes
+from vpf_sim.seeding import stream
+from vpf_sim.types import Floats
+
+# Values of the palette (vpf_sim.envs.camera.palette): one ramp from grass over gravel and asphalt to paint, so that an
+# edge blended in palette values looks like an edge blended in colour.
+GRASS, GRAVEL, ASPHALT, LINE = 45, 98, 150, 222
+
+LINE_WIDTH_M = 0.15
+PAVED_SHOULDER_M = 0.5
+GRAVEL_SHOULDER_M = 1.3
+CHUNK = 8  # stretches between samples in one polygon
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Polygons of one number of vertices; those of one strip follow each other and do not overlap."""
+
+    polygons_m: Floats  # (n, V, 2) world; a strip's polygon goes up its left edge and down its right edge
+    values: NDArray[np.int64]  # (n,) of the palette
+    strips: NDArray[np.int64]  # (n,) which strip each belongs to
+    thin: bool  # lines, whose width must be kept to a fraction of a pixel
+
+    @property
+    def centres_m(self) -> Floats:
+        return self.polygons_m.mean(axis=1)
+
+    @property
+    def radii_m(self) -> Floats:
+        offset: Floats = self.polygons_m - self.polygons_m.mean(axis=1, keepdims=True)
+        return np.asarray(np.linalg.norm(offset, axis=2).max(axis=1))
+
+
+def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
+    """All that is painted on the ground, in the order in which it is laid."""
+    rng = stream(seed, "asphalt")
+    marks = lines(shapes)
+    surfaces = [
+        *_widened(shapes, PAVED_SHOULDER_M + GRAVEL_SHOULDER_M, GRAVEL),
+        *_widened(shapes, PAVED_SHOULDER_M, ASPHALT - 4),
+        *((shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes),
+    ]
+    solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
+    striped = [polygon for line in marks if line.striped for polygon in _stripe_polygons(line)]
+    batches = [_strips(surfaces, thin=False), _strips([(a, b, LINE) for a, b in solid], thin=True)]
+    if striped:
+        count = len(striped)
+        batches.append(Batch(np.array(striped), np.full(count, LINE), np.zeros(count, np.int64), thin=True))
+    return [batch for batch in batches if len(batch.values)]
+
+
+def _widened(shapes: list[LaneShape], margin_m: float, value: int) -> list[tuple[Floats, Floats, int]]:
+    result = []
+    for shape in shapes:
+        half = 0.5 * np.linalg.norm(shape.right_m - shape.left_m, axis=1) + margin_m
+        result.append((shape.at(-half), shape.at(half), value))
+    return result
+
+
+def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
+    """The two edges of a line along a polyline."""
+    direction = np.gradient(line.points_m, axis=0)
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    right = 0.5 * width_m * np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    return line.points_m - right, line.points_m + right
+
+
+def _stripe_polygons(line: Line) -> list[Floats]:
+    left, right = _ribbon(line, LINE_WIDTH_M)
+    result = []
+    for first, last in stripes(line):
+        s = np.array([first, 0.5 * (first + last), last])
+        edges = [np.stack([np.interp(s, line.s_m, edge[:, i]) for i in range(2)], axis=1) for edge in (left, right)]
+        result.append(np.concatenate([edges[0], edges[1][::-1]]))
+    return result
+
+
+def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool) -> Batch:
+    """Strips between two edges, cut into polygons of CHUNK stretches."""
+    polygons, values, owners = [], [], []
+    for owner, (left, right, value) in enumerate(strips):
+        for start in range(0, len(left) - 1, CHUNK):
+            index = np.minimum(np.arange(start, start + CHUNK + 1), len(left) - 1)
+            polygons.append(np.concatenate([left[index], right[index[::-1]]]))
+            values.append(value)
+            owners.append(owner)
+    shape = (len(polygons), 2 * CHUNK + 2, 2)
+    return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin)
+
+
+__all__ = ["Batch", "lane_shapes", "painted"]

@@ -1,0 +1,29 @@
+"""The colours of the ground: one ramp from dark grass over gravel and asphalt to white paint."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+# (value, red, green, blue)
+RAMP = np.array(
+    [
+        (0, 24, 32, 14),
+        (20, 44, 56, 24),
+        (45, 88, 100, 52),
+        (64, 128, 134, 80),
+        (80, 136, 132, 94),
+        (98, 128, 121, 103),
+        (124, 104, 102, 97),
+        (138, 92, 92, 93),
+        (150, 106, 106, 107),
+        (222, 212, 211, 206),
+        (255, 246, 245, 240),
+    ],
+    float,
+)
+
+
+def ground_table() -> NDArray[np.uint8]:
+    """(256, 1, 3) RGB of each palette value, for cv2.applyColorMap."""
+    values = np.arange(256)
+    channels = [np.interp(values, RAMP[:, 0], RAMP[:, i]) for i in (1, 2, 3)]
+    return np.rint(np.stack(channels, axis=1)[:, None, :]).astype(np.uint8)
