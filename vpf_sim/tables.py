@@ -47,6 +47,8 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
     if origin is Literal:
         return _choice(get_args(hint), value, where)
     if origin in (Union, UnionType):
+        if value == "none":  # TOML has no word for it
+            return None
         return _convert(next(option for option in get_args(hint) if option is not NoneType), value, where)
     if origin is tuple:
         return _sequence(get_args(hint), value, where)

@@ -1,0 +1,51 @@
+"""Lane coordinates: the one space in which the robust variant composes its fields.
+
+`along` is measured from the pose along the road, `y` across it, from the preferred position, + is right. The camera's
+road edges give the transformation; nothing of a map enters.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.types import Floats, Obstacles, RoadEdges
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """The vehicle on the road, as the camera sees it."""
+
+    y_m: float  # of the pose
+    right_m: float  # y of the right edge
+    left_m: float  # y of the left edge
+    heading_rad: float  # direction of the road minus yaw
+    curvature_per_m: float  # of the road at the pose, + bends right
+
+
+@dataclass(frozen=True, slots=True)
+class LaneObstacles:
+    """K bodies in lane coordinates."""
+
+    along_m: Floats  # (K,) nearest face, from the pose
+    left_m: Floats  # (K,) y of the left side
+    right_m: Floats  # (K,) y of the right side
+
+    def __len__(self) -> int:
+        return len(self.along_m)
+
+
+def locate(road: RoadEdges, preferred_right_m: float) -> Lane:
+    """Where the vehicle is, if the preferred position lies `preferred_right_m` left of the right edge."""
+    y = preferred_right_m - road.right_m
+    return Lane(y, preferred_right_m, y + road.left_m, road.heading_rad, road.curvature_per_m)
+
+
+def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
+    """The bodies on the lane: turned into the road's direction, less the road's bend up to there."""
+    cosine, sine = np.cos(lane.heading_rad), np.sin(lane.heading_rad)
+    middle = 0.5 * (obstacles.left_m + obstacles.right_m)
+    along = cosine * obstacles.forward_m + sine * middle
+    across = cosine * middle - sine * obstacles.forward_m
+    y = lane.y_m + across - 0.5 * lane.curvature_per_m * along**2
+    half = 0.5 * (obstacles.right_m - obstacles.left_m)
+    return LaneObstacles(along, y - half, y + half)

@@ -1,0 +1,182 @@
+"""The robust variant's visual potential field: target, road and obstacle potential across the lane, and its minimum.
+
+All three are functions of y, the place across the road (`vpf_sim.planning.lane`), in the same units:
+
+    U(y) = k y^2                                                            target: the preferred position
+         + h_w (e^(-g_r(y) / d_w) + e^(-g_l(y) / d_w))                      road: g is the gap between body and edge
+         + max over bodies of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}     obstacles
+
+d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
+in with the distance t to the body. Bodies take the maximum, not the sum, so that many points of one body weigh as one.
+
+The paper follows the local gradient; here the car goes to the global minimum, since dead ahead of a body the gradient
+vanishes and the side would be left to chance (METHOD A9, A10). What has been decided is kept: a term in the distance
+from the last minimum, and a latch on the side of every body that is near. A tie goes to the minimum that is nearer to
+the last one, then to the side with more road, then to the left.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.types import Floats, VehicleModel
+
+TIE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class LaneFieldConfig:
+    """Potentials have no unit; only their ratios matter."""
+
+    preferred_right_m: float  # the preferred position lies this far left of the right edge
+    reach_m: float  # of the grid, to both sides of the preferred position
+    spacing_m: float
+    target_per_m2: float  # k
+    wall_height: float  # h_w
+    wall_decay_m: float  # d_w
+    obstacle_height: float  # h_o
+    obstacle_slope_per_m: float  # s_o
+    tail_height: float  # h_t
+    tail_decay_m: float  # d_t
+    clearance_m: float  # c
+    visible_m: float  # from here on a body counts, bumper to face
+    full_m: float  # and from here on in full
+    body_length_m: float  # a body is believed to reach this far behind its face
+    memory_height: float  # for leaving the surroundings of the last minimum
+    memory_m: float  # how far these reach
+    latch_m: float  # side latch of bodies nearer than this
+    latch_height: float
+    beside_height: float  # of the latch while passing
+
+    def __post_init__(self) -> None:
+        for key in ("reach_m", "spacing_m", "target_per_m2", "wall_decay_m", "tail_decay_m", "memory_m"):
+            if not getattr(self, key) > 0.0:
+                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+        if not self.full_m < self.visible_m:
+            raise ValueError(f"full_m: expected < visible_m = {self.visible_m}, got {self.full_m}")
+
+
+@dataclass(frozen=True, slots=True)
+class LanePotential:
+    """U on the grid, in its three parts, and its minimum."""
+
+    y_m: Floats  # (G,)
+    target: Floats  # (G,)
+    road: Floats  # (G,)
+    obstacle: Floats  # (G,)
+    minimum_m: float
+
+    @property
+    def total(self) -> Floats:
+        return self.target + self.road + self.obstacle
+
+    def slope(self, y_m: float) -> Floats:
+        """(3,) dU / dy at y of target, road and obstacle."""
+        index = int(np.clip(np.searchsorted(self.y_m, y_m), 1, len(self.y_m) - 1))
+        parts = np.stack([self.target, self.road, self.obstacle])
+        slope: Floats = (parts[:, index] - parts[:, index - 1]) / (self.y_m[index] - self.y_m[index - 1])
+        return slope
+
+
+class LaneField:
+    """Composes the field of each frame and finds its minimum; remembers the last one."""
+
+    def __init__(self, config: LaneFieldConfig, vehicle: VehicleModel) -> None:
+        self._config = config
+        self._half_width_m = 0.5 * vehicle.width_m
+        self._half_length_m = 0.5 * vehicle.length_m
+        half = np.arange(1, round(config.reach_m / config.spacing_m) + 1) * config.spacing_m
+        self._y_m: Floats = np.concatenate([-half[::-1], [0.0], half])  # symmetric to the last bit
+        self._target: Floats = config.target_per_m2 * self._y_m**2
+        self._last_m: float | None = None
+
+    def update(self, lane: Lane, obstacles: LaneObstacles) -> LanePotential:
+        """The field about the vehicle now."""
+        road = self._road(lane)
+        obstacle = self._obstacle(obstacles)
+        total = self._target + road + obstacle
+        kept = total + self._memory(obstacles, lane) if self._last_m is not None else total
+        self._last_m = self._minimum(kept, lane)
+        return LanePotential(self._y_m, self._target, road, obstacle, self._last_m)
+
+    def overlap(self, obstacles: LaneObstacles, y_m: float, clearance_m: float) -> Floats:
+        """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
+        return clearance_m - self._gap(obstacles, np.array([y_m]))[:, 0]
+
+    def bumper(self, obstacles: LaneObstacles) -> Floats:
+        """(K,) m from our bumper to each face."""
+        return obstacles.along_m - self._half_length_m
+
+    def present(self, obstacles: LaneObstacles) -> Floats:
+        """(K,) 0 .. 1, the weight w of each body by its distance; 0 once it has been passed."""
+        config = self._config
+        gap = self.bumper(obstacles)
+        weight = np.clip((config.visible_m - gap) / (config.visible_m - config.full_m), 0.0, 1.0)
+        passed = obstacles.along_m + config.body_length_m < -self._half_length_m
+        return np.where(passed, 0.0, weight)
+
+    def _road(self, lane: Lane) -> Floats:
+        config = self._config
+        right = lane.right_m - self._y_m - self._half_width_m
+        left = self._y_m - lane.left_m - self._half_width_m
+        decay = config.wall_decay_m
+        wall: Floats = np.exp(np.minimum(-right / decay, 30.0)) + np.exp(np.minimum(-left / decay, 30.0))
+        return config.wall_height * wall
+
+    def _obstacle(self, obstacles: LaneObstacles) -> Floats:
+        config = self._config
+        if not len(obstacles):
+            return np.zeros_like(self._y_m)
+        lacking = config.clearance_m - self._gap(obstacles, self._y_m)
+        inside = config.obstacle_height + config.obstacle_slope_per_m * lacking
+        outside = config.tail_height * np.exp(np.minimum(lacking, 0.0) / config.tail_decay_m)
+        each = self.present(obstacles)[:, None] * np.where(lacking > 0.0, inside, outside)
+        worst: Floats = each.max(axis=0)
+        return worst
+
+    def _gap(self, obstacles: LaneObstacles, y_m: Floats) -> Floats:
+        """(K, G) m between our body at y and each body, across the road."""
+        right = y_m - self._half_width_m - obstacles.right_m[:, None]
+        left = obstacles.left_m[:, None] - y_m - self._half_width_m
+        gap: Floats = np.maximum(right, left)
+        return gap
+
+    def _memory(self, obstacles: LaneObstacles, lane: Lane) -> Floats:
+        """(G,) what keeps the decision: leaving the last minimum costs, changing the side of a near body costs more."""
+        config = self._config
+        last = self._last_m if self._last_m is not None else 0.0
+        away = np.abs(self._y_m - last) / config.memory_m
+        memory: Floats = config.memory_height * np.clip(away - 1.0, 0.0, 1.0)
+        if not len(obstacles):
+            return memory
+        gap = self.bumper(obstacles)
+        near = (self.present(obstacles) > 0.0) & (gap < config.latch_m)
+        if not np.any(near):
+            return memory
+        middle = 0.5 * (obstacles.left_m + obstacles.right_m)[near]
+        beside = gap[near] < 0.0
+        chosen = np.where(beside, lane.y_m, last) - middle
+        other = (self._y_m[None] - middle[:, None]) * np.sign(chosen)[:, None] < 0.0
+        height = np.where(beside, config.beside_height, config.latch_height)
+        latched: Floats = memory + (other * height[:, None]).max(axis=0)
+        return latched
+
+    def _minimum(self, total: Floats, lane: Lane) -> float:
+        """y of the global minimum, between the grid's points by a parabola."""
+        lowest = np.flatnonzero(total <= total.min() + TIE)
+        index = int(lowest[0]) if len(lowest) == 1 else self._break_tie(lowest, lane)
+        if not 0 < index < len(total) - 1:
+            return float(self._y_m[index])
+        before, here, after = total[index - 1 : index + 2]
+        bend = before - 2.0 * here + after
+        shift = 0.5 * (before - after) / bend if bend > TIE else 0.0
+        return float(self._y_m[index] + self._config.spacing_m * np.clip(shift, -0.5, 0.5))
+
+    def _break_tie(self, lowest: "np.typing.NDArray[np.intp]", lane: Lane) -> int:
+        y = self._y_m[lowest]
+        last = self._last_m if self._last_m is not None else lane.y_m
+        distance = np.abs(y - last)
+        nearest = lowest[distance <= distance.min() + TIE]
+        wider_right = lane.right_m - last > last - lane.left_m + TIE
+        return int(nearest[-1] if wider_right else nearest[0])

@@ -1,0 +1,65 @@
+"""The planner: the stages of the paper in their order, from a frame to a reference."""
+
+import numpy as np
+
+from vpf_sim.perception import contact, expansion, obstacles
+from vpf_sim.perception.flow import FlowTracker, grey
+from vpf_sim.perception.landmarks import LandmarkTracker
+from vpf_sim.perception.road_edges import RoadEdgeTracker
+from vpf_sim.planning.gradient_line import GradientLine
+from vpf_sim.planning.valley import Valley
+from vpf_sim.planning.variant import Variant
+from vpf_sim.seeding import stream
+from vpf_sim.types import DriverSetup, Observation, Obstacles, Perception, Plan
+
+
+class Planner:
+    """One variant of the method during one episode."""
+
+    def __init__(self, setup: DriverSetup, variant: Variant) -> None:
+        camera, rate_hz = setup.camera, setup.rate_hz
+        self._camera = camera
+        self._variant = variant
+        self._flow = FlowTracker(camera, variant.flow, rate_hz)
+        self._road = RoadEdgeTracker(camera, variant.road_edges, rate_hz)
+        self._landmarks = LandmarkTracker(camera, variant.landmarks, rate_hz) if variant.landmarks else None
+        self._random = stream(setup.seed, "focus of expansion")
+        self._bodies = _nothing()
+        self._way = _way(setup, variant)
+
+    def step(self, observation: Observation) -> Plan:
+        """Perceive, then plan."""
+        return self.plan(self.perceive(observation), observation)
+
+    def perceive(self, observation: Observation) -> Perception:
+        """Flow, focus of expansion, obstacle map, time to contact, road edges, bodies of one frame."""
+        image = grey(observation.image)
+        pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
+        flow = self._flow.update(image, pose)
+        foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random)
+        obstacle_map = obstacles.detect(flow, self._camera, self._variant.obstacle_map)
+        labels = obstacles.cluster_labels(obstacle_map, flow)
+        ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels)
+        motion = (observation.speed_mps, observation.yaw_rate_radps)
+        road = self._road.update(observation.image, image, pose, *motion, self._bodies)
+        if self._landmarks is not None:
+            self._bodies = self._landmarks.update(flow, road, observation.speed_mps, observation.time_s)
+        return Perception(flow, foe, ttc, obstacle_map, self._bodies, road)
+
+    def plan(self, perception: Perception, observation: Observation) -> Plan:
+        """Target, obstacle and road field, their sum, heading and speed reference."""
+        force, reference, extra = self._way.step(perception, observation)
+        return Plan(perception, force, reference, extra)
+
+
+def _way(setup: DriverSetup, variant: Variant) -> GradientLine | Valley:
+    """How the variant goes through its field."""
+    if variant.valley is not None:
+        return Valley(setup, variant.valley)
+    assert variant.gradient_line is not None  # Variant has checked
+    return GradientLine(setup, variant.gradient_line)
+
+
+def _nothing() -> Obstacles:
+    none = np.empty(0)
+    return Obstacles(none, none, none, none, none, np.empty(0, np.int64))

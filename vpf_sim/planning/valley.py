@@ -1,0 +1,43 @@
+"""The robust variant's way: to the lowest place of the field across the lane, along the road's direction."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vpf_sim.planning.lane import locate, place
+from vpf_sim.planning.lane_field import LaneField, LaneFieldConfig, LanePotential
+from vpf_sim.planning.lane_reference import LaneReference, LaneReferenceConfig
+from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
+
+
+@dataclass(frozen=True, slots=True)
+class ValleyConfig:
+    field: LaneFieldConfig
+    reference: LaneReferenceConfig
+
+
+class Valley:
+    """Follows the valley of the field from frame to frame."""
+
+    def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
+        self._preferred_right_m = config.field.preferred_right_m
+        self._field = LaneField(config.field, setup.vehicle)
+        self._reference = LaneReference(config.reference, setup.vehicle, setup.speed_reference_mps, setup.rate_hz)
+
+    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
+        lane = locate(perception.road, self._preferred_right_m)
+        obstacles = place(perception.obstacles, lane)
+        potential = self._field.update(lane, obstacles)
+        reference = self._reference.update(
+            lane, obstacles, self._field, potential.minimum_m, observation.yaw_rad, observation.speed_mps
+        )
+        extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
+        return _force(potential, lane.y_m), reference, extra
+
+
+def _force(potential: LanePotential, y_m: float) -> Force:
+    """-grad U at the vehicle, to be looked at: across the road, with the target's pull of 1 along it."""
+    target, road, obstacle = (np.array([0.0, -slope]) for slope in potential.slope(y_m))
+    target[0] = 1.0
+    return Force(target, obstacle, road, target + obstacle + road)
