@@ -12,6 +12,8 @@ from vpf_sim.envs.rectangles import solid_bodies
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.kinds import MOVING, SIZES, BodyKind
 
+from vpf_sim.types import Floats
+
 MAX_ACCELERATION_MPS2 = 1.5
 COMFORTABLE_BRAKING_MPS2 = 2.0
 FULL_BRAKING_MPS2 = 6.0
@@ -43,6 +45,9 @@ class Traffic(Vehicle):  # type: ignore[misc]
 
     kind: BodyKind
     HEIGHT: float
+    position: Floats  # (2,) m
+    heading: float  # rad
+    speed: float  # m/s
 
     def __init__(self, road: Road, place: tuple[float, float], speed: float) -> None:
         self.place = place  # s, lateral on the carriageway

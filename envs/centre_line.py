@@ -24,6 +24,7 @@ from vpf_sim.types import Floats
 NODES, WEIGHTS = (values.tolist() for values in np.polynomial.legendre.leggauss(8))
 QUADRATURE = [((1.0 + node) / 2.0, weight / 2.0) for node, weight in zip(NODES, WEIGHTS, strict=True)]  # on [0, 1]
 PIECE_TURN_RAD = 0.5
+TIE_M = 1e-9  # near a joint the joint itself is as near as the true foot but for rounding, so feet inside a piece win
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,13 +154,13 @@ class CentreLine:
             bounds.append((math.hypot(x_m - piece.x_m, y_m - piece.y_m) - reach, index))
         best_m, best = math.inf, (0.0, 0.0)
         for bound_m, index in sorted(bounds):
-            if bound_m > best_m:
+            if bound_m > best_m + TIE_M:
                 break
             piece = self.pieces[index]
             v = piece.nearest(x_m, y_m)
             x, y = piece.point(v)
             distance_m = math.hypot(x_m - x, y_m - y)
-            if distance_m < best_m:
+            if distance_m < best_m + (TIE_M if piece.low_m < v < piece.high_m else -TIE_M):
                 heading = piece.heading(v)
                 lateral = math.cos(heading) * (y_m - y) - math.sin(heading) * (x_m - x)
                 best_m, best = distance_m, (piece.s_m + v, lateral)

@@ -31,7 +31,13 @@ class Ego(Vehicle):  # type: ignore[misc]
     MIN_SPEED = 0.0
     kind: BodyKind = "car"
 
-    def __init__(self, road: Road | None, position: Floats, heading: float = 0.0, speed: float = 0.0) -> None:
+    road: Road
+    position: Floats  # (2,) m
+    heading: float  # rad
+    speed: float  # m/s
+    action: dict[str, float]
+
+    def __init__(self, road: Road, position: Floats, heading: float = 0.0, speed: float = 0.0) -> None:
         self.model = VehicleModel()
         self.steering_rad = 0.0
         self.place = (0.0, 0.0)  # s, lateral on the carriageway
@@ -89,8 +95,6 @@ class Ego(Vehicle):  # type: ignore[misc]
 
     def on_state_update(self) -> None:
         """Where the car is on the carriageway, and so on which lane."""
-        if self.road is None:
-            return
         network = self.road.network
         self.place = network.centre.local_at(float(self.position[0]), float(self.position[1]))
         self.lane_index = network.lane_at(self.place[1])

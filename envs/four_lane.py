@@ -33,7 +33,7 @@ FARTHEST_M, LONGEST_S = 1e5, 1e5
 EnvObservation = dict[str, NDArray[Any]]
 
 
-class FourLane(gymnasium.Env[EnvObservation, NDArray[np.float32]]):
+class FourLane(gymnasium.Env[EnvObservation, Any]):
     """One clock: each step is one action, one tick of the world and one camera frame. Contract: see the README.
 
     `scenario` and `weather` are names of the catalogs, paths of TOML files, or what their `load` returns. After a reset
@@ -91,17 +91,26 @@ class FourLane(gymnasium.Env[EnvObservation, NDArray[np.float32]]):
     def step(self, action: NDArray[np.float32]) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
         """Apply throttle and steering for one tick of the clock."""
         command = _checked_action(action)
-        self.ego.act(self._controls(command))
-        self.road.act()
-        self.road.step(1.0 / self.rate_hz)
-        self._steps += 1
+        self.advance(command)
         self._frame = self._renderer.render(self.ego, self._steps / self.rate_hz)
         status = self._ending.status(self.ego, self._frame)
         reward = self._reward(command, status)
         self._show()
         return self._observation(), reward, status in TERMINATED, status in TRUNCATED, self._info(status)
 
-    def render(self) -> Image | None:  # type: ignore[override]
+    @property
+    def route_m(self) -> float:
+        """m from the start along the route to where the ego is."""
+        return self._path.progress(self.ego.place[0])
+
+    def advance(self, command: Floats) -> None:
+        """The world's part of a step, for who needs no frame: throttle and steering for one tick of the clock."""
+        self.ego.act(self._controls(command))
+        self.road.act()
+        self.road.step(1.0 / self.rate_hz)
+        self._steps += 1
+
+    def render(self) -> Image | None:
         """The frame last taken, for `rgb_array`; the window of `human` is drawn by reset and step."""
         return self._frame.copy() if self.render_mode == "rgb_array" else None
 
@@ -169,7 +178,7 @@ class FourLane(gymnasium.Env[EnvObservation, NDArray[np.float32]]):
             self._window.show(self._frame)
 
 
-def _observation_space(camera: Camera) -> spaces.Dict:
+def _observation_space(camera: Camera) -> Any:
     low = np.array([-FARTHEST_M, -FARTHEST_M, -np.pi, 0.0, -YAW_RATE_LIMIT_RADPS])
     high = np.array([FARTHEST_M, FARTHEST_M, np.pi, MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS])
     return spaces.Dict(

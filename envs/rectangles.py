@@ -37,11 +37,9 @@ def distance(a: RoadObject, b: RoadObject) -> float:
 
 
 def _beyond_a_side(body: RoadObject, points: list[Point]) -> bool:
+    a, b = body.LENGTH / 2.0, body.WIDTH / 2.0
     along, across = [point[0] for point in points], [point[1] for point in points]
-    half_length, half_width = body.LENGTH / 2.0, body.WIDTH / 2.0
-    return (
-        min(along) > half_length or max(along) < -half_length or min(across) > half_width or max(across) < -half_width
-    )
+    return bool(min(along) > a or max(along) < -a or min(across) > b or max(across) < -b)
 
 
 def _from_corners(body: RoadObject, points: list[Point]) -> float:
@@ -74,7 +72,7 @@ def clearance(ego: RoadObject) -> float:
 def free_ahead(ego: RoadObject) -> float:
     """m from the front bumper to the first body in the strip that the ego would sweep straight on; inf without one."""
     faces = (_first_in_strip(seen_from(ego, corners(other)), ego.WIDTH / 2.0) for other in solid_bodies(ego))
-    return min((face for face in faces if face > 0.0), default=inf) - ego.LENGTH / 2.0
+    return float(min((face for face in faces if face > 0.0), default=inf) - ego.LENGTH / 2.0)
 
 
 def _first_in_strip(points: list[Point], half_width: float) -> float:

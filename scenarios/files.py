@@ -1,5 +1,6 @@
 """Scenarios by name or file, and a clear line for each fault of a wrong file."""
 
+import re
 import tomllib
 from difflib import get_close_matches
 from importlib.resources import files
@@ -73,7 +74,8 @@ def _lines(file: str, fault: dict[str, Any]) -> list[str]:
     if kind == "union_tag_invalid":
         tag = fault["ctx"]["tag"]
         return [f"{file}: {_key(location)}.kind: expected one of 'line', 'arc', 'clothoid', got '{tag}'"]
-    return [f"{file}: {_key(location)}: {_expected(fault['msg'])}, got {_short(fault['input'])}"]
+    remedy = _nearest_of(fault["input"], fault["ctx"]["expected"]) if kind == "literal_error" else ""
+    return [f"{file}: {_key(location)}: {_expected(fault['msg'])}, got {_short(fault['input'])}{remedy}"]
 
 
 def _key(location: tuple[int | str, ...]) -> str:
@@ -97,6 +99,12 @@ def _nearest(location: tuple[int | str, ...]) -> str:
     known = [field.alias or name for name, field in section.model_fields.items()]
     near = get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
     return f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
+
+
+def _nearest_of(value: object, expected: str) -> str:
+    """The nearest of the choices that pydantic lists in quotes."""
+    near = get_close_matches(str(value), re.findall("'([^']+)'", expected), n=1, cutoff=0.5)
+    return f": did you mean '{near[0]}'?" if near else ""
 
 
 def _expected(message: str) -> str:

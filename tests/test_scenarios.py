@@ -1,0 +1,262 @@
+"""Scenario files: the catalog is sound, and each fault of a wrong file is one clear line."""
+
+import os
+import tomllib
+import xml.etree.ElementTree as ET
+from math import atan2, cos, pi, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+from vpf_sim.envs.road import build_road
+
+from vpf_sim import scenarios
+from vpf_sim.errors import InputError
+from vpf_sim.types import Floats
+
+FILE = """
+schema = 1
+[road]
+lanes = 4
+lane_width_m = 3.5
+segments = [
+  {kind = "line", length_m = 60},
+  {kind = "clothoid", length_m = 30, end_radius_m = -100},
+  {kind = "arc", length_m = 80, radius_m = -100},
+]
+[goal]
+s_m = 165.0
+[[bodies]]
+kind = "car"
+s_m = 90.0
+lane = 2
+[vary]
+"bodies.lateral_m" = [-0.2, 0.3]
+"""
+
+
+def message(old: str = "", new: str = "", extra: str = "") -> str:
+    """What is said about FILE with one change."""
+    assert old in FILE
+    with pytest.raises(InputError) as caught:
+        scenarios.parse(FILE.replace(old, new, 1) + extra, "my.toml")
+    return str(caught.value)
+
+
+def test_a_good_file_is_taken_with_its_defaults() -> None:
+    scenario = scenarios.parse(FILE, "my.toml")
+    assert scenario.road.length_m == 170.0
+    assert (scenario.ego.lane, scenario.ego.speed_mps, scenario.goal.kind) == (2, 5.55, "reach")
+    assert scenario.time_limit_s == pytest.approx(3.0 * (165.0 - 5.0) / 5.55)
+
+
+CHOICES = "'car', 'van', 'truck', 'cone', 'pallet', 'barrier' or 'pedestrian'"
+VARY = (
+    "'ego.s_m', 'ego.lateral_m', 'ego.heading_deg', 'ego.speed_mps', "
+    "'bodies.s_m', 'bodies.lateral_m' or 'bodies.speed_mps'"
+)
+FAULTS = [
+    ("lane_width_m", "lane_widht_m", "road.lane_widht_m: unknown key, did you mean 'lane_width_m'?"),
+    ("[goal]", "[gaol]\ns_m = 1.0\n[goal]", "gaol: unknown key, did you mean 'goal'?"),
+    ("schema = 1", "schema = 2", "schema: expected 1, got 2"),
+    ("lane_width_m = 3.5", "lane_width_m = -3.5", "road.lane_width_m: expected greater than 0, got -3.5"),
+    ("length_m = 80", "length_m = 0", "road.segments[2].length_m: expected greater than 0, got 0"),
+    ("length_m = 80", 'length_m = "80"', "road.segments[2].length_m: expected a valid number, got '80'"),
+    ("length_m = 80, ", "", "road.segments[2].length_m: expected a value, got none"),
+    ('"arc"', '"ark"', "road.segments[2].kind: expected one of 'line', 'arc', 'clothoid', got 'ark'"),
+    (
+        "radius_m = -100}",
+        "radius_m = -7}",
+        "road.segments[1].end_radius_m: expected more than half the carriageway, 7 m, to either side, got -7",
+    ),
+    (
+        "s_m = 165.0",
+        "s_m = 4.0",
+        "goal.s_m: expected a place ahead of the ego and on the road, after 5 and up to 170 m, got 4",
+    ),
+    (
+        "s_m = 165.0",
+        "s_m = 171.0",
+        "goal.s_m: expected a place ahead of the ego and on the road, after 5 and up to 170 m, got 171",
+    ),
+    ("lane = 2", "lane = 5", "bodies[0].lane: expected 1 to 4, counted from the right, got 5"),
+    (
+        "lane = 2",
+        "lane = 1\nlateral_m = 0.5",
+        "bodies[0].lateral_m: obstacle off the road: expected the whole body between -7 and 7 m from the "
+        "carriageway's centre, got 4.55 to 7.05 m",
+    ),
+    (
+        "s_m = 90.0",
+        "s_m = 168.0",
+        "bodies[0].s_m: obstacle off the road: expected the whole body between 0 and 170 m along the road, "
+        "got 165.5 to 170.5 m",
+    ),
+    ('"car"', '"cat"', f"bodies[0].kind: expected {CHOICES}, got 'cat': did you mean 'car'?"),
+    (
+        'kind = "car"',
+        'kind = "cone"\nspeed_mps = 1.0',
+        "bodies[0].speed_mps: expected 0 for a cone, which cannot move, got 1",
+    ),
+    (
+        "[-0.2, 0.3]",
+        "[0.3, -0.2]",
+        'vary."bodies.lateral_m": expected [low, high] with low <= high, got [0.3, -0.2]',
+    ),
+    (
+        '"bodies.lateral_m"',
+        '"bodies.latral_m"',
+        f"vary.\"bodies.latral_m\": expected {VARY}, got 'bodies.latral_m': did you mean 'bodies.lateral_m'?",
+    ),
+    (
+        '"bodies.lateral_m"',
+        '"bodies.speed_mps"',
+        'vary."bodies.speed_mps": expected speeds that stay at or above 0, got a change of -0.2',
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "line"), FAULTS)
+def test_each_fault_is_one_line_with_file_key_expected_and_actual(old: str, new: str, line: str) -> None:
+    assert message(old, new) == f"my.toml: {line}"
+
+
+def test_a_file_with_two_faults_gets_two_lines() -> None:
+    text = FILE.replace("s_m = 165.0", "s_m = 4.0").replace("lane = 2", "lane = 5")
+    with pytest.raises(InputError) as caught:
+        scenarios.parse(text, "my.toml")
+    assert len(str(caught.value).splitlines()) == 2
+
+
+def test_a_file_that_is_not_toml_is_said_to_be_so() -> None:
+    assert message("schema = 1", "schema = = 1").startswith("my.toml: expected TOML, got: Invalid value (at line 2")
+
+
+def test_an_unknown_scenario_gets_the_nearest_name() -> None:
+    with pytest.raises(InputError, match="^unknown scenario 'town4': did you mean 'town04'\\?$"):
+        scenarios.load("town4")
+
+
+def test_a_missing_file_is_said_to_be_missing(tmp_path: Path) -> None:
+    path = tmp_path / "none.toml"
+    with pytest.raises(InputError) as caught:
+        scenarios.load(str(path))
+    assert str(caught.value) == f"{path}: expected a readable scenario file, got: No such file or directory"
+
+
+def test_a_scenario_is_loaded_from_a_path(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(FILE, "utf-8")
+    assert scenarios.load(str(path)) == scenarios.parse(FILE, "mine.toml")
+
+
+def test_a_draw_adds_a_value_in_the_interval_and_leaves_nothing_to_vary() -> None:
+    scenario = scenarios.parse(FILE, "my.toml")
+    drawn = [scenario.draw(seed).bodies[0].lateral_m for seed in range(200)]
+    assert min(drawn) >= -0.2
+    assert max(drawn) <= 0.3
+    assert max(drawn) - min(drawn) > 0.45
+    assert scenario.draw(7) == scenario.draw(7)
+    assert scenario.draw(7).draw(8) == scenario.draw(7)
+
+
+def test_another_body_leaves_the_draws_of_the_first_as_they_were() -> None:
+    more = FILE.replace("[vary]", '[[bodies]]\nkind = "cone"\ns_m = 30.0\nlane = 1\n[vary]')
+    assert scenarios.parse(more, "a").draw(3).bodies[0] == scenarios.parse(FILE, "b").draw(3).bodies[0]
+
+
+def test_the_catalog_has_what_it_promises() -> None:
+    assert {"town04", "town04-clean", "straight", "curve-left", "curve-right", "heading-30", "slalom"} <= set(
+        scenarios.names()
+    )
+
+
+@pytest.mark.parametrize("name", scenarios.names())
+def test_every_seed_of_the_catalog_passes_the_checks_of_the_schema(name: str) -> None:
+    scenario = scenarios.load(name)
+    for seed in range(50):
+        scenarios.Scenario.model_validate(scenario.draw(seed).model_dump(by_alias=True))
+
+
+def road_45() -> tuple[ET.Element, float, float]:
+    """Road 45 of Town04, and from the file: t of the centre of its second lane from the right, and the width."""
+    shared = os.environ.get("VPF_SIM_SHARED")
+    if shared is None:
+        pytest.skip("VPF_SIM_SHARED is not set: Town04.xodr is not at hand")
+    roads = ET.parse(Path(shared) / "maps" / "Town04.xodr").getroot().iter("road")
+    road = next(road for road in roads if road.get("id") == "45")
+    edge, centres = float(road.find("lanes/laneOffset").get("a")), []  # type: ignore[union-attr, arg-type]
+    for lane in sorted(road.findall("lanes/laneSection/left/lane"), key=lambda lane: int(lane.get("id", 0))):
+        width = float(lane.find("width").get("a"))  # type: ignore[union-attr, arg-type]
+        if lane.get("type") == "driving":
+            centres.append((edge + width / 2.0, width))
+        edge += width
+    return road, *centres[-2]  # driven towards decreasing s, the outermost lane is the rightmost
+
+
+def open_drive_point(road: ET.Element, s: float, t: float) -> Floats:
+    """(2,) m in our axes, OpenDRIVE's (s, t) on a road of lines and arcs: their y is to the left."""
+    piece = [geometry for geometry in road.findall("planView/geometry") if float(geometry.get("s", 0)) <= s][-1]
+    x, y, heading, start = (float(piece.get(key, 0)) for key in ("x", "y", "hdg", "s"))
+    arc = piece.find("arc")
+    curvature = 0.0 if arc is None else float(arc.get("curvature", 0))
+    u = s - start
+    if curvature == 0.0:
+        x, y = x + u * cos(heading), y + u * sin(heading)
+    else:
+        x += (sin(heading + curvature * u) - sin(heading)) / curvature
+        y -= (cos(heading + curvature * u) - cos(heading)) / curvature
+    heading += curvature * u
+    return np.array([x - t * sin(heading), -(y + t * cos(heading))])
+
+
+@pytest.mark.parametrize("name", ["town04", "town04-clean"])
+def test_town04_has_the_lane_centre_of_road_45_to_a_centimetre(name: str) -> None:
+    road, t, width = road_45()
+    scenario = scenarios.load(name)
+    lane = build_road(scenario, np.random.default_rng(0)).network.get_lane(("start", "end", 4 - scenario.ego.lane))
+    assert scenario.road.lane_width_m == width
+    places = np.linspace(float(road.get("length", 0)), 0.0, 600)
+    points = np.array([open_drive_point(road, s, t) for s in places])
+    local = np.array([lane.local_coordinates(point) for point in points])
+    assert np.abs(local[:, 1]).max() < 0.01
+    assert (np.diff(local[:, 0]) > 0.0).all()
+    assert np.abs(local[[0, -1], 0] - [0.0, lane.length]).max() < 0.01
+
+
+def test_town04_starts_ends_and_has_its_cars_where_the_paper_had_them() -> None:
+    road, t, _ = road_45()
+    scenario = scenarios.load("town04")
+    lane = build_road(scenario, np.random.default_rng(0)).network.get_lane(("start", "end", 2))
+    first, second = scenario.bodies
+    expected = [(540.0, t), (340.0, t), (502.7, t - 2.09), (414.1, t + 0.91)]
+    actual = [(scenario.ego.s_m, 0.0), (scenario.goal.s_m, 0.0), (first.s_m, first.lateral_m)]
+    actual.append((second.s_m, second.lateral_m))
+    for (s, across), place in zip(expected, actual, strict=True):
+        assert np.hypot(*(lane.position(*place) - open_drive_point(road, s, across))) < 0.01
+    assert np.hypot(*(lane.position(second.s_m, second.lateral_m) - [-188.3, 406.4])) < 0.1  # the paper's own point
+
+
+def test_town04_is_driven_to_the_right_in_both_bends() -> None:
+    road, t, _ = road_45()
+    scenario = scenarios.load("town04")
+    ahead = open_drive_point(road, 539.0, t) - open_drive_point(road, 540.0, t)
+    lane = build_road(scenario, np.random.default_rng(0)).network.get_lane(("start", "end", 2))
+    heading = lane.heading_at(scenario.ego.s_m + 0.5)
+    assert abs((heading - atan2(ahead[1], ahead[0]) + pi) % (2.0 * pi) - pi) < 1e-3
+    radii = [segment.radius_m for segment in scenario.road.segments if segment.kind == "arc"]
+    assert all(radius > 0.0 for radius in radii)
+
+
+def test_the_slalom_has_a_car_every_50_m_on_alternate_sides() -> None:
+    bodies = scenarios.load("slalom").bodies
+    assert np.diff([body.s_m for body in bodies]).tolist() == [50.0] * (len(bodies) - 1)
+    assert [body.lateral_m for body in bodies] == [(-1) ** (i + 1) * 1.2 for i in range(len(bodies))]
+
+
+def test_the_catalog_files_are_named_in_their_first_line() -> None:
+    folder = Path(scenarios.__file__).parent / "catalog"
+    for path in folder.glob("*.toml"):
+        text = path.read_text("utf-8")
+        assert text.startswith("# ")
+        assert tomllib.loads(text)["schema"] == 1
