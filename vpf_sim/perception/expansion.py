@@ -8,8 +8,10 @@ import numpy as np
 from vpf_sim.geometry import rotation_flow
 from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow
 
-HYPOTHESES = 64
-SAMPLE = 160  # points that vote in RANSAC
+HYPOTHESES = 48
+SAMPLE = 100  # points that vote in RANSAC
+ITERATIONS = 4  # of the reweighting
+LEAST = 8  # moving points without which there is no FOE
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +20,7 @@ class ExpansionConfig:
     tolerance_px: float = 0.25  # flow across the radial direction that an inlier may have, plus
     tolerance_ratio: float = 0.04  # this share of its length
     min_flow_px: float = 0.3  # shorter motions do not vote
+    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.002, 0.03)  # usual unmeasured pitch, yaw and roll rate
 
     def __post_init__(self) -> None:
         if self.method not in ("as_printed", "least_squares", "robust"):
@@ -36,8 +39,7 @@ def lines(points_px: Floats, flow_px: Floats) -> tuple[Floats, Floats]:
 def least_squares(points_px: Floats, flow_px: Floats) -> Floats:
     """(2,) px, FOE = (A^T A)^-1 A^T b, the paper's definition; rows weigh by |v|, which is right (METHOD A3)."""
     a, b = lines(points_px, flow_px)
-    solution = np.asarray(np.linalg.lstsq(a, b, rcond=None)[0], np.float64)
-    return solution
+    return np.asarray(np.linalg.lstsq(a, b, rcond=None)[0], np.float64)
 
 
 def as_printed(points_px: Floats, flow_px: Floats) -> Floats:
@@ -109,39 +111,79 @@ def _ransac(points_px: Floats, flow_px: Floats, tolerance_px: Floats, rng: np.ra
     return best
 
 
-def robust(
-    points_px: Floats, flow_px: Floats, config: ExpansionConfig, rng: np.random.Generator
-) -> tuple[Floats, Floats, Bools]:
-    """FOE (2,) px, its covariance (2, 2) px^2, inliers (N,) of a derotated flow: RANSAC, then reweighted least squares.
+def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
+    """(N, 2, 3) px per rad/s: motion of the image under a slow turn about the camera's x, y and z axes in each window.
 
-    The noise of a row of A x = b is that of the flow times the distance from the FOE, so rows weigh by its inverse, and
-    by Tukey's biweight of the flow across the radial direction.
+    To first order and up to sign (Longuet-Higgins and Prazdny 1980); the turns it measures are small and unknown.
+    """
+    x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
+    y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
+    across = np.stack([x * y, 1.0 + x * x, -y], axis=1) * camera.fx_px
+    down = np.stack([1.0 + y * y, x * y, x], axis=1) * camera.fy_px
+    return np.stack([across, down], axis=1) * gap_s[:, None, None]
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    foe_px: Floats  # (2,)
+    covariance_px2: Floats  # (2, 2)
+    inliers: Bools  # (N,)
+
+
+def robust(
+    points_px: Floats,
+    flow_px: Floats,
+    gap_s: Floats,
+    camera: Camera,
+    config: ExpansionConfig,
+    rng: np.random.Generator,
+) -> Fit | None:
+    """The FOE of a derotated flow by RANSAC and then reweighted least squares; None where the flow fixes none.
+
+    A row of A x = b has the noise of the flow times the distance from the FOE, so rows weigh by its inverse, and by
+    Tukey's biweight of the flow across the radial direction. Pitch, roll and what the yaw rate's sensor misses turn
+    the picture too; these rates are fitted along, held near zero by their usual size.
     """
     length = np.hypot(flow_px[:, 0], flow_px[:, 1])
     tolerance = config.tolerance_px + config.tolerance_ratio * length
     usable = length > config.min_flow_px
-    none = np.zeros(len(points_px), np.bool_)
-    unknown = np.array([np.nan, np.nan]), np.full((2, 2), np.inf), none
-    if np.count_nonzero(usable) < 8:
-        return unknown
-    p, v, limit = points_px[usable], flow_px[usable], tolerance[usable]
-    foe = _ransac(p, v, limit, rng)
-    if foe is None:
-        return unknown
-    a, b = lines(p, v)
-    covariance = np.full((2, 2), np.inf)
-    for _ in range(4):
-        across = _across(p, v, foe[None])[0]
-        distance = np.hypot(*(p - foe).T) + 1.0
-        weight = np.clip(1.0 - (across / (2.0 * limit)) ** 2, 0.0, None) ** 2 / (distance * limit) ** 2
-        normal = (a * weight[:, None]).T @ a
-        if np.linalg.det(normal) < 1e-18 or np.count_nonzero(weight) < 8:
-            return unknown
-        foe = np.linalg.solve(normal, (a * weight[:, None]).T @ b)
-        # The tolerance is some three standard deviations of the flow.
-        covariance = np.linalg.inv(normal) / 9.0
-    inliers = usable & (_across(points_px, flow_px, foe[None])[0] < tolerance)
-    return foe, covariance, inliers
+    if np.count_nonzero(usable) < LEAST:
+        return None
+    start = _ransac(points_px[usable], flow_px[usable], tolerance[usable], rng)
+    if start is None:
+        return None
+    turning = _tilt_flow(camera, points_px, gap_s)
+    prior = np.array([0.0, 0.0, *(1.0 / max(sd, 1e-9) ** 2 for sd in config.rotation_sd_radps)])
+    state = np.array([*start, 0.0, 0.0, 0.0])
+    p, v, limit, turn = points_px[usable], flow_px[usable], tolerance[usable], turning[usable]
+    for _ in range(ITERATIONS):
+        weight, slope, across = _linearise(p, v - turn @ state[2:], turn, state[:2], limit)
+        weighted = slope * weight[:, None]
+        normal = weighted.T @ slope + np.diag(prior)
+        if np.count_nonzero(weight) < LEAST or np.linalg.det(normal[:2, :2]) < 1e-12:
+            return None
+        state = state - np.linalg.solve(normal, weighted.T @ across + prior * state)
+    covariance = np.linalg.inv(normal)[:2, :2]
+    still = flow_px - turning @ state[2:]
+    inliers = usable & (_across(points_px, still, state[None, :2])[0] < tolerance)
+    return Fit(state[:2], np.asarray(covariance, np.float64), inliers)
+
+
+def _linearise(
+    points_px: Floats, flow_px: Floats, turn: Floats, foe_px: Floats, limit_px: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Weights (N,), slopes (N, 5) and values (N,) px of the flow across the radial direction, at a FOE and rates."""
+    away = points_px - foe_px
+    distance = np.hypot(away[:, 0], away[:, 1]) + 5.0
+    x, y = away[:, 0] / distance, away[:, 1] / distance
+    across = flow_px[:, 0] * y - flow_px[:, 1] * x
+    outward = flow_px[:, 0] * x + flow_px[:, 1] * y > 0.0
+    # The tolerance is some three standard deviations of the flow.
+    weight = np.where(outward, np.clip(1.0 - (across / (2.0 * limit_px)) ** 2, 0.0, None) ** 2, 0.0)
+    slope = np.empty((len(across), 5))
+    slope[:, 0], slope[:, 1] = flow_px[:, 1] / distance, -flow_px[:, 0] / distance
+    slope[:, 2:] = turn[:, 1] * x[:, None] - turn[:, 0] * y[:, None]
+    return weight * 9.0 / limit_px**2, slope, across
 
 
 def estimate(flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random.Generator) -> Expansion:
@@ -159,13 +201,14 @@ def estimate(flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random
     shift = chord_shift(flow, camera)
     # Moving a line by the shift moves its intersection with the others from the chord's image to the present FOE.
     points = flow.points_px + np.stack([shift, np.zeros_like(shift)], axis=1)
-    foe, covariance, inliers = robust(points, derotated, config, rng)
-    if not np.all(np.isfinite(foe)):
+    fit = robust(points, derotated, flow.gap_s, camera, config, rng)
+    if fit is None:
         return _unknown(camera, len(flow))
     voters = int(np.count_nonzero(np.hypot(*derotated.T) > config.min_flow_px))
-    share = float(np.count_nonzero(inliers)) / max(1, voters)
-    sharp = 1.0 / (1.0 + float(np.sqrt(np.trace(covariance))) / 5.0)
-    return Expansion(float(foe[0]), float(foe[1]), covariance, inliers, float(np.clip(share * sharp, 0.0, 1.0)))
+    share = float(np.count_nonzero(fit.inliers)) / max(1, voters)
+    sharp = 1.0 / (1.0 + float(np.sqrt(np.trace(fit.covariance_px2))) / 5.0)
+    x, y = (float(value) for value in fit.foe_px)
+    return Expansion(x, y, fit.covariance_px2, fit.inliers, min(1.0, share * sharp))
 
 
 def _unknown(camera: Camera, count: int) -> Expansion:

@@ -25,8 +25,8 @@ class Band:
 
 BANDS = {
     "whole": (Band(-inf, inf, 1.0),),
-    # Above the horizon up to a lorry's roof at 7 m, the road beyond 10 m, the road before it.
-    "road": (Band(-0.35, 0.0, 0.3), Band(0.0, 0.14, 0.5), Band(0.14, 0.55, 0.2)),
+    # Scenery, which holds the FOE's height; bodies above the horizon; the road beyond 10 m; the road before it.
+    "road": (Band(-0.35, -0.08, 0.12), Band(-0.08, 0.0, 0.2), Band(0.0, 0.14, 0.48), Band(0.14, 0.55, 0.2)),
 }
 
 

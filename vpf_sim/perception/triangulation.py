@@ -35,7 +35,8 @@ class Triangulation:
 def information(flow: Flow, window_px: int, age_s: Floats, noise: NoiseModel) -> Floats:
     """(N, 2, 2) inverse covariance of a track's displacement, px^-2: cov = sigma^2 S^-1 / n + floor^2 I, times growth.
 
-    Along an edge the tensor's small eigenvalue is mostly noise, and Lucas-Kanade slides: a share of the large eigenvalue is taken off it.
+    Along an edge the tensor's small eigenvalue is mostly noise, and Lucas-Kanade slides: a share of the large
+    eigenvalue is taken off it.
     """
     a, b, d = flow.structure[:, 0, 0], flow.structure[:, 0, 1], flow.structure[:, 1, 1]
     mean, half = 0.5 * (a + d), np.hypot(0.5 * (a - d), b)
