@@ -100,7 +100,7 @@ class Grain:
         return canvas
 
     def _level_bands(self, index: int, distance: Floats) -> list[Band]:
-        shown = np.flatnonzero(self._weights[index] > 0.0)
+        shown = np.flatnonzero(self._weights[index] > 1e-3)
         along = np.abs(np.gradient(distance))  # m of road a row covers
         wanted = [2 ** max(0, ceil(log2(along[row] / (2.0 * LEVELS[index].texel_m)))) for row in shown]
         capped = [min(supersampling, 16) for supersampling in wanted]

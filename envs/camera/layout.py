@@ -12,7 +12,7 @@ from highway_env.road.lane import AbstractLane, LineType
 from highway_env.road.road import Road
 from scipy.spatial import cKDTree
 
-from vpf_sim.types import Floats
+from vpf_sim.types import Bools, Floats
 
 STEP_M = 1.0  # between samples of a bent lane; a chord of 1 m leaves an arc of 15 m radius by 8 mm
 STRAIGHT_STEP_M = 8.0
@@ -82,6 +82,60 @@ def stripes(line: Line) -> list[tuple[float, float]]:
     first, last = line.s_m[0], line.s_m[-1]
     starts = np.arange(np.ceil(first / PERIOD_M), np.floor((last - STRIPE_M) / PERIOD_M) + 1) * PERIOD_M
     return [(float(start), float(start) + STRIPE_M) for start in starts]
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """A stretch of a lane's edge beyond which there is no other lane."""
+
+    points_m: Floats  # (M, 2) world, in the direction of the lane
+    outward: Floats  # (M, 2) unit, across the lane, away from it
+
+    def at(self, outward_m: float) -> Floats:
+        """(M, 2) world points that far outside the edge."""
+        return self.points_m + outward_m * self.outward
+
+
+def outer_edges(shapes: list[LaneShape]) -> list[Edge]:
+    """Where the carriageway ends, in stretches that follow one lane."""
+    edges = []
+    for shape in shapes:
+        across = shape.right_m - shape.left_m
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
+        others = [other for other in shapes if other is not shape]
+        for points, outward in ((shape.left_m, -across), (shape.right_m, across)):
+            free = ~_on_lanes(points + 0.5 * outward, others)
+            edges += [Edge(points[run], outward[run]) for run in _runs(free)]
+    return edges
+
+
+def _on_lanes(points: Floats, shapes: list[LaneShape]) -> Bools:
+    """(N,) whether points lie on one of the lanes."""
+    covered = np.zeros(len(points), bool)
+    for shape in shapes:
+        middle = 0.5 * (shape.left_m + shape.right_m)
+        start, end = middle[:-1], middle[1:]
+        along = end - start
+        nearest = cKDTree(0.5 * (start + end)).query(points)[1]
+        # the nearest stretch by its middle, or one beside it where stretches differ in length
+        for index in (np.maximum(nearest - 1, 0), nearest, np.minimum(nearest + 1, len(start) - 1)):
+            relative = points - start[index]
+            length = np.linalg.norm(along[index], axis=1)
+            unit = along[index] / length[:, None]
+            s = np.einsum("ij,ij->i", relative, unit)
+            lateral = relative[:, 1] * unit[:, 0] - relative[:, 0] * unit[:, 1]
+            half = 0.5 * np.linalg.norm(shape.right_m[index] - shape.left_m[index], axis=1)
+            covered |= (s > -0.1) & (s < length + 0.1) & (np.abs(lateral) <= half)
+    return covered
+
+
+def _runs(flags: Bools) -> list[slice]:
+    """Slices of at least two samples over which the flags hold, each with one sample more at either end."""
+    padded = np.concatenate([[False], flags, [False]]).astype(np.int8)
+    starts, ends = np.flatnonzero(np.diff(padded) == 1), np.flatnonzero(np.diff(padded) == -1)
+    return [
+        slice(max(0, int(a) - 1), min(len(flags), int(b) + 1)) for a, b in zip(starts, ends, strict=True) if b - a >= 2
+    ]
 
 
 def _sampled(lane: AbstractLane, before: bool, after: bool) -> LaneShape:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.layout import LaneShape, Line, lane_shapes, lines, stripes
+from vpf_sim.envs.camera.layout import LaneShape, Line, lines, outer_edges, stripes
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
@@ -45,9 +45,10 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     """All that is painted on the ground, in the order in which it is laid."""
     rng = stream(seed, "asphalt")
     marks = lines(shapes)
+    outer = outer_edges(shapes)
     surfaces = [
-        *_widened(shapes, PAVED_SHOULDER_M + GRAVEL_SHOULDER_M, GRAVEL),
-        *_widened(shapes, PAVED_SHOULDER_M, ASPHALT - 4),
+        *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M + GRAVEL_SHOULDER_M), GRAVEL) for edge in outer),
+        *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer),
         *((shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes),
     ]
     solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
@@ -57,14 +58,6 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
         count = len(striped)
         batches.append(Batch(np.array(striped), np.full(count, LINE), np.zeros(count, np.int64), thin=True))
     return [batch for batch in batches if len(batch.values)]
-
-
-def _widened(shapes: list[LaneShape], margin_m: float, value: int) -> list[tuple[Floats, Floats, int]]:
-    result = []
-    for shape in shapes:
-        half = 0.5 * np.linalg.norm(shape.right_m - shape.left_m, axis=1) + margin_m
-        result.append((shape.at(-half), shape.at(half), value))
-    return result
 
 
 def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
@@ -97,5 +90,3 @@ def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool) -> Batch:
     shape = (len(polygons), 2 * CHUNK + 2, 2)
     return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin)
 
-
-__all__ = ["Batch", "lane_shapes", "painted"]

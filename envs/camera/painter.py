@@ -50,7 +50,7 @@ def project_mesh(view: View, mesh: Mesh, position: Floats, heading: float, light
     planes = normals[shown] / offset[shown, None]
     if inside[shown].all():
         return Drawing(list(view.pixels(faces[shown])), colours, planes)
-    return Drawing([view.pixels(p) for p in clip_near(faces[shown], inside[shown])], colours, planes)
+    return Drawing(list(view.pixels(clip_near(faces[shown], inside[shown]))), colours, planes)
 
 
 def paint(frame: Image, drawing: Drawing) -> None:

@@ -5,7 +5,6 @@ every edge its exact coverage: 2 x 2 near the car, 4 x 8 far away, where one row
 """
 
 from dataclasses import dataclass
-from itertools import groupby
 
 import cv2
 import numpy as np
@@ -31,12 +30,11 @@ class Canvas:
     fine_x: int
     fine_y: int
 
-    def fill(self, polygons: list[Floats], value: int) -> None:
-        """Fill polygons given in pixels of the picture."""
-        scale = np.array([self.fine_x, self.fine_y], float)
-        offset = np.array([0.5, 0.5 - self.first])
-        fixed = [np.rint(((p + offset) * scale - 0.5) * 2**SHIFT).astype(np.int32) for p in polygons]
-        cv2.fillPoly(self.pixels, fixed, value, cv2.LINE_8, SHIFT)
+    def fixed(self, pixels: Floats) -> NDArray[np.int32]:
+        """Pixels of the picture in OpenCV's fixed-point coordinates of this canvas."""
+        scale = np.array([self.fine_x, self.fine_y], float) * 2**SHIFT
+        offset = np.array([0.5 * self.fine_x - 0.5, (0.5 - self.first) * self.fine_y - 0.5]) * 2**SHIFT
+        return np.rint(pixels * scale + offset).astype(np.int32)
 
 
 class Surface:
@@ -66,40 +64,44 @@ class Surface:
         return self._picture
 
     def _draw_batch(self, view: View, batch: Batch, centres: Floats, radii: Floats) -> None:
-        relative = centres - view.centre[:2]
-        ahead = relative @ np.array([np.cos(view.yaw_rad), np.sin(view.yaw_rad)])
-        aside = relative @ np.array([-np.sin(view.yaw_rad), np.cos(view.yaw_rad)])
-        reach = self._camera.width_px / self._camera.fx_px  # a generous half field of view
-        seen = np.flatnonzero(
-            (ahead > -radii) & (ahead < RANGE_M) & (np.abs(aside) < reach * np.abs(ahead) + 2.0 * radii)
-        )
-        if not len(seen):
-            return
+        seen = self._in_view(view, centres, radii)
         points = _camera_axes(view, batch.polygons_m[seen])
         if batch.thin:
             _inset(points, self._camera.fx_px)
         inside = points[..., 2] > NEAR_M
-        whole = inside.all(axis=1)
-        pixels: list[Floats | None] = list(view.pixels(np.where(whole[:, None, None], points, 1.0)))
-        part = np.flatnonzero(~whole)
-        if len(part):
-            keep = part[inside[part].any(axis=1)]
-            for i in part:
-                pixels[i] = None
-            for i, polygon in zip(keep, clip_near(points[keep], inside[keep]), strict=True):
-                pixels[i] = view.pixels(polygon)
-        order = zip(batch.strips[seen], batch.values[seen], pixels, strict=True)
-        for (_, value), group in groupby(order, key=lambda item: (item[0], item[1])):
-            self._fill([polygon for _, _, polygon in group if polygon is not None], int(value))
+        whole, part = inside.all(axis=1), inside.any(axis=1)
+        part &= ~whole
+        self._fill(view.pixels(points[whole]), batch.strips[seen][whole], batch.values[seen][whole])
+        if part.any():
+            clipped = view.pixels(clip_near(points[part], inside[part]))
+            self._fill(clipped, batch.strips[seen][part], batch.values[seen][part])
 
-    def _fill(self, polygons: list[Floats], value: int) -> None:
+    def _in_view(self, view: View, centres: Floats, radii: Floats) -> NDArray[np.int64]:
+        relative = centres - view.centre[:2]
+        c, s = np.cos(view.yaw_rad), np.sin(view.yaw_rad)
+        ahead = relative[:, 0] * c + relative[:, 1] * s
+        aside = relative[:, 1] * c - relative[:, 0] * s
+        slope = 0.55 * self._camera.width_px / self._camera.fx_px
+        return np.flatnonzero(
+            (ahead > -radii) & (ahead < RANGE_M) & (np.abs(aside) < slope * np.abs(ahead) + (1.0 + slope) * radii)
+        )
+
+    def _fill(self, pixels: Floats, strips: NDArray[np.int64], values: NDArray[np.int64]) -> None:
+        """Fill (n, V, 2) polygons, those of one strip in one call."""
+        if not len(pixels):
+            return
         border = self._near.first
-        upper = [p for p in polygons if p[:, 1].min() < border]
-        lower = [p for p in polygons if p[:, 1].max() > border - 1]
-        if upper:
-            self._far.fill(upper, value)
-        if lower:
-            self._near.fill(lower, value)
+        for canvas, shown in (
+            (self._far, pixels[..., 1].min(axis=1) < border),
+            (self._near, pixels[..., 1].max(axis=1) > border - 1.0),
+        ):
+            fixed = list(canvas.fixed(pixels[shown]))
+            owners = strips[shown]
+            ends = [*(np.flatnonzero(np.diff(owners)) + 1).tolist(), len(fixed)] if fixed else []
+            first = 0
+            for last, value in zip(ends, values[shown][np.array(ends, np.int64) - 1].tolist(), strict=True):
+                cv2.fillPoly(canvas.pixels, fixed[first:last], value, cv2.LINE_8, SHIFT)
+                first = last
 
 
 def _camera_axes(view: View, polygons: Floats) -> Floats:

@@ -69,18 +69,18 @@ class View:
         )
 
 
-def clip_near(polygons: Floats, inside: Bools) -> list[Floats]:
-    """Those parts of (n, V, 3) polygons in camera axes that lie beyond the near plane (Sutherland and Hodgman 1974).
-
-    `inside` is (n, V): which vertices do. Polygons without one are dropped.
+def clip_near(polygons: Floats, inside: Bools) -> Floats:
+    """(n, 2 V, 3) those parts of (n, V, 3) polygons in camera axes that lie beyond the near plane (Sutherland and
+    Hodgman 1974); vertices are repeated to fill up. `inside` is (n, V): which vertices lie beyond, at least one each.
     """
     following = np.roll(polygons, -1, axis=1)
     crossing = inside != np.roll(inside, -1, axis=1)
     depth, next_depth = polygons[..., 2], following[..., 2]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(crossing, (NEAR_M - depth) / (next_depth - depth), 0.0)
+    share = (NEAR_M - depth) / np.where(crossing, next_depth - depth, 1.0)
     cut = polygons + share[..., None] * (following - polygons)
     count, vertices = inside.shape
     points = np.stack([polygons, cut], axis=2).reshape(count, 2 * vertices, 3)
     kept = np.stack([inside, crossing], axis=2).reshape(count, 2 * vertices)
-    return [points[i, kept[i]] for i in range(count) if inside[i].any()]
+    index = np.maximum.accumulate(np.where(kept, np.arange(2 * vertices), -1), axis=1)
+    index = np.where(index < 0, kept.argmax(axis=1)[:, None], index)
+    return np.take_along_axis(points, index[..., None], axis=1)
