@@ -7,8 +7,6 @@ from typing import Annotated, Any
 
 import typer
 
-from vpf_sim.errors import InputError
-
 WeatherOption = Annotated[str, typer.Option("--weather", help="Name or file of a weather.")]
 DriverOption = Annotated[str, typer.Option("--driver", help='Name of a driver, or "package.module:Class".')]
 OutOption = Annotated[Path | None, typer.Option("--out", help="Run folder; a new one under runs/ by default.")]
@@ -17,17 +15,6 @@ ResumeOption = Annotated[bool, typer.Option("--resume", help="Continue the run i
 MixedOption = Annotated[bool, typer.Option("--mixed", help="Resume on another fingerprint, and mark the records.")]
 SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, half open.")]
 WorkersOption = Annotated[int, typer.Option("--workers", min=0, help="Worker processes; 0: one a core.")]
-
-
-def parse_seeds(text: str, where: str = "--seeds") -> range:
-    """The seeds that "A:B" means: A, A + 1, ..., B - 1."""
-    first, colon, last = text.partition(":")
-    if not (colon and first.isdecimal() and last.isdecimal()):
-        raise InputError(f"{where}: expected A:B with whole numbers, such as 1000:1030, got '{text}'")
-    seeds = range(int(first), int(last))
-    if not seeds:
-        raise InputError(f"{where}: expected A:B with A below B, got '{text}', which holds no seed")
-    return seeds
 
 
 def print_json(answer: dict[str, Any]) -> None:

@@ -1,11 +1,14 @@
 """The book that the episode loop keeps: what was observed, what was commanded, what the truth was."""
 
+from math import nan
 from typing import Any
 
 from vpf_sim.envs.rectangles import solid_bodies
 from vpf_sim.evaluation import surroundings
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.types import Command, Observation, Plan
+
+NOWHERE_PX = (nan, nan)  # the focus of expansion of a car that stands
 
 
 class StepLog:
@@ -19,7 +22,7 @@ class StepLog:
         ego, network = env.ego, env.road.network
         others = solid_bodies(ego)
         true_left_m, true_right_m = surroundings.true_edges(ego, network)
-        true_foe_x_px, true_foe_y_px = info["foe"].tolist()
+        true_foe_x_px, true_foe_y_px = info.get("foe", NOWHERE_PX)
         self._steps.append(
             Step(
                 time_s=observation.time_s,

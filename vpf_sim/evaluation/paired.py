@@ -11,7 +11,7 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.scenarios import Scenario
-from vpf_sim.types import Command, DriverSetup, Floats, Image, Observation
+from vpf_sim.types import DriverSetup, Floats, Image, Observation
 
 NO_IMAGE: Image = np.zeros((1, 1, 3), np.uint8)
 
@@ -46,4 +46,3 @@ def _observation(env: FourLane, time_s: float) -> Observation:
     ego = env.ego
     x_m, y_m = ego.position.tolist()
     return Observation(NO_IMAGE, time_s, x_m, y_m, ego.heading, ego.speed, ego.yaw_rate_radps, env.goal_m)
-

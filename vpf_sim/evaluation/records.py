@@ -1,6 +1,5 @@
 """The record of an episode: all its scores, a pure function of scenario, weather, driver, seed and fingerprint."""
 
-import json
 from hashlib import sha256
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -59,11 +58,6 @@ def failed(job: Job, status: str = "error") -> dict[str, Any]:
     none_driven = {"route_completion": 0.0, "driving_score_2_0": 0.0, "driving_score_2_1": 0.0, "collisions": 0}
     hashes = {"steps": 0, "states_sha256": None, "frames_sha256": None}
     return {**_identity(job), "status": status, **scores, **none_driven, **hashes}
-
-
-def to_line(record: dict[str, Any]) -> str:
-    """The record as one line of JSON, keys sorted: equal records have equal lines."""
-    return json.dumps(record, sort_keys=True, allow_nan=False)
 
 
 def finite(value: Any) -> Any:

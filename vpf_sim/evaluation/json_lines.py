@@ -1,0 +1,49 @@
+"""JSON lines that a crash cannot spoil: each is written by one call, and is on the disk before the next."""
+
+import errno
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from vpf_sim.errors import InputError
+
+
+class JsonLines:
+    """Append rows to a file; opening it drops a last line that a crash left torn."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+        stored = path.read_bytes()
+        os.ftruncate(self._file, stored.rfind(b"\n") + 1)
+
+    def append(self, row: dict[str, Any]) -> None:
+        """One line, keys sorted; whole, or not there and OSError."""
+        line = json.dumps(row, sort_keys=True, allow_nan=False).encode() + b"\n"
+        size = os.fstat(self._file).st_size
+        if os.write(self._file, line) != len(line):
+            os.ftruncate(self._file, size)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))
+        os.fsync(self._file)
+
+    def close(self) -> None:
+        os.close(self._file)
+
+
+def read_lines(path: Path) -> list[dict[str, Any]]:
+    """The rows of a file, none if it does not exist; a torn last line is left out, any other fault is told."""
+    if not path.exists():
+        return []
+    whole, _, _ = path.read_bytes().rpartition(b"\n")
+    return [_row(path, number, line) for number, line in enumerate(whole.splitlines(), start=1)]
+
+
+def _row(path: Path, number: int, line: bytes) -> dict[str, Any]:
+    try:
+        row = json.loads(line)
+    except ValueError:
+        row = None
+    if not isinstance(row, dict):
+        raise InputError(f"{path}: line {number}: expected a JSON object, got {line[:40]!r}")
+    return row

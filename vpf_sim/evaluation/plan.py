@@ -1,0 +1,78 @@
+"""What a sweep is asked to do: a grid of scenarios, weathers, drivers and seeds."""
+
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from hashlib import sha256
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from vpf_sim import tables
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.job import Job
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The grid; `seeds` is "A:B", half open."""
+
+    scenario: tuple[str, ...]
+    weather: tuple[str, ...]
+    driver: tuple[str, ...]
+    seeds: str
+
+    def __post_init__(self) -> None:
+        for key in ("scenario", "weather", "driver"):
+            if not getattr(self, key):
+                raise InputError(f"sweep: {key}: expected at least one, got none")
+
+    def jobs(self) -> list[Job]:
+        """The planned episodes, seed by seed, so that a sweep that ends early has something of everything."""
+        grid = product(parse_seeds(self.seeds), self.scenario, self.weather, self.driver)
+        return list(dict.fromkeys(Job(scenario, weather, driver, seed) for seed, scenario, weather, driver in grid))
+
+    def check(self) -> dict[str, dict[str, str]]:
+        """Hashes of what the scenarios and weathers say; InputError on a name or file that is none."""
+        from vpf_sim import drivers, scenarios
+        from vpf_sim.envs.camera import weather
+
+        for name in self.driver:
+            drivers.create(name)
+        return {
+            "scenarios": {name: _hash(scenarios.load(name)) for name in self.scenario},
+            "weathers": {name: _hash(weather.load(name)) for name in self.weather},
+        }
+
+
+def parse_seeds(text: str, where: str = "--seeds") -> range:
+    """The seeds that "A:B" means: A, A + 1, ..., B - 1."""
+    first, colon, last = text.partition(":")
+    if not (colon and first.isdecimal() and last.isdecimal()):
+        raise InputError(f"{where}: expected A:B with whole numbers, such as 1000:1030, got '{text}'")
+    seeds = range(int(first), int(last))
+    if not seeds:
+        raise InputError(f"{where}: expected A:B with A below B, got '{text}', which holds no seed")
+    return seeds
+
+
+def read_plan(path: Path) -> dict[str, Any]:
+    """The keys that a sweep file gives."""
+    try:
+        table = tomllib.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: expected a readable sweep file, got: {error.strerror}") from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path}: expected TOML, got: {error}") from None
+    return table
+
+
+def make_plan(table: dict[str, Any], where: str) -> Plan:
+    """A plan from keys and values, each checked; `where` is what messages call their source."""
+    plan = tables.build(Plan, table, where)
+    parse_seeds(plan.seeds, f"{where}: seeds")
+    return plan
+
+
+def _hash(value: Iterable[Any] | Any) -> str:
+    return sha256(repr(value).encode()).hexdigest()

@@ -1,0 +1,126 @@
+"""The folder of a run: what was asked, the records as they come, and what is needed to go on after any crash."""
+
+import json
+import os
+from dataclasses import asdict
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.plan import Plan, make_plan
+
+MANIFEST = "manifest.json"
+
+
+def new_path(command: str) -> Path:
+    """A new folder under runs/, named by the time and the command."""
+    stem = f"runs/{datetime.now():%Y%m%d-%H%M%S}-{command}"
+    for name in [stem, *(f"{stem}-{number}" for number in range(2, 1000))]:
+        try:
+            os.makedirs(name)
+        except FileExistsError:
+            continue
+        return Path(name)
+    raise InputError(f"{stem}: expected a free name for a run folder, found none")
+
+
+def manifest(command: str, plan: Plan) -> dict[str, Any]:
+    """What was asked, where, and of which scenarios and weathers."""
+    return {"schema": 1, "command": command, "plan": asdict(plan), "fingerprint": fingerprint(), **plan.check()}
+
+
+class RunFolder:
+    """An open run folder. `done` holds the ids of the records that it has."""
+
+    def __init__(self, path: Path, asked: dict[str, Any], resume: bool = False, mixed: bool = False) -> None:
+        self.path = path
+        self.mark: str | None = None  # the fingerprint's digest, where records are made on another than the manifest's
+        asked = json.loads(json.dumps(asked))
+        if not resume or not (path / MANIFEST).exists():
+            self._begin(asked)
+        elif self._continue(asked, mixed):
+            self.mark = digest(asked["fingerprint"])
+        self._records, self._timing = JsonLines(path / "episodes.jsonl"), JsonLines(path / "timing.jsonl")
+        self.done = {record["id"] for record in self.records()}
+
+    def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
+        """Store a finished episode."""
+        self._timing.append(timing)
+        self._records.append(record)
+        self.done.add(record["id"])
+
+    def records(self) -> list[dict[str, Any]]:
+        """All records, sorted by id."""
+        return sorted(read_lines(self.path / "episodes.jsonl"), key=lambda record: str(record["id"]))
+
+    def write_json(self, name: str, value: dict[str, Any]) -> None:
+        """A file of the folder, keys sorted, whole or not at all."""
+        draft = self.path / f"{name}.draft"
+        with draft.open("w") as file:
+            json.dump(value, file, indent=2, sort_keys=True, allow_nan=False)
+            file.write("\n")
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(self.path / name)
+
+    def close(self) -> None:
+        self._records.close()
+        self._timing.close()
+
+    def _begin(self, asked: dict[str, Any]) -> None:
+        if self.path.exists() and not self.path.is_dir():
+            raise InputError(f"{self.path}: expected a folder, got a file")
+        if self.path.exists() and any(self.path.iterdir()):
+            remedy = "choose another --out, or --resume what is there" if (self.path / MANIFEST).exists() else ""
+            raise InputError(f"{self.path}: expected an empty or new run folder, {remedy or 'got other files'}")
+        self.path.mkdir(parents=True, exist_ok=True)
+        self.write_json(MANIFEST, asked)
+
+    def _continue(self, asked: dict[str, Any], mixed: bool) -> bool:
+        """Check that the same is asked; whether the fingerprint is another, which only `mixed` allows."""
+        stored = read_manifest(self.path)
+        for key in ("command", "plan", "scenarios", "weathers"):
+            if stored.get(key) != asked[key]:
+                change = _change(stored.get(key), asked[key])
+                raise InputError(f"{self.path}: --resume: {key} changed: {change}; start a new run")
+        if stored["fingerprint"] == asked["fingerprint"]:
+            return False
+        if not mixed:
+            change = _change(stored["fingerprint"], asked["fingerprint"])
+            raise InputError(f"{self.path}: --resume: fingerprint changed: {change}; --mixed accepts it")
+        return True
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """The manifest of a run folder, checked to be one."""
+    file = path / MANIFEST
+    try:
+        stored = json.loads(file.read_text("utf-8"))
+    except OSError as error:
+        raise InputError(f"{file}: expected the manifest of a run, got: {error.strerror}") from None
+    except ValueError:
+        raise InputError(f"{file}: expected JSON, got something else") from None
+    if not isinstance(stored, dict) or not {"command", "plan", "fingerprint"} <= stored.keys():
+        raise InputError(f"{file}: expected command, plan and fingerprint, got something else")
+    return stored
+
+
+def stored_plan(path: Path) -> Plan:
+    """What the run in a folder was asked to do."""
+    return make_plan(read_manifest(path)["plan"], str(path / MANIFEST))
+
+
+def _change(before: Any, after: Any) -> str:
+    """The first difference of two tables, in words."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        keys = [key for key in sorted(before.keys() | after.keys()) if before.get(key) != after.get(key)]
+        return f"{keys[0]}: was {_short(before.get(keys[0]))}, is {_short(after.get(keys[0]))}"
+    return f"was {_short(before)}, is {_short(after)}"
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
