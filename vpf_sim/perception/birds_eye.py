@@ -1,0 +1,70 @@
+"""The road seen from above: a patch of the frame laid out in metres, and the thin bright ridges in it."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vpf_sim.geometry import project
+from vpf_sim.types import Bools, Camera, Floats, Image
+
+
+@dataclass(frozen=True, slots=True)
+class Patch:
+    """A rectangle of road ahead, in vehicle axes."""
+
+    near_m: float  # from the pose
+    far_m: float
+    half_width_m: float
+    row_m: float  # along the road
+    column_m: float  # across
+
+
+class BirdsEye:
+    """Lays one camera's frames out as a patch of flat road, by one look-up; lens distortion is part of it.
+
+    Rows go away from the vehicle, columns to the right.
+    """
+
+    def __init__(self, camera: Camera, patch: Patch) -> None:
+        self.forward_m: Floats = np.arange(patch.near_m, patch.far_m, patch.row_m)  # (rows,) from the pose
+        self.right_m: Floats = np.arange(-patch.half_width_m, patch.half_width_m + 1e-9, patch.column_m)  # (columns,)
+        self.column_m = patch.column_m
+        forward, right = np.meshgrid(self.forward_m, self.right_m, indexing="ij")
+        pixels = distort(camera, project(camera, np.stack([forward, right, np.zeros_like(right)], axis=-1)))
+        x, y = pixels[..., 0], pixels[..., 1]
+        with np.errstate(invalid="ignore"):
+            inside = (x >= 0) & (x <= camera.width_px - 1) & (y >= 0) & (y <= camera.height_px - 1)
+        self.visible: Bools = inside  # (rows, columns) within the frame
+        outside = np.where(inside[..., None], pixels, -10.0).astype(np.float32)
+        self._maps = cv2.convertMaps(outside[..., 0], outside[..., 1], cv2.CV_16SC2)
+
+    def warp(self, image: Image) -> Image:
+        """(rows, columns[, 3]) the patch of an (H, W[, 3]) frame, 0 where it does not reach."""
+        laid = cv2.remap(image, *self._maps, interpolation=cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
+        return laid.astype(np.uint8, copy=False)
+
+
+def distort(camera: Camera, pixels: Floats) -> Floats:
+    """(..., 2) px in the frame of undistorted pixels, by OpenCV's radial model k1, k2."""
+    if camera.k1 == 0.0 and camera.k2 == 0.0:
+        return pixels
+    centre, focal = np.array([camera.cx_px, camera.cy_px]), np.array([camera.fx_px, camera.fy_px])
+    ray = (pixels - centre) / focal
+    square = np.sum(ray**2, axis=-1, keepdims=True)
+    square = np.minimum(square, 4.0)  # beyond any lens the polynomial may fold back
+    distorted: Floats = centre + focal * ray * (1.0 + camera.k1 * square + camera.k2 * square**2)
+    return distorted
+
+
+def ridge(patch: Image, reach_columns: int) -> Image:
+    """(rows, columns) how much brighter each place is than both places `reach_columns` to its sides, >= 0.
+
+    min(centre - left, centre - right): an edge between two surfaces gives nothing, a painted line its contrast.
+    """
+    result = np.zeros_like(patch)
+    centre = patch[:, reach_columns:-reach_columns]
+    left, right = patch[:, : -2 * reach_columns], patch[:, 2 * reach_columns :]
+    contrast = cv2.min(cv2.subtract(centre, left), cv2.subtract(centre, right))
+    result[:, reach_columns:-reach_columns] = cv2.GaussianBlur(contrast, (3, 1), 0.8)
+    return result

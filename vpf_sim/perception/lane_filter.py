@@ -1,0 +1,76 @@
+"""The state of the road over time: predicted by the vehicle's own motion, corrected by the lines that are seen."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.perception.road_model import NODES_M, SIZE, lines, moved
+from vpf_sim.types import Bools, Floats
+
+# Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node. The far node sees
+# new road; the others are told of it as the vehicle moves on.
+DRIFT = np.array([0.006, 0.0006, 0.0003, 0.0004, 0.0006, 0.002])
+# Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
+SHARED_CURVATURE, ADDED_CURVATURE = 0.008, 0.004
+PASSES = (0.35, 0.2, 0.2)  # m, Tukey's cut-off in each pass
+
+
+@dataclass(frozen=True, slots=True)
+class Sightings:
+    """Where the lines were seen, on a grid of L lines and R rows."""
+
+    offsets_m: Floats  # (L,) the line, right of the centre line
+    forward_m: Floats  # (R,)
+    right_m: Floats  # (L, R) seen at
+    variance_m2: Floats  # (L, R)
+    seen: Bools  # (L, R)
+
+
+def initial_covariance(y_m: float, heading_rad: float) -> Floats:
+    """(6, 6) of a state just found, with these standard deviations of place and heading."""
+    covariance = np.diag([y_m**2, heading_rad**2, *np.zeros(len(NODES_M))])
+    steps = np.minimum.outer(np.arange(len(NODES_M)), np.arange(len(NODES_M)))
+    covariance[2:, 2:] = SHARED_CURVATURE**2 + ADDED_CURVATURE**2 * steps
+    return covariance
+
+
+@dataclass(slots=True)
+class LaneFilter:
+    """Extended Kalman filter of the road's state."""
+
+    state: Floats  # (6,)
+    covariance: Floats  # (6, 6)
+
+    def predict(self, step: Floats) -> None:
+        """After the vehicle moved by `step` (forward m, right m, yaw rad) in its own axes."""
+        self.state, derivative = moved(self.state, step)
+        distance = float(np.hypot(step[0], step[1]))
+        self.covariance = derivative @ self.covariance @ derivative.T + np.diag(DRIFT**2 * distance)
+
+    def correct(self, sightings: Sightings) -> None:
+        """Iterated robust least squares with the prediction as prior: sightings far off the lines count for nothing."""
+        prior, information = self.state, np.linalg.inv(self.covariance)
+        seen = sightings.seen
+        state, normal = prior, information
+        for cut_m in PASSES:
+            right, jacobian, reached = lines(state, sightings.offsets_m, sightings.forward_m)
+            residual = sightings.right_m - right
+            tukey = np.clip(1.0 - (residual / cut_m) ** 2, 0.0, None) ** 2
+            weight = (tukey / sightings.variance_m2)[seen & reached]
+            rows = jacobian[seen & reached]
+            weighted = rows * weight[:, None]
+            normal = information + weighted.T @ rows
+            gradient = weighted.T @ residual[seen & reached] + information @ (prior - state)
+            state = state + np.linalg.solve(normal, gradient)
+        self.state, self.covariance = state, np.linalg.inv(normal)
+
+    @property
+    def sigma_m(self) -> float:
+        """Standard deviation of the lateral position."""
+        return float(np.sqrt(self.covariance[0, 0]))
+
+
+def is_sane(state: Floats) -> bool:
+    """Whether the model can still draw this road."""
+    finite = state.shape == (SIZE,) and bool(np.all(np.isfinite(state)))
+    return finite and abs(state[1]) < 1.0 and bool(np.all(np.abs(state[2:]) < 0.05))

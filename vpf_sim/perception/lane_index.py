@@ -1,0 +1,131 @@
+"""Which lane this is: the lines repeat every lane's width, the edges of the carriageway do not.
+
+A hypothesis n says that the true place is n lanes right of the one that is tracked. Each is judged by what kind of line
+lies at every place (solid edges, dashed lines within, none outside) and by the ground between them: within the
+carriageway it looks like the ego's own lane, outside mostly not, whatever its colour.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.perception.birds_eye import BirdsEye
+from vpf_sim.perception.line_search import RidgeMap, sight
+from vpf_sim.perception.road_model import lines
+from vpf_sim.types import Floats, Image
+
+SOLID, DASHED, NONE = 0, 1, 2
+# Share of the rows on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
+SHARES = np.array([[0.92, 0.12], [0.34, 0.12], [0.02, 0.06]])
+SURPRISE = np.log(0.03)  # the least that one line can say, natural logarithm
+LEAST_ROWS = 20  # rows below which a line says nothing
+LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
+FORGET = 0.85  # of the evidence, kept from one judgement to the next
+LINE_REACH_M = 0.2
+
+
+@dataclass(slots=True)
+class LaneIndex:
+    """The log-probabilities of the hypotheses, gathered over time."""
+
+    lanes: int
+    lane_width_m: float
+    log_odds: Floats  # (2 * lanes - 1,) n = -(lanes - 1) .. lanes - 1
+
+    @classmethod
+    def start(cls, lanes: int, lane_width_m: float) -> "LaneIndex":
+        return cls(lanes, lane_width_m, np.zeros(2 * lanes - 1))
+
+    @property
+    def shifts(self) -> Floats:
+        """(2 * lanes - 1,) lanes."""
+        return np.arange(-(self.lanes - 1), self.lanes, dtype=float)
+
+    def probabilities(self, y_m: float) -> Floats:
+        """(2 * lanes - 1,) of the hypotheses; the pose is believed to be on the carriageway or just beside it."""
+        possible = np.abs(y_m + self.shifts * self.lane_width_m) < 0.5 * self.lanes * self.lane_width_m + 0.5
+        likely = np.where(possible, self.log_odds, -np.inf)
+        if not possible.any():
+            return np.full(len(likely), 1.0 / len(likely))
+        weight = np.exp(likely - likely.max())
+        return np.asarray(weight / weight.sum())
+
+    def shift(self, lanes: int) -> None:
+        """Count the hypotheses anew after the tracked place was moved by `lanes`."""
+        moved = np.full_like(self.log_odds, float(self.log_odds.min()))
+        for i in range(len(moved)):
+            if 0 <= i + lanes < len(moved):
+                moved[i] = self.log_odds[i + lanes]
+        self.log_odds = moved
+
+    def judge(self, state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye) -> None:
+        """Take in one frame."""
+        evidence = self._line_evidence(state, ridges, view) + self._ground_evidence(state, ridges, view, colour, colour_view)
+        self.log_odds = FORGET * self.log_odds + evidence - evidence.max()
+
+    def _places(self) -> Floats:
+        """Lines right of the tracked centre line, three carriageways wide."""
+        return (np.arange(-self.lanes, 2 * self.lanes + 1) - 0.5 * self.lanes) * self.lane_width_m
+
+    def _line_evidence(self, state: Floats, ridges: RidgeMap, view: BirdsEye) -> Floats:
+        places = self._places()
+        right, _, reached = lines(state, places, view.forward_m)
+        columns = np.rint((right - view.right_m[0]) / view.column_m)
+        inside = reached & (columns >= 0) & (columns < ridges.response.shape[1])
+        rows = np.arange(len(view.forward_m))[None, :]
+        visible = inside & ridges.visible[rows, np.where(inside, columns, 0).astype(np.intp)]
+        found = sight(ridges, view, right, visible, places, LINE_REACH_M, np.zeros(len(view.forward_m)))
+        count = visible.sum(axis=1)
+        share = found.seen.sum(axis=1) / np.maximum(count, 1)
+        says = -0.5 * ((share[:, None] - SHARES[:, 0]) / SHARES[:, 1]) ** 2 - np.log(SHARES[:, 1] / SHARES[:, 1].max())
+        says = np.maximum(says - says.max(axis=1, keepdims=True), SURPRISE)
+        says = np.where((count >= LEAST_ROWS)[:, None], says, 0.0)
+        kinds = np.array([[self._kind(j + int(n)) for j in range(-self.lanes, 2 * self.lanes + 1)] for n in self.shifts])
+        return np.asarray(says[np.arange(len(places)), kinds].sum(axis=1))
+
+    def _kind(self, line: int) -> int:
+        if line in (0, self.lanes):
+            return SOLID
+        return DASHED if 0 < line < self.lanes else NONE
+
+    def _ground_evidence(
+        self, state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye
+    ) -> Floats:
+        middles = self._places()[:-1] + 0.5 * self.lane_width_m
+        offsets = (middles[:, None] + np.array([-0.2, 0.0, 0.2]) * self.lane_width_m).ravel()
+        right, _, reached = lines(state, offsets, colour_view.forward_m)
+        columns = np.rint((right - colour_view.right_m[0]) / colour_view.column_m)
+        inside = reached & (columns >= 0) & (columns < len(colour_view.right_m))
+        columns = np.where(inside, columns, 0).astype(np.intp)
+        rows = np.arange(len(colour_view.forward_m))[None, :]
+        inside &= colour_view.visible[rows, columns] & ridges.visible[_nearest(view, colour_view)][rows, _across(view, right)]
+        sample = colour[rows, columns].astype(np.float64)
+        shape = (len(middles), 3, len(colour_view.forward_m))
+        weight = inside.reshape(shape)[..., None].astype(np.float64)
+        own = int(np.clip(np.searchsorted(self._places(), state[0]) - 1, 0, len(middles) - 1))
+        sample = sample.reshape(*shape, 3)
+        reference = np.sum(sample[own] * weight[own], axis=0) / np.maximum(weight[own].sum(axis=0), 1e-9)  # (rows, 3)
+        weight = weight * (weight[own].sum(axis=0) > 0)
+        total = weight.sum(axis=(1, 2))
+        difference = np.sum((sample - reference) * weight, axis=(1, 2)) / np.maximum(total, 1e-9)
+        unlike = np.linalg.norm(difference, axis=1) / LIKE_LEVELS
+        known = total[:, 0] >= LEAST_ROWS
+        like = 1.0 / (1.0 + unlike**4)
+        says_road = np.where(known, np.log(0.05 + 0.95 * like), 0.0)
+        says_verge = np.where(known, np.log(0.35 + 0.65 * (1.0 - like)), 0.0)
+        result = np.empty(len(self.shifts))
+        for i, n in enumerate(self.shifts):
+            strip = np.arange(-self.lanes, 2 * self.lanes) + int(n)
+            on_road = (strip >= 0) & (strip < self.lanes)
+            result[i] = np.where(on_road, says_road, says_verge).sum()
+        return result
+
+
+def _nearest(view: BirdsEye, coarse: BirdsEye) -> Floats:
+    index = np.rint((coarse.forward_m - view.forward_m[0]) / (view.forward_m[1] - view.forward_m[0]))
+    return np.asarray(np.clip(index, 0, len(view.forward_m) - 1).astype(np.intp))
+
+
+def _across(view: BirdsEye, right_m: Floats) -> Floats:
+    column = np.rint((right_m - view.right_m[0]) / view.column_m)
+    return np.asarray(np.clip(column, 0, len(view.right_m) - 1).astype(np.intp))

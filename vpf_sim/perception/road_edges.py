@@ -1,0 +1,187 @@
+"""The edges of the carriageway, from the camera: painted lines found, fitted and followed; no map."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.geometry import rotation, wrap_angle
+from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
+from vpf_sim.perception.lane_filter import LaneFilter, initial_covariance, is_sane
+from vpf_sim.perception.lane_index import LaneIndex
+from vpf_sim.perception.line_search import RidgeMap, comb, noise_threshold, sight, sighting_variance
+from vpf_sim.perception.road_model import SIZE, curvature_ahead, lines
+from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
+
+RIDGE_REACH_M = 0.25
+SEARCH_REACH_M = 0.5
+BODY_MARGIN_M = 0.3
+SWITCH_PROBABILITY = 0.97  # of another lane, before the tracked place moves there
+FIRST_SIGMA_M, FIRST_SIGMA_RAD = 0.25, 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class RoadEdgeConfig:
+    """What is known of the road beforehand (how many lanes, how wide) and how it is looked for."""
+
+    lanes: int = 4  # solid lines at both edges, dashed lines within
+    lane_width_m: float = 3.5
+    likely_lane: int = 2  # from the right, taken while nothing is seen
+    near_m: float = 4.0  # the patch of road looked at, from the pose
+    far_m: float = 30.0
+    half_width_m: float = 9.75
+    row_m: float = 0.3
+    column_m: float = 0.05
+    update_period_s: float = 0.05  # between looks at the picture
+    index_period_s: float = 0.2  # between judgements of which lane this is
+    search_period_s: float = 0.5  # between searches from scratch
+    least_contrast: float = 10.0  # grey levels by which a line stands out
+    sigma_m: float = 0.04  # of one sighting, plus
+    sigma_px: float = 0.4
+    least_rows: int = 12  # sightings without which a look counts for nothing
+    least_comb: float = 0.2  # of a road found from scratch: a line in a fifth of the rows
+    lost_sigma_m: float = 0.8
+
+    def __post_init__(self) -> None:
+        if self.lanes < 1 or self.lane_width_m <= 1.0:
+            raise ValueError(f"lanes, lane_width_m: expected >= 1 and > 1, got {self.lanes}, {self.lane_width_m}")
+        if not 1 <= self.likely_lane <= self.lanes:
+            raise ValueError(f"likely_lane: expected 1 .. {self.lanes}, got {self.likely_lane}")
+        if self.near_m >= self.far_m:
+            raise ValueError(f"near_m: expected < far_m = {self.far_m}, got {self.near_m}")
+
+    @property
+    def line_offsets_m(self) -> Floats:
+        """(lanes + 1,) of the painted lines, right of the carriageway's centre line."""
+        return (np.arange(self.lanes + 1) - 0.5 * self.lanes) * self.lane_width_m
+
+    @property
+    def likely_place_m(self) -> float:
+        """The likely lane's middle, right of the carriageway's centre line."""
+        return (0.5 * self.lanes - self.likely_lane + 0.5) * self.lane_width_m
+
+
+class RoadEdgeTracker:
+    """Follows the carriageway from frame to frame; looks at the picture every `update_period_s`, predicts in between.
+
+    Bird's-eye patch, ridges, search about the predicted lines, robust least squares with the prediction as prior. Which
+    lane it is comes from the kinds of the lines and the ground beside them (`lane_index`).
+    """
+
+    def __init__(self, camera: Camera, config: RoadEdgeConfig, rate_hz: float) -> None:
+        self.camera = camera
+        self.config = config
+        self.view = BirdsEye(camera, Patch(config.near_m, config.far_m, config.half_width_m, config.row_m, config.column_m))
+        self._colour_view = BirdsEye(camera, Patch(config.near_m, config.far_m, config.half_width_m + 2.0, 0.6, 0.5))
+        self._periods = [
+            max(1, round(period * rate_hz))
+            for period in (config.update_period_s, config.index_period_s, config.search_period_s)
+        ]
+        self._variance = sighting_variance(camera, self.view.forward_m, config.row_m, config.sigma_m, config.sigma_px)
+        self._filter: LaneFilter | None = None
+        self._index = LaneIndex.start(config.lanes, config.lane_width_m)
+        self._pose: Floats | None = None
+        self._frame = -1
+
+    def update(
+        self,
+        image_rgb: Image,
+        grey: Image,
+        pose: Floats,
+        speed_mps: float,
+        yaw_rate_radps: float,
+        obstacles: Obstacles | None,
+    ) -> RoadEdges:
+        """The carriageway at the frame taken at `pose`; `obstacles` are those known before, they hide lines."""
+        self._frame += 1
+        self._predict(pose)
+        look, judge, search = (self._frame % period == 0 for period in self._periods)
+        if self._filter is None and search:
+            self._find(image_rgb, self._ridges(grey, obstacles))
+        elif self._filter is not None and look:
+            ridges = self._ridges(grey, obstacles)
+            self._look(self._filter, ridges)
+            if judge:
+                self._judge(self._filter, image_rgb, ridges)
+        return self._report(speed_mps, yaw_rate_radps)
+
+    def _predict(self, pose: Floats) -> None:
+        if self._filter is not None and self._pose is not None:
+            step = (pose[:2] - self._pose[:2]) @ rotation(self._pose[2])
+            self._filter.predict(np.array([*step, wrap_angle(float(pose[2] - self._pose[2]))]))
+        self._pose = pose
+
+    def _ridges(self, grey: Image, obstacles: Obstacles | None) -> RidgeMap:
+        response = ridge(self.view.warp(grey), round(RIDGE_REACH_M / self.config.column_m))
+        visible = self.view.visible & ~self._hidden(obstacles)
+        return RidgeMap(response, noise_threshold(response, self.config.least_contrast), visible)
+
+    def _hidden(self, obstacles: Obstacles | None) -> Bools:
+        """(rows, columns) behind bodies, as the camera sees them."""
+        hidden = np.zeros(self.view.visible.shape, np.bool_)
+        if obstacles is None:
+            return hidden
+        ahead = self.view.forward_m - self.camera.forward_m
+        for face, left, right in zip(obstacles.forward_m, obstacles.left_m, obstacles.right_m, strict=True):
+            rows = self.view.forward_m > face - BODY_MARGIN_M
+            scale = ahead[rows, None] / max(float(face) - self.camera.forward_m, 0.5)
+            place = self.view.right_m / scale
+            hidden[rows] |= (place > left - BODY_MARGIN_M) & (place < right + BODY_MARGIN_M)
+        return hidden
+
+    def _look(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
+        """Correct the state by the lines that are seen about their predicted places."""
+        offsets = self.config.line_offsets_m
+        expected, _, reached = lines(tracked.state, offsets, self.view.forward_m)
+        found = sight(ridges, self.view, expected, reached, offsets, SEARCH_REACH_M, self._variance)
+        if np.count_nonzero(found.seen) >= self.config.least_rows:
+            tracked.correct(found)
+        if not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
+            self._filter = None
+        return self._filter is not None
+
+    def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
+        """Start from nothing: the road that explains most ridges, in the lane that explains the edges."""
+        for score, (y, heading, curvature) in comb(ridges, self.view, self.config.lane_width_m)[:1]:
+            if score < self.config.least_comb:
+                return
+            lane = self.config.lane_width_m
+            place = self.config.likely_place_m
+            phase = (self.config.line_offsets_m[0] + y - place + 0.5 * lane) % lane - 0.5 * lane
+            state = np.array([place + phase, heading, *np.full(SIZE - 2, curvature)])
+            self._filter = LaneFilter(state, initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD))
+            self._index = LaneIndex.start(self.config.lanes, lane)
+            for _ in range(2):
+                if not self._look(self._filter, ridges):
+                    return
+            self._judge(self._filter, image_rgb, ridges)
+
+    def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
+        """Move to another lane when the edges of the carriageway say so."""
+        self._index.judge(tracked.state, ridges, self.view, self._colour_view.warp(image_rgb), self._colour_view)
+        likely = self._index.probabilities(tracked.state[0])
+        best = int(np.argmax(likely))
+        lanes = int(self._index.shifts[best])
+        if lanes and likely[best] > SWITCH_PROBABILITY:
+            tracked.state = tracked.state + np.array([lanes * self.config.lane_width_m, *np.zeros(SIZE - 1)])
+            self._index.shift(lanes)
+
+    def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
+        config = self.config
+        half = 0.5 * config.lanes * config.lane_width_m
+        if self._filter is None:
+            place = config.likely_place_m
+            curvature = float(np.clip(yaw_rate_radps / max(speed_mps, 1.0), -0.05, 0.05))
+            return RoadEdges(-half - place, half - place, 0.0, curvature, config.lane_width_m, 0.0)
+        state = self._filter.state
+        place = float(state[0])
+        bend = curvature_ahead(state, 10.0)
+        likely = self._index.probabilities(place)[config.lanes - 1]
+        certain = float(likely) * float(np.exp(-self._filter.sigma_m / 0.3))
+        return RoadEdges(
+            left_m=-half - place,
+            right_m=half - place,
+            heading_rad=float(state[1]),
+            curvature_per_m=bend / (1.0 - bend * place),
+            sigma_m=self._filter.sigma_m,
+            confidence=certain,
+        )
