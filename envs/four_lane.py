@@ -151,7 +151,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         yaw_rate = min(max(ego.yaw_rate_radps, -YAW_RATE_LIMIT_RADPS), YAW_RATE_LIMIT_RADPS)
         yaw = -wrap_angle(-ego.heading)  # in (-pi, pi]
         return {
-            "image": self._frame.copy(),
+            "image": self._frame,  # the renderer makes a fresh array each time
             "ego": np.array([*ego.position.tolist(), yaw, ego.speed, yaw_rate]),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),

@@ -133,7 +133,7 @@ def test_a_file_that_is_not_toml_is_said_to_be_so() -> None:
 
 
 def test_an_unknown_scenario_gets_the_nearest_name() -> None:
-    with pytest.raises(InputError, match="^unknown scenario 'town4': did you mean 'town04'\\?$"):
+    with pytest.raises(InputError, match=r"^unknown scenario 'town4': did you mean 'town04'\?$"):
         scenarios.load("town4")
 
 

@@ -1,0 +1,113 @@
+"""Bodies: sizes by kind, their places on the road, and traffic that keeps lane, speed and distance."""
+
+from math import hypot
+
+import numpy as np
+import pytest
+from highway_env.road.road import Road
+from vpf_sim.envs.bodies import STANDING, TRAFFIC, place_bodies
+from vpf_sim.envs.road import build_road
+from vpf_sim.scenarios import SIZES, Scenario
+
+from vpf_sim import scenarios
+
+BEND = """
+schema = 1
+[road]
+segments = [{kind = "arc", length_m = 400, radius_m = 80}]
+[goal]
+s_m = 300.0
+"""
+
+
+def body(**keys: object) -> str:
+    lines = "\n".join(f"{key} = {value!r}" for key, value in keys.items())
+    return f"\n[[bodies]]\n{lines}\n"
+
+
+def populated(*bodies: str) -> tuple[Scenario, Road]:
+    scenario = scenarios.parse(BEND + "".join(bodies), "bend.toml")
+    road = build_road(scenario, np.random.default_rng(0))
+    place_bodies(road, scenario)
+    return scenario, road
+
+
+def run(road: Road, seconds: float) -> None:
+    for _ in range(round(seconds * 60.0)):
+        road.act()
+        road.step(1.0 / 60.0)
+
+
+@pytest.mark.parametrize("classes", [STANDING, TRAFFIC])
+def test_each_kind_is_a_class_of_its_own_size(classes: dict[str, type]) -> None:
+    for kind, made in classes.items():
+        size = SIZES[kind]
+        assert (made.LENGTH, made.WIDTH, made.HEIGHT, made.kind) == (*size, kind)
+
+
+def test_every_kind_stands_where_the_file_says_along_its_lane() -> None:
+    bodies = [body(kind=kind, s_m=20.0 + 10.0 * i, lane=3, lateral_m=-0.25) for i, kind in enumerate(SIZES)]
+    scenario, road = populated(*bodies)
+    assert [thing.kind for thing in road.objects] == list(SIZES)
+    assert road.vehicles == []
+    for planned, thing in zip(scenario.bodies, road.objects, strict=True):
+        lane = road.network.get_lane(("start", "end", 1))
+        assert lane.local_coordinates(thing.position) == pytest.approx((planned.s_m, -0.25), abs=1e-9)
+        assert thing.heading == pytest.approx(planned.s_m / 80.0)
+        assert thing.diagonal == pytest.approx(hypot(*SIZES[planned.kind][:2]))
+
+
+def test_traffic_keeps_its_speed_and_its_lane_in_a_bend() -> None:
+    _, road = populated(body(kind="car", s_m=20.0, lane=1, lateral_m=0.3, speed_mps=8.0))
+    (car,) = road.vehicles
+    start = car.position
+    run(road, 10.0)
+    radius = 80.0 - 5.25 - 0.3
+    assert car.speed == 8.0
+    assert hypot(car.position[0], car.position[1] - 80.0) == pytest.approx(radius)
+    turn = car.heading - 20.0 / 80.0
+    assert turn * radius == pytest.approx(8.0 * 10.0, rel=1e-9)
+    assert hypot(*(car.position - start)) == pytest.approx(2.0 * radius * np.sin(turn / 2.0), rel=1e-9)
+
+
+def test_traffic_stops_behind_a_standing_body_and_never_reverses() -> None:
+    _, road = populated(
+        body(kind="car", s_m=20.0, lane=2, speed_mps=8.0), body(kind="barrier", s_m=120.0, lane=2, lateral_m=0.5)
+    )
+    (car,) = road.vehicles
+    speeds = []
+    for _ in range(60):
+        run(road, 1.0)
+        speeds.append(car.speed)
+    assert min(speeds) >= 0.0
+    assert speeds[-1] < 0.05
+    gap = 120.0 - car.place[0] - (5.0 + 0.5) / 2.0
+    assert 1.5 < gap < 3.0
+    assert not car.crashed
+
+
+def test_traffic_follows_a_slower_leader_at_its_speed_and_passes_what_stands_beside() -> None:
+    _, road = populated(
+        body(kind="van", s_m=30.0, lane=2, speed_mps=8.0),
+        body(kind="truck", s_m=60.0, lane=2, speed_mps=4.0),
+        body(kind="car", s_m=90.0, lane=1),
+    )
+    van, truck = road.vehicles
+    run(road, 40.0)
+    assert truck.speed == pytest.approx(4.0)
+    assert van.speed == pytest.approx(4.0, abs=0.05)
+    gap = truck.place[0] - van.place[0] - (SIZES["van"].length_m + SIZES["truck"].length_m) / 2.0
+    wanted = (2.0 + 1.5 * 4.0) / np.sqrt(1.0 - (4.0 / 8.0) ** 4)  # where the model neither gains nor brakes
+    assert gap * (1.0 - 1.75 / 80.0) == pytest.approx(wanted, abs=0.3)
+    assert van.place[0] > 90.0
+    assert not van.crashed
+    assert not truck.crashed
+
+
+def test_traffic_that_is_hit_brakes_to_a_stand() -> None:
+    _, road = populated(body(kind="car", s_m=20.0, lane=1, speed_mps=6.0))
+    (car,) = road.vehicles
+    car.crashed = True
+    run(road, 1.1)
+    assert car.speed == 0.0
+    assert (car.place[0] - 20.0) * (1.0 - 5.25 / 80.0) == pytest.approx(6.0**2 / 12.0, abs=0.06)
