@@ -1,147 +1,27 @@
-"""The grain of the road and the verge, at every distance.
-
-A row of pixels sees the road at one distance D, and each pixel covers D / f across and D^2 / (f h) along it. So the grain
-comes in levels of growing texel size. Each level covers a range of rows and fades into the next over an overlap (a hard
-switch would draw a line that stands still in the picture, and its crossings with markings look like obstacles). Within a
-level the rows are sampled several times as finely as the picture and averaged, which takes out what a row of pixels
-cannot show along the road and keeps what it can show across it.
-"""
-
-from dataclasses import dataclass
-from math import ceil, log, log2
+"""The road and the verge in the picture: what is painted on them, their grain, their colours."""
 
 import cv2
-import numpy as np
-from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.texture import TILE, grain_tile
+from vpf_sim.envs.camera.grain import Grain, ground_top
+from vpf_sim.envs.camera.layout import LaneShape
+from vpf_sim.envs.camera.paint import painted
+from vpf_sim.envs.camera.palette import ground_table
+from vpf_sim.envs.camera.surface import Surface
 from vpf_sim.envs.camera.view import View
-from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.types import Camera, Image
 
 
-@dataclass(frozen=True, slots=True)
-class Level:
-    """One texel size, and how far from the camera it reaches."""
 
-    texel_m: float
-    reach_m: float
+class Ground:
+    """Paints every row below the horizon."""
 
-
-LEVELS = (Level(0.008, 3.6), Level(0.02, 8.0), Level(0.06, 22.0), Level(0.18, 90.0))
-OVERLAP = 0.75  # a level begins to give way to the next at this part of its reach
-CONTRAST = 6.0  # sd of the grain, in steps of the palette
-
-
-@dataclass(frozen=True, slots=True)
-class Band:
-    """Rows of one level with one supersampling; rows are counted from the top of the ground."""
-
-    level: int
-    first: int
-    last: int  # exclusive
-    supersampling: int  # rows sampled per row of the picture
-    sampling: Floats  # (3, 3) from pixels of the supersampled, half as wide band to pixels of the picture
-
-
-def ground_top(camera: Camera) -> int:
-    """The first row of the picture that shows the road."""
-    horizon = camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)
-    return int(np.clip(np.floor(horizon) + 1, 0, camera.height_px))
-
-
-def row_distance(camera: Camera) -> Floats:
-    """(rows,) m, how far ahead of the camera each row of the ground sees the road."""
-    y = (np.arange(ground_top(camera), camera.height_px) - camera.cy_px) / camera.fy_px
-    c, s = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
-    return np.asarray(camera.height_m * (c - s * y) / (c * y + s))
-
-
-class Grain:
-    """The grain of the ground in the picture, laid on the world by a seed."""
-
-    def __init__(self, camera: Camera, seed: int) -> None:
-        self._camera = camera
+    def __init__(self, camera: Camera, shapes: list[LaneShape], seed: int) -> None:
         self._top = ground_top(camera)
-        distance = row_distance(camera)
-        self._weights = _weights(distance)
-        self._bands = [band for level in range(len(LEVELS)) for band in self._level_bands(level, distance)]
-        self._tiles = [grain_tile(f"level {level}") for level in range(len(LEVELS))]
-        self._offsets = stream(seed, "grain").uniform(0.0, TILE, (len(LEVELS), 2))
-        rows, width = len(distance), camera.width_px
-        gains = self._weights * _gains(self._bands, rows, CONTRAST)
-        self._scaled = [np.repeat(np.rint(gain * 256).astype(np.uint8)[:, None], width, 1) for gain in gains]
-        means = sum(
-            cv2.multiply(np.full((rows, width), 128, np.uint8), scaled, scale=1 / 256) for scaled in self._scaled
-        )
-        self.mean: NDArray[np.uint8] = np.asarray(means, np.uint8)  # (rows, W) what the grain adds on average
-        self._canvas = np.zeros((rows, width), np.uint8)
+        self._surface = Surface(camera, painted(shapes, seed))
+        self._grain = Grain(camera, seed)
+        self._table = ground_table()
 
-    def draw(self, view: View) -> Image:
-        """(rows, W) the grain from the top of the ground down, about `mean`; valid until the next call."""
-        homography = view.ground_homography()
-        canvas = self._canvas
-        canvas[:] = 0
-        for band in self._bands:
-            rows = slice(band.first, band.last)
-            texels = _to_texels(view, LEVELS[band.level], self._offsets[band.level]) @ homography @ band.sampling
-            size = (self._camera.width_px // 2, (band.last - band.first) * band.supersampling)
-            fine = cv2.warpPerspective(
-                self._tiles[band.level],
-                texels,
-                size,
-                flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-                borderMode=cv2.BORDER_WRAP,
-            )
-            while len(fine) > band.last - band.first:
-                fine = cv2.addWeighted(fine[0::2], 0.5, fine[1::2], 0.5, 0.0)
-            wide = cv2.resize(fine, (self._camera.width_px, len(fine)), interpolation=cv2.INTER_LINEAR)
-            cv2.add(canvas[rows], cv2.multiply(wide, self._scaled[band.level][rows], scale=1 / 256), canvas[rows])
-        return canvas
-
-    def _level_bands(self, index: int, distance: Floats) -> list[Band]:
-        shown = np.flatnonzero(self._weights[index] > 1e-3)
-        along = np.abs(np.gradient(distance))  # m of road a row covers
-        wanted = [2 ** max(0, ceil(log2(along[row] / (2.0 * LEVELS[index].texel_m)))) for row in shown]
-        capped = [min(supersampling, 16) for supersampling in wanted]
-        edges = [0, *(i for i in range(1, len(shown)) if capped[i] != capped[i - 1]), len(shown)]
-        return [
-            self._band(index, int(shown[first]), int(shown[last - 1]) + 1, capped[first])
-            for first, last in zip(edges[:-1], edges[1:], strict=True)
-            if last > first
-        ]
-
-    def _band(self, level: int, first: int, last: int, fineness: int) -> Band:
-        start = self._top + first - 0.5 + 0.5 / fineness
-        sampling = np.array([[2.0, 0.0, 0.5], [0.0, 1.0 / fineness, start], [0.0, 0.0, 1.0]])
-        return Band(level, first, last, fineness, sampling)
-
-
-def _weights(distance: Floats) -> Floats:
-    """(levels, rows) how much of each level a row shows; squares sum to 1, so that the contrast does not dip."""
-    position = np.zeros((len(LEVELS), len(distance)))
-    fading_in = np.ones(len(distance))
-    for i, level in enumerate(LEVELS):
-        phase = np.clip(np.log(distance / level.reach_m) / log(OVERLAP), 0.0, 1.0)  # 1 within, 0 beyond
-        fading_out = np.sin(0.5 * np.pi * phase)
-        position[i] = fading_in * fading_out
-        fading_in = np.cos(0.5 * np.pi * phase)
-    return position
-
-
-def _gains(bands: list[Band], rows: int, contrast: float) -> Floats:
-    """(levels, rows) what brings the grain of each row to one contrast; supersampling averages some of it away."""
-    gains = np.full((len(LEVELS), rows), contrast / 40.0)
-    for band in bands:
-        gains[band.level, band.first : band.last] *= band.supersampling**0.25
-    return np.minimum(gains, 0.9)
-
-
-def _to_texels(view: View, level: Level, offset: Floats) -> Floats:
-    """(3, 3) from homogeneous world points to texels; a whole number of tiles is taken off, so that all that is in view
-    lies within the doubled tile."""
-    centre = view.centre[:2] + 0.6 * level.reach_m * np.array([np.cos(view.yaw_rad), np.sin(view.yaw_rad)])
-    whole = np.floor((centre / level.texel_m + offset) / TILE - 0.5) * TILE
-    shift = offset - whole
-    scale = 1.0 / level.texel_m
-    return np.array([[scale, 0.0, shift[0]], [0.0, scale, shift[1]], [0.0, 0.0, 1.0]])
+    def draw(self, view: View, frame: Image) -> None:
+        """Paint the ground into the picture."""
+        smooth = cv2.subtract(self._surface.draw(view), self._grain.mean)
+        cv2.applyColorMap(cv2.add(smooth, self._grain.draw(view)), self._table, frame[self._top :])

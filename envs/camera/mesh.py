@@ -6,6 +6,7 @@ Body axes: x forward, y right, z up from the road, origin under the middle of th
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.types import Bools, Floats
 
@@ -22,7 +23,8 @@ class Mesh:
     faces_m: Floats  # (F, VERTICES, 3)
     normals: Floats  # (F, 3) unit, outward
     colours: Floats  # (F, 3) RGB 0..255 in full light
-    lit: Bools  # (F,) whether the sun shades it; lamps and shadows shine by themselves
+    lit: Bools  # (F,) whether the sun shades it; lamps shine by themselves
+    parts: NDArray[np.int64]  # (F,) which convex part it belongs to; the farthest part is drawn first
 
     @property
     def height_m(self) -> float:
@@ -37,18 +39,18 @@ class MeshBuilder:
     normals: list[Floats] = field(default_factory=list)
     colours: list[Colour] = field(default_factory=list)
     lit: list[bool] = field(default_factory=list)
+    parts: list[int] = field(default_factory=list)
+    part: int = 0
 
-    def face(self, points: list[Point] | Floats, colour: Colour, lit: bool = True) -> None:
-        """Add a convex face; its points run clockwise as seen from outside (y is right, z up)."""
-        corners = np.asarray(points, float)
-        normal = np.cross(corners[1] - corners[0], corners[2] - corners[1])
-        self._add(corners, normal / np.linalg.norm(normal), colour, lit)
+    def next_part(self) -> None:
+        """What follows is a part of its own."""
+        self.part += 1
 
     def detail(
         self, panel: list[Point], low: tuple[float, float], high: tuple[float, float], colour: Colour, lit: bool = True
     ) -> None:
-        """Add a rectangle that lies on the last panel's quadrilateral (bottom left, bottom right, top right, top left as
-        seen from outside); `low` and `high` are two of its corners as parts (right, up) of the panel."""
+        """Add a rectangle that lies on a panel (bottom left, bottom right, top right, top left as seen from outside);
+        `low` and `high` are two of its corners as parts (right, up) of the panel."""
         (u0, v0), (u1, v1) = low, high
         self.shape(panel, [(u0, v0), (u0, v1), (u1, v1), (u1, v0)], colour, lit)
 
@@ -61,6 +63,10 @@ class MeshBuilder:
         normal = np.cross(top_left - bottom_left, bottom_right - bottom_left)
         self._add(points, normal / np.linalg.norm(normal), colour, lit)
 
+    def whole(self, panel: list[Point], colour: Colour, lit: bool = True) -> None:
+        """Add a panel itself."""
+        self.shape(panel, [(0, 0), (0, 1), (1, 1), (1, 0)], colour, lit)
+
     def disc(self, centre: Point, radius: float, side: int, colour: Colour) -> None:
         """Add an upright disc that faces left (side -1) or right (+1)."""
         angle = np.linspace(0.0, 2.0 * np.pi, VERTICES, endpoint=False)
@@ -69,7 +75,7 @@ class MeshBuilder:
         self._add(points, np.array([0.0, float(side), 0.0]), colour, True)
 
     def build(self) -> Mesh:
-        return Mesh(np.array(self.faces), np.array(self.normals), np.array(self.colours, float), np.array(self.lit))
+        return Mesh(np.array(self.faces), np.array(self.normals), np.array(self.colours, float), np.array(self.lit), np.array(self.parts))
 
     def _add(self, points: Floats, normal: Floats, colour: Colour, lit: bool) -> None:
         index = np.minimum(np.arange(VERTICES), len(points) - 1)
@@ -77,13 +83,14 @@ class MeshBuilder:
         self.normals.append(normal)
         self.colours.append(colour)
         self.lit.append(lit)
+        self.parts.append(self.part)
 
 
 def box(builder: MeshBuilder, low: Point, high: Point, colour: Colour) -> dict[str, list[Point]]:
     """Add an upright box without its bottom; gives its panels by name, for details to lie on."""
     panels = box_panels(low, high)
     for panel in panels.values():
-        builder.shape(panel, [(0, 0), (0, 1), (1, 1), (1, 0)], colour)
+        builder.whole(panel, colour)
     return panels
 
 

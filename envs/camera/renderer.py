@@ -1,77 +1,121 @@
 """The first-person picture of a highway-env road."""
 
-from math import radians
+from dataclasses import dataclass
+from math import cos, radians, sin
+from typing import Protocol
 
-import cv2
 import numpy as np
-from highway_env.vehicle.objects import Landmark, Obstacle
 from highway_env.road.road import Road
+from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
+from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.ground import Grain, ground_top
+from vpf_sim.envs.camera.bodies import HEIGHTS_M, body_mesh
+from vpf_sim.envs.camera.ground import Ground
 from vpf_sim.envs.camera.layout import lane_shapes
-from vpf_sim.envs.camera.paint import painted
+from vpf_sim.envs.camera.mesh import Mesh
 from vpf_sim.envs.camera.painter import Light, paint, project_mesh
-from vpf_sim.envs.camera.palette import ground_table
-from vpf_sim.envs.camera.shapes import HEIGHTS_M, body_mesh
-from vpf_sim.envs.camera.surface import Surface
+from vpf_sim.envs.camera.sensor import Noise
+from vpf_sim.envs.camera.sky import Sky
+from vpf_sim.envs.camera.truth import STILL, Drawn, Moment, Motion, truth
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
+RANGE_M = 200.0  # bodies farther ahead are not drawn
+NOISE_SD = 1.3  # grey levels, a day-light exposure of a small sensor (WEATHER 5)
+
+
+class Carrier(Protocol):
+    """What carries the camera: a highway-env vehicle."""
+
+    position: Floats  # (2,) m
+    heading: float  # rad
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """What moved, at one frame."""
+
+    view: View
+    time_s: float
+    poses: dict[int, Floats]  # (x, y, heading) of each body, by its id
+
 
 class Renderer:
-    """Draws one road; made anew when the road is."""
+    """Draws one road; made anew when the road is.
 
-    def __init__(self, road: Road, camera: Camera, weather: Weather, seed: int) -> None:
+    The road is read through its lanes (`position`, `heading_at`, `width_at`, `length`, `line_types`) and through its
+    vehicles and objects (`position`, `heading`, LENGTH, WIDTH, and where they have them HEIGHT and `kind`: without
+    one a vehicle is a car and an obstacle a barrier; landmarks are not drawn).
+    """
+
+    def __init__(self, road: Road, camera: Camera, weather: Weather, seed: int, noise_sd: float = NOISE_SD) -> None:
         self._road = road
         self._camera = camera
         self._seed = seed
         self._light = Light(_towards_sun(weather))
         shapes = lane_shapes(road)
-        self._grain = Grain(camera, seed)
-        self._surface = Surface(camera, painted(shapes, seed))
-        self._table = ground_table()
-        self._top = ground_top(camera)
-        self._meshes: dict[int, object] = {}
-        ramp = np.linspace(0, 1, max(self._top, 1))[:, None, None]
-        sky = (1 - ramp) * np.array([110, 150, 205]) + ramp * np.array([205, 218, 230])
-        self._sky = np.repeat(sky, camera.width_px, axis=1).astype(np.uint8)
+        self._sky = Sky(camera, seed)
+        self._ground = Ground(camera, shapes, seed)
+        self._noise = Noise(camera, noise_sd, seed)
+        self._meshes: dict[int, tuple[RoadObject, Mesh]] = {}
+        self._drawn: list[Drawn] = []
+        self._now: Snapshot | None = None
+        self._before: Snapshot | None = None
+        self.bodies: list[RoadObject] = []  # what `truth`'s instance i + 1 stands for
 
-    def render(self, ego, time_s: float) -> Image:
+    def render(self, ego: Carrier, time_s: float) -> Image:
         """(H, W, 3) RGB, a fresh array: what the camera on `ego` sees at its present pose."""
         view = View.at(self._camera, ego.position, ego.heading)
+        self._advance(view, ego, time_s)
         frame = np.empty((self._camera.height_px, self._camera.width_px, 3), np.uint8)
-        frame[: self._top] = self._sky[: self._top]
-        values = cv2.subtract(self._surface.draw(view), self._grain.mean)
-        values = cv2.add(values, self._grain.draw(view))
-        cv2.applyColorMap(values, self._table, frame[self._top :])
-        for body in self._ahead(view, ego):
-            mesh = self._mesh(body)
-            paint(frame, project_mesh(view, mesh, body.position, body.heading, self._light))
+        self._sky.draw(view, frame)
+        self._ground.draw(view, frame)
+        for thing in self._drawn:
+            paint(frame, thing.drawing)
+        self._noise.add(frame)
         return frame
 
-    def truth(self, names: tuple[str, ...]) -> dict[str, Floats]:
-        return {}
+    def truth(self, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
+        """The arrays called `names` for the frame rendered last (see `vpf_sim.envs.camera.truth`)."""
+        if self._now is None or self._before is None:
+            raise RuntimeError("no frame has been rendered yet")
+        moment = Moment(self._now.view, self._before.view, self._now.time_s - self._before.time_s)
+        return truth(names, moment, self._drawn)
 
-    def _ahead(self, view: View, ego):
-        bodies = [
-            b for b in [*self._road.vehicles, *self._road.objects] if b is not ego and not isinstance(b, Landmark)
+    def _advance(self, view: View, ego: Carrier, time_s: float) -> None:
+        """Note where everything is now, and what of it is in view, the farthest first."""
+        self.bodies = [body for body in (*self._road.vehicles, *self._road.objects) if body is not ego]
+        poses = {id(body): np.array([*body.position, body.heading], float) for body in self.bodies}
+        now = Snapshot(view, time_s, poses)
+        self._before, self._now = self._now or now, now
+        ahead = [
+            (float(view.axes[2, :2] @ (body.position - view.centre[:2])), i)
+            for i, body in enumerate(self.bodies)
+            if not isinstance(body, Landmark)
         ]
-        depth = [float(view.axes[2, :2] @ (b.position - view.centre[:2])) for b in bodies]
-        order = sorted(range(len(bodies)), key=lambda i: -depth[i])
-        return [bodies[i] for i in order if -bodies[i].LENGTH < depth[i] < 200]
+        seen = [i for depth, i in sorted(ahead, reverse=True) if -self.bodies[i].LENGTH < depth < RANGE_M]
+        self._drawn = [self._body(i) for i in seen]
 
-    def _mesh(self, body):
-        key = id(body)
-        if key not in self._meshes:
+    def _body(self, index: int) -> Drawn:
+        assert self._now is not None
+        assert self._before is not None
+        body = self.bodies[index]
+        pose = self._now.poses[id(body)]
+        earlier = self._before.poses.get(id(body), pose)
+        motion = STILL if np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
+        return Drawn(project_mesh(self._now.view, self._mesh(body), pose, self._light), index + 1, motion)
+
+    def _mesh(self, body: RoadObject) -> Mesh:
+        """The body's mesh; the body is kept with it, so that its id stays its own."""
+        if id(body) not in self._meshes:
             kind = getattr(body, "kind", "barrier" if isinstance(body, Obstacle) else "car")
-            rng = stream(self._seed, f"body {len(self._meshes)}")
-            height = getattr(body, "HEIGHT", HEIGHTS_M[kind])
-            self._meshes[key] = body_mesh(kind, body.LENGTH, body.WIDTH, height, rng)
-        return self._meshes[key]
+            size = (float(body.LENGTH), float(body.WIDTH), float(getattr(body, "HEIGHT", HEIGHTS_M[kind])))
+            self._meshes[id(body)] = (body, body_mesh(kind, size, stream(self._seed, f"body {len(self._meshes)}")))
+        return self._meshes[id(body)][1]
 
 
 def _towards_sun(weather: Weather) -> Floats:
     altitude, azimuth = radians(weather.sun_altitude_angle), radians(weather.sun_azimuth_angle)
-    return np.array([np.cos(altitude) * np.cos(azimuth), np.cos(altitude) * np.sin(azimuth), np.sin(altitude)])
+    return np.array([cos(altitude) * cos(azimuth), cos(altitude) * sin(azimuth), sin(altitude)])

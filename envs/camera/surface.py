@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.ground import ground_top
+from vpf_sim.envs.camera.grain import ground_top
 from vpf_sim.envs.camera.paint import GRASS, Batch
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 from vpf_sim.types import Camera, Floats, Image
