@@ -160,6 +160,16 @@ def test_a_draw_adds_a_value_in_the_interval_and_leaves_nothing_to_vary() -> Non
     assert scenario.draw(7).draw(8) == scenario.draw(7)
 
 
+def test_every_value_that_varies_has_a_draw_of_its_own() -> None:
+    drawn, plain = scenarios.load("slalom").draw(3), scenarios.load("slalom")
+    changes = [drawn.ego.lateral_m - plain.ego.lateral_m]
+    for after, before in zip(drawn.bodies, plain.bodies, strict=True):
+        changes += [after.lateral_m - before.lateral_m, after.s_m - before.s_m]
+    shares = np.array(changes) / [0.3, *[0.2, 3.0] * len(plain.bodies)]  # of what the seed may change
+    assert np.abs(shares).max() <= 1.0
+    assert np.diff(np.sort(shares)).min() > 1e-4
+
+
 def test_another_body_leaves_the_draws_of_the_first_as_they_were() -> None:
     more = FILE.replace("[vary]", '[[bodies]]\nkind = "cone"\ns_m = 30.0\nlane = 1\n[vary]')
     assert scenarios.parse(more, "a").draw(3).bodies[0] == scenarios.parse(FILE, "b").draw(3).bodies[0]
