@@ -3,13 +3,14 @@
 import os
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 import typer
 
 from vpf_sim.cli import benchmark, drive, drivers, profile, scenarios, sweep, weathers
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation import threads
 
-THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 SIMULATING = ("drive", "sweep", "benchmark", "replay", "profile")
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
 
@@ -47,22 +48,28 @@ def run(arguments: Sequence[str]) -> int:
     except (InputError, OSError) as error:
         return _refuse(str(error))
     except (KeyboardInterrupt, typer.Abort):
-        print("interrupted", file=sys.stderr)
         return 130
     except UsageError as error:
-        return _refuse(error.format_message())  # type: ignore[attr-defined]
+        return _usage(error)
     return code if isinstance(code, int) else 0
 
 
+def _usage(error: Any) -> int:
+    """A wrong option or command in one line; a missing command shows the help."""
+    if error.message == error.ctx.get_help():
+        print(error.message)
+        return 2
+    return _refuse(error.format_message())
+
+
 def _refuse(message: str) -> int:
-    for line in message.splitlines() or ["wrong use"]:
+    for line in message.splitlines():
         print(f"vpf-sim: {line}", file=sys.stderr)
     return 2
 
 
 def _limit_threads(arguments: Sequence[str]) -> None:
     """Start over with one thread for each numeric library: they read their limits once, when numpy is loaded."""
-    if os.name != "posix" or all(os.environ.get(name) == "1" for name in THREAD_LIMITS):
-        return
-    limits = dict.fromkeys(THREAD_LIMITS, "1")
-    os.execve(sys.executable, [sys.executable, "-m", "vpf_sim.cli", *arguments], {**os.environ, **limits})
+    if os.name == "posix" and not threads.are_limited():
+        command = [sys.executable, "-m", "vpf_sim.cli", *arguments]
+        os.execve(sys.executable, command, {**os.environ, **threads.LIMITS})

@@ -1,5 +1,64 @@
-"""`vpf-sim drive`."""
+"""`vpf-sim drive`: one episode."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from vpf_sim.cli.options import DriverOption, JsonOption, OutOption, WeatherOption, print_json
+from vpf_sim.cli.tables import number, percent
+
+ScenarioArgument = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name or file of a scenario.")]
+SeedOption = Annotated[int, typer.Option("--seed", min=0, help="What the scenario varies, drawn by this seed.")]
+VideoOption = Annotated[Path | None, typer.Option("--video", help="Write an .mp4 with the driver's view drawn in.")]
+WatchOption = Annotated[bool, typer.Option("--watch", help="Show the frames in a window.")]
 
 
-def drive() -> None:
-    """Being wired."""
+def drive(
+    scenario: ScenarioArgument,
+    weather: WeatherOption = "clear",
+    driver: DriverOption = "vpf",
+    seed: SeedOption = 0,
+    video: VideoOption = None,
+    watch: WatchOption = False,
+    out: OutOption = None,
+    json: JsonOption = False,
+) -> None:
+    """Drive one episode; exit code 1 if it is no success."""
+    from vpf_sim.cli import viewers
+    from vpf_sim.evaluation import episode, run_folder, steps
+    from vpf_sim.evaluation.plan import Plan
+    from vpf_sim.evaluation.threads import limit_opencv
+
+    limit_opencv()
+    asked = run_folder.manifest("drive", Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}"))
+    with viewers.attached(video, watch) as show:
+        folder = run_folder.RunFolder(out or run_folder.new_path("drive"), asked)
+        result = episode.run(scenario, weather, driver, seed, show)
+    steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
+    folder.add(result.record, result.timing)
+    folder.close()
+    _answer(result, folder.path, json)
+    raise typer.Exit(0 if result.record["status"] == "success" else 1)
+
+
+def _answer(result: Any, folder: Path, as_json: bool) -> None:
+    record, timing = result.record, result.timing
+    if "traceback" in timing:
+        print(f"vpf-sim: {timing['traceback'].strip().splitlines()[-1]}", file=sys.stderr)
+        print(f"vpf-sim: the traceback is in {folder / 'timing.jsonl'}", file=sys.stderr)
+    if as_json:
+        print_json({**record, "timing": {key: timing[key] for key in ("wall_s", "steps_per_s")}})
+        return
+    shadow = (record["accuracy"] or {}).get("shadow") or {}
+    accuracy = ", ".join(
+        f"{name} {percent((shadow.get(name) or {}).get('range'))} %" for name in ("throttle", "steering")
+    )
+    print(f"{record['id']}: {record['status']}")
+    print(f"  route driven     {percent(record['route_completion'])} %")
+    print(f"  path MSE         {number(record['path_mse_m2'], 3)} m2")
+    print(f"  least clearance  {number(record['min_clearance_m'])} m")
+    print(f"  against the PID  {accuracy} (range, shadow)")
+    print(f"  {record['steps']} steps, {timing['steps_per_s']:.0f} a second")
+    print(f"  record and steps {folder}")

@@ -18,7 +18,7 @@ def list_drivers(json: JsonOption = False) -> None:
         keys = ("name", "privileged", "summary")
         print_json({"drivers": [{key: getattr(one, key) for key in keys} for one in described]})
         return
-    print_table(("driver", "privileged", ""), [(one.name, one.privileged, one.summary) for one in described])
+    print_table(("driver", "privileged", ""), [(one.name, one.privileged, one.summary) for one in described], words=3)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""What the commands share: their options, the parsing of seeds, and how answers are printed."""
+"""What the commands share: their options, and how answers are printed."""
 
 import json
 import sys
@@ -9,12 +9,13 @@ import typer
 
 WeatherOption = Annotated[str, typer.Option("--weather", help="Name or file of a weather.")]
 DriverOption = Annotated[str, typer.Option("--driver", help='Name of a driver, or "package.module:Class".')]
+DriversOption = Annotated[list[str] | None, typer.Option("--driver", help="Name of a driver; may be repeated.")]
 OutOption = Annotated[Path | None, typer.Option("--out", help="Run folder; a new one under runs/ by default.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-ResumeOption = Annotated[bool, typer.Option("--resume", help="Continue the run in --out.")]
-MixedOption = Annotated[bool, typer.Option("--mixed", help="Resume on another fingerprint, and mark the records.")]
-SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, half open.")]
-WorkersOption = Annotated[int, typer.Option("--workers", min=0, help="Worker processes; 0: one a core.")]
+ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on with the run in --out.")]
+MixedOption = Annotated[bool, typer.Option("--mixed", help="Go on under another fingerprint; marks the records.")]
+SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, half open.", metavar="A:B")]
+WorkersOption = Annotated[int | None, typer.Option("--workers", min=1, help="Worker processes; one a core by default.")]
 
 
 def print_json(answer: dict[str, Any]) -> None:

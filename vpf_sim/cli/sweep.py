@@ -1,5 +1,58 @@
-"""`vpf-sim sweep`."""
+"""`vpf-sim sweep`: a grid of scenarios, weathers, drivers and seeds."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from vpf_sim.cli.options import (
+    DriversOption,
+    JsonOption,
+    MixedOption,
+    OutOption,
+    ResumeOption,
+    SeedsOption,
+    WorkersOption,
+    print_json,
+)
+
+FileArgument = Annotated[Path | None, typer.Argument(metavar="[FILE]", help="A sweep file; options go before it.")]
+ScenariosOption = Annotated[list[str] | None, typer.Option("--scenario", help="Name or file; may be repeated.")]
+WeathersOption = Annotated[list[str] | None, typer.Option("--weather", help="Name or file; may be repeated.")]
+DEFAULTS: dict[str, Any] = {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"}
 
 
-def sweep() -> None:
-    """Being wired."""
+def sweep(
+    file: FileArgument = None,
+    scenario: ScenariosOption = None,
+    weather: WeathersOption = None,
+    driver: DriversOption = None,
+    seeds: SeedsOption = None,
+    workers: WorkersOption = None,
+    out: OutOption = None,
+    resume: ResumeOption = False,
+    mixed: MixedOption = False,
+    json: JsonOption = False,
+) -> None:
+    """Drive the grid. With --resume and nothing else asked, the grid that the folder was made for."""
+    from vpf_sim.cli.results import exit_code, print_rows, read_summary
+    from vpf_sim.cli.running import fill
+    from vpf_sim.evaluation.plan import make_plan, parse_seeds, read_plan
+    from vpf_sim.evaluation.run_folder import MANIFEST, stored_plan
+
+    given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": seeds}
+    given = {key: value for key, value in given.items() if value}
+    if seeds is not None:
+        parse_seeds(seeds)
+    if resume and out is not None and not given and file is None and (out / MANIFEST).exists():
+        plan = stored_plan(out)
+    else:
+        plan = make_plan({**DEFAULTS, **(read_plan(file) if file else {}), **given}, str(file or "sweep"))
+    path = fill("sweep", plan, out, resume, mixed, workers)
+    summary = read_summary(path)
+    if json:
+        print_json({"out": str(path), **summary})
+    else:
+        print_rows(summary["rows"])
+        print(f"\nrecords and steps: {path}")
+    raise typer.Exit(exit_code(summary))

@@ -1,0 +1,135 @@
+"""The tables of sweeps and benchmarks as text."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from vpf_sim.cli.tables import number, percent, print_table
+
+Row = dict[str, Any]
+FAULTS = ("error", "invalid_frame")
+DEFINITIONS = ("range", "span", "tolerance")
+
+
+def read_summary(path: Path) -> dict[str, Any]:
+    """The summary of a finished run."""
+    summary: dict[str, Any] = json.loads((path / "summary.json").read_text("utf-8"))
+    return summary
+
+
+def exit_code(summary: dict[str, Any]) -> int:
+    """1 where any episode ended by a fault of the harness or of a driver's code; a crash is a result."""
+    return int(any(fault in row["statuses"] for row in summary["rows"] for fault in FAULTS))
+
+
+def print_rows(rows: list[Row]) -> None:
+    """A sweep's table."""
+    header = (
+        "scenario",
+        "weather",
+        "driver",
+        "success",
+        "MSE m2",
+        "clearance m",
+        "throttle %",
+        "steering %",
+        "score 2.1",
+    )
+    print_table(header, [(row["scenario"], row["weather"], *_cells(row)) for row in rows], words=3)
+    print("\nMSE, clearance and accuracy (range, shadow) are over the successful episodes, in (brackets) the others.")
+
+
+def print_benchmark(rows: list[Row], seeds: str) -> None:
+    """The paper's table: for each scenario its cell, then ours under the named definitions."""
+    print(f"Clear weather, seeds {seeds}. Accuracy against the PID, shadow protocol, in %: range / span / tolerance.\n")
+    header = ("scenario", "driver", "success", "MSE m2", "throttle", "steering", "clearance m")
+    lines: list[tuple[str, ...]] = []
+    for scenario in sorted({row["scenario"] for row in rows}, key=len, reverse=True):
+        ours = sorted((row for row in rows if row["scenario"] == scenario), key=_place)
+        paper = ours[0]["paper"]
+        lines.append((scenario, "the paper", "", number(paper["path_mse_m2"]), *_paper_accuracy(paper), ""))
+        lines += [(scenario, row["driver"], *_benchmark_cells(row)) for row in ours]
+    print_table(header, lines, words=2)
+    _print_protocols(rows)
+    print(
+        "\nMeans over the successful episodes; in (brackets): none succeeded, over all. The paper does not say how it"
+    )
+    print('computes accuracy; its row is "Cloudy", its set-up Clear Noon; its camera and simulator are CARLA\'s.')
+
+
+def _print_protocols(rows: list[Row]) -> None:
+    """Accuracy by `range` in both protocols and by part of the route."""
+    print("\nAccuracy by range in %, throttle / steering:\n")
+    header = (
+        "scenario",
+        "driver",
+        "shadow",
+        "clear of obstacles",
+        "passing",
+        "paired",
+        "clear of obstacles",
+        "passing",
+    )
+    ordered = sorted(rows, key=lambda row: (-len(row["scenario"]), _place(row)))
+    lines = [
+        (row["scenario"], row["driver"], *(cell for protocol in ("shadow", "paired") for cell in _parts(row, protocol)))
+        for row in ordered
+    ]
+    print_table(header, lines, words=2)
+
+
+def _place(row: Row) -> int:
+    from vpf_sim.evaluation.benchmark import DRIVERS
+
+    return DRIVERS.index(row["driver"]) if row["driver"] in DRIVERS else len(DRIVERS)
+
+
+def _parts(row: Row, protocol: str) -> list[str]:
+    scores, bracket = _scores(row)
+    whole = (scores["accuracy"] or {}).get(protocol) or {}
+    parts = [whole, whole.get("clear_of_obstacles") or {}, whole.get("passing") or {}]
+    return [
+        bracket(" / ".join(percent((part.get(signal) or {}).get("range")) for signal in ("throttle", "steering")))
+        for part in parts
+    ]
+
+
+def _paper_accuracy(paper: Row) -> tuple[str, str]:
+    return f"{100.0 * paper['throttle']:.2f}", f"{100.0 * paper['steering']:.2f}"
+
+
+def _benchmark_cells(row: Row) -> tuple[str, ...]:
+    scores, bracket = _scores(row)
+    throttle, steering = (bracket(_definitions(scores, signal)) for signal in ("throttle", "steering"))
+    return (
+        f"{row['successes']}/{row['episodes']}",
+        bracket(number(scores["path_mse_m2"], 3)),
+        throttle,
+        steering,
+        number(row["least_clearance_m"]),
+    )
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    scores, bracket = _scores(row)
+    shadow = (scores["accuracy"] or {}).get("shadow") or {}
+    return (
+        row["driver"],
+        f"{row['successes']}/{row['episodes']}",
+        bracket(number(scores["path_mse_m2"], 3)),
+        number(row["least_clearance_m"]),
+        *(bracket(percent((shadow.get(signal) or {}).get("range"))) for signal in ("throttle", "steering")),
+        number(row["driving_score_2_1"]),
+    )
+
+
+def _definitions(scores: Row, signal: str) -> str:
+    shadow = (scores["accuracy"] or {}).get("shadow") or {}
+    return " / ".join(percent((shadow.get(signal) or {}).get(name)) for name in DEFINITIONS)
+
+
+def _scores(row: Row) -> tuple[Row, Any]:
+    """The scores to show, and what to put about them: the successful episodes', or else the others' in brackets."""
+    if row["successes"]:
+        return row, str
+    return row["unsuccessful"], lambda text: text if set(text) <= set("-/ ") else f"({text})"
