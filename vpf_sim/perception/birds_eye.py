@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from vpf_sim.geometry import project
+from vpf_sim.geometry import ground_from_pixels, project
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 
@@ -16,18 +16,20 @@ class Patch:
     near_m: float  # from the pose
     far_m: float
     half_width_m: float
-    row_m: float  # along the road
+    row_m: float  # along the road, at least
     column_m: float  # across
 
 
 class BirdsEye:
     """Lays one camera's frames out as a patch of flat road, by one look-up; lens distortion is part of it.
 
-    Rows go away from the vehicle, columns to the right.
+    Rows go away from the vehicle, columns to the right. Each row is one row of pixels, never a mix of two: a slanted line
+    would come apart in the mix. So rows are `row_m` apart where pixels are fine, and further apart where they are not.
     """
 
     def __init__(self, camera: Camera, patch: Patch) -> None:
-        self.forward_m: Floats = np.arange(patch.near_m, patch.far_m, patch.row_m)  # (rows,) from the pose
+        self.forward_m = rows_ahead(camera, patch)  # (rows,) from the pose
+        self.length_m: Floats = np.gradient(self.forward_m)  # (rows,) of road that a row stands for
         self.right_m: Floats = np.arange(-patch.half_width_m, patch.half_width_m + 1e-9, patch.column_m)  # (columns,)
         self.column_m = patch.column_m
         forward, right = np.meshgrid(self.forward_m, self.right_m, indexing="ij")
@@ -43,6 +45,17 @@ class BirdsEye:
         """(rows, columns[, 3]) the patch of an (H, W[, 3]) frame, 0 where it does not reach."""
         laid = cv2.remap(image, *self._maps, interpolation=cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
         return laid.astype(np.uint8, copy=False)
+
+
+def rows_ahead(camera: Camera, patch: Patch) -> Floats:
+    """(rows,) m from the pose, where rows of pixels see the road, nearest first and at least `row_m` apart."""
+    rows = np.arange(camera.height_px - 1, -1, -1, dtype=float)
+    forward = ground_from_pixels(camera, np.stack([np.full_like(rows, camera.cx_px), rows], axis=-1))[:, 0]
+    chosen: list[float] = []
+    for place in forward[np.isfinite(forward) & (forward >= patch.near_m) & (forward <= patch.far_m)].tolist():
+        if not chosen or place >= chosen[-1] + patch.row_m:
+            chosen.append(place)
+    return np.array(chosen)
 
 
 def distort(camera: Camera, pixels: Floats) -> Floats:

@@ -11,8 +11,8 @@ from vpf_sim.types import Bools, Floats
 # new road; the others are told of it as the vehicle moves on.
 DRIFT = np.array([0.006, 0.0006, 0.0003, 0.0004, 0.0006, 0.002])
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
-SHARED_CURVATURE, ADDED_CURVATURE = 0.008, 0.004
-PASSES = (0.35, 0.2, 0.2)  # m, Tukey's cut-off in each pass
+SHARED_CURVATURE, ADDED_CURVATURE = 0.008, 0.0025
+PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass
 
 
 @dataclass(frozen=True, slots=True)

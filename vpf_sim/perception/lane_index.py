@@ -15,10 +15,10 @@ from vpf_sim.perception.road_model import lines
 from vpf_sim.types import Floats, Image
 
 SOLID, DASHED, NONE = 0, 1, 2
-# Share of the rows on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
+# Share of the length on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
 SHARES = np.array([[0.92, 0.12], [0.34, 0.12], [0.02, 0.06]])
 SURPRISE = np.log(0.03)  # the least that one line can say, natural logarithm
-LEAST_ROWS = 20  # rows below which a line says nothing
+LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says nothing
 LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
 FORGET = 0.85  # of the evidence, kept from one judgement to the next
 LINE_REACH_M = 0.2
@@ -75,11 +75,11 @@ class LaneIndex:
         rows = np.arange(len(view.forward_m))[None, :]
         visible = inside & ridges.visible[rows, np.where(inside, columns, 0).astype(np.intp)]
         found = sight(ridges, view, right, visible, places, LINE_REACH_M, np.zeros(len(view.forward_m)))
-        count = visible.sum(axis=1)
-        share = found.seen.sum(axis=1) / np.maximum(count, 1)
+        length = visible @ view.length_m
+        share = (found.seen @ view.length_m) / np.maximum(length, 1e-9)
         says = -0.5 * ((share[:, None] - SHARES[:, 0]) / SHARES[:, 1]) ** 2 - np.log(SHARES[:, 1] / SHARES[:, 1].max())
         says = np.maximum(says - says.max(axis=1, keepdims=True), SURPRISE)
-        says = np.where((count >= LEAST_ROWS)[:, None], says, 0.0)
+        says = np.where((length >= LEAST_LENGTH_M)[:, None], says, 0.0)
         kinds = np.array([[self._kind(j + int(n)) for j in range(-self.lanes, 2 * self.lanes + 1)] for n in self.shifts])
         return np.asarray(says[np.arange(len(places)), kinds].sum(axis=1))
 
@@ -101,7 +101,7 @@ class LaneIndex:
         inside &= colour_view.visible[rows, columns] & ridges.visible[_nearest(view, colour_view)][rows, _across(view, right)]
         sample = colour[rows, columns].astype(np.float64)
         shape = (len(middles), 3, len(colour_view.forward_m))
-        weight = inside.reshape(shape)[..., None].astype(np.float64)
+        weight = (inside * colour_view.length_m).reshape(shape)[..., None]
         own = int(np.clip(np.searchsorted(self._places(), state[0]) - 1, 0, len(middles) - 1))
         sample = sample.reshape(*shape, 3)
         reference = np.sum(sample[own] * weight[own], axis=0) / np.maximum(weight[own].sum(axis=0), 1e-9)  # (rows, 3)
@@ -109,7 +109,7 @@ class LaneIndex:
         total = weight.sum(axis=(1, 2))
         difference = np.sum((sample - reference) * weight, axis=(1, 2)) / np.maximum(total, 1e-9)
         unlike = np.linalg.norm(difference, axis=1) / LIKE_LEVELS
-        known = total[:, 0] >= LEAST_ROWS
+        known = total[:, 0] >= 3.0 * LEAST_LENGTH_M
         like = 1.0 / (1.0 + unlike**4)
         says_road = np.where(known, np.log(0.05 + 0.95 * like), 0.0)
         says_verge = np.where(known, np.log(0.35 + 0.65 * (1.0 - like)), 0.0)

@@ -10,8 +10,8 @@ from vpf_sim.types import Bools, Camera, Floats, Image
 
 CENTROID_M = 0.15  # about the strongest response, to this far on both sides
 HEADINGS_RAD = np.radians(np.arange(-12.0, 12.01, 0.6))
-CURVATURES = np.arange(-0.02, 0.0201, 0.0025)
-COMB_REACH_M = 18.0  # rows ahead that take part in the first search
+CURVATURES = np.arange(-0.02, 0.0201, 0.00125)
+COMB_REACH_M = 26.0  # rows ahead that take part in the first search
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,11 +58,10 @@ def sight(
     )
 
 
-def sighting_variance(camera: Camera, forward_m: Floats, row_m: float, sigma_m: float, sigma_px: float) -> Floats:
-    """(R,) m^2 of one sighting at each row; rows that share a row of pixels are not independent."""
+def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_px: float) -> Floats:
+    """(R,) m^2 of one sighting at each row."""
     depth = forward_m - camera.forward_m
-    shared = depth**2 / (camera.fy_px * camera.height_m * row_m)
-    variance: Floats = (sigma_m**2 + (sigma_px * depth / camera.fx_px) ** 2) * np.maximum(1.0, shared)
+    variance: Floats = sigma_m**2 + (sigma_px * depth / camera.fx_px) ** 2
     return variance
 
 
@@ -73,7 +72,7 @@ def comb(ridges: RidgeMap, view: BirdsEye, lane_width_m: float) -> list[tuple[fl
     a lane apart in the sum of that sum taken modulo the lane's width (0: only grain .. 1: a line in every row). The
     place y is that of the pose right of any one line.
     """
-    rows = np.flatnonzero(view.forward_m < COMB_REACH_M)[::2]
+    rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
     clipped = np.where(ridges.visible, np.minimum(ridges.response, 2.0 * ridges.threshold), 0.0)[rows]
     clipped = np.where(clipped > ridges.threshold, clipped, 0.0).astype(np.float32) / np.float32(2.0 * ridges.threshold)
     coarse = np.maximum(clipped[:, 0:-1:2], clipped[:, 1::2])

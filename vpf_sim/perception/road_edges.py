@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
 from vpf_sim.perception.lane_filter import LaneFilter, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
-from vpf_sim.perception.line_search import RidgeMap, comb, noise_threshold, sight, sighting_variance
+from vpf_sim.perception.line_search import CENTROID_M, RidgeMap, comb, noise_threshold, sight, sighting_variance
 from vpf_sim.perception.road_model import SIZE, curvature_ahead, lines
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 
@@ -35,8 +36,8 @@ class RoadEdgeConfig:
     index_period_s: float = 0.2  # between judgements of which lane this is
     search_period_s: float = 0.5  # between searches from scratch
     least_contrast: float = 10.0  # grey levels by which a line stands out
-    sigma_m: float = 0.04  # of one sighting, plus
-    sigma_px: float = 0.4
+    sigma_m: float = 0.02  # of one sighting, plus
+    sigma_px: float = 0.2
     least_rows: int = 12  # sightings without which a look counts for nothing
     least_comb: float = 0.2  # of a road found from scratch: a line in a fifth of the rows
     lost_sigma_m: float = 0.8
@@ -76,7 +77,9 @@ class RoadEdgeTracker:
             max(1, round(period * rate_hz))
             for period in (config.update_period_s, config.index_period_s, config.search_period_s)
         ]
-        self._variance = sighting_variance(camera, self.view.forward_m, config.row_m, config.sigma_m, config.sigma_px)
+        margin = 2 * round((RIDGE_REACH_M + CENTROID_M) / config.column_m) + 1
+        self._visible = cv2.erode(self.view.visible.astype(np.uint8), np.ones((1, margin), np.uint8)) > 0
+        self._variance = sighting_variance(camera, self.view.forward_m, config.sigma_m, config.sigma_px)
         self._filter: LaneFilter | None = None
         self._index = LaneIndex.start(config.lanes, config.lane_width_m)
         self._pose: Floats | None = None
@@ -112,7 +115,7 @@ class RoadEdgeTracker:
 
     def _ridges(self, grey: Image, obstacles: Obstacles | None) -> RidgeMap:
         response = ridge(self.view.warp(grey), round(RIDGE_REACH_M / self.config.column_m))
-        visible = self.view.visible & ~self._hidden(obstacles)
+        visible = self._visible & ~self._hidden(obstacles)
         return RidgeMap(response, noise_threshold(response, self.config.least_contrast), visible)
 
     def _hidden(self, obstacles: Obstacles | None) -> Bools:
