@@ -77,11 +77,19 @@ def bounding_box(polygons: list[Floats], shape: tuple[int, ...]) -> tuple[int, i
     """x0, y0, x1, y1 of the pixels that polygons may touch, within the picture; None if there are none."""
     if not polygons:
         return None
-    points = np.array(polygons)
-    low, high = points.min(axis=(0, 1)) - 1.0, points.max(axis=(0, 1)) + 2.0
+    points = np.concatenate(polygons)
+    low, high = points.min(axis=0) - 1.0, points.max(axis=0) + 2.0
     x0, y0 = np.maximum(np.floor(low), 0.0)
     x1, y1 = np.minimum(np.ceil(high), [shape[1], shape[0]])
     return (int(x0), int(y0), int(x1), int(y1)) if x0 < x1 and y0 < y1 else None
+
+
+def footprint(pose: Floats, length: float, width: float) -> Floats:
+    """(4, 2) m, the corners of a body at a pose (x, y, heading)."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    corners = 0.5 * np.array([[-length, -width], [-length, width], [length, width], [length, -width]])
+    turned: Floats = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
+    return turned
 
 
 def _part_distances(mesh: Mesh, faces: Floats) -> Floats:

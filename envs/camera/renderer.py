@@ -13,10 +13,14 @@ from vpf_sim.envs.camera.bodies import HEIGHTS_M, body_mesh
 from vpf_sim.envs.camera.ground import Ground
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.mesh import Mesh
-from vpf_sim.envs.camera.painter import Light, paint, project_mesh
+from vpf_sim.envs.camera.occlusion import far_to_near
+from vpf_sim.envs.camera.painter import Drawing, Light, footprint, paint, project_mesh
+from vpf_sim.envs.camera.scenery import Scenery
 from vpf_sim.envs.camera.sensor import Noise
+from vpf_sim.envs.camera.shadows import paint_shadow
 from vpf_sim.envs.camera.sky import Sky
 from vpf_sim.envs.camera.truth import STILL, Drawn, Moment, Motion, truth
+from vpf_sim.envs.camera.trees import paint_tree
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.seeding import stream
@@ -58,6 +62,7 @@ class Renderer:
         shapes = lane_shapes(road)
         self._sky = Sky(camera, seed)
         self._ground = Ground(camera, shapes, seed)
+        self._scenery = Scenery(shapes, self._light, seed)
         self._noise = Noise(camera, noise_sd, seed)
         self._meshes: dict[int, tuple[RoadObject, Mesh]] = {}
         self._drawn: list[Drawn] = []
@@ -72,8 +77,7 @@ class Renderer:
         frame = np.empty((self._camera.height_px, self._camera.width_px, 3), np.uint8)
         self._sky.draw(view, frame)
         self._ground.draw(view, frame)
-        for thing in self._drawn:
-            paint(frame, thing.drawing)
+        self._draw_things(view, frame)
         self._noise.add(frame)
         return frame
 
@@ -85,18 +89,63 @@ class Renderer:
         return truth(names, moment, self._drawn)
 
     def _advance(self, view: View, ego: Carrier, time_s: float) -> None:
-        """Note where everything is now, and what of it is in view, the farthest first."""
+        """Note where everything is now."""
         self.bodies = [body for body in (*self._road.vehicles, *self._road.objects) if body is not ego]
         poses = {id(body): np.array([*body.position, body.heading], float) for body in self.bodies}
         now = Snapshot(view, time_s, poses)
         self._before, self._now = self._now or now, now
+    def _draw_things(self, view: View, frame: Image) -> None:
+        """Draw what stands up from the ground, and note it for the truth; the farthest first."""
+        bodies = self._bodies_in_view(view)
+        for i in bodies:
+            paint_shadow(frame, view, self._pose(i), self._size(i), self._light)
+        trees = self._scenery.trees_in_view(view)
+        faces, depths = self._scenery.draw(view)
+        self._drawn = []
+        drawn_faces = 0
+        for i in [*bodies, None]:
+            behind = -1.0 if i is None else self._nearest(view, i)
+            while trees and trees[0][0][2] > behind:
+                sprite = paint_tree(frame, view, *trees.pop(0))
+                if sprite is not None:
+                    self._drawn.append(Drawn(sprite, -1, STILL))
+            until = int(np.searchsorted(-depths, -behind))
+            if until > drawn_faces:
+                some = Drawing(
+                    faces.polygons_px[drawn_faces:until], faces.colours[drawn_faces:until], faces.planes[drawn_faces:until]
+                )
+                paint(frame, some)
+                self._drawn.append(Drawn(some, -1, STILL))
+                drawn_faces = until
+            if i is not None:
+                thing = self._body(i)
+                paint(frame, thing.drawing)
+                self._drawn.append(thing)
+
+    def _bodies_in_view(self, view: View) -> list[int]:
+        """Indices of the bodies that may be in the picture, the farthest first."""
+        eye, axis = view.centre[:2], view.axes[2, :2]
         ahead = [
-            (float(view.axes[2, :2] @ (body.position - view.centre[:2])), i)
+            i
             for i, body in enumerate(self.bodies)
-            if not isinstance(body, Landmark)
+            if not isinstance(body, Landmark) and -body.LENGTH < float(axis @ (body.position - eye)) < RANGE_M
         ]
-        seen = [i for depth, i in sorted(ahead, reverse=True) if -self.bodies[i].LENGTH < depth < RANGE_M]
-        self._drawn = [self._body(i) for i in seen]
+        if len(ahead) < 2:
+            return ahead
+        corners = np.array([footprint(self._pose(i), *self._size(i)[:2]) for i in ahead])
+        return [ahead[k] for k in far_to_near(corners, eye)]
+
+    def _nearest(self, view: View, index: int) -> float:
+        """Depth of a body's nearest corner."""
+        corners = footprint(self._pose(index), *self._size(index)[:2])
+        return float(((corners - view.centre[:2]) @ view.axes[2, :2]).min())
+
+    def _pose(self, index: int) -> Floats:
+        assert self._now is not None
+        return self._now.poses[id(self.bodies[index])]
+
+    def _size(self, index: int) -> tuple[float, float, float]:
+        return _size(self.bodies[index])
 
     def _body(self, index: int) -> Drawn:
         assert self._now is not None
@@ -110,10 +159,18 @@ class Renderer:
     def _mesh(self, body: RoadObject) -> Mesh:
         """The body's mesh; the body is kept with it, so that its id stays its own."""
         if id(body) not in self._meshes:
-            kind = getattr(body, "kind", "barrier" if isinstance(body, Obstacle) else "car")
-            size = (float(body.LENGTH), float(body.WIDTH), float(getattr(body, "HEIGHT", HEIGHTS_M[kind])))
-            self._meshes[id(body)] = (body, body_mesh(kind, size, stream(self._seed, f"body {len(self._meshes)}")))
+            rng = stream(self._seed, f"body {len(self._meshes)}")
+            self._meshes[id(body)] = (body, body_mesh(_kind(body), _size(body), rng))
         return self._meshes[id(body)][1]
+
+
+def _kind(body: RoadObject) -> str:
+    return str(getattr(body, "kind", "barrier" if isinstance(body, Obstacle) else "car"))
+
+
+def _size(body: RoadObject) -> tuple[float, float, float]:
+    """(length, width, height) m."""
+    return (float(body.LENGTH), float(body.WIDTH), float(getattr(body, "HEIGHT", HEIGHTS_M[_kind(body)])))
 
 
 def _towards_sun(weather: Weather) -> Floats:

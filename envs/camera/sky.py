@@ -89,7 +89,7 @@ def _clouds(rng: np.random.Generator) -> NDArray[np.uint8]:
     rows = 192
     slope = np.linspace(1.2, 0.0, rows)[:, None] * np.ones((1, CLOUD_COLUMNS))
     field = noise((256, CLOUD_COLUMNS), rng, 6.0, 1.5)[:rows]
-    cover = np.clip((field - 0.6) / 2.0, 0.0, 0.7)[..., None] * np.clip(slope / 0.25, 0.15, 1.0)[..., None]
+    cover = (np.clip((field - 1.0) / 2.5, 0.0, 0.7) * np.clip((slope - TALL) / 0.3, 0.0, 1.0))[..., None]
     sky = _gradient(slope)
     return _doubled(sky + (np.array([246.0, 248.0, 250.0]) - sky) * cover)
 

@@ -3,13 +3,15 @@
 All of it belongs to the pixels of frame k and to the motion from frame k-1 to k; the first frame counts as standing.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.painter import SHIFT, Drawing
+from vpf_sim.envs.camera.painter import SHIFT, Drawing, bounding_box
+from vpf_sim.envs.camera.trees import Sprite
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Bools, Floats
 
@@ -40,7 +42,7 @@ STILL = Motion(np.eye(3), np.zeros(3))
 class Drawn:
     """One thing of the frame as it was drawn, in painter's order."""
 
-    drawing: Drawing
+    drawing: Drawing | Sprite
     instance: int  # -1 scenery, i + 1 the body i
     motion: Motion
 
@@ -105,12 +107,25 @@ def _rasterised(view: View, drawn: list[Drawn]) -> tuple[Floats, NDArray[np.int3
     instance = np.zeros(depth.shape, np.int32)
     owner = np.full(depth.shape, -1, np.int32)
     for index, thing in enumerate(drawn):
-        for polygon, plane in zip(thing.drawing.polygons_px, thing.drawing.planes, strict=True):
-            covered = covered_pixels(polygon, depth.shape)
+        for covered, plane in _covered(thing.drawing, depth.shape):
             depth[covered] = 1.0 / (rays[covered] @ plane)
             instance[covered] = thing.instance
             owner[covered] = index
     return depth, instance, owner
+
+
+def _covered(drawing: Drawing | Sprite, shape: tuple[int, ...]) -> Iterator[tuple[tuple[NDArray[np.intp], ...], Floats]]:
+    """The pixels of each face, as indices, and its plane: inverse depth at a pixel's ray is the dot product."""
+    if isinstance(drawing, Sprite):
+        rows, columns = np.nonzero(drawing.opaque)
+        yield (rows + drawing.y, columns + drawing.x), np.array([0.0, 0.0, 1.0 / drawing.depth_m])
+        return
+    for polygon, plane in zip(drawing.polygons_px, drawing.planes, strict=True):
+        box = bounding_box([polygon], shape)
+        if box is not None:
+            x0, y0, x1, y1 = box
+            rows, columns = np.nonzero(covered_pixels(polygon - (x0, y0), (y1 - y0, x1 - x0)))
+            yield (rows + y0, columns + x0), plane
 
 
 def covered_pixels(polygon: Floats, shape: tuple[int, ...]) -> Bools:

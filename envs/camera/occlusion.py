@@ -1,0 +1,35 @@
+"""Which of several bodies covers which."""
+
+import numpy as np
+
+from vpf_sim.types import Bools, Floats
+
+
+def far_to_near(corners: Floats, eye: Floats) -> list[int]:
+    """The order in which upright boxes with (n, 4, 2) footprints are drawn, as seen from `eye` (2,).
+
+    Of two footprints that do not overlap, an edge of one separates them; the one on the eye's side of it is in front.
+    """
+    in_front = _in_front(corners, eye)
+    distance = np.hypot(*np.moveaxis(corners.mean(axis=1) - eye, -1, 0))
+    left = sorted(range(len(corners)), key=lambda i: -float(distance[i]))
+    order = []
+    while left:
+        free = next((i for i in left if not any(in_front[i, j] for j in left if j != i)), left[0])
+        order.append(free)
+        left.remove(free)
+    return order
+
+
+def _in_front(corners: Floats, eye: Floats) -> Bools:
+    """(n, n) whether i covers j where both are seen, as far as an edge of either says so."""
+    edges = np.roll(corners, -1, axis=1) - corners
+    normals = np.stack([edges[..., 1], -edges[..., 0]], axis=-1)
+    inward = np.einsum("ned,nd->ne", normals, corners.mean(axis=1)) > np.einsum("ned,ned->ne", normals, corners)
+    normals = np.where(inward[..., None], -normals, normals)
+    offsets = np.einsum("ned,ned->ne", normals, corners)
+    eye_outside = normals @ eye > offsets + 1e-9
+    beyond = (np.einsum("ned,jcd->nejc", normals, corners) >= offsets[..., None, None] - 1e-6).all(axis=3)
+    other_in_front = (beyond & eye_outside[..., None]).any(axis=1)
+    self_in_front = (beyond & ~eye_outside[..., None]).any(axis=1)
+    return self_in_front | other_in_front.T

@@ -1,0 +1,41 @@
+"""Shadows of bodies on the road: the sun's, and the dark band right under the body."""
+
+import cv2
+import numpy as np
+
+from vpf_sim.envs.camera.painter import SHIFT, Light, bounding_box, footprint
+from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
+from vpf_sim.types import Floats, Image
+
+RANGE_M = 90.0
+SUN_SHADOW, CONTACT = 128, 70  # what is left of the road's brightness, of 255
+FULLNESS = 0.85  # a body's shadow is that of a box of this part of its height
+
+
+def paint_shadow(frame: Image, view: View, pose: Floats, size: tuple[float, float, float], light: Light) -> None:
+    """Darken the ground where a body of `size` (length, width, height) at `pose` (x, y, heading) keeps the sun off."""
+    if np.hypot(*(pose[:2] - view.centre[:2])) > RANGE_M:
+        return
+    foot = footprint(pose, size[0], size[1])
+    fall = -light.sun[:2] / light.sun[2] * FULLNESS * size[2]
+    outline = cv2.convexHull(np.concatenate([foot, foot + fall]).astype(np.float32))[:, 0].astype(float)
+    polygons = [(_on_road(view, outline), SUN_SHADOW), (_on_road(view, footprint(pose, 0.97 * size[0], 0.9 * size[1])), CONTACT)]
+    shown = [(polygon, value) for polygon, value in polygons if polygon is not None]
+    box = bounding_box([polygon for polygon, _ in shown], frame.shape)
+    if box is None:
+        return
+    x0, y0, x1, y1 = box
+    mask = np.full((2 * (y1 - y0), 2 * (x1 - x0)), 255, np.uint8)
+    for polygon, value in shown:
+        fixed = np.rint(((polygon + (0.5 - x0, 0.5 - y0)) * 2.0 - 0.5) * 2**SHIFT).astype(np.int32)
+        cv2.fillConvexPoly(mask, fixed, value, cv2.LINE_8, SHIFT)
+    left = cv2.blur(cv2.resize(mask, (x1 - x0, y1 - y0), interpolation=cv2.INTER_AREA), (3, 3))
+    region = frame[y0:y1, x0:x1]
+    cv2.multiply(region, cv2.merge([left, left, left]), region, scale=1 / 255)
+
+
+def _on_road(view: View, outline: Floats) -> Floats | None:
+    """The picture of a polygon on the road; None if it lies behind the camera."""
+    points = view.camera_axes(np.column_stack([outline, np.zeros(len(outline))]))[None]
+    inside = points[..., 2] > NEAR_M
+    return view.pixels(clip_near(points, inside))[0] if inside.any() else None

@@ -1,0 +1,82 @@
+"""Pictures of trees and bushes, made from noise; drawn as upright pictures that face the camera."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.texture import noise
+from vpf_sim.envs.camera.view import View
+from vpf_sim.seeding import stream
+from vpf_sim.types import Floats, Image
+
+ROWS, COLUMNS = 256, 192
+VARIANTS = 8
+Blob = tuple[float, float, float, float]  # centre x, y and radii, parts of the height
+
+# For each shape of tree: its blobs (y from the top down), and the trunk's half width.
+SHAPES: tuple[tuple[tuple[Blob, ...], float], ...] = (
+    (((0.37, 0.34, 0.27, 0.28), (0.22, 0.48, 0.18, 0.18), (0.53, 0.46, 0.19, 0.20)), 0.022),  # broad crown
+    (((0.37, 0.27, 0.20, 0.24), (0.34, 0.55, 0.25, 0.23), (0.43, 0.42, 0.23, 0.22)), 0.026),
+    (((0.37, 0.40, 0.12, 0.39), (0.38, 0.62, 0.14, 0.26)), 0.018),  # poplar
+    (((0.375, 0.60, 0.35, 0.36), (0.2, 0.74, 0.19, 0.23), (0.55, 0.72, 0.18, 0.24)), 0.0),  # bush
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Sprite:
+    """Where an upright picture was drawn."""
+
+    x: int
+    y: int
+    opaque: NDArray[np.bool_]  # (h, w)
+    depth_m: float
+
+
+@lru_cache(maxsize=VARIANTS)
+def tree_picture(variant: int) -> tuple[NDArray[np.uint8], ...]:
+    """Picture `variant` as RGBA with colours already multiplied by alpha, at growing reduction (a factor of 2 each)."""
+    rng = stream(0, f"tree {variant}")
+    blobs, trunk = SHAPES[variant % len(SHAPES)]
+    y, x = np.mgrid[0:ROWS, 0:COLUMNS] / float(ROWS)
+    ragged, leaves = noise((ROWS, COLUMNS), rng, 5.0, 0.9), noise((ROWS, COLUMNS), rng, 3.0, 0.4)
+    inside = np.max([1.0 - np.hypot((x - bx) / rx, (y - by) / ry) for bx, by, rx, ry in blobs], axis=0)
+    alpha = np.clip((inside + 0.13 * ragged - 0.10) * 9.0, 0.0, 1.0) * (y < 0.985)
+    bulge = np.clip(0.8 - 0.9 * (y - 0.35) - 0.35 * (x - 0.37) + 0.28 * ragged + 0.2 * leaves, 0.25, 1.5)
+    hue = np.array([[72.0, 96.0, 44.0], [64.0, 88.0, 48.0], [84.0, 100.0, 46.0], [58.0, 80.0, 40.0]])[variant // 2 % 4]
+    colour = hue * bulge[..., None]
+    stem = (np.abs(x - 0.375 - 0.006 * np.sin(14.0 * y)) < trunk * (0.7 + 0.5 * y)) & (y > 0.4) & (y < 0.99)
+    bark = np.array([74.0, 62.0, 50.0]) * np.clip(1.0 + 0.25 * leaves - 6.0 * (x - 0.375), 0.4, 1.5)[..., None]
+    colour = np.where((stem & (alpha < 0.5))[..., None], bark, colour)
+    alpha = np.maximum(alpha, stem)
+    rgba = np.dstack([colour * alpha[..., None], 255.0 * alpha])
+    pictures = [np.clip(np.rint(rgba), 0, 255).astype(np.uint8)]
+    while pictures[-1].shape[0] > 8:
+        height, width = pictures[-1].shape[:2]
+        pictures.append(cv2.resize(pictures[-1], (width // 2, height // 2), interpolation=cv2.INTER_AREA))
+    return tuple(pictures)
+
+
+def paint_tree(frame: Image, view: View, foot_camera: Floats, height_m: float, variant: int) -> Sprite | None:
+    """Draw a tree of a height whose foot is at a point in camera axes; None if it is out of the picture."""
+    foot = view.pixels(foot_camera)
+    tall = view.camera.fy_px * height_m / float(foot_camera[2])
+    pictures = tree_picture(variant)
+    level = int(np.clip(np.floor(np.log2(ROWS / tall)), 0, len(pictures) - 1))
+    scale = tall / (ROWS >> level)
+    left, top = foot[0] - 0.5 * COLUMNS / ROWS * tall, foot[1] - tall
+    x0, y0 = max(0, int(np.floor(left))), max(0, int(np.floor(top)))
+    x1 = min(frame.shape[1], int(np.ceil(left + COLUMNS / ROWS * tall)) + 1)
+    y1 = min(frame.shape[0], int(np.ceil(top + tall)) + 1)
+    if x0 >= x1 or y0 >= y1:
+        return None
+    place = np.array([[scale, 0.0, left + 0.5 * scale - x0], [0.0, scale, top + 0.5 * scale - y0]])
+    drawn = cv2.warpAffine(pictures[level], place, (x1 - x0, y1 - y0), flags=cv2.INTER_LINEAR)
+    region = frame[y0:y1, x0:x1]
+    alpha = drawn[..., 3]
+    behind = cv2.bitwise_not(alpha)
+    cv2.multiply(region, cv2.merge([behind, behind, behind]), region, scale=1 / 255)
+    cv2.add(region, cv2.cvtColor(drawn, cv2.COLOR_RGBA2RGB), region)
+    return Sprite(x0, y0, alpha > 127, float(foot_camera[2]))
