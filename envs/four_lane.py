@@ -39,9 +39,9 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     Action: throttle (negative brakes) and steering (+ is right) in [-1, 1]. Observation: `image` (H, W, 3) RGB, `ego`
     (x, y, yaw, speed, yaw rate) in m, rad, s, `goal` (x, y) m, `time` s. Reward: metres of route gained / 10, less 0.01
     x squared change of action, less 5 on collision or off_road, plus 5 on success. `info`: `status` ("running" until
-    the end), `route_m`, `lane_offset_m` from the centre of the ego's lane (+ is right), `clearance_m` between the bodies,
-    `collided_with`, and the arrays that `truth` names. Success, collision and off_road terminate; timeout, stuck and
-    invalid_frame truncate.
+    the end), `route_m`, `lane_offset_m` from the centre of the ego's lane (+ is right), `clearance_m` to the nearest
+    body, `collided_with`, and the arrays that `truth` names. Success, collision and off_road terminate; timeout, stuck
+    and invalid_frame truncate.
 
     `scenario` and `weather` are names of the catalogs, paths of TOML files, or what their `load` returns. After a reset
     `scenario` is the one drawn for the seed, and `road`, `ego`, `route` and `goal_m` are those of the episode.
