@@ -1,0 +1,131 @@
+"""The sliding mode controller, bounded by its theory."""
+
+from dataclasses import replace
+from math import hypot, pi, radians
+
+import numpy as np
+import pytest
+
+from bicycle import Bicycle
+from vpf_sim.controllers.gtsmc import Gains, Gtsmc, load_gains, relay
+from vpf_sim.errors import InputError
+from vpf_sim.seeding import stream
+from vpf_sim.tables import build
+from vpf_sim.types import Reference, VehicleModel
+
+CAR = VehicleModel()
+LITERAL, PAPER, ROBUST = (load_gains(name) for name in ("literal", "paper", "robust"))
+
+
+def controller(gains: Gains, rate_hz: float = 60.0) -> Gtsmc:
+    return Gtsmc(gains, CAR, rate_hz)
+
+
+def test_the_manifold_is_reached_within_its_bound() -> None:
+    """|s_r| falls at eta = u_0 v / L - c_r |psi_e'|max at least, so it is reached within |s_0| / eta."""
+    car, hands = Bicycle(), controller(replace(PAPER, u0_radps=1.5))
+    reference = Reference(0.1, 5.55, 0.0)
+    start = hands.manifold(car.observe(), reference, 0.0)
+    eta = 1.5 * car.speed_mps / CAR.wheelbase_m * 0.95 - 2.0 * abs(start)  # cos^2, and |psi_e'| <= |s_0|
+    assert start == pytest.approx(-0.2)
+    bound_steps = int(abs(start) / eta * 60.0) + 2
+    for _ in range(bound_steps):
+        car.step(hands.command(car.observe(), reference))
+    after = [abs(hands.manifold(car.observe(), reference, 0.0))]
+    for _ in range(60):
+        car.step(hands.command(car.observe(), reference))
+        after.append(abs(hands.manifold(car.observe(), reference, 0.0)))
+    one_step = 2.0 * 1.5 * car.speed_mps / CAR.wheelbase_m / 60.0
+    assert max(after) < 1.5 * one_step
+
+
+def test_on_the_manifold_the_heading_error_decays_with_c_r() -> None:
+    car, hands = Bicycle(), controller(ROBUST)
+    reference = Reference(0.1, 5.55, 0.0)
+    for _ in range(150):
+        car.step(hands.command(car.observe(), reference))
+    assert car.yaw_rad == pytest.approx(0.1, abs=0.1 * np.exp(-0.6 * 2.5 * 2.5))
+
+
+@pytest.mark.parametrize(("c_l", "speed"), [(0.8, 6.9375), (1.0, 5.55), (1.25, 4.44)])
+def test_the_speed_settles_at_the_reference_over_c_l(c_l: float, speed: float) -> None:
+    for gains in (PAPER, ROBUST):
+        car, hands = Bicycle(), controller(replace(gains, c_l=c_l))
+        for _ in range(600):
+            car.step(hands.command(car.observe(), Reference(0.0, 5.55, 0.0)))
+        ripple = max(gains.a0_mps2, gains.brake_a0_mps2) / 60.0
+        assert car.speed_mps == pytest.approx(speed, abs=ripple)
+
+
+def test_the_heading_error_is_wrapped() -> None:
+    hands = controller(ROBUST)
+    car = Bicycle(yaw_rad=pi - 0.02)
+    assert hands.manifold(car.observe(), Reference(-pi + 0.02, 5.0), 0.0) == pytest.approx(-0.04 * 2.5)
+    assert hands.command(car.observe(), Reference(-pi + 0.02, 5.0, 0.0)).steering > 0.0  # right, the short way
+
+
+def test_the_integrator_is_clamped_so_that_it_comes_back_at_once() -> None:
+    hands = controller(PAPER)
+    car = Bicycle()
+    for _ in range(600):
+        command = hands.command(car.observe(), Reference(1.5, 5.55, 0.0))
+    assert command.steering == 1.0
+    assert hands.steering_rad == CAR.steering_limit_rad
+    assert hands.command(car.observe(), Reference(-1.5, 5.55, 0.0)).steering < 1.0
+
+
+def test_at_standstill_the_steering_holds() -> None:
+    hands = controller(PAPER)
+    hands.command(Bicycle().observe(), Reference(0.5, 5.55, 0.0))
+    held = hands.steering_rad
+    assert held > 0.0
+    hands.command(Bicycle(speed_mps=0.0).observe(), Reference(-0.5, 0.0, 0.0))
+    assert hands.steering_rad == held
+
+
+def test_relay_is_sign_or_its_saturation() -> None:
+    assert [relay(s, 0.0) for s in (-0.1, 0.0, 2.0)] == [-1.0, 0.0, 1.0]
+    assert [relay(s, 0.5) for s in (-1.0, -0.25, 0.0, 0.25, 1.0)] == [-1.0, -0.5, 0.0, 0.5, 1.0]
+
+
+def noisy_run(gains: Gains, seed: int = 3) -> tuple[float, float]:
+    """(rms y m, rms steering rate rad/s) when the heading to y = 0 carries 1 deg of white noise."""
+    random = stream(seed, "noise")
+    car, hands = Bicycle(y_m=0.0), controller(gains)
+    places, rates = [], []
+    for _ in range(1200):
+        before = car.steering_rad
+        psi_d = -0.16 * car.y_m + radians(1.0) * float(random.standard_normal())
+        car.step(hands.command(car.observe(), Reference(psi_d, 5.55)))
+        places.append(car.y_m)
+        rates.append(60.0 * (car.steering_rad - before))
+    return hypot(*places) / len(places) ** 0.5, hypot(*rates) / len(rates) ** 0.5
+
+
+def test_the_low_pass_saves_the_controller_from_the_differentiated_noise() -> None:
+    raw, _ = noisy_run(LITERAL)
+    filtered, rate = noisy_run(PAPER)
+    smooth, smooth_rate = noisy_run(ROBUST)
+    assert raw > 3.0 * filtered
+    assert filtered < 0.15
+    assert smooth < 0.15
+    assert smooth_rate < 0.6 * rate
+
+
+def test_a_given_rate_of_the_reference_is_used_as_it_is() -> None:
+    """psi_d turns at 0.05 rad/s: with the rate given the car follows without a lag, without it s_r = 0 leaves rate / c_r."""
+
+    def lag(rate: float) -> float:
+        car, hands = Bicycle(), controller(ROBUST)
+        for step in range(300):
+            car.step(hands.command(car.observe(), Reference(0.05 * step / 60.0, 5.55, rate)))
+        return 0.05 * 299 / 60.0 - car.yaw_rad
+
+    assert lag(0.05) == pytest.approx(0.0, abs=2e-3)
+    assert lag(0.0) == pytest.approx(0.05 / 2.5, abs=2e-3)
+
+
+def test_nonsense_gains_are_refused() -> None:
+    table = {key: getattr(ROBUST, key) for key in ROBUST.__slots__}
+    with pytest.raises(InputError, match=r"^gains\.toml: u0_radps: expected > 0, got 0\.0$"):
+        build(Gains, {**table, "u0_radps": 0.0}, "gains.toml")
