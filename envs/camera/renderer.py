@@ -15,6 +15,7 @@ from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.mesh import Mesh
 from vpf_sim.envs.camera.occlusion import far_to_near
 from vpf_sim.envs.camera.painter import Drawing, Light, footprint, paint, project_mesh
+from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.envs.camera.scenery import Scenery
 from vpf_sim.envs.camera.sensor import Noise
 from vpf_sim.envs.camera.shadows import paint_shadow
@@ -27,7 +28,6 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
 RANGE_M = 200.0  # bodies farther ahead are not drawn
-NOISE_SD = 1.3  # grey levels, a day-light exposure of a small sensor (WEATHER 5)
 
 
 class Carrier(Protocol):
@@ -54,7 +54,8 @@ class Renderer:
     one a vehicle is a car and an obstacle a barrier; landmarks are not drawn).
     """
 
-    def __init__(self, road: Road, camera: Camera, weather: Weather, seed: int, noise_sd: float = NOISE_SD) -> None:
+    def __init__(self, road: Road, camera: Camera, weather: Weather, seed: int, noise_sd: float | None = None) -> None:
+        rig = Rig(camera) if noise_sd is None else Rig(camera, noise_sd)
         self._road = road
         self._camera = camera
         self._seed = seed
@@ -63,7 +64,7 @@ class Renderer:
         self._sky = Sky(camera, seed)
         self._ground = Ground(camera, shapes, seed)
         self._scenery = Scenery(shapes, self._light, seed)
-        self._noise = Noise(camera, noise_sd, seed)
+        self._noise = Noise(rig, seed)
         self._meshes: dict[int, tuple[RoadObject, Mesh]] = {}
         self._drawn: list[Drawn] = []
         self._now: Snapshot | None = None
