@@ -105,7 +105,7 @@ class Gtsmc:
     def _accelerate(self, speed_mps: float, reference_mps: float) -> float:
         """Normalised throttle (> 0) or brake (< 0)."""
         s_l = self._gains.c_l * speed_mps - reference_mps
-        wish = -relay(s_l, self._gains.speed_boundary_mps)
+        wish = relay(-s_l, self._gains.speed_boundary_mps)
         if wish > 0.0:
             return min(1.0, wish * self._gains.a0_mps2 / self._vehicle.full_throttle_mps2)
         return max(-1.0, wish * self._gains.brake_a0_mps2 / self._vehicle.full_brake_mps2)

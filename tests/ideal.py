@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from math import atan2, cos, hypot, sin
 
 import numpy as np
-
 from bicycle import Bicycle
+
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.types import Expansion, Floats, Flow, ObstacleMap, Obstacles, Perception, RoadEdges
 

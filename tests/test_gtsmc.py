@@ -5,9 +5,9 @@ from math import hypot, pi, radians
 
 import numpy as np
 import pytest
-
 from bicycle import Bicycle
 from vpf_sim.controllers.gtsmc import Gains, Gtsmc, load_gains, relay
+
 from vpf_sim.errors import InputError
 from vpf_sim.seeding import stream
 from vpf_sim.tables import build
@@ -113,7 +113,7 @@ def test_the_low_pass_saves_the_controller_from_the_differentiated_noise() -> No
 
 
 def test_a_given_rate_of_the_reference_is_used_as_it_is() -> None:
-    """psi_d turns at 0.05 rad/s: with the rate given the car follows without a lag, without it s_r = 0 leaves rate / c_r."""
+    """psi_d turns at 0.05 rad/s: with the rate given there is no lag, and without it s_r = 0 leaves rate / c_r."""
 
     def lag(rate: float) -> float:
         car, hands = Bicycle(), controller(ROBUST)

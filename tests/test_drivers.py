@@ -1,0 +1,150 @@
+"""The registry of drivers: names without weight, users' own classes, and what is refused."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bicycle import Bicycle
+
+from vpf_sim import drivers
+from vpf_sim.errors import InputError
+from vpf_sim.types import Camera, Command, DriverSetup, Floats, Observation, Plan, VehicleModel
+
+OWN = """
+from vpf_sim.types import Command
+
+class Own:
+    privileged = "none"
+    def reset(self, setup): pass
+    def act(self, observation): return Command(0.5, -0.5)
+
+class NoAct:
+    privileged = "none"
+    def reset(self, setup): pass
+
+class Nosy(Own):
+    privileged = "everything"
+
+class Needy(Own):
+    def __init__(self, network): pass
+
+class Explosive(Own):
+    def __init__(self): raise RuntimeError("no weights")
+
+instance = Own()
+"""
+
+
+@pytest.fixture
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "own_driver.py").write_text(OWN)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "own_driver", raising=False)
+    return "own_driver"
+
+
+def setup(route: Floats | None = None) -> DriverSetup:
+    return DriverSetup(Camera(), VehicleModel(), 60.0, 5.55, (150.0, 0.0), 0, route)
+
+
+def frame(level: int = 90) -> Observation:
+    image = np.full((480, 640, 3), level, np.uint8)
+    return Observation(image, 0.0, 0.0, 0.0, 0.0, 5.55, 0.0, (150.0, 0.0))
+
+
+def test_the_registry_and_its_descriptions() -> None:
+    assert drivers.names() == ["vpf", "vpf-paper", "vpf-literal", "pid", "neutral"]
+    assert {row.name: row.privileged for row in drivers.describe()}["pid"] == "route"
+    for row in drivers.describe():
+        assert drivers.create(row.name).privileged == row.privileged
+
+
+def test_naming_the_drivers_loads_none_of_them() -> None:
+    heavy = "{'highway_env', 'cv2', 'scipy', 'pandas', 'pydantic'}"
+    code = f"import sys; from vpf_sim import drivers; drivers.describe(); print(sorted({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", ["vpf", "vpf-paper", "vpf-literal"])
+def test_a_field_driver_survives_a_frame_without_any_texture(name: str) -> None:
+    driver = drivers.create(name)
+    driver.reset(setup())
+    assert driver.trace() is None  # type: ignore[attr-defined]
+    for level in (90, 90, 0, 255):
+        command = driver.act(frame(level))
+        assert -1.0 <= command.throttle <= 1.0
+        assert -1.0 <= command.steering <= 1.0
+    assert isinstance(driver.trace(), Plan)  # type: ignore[attr-defined]
+
+
+def test_reset_starts_the_same_episode_again() -> None:
+    random = np.random.Generator(np.random.PCG64(4))
+    frames = [random.integers(0, 255, (480, 640, 3), np.uint8) for _ in range(4)]
+    driver = drivers.create("vpf")
+
+    def commands() -> list[Command]:
+        driver.reset(setup())
+        return [
+            driver.act(Observation(image, k / 60, k * 0.09, 0.0, 0.0, 5.55, 0.0, (150.0, 0.0)))
+            for k, image in enumerate(frames)
+        ]
+
+    assert commands() == commands()
+
+
+def test_pid_needs_a_route_and_follows_it() -> None:
+    driver = drivers.create("pid")
+    with pytest.raises(InputError, match="driver pid: expected a route in its setup, got none"):
+        driver.reset(setup())
+    driver.reset(setup(np.column_stack([np.arange(200.0), np.zeros(200)])))
+    car = Bicycle(y_m=0.4)
+    for _ in range(600):
+        car.step(driver.act(car.observe()))
+    assert car.y_m == pytest.approx(0.0, abs=0.02)
+
+
+def test_neutral_touches_nothing() -> None:
+    driver = drivers.create("neutral")
+    driver.reset(setup())
+    assert driver.act(frame()) == Command(0.0, 0.0)
+
+
+def test_a_users_own_class(module: str) -> None:
+    driver = drivers.create(f"{module}:Own")
+    driver.reset(setup())
+    assert driver.act(frame()) == Command(0.5, -0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("vfp", "unknown driver 'vfp': did you mean 'vpf'?"),
+        (
+            "no_such_module:Own",
+            "driver 'no_such_module:Own': cannot import 'no_such_module': No module named 'no_such_module'",
+        ),
+        ("own_driver:Won", "driver 'own_driver:Won': module 'own_driver' has no class 'Won'"),
+        ("own_driver:instance", "driver 'own_driver:instance': module 'own_driver' has no class 'instance'"),
+        ("own_driver:NoAct", "driver 'own_driver:NoAct': expected privileged, reset and act; missing: act"),
+        ("own_driver:Nosy", "driver 'own_driver:Nosy': privileged: expected none, route or world, got 'everything'"),
+        (":Own", "driver ':Own': cannot import '': Empty module name"),
+    ],
+)
+@pytest.mark.usefixtures("module")
+def test_what_is_no_driver_is_refused(name: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        drivers.create(name)
+    assert str(caught.value) == message
+
+
+def test_a_class_that_wants_arguments_is_refused(module: str) -> None:
+    with pytest.raises(InputError, match="expected a class that is made without arguments"):
+        drivers.create(f"{module}:Needy")
+
+
+def test_a_users_own_failure_is_not_hidden(module: str) -> None:
+    with pytest.raises(RuntimeError, match="no weights"):
+        drivers.create(f"{module}:Explosive")

@@ -1,0 +1,89 @@
+"""The variants: all load, hold what the documents say of them, and refuse nonsense."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from vpf_sim import tables
+from vpf_sim.errors import InputError
+from vpf_sim.planning import variant
+from vpf_sim.planning.variant import PACKAGE, Variant
+
+
+def test_all_variants_load() -> None:
+    assert variant.names() == ["literal", "paper", "robust"]
+    for name in variant.names():
+        assert isinstance(variant.load(name), Variant)
+
+
+def test_literal_is_printed_throughout_and_paper_repaired() -> None:
+    literal, paper = (variant.load(name).gradient_line for name in ("literal", "paper"))
+    assert literal is not None
+    assert paper is not None
+    assert (literal.target_field.direction, paper.target_field.direction) == ("printed", "repaired")
+    assert (literal.obstacle_field.terms, paper.obstacle_field.terms) == ("printed", "lateral")
+    assert (literal.road_field.shape, paper.road_field.shape) == ("printed", "repaired")
+    assert (literal.total_field.axes, paper.total_field.axes) == ("printed", "mapped")
+    assert (literal.total_field.rotation, paper.total_field.rotation) == ("printed", "repaired")
+    assert (literal.reference.heading, paper.reference.heading) == ("printed", "repaired")
+    assert paper.total_field.lambda_y == 1e-7
+    assert paper.obstacle_field.gamma == 1e7
+    # Table I of the paper.
+    for line in (literal, paper):
+        road = line.road_field
+        assert (road.depth, road.b_per_m, road.preferred_right_m) == (0.5, 1.0, 5.25)
+        assert (road.c2_straight, road.c2_curved_per_m, road.x_offset_m) == (0.005, 5e-6, 1e-10)
+
+
+def test_the_papers_flow_and_smoothing() -> None:
+    for name in ("literal", "paper"):
+        stages = variant.load(name)
+        assert (stages.flow.window_px, stages.flow.max_level, stages.flow.epsilon_px) == (25, 2, 0.03)
+        assert stages.obstacle_map.sigma_px == 320.0
+
+
+def test_flow_and_landmarks_speak_of_the_same_window() -> None:
+    robust = variant.load("robust")
+    assert robust.landmarks is not None
+    assert robust.landmarks.window_px == robust.flow.window_px
+
+
+def changed(section: str, **keys: Any) -> dict[str, Any]:
+    table = tables.read(PACKAGE, "paper.toml")
+    table[section] = {**table.get(section, {}), **keys}
+    return table
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (changed("flow", window=25), "paper.toml: flow: unknown key 'window': did you mean 'window_s'?"),
+        (changed("flwo", x=1), "paper.toml: unknown key 'flwo': did you mean 'flow'?"),
+        (
+            changed("contact", method="best"),
+            "paper.toml: contact: method: expected one of as_printed, robust, got 'best'",
+        ),
+        (
+            changed("gradient_line", reference={"heading": 3}),
+            "paper.toml: gradient_line: reference: heading: expected one of printed, repaired, got 3",
+        ),
+    ],
+)
+def test_a_wrong_variant_is_told_where(table: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        tables.build(Variant, table, "paper.toml")
+    assert str(caught.value) == message
+
+
+def test_one_way_through_the_field_and_what_it_needs() -> None:
+    robust, paper = variant.load("robust"), variant.load("paper")
+    with pytest.raises(ValueError, match="exactly one of"):
+        replace(robust, gradient_line=paper.gradient_line)
+    with pytest.raises(ValueError, match="needs \\[landmarks\\]"):
+        replace(robust, landmarks=None)
+
+
+def test_an_unknown_variant_is_answered_with_the_nearest() -> None:
+    with pytest.raises(InputError, match="unknown variant 'robus': did you mean 'robust'\\?"):
+        variant.load("robus")
