@@ -20,7 +20,7 @@ STANDING_MPS, STANDING_S = 0.05, 2.0
 STOP_AHEAD_M = (1.0, 15.0)
 STUCK_MPS, STUCK_S = 0.2, 10.0
 FRAME_MOVED_M = 0.02
-SAMPLE = 16  # px between the pixels that are looked at before whole frames are compared
+SAMPLE = 40  # px between the pixels that are looked at before whole frames are compared
 
 
 class Ending:

@@ -2,6 +2,8 @@
 
 from typing import Literal, NamedTuple
 
+from vpf_sim.types import VehicleModel
+
 BodyKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian"]
 
 
@@ -25,4 +27,4 @@ SIZES: dict[BodyKind, Size] = {
 
 MOVING: frozenset[BodyKind] = frozenset({"car", "van", "truck", "pedestrian"})  # kinds that can have a speed
 
-EGO_SIZE = Size(4.5, 1.9, 1.5)
+EGO_SIZE = Size(VehicleModel().length_m, VehicleModel().width_m, 1.5)
