@@ -1,0 +1,70 @@
+"""Times of the stages of a step, taken from outside: the code that is timed knows nothing of it."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from importlib import import_module
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+
+class Stopwatch:
+    """Milliseconds that each stage took in each step; a stage that is called twice in a step counts as one."""
+
+    def __init__(self) -> None:
+        self._step_ms: dict[str, float] = {}
+        self._steps_ms: list[dict[str, float]] = []
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Time what is done inside."""
+        started_s = perf_counter()
+        try:
+            yield
+        finally:
+            self._step_ms[name] = self._step_ms.get(name, 0.0) + 1e3 * (perf_counter() - started_s)
+
+    def end_step(self) -> None:
+        """The next times are another step's."""
+        self._steps_ms.append(self._step_ms)
+        self._step_ms = {}
+
+    def skip_step(self) -> None:
+        """Forget what was timed since the last step."""
+        self._step_ms = {}
+
+    def medians_ms(self) -> dict[str, float]:
+        """The median of each stage over the steps in which it ran."""
+        names = {name: None for step in self._steps_ms for name in step}
+        return {name: float(np.median([step[name] for step in self._steps_ms if name in step])) for name in names}
+
+    @contextmanager
+    def watching(self, stages: Mapping[str, str]) -> Iterator[None]:
+        """Time the functions at "module:attribute" or "module:Class.method" under the names that they have here."""
+        places = [(*_place(path), name) for name, path in stages.items()]
+        originals = [(owner, attribute, getattr(owner, attribute)) for owner, attribute, _ in places]
+        try:
+            for owner, attribute, name in places:
+                setattr(owner, attribute, self._timed(getattr(owner, attribute), name))
+            yield
+        finally:
+            for owner, attribute, original in reversed(originals):
+                setattr(owner, attribute, original)
+
+    def _timed(self, function: Callable[..., Any], name: str) -> Callable[..., Any]:
+        def timed(*arguments: Any, **named: Any) -> Any:
+            with self.stage(name):
+                return function(*arguments, **named)
+
+        return timed
+
+
+def _place(path: str) -> tuple[Any, str]:
+    """The module or class that holds a function, and its name there."""
+    module, _, attributes = path.partition(":")
+    *owners, attribute = attributes.split(".")
+    owner = import_module(module)
+    for name in owners:
+        owner = getattr(owner, name)
+    return owner, attribute
