@@ -28,7 +28,8 @@ class Level:
     reach_m: float
 
 
-LEVELS = (Level(0.008, 3.6), Level(0.02, 8.0), Level(0.06, 22.0), Level(0.18, 90.0))
+LEVELS = (Level(0.007, 3.6), Level(0.02, 8.0), Level(0.06, 22.0), Level(0.18, 90.0))
+SPECTRA = ((2.2, 0.25), (2.6, 0.4), (3.0, 0.55), (3.0, 0.6))  # shortest wavelength in texels, slope; finer is rougher
 OVERLAP = 0.75  # a level begins to give way to the next at this part of its reach
 CONTRAST = 6.0  # sd of the grain, in steps of the palette
 
@@ -66,7 +67,7 @@ class Grain:
         distance = row_distance(camera)
         self._weights = _weights(distance)
         self._bands = [band for level in range(len(LEVELS)) for band in self._level_bands(level, distance)]
-        self._tiles = [grain_tile(f"level {level}") for level in range(len(LEVELS))]
+        self._tiles = [grain_tile(f"level {i}", *SPECTRA[i]) for i in range(len(LEVELS))]
         self._offsets = stream(seed, "grain").uniform(0.0, TILE, (len(LEVELS), 2))
         rows, width = len(distance), camera.width_px
         gains = self._weights * _gains(self._bands, rows, CONTRAST)

@@ -77,11 +77,16 @@ def lines(shapes: list[LaneShape]) -> list[Line]:
     return kept
 
 
-def stripes(line: Line) -> list[tuple[float, float]]:
-    """Where each stripe of a striped line begins and ends, counted along it; stripes are 3 m of every 9 m."""
+def interpolated(s: Floats, stations: Floats, points: Floats) -> Floats:
+    """(..., 2) points of a polyline (M, 2) at stations s of any shape."""
+    return np.stack([np.interp(s, stations, points[:, i]) for i in range(2)], axis=-1)
+
+
+def stripes(line: Line) -> Floats:
+    """(n, 2) where each stripe of a striped line begins and ends, counted along it: 3 m of every 9 m."""
     first, last = line.s_m[0], line.s_m[-1]
     starts = np.arange(np.ceil(first / PERIOD_M), np.floor((last - STRIPE_M) / PERIOD_M) + 1) * PERIOD_M
-    return [(float(start), float(start) + STRIPE_M) for start in starts]
+    return np.stack([starts, starts + STRIPE_M], axis=1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.layout import LaneShape, Line, lines, outer_edges, stripes
+from vpf_sim.envs.camera.layout import LaneShape, Line, interpolated, lines, outer_edges, stripes
+from vpf_sim.envs.camera.wear import wear
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
@@ -52,11 +53,14 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
         *((shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes),
     ]
     solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
-    striped = [polygon for line in marks if line.striped for polygon in _stripe_polygons(line)]
-    batches = [_strips(surfaces, thin=False), _strips([(a, b, LINE) for a, b in solid], thin=True)]
-    if striped:
-        count = len(striped)
-        batches.append(Batch(np.array(striped), np.full(count, LINE), np.zeros(count, np.int64), thin=True))
+    striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line) for line in marks if line.striped)])
+    repairs, values = wear(shapes, ASPHALT, rng)
+    batches = [
+        _strips(surfaces, thin=False),
+        _separate(repairs, values, thin=False),
+        _strips([(a, b, LINE) for a, b in solid], thin=True),
+        _separate(striped, np.full(len(striped), LINE), thin=True),
+    ]
     return [batch for batch in batches if len(batch.values)]
 
 
@@ -68,14 +72,17 @@ def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
     return line.points_m - right, line.points_m + right
 
 
-def _stripe_polygons(line: Line) -> list[Floats]:
-    left, right = _ribbon(line, LINE_WIDTH_M)
-    result = []
-    for first, last in stripes(line):
-        s = np.array([first, 0.5 * (first + last), last])
-        edges = [np.stack([np.interp(s, line.s_m, edge[:, i]) for i in range(2)], axis=1) for edge in (left, right)]
-        result.append(np.concatenate([edges[0], edges[1][::-1]]))
-    return result
+def _stripe_polygons(line: Line) -> Floats:
+    """(n, 6, 2) one polygon a stripe: up its left edge, down its right edge."""
+    span = stripes(line)
+    s = np.stack([span[:, 0], span.mean(axis=1), span[:, 1]], axis=1)
+    left, right = (interpolated(s, line.s_m, edge) for edge in _ribbon(line, LINE_WIDTH_M))
+    return np.concatenate([left, right[:, ::-1]], axis=1)
+
+
+def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool) -> Batch:
+    """Polygons that may overlap each other."""
+    return Batch(polygons, values, np.arange(len(values)) if not thin else np.zeros(len(values), np.int64), thin)
 
 
 def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool) -> Batch:

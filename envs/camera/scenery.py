@@ -1,6 +1,7 @@
 """What stands beside the road, placed by a seed along the outer edges: posts, guard rails, signs, trees and bushes."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -94,7 +95,7 @@ class Scenery:
         clear = self._clear(rail, RAIL_OFFSET_M)
         for i in np.flatnonzero(railed[:-1] & railed[1:] & clear[:-1] & clear[1:]):
             span = rail[i + 1] - rail[i]
-            result.append((_rail(float(np.hypot(*span))), np.array([*rail[i], np.arctan2(span[1], span[0])])))
+            result.append((_rail(round(float(np.hypot(*span)), 2)), np.array([*rail[i], np.arctan2(span[1], span[0])])))
         for i in range(int(rng.integers(10, 40)), len(points), 45):
             place = points[i] + 2.6 * outward[i]
             if self._clear(place[None], 2.6)[0]:
@@ -154,14 +155,21 @@ def _railed(count: int, rng: np.random.Generator) -> np.ndarray:
 
 def _in_world(meshes: list[tuple[Mesh, Floats]], light: Light) -> tuple[Floats, Floats, Floats]:
     """Faces (F, 4, 3), normals and shaded colours (F, 3) of meshes at their poses (x, y, heading)."""
+    poses: dict[int, list[Floats]] = {}
+    kinds = {id(mesh): mesh for mesh, _ in meshes}
+    for mesh, pose in meshes:
+        poses.setdefault(id(mesh), []).append(pose)
     faces, normals, colours = [np.empty((0, 4, 3))], [np.empty((0, 3))], [np.empty((0, 3))]
-    for mesh, (x, y, heading) in meshes:
-        c, s = np.cos(heading), np.sin(heading)
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        faces.append(mesh.faces_m[:, :4] @ turn.T + np.array([x, y, 0.0]))
-        normals.append(mesh.normals @ turn.T)
-        shading = light.sky + light.direct * np.maximum(0.0, normals[-1] @ light.sun)
-        colours.append(np.minimum(255.0, mesh.colours * shading[:, None]))
+    for key, mesh in kinds.items():
+        x, y, heading = np.array(poses[key]).T
+        c, s, zero, one = np.cos(heading), np.sin(heading), np.zeros(len(x)), np.ones(len(x))
+        turns = np.stack([c, -s, zero, s, c, zero, zero, zero, one], axis=1).reshape(-1, 3, 3)
+        places = np.stack([x, y, zero], axis=1)
+        faces.append((np.einsum("nij,fvj->nfvi", turns, mesh.faces_m[:, :4]) + places[:, None, None]).reshape(-1, 4, 3))
+        turned = np.einsum("nij,fj->nfi", turns, mesh.normals)
+        shading = light.sky + light.direct * np.maximum(0.0, turned @ light.sun)
+        colours.append(np.minimum(255.0, mesh.colours * shading[..., None]).reshape(-1, 3))
+        normals.append(turned.reshape(-1, 3))
     return np.concatenate(faces), np.concatenate(normals), np.concatenate(colours)
 
 
@@ -175,6 +183,7 @@ def _post() -> Mesh:
     return b.build()
 
 
+@lru_cache(maxsize=256)
 def _rail(length: float) -> Mesh:
     """One span of a guard rail along x: a folded band on a post; both sides."""
     b = MeshBuilder()

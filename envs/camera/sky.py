@@ -11,7 +11,8 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
 COLUMNS = 2560  # of the panorama, one turn
-TALL = 0.20  # tangent of the elevation at the top of the hills' panorama
+HILL_TOP = 0.10  # tangent of the elevation that no hill reaches
+ZENITH_SLOPE = 1.2  # tangent of the elevation above which the sky keeps its colour
 CLOUD_COLUMNS = 1024
 ZENITH, HORIZON = np.array([92.0, 136.0, 198.0]), np.array([206.0, 219.0, 231.0])
 HILLS = (  # (tangent of the height, share of haze, RGB near), from far to near
@@ -30,17 +31,18 @@ class Sky:
         rng = stream(seed, "sky")
         rays = _rays(camera, self._top)
         turn, slope = np.arctan2(rays[..., 0], rays[..., 2]), rays[..., 1] / np.hypot(rays[..., 0], rays[..., 2])
-        self._band = int(np.argmax((slope < TALL).any(axis=1))) if self._top else 0
-        self._hills = _hills(rng)
+        self._band = int(np.argmax((slope < HILL_TOP).any(axis=1))) if self._top else 0
+        tall = float(slope[self._band :].max()) if self._top else HILL_TOP
+        self._hills = _hills(rng, tall)
         per_rad = COLUMNS / (2.0 * np.pi)
         rows = len(self._hills) - 1
         self._column = (turn[self._band :] * per_rad).astype(np.float32)
-        self._row = np.clip(rows * (1.0 - slope[self._band :] / TALL), 0, rows).astype(np.float32)
-        self._clouds = _clouds(rng)
+        self._row = np.clip(rows * (1.0 - slope[self._band :] / tall), 0, rows).astype(np.float32)
+        self._clouds = _clouds(rng, tall)
         coarse = slice(None, None, 2)
         self._cloud_column = (turn[coarse, coarse] * CLOUD_COLUMNS / (2.0 * np.pi)).astype(np.float32)
         cloud_rows = len(self._clouds) - 1
-        self._cloud_row = np.clip(cloud_rows * (1.0 - slope[coarse, coarse] / 1.2), 0, cloud_rows).astype(np.float32)
+        self._cloud_row = np.clip(cloud_rows * (1.0 - slope[coarse, coarse] / ZENITH_SLOPE), 0, cloud_rows).astype(np.float32)
 
     def draw(self, view: View, frame: Image) -> None:
         """Paint the sky into the picture."""
@@ -74,7 +76,7 @@ def _rays(camera: Camera, rows: int) -> Floats:
 
 def _gradient(slope: Floats) -> Floats:
     """(..., 3) colour of the clear sky at tangents of elevation."""
-    share = np.clip(slope, 0.0, 1.2)[..., None] / 1.2
+    share = np.clip(slope, 0.0, ZENITH_SLOPE)[..., None] / ZENITH_SLOPE
     return HORIZON + (ZENITH - HORIZON) * share**0.7
 
 
@@ -84,25 +86,25 @@ def _doubled(panorama: Floats) -> NDArray[np.uint8]:
     return np.ascontiguousarray(np.concatenate([turn, turn, turn[:, : turn.shape[1] // 4]], axis=1))
 
 
-def _clouds(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """The sky with a few thin clouds, from the tangent of elevation 1.2 down to 0."""
+def _clouds(rng: np.random.Generator, low: float) -> NDArray[np.uint8]:
+    """The sky with a few thin clouds above the tangent of elevation `low`, from ZENITH_SLOPE down to 0."""
     rows = 192
-    slope = np.linspace(1.2, 0.0, rows)[:, None] * np.ones((1, CLOUD_COLUMNS))
+    slope = np.linspace(ZENITH_SLOPE, 0.0, rows)[:, None] * np.ones((1, CLOUD_COLUMNS))
     field = noise((256, CLOUD_COLUMNS), rng, 6.0, 1.5)[:rows]
-    cover = (np.clip((field - 1.0) / 2.5, 0.0, 0.7) * np.clip((slope - TALL) / 0.3, 0.0, 1.0))[..., None]
+    cover = (np.clip((field - 1.0) / 2.5, 0.0, 0.7) * np.clip((slope - low) / 0.3, 0.0, 1.0))[..., None]
     sky = _gradient(slope)
     return _doubled(sky + (np.array([246.0, 248.0, 250.0]) - sky) * cover)
 
 
-def _hills(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Ranges of hills before the sky, from the tangent of elevation TALL down to 0."""
-    rows = int(TALL * 400)
-    slope = np.linspace(TALL, 0.0, rows)[:, None] * np.ones((1, COLUMNS))
+def _hills(rng: np.random.Generator, tall: float) -> NDArray[np.uint8]:
+    """Ranges of hills before the sky, from the tangent of elevation `tall` down to 0."""
+    rows = int(tall * 400)
+    slope = np.linspace(tall, 0.0, rows)[:, None] * np.ones((1, COLUMNS))
     picture = _gradient(slope)
     for index, (height, haze, colour) in enumerate(HILLS):
         outline = noise((1, COLUMNS), rng, 10.0 if index < 2 else 3.0, 1.6 if index < 2 else 1.0)[0]
         top = height * np.clip(0.65 + 0.22 * outline, 0.15, 1.4)
-        cover = np.clip((top[None, :] - slope) / (TALL / rows), 0.0, 1.0)[..., None]
+        cover = np.clip((top[None, :] - slope) / (tall / rows), 0.0, 1.0)[..., None]
         texture = noise((128, COLUMNS), rng, 3.0, 0.5)[:rows, :, None] * (1.0 - haze) * 16.0
         tone = np.array(colour, float) + texture
         picture += cover * (tone + haze * (HORIZON - 12.0 - tone) - picture)

@@ -1,0 +1,41 @@
+"""What years of traffic leave on the asphalt: repaired patches, cracks filled with tar."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.layout import LaneShape, interpolated
+from vpf_sim.types import Floats
+
+SPACING_M = 22.0  # of faults along each lane, on average
+PATCH, ACROSS = 0.35, 0.75  # kinds of fault: below the first a patch, below the second a crack across, else along
+
+
+def wear(shapes: list[LaneShape], asphalt: int, rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
+    """(n, 6, 2) polygons on the lanes, and their values of the palette."""
+    lanes = [_lane_wear(shape, asphalt, rng) for shape in shapes]
+    return np.concatenate([polygons for polygons, _ in lanes]), np.concatenate([values for _, values in lanes])
+
+
+def _lane_wear(shape: LaneShape, asphalt: int, rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
+    first, last = float(shape.s_m[0]), float(shape.s_m[-1])
+    start = np.sort(rng.uniform(first, last, int((last - first) / SPACING_M) + 1))
+    count, half = len(start), 0.5 * shape.width_m
+    kind = rng.random(count)
+    patch, across = kind < PATCH, (kind >= PATCH) & (kind < ACROSS)
+    long = np.select([patch, across], [rng.uniform(1.0, 5.0, count), rng.uniform(0.04, 0.07, count)], rng.uniform(2, 9, count))
+    middle, wide = rng.uniform(-0.6, 0.6, count), rng.uniform(0.35, 0.95, count)
+    ends = np.sort(rng.uniform(-half, half, (count, 2)), axis=1)
+    left = np.select([patch, across], [middle - wide, ends[:, 0]], ends[:, 0])
+    right = np.select([patch, across], [middle + wide, ends[:, 1]], ends[:, 0] + 0.05)
+    skew = np.where(across, rng.uniform(-0.8, 0.8, count), 0.0)
+    tone = np.select([patch, across], [rng.choice([-9, -7, -5, 5], count), np.full(count, -16)], -14)
+    s = start[:, None] + long[:, None] * np.array([0.0, 0.5, 1.0])
+    sides = [_along(shape, s, left), _along(shape, s + skew[:, None], right)]
+    return np.concatenate([sides[0], sides[1][:, ::-1]], axis=1), asphalt + tone
+
+
+def _along(shape: LaneShape, s: Floats, lateral: Floats) -> Floats:
+    """(n, 3, 2) points at stations (n, 3), n lateral places to the right of the lane's middle."""
+    left, right = (interpolated(s, shape.s_m, edge) for edge in (shape.left_m, shape.right_m))
+    share = 0.5 + lateral / shape.width_m
+    return left + share[:, None, None] * (right - left)
