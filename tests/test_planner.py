@@ -16,18 +16,18 @@ from vpf_sim.types import Camera, Command, DriverSetup, Floats, Flow, Image, Obs
 
 CAMERA, CAR = Camera(), VehicleModel()
 RATE_HZ, SPEED_MPS, FRAMES = 60.0, 5.55, 50
-STRUCTURE = np.array([[200.0, 0.0], [0.0, 200.0]])
+STRUCTURE = np.array([[900.0, 0.0], [0.0, 900.0]])
 
 
 class Scene:
-    """Points of the road and of a body 26 m ahead, 0.6 m right; a car drives along X past them, yawed a little."""
+    """Points of the road and of a body 20 m ahead, 0.6 m right; a car drives along X past them, yawed a little."""
 
     def __init__(self) -> None:
         random = stream(1, "scene")
         road = np.column_stack([random.uniform(4.0, 40.0, 250), random.uniform(-8.0, 5.0, 250), np.zeros(250)])
-        body = np.column_stack([np.full(40, 26.0), random.uniform(-0.4, 1.6, 40), random.uniform(0.3, 1.3, 40)])
+        body = np.column_stack([np.full(40, 20.0), random.uniform(-0.4, 1.6, 40), random.uniform(0.3, 1.3, 40)])
         self._points_m = np.concatenate([road, body])
-        self._noise_px = 0.05 * random.standard_normal((FRAMES, len(self._points_m), 2))
+        self._noise_px = 0.03 * random.standard_normal((FRAMES, len(self._points_m), 2))
 
     def pose(self, frame: int) -> Floats:
         return np.array([SPEED_MPS * frame / RATE_HZ, 0.1, radians(1.0)])
@@ -141,7 +141,7 @@ def test_the_body_is_found_and_passed_on_its_left(robust_steps: list[tuple[Plan,
     obstacles = plan.perception.obstacles
     assert len(obstacles) == 1
     gone = SPEED_MPS * (FRAMES - 1) / RATE_HZ
-    assert obstacles.forward_m[0] == pytest.approx(26.0 - gone, abs=2.5)
+    assert obstacles.forward_m[0] == pytest.approx(20.0 - gone, abs=1.5)
     assert plan.extra["potential"].minimum_m < -0.4 - 0.95
     assert plan.perception.expansion.x_px == pytest.approx(319.5 - 320.0 * np.tan(radians(1.0)), abs=1.5)
 

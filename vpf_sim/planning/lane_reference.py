@@ -23,6 +23,7 @@ from vpf_sim.types import Reference, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift, see `_glide`
 SHORTEST_S = 0.8  # of a shift
+REACTION_S = 0.3  # until the steering shows across the lane
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,14 +134,13 @@ class LaneReference:
             limit = min(limit, sqrt(config.bend_acceleration_mps2 / bend))
         if not len(obstacles):
             return limit
-        present = (field.present(obstacles) > 0.0) & (obstacles.along_m > 0.0)
-        way = np.maximum(field.bumper(obstacles) - config.standoff_m, 0.0)
+        way = field.bumper(obstacles)
+        present = (field.present(obstacles) > 0.0) & (way > 0.0)
         clearance = config.minimum_clearance_m
         blocked = present & (field.overlap(obstacles, minimum_m, clearance) > 0.0)
-        stop = np.sqrt(2.0 * config.brake_mps2 * way)
+        stop = np.sqrt(2.0 * config.brake_mps2 * np.maximum(way - config.standoff_m, 0.0))
         limit = float(np.min(stop, where=blocked, initial=limit))
         # A body that the minimum avoids, but y_r not yet: be there only when the shift is done.
         shift = np.maximum(field.overlap(obstacles, self.y_m, clearance), 0.0)
-        pending = present & ~blocked & (shift > 0.0)
-        time_s = np.sqrt(PEAK_ACCELERATION * shift / config.acceleration_mps2) + 0.3
-        return float(np.min(np.maximum(way / time_s, stop * 0.5), where=pending, initial=limit))
+        time_s = np.sqrt(PEAK_ACCELERATION * shift / config.acceleration_mps2) + REACTION_S
+        return float(np.min(way / time_s, where=present & ~blocked & (shift > 0.0), initial=limit))
