@@ -43,8 +43,9 @@ def test_constant_braking_is_its_acceleration() -> None:
 
 def test_a_ramp_of_acceleration_is_its_jerk() -> None:
     found = signals(drive(5.0 + 0.5 * TIME_S**2))
-    assert found["longitudinal_jerk_mps3"] == pytest.approx(1.0, abs=1e-6)
-    assert found["jerk_mps3"] == pytest.approx(1.0, abs=1e-6)
+    inside = slice(15, -15)  # at both ends the acceleration is a one-sided difference
+    assert found["longitudinal_jerk_mps3"][inside] == pytest.approx(1.0, abs=1e-6)
+    assert found["jerk_mps3"][inside] == pytest.approx(1.0, abs=1e-6)
 
 
 def test_yaw_is_unwrapped() -> None:

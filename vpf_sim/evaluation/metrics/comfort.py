@@ -62,7 +62,7 @@ def nuplan_signals(
         return None
     at = time_s[0] + np.arange(samples) / RATE_HZ
     yaw = np.interp(at, time_s, np.unwrap(yaw_rad))
-    along = np.interp(at, time_s, np.gradient(speed_mps, time_s, edge_order=2))
+    along = np.interp(at, time_s, np.gradient(speed_mps, time_s))
     across = np.interp(at, time_s, speed_mps * yaw_rate_radps)
     smooth = {name: _smooth(signal) for name, signal in (("x", along), ("y", across), ("xy", np.hypot(along, across)))}
     return {

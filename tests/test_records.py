@@ -1,0 +1,181 @@
+"""Records: their keys, their values, and the folder that keeps them."""
+
+import json
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tiny_world import Constant, TinyWorld
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation import records, steps
+from vpf_sim.evaluation.episode import Outcome, roll_out
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.paired import OwnRun
+from vpf_sim.evaluation.run_folder import RunFolder, new_path
+from vpf_sim.evaluation.steps import StepTable
+
+JOB = Job("town04", "clear", "vpf", 7)
+KEYS = {
+    *("id", "scenario", "weather", "driver", "seed", "status", "route_completion", "path_mse_m2", "max_lane_offset_m"),
+    *("accuracy", "collisions", "collided_with", "min_clearance_m", "driving_score_2_0", "driving_score_2_1"),
+    *("comfort", "perception", "steps", "states_sha256", "frames_sha256"),
+}
+OWN_RUN = OwnRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
+ASKED: dict[str, Any] = {
+    "schema": 1,
+    "command": "sweep",
+    "plan": {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"},
+    "fingerprint": {"python": "3.11.9", "numpy": "2.4.0"},
+    "scenarios": {"town04": "abc"},
+    "weathers": {"clear": "def"},
+}
+
+
+def outcome(driver: Constant, **changes: Any) -> Outcome:
+    world = TinyWorld(**changes)
+    return roll_out(world, driver, Constant(0.25, 0.1), seed=7)
+
+
+def score(driver: Constant, **changes: Any) -> dict[str, Any]:
+    world = TinyWorld()
+    return records.score(JOB, outcome(driver, **changes), world.route, world.route_length_m, OWN_RUN)
+
+
+def test_a_record_of_a_drive_that_is_known_in_closed_form() -> None:
+    record = score(Constant(1.0, 0.1))
+    assert record.keys() == KEYS
+    assert (record["id"], record["status"], record["steps"]) == ("town04.clear.vpf.7", "success", 10)
+    offsets = 0.1 * np.arange(11.0)
+    assert record["path_mse_m2"] == pytest.approx(np.mean(offsets**2))
+    assert record["max_lane_offset_m"] == pytest.approx(1.0)
+    assert record["accuracy"]["shadow"]["throttle"]["mae"] == pytest.approx(0.75)
+    assert record["accuracy"]["shadow"]["steering"]["mae"] == pytest.approx(0.0)
+    assert record["accuracy"]["paired"]["throttle"]["mae"] == pytest.approx(0.5)
+    assert record["accuracy"]["paired"]["steering"]["mae"] == pytest.approx(0.1)
+    assert (record["route_completion"], record["driving_score_2_1"]) == (1.0, 1.0)
+    assert (record["collisions"], record["min_clearance_m"]) == (0, None)
+
+
+def test_a_record_holds_no_nan_and_survives_json() -> None:
+    for record in (score(Constant()), score(Constant(), invalid_after=1), records.failed(JOB)):
+        assert json.loads(json.dumps(record, allow_nan=False)) == record
+
+
+def test_the_record_of_a_failure_has_the_same_keys() -> None:
+    assert records.failed(JOB).keys() == KEYS
+    nothing = Outcome("error", StepTable.of([]), None, sha256().hexdigest(), "why")
+    assert records.score(JOB, nothing, np.zeros((2, 2)), 1.0, None) == records.failed(JOB)
+
+
+def test_a_collision_costs_its_factor() -> None:
+    hit = outcome(Constant(0.5))
+    hit = Outcome("collision", StepTable(hit.steps.rows[:11]), "car", hit.frames_sha256, None)
+    record = records.score(JOB, hit, TinyWorld().route, 10.0, OWN_RUN)
+    assert (record["collisions"], record["collided_with"], record["route_completion"]) == (1, "car", 0.5)
+    assert record["driving_score_2_0"] == pytest.approx(0.5 * 0.60)
+    assert record["driving_score_2_1"] == pytest.approx(0.5 / 1.70)
+
+
+def test_finite_leaves_no_numpy_and_no_nan() -> None:
+    value = {"a": np.float64("nan"), "b": [np.int64(3), float("inf")], "c": np.bool_(True), "d": "x"}
+    assert repr(records.finite(value)) == "{'a': None, 'b': [3, None], 'c': True, 'd': 'x'}"
+
+
+def test_ids_are_readable_for_names_and_unique_for_files() -> None:
+    assert JOB.id == "town04.clear.vpf.7"
+    ids = {Job(path, "clear", "my.module:Mine", 7).id for path in ("a/x.toml", "b/x.toml", "x.toml", "x")}
+    assert len(ids) == 4
+    assert all("/" not in found and ":" not in found for found in ids)
+
+
+def test_steps_are_read_as_they_were_written(tmp_path: Path) -> None:
+    table = outcome(Constant()).steps
+    steps.write(table, tmp_path / "steps" / "a.parquet")
+    assert [path.name for path in (tmp_path / "steps").iterdir()] == ["a.parquet"]
+    assert np.array_equal(steps.read(tmp_path / "steps" / "a.parquet").rows, table.rows, equal_nan=True)
+
+
+def test_a_torn_last_line_is_dropped_and_written_over(tmp_path: Path) -> None:
+    path = tmp_path / "episodes.jsonl"
+    path.write_text('{"id": "a"}\n{"id": "b", "sta')
+    assert read_lines(path) == [{"id": "a"}]
+    lines = JsonLines(path)
+    lines.append({"id": "c"})
+    lines.close()
+    assert path.read_text() == '{"id": "a"}\n{"id": "c"}\n'
+
+
+def test_any_other_spoilt_line_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "episodes.jsonl"
+    path.write_text('{"id": "a"}\n[1]\n{"id": "b"}\n')
+    with pytest.raises(InputError, match=r"episodes.jsonl: line 2: expected a JSON object, got b'\[1\]'"):
+        read_lines(path)
+
+
+def test_a_folder_with_records_needs_resume(tmp_path: Path) -> None:
+    RunFolder(tmp_path / "run", ASKED).close()
+    with pytest.raises(InputError, match="expected an empty or new run folder, choose another --out, or --resume"):
+        RunFolder(tmp_path / "run", ASKED)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("")
+    with pytest.raises(InputError, match="got other files"):
+        RunFolder(tmp_path / "mine", ASKED)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="expected a folder, got a file"):
+        RunFolder(tmp_path / "file", ASKED)
+
+
+def test_a_resumed_folder_knows_what_is_done(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path, ASKED)
+    folder.add(records.failed(JOB), {"id": JOB.id})
+    folder.close()
+    again = RunFolder(tmp_path, ASKED, resume=True)
+    assert (again.done, again.mark) == ({JOB.id}, None)
+    again.close()
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "sentence"),
+    [
+        ("command", "benchmark", 'command changed: was "sweep", is "benchmark"'),
+        ("plan", {**ASKED["plan"], "seeds": "0:6"}, 'plan changed: seeds: was "0:5", is "0:6"'),
+        ("scenarios", {"town04": "xyz"}, 'scenarios changed: town04: was "abc", is "xyz"'),
+        (
+            "fingerprint",
+            {"python": "3.12.1", "numpy": "2.4.0"},
+            'fingerprint changed: python: was "3.11.9", is "3.12.1"',
+        ),
+    ],
+)
+def test_resume_refuses_a_change_and_says_what_changed(tmp_path: Path, key: str, value: Any, sentence: str) -> None:
+    RunFolder(tmp_path, ASKED).close()
+    with pytest.raises(InputError) as told:
+        RunFolder(tmp_path, {**ASKED, key: value}, resume=True)
+    assert sentence in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_mixed_accepts_another_fingerprint_and_nothing_else(tmp_path: Path) -> None:
+    RunFolder(tmp_path, ASKED).close()
+    other = {**ASKED, "fingerprint": {"python": "3.12.1", "numpy": "2.4.0"}}
+    folder = RunFolder(tmp_path, other, resume=True, mixed=True)
+    assert folder.mark is not None
+    folder.close()
+    with pytest.raises(InputError, match="plan changed"):
+        RunFolder(tmp_path, {**other, "plan": {}}, resume=True, mixed=True)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"plan": 1'])
+def test_a_manifest_that_is_none_is_told(tmp_path: Path, text: str) -> None:
+    (tmp_path / "manifest.json").write_text(text)
+    with pytest.raises(InputError, match=r"manifest.json: expected"):
+        RunFolder(tmp_path, ASKED, resume=True)
+
+
+def test_new_folders_never_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert len({new_path("sweep") for _ in range(5)}) == 5
