@@ -70,7 +70,10 @@ def _van_sides(b: MeshBuilder, panels: dict[str, list[Point]], length: float, ha
 def truck(length: float, width: float, height: float, rng: np.random.Generator) -> Mesh:
     """A lorry: a cab and a box body with rear doors, underrun bar and lamps."""
     b = MeshBuilder()
-    paint, cargo = PAINTS[int(rng.integers(len(PAINTS)))], ((226, 226, 222), (190, 196, 204), (196, 180, 148))[int(rng.integers(3))]
+    paint, cargo = (
+        PAINTS[int(rng.integers(len(PAINTS)))],
+        ((226, 226, 222), (190, 196, 204), (196, 180, 148))[int(rng.integers(3))],
+    )
     end, half, wall = 0.5 * length, 0.5 * width, 0.5 * length - 2.1
     _running_gear(b, length, width, 0.5)
     cab = box(b, (wall + 0.15, -half + 0.05, 0.5), (end, half - 0.05, 0.85 * height), paint)

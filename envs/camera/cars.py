@@ -103,7 +103,9 @@ def _lower_body(b: MeshBuilder, length: float, width: float, belt: float, style:
     _front(b, end, half, bumper, bonnet, paint)
 
 
-def _side(b: MeshBuilder, outline: list[tuple[float, float]], y: float, length: float, belt: float, paint: Colour) -> None:
+def _side(
+    b: MeshBuilder, outline: list[tuple[float, float]], y: float, length: float, belt: float, paint: Colour
+) -> None:
     side = 1 if y > 0 else -1
     low, high = (-0.5 * length, y, 0.0), (0.5 * length, y, 1.0)
     panel: list[Point] = [low, (high[0], y, 0.0), high, (low[0], y, 1.0)]

@@ -8,11 +8,12 @@ cannot show along the road and keeps what it can show across it.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, log, log2
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 
 from vpf_sim.envs.camera.texture import TILE, grain_tile
 from vpf_sim.envs.camera.view import View
@@ -31,7 +32,9 @@ class Level:
 LEVELS = (Level(0.007, 3.6), Level(0.02, 8.0), Level(0.06, 22.0), Level(0.18, 90.0))
 SPECTRA = ((2.2, 0.25), (2.6, 0.4), (3.0, 0.55), (3.0, 0.6))  # shortest wavelength in texels, slope; finer is rougher
 OVERLAP = 0.75  # a level begins to give way to the next at this part of its reach
-CONTRAST = 6.0  # sd of the grain, in steps of the palette
+GRADIENT = 2.5  # rms difference between neighbouring pixels of a row, in steps of the palette
+LARGEST_GAIN = 0.4
+CALIBRATION_VIEWS = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,7 @@ def row_distance(camera: Camera) -> Floats:
 class Grain:
     """The grain of the ground in the picture, laid on the world by a seed."""
 
-    def __init__(self, camera: Camera, seed: int) -> None:
+    def __init__(self, camera: Camera, seed: int, even: bool = True) -> None:
         self._camera = camera
         self._top = ground_top(camera)
         distance = row_distance(camera)
@@ -69,14 +72,16 @@ class Grain:
         self._bands = [band for level in range(len(LEVELS)) for band in self._level_bands(level, distance)]
         self._tiles = [grain_tile(f"level {i}", *SPECTRA[i]) for i in range(len(LEVELS))]
         self._offsets = stream(seed, "grain").uniform(0.0, TILE, (len(LEVELS), 2))
-        rows, width = len(distance), camera.width_px
-        gains = self._weights * _gains(self._bands, rows, CONTRAST)
-        self._scaled = [np.repeat(np.rint(gain * 256).astype(np.uint8)[:, None], width, 1) for gain in gains]
-        means = sum(
-            cv2.multiply(np.full((rows, width), 128, np.uint8), scaled, scale=1 / 256) for scaled in self._scaled
-        )
-        self.mean: NDArray[np.uint8] = np.asarray(means, np.uint8)  # (rows, W) what the grain adds on average
-        self._canvas = np.zeros((rows, width), np.uint8)
+        self._canvas = np.zeros((len(distance), camera.width_px), np.uint8)
+        self._set_gains(_even_gains(camera) if even else np.full(len(distance), LARGEST_GAIN))
+
+    def _set_gains(self, gains: Floats) -> None:
+        """Give each row of pixels its contrast."""
+        width = self._camera.width_px
+        self._scaled = [np.repeat(np.rint(w * gains * 256).astype(np.uint8)[:, None], width, 1) for w in self._weights]
+        middle = np.full((len(gains), width), 128, np.uint8)
+        means = [cv2.multiply(middle, scaled, scale=1 / 256) for scaled in self._scaled]
+        self.mean: Image = np.sum(means, axis=0, dtype=np.uint8)  # (rows, W) what the grain adds on average
 
     def draw(self, view: View) -> Image:
         """(rows, W) the grain from the top of the ground down, about `mean`; valid until the next call."""
@@ -130,12 +135,21 @@ def _weights(distance: Floats) -> Floats:
     return position
 
 
-def _gains(bands: list[Band], rows: int, contrast: float) -> Floats:
-    """(levels, rows) what brings the grain of each row to one contrast; supersampling averages some of it away."""
-    gains = np.full((len(LEVELS), rows), contrast / 40.0)
-    for band in bands:
-        gains[band.level, band.first : band.last] *= band.supersampling**0.25
-    return np.minimum(gains, 0.9)
+@lru_cache(maxsize=4)
+def _even_gains(camera: Camera) -> Floats:
+    """(rows,) the gains that give every row the same gradient across.
+
+    Where the gradient grows from row to row, Lucas-Kanade follows the rows at the sharper end of its window, which move
+    at another speed. Measured on a few views of the grain itself, and smoothed over the rows.
+    """
+    grain = Grain(camera, 0, even=False)
+    rng = stream(0, "grain gains")
+    energy = np.zeros(len(grain.mean))
+    for _ in range(CALIBRATION_VIEWS):
+        view = View.at(camera, rng.uniform(-500.0, 500.0, 2), float(rng.uniform(-np.pi, np.pi)))
+        energy += np.mean(np.diff(grain.draw(view).astype(np.float32), axis=1) ** 2, axis=1)
+    gradient = np.sqrt(energy / CALIBRATION_VIEWS) / LARGEST_GAIN
+    return np.minimum(GRADIENT / np.maximum(gaussian_filter1d(gradient, 1.0), 1e-6), LARGEST_GAIN)
 
 
 def _to_texels(view: View, level: Level, offset: Floats) -> Floats:

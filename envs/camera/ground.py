@@ -11,7 +11,6 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Image
 
 
-
 class Ground:
     """Paints every row below the horizon."""
 

@@ -96,9 +96,17 @@ class Edge:
     points_m: Floats  # (M, 2) world, in the direction of the lane
     outward: Floats  # (M, 2) unit, across the lane, away from it
 
-    def at(self, outward_m: float) -> Floats:
-        """(M, 2) world points that far outside the edge."""
+    def at(self, outward_m: float | Floats) -> Floats:
+        """(M, 2) world points that far outside the edge; (M, 1) distances may differ from point to point."""
         return self.points_m + outward_m * self.outward
+
+    def resampled(self, step_m: float) -> "Edge":
+        """The same edge with points `step_m` apart."""
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.points_m, axis=0), axis=1))])
+        s = np.linspace(0.0, along[-1], max(2, round(along[-1] / step_m) + 1))
+        outward = interpolated(s, along, self.outward)
+        outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+        return Edge(interpolated(s, along, self.points_m), outward)
 
 
 def outer_edges(shapes: list[LaneShape]) -> list[Edge]:

@@ -75,7 +75,13 @@ class MeshBuilder:
         self._add(points, np.array([0.0, float(side), 0.0]), colour, True)
 
     def build(self) -> Mesh:
-        return Mesh(np.array(self.faces), np.array(self.normals), np.array(self.colours, float), np.array(self.lit), np.array(self.parts))
+        return Mesh(
+            np.array(self.faces),
+            np.array(self.normals),
+            np.array(self.colours, float),
+            np.array(self.lit),
+            np.array(self.parts),
+        )
 
     def _add(self, points: Floats, normal: Floats, colour: Colour, lit: bool) -> None:
         index = np.minimum(np.arange(VERTICES), len(points) - 1)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.layout import LaneShape, Line, interpolated, lines, outer_edges, stripes
+from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
 from vpf_sim.envs.camera.wear import wear
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
@@ -20,6 +20,7 @@ GRASS, GRAVEL, ASPHALT, LINE = 45, 98, 150, 222
 LINE_WIDTH_M = 0.15
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
+RAGGED_STEP_M = 0.7
 CHUNK = 8  # stretches between samples in one polygon
 
 
@@ -48,8 +49,8 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     marks = lines(shapes)
     outer = outer_edges(shapes)
     surfaces = [
-        *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M + GRAVEL_SHOULDER_M), GRAVEL) for edge in outer),
-        *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer),
+        *(_ragged(edge, PAVED_SHOULDER_M + GRAVEL_SHOULDER_M, 0.28, GRAVEL, rng) for edge in outer),
+        *(_ragged(edge, PAVED_SHOULDER_M, 0.05, ASPHALT - 4, rng) for edge in outer),
         *((shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes),
     ]
     solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
@@ -62,6 +63,15 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
         _separate(striped, np.full(len(striped), LINE), thin=True),
     ]
     return [batch for batch in batches if len(batch.values)]
+
+
+def _ragged(
+    edge: Edge, wide_m: float, rough_m: float, value: int, rng: np.random.Generator
+) -> tuple[Floats, Floats, int]:
+    """The two sides of a shoulder, from inside the lane to an outline that wavers, as grass and gravel leave it."""
+    fine = edge.resampled(RAGGED_STEP_M)
+    outline = wide_m + rough_m * np.clip(rng.standard_normal(len(fine.points_m)), -2.0, 2.0)
+    return fine.at(-0.3), fine.at(outline[:, None]), value
 
 
 def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
@@ -96,4 +106,3 @@ def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool) -> Batch:
             owners.append(owner)
     shape = (len(polygons), 2 * CHUNK + 2, 2)
     return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin)
-

@@ -95,6 +95,7 @@ class Renderer:
         poses = {id(body): np.array([*body.position, body.heading], float) for body in self.bodies}
         now = Snapshot(view, time_s, poses)
         self._before, self._now = self._now or now, now
+
     def _draw_things(self, view: View, frame: Image) -> None:
         """Draw what stands up from the ground, and note it for the truth; the farthest first."""
         bodies = self._bodies_in_view(view)
@@ -113,7 +114,9 @@ class Renderer:
             until = int(np.searchsorted(-depths, -behind))
             if until > drawn_faces:
                 some = Drawing(
-                    faces.polygons_px[drawn_faces:until], faces.colours[drawn_faces:until], faces.planes[drawn_faces:until]
+                    faces.polygons_px[drawn_faces:until],
+                    faces.colours[drawn_faces:until],
+                    faces.planes[drawn_faces:until],
                 )
                 paint(frame, some)
                 self._drawn.append(Drawn(some, -1, STILL))

@@ -26,7 +26,9 @@ class Rig:
         if camera.width_px % 2:
             raise InputError(f"camera: width_px: expected an even number, got {camera.width_px}")
         if camera.k1 != 0.0 or camera.k2 != 0.0:
-            raise InputError(f"camera: k1, k2: expected 0, the picture has no lens distortion, got {camera.k1}, {camera.k2}")
+            raise InputError(
+                f"camera: k1, k2: expected 0, the picture has no lens distortion, got {camera.k1}, {camera.k2}"
+            )
         if not abs(camera.pitch_rad) < 0.5:
             raise InputError(f"camera: pitch_rad: expected between -0.5 and 0.5, got {camera.pitch_rad}")
         if not 0.0 <= self.noise_sd <= 20.0:

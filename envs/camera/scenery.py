@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.spatial import cKDTree
 
-from vpf_sim.envs.camera.layout import Edge, LaneShape, outer_edges
+from vpf_sim.envs.camera.layout import LaneShape, outer_edges
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box
 from vpf_sim.envs.camera.painter import Drawing, Light
 from vpf_sim.envs.camera.view import NEAR_M, View
@@ -39,7 +39,8 @@ class Scenery:
         lanes = np.concatenate([0.5 * (shape.left_m + shape.right_m) for shape in shapes])
         half = max(0.5 * shape.width_m for shape in shapes)
         self._lanes, self._half = cKDTree(_dense(shapes, lanes)), half
-        stations = [place for edge in outer_edges(shapes) for place in _stations(edge)]
+        edges = [edge.resampled(RAIL_SPAN_M) for edge in outer_edges(shapes)]
+        stations = [(edge.points_m, edge.outward) for edge in edges]
         meshes: list[tuple[Mesh, Floats]] = []
         for points, outward in stations:
             meshes += self._furniture(points, outward, rng)
@@ -129,19 +130,6 @@ def _dense(shapes: list[LaneShape], fallback: Floats) -> Floats:
     return np.concatenate(points)
 
 
-def _stations(edge: Edge) -> list[tuple[Floats, Floats]]:
-    """An edge at every 4 m: points and outward directions."""
-    steps = np.linalg.norm(np.diff(edge.points_m, axis=0), axis=1)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
-    s = np.arange(0.0, along[-1], RAIL_SPAN_M)
-    if len(s) < 2:
-        return []
-    points, outward = (
-        np.stack([np.interp(s, along, values[:, i]) for i in range(2)], axis=1) for values in (edge.points_m, edge.outward)
-    )
-    return [(points, outward / np.linalg.norm(outward, axis=1, keepdims=True))]
-
-
 def _railed(count: int, rng: np.random.Generator) -> np.ndarray:
     """Which stations have a guard rail: stretches of 40 to 160 m, about a third of the way."""
     flags = np.zeros(count, bool)
@@ -194,6 +182,17 @@ def _rail(length: float) -> Mesh:
             near, far = ends
             panel: list[Point] = [(near, y, low), (far, y, low), (far, y, high), (near, y, high)]
             b.whole(panel, shade_of(STEEL, factor))
+    for y, (near, far) in ((-0.11, (0.18, 0.06)), (0.11, (0.06, 0.18))):
+        b.whole([(near, y, 0.56), (far, y, 0.56), (far, y, 0.66), (near, y, 0.66)], (236, 150, 40))
+        b.whole(
+            [
+                (near + length / 2, y, 0.47),
+                (far + length / 2, y, 0.47),
+                (far + length / 2, y, 0.74),
+                (near + length / 2, y, 0.74),
+            ],
+            (96, 99, 102),
+        )
     return b.build()
 
 

@@ -19,7 +19,10 @@ def paint_shadow(frame: Image, view: View, pose: Floats, size: tuple[float, floa
     foot = footprint(pose, size[0], size[1])
     fall = -light.sun[:2] / light.sun[2] * FULLNESS * size[2]
     outline = cv2.convexHull(np.concatenate([foot, foot + fall]).astype(np.float32))[:, 0].astype(float)
-    polygons = [(_on_road(view, outline), SUN_SHADOW), (_on_road(view, footprint(pose, 0.97 * size[0], 0.9 * size[1])), CONTACT)]
+    polygons = [
+        (_on_road(view, outline), SUN_SHADOW),
+        (_on_road(view, footprint(pose, 0.97 * size[0], 0.9 * size[1])), CONTACT),
+    ]
     shown = [(polygon, value) for polygon, value in polygons if polygon is not None]
     box = bounding_box([polygon for polygon, _ in shown], frame.shape)
     if box is None:

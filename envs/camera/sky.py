@@ -42,7 +42,9 @@ class Sky:
         coarse = slice(None, None, 2)
         self._cloud_column = (turn[coarse, coarse] * CLOUD_COLUMNS / (2.0 * np.pi)).astype(np.float32)
         cloud_rows = len(self._clouds) - 1
-        self._cloud_row = np.clip(cloud_rows * (1.0 - slope[coarse, coarse] / ZENITH_SLOPE), 0, cloud_rows).astype(np.float32)
+        self._cloud_row = np.clip(cloud_rows * (1.0 - slope[coarse, coarse] / ZENITH_SLOPE), 0, cloud_rows).astype(
+            np.float32
+        )
 
     def draw(self, view: View, frame: Image) -> None:
         """Paint the sky into the picture."""

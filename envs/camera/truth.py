@@ -114,7 +114,9 @@ def _rasterised(view: View, drawn: list[Drawn]) -> tuple[Floats, NDArray[np.int3
     return depth, instance, owner
 
 
-def _covered(drawing: Drawing | Sprite, shape: tuple[int, ...]) -> Iterator[tuple[tuple[NDArray[np.intp], ...], Floats]]:
+def _covered(
+    drawing: Drawing | Sprite, shape: tuple[int, ...]
+) -> Iterator[tuple[tuple[NDArray[np.intp], ...], Floats]]:
     """The pixels of each face, as indices, and its plane: inverse depth at a pixel's ray is the dot product."""
     if isinstance(drawing, Sprite):
         rows, columns = np.nonzero(drawing.opaque)

@@ -22,7 +22,9 @@ def _lane_wear(shape: LaneShape, asphalt: int, rng: np.random.Generator) -> tupl
     count, half = len(start), 0.5 * shape.width_m
     kind = rng.random(count)
     patch, across = kind < PATCH, (kind >= PATCH) & (kind < ACROSS)
-    long = np.select([patch, across], [rng.uniform(1.0, 5.0, count), rng.uniform(0.04, 0.07, count)], rng.uniform(2, 9, count))
+    long = np.select(
+        [patch, across], [rng.uniform(1.0, 5.0, count), rng.uniform(0.04, 0.07, count)], rng.uniform(2, 9, count)
+    )
     middle, wide = rng.uniform(-0.6, 0.6, count), rng.uniform(0.35, 0.95, count)
     ends = np.sort(rng.uniform(-half, half, (count, 2)), axis=1)
     left = np.select([patch, across], [middle - wide, ends[:, 0]], ends[:, 0])
