@@ -23,8 +23,8 @@ class Patch:
 class BirdsEye:
     """Lays one camera's frames out as a patch of flat road, by one look-up; lens distortion is part of it.
 
-    Rows go away from the vehicle, columns to the right. Each row is one row of pixels, never a mix of two: a slanted line
-    would come apart in the mix. So rows are `row_m` apart where pixels are fine, and further apart where they are not.
+    Rows go away from the vehicle, columns to the right. Each row is one row of pixels, never a mix of two: a slanted
+    line would come apart in the mix. So rows are `row_m` apart where pixels are fine, and further apart elsewhere.
     """
 
     def __init__(self, camera: Camera, patch: Patch) -> None:

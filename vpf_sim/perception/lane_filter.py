@@ -7,11 +7,11 @@ import numpy as np
 from vpf_sim.perception.road_model import NODES_M, SIZE, lines, moved
 from vpf_sim.types import Bools, Floats
 
-# Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node. The far node sees
-# new road; the others are told of it as the vehicle moves on.
-DRIFT = np.array([0.006, 0.0006, 0.0003, 0.0004, 0.0006, 0.002])
+# Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node. The far node
+# sees new road; the others are told of it as the vehicle moves on.
+DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002])
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
-SHARED_CURVATURE, ADDED_CURVATURE = 0.008, 0.0025
+SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
 PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass
 
 

@@ -18,6 +18,7 @@ SOLID, DASHED, NONE = 0, 1, 2
 # Share of the length on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
 SHARES = np.array([[0.92, 0.12], [0.34, 0.12], [0.02, 0.06]])
 SURPRISE = np.log(0.03)  # the least that one line can say, natural logarithm
+HIDDEN = np.log(0.15)  # the least that a line can say by not being seen: something may stand before it
 LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says nothing
 LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
 FORGET = 0.85  # of the evidence, kept from one judgement to the next
@@ -60,12 +61,14 @@ class LaneIndex:
 
     def judge(self, state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye) -> None:
         """Take in one frame."""
-        evidence = self._line_evidence(state, ridges, view) + self._ground_evidence(state, ridges, view, colour, colour_view)
+        evidence = self._line_evidence(state, ridges, view) + self._ground_evidence(
+            state, ridges, view, colour, colour_view
+        )
         self.log_odds = FORGET * self.log_odds + evidence - evidence.max()
 
     def _places(self) -> Floats:
         """Lines right of the tracked centre line, three carriageways wide."""
-        return (np.arange(-self.lanes, 2 * self.lanes + 1) - 0.5 * self.lanes) * self.lane_width_m
+        return np.asarray((np.arange(-self.lanes, 2 * self.lanes + 1) - 0.5 * self.lanes) * self.lane_width_m)
 
     def _line_evidence(self, state: Floats, ridges: RidgeMap, view: BirdsEye) -> Floats:
         places = self._places()
@@ -78,9 +81,12 @@ class LaneIndex:
         length = visible @ view.length_m
         share = (found.seen @ view.length_m) / np.maximum(length, 1e-9)
         says = -0.5 * ((share[:, None] - SHARES[:, 0]) / SHARES[:, 1]) ** 2 - np.log(SHARES[:, 1] / SHARES[:, 1].max())
-        says = np.maximum(says - says.max(axis=1, keepdims=True), SURPRISE)
+        least: Floats = np.where(share < 0.1, HIDDEN, SURPRISE)
+        says = np.maximum(says - says.max(axis=1, keepdims=True), least[:, None])
         says = np.where((length >= LEAST_LENGTH_M)[:, None], says, 0.0)
-        kinds = np.array([[self._kind(j + int(n)) for j in range(-self.lanes, 2 * self.lanes + 1)] for n in self.shifts])
+        kinds = np.array(
+            [[self._kind(j + int(n)) for j in range(-self.lanes, 2 * self.lanes + 1)] for n in self.shifts]
+        )
         return np.asarray(says[np.arange(len(places)), kinds].sum(axis=1))
 
     def _kind(self, line: int) -> int:
@@ -98,7 +104,9 @@ class LaneIndex:
         inside = reached & (columns >= 0) & (columns < len(colour_view.right_m))
         columns = np.where(inside, columns, 0).astype(np.intp)
         rows = np.arange(len(colour_view.forward_m))[None, :]
-        inside &= colour_view.visible[rows, columns] & ridges.visible[_nearest(view, colour_view)][rows, _across(view, right)]
+        inside &= (
+            colour_view.visible[rows, columns] & ridges.visible[_nearest(view, colour_view)][rows, _across(view, right)]
+        )
         sample = colour[rows, columns].astype(np.float64)
         shape = (len(middles), 3, len(colour_view.forward_m))
         weight = (inside * colour_view.length_m).reshape(shape)[..., None]

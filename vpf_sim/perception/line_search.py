@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.perception.birds_eye import BirdsEye
 from vpf_sim.perception.lane_filter import Sightings
@@ -29,7 +30,13 @@ def noise_threshold(response: Image, least: float) -> float:
 
 
 def sight(
-    ridges: RidgeMap, view: BirdsEye, expected_m: Floats, wanted: Bools, offsets_m: Floats, reach_m: float, variance: Floats
+    ridges: RidgeMap,
+    view: BirdsEye,
+    expected_m: Floats,
+    wanted: Bools,
+    offsets_m: Floats,
+    reach_m: float,
+    variance: Floats,
 ) -> Sightings:
     """The strongest ridge within `reach_m` of each expected place (L, R), as its centre of mass."""
     columns = (expected_m - view.right_m[0]) / view.column_m
@@ -65,42 +72,43 @@ def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_p
     return variance
 
 
-def comb(ridges: RidgeMap, view: BirdsEye, lane_width_m: float) -> list[tuple[float, Floats]]:
-    """Roads that explain the ridges of one frame, best first: (score, (y modulo a lane, heading, curvature)).
+def comb(ridges: RidgeMap, view: BirdsEye, lane_width_m: float) -> tuple[float, Floats]:
+    """The road that explains most ridges of one frame: its score, and (3,) y, heading, curvature.
 
-    Each heading and curvature straightens the patch; parallel lines then stand out in the sum over its rows, and lines
-    a lane apart in the sum of that sum taken modulo the lane's width (0: only grain .. 1: a line in every row). The
-    place y is that of the pose right of any one line.
+    Each heading and curvature straightens the patch; parallel lines then stand out in the mean over its rows, and lines
+    a lane apart in that taken modulo the lane's width. The score counts lines: one that is seen in every row, and as
+    bright as can be, is 1. The place y is that of the pose right of any one line.
     """
     rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
-    clipped = np.where(ridges.visible, np.minimum(ridges.response, 2.0 * ridges.threshold), 0.0)[rows]
-    clipped = np.where(clipped > ridges.threshold, clipped, 0.0).astype(np.float32) / np.float32(2.0 * ridges.threshold)
-    coarse = np.maximum(clipped[:, 0:-1:2], clipped[:, 1::2])
+    bright = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
+    bright = np.where(ridges.visible[rows] & (bright > 0.5), bright, 0.0).astype(np.float32)
+    bright = np.maximum(bright[:, 0:-1:2], bright[:, 1::2]).astype(np.float32)
     column_m = 2.0 * view.column_m
-    origin_m = view.right_m[0] + 0.5 * view.column_m
-    period = lane_width_m / column_m
-    forward = view.forward_m[rows]
     heading, curvature = (grid.ravel() for grid in np.meshgrid(HEADINGS_RAD, CURVATURES, indexing="ij"))
-    shift_m = np.tan(heading)[:, None] * forward + 0.5 * curvature[:, None] * forward**2
-    columns = np.arange(coarse.shape[1])
-    margin = coarse.shape[1]
-    padded = np.pad(coarse, ((0, 0), (margin, margin)))
-    start = margin + np.clip(np.rint(shift_m / column_m), -margin, margin).astype(np.intp)  # (H, R)
-    straight = np.zeros((len(heading), len(columns)), np.float32)
-    for row in range(len(rows)):
-        windows = np.lib.stride_tricks.sliding_window_view(padded[row], len(columns))
-        straight += windows[start[:, row]]
-    straight /= len(rows)
-    bins = round(period)
-    phase = np.rint(np.mod(columns, period)).astype(np.intp) % bins
-    teeth = np.zeros((len(heading), bins), np.float32)
-    for tooth in range(bins):
-        teeth[:, tooth] = straight[:, phase == tooth].sum(axis=1)
+    straight = _straightened(bright, view.forward_m[rows], column_m, heading, curvature)
+    columns = np.arange(bright.shape[1])
+    period = lane_width_m / column_m
+    phase = np.rint(np.mod(columns, period)).astype(np.intp) % round(period)
+    teeth = np.stack([straight[:, phase == tooth].sum(axis=1) for tooth in range(round(period))], axis=1)
     sharp = teeth - np.median(teeth, axis=1, keepdims=True)
-    best = np.argmax(sharp, axis=1)
-    score = sharp[np.arange(len(best)), best]
-    order = np.argsort(-score)[:6]
-    return [
-        (float(score[i]), np.array([-(origin_m + best[i] * column_m) * np.cos(heading[i]), heading[i], curvature[i]]))
-        for i in order
-    ]
+    i, tooth = np.unravel_index(np.argmax(sharp), sharp.shape)
+    right_m = view.right_m[0] + 0.5 * view.column_m + float(tooth) * column_m
+    return float(sharp[i, tooth]), np.array([-right_m * np.cos(heading[i]), heading[i], curvature[i]])
+
+
+def _straightened(
+    bright: Floats | NDArray[np.float32],
+    forward_m: Floats,
+    column_m: float,
+    heading_rad: Floats,
+    curvature_per_m: Floats,
+) -> NDArray[np.float32]:
+    """(H, columns) mean over the rows, each shifted back by what H headings and curvatures move a line there."""
+    shift_m = np.tan(heading_rad)[:, None] * forward_m + 0.5 * curvature_per_m[:, None] * forward_m**2
+    width = bright.shape[1]
+    start = width + np.clip(np.rint(shift_m / column_m), -width, width).astype(np.intp)  # (H, R)
+    padded = np.pad(bright, ((0, 0), (width, width)))
+    total = np.zeros((len(heading_rad), width), np.float32)
+    for row in range(len(bright)):
+        total += np.lib.stride_tricks.sliding_window_view(padded[row], width)[start[:, row]]
+    return total / np.float32(len(bright))

@@ -17,7 +17,7 @@ RIDGE_REACH_M = 0.25
 SEARCH_REACH_M = 0.5
 BODY_MARGIN_M = 0.3
 SWITCH_PROBABILITY = 0.97  # of another lane, before the tracked place moves there
-FIRST_SIGMA_M, FIRST_SIGMA_RAD = 0.25, 0.02
+FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_LOOKS = 0.3, 0.04, 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class RoadEdgeConfig:
     lanes: int = 4  # solid lines at both edges, dashed lines within
     lane_width_m: float = 3.5
     likely_lane: int = 2  # from the right, taken while nothing is seen
-    near_m: float = 4.0  # the patch of road looked at, from the pose
+    near_m: float = 3.0  # the patch of road looked at, from the pose
     far_m: float = 30.0
     half_width_m: float = 9.75
     row_m: float = 0.3
@@ -53,7 +53,7 @@ class RoadEdgeConfig:
     @property
     def line_offsets_m(self) -> Floats:
         """(lanes + 1,) of the painted lines, right of the carriageway's centre line."""
-        return (np.arange(self.lanes + 1) - 0.5 * self.lanes) * self.lane_width_m
+        return np.asarray((np.arange(self.lanes + 1) - 0.5 * self.lanes) * self.lane_width_m)
 
     @property
     def likely_place_m(self) -> float:
@@ -71,12 +71,13 @@ class RoadEdgeTracker:
     def __init__(self, camera: Camera, config: RoadEdgeConfig, rate_hz: float) -> None:
         self.camera = camera
         self.config = config
-        self.view = BirdsEye(camera, Patch(config.near_m, config.far_m, config.half_width_m, config.row_m, config.column_m))
+        self.view = BirdsEye(
+            camera, Patch(config.near_m, config.far_m, config.half_width_m, config.row_m, config.column_m)
+        )
         self._colour_view = BirdsEye(camera, Patch(config.near_m, config.far_m, config.half_width_m + 2.0, 0.6, 0.5))
-        self._periods = [
-            max(1, round(period * rate_hz))
-            for period in (config.update_period_s, config.index_period_s, config.search_period_s)
-        ]
+        look = max(1, round(config.update_period_s * rate_hz))
+        judge = look * max(1, round(config.index_period_s / config.update_period_s))
+        self._periods = (look, judge, max(1, round(config.search_period_s * rate_hz)))
         margin = 2 * round((RIDGE_REACH_M + CENTROID_M) / config.column_m) + 1
         self._visible = cv2.erode(self.view.visible.astype(np.uint8), np.ones((1, margin), np.uint8)) > 0
         self._variance = sighting_variance(camera, self.view.forward_m, config.sigma_m, config.sigma_px)
@@ -102,9 +103,8 @@ class RoadEdgeTracker:
             self._find(image_rgb, self._ridges(grey, obstacles))
         elif self._filter is not None and look:
             ridges = self._ridges(grey, obstacles)
-            self._look(self._filter, ridges)
-            if judge:
-                self._judge(self._filter, image_rgb, ridges)
+            if self._look(self._filter, ridges) and judge:
+                self._judge(self._filter, image_rgb, ridges, SWITCH_PROBABILITY)
         return self._report(speed_mps, yaw_rate_radps)
 
     def _predict(self, pose: Floats) -> None:
@@ -132,39 +132,41 @@ class RoadEdgeTracker:
         return hidden
 
     def _look(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
-        """Correct the state by the lines that are seen about their predicted places."""
+        """Correct the state by the lines seen about their predicted places; whether there were enough."""
         offsets = self.config.line_offsets_m
         expected, _, reached = lines(tracked.state, offsets, self.view.forward_m)
         found = sight(ridges, self.view, expected, reached, offsets, SEARCH_REACH_M, self._variance)
-        if np.count_nonzero(found.seen) >= self.config.least_rows:
+        enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
+        if enough:
             tracked.correct(found)
         if not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
             self._filter = None
-        return self._filter is not None
+        return enough and self._filter is not None
 
     def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
         """Start from nothing: the road that explains most ridges, in the lane that explains the edges."""
-        for score, (y, heading, curvature) in comb(ridges, self.view, self.config.lane_width_m)[:1]:
-            if score < self.config.least_comb:
+        lane, place = self.config.lane_width_m, self.config.likely_place_m
+        score, (y, heading, curvature) = comb(ridges, self.view, lane)
+        if score < self.config.least_comb:
+            return
+        phase = (self.config.line_offsets_m[0] + y - place + 0.5 * lane) % lane - 0.5 * lane
+        state = np.array([place + phase, heading, *np.full(SIZE - 2, curvature)])
+        self._filter = LaneFilter(state, np.eye(SIZE))
+        self._index = LaneIndex.start(self.config.lanes, lane)
+        for _ in range(FIRST_LOOKS):
+            self._filter.covariance = initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD)
+            if not self._look(self._filter, ridges):
+                self._filter = None
                 return
-            lane = self.config.lane_width_m
-            place = self.config.likely_place_m
-            phase = (self.config.line_offsets_m[0] + y - place + 0.5 * lane) % lane - 0.5 * lane
-            state = np.array([place + phase, heading, *np.full(SIZE - 2, curvature)])
-            self._filter = LaneFilter(state, initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD))
-            self._index = LaneIndex.start(self.config.lanes, lane)
-            for _ in range(2):
-                if not self._look(self._filter, ridges):
-                    return
-            self._judge(self._filter, image_rgb, ridges)
+        self._judge(self._filter, image_rgb, ridges, 0.0)
 
-    def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
-        """Move to another lane when the edges of the carriageway say so."""
+    def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap, least: float) -> None:
+        """Move to another lane when the edges of the carriageway say so with more than the `least` probability."""
         self._index.judge(tracked.state, ridges, self.view, self._colour_view.warp(image_rgb), self._colour_view)
         likely = self._index.probabilities(tracked.state[0])
         best = int(np.argmax(likely))
         lanes = int(self._index.shifts[best])
-        if lanes and likely[best] > SWITCH_PROBABILITY:
+        if lanes and likely[best] > least:
             tracked.state = tracked.state + np.array([lanes * self.config.lane_width_m, *np.zeros(SIZE - 1)])
             self._index.shift(lanes)
 

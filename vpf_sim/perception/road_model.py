@@ -1,7 +1,7 @@
 """The shape of the road ahead: parallel lines along a centre line whose curvature is piecewise linear.
 
-The state is (y, h, k_0 .. k_3): m, the pose's place right of the centre line; rad, the road's direction minus yaw at the
-foot of the pose; 1/m, the centre line's curvature at NODES_M metres along it (+ bends right).
+The state is (y, h, k_0 .. k_3): m, the pose's place right of the centre line; rad, the road's direction minus yaw at
+the foot of the pose; 1/m, the centre line's curvature at NODES_M metres along it (+ bends right).
 """
 
 import numpy as np
@@ -19,7 +19,8 @@ def _integrated(values: Floats) -> Floats:
     """The integral along ALONG_M, axis 0, 0 at the origin (trapezia)."""
     total = np.zeros_like(values)
     np.cumsum(0.5 * STEP_M * (values[1:] + values[:-1]), axis=0, out=total[1:])
-    return total - total[ORIGIN]
+    total -= total[ORIGIN].copy()
+    return total
 
 
 HATS = np.stack([np.interp(ALONG_M, NODES_M, row) for row in np.eye(len(NODES_M))], axis=1)  # (G, 4) curvature
@@ -30,8 +31,8 @@ BENDS = _integrated(TURNS)  # (G, 4) lateral place of a straight road
 def lines(state: Floats, offsets_m: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools]:
     """Where lines parallel to the centre line cross rows ahead.
 
-    Of L lines `offsets_m` right of the centre line, at R rows `forward_m` ahead of the pose: right of the vehicle (L, R)
-    m, its derivative by the state (L, R, 6), and (L, R) whether the line reaches the row.
+    Of L lines `offsets_m` right of the centre line, at R rows `forward_m` ahead of the pose: right of the vehicle
+    (L, R) m, its derivative by the state (L, R, 6), and (L, R) whether the line reaches the row.
     """
     y, heading = state[0], state[1]
     direction = heading + TURNS @ state[2:]
@@ -58,7 +59,7 @@ def lines(state: Floats, offsets_m: Floats, forward_m: Floats) -> tuple[Floats, 
 
 
 def moved(state: Floats, step: Floats) -> tuple[Floats, Floats]:
-    """The state after the vehicle moved by `step` (forward m, right m, yaw rad) in its own axes, and (6, 6) its derivative."""
+    """The state after the vehicle moved by `step` (forward m, right m, yaw rad) in its own axes, and its derivative."""
     y, heading, curvature = state[0], state[1], state[2]
     cosine, sine = np.cos(heading), np.sin(heading)
     along = (step[0] * cosine + step[1] * sine) / (1.0 - curvature * y)

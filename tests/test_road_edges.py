@@ -1,0 +1,158 @@
+"""The carriageway from the camera, against roads drawn in closed form."""
+
+from collections.abc import Iterator
+from math import radians
+
+import cv2
+import numpy as np
+import pytest
+from road_picture import RoadPicture
+
+from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.birds_eye import distort
+from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road_model import NODES_M, lines, moved
+from vpf_sim.types import Camera, Floats, Obstacles, RoadEdges
+
+SPEED_MPS = 5.55
+KITTI = Camera(1226, 370, 707.1, 707.1, 601.9, 183.1, height_m=1.65, forward_m=1.0)
+BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01])
+
+
+def grey(frame: np.ndarray) -> np.ndarray:
+    return cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY)
+
+
+def follow(
+    picture: RoadPicture, right_m: float, heading_rad: float, frames: int, rate_hz: float = 20.0
+) -> Iterator[tuple[RoadEdges, float]]:
+    """The edges seen on a straight course over a straight road, or one parallel to a bent road, and the true place."""
+    tracker = RoadEdgeTracker(picture.camera, RoadEdgeConfig(), rate_hz)
+    for i in range(frames):
+        along = i * SPEED_MPS / rate_hz
+        right = right_m + (along * np.tan(heading_rad) if picture.curvature_per_m == 0.0 else 0.0)
+        pose = picture.pose(along, right, heading_rad)
+        frame = picture.draw(pose, i)
+        yield tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None), right
+
+
+def test_the_derivative_of_the_lines_is_that_of_finite_differences() -> None:
+    offsets, forward = np.array([-7.0, 0.0, 5.25]), np.arange(4.0, 28.0, 3.0)
+    _, jacobian, _ = lines(BEND, offsets, forward)
+    for i, step in enumerate(np.eye(len(BEND)) * 1e-6):
+        numeric = (lines(BEND + step, offsets, forward)[0] - lines(BEND - step, offsets, forward)[0]) / 2e-6
+        assert np.abs(jacobian[..., i] - numeric).max() < 0.12 * np.abs(numeric).max()
+
+
+@pytest.mark.parametrize("curvature", [0.0, 0.01, -0.0125])
+def test_lines_are_circles_where_the_curvature_is_constant(curvature: float) -> None:
+    picture = RoadPicture(Camera(), curvature)
+    state = np.array([1.3, -0.07, *np.full(len(NODES_M), curvature)])
+    offsets, forward = np.array([-3.5, 7.0]), np.linspace(5.0, 28.0, 12)
+    right, _, reached = lines(state, offsets, forward)
+    assert reached.all()
+    pose = picture.pose(0.0, 1.3, 0.07)
+    places = world_from_vehicle(np.stack([np.broadcast_to(forward, right.shape), right], axis=-1), pose)
+    assert np.abs(picture.local(places)[1] - offsets[:, None]).max() < 2e-3
+
+
+def test_a_road_that_the_vehicle_has_moved_along_is_the_same_road() -> None:
+    step = np.array([0.4, 0.05, 0.03])
+    after, _ = moved(BEND, step)
+    offsets, forward = np.array([-3.5, 0.0, 7.0]), np.linspace(5.0, 26.0, 40)
+    before_right, _, _ = lines(BEND, offsets, forward)
+    new_pose = step
+    for offset, right in zip(offsets, before_right, strict=True):
+        seen = vehicle_from_world(np.stack([forward, right], axis=-1), new_pose)
+        again, _, _ = lines(after, np.array([offset]), seen[:, 0])
+        assert np.abs(again[0] - seen[:, 1]).max() < 0.01
+
+
+@pytest.mark.parametrize("curvature", [0.0, 0.01, -0.01])
+@pytest.mark.parametrize(("place", "heading_deg"), [(2.25, 3.0), (1.3, -4.0)])
+def test_the_edges_are_found_and_followed(curvature: float, place: float, heading_deg: float) -> None:
+    heading = radians(heading_deg) if curvature == 0.0 else 0.0
+    seen = list(follow(RoadPicture(Camera(), curvature), place, heading, 16))
+    errors = np.array([edges.right_m - (7.0 - right) for edges, right in seen])
+    assert abs(errors[0]) < 0.25
+    assert np.abs(errors[8:]).max() < 0.06
+    last, right = seen[-1]
+    assert last.left_m == pytest.approx(last.right_m - 14.0)
+    assert abs(last.heading_rad + heading) < radians(0.6)
+    assert last.curvature_per_m == pytest.approx(curvature / (1.0 - curvature * right), abs=1.5e-3)
+    assert last.confidence > 0.9
+    assert last.sigma_m < 0.05
+
+
+@pytest.mark.parametrize("lane", [1, 3, 4])
+def test_the_lane_is_known_by_the_edges_and_not_by_habit(lane: int) -> None:
+    place = 7.0 - 3.5 * (lane - 0.5)
+    *_, (last, _) = follow(RoadPicture(Camera()), place + 0.2, 0.02, 5)
+    assert last.right_m == pytest.approx(7.0 - place - 0.2, abs=0.2)
+
+
+@pytest.mark.parametrize("verge", [(200, 180, 120), (60, 60, 62), (106, 106, 107)], ids=["sand", "dark", "as asphalt"])
+def test_the_verge_may_have_any_colour(verge: tuple[int, int, int]) -> None:
+    *_, (last, _) = follow(RoadPicture(Camera(), verge=verge), -1.75, 0.0, 5)
+    assert last.right_m == pytest.approx(8.75, abs=0.2)
+
+
+def test_another_camera_at_another_rate() -> None:
+    *_, (last, _) = follow(RoadPicture(KITTI), 1.6, 0.01, 12, rate_hz=10.0)
+    assert last.right_m == pytest.approx(7.0 - 1.6 - 11 * SPEED_MPS / 10.0 * np.tan(0.01), abs=0.08)
+
+
+def test_hidden_lines_are_bridged_by_own_motion_and_the_doubt_grows() -> None:
+    camera = Camera()
+    picture, tracker = RoadPicture(camera, 0.01), RoadEdgeTracker(camera, RoadEdgeConfig(), 20.0)
+    blank = np.full((camera.height_px, camera.width_px, 3), 100, np.uint8)
+    result: list[RoadEdges] = []
+    for i in range(52):
+        pose = picture.pose(i * SPEED_MPS / 20.0, 1.75, 0.0)
+        frame = picture.draw(pose, i) if i < 16 else blank
+        result.append(tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None))
+    assert abs(result[-1].right_m - 5.25) < 0.35  # after 10 m unseen
+    assert result[-1].sigma_m > result[15].sigma_m
+    assert result[-1].confidence < result[15].confidence
+
+
+def test_without_any_line_it_is_the_likely_lane_and_says_so() -> None:
+    camera = Camera()
+    blank = np.full((camera.height_px, camera.width_px, 3), 100, np.uint8)
+    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), 60.0)
+    edges = tracker.update(blank, grey(blank), np.zeros(3), 5.0, 0.1, None)
+    assert (edges.left_m, edges.right_m, edges.heading_rad) == (-8.75, 5.25, 0.0)
+    assert edges.curvature_per_m == pytest.approx(0.02)
+    assert edges.confidence == 0.0
+
+
+def test_bright_bars_on_a_known_body_do_not_pull_the_lines() -> None:
+    camera = Camera()
+    picture = RoadPicture(camera)
+    body = Obstacles(*(np.array([x]) for x in (9.0, -1.0, 3.2, 0.1, 2.0)), identity=np.array([1]))
+    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), 20.0)
+    for i in range(12):
+        pose = picture.pose(0.05 * i, 1.75, 0.0)
+        frame = picture.draw(pose, i)
+        cv2.rectangle(frame, (320 - 40, 180), (320 + 124, 290), (60, 60, 60), -1)
+        cv2.rectangle(frame, (320 + 76, 180), (320 + 84, 290), (220, 220, 220), -1)
+        edges = tracker.update(frame, grey(frame), pose, 1.0, 0.0, body)
+    assert edges.right_m == pytest.approx(5.25, abs=0.06)
+
+
+def test_distortion_is_that_of_opencv() -> None:
+    camera = Camera(k1=-0.17, k2=0.02)
+    ray: Floats = np.array([[0.3, 0.2, 1.0], [-0.8, 0.5, 1.0]])
+    matrix = np.array([[320.0, 0.0, 319.5], [0.0, 320.0, 239.5], [0.0, 0.0, 1.0]])
+    expected, _ = cv2.projectPoints(ray, np.zeros(3), np.zeros(3), matrix, np.array([-0.17, 0.02, 0.0, 0.0]))
+    pinhole = ray[:, :2] * 320.0 + np.array([319.5, 239.5])
+    assert np.allclose(distort(camera, pinhole), expected[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [({"lanes": 0}, "lanes"), ({"likely_lane": 5}, r"1 \.\. 4, got 5"), ({"near_m": 40.0}, "far_m = 30.0, got 40.0")],
+)
+def test_a_nonsense_configuration_is_refused(wrong: dict[str, float], says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        RoadEdgeConfig(**wrong)  # type: ignore[arg-type]
