@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vpf_sim.perception.ground import ground_flow
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
-GREY_WEIGHTS = cv2.COLOR_RGB2GRAY
+FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +25,8 @@ class Band:
 
 BANDS = {
     "whole": (Band(-inf, inf, 1.0),),
-    # Scenery, which holds the FOE's height; bodies above the horizon; the road beyond 10 m; the road before it.
-    "road": (Band(-0.35, -0.08, 0.12), Band(-0.08, 0.0, 0.2), Band(0.0, 0.14, 0.48), Band(0.14, 0.55, 0.2)),
+    # Scenery, which holds the FOE's height; the road beyond 10 m and what stands on it; the road before it.
+    "road": (Band(-0.35, 0.0, 0.2), Band(0.0, 0.14, 0.55), Band(0.14, 0.55, 0.25)),
 }
 
 
@@ -48,6 +48,8 @@ class FlowConfig:
     forward_backward_px: float | None = None  # largest distance after tracking back; None: no check
     reach_px_per_s: float = 400.0  # fastest motion to follow
     texture_floor: float = 0.0  # least small eigenvalue of a corner's structure tensor, grey levels^2 / px^2
+    corner_ratio: float = 0.0  # and its least share of the large one: edges slide
+    anchor_s: float | None = None  # a point's first sighting is replaced by one between so old and twice; None: never
 
     def __post_init__(self) -> None:
         if self.window_px < 3 or self.window_px % 2 == 0:
@@ -62,7 +64,7 @@ class FlowConfig:
 
 def grey(image_rgb: Image) -> Image:
     """(H, W) uint8 luma of an (H, W, 3) RGB image, 0.299 R + 0.587 G + 0.114 B."""
-    return cv2.cvtColor(image_rgb, GREY_WEIGHTS).astype(np.uint8, copy=False)
+    return cv2.cvtColor(image_rgb, cv2.COLOR_RGB2GRAY).astype(np.uint8, copy=False)
 
 
 def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
@@ -87,6 +89,9 @@ class _Tracks:
     first_px: Floats  # (N, 2)
     first_pose: Floats  # (N, 3)
     structure: Floats  # (N, 2, 2)
+    next_px: Floats  # (N, 2) the sighting that will replace the first
+    next_pose: Floats  # (N, 3)
+    next_age: NDArray[np.int64]  # (N,) frames since then
 
     def __len__(self) -> int:
         return len(self.age)
@@ -96,6 +101,22 @@ class _Tracks:
         self.age, self.identity = self.age[chosen], self.identity[chosen]
         self.first_px, self.first_pose = self.first_px[chosen], self.first_pose[chosen]
         self.structure = self.structure[chosen]
+        self.next_px, self.next_pose, self.next_age = (
+            self.next_px[chosen],
+            self.next_pose[chosen],
+            self.next_age[chosen],
+        )
+
+    def renew_anchor(self, frames: int, pose: Floats) -> None:
+        """Where the next sighting is `frames` old, it becomes the first, and the present one the next."""
+        due = self.next_age >= frames
+        column = due[:, None]
+        self.first_px = np.where(column, self.next_px, self.first_px)
+        self.first_pose = np.where(column, self.next_pose, self.first_pose)
+        self.age = np.where(due, self.next_age, self.age)
+        self.next_px = np.where(column, self.trail[0], self.next_px)
+        self.next_pose = np.where(column, pose, self.next_pose)
+        self.next_age = np.where(due, 0, self.next_age)
 
     def append(self, points_px: Floats, structure: Floats, pose: Floats, next_identity: int) -> None:
         count = len(points_px)
@@ -105,6 +126,9 @@ class _Tracks:
         self.first_px = np.concatenate([self.first_px, points_px])
         self.first_pose = np.concatenate([self.first_pose, np.broadcast_to(pose, (count, 3))])
         self.structure = np.concatenate([self.structure, structure])
+        self.next_px = np.concatenate([self.next_px, points_px])
+        self.next_pose = np.concatenate([self.next_pose, np.broadcast_to(pose, (count, 3))])
+        self.next_age = np.concatenate([self.next_age, np.zeros(count, np.int64)])
 
 
 class FlowTracker:
@@ -120,6 +144,7 @@ class FlowTracker:
         self.rate_hz = rate_hz
         self._window_frames = max(1, round(config.window_s * rate_hz))
         self._period_frames = max(1, round(config.detect_period_s * rate_hz))
+        self._anchor_frames = None if config.anchor_s is None else max(2, round(config.anchor_s * rate_hz))
         self._bands = [(self._rows(band), round(band.share * config.points)) for band in BANDS[config.bands]]
         self._top = max(0, min(rows.start for rows, _ in self._bands) - config.window_px)
         self._bottom = min(camera.height_px, max(rows.stop for rows, _ in self._bands) + config.window_px)
@@ -127,17 +152,19 @@ class FlowTracker:
         self._poses: Floats = np.empty((0, 3))  # newest first
         self._next_identity = 0
         self._frame = 0
+        none, pixels, poses = np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 3))
         trail = np.empty((self._window_frames + 1, 0, 2))
-        self._tracks = _Tracks(
-            trail, np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 3)), np.empty((0, 2, 2))
-        )
+        self._tracks = _Tracks(trail, none, none, pixels, poses, np.empty((0, 2, 2)), pixels, poses, none)
 
     def update(self, image: Image, pose: Floats) -> Flow:
         """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw)."""
         self._poses = np.concatenate([pose[None], self._poses[: self._window_frames]])
         if self._previous is not None and len(self._tracks):
             self._follow(self._previous, image)
+        if self._anchor_frames is not None:
+            self._tracks.renew_anchor(self._anchor_frames, pose)
         flow = self._report(pose)
+        self._weigh_again(image)
         self._top_up(image, pose)
         self._previous = image
         self._frame += 1
@@ -186,7 +213,7 @@ class FlowTracker:
         good &= (now[:, 1] >= self._top) & (now[:, 1] <= self._bottom - 1)
         tracks = self._tracks
         tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
-        tracks.age = tracks.age + 1
+        tracks.age, tracks.next_age = tracks.age + 1, tracks.next_age + 1
         tracks.keep(good)
 
     def _report(self, pose: Floats) -> Flow:
@@ -205,6 +232,35 @@ class FlowTracker:
             age_frames=tracks.age,
             structure=tracks.structure,
         )
+
+    def _weigh_again(self, image: Image) -> None:
+        """Look at a part of the windows in every frame: what was a corner from afar may be an edge from near.
+
+        The noise of the chained steps adds up, and goes with the inverse of the tensor, so the inverses are averaged.
+        """
+        tracks = self._tracks
+        if not self._guarded:
+            return
+        due = np.flatnonzero((tracks.identity + self._frame) % self._period_frames == 0)
+        if not len(due):
+            return
+        tensor = structure_tensor(image, tracks.trail[0, due], self.config.window_px)
+        looks = 1 + tracks.age[due, None, None] // self._period_frames
+        mean = np.linalg.inv(tracks.structure[due] + FAINT)
+        mean = mean + (np.linalg.inv(tensor + FAINT) - mean) / (looks + 1)
+        tracks.structure[due] = np.linalg.inv(mean) - FAINT
+        keep = np.ones(len(tracks), np.bool_)
+        keep[due] = self._is_corner(tensor)
+        tracks.keep(keep)
+
+    @property
+    def _guarded(self) -> bool:
+        return self.config.texture_floor > 0.0 or self.config.corner_ratio > 0.0
+
+    def _is_corner(self, tensor: Floats) -> Bools:
+        small, large = np.linalg.eigvalsh(tensor).T
+        corner: Bools = (small >= self.config.texture_floor) & (small >= self.config.corner_ratio * large)
+        return corner
 
     def _top_up(self, image: Image, pose: Floats) -> None:
         """Search the bands whose turn it is; at the start all of them."""
@@ -254,8 +310,8 @@ class FlowTracker:
 
     def _add(self, points_px: Floats, image: Image, pose: Floats) -> None:
         tensor = structure_tensor(image, points_px, self.config.window_px)
-        if self.config.texture_floor > 0.0:
-            textured = np.linalg.eigvalsh(tensor)[:, 0] >= self.config.texture_floor
-            points_px, tensor = points_px[textured], tensor[textured]
+        if self._guarded:
+            corner = self._is_corner(tensor)
+            points_px, tensor = points_px[corner], tensor[corner]
         self._tracks.append(points_px, tensor, pose, self._next_identity)
         self._next_identity += len(points_px)

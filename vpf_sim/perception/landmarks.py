@@ -1,16 +1,15 @@
 """Bodies on the road: followed points that stand above it, kept in the world until the car has passed them."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
+from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.ground import past_image
+from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
 from vpf_sim.perception.triangulation import NoiseModel, Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
-
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +18,7 @@ class LandmarkConfig:
 
     window_px: int = 11  # of the flow, for the noise of a track
     grey_levels: float = 5.0  # noise of a track, see NoiseModel
-    floor_px: float = 0.04
+    floor_px: float = 0.1
     growth_s: float = 0.17
     anisotropy: float = 0.04
     pitch_rad: float = 0.0005
@@ -30,17 +29,24 @@ class LandmarkConfig:
     min_height_m: float = 0.2
     max_height_m: float = 1.8
     near_m: float = 6.5  # range of depth in which points are judged
-    far_m: float = 45.0
+    far_m: float = 30.0
     hits_s: float = 0.13  # a point is believed after so long,
     hits_share: float = 0.5  # if it stood above the road in this share of the frames since it first did
+    steady_m: float = 0.1  # and its place in the world changed by no more than this, plus
+    steady_ratio: float = 0.04  # this share of the depth
     single_hits_s: float = 0.2  # and one alone after so long,
     single_depth_ratio: float = 0.035  # at this accuracy
     single_height_m: float = 1.1
+    single_far_m: float = 20.0
+    recent_px: float = 0.3  # largest error of the motion in the last window, plus
+    recent_ratio: float = 0.05  # this share of its length
     edge_margin_m: float = 0.3  # inside the carriageway's edges
-    horizon_px: float = 2.5  # points so near the horizon need horizon_depth_ratio
-    horizon_depth_ratio: float = 0.03
+    edge_line_m: float = 0.4  # points whose foot lies so near the edge line inside,
+    verge_m: float = 1.8  # and so near outside, are not trusted
+    foot_m: float = 45.0  # points whose ray meets the road farther away are not judged: the bends of lines slide there
     link_right_m: float = 1.0  # points nearer than this belong to one body
-    link_forward_m: float = 2.5
+    link_forward_m: float = 2.0
+    sharp_m: float = 0.3  # points with a smaller sigma of the depth count for the extent, or those near the best
     behind_m: float = 11.0  # where a body is forgotten
 
     def __post_init__(self) -> None:
@@ -52,25 +58,6 @@ class LandmarkConfig:
     @property
     def noise(self) -> NoiseModel:
         return NoiseModel(self.grey_levels, self.floor_px, self.growth_s, self.anisotropy, self.pitch_rad)
-
-
-@dataclass(slots=True)
-class _Marks:
-    """Points that stood above the road at least once: M of them, in the order of the track's identity."""
-
-    identity: Integers  # (M,) of the track
-    hits: Integers  # (M,) frames in which it stood above the road, less those in which it lay on it
-    place_m: Floats  # (M, 2) in the world
-    sigma_m: Floats  # (M,) of the depth at the last hit
-    depth_m: Floats  # (M,) at the last hit
-    height_m: Floats  # (M,)
-    body: Integers  # (M,) identity of its body, -1 none yet
-    first_s: Floats  # (M,) time of the first hit
-    believed: Bools  # (M,)
-
-    def keep(self, chosen: Bools) -> None:
-        for column in fields(self):
-            setattr(self, column.name, getattr(self, column.name)[chosen])
 
 
 def carriageway_offsets(forward_m: Floats, road: RoadEdges) -> tuple[Floats, Floats]:
@@ -98,9 +85,14 @@ class LandmarkTracker:
         self.camera = camera
         self.config = config
         self.rate_hz = rate_hz
-        none = np.empty(0)
-        whole = np.empty(0, np.int64)
-        self._marks = _Marks(whole, whole, np.empty((0, 2)), none, none, none, whole, none, none > 0.0)
+        self._rules = Rules(
+            hits=self._frames(config.hits_s),
+            most_hits=2 * self._frames(config.single_hits_s),
+            share=config.hits_share,
+            steady_m=config.steady_m,
+            steady_ratio=config.steady_ratio,
+        )
+        self._marks = Marks.none()
         self._next_body = 0
 
     def update(self, flow: Flow, road: RoadEdges, speed_mps: float, time_s: float) -> Obstacles:
@@ -108,7 +100,8 @@ class LandmarkTracker:
         points = triangulate(
             flow, self.camera, self.config.window_px, flow.age_frames / self.rate_hz, self.config.noise
         )
-        self._record(flow, points, self._above(flow, points, road), self._on_road(points), time_s)
+        seen = self._sightings(flow, points, self._above(flow, points, road))
+        self._marks.record(seen, flow.identity[self._on_road(points)], self._rules)
         self._forget(flow)
         return self._bodies(flow.pose, speed_mps)
 
@@ -118,17 +111,44 @@ class LandmarkTracker:
         depth = points.depth_m
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = points.sigma_m / depth
-            horizon = self.camera.cy_px - self.camera.fy_px * np.tan(self.camera.pitch_rad)
-            near_horizon = np.abs(flow.points_px[:, 1] - horizon) < config.horizon_px
             above = (depth > config.near_m) & (depth < config.far_m)
             above &= flow.age_frames >= max(2, round(config.min_age_s * self.rate_hz))
-            above &= ratio < np.where(near_horizon, config.horizon_depth_ratio, config.depth_ratio)
+            above &= ratio < config.depth_ratio
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
             above &= points.height_m < config.max_height_m + 2.0 * points.height_sigma_m
             left, right = carriageway_offsets(self.camera.forward_m + depth, road)
             above &= (points.right_m > left + config.edge_margin_m) & (points.right_m < right - config.edge_margin_m)
-        return above
+            above &= self._is_clear_of_lines(flow.points_px, road)
+        return self._moves_so_now(flow, points, above)
+
+    def _moves_so_now(self, flow: Flow, points: Triangulation, above: Bools) -> Bools:
+        """(N,) those of the points whose motion in the last window is that of the place found from the whole track.
+
+        It is not for a track that has slipped on to something else, or is swept along by the edge of a nearer body.
+        """
+        chosen = np.flatnonzero(above)
+        place = np.stack(
+            [self.camera.forward_m + points.depth_m[chosen], points.right_m[chosen], points.height_m[chosen]], axis=1
+        )
+        before = flow.points_px[chosen] - flow.displacement_px[chosen]
+        expected = past_image(self.camera, place, flow.past_pose[chosen], flow.pose)
+        error = np.hypot(*(before - expected).T)
+        length = np.hypot(*flow.displacement_px[chosen].T)
+        confirmed = np.zeros(len(flow), np.bool_)
+        confirmed[chosen] = error < self.config.recent_px + self.config.recent_ratio * length
+        return confirmed
+
+    def _is_clear_of_lines(self, points_px: Floats, road: RoadEdges) -> Bools:
+        """(N,) pixels whose place on the flat road is near enough, and not on the painted edge or the verge beside it.
+
+        Lucas-Kanade slides along these lines in the very direction of the epipolar line, so no residual tells.
+        """
+        place = ground_from_pixels(self.camera, points_px)
+        left, right = carriageway_offsets(place[:, 0], road)
+        aside = np.maximum(left - place[:, 1], place[:, 1] - right)  # how far outside the carriageway
+        clear: Bools = ~((aside > -self.config.edge_line_m) & (aside < self.config.verge_m))
+        return clear & (place[:, 0] < self.config.foot_m)
 
     def _on_road(self, points: Triangulation) -> Bools:
         """(N,) points that lie on the road beyond doubt: the only evidence that clears a landmark."""
@@ -137,40 +157,16 @@ class LandmarkTracker:
                 points.height_m + 2.0 * points.height_sigma_m < self.config.min_height_m
             )
 
-    def _record(self, flow: Flow, points: Triangulation, above: Bools, on_road: Bools, time_s: float) -> None:
-        marks = self._marks
-        slot = np.searchsorted(flow.identity, marks.identity)
-        slot = np.minimum(slot, max(0, len(flow) - 1))
-        seen = flow.identity[slot] == marks.identity if len(flow) else np.zeros(len(marks.identity), np.bool_)
-        hit = seen & above[slot] if len(flow) else seen
-        clear = seen & on_road[slot] if len(flow) else seen
-        marks.hits = marks.hits + hit - 2 * clear
-        frames = (time_s - marks.first_s) * self.rate_hz
-        steady = (marks.hits >= self._frames(self.config.hits_s)) & (marks.hits >= self.config.hits_share * frames)
-        marks.believed = (marks.believed | steady) & (marks.hits > 0)
-        forward = self.camera.forward_m + points.depth_m
-        place = world_from_vehicle(np.stack([forward, points.right_m], axis=1), flow.pose)
-        chosen = slot[hit]
-        marks.place_m[hit] = place[chosen]
-        marks.sigma_m[hit], marks.depth_m[hit] = points.sigma_m[chosen], points.depth_m[chosen]
-        marks.height_m[hit] = points.height_m[chosen]
-        new = above & ~np.isin(flow.identity, marks.identity, assume_unique=True)
-        if np.any(new):
-            self._marks = _Marks(
-                np.concatenate([marks.identity, flow.identity[new]]),
-                np.concatenate([marks.hits, np.ones(np.count_nonzero(new), np.int64)]),
-                np.concatenate([marks.place_m, place[new]]),
-                np.concatenate([marks.sigma_m, points.sigma_m[new]]),
-                np.concatenate([marks.depth_m, points.depth_m[new]]),
-                np.concatenate([marks.height_m, points.height_m[new]]),
-                np.concatenate([marks.body, np.full(np.count_nonzero(new), -1, np.int64)]),
-                np.concatenate([marks.first_s, np.full(np.count_nonzero(new), time_s)]),
-                np.concatenate([marks.believed, np.zeros(np.count_nonzero(new), np.bool_)]),
-            )
+    def _sightings(self, flow: Flow, points: Triangulation, above: Bools) -> Sightings:
+        forward = self.camera.forward_m + points.depth_m[above]
+        place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
+        return Sightings(
+            flow.identity[above], place, points.sigma_m[above], points.depth_m[above], points.height_m[above]
+        )
 
     def _forget(self, flow: Flow) -> None:
         marks = self._marks
-        if not len(marks.identity):
+        if not len(marks):
             return
         followed = np.isin(marks.identity, flow.identity)
         ahead = vehicle_from_world(marks.place_m, flow.pose)[:, 0] > -self.config.behind_m
@@ -195,6 +191,7 @@ class LandmarkTracker:
             (marks.hits[believed] >= self._frames(config.single_hits_s))
             & (sigma < config.single_depth_ratio * marks.depth_m[believed])
             & (marks.height_m[believed] < config.single_height_m)
+            & (marks.depth_m[believed] < config.single_far_m)
         )
         confirmed = (np.bincount(label, minlength=count) >= 2) | (np.bincount(label, single, count) > 0)
         return self._describe(believed, label, confirmed, place, sigma, speed_mps)
@@ -210,18 +207,23 @@ class LandmarkTracker:
         body[fresh] = self._next_body + np.arange(len(fresh))
         self._next_body += len(fresh)
         self._marks.body[believed] = np.where(confirmed[label], body[label], known)
+        # Faces and sides are those of the points that are known best; a poor one would stretch the body.
+        sharpest = np.full(count, np.inf)
+        np.minimum.at(sharpest, label, sigma)
+        known_well = sigma <= np.maximum(self.config.sharp_m, 2.0 * sharpest[label])
+        member, place = label[known_well], place[known_well]
         left, right = np.full(count, np.inf), np.full(count, -np.inf)
-        np.minimum.at(left, label, place[:, 1])
-        np.maximum.at(right, label, place[:, 1])
+        np.minimum.at(left, member, place[:, 1])
+        np.maximum.at(right, member, place[:, 1])
         face = np.full(count, np.inf)
-        np.minimum.at(face, label, place[:, 0])
-        weight = 1.0 / np.maximum(sigma, 0.02) ** 2
-        face_sigma = 1.0 / np.sqrt(np.bincount(label, weight, count))
+        np.minimum.at(face, member, place[:, 0])
+        weight = 1.0 / np.maximum(sigma[known_well], 0.02) ** 2
+        face_sigma = 1.0 / np.sqrt(np.bincount(member, weight, count))
         closing = max(speed_mps, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             ttc = np.where((face > 0.0) & (closing > 0.0), face / closing, np.inf)
-        c = confirmed
-        return Obstacles(face[c], left[c], right[c], face_sigma[c], ttc[c], body[c])
+        columns = (face, left, right, face_sigma, ttc)
+        return Obstacles(*(column[confirmed] for column in columns), body[confirmed])
 
 
 def _none() -> Obstacles:

@@ -1,0 +1,121 @@
+"""The table of points that stood above the road: how often, where in the world, and how surely."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.types import Bools, Floats
+
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Sightings:
+    """M points of one frame that were seen to stand above the road."""
+
+    identity: Integers  # (M,) of the track
+    place_m: Floats  # (M, 2) in the world
+    sigma_m: Floats  # (M,) of the depth
+    depth_m: Floats  # (M,) from the camera
+    height_m: Floats  # (M,) above the road
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """When a point is believed: after so many hits, in so large a share of the frames, without moving in the world."""
+
+    hits: int
+    most_hits: int  # more are not counted, so that the road's evidence can still clear the point
+    share: float
+    steady_m: float  # largest change of place, plus
+    steady_ratio: float  # this share of the depth
+
+
+@dataclass(slots=True)
+class Marks:
+    """M points that stood above the road at least once, one row a track."""
+
+    identity: Integers  # (M,)
+    hits: Integers  # (M,) frames in which it stood above the road, less twice those in which it lay on it
+    frames: Integers  # (M,) frames since the count began
+    place_m: Floats  # (M, 2) in the world at the last hit
+    sigma_m: Floats  # (M,)
+    depth_m: Floats  # (M,)
+    height_m: Floats  # (M,)
+    steady_m: Floats  # (M, 2) the place that later hits must confirm
+    steady_sigma_m: Floats  # (M,)
+    believed: Bools  # (M,)
+    body: Integers  # (M,) identity of its body, -1 none yet
+
+    @classmethod
+    def none(cls) -> "Marks":
+        return cls.of(Sightings(np.empty(0, np.int64), np.empty((0, 2)), *(np.empty(0) for _ in range(3))))
+
+    @classmethod
+    def of(cls, seen: Sightings) -> "Marks":
+        count = len(seen.identity)
+        return cls(
+            identity=seen.identity,
+            hits=np.ones(count, np.int64),
+            frames=np.zeros(count, np.int64),
+            place_m=seen.place_m,
+            sigma_m=seen.sigma_m,
+            depth_m=seen.depth_m,
+            height_m=seen.height_m,
+            steady_m=seen.place_m,
+            steady_sigma_m=seen.sigma_m,
+            believed=np.zeros(count, np.bool_),
+            body=np.full(count, -1, np.int64),
+        )
+
+    def __len__(self) -> int:
+        return len(self.identity)
+
+    def keep(self, chosen: Bools) -> None:
+        for column in fields(self):
+            setattr(self, column.name, getattr(self, column.name)[chosen])
+
+    def record(self, seen: Sightings, on_road: Integers, rules: Rules) -> None:
+        """Count one frame: `seen` stood above the road, the tracks `on_road` lay on it."""
+        self.frames = self.frames + 1
+        row, column = self._matches(seen.identity)
+        moved = np.hypot(*(seen.place_m[column] - self.steady_m[row]).T)
+        still = moved < rules.steady_m + rules.steady_ratio * seen.depth_m[column]
+        self._confirm(row[still], seen, column[still])
+        # What moves in the world is no landmark: one not believed yet starts again, one believed keeps its place.
+        again = ~still & ~self.believed[row]
+        self._restart(row[again], seen, column[again])
+        cleared, _ = self._matches(on_road)
+        self.hits[cleared] -= 2
+        self.hits = np.minimum(self.hits, rules.most_hits)
+        enough = (self.hits >= rules.hits) & (self.hits >= np.minimum(rules.share * self.frames, rules.most_hits))
+        self.believed = (self.believed | enough) & (self.hits > 0)
+        self._append(seen)
+
+    def _matches(self, identity: Integers) -> tuple[Integers, Integers]:
+        """Rows of the table and of `identity` that are the same track."""
+        _, row, column = np.intersect1d(self.identity, identity, assume_unique=True, return_indices=True)
+        return row.astype(np.int64), column.astype(np.int64)
+
+    def _confirm(self, row: Integers, seen: Sightings, column: Integers) -> None:
+        self.hits[row] += 1
+        self._place(row, seen, column)
+        sharper = seen.sigma_m[column] < 0.5 * self.steady_sigma_m[row]
+        self.steady_m[row[sharper]] = seen.place_m[column[sharper]]
+        self.steady_sigma_m[row[sharper]] = seen.sigma_m[column[sharper]]
+
+    def _restart(self, row: Integers, seen: Sightings, column: Integers) -> None:
+        self.hits[row], self.frames[row] = 1, 0
+        self._place(row, seen, column)
+        self.steady_m[row], self.steady_sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
+
+    def _place(self, row: Integers, seen: Sightings, column: Integers) -> None:
+        self.place_m[row], self.sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
+        self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
+
+    def _append(self, seen: Sightings) -> None:
+        new = ~np.isin(seen.identity, self.identity, assume_unique=True)
+        fresh = Marks.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)))
+        for column in fields(self):
+            setattr(self, column.name, np.concatenate([getattr(self, column.name), getattr(fresh, column.name)]))
