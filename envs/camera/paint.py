@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
-from vpf_sim.envs.camera.wear import wear
+from vpf_sim.envs.camera.wear import FLAKE_RANGE_M, flakes, wear
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
@@ -32,6 +32,7 @@ class Batch:
     values: NDArray[np.int64]  # (n,) of the palette
     strips: NDArray[np.int64]  # (n,) which strip each belongs to
     thin: bool  # lines, whose width must be kept to a fraction of a pixel
+    range_m: float = 260.0  # what lies farther ahead is not drawn
 
     @property
     def centres_m(self) -> Floats:
@@ -61,6 +62,7 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
         _separate(repairs, values, thin=False),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, np.full(len(striped), LINE), thin=True),
+        _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
     return [batch for batch in batches if len(batch.values)]
 
@@ -90,9 +92,11 @@ def _stripe_polygons(line: Line) -> Floats:
     return np.concatenate([left, right[:, ::-1]], axis=1)
 
 
-def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool) -> Batch:
+def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: float = 260.0) -> Batch:
     """Polygons that may overlap each other."""
-    return Batch(polygons, values, np.arange(len(values)) if not thin else np.zeros(len(values), np.int64), thin)
+    return Batch(
+        polygons, values, np.arange(len(values)) if not thin else np.zeros(len(values), np.int64), thin, range_m
+    )
 
 
 def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool) -> Batch:

@@ -15,7 +15,6 @@ from vpf_sim.envs.camera.paint import GRASS, Batch
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 from vpf_sim.types import Camera, Floats, Image
 
-RANGE_M = 260.0
 FAR_ROWS = 32  # rows under the horizon that are drawn on the finer canvas
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 
@@ -64,7 +63,7 @@ class Surface:
         return self._picture
 
     def _draw_batch(self, view: View, batch: Batch, centres: Floats, radii: Floats) -> None:
-        seen = self._in_view(view, centres, radii)
+        seen = self._in_view(view, centres, radii, batch.range_m)
         points = _camera_axes(view, batch.polygons_m[seen])
         if batch.thin:
             _inset(points, self._camera.fx_px)
@@ -76,14 +75,14 @@ class Surface:
             clipped = view.pixels(clip_near(points[part], inside[part]))
             self._fill(clipped, batch.strips[seen][part], batch.values[seen][part])
 
-    def _in_view(self, view: View, centres: Floats, radii: Floats) -> NDArray[np.int64]:
+    def _in_view(self, view: View, centres: Floats, radii: Floats, range_m: float) -> NDArray[np.int64]:
         relative = centres - view.centre[:2]
         c, s = np.cos(view.yaw_rad), np.sin(view.yaw_rad)
         ahead = relative[:, 0] * c + relative[:, 1] * s
         aside = relative[:, 1] * c - relative[:, 0] * s
         slope = 0.55 * self._camera.width_px / self._camera.fx_px
         return np.flatnonzero(
-            (ahead > -radii) & (ahead < RANGE_M) & (np.abs(aside) < slope * np.abs(ahead) + (1.0 + slope) * radii)
+            (ahead > -radii) & (ahead < range_m) & (np.abs(aside) < slope * np.abs(ahead) + (1.0 + slope) * radii)
         )
 
     def _fill(self, pixels: Floats, strips: NDArray[np.int64], values: NDArray[np.int64]) -> None:

@@ -3,10 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.layout import LaneShape, interpolated
+from vpf_sim.envs.camera.layout import LaneShape, Line, interpolated
 from vpf_sim.types import Floats
 
 SPACING_M = 22.0  # of faults along each lane, on average
+FLAKE_SPACING_M = 0.5  # of missing pieces along each line, on average
+FLAKE_RANGE_M = 26.0
 PATCH, ACROSS = 0.35, 0.75  # kinds of fault: below the first a patch, below the second a crack across, else along
 
 
@@ -14,6 +16,24 @@ def wear(shapes: list[LaneShape], asphalt: int, rng: np.random.Generator) -> tup
     """(n, 6, 2) polygons on the lanes, and their values of the palette."""
     lanes = [_lane_wear(shape, asphalt, rng) for shape in shapes]
     return np.concatenate([polygons for polygons, _ in lanes]), np.concatenate([values for _, values in lanes])
+
+
+def flakes(lines: list[Line], rng: np.random.Generator) -> Floats:
+    """(n, 4, 2) pieces that are missing from the markings: small diamonds, askew."""
+    result = [np.empty((0, 4, 2))]
+    for line in lines:
+        first, last = float(line.s_m[0]), float(line.s_m[-1])
+        s = rng.uniform(first, last, int((last - first) / FLAKE_SPACING_M))
+        middle, ahead = (interpolated(s + shift, line.s_m, line.points_m) for shift in (0.0, 0.05))
+        along = ahead - middle
+        along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        middle = middle + rng.uniform(-0.08, 0.08, (len(s), 1)) * across
+        corners = np.array([[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]]) * rng.uniform(0.5, 1.5, (len(s), 4, 1))
+        size = np.stack([rng.uniform(0.03, 0.16, len(s)), rng.uniform(0.01, 0.035, len(s))], axis=1)
+        place = corners * size[:, None]
+        result.append(middle[:, None] + place[..., :1] * along[:, None] + place[..., 1:] * across[:, None])
+    return np.concatenate(result)
 
 
 def _lane_wear(shape: LaneShape, asphalt: int, rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
