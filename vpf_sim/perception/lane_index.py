@@ -17,8 +17,8 @@ from vpf_sim.types import Floats, Image
 SOLID, DASHED, NONE = 0, 1, 2
 # Share of the length on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
 SHARES = np.array([[0.92, 0.12], [0.34, 0.12], [0.02, 0.06]])
-SURPRISE = np.log(0.03)  # the least that one line can say, natural logarithm
-HIDDEN = np.log(0.15)  # the least that a line can say by not being seen: something may stand before it
+SURPRISE = float(np.log(0.03))  # the least that one line can say, natural logarithm
+HIDDEN = float(np.log(0.15))  # the least that a line can say by not being seen: something may stand before it
 LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says nothing
 LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
 FORGET = 0.85  # of the evidence, kept from one judgement to the next
@@ -81,7 +81,7 @@ class LaneIndex:
         length = visible @ view.length_m
         share = (found.seen @ view.length_m) / np.maximum(length, 1e-9)
         says = -0.5 * ((share[:, None] - SHARES[:, 0]) / SHARES[:, 1]) ** 2 - np.log(SHARES[:, 1] / SHARES[:, 1].max())
-        least: Floats = np.where(share < 0.1, HIDDEN, SURPRISE)
+        least: Floats = np.asarray(np.where(share < 0.1, HIDDEN, SURPRISE), np.float64)
         says = np.maximum(says - says.max(axis=1, keepdims=True), least[:, None])
         says = np.where((length >= LEAST_LENGTH_M)[:, None], says, 0.0)
         kinds = np.array(
