@@ -42,7 +42,7 @@ class LaneFieldConfig:
     clearance_m: float  # c
     visible_m: float  # from here on a body counts, bumper to face
     full_m: float  # and from here on in full
-    body_length_m: float  # a body is believed to reach this far behind its face
+    body_length_m: float  # a body counts until our rear is this far past its face
     memory_height: float  # for leaving the surroundings of the last minimum
     memory_m: float  # how far these reach
     latch_m: float  # side latch of bodies nearer than this
