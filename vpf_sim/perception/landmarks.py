@@ -29,7 +29,7 @@ class LandmarkConfig:
     min_height_m: float = 0.2
     max_height_m: float = 1.8
     near_m: float = 6.5  # range of depth in which points are judged
-    far_m: float = 30.0
+    far_m: float = 28.0
     hits_s: float = 0.13  # a point is believed after so long,
     hits_share: float = 0.5  # if it stood above the road in this share of the frames since it first did
     steady_m: float = 0.1  # and its place in the world changed by no more than this, plus
@@ -43,7 +43,7 @@ class LandmarkConfig:
     edge_margin_m: float = 0.3  # inside the carriageway's edges
     edge_line_m: float = 0.4  # points whose foot lies so near the edge line inside,
     verge_m: float = 1.8  # and so near outside, are not trusted
-    foot_m: float = 45.0  # points whose ray meets the road farther away are not judged: the bends of lines slide there
+    foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there
     link_right_m: float = 1.0  # points nearer than this belong to one body
     link_forward_m: float = 2.0
     sharp_m: float = 0.3  # points with a smaller sigma of the depth count for the extent, or those near the best
@@ -86,6 +86,7 @@ class LandmarkTracker:
         self.config = config
         self.rate_hz = rate_hz
         self._rules = Rules(
+            rate_hz=rate_hz,
             hits=self._frames(config.hits_s),
             most_hits=2 * self._frames(config.single_hits_s),
             share=config.hits_share,
@@ -100,8 +101,9 @@ class LandmarkTracker:
         points = triangulate(
             flow, self.camera, self.config.window_px, flow.age_frames / self.rate_hz, self.config.noise
         )
-        seen = self._sightings(flow, points, self._above(flow, points, road))
-        self._marks.record(seen, flow.identity[self._on_road(points)], self._rules)
+        above = self._above(flow, points, road)
+        seen = self._sightings(flow, points, above)
+        self._marks.record(seen, flow.identity[self._on_road(points)], self._rules, time_s)
         self._forget(flow)
         return self._bodies(flow.pose, speed_mps)
 
@@ -140,7 +142,7 @@ class LandmarkTracker:
         return confirmed
 
     def _is_clear_of_lines(self, points_px: Floats, road: RoadEdges) -> Bools:
-        """(N,) pixels whose place on the flat road is near enough, and not on the painted edge or the verge beside it.
+        """(N,) pixels whose place on the flat road is not on the painted edge or the verge beside it.
 
         Lucas-Kanade slides along these lines in the very direction of the epipolar line, so no residual tells.
         """
@@ -148,7 +150,7 @@ class LandmarkTracker:
         left, right = carriageway_offsets(place[:, 0], road)
         aside = np.maximum(left - place[:, 1], place[:, 1] - right)  # how far outside the carriageway
         clear: Bools = ~((aside > -self.config.edge_line_m) & (aside < self.config.verge_m))
-        return clear & (place[:, 0] < self.config.foot_m)
+        return clear
 
     def _on_road(self, points: Triangulation) -> Bools:
         """(N,) points that lie on the road beyond doubt: the only evidence that clears a landmark."""
@@ -160,9 +162,10 @@ class LandmarkTracker:
     def _sightings(self, flow: Flow, points: Triangulation, above: Bools) -> Sightings:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
-        return Sightings(
-            flow.identity[above], place, points.sigma_m[above], points.depth_m[above], points.height_m[above]
-        )
+        below = (flow.points_px[above, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
+        founding = below * self.config.foot_m > self.camera.height_m
+        sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
+        return Sightings(flow.identity[above], place, sigma, depth, height, founding)
 
     def _forget(self, flow: Flow) -> None:
         marks = self._marks
@@ -192,8 +195,11 @@ class LandmarkTracker:
             & (sigma < config.single_depth_ratio * marks.depth_m[believed])
             & (marks.height_m[believed] < config.single_height_m)
             & (marks.depth_m[believed] < config.single_far_m)
+            & marks.founding[believed]
         )
-        confirmed = (np.bincount(label, minlength=count) >= 2) | (np.bincount(label, single, count) > 0)
+        support = np.bincount(label, minlength=count)
+        founders = np.bincount(label, marks.founding[believed], count)
+        confirmed = (founders >= 2) | ((founders >= 1) & (support >= 3)) | (np.bincount(label, single, count) > 0)
         return self._describe(believed, label, confirmed, place, sigma, speed_mps)
 
     def _describe(
@@ -222,8 +228,8 @@ class LandmarkTracker:
         closing = max(speed_mps, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             ttc = np.where((face > 0.0) & (closing > 0.0), face / closing, np.inf)
-        columns = (face, left, right, face_sigma, ttc)
-        return Obstacles(*(column[confirmed] for column in columns), body[confirmed])
+        c = confirmed
+        return Obstacles(face[c], left[c], right[c], face_sigma[c], ttc[c], body[c])
 
 
 def _none() -> Obstacles:

@@ -19,12 +19,14 @@ class Sightings:
     sigma_m: Floats  # (M,) of the depth
     depth_m: Floats  # (M,) from the camera
     height_m: Floats  # (M,) above the road
+    founding: Bools  # (M,) may found a body, not only support one
 
 
 @dataclass(frozen=True, slots=True)
 class Rules:
     """When a point is believed: after so many hits, in so large a share of the frames, without moving in the world."""
 
+    rate_hz: float
     hits: int
     most_hits: int  # more are not counted, so that the road's evidence can still clear the point
     share: float
@@ -38,11 +40,12 @@ class Marks:
 
     identity: Integers  # (M,)
     hits: Integers  # (M,) frames in which it stood above the road, less twice those in which it lay on it
-    frames: Integers  # (M,) frames since the count began
+    since_s: Floats  # (M,) when the count began
     place_m: Floats  # (M, 2) in the world at the last hit
     sigma_m: Floats  # (M,)
     depth_m: Floats  # (M,)
     height_m: Floats  # (M,)
+    founding: Bools  # (M,)
     steady_m: Floats  # (M, 2) the place that later hits must confirm
     steady_sigma_m: Floats  # (M,)
     believed: Bools  # (M,)
@@ -50,19 +53,21 @@ class Marks:
 
     @classmethod
     def none(cls) -> "Marks":
-        return cls.of(Sightings(np.empty(0, np.int64), np.empty((0, 2)), *(np.empty(0) for _ in range(3))))
+        number, truth = np.empty(0), np.empty(0, np.bool_)
+        return cls.of(Sightings(np.empty(0, np.int64), np.empty((0, 2)), number, number, number, truth), 0.0)
 
     @classmethod
-    def of(cls, seen: Sightings) -> "Marks":
+    def of(cls, seen: Sightings, time_s: float) -> "Marks":
         count = len(seen.identity)
         return cls(
             identity=seen.identity,
             hits=np.ones(count, np.int64),
-            frames=np.zeros(count, np.int64),
+            since_s=np.full(count, time_s),
             place_m=seen.place_m,
             sigma_m=seen.sigma_m,
             depth_m=seen.depth_m,
             height_m=seen.height_m,
+            founding=seen.founding,
             steady_m=seen.place_m,
             steady_sigma_m=seen.sigma_m,
             believed=np.zeros(count, np.bool_),
@@ -76,22 +81,22 @@ class Marks:
         for column in fields(self):
             setattr(self, column.name, getattr(self, column.name)[chosen])
 
-    def record(self, seen: Sightings, on_road: Integers, rules: Rules) -> None:
+    def record(self, seen: Sightings, on_road: Integers, rules: Rules, time_s: float) -> None:
         """Count one frame: `seen` stood above the road, the tracks `on_road` lay on it."""
-        self.frames = self.frames + 1
         row, column = self._matches(seen.identity)
         moved = np.hypot(*(seen.place_m[column] - self.steady_m[row]).T)
         still = moved < rules.steady_m + rules.steady_ratio * seen.depth_m[column]
         self._confirm(row[still], seen, column[still])
         # What moves in the world is no landmark: one not believed yet starts again, one believed keeps its place.
         again = ~still & ~self.believed[row]
-        self._restart(row[again], seen, column[again])
+        self._restart(row[again], seen, column[again], time_s)
         cleared, _ = self._matches(on_road)
         self.hits[cleared] -= 2
         self.hits = np.minimum(self.hits, rules.most_hits)
-        enough = (self.hits >= rules.hits) & (self.hits >= np.minimum(rules.share * self.frames, rules.most_hits))
+        expected = rules.share * rules.rate_hz * (time_s - self.since_s)
+        enough = (self.hits >= rules.hits) & (self.hits >= np.minimum(expected, rules.most_hits))
         self.believed = (self.believed | enough) & (self.hits > 0)
-        self._append(seen)
+        self._append(seen, time_s)
 
     def _matches(self, identity: Integers) -> tuple[Integers, Integers]:
         """Rows of the table and of `identity` that are the same track."""
@@ -105,17 +110,18 @@ class Marks:
         self.steady_m[row[sharper]] = seen.place_m[column[sharper]]
         self.steady_sigma_m[row[sharper]] = seen.sigma_m[column[sharper]]
 
-    def _restart(self, row: Integers, seen: Sightings, column: Integers) -> None:
-        self.hits[row], self.frames[row] = 1, 0
+    def _restart(self, row: Integers, seen: Sightings, column: Integers, time_s: float) -> None:
+        self.hits[row], self.since_s[row] = 1, time_s
         self._place(row, seen, column)
         self.steady_m[row], self.steady_sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
 
     def _place(self, row: Integers, seen: Sightings, column: Integers) -> None:
         self.place_m[row], self.sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
         self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
+        self.founding[row] = seen.founding[column]
 
-    def _append(self, seen: Sightings) -> None:
+    def _append(self, seen: Sightings, time_s: float) -> None:
         new = ~np.isin(seen.identity, self.identity, assume_unique=True)
-        fresh = Marks.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)))
+        fresh = Marks.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)), time_s)
         for column in fields(self):
             setattr(self, column.name, np.concatenate([getattr(self, column.name), getattr(fresh, column.name)]))
