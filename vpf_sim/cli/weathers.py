@@ -1,6 +1,5 @@
 """`vpf-sim weathers`: the weathers that there are, one of them, or a check of a file."""
 
-from dataclasses import asdict
 from typing import Annotated
 
 import typer
@@ -26,7 +25,7 @@ def show(name: str) -> None:
     """The factors of a weather, as JSON."""
     from vpf_sim.envs.camera import weather
 
-    print_json(asdict(weather.load(name)))
+    print_json(weather.load(name).model_dump(mode="json"))
 
 
 @app.command()

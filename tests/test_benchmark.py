@@ -1,0 +1,73 @@
+"""The paper's table: the grid, the paper's cells, and the text."""
+
+from typing import Any
+
+import pytest
+
+from vpf_sim.cli.results import exit_code, print_benchmark, print_rows
+from vpf_sim.evaluation import benchmark
+from vpf_sim.evaluation.benchmark import with_paper
+
+
+def row(scenario: str, driver: str, successes: int, **changes: Any) -> dict[str, Any]:
+    accuracy = {
+        protocol: {
+            "throttle": {"range": 0.812, "span": 0.5, "tolerance": 0.25, "mae": 0.376},
+            "steering": {"range": 0.975, "span": None, "tolerance": 1.0, "mae": 0.05},
+            "clear_of_obstacles": {"throttle": {"range": 0.9}, "steering": {"range": 0.95}},
+            "passing": {"throttle": None, "steering": None},
+        }
+        for protocol in ("shadow", "paired")
+    }
+    scores = {"path_mse_m2": 0.1234, "accuracy": accuracy}
+    nothing = {"path_mse_m2": None, "accuracy": None}
+    return {
+        "scenario": scenario, "weather": "clear", "driver": driver, "episodes": 5, "successes": successes,
+        "statuses": {"success": successes, "collision": 5 - successes}, "least_clearance_m": 0.61,
+        **(scores if successes else nothing),
+        "driving_score_2_1": 0.9, "unsuccessful": scores if successes < 5 else nothing,
+        **changes,
+    }
+
+
+def test_the_benchmark_drives_the_papers_cells_with_its_drivers() -> None:
+    plan = benchmark.plan("1000:1002", [])
+    assert {job[:3] for job in plan.jobs()} == {
+        (scenario, "clear", driver)
+        for scenario in ("town04-clean", "town04")
+        for driver in ("vpf", "vpf-paper", "vpf-literal", "pid")
+    }
+    assert {job.seed for job in plan.jobs()} == {1000, 1001}
+    assert benchmark.plan(None, ["pid"]).driver == ("pid",)
+
+
+def test_the_papers_numbers_are_beside_ours(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = [row("town04", "pid", 0), row("town04", "vpf", 4), row("town04-clean", "vpf", 5)]
+    print_benchmark(with_paper({"rows": rows})["rows"], "1000:1005")
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["town04-clean", "the", "paper", "0.42", "82.34", "72.14"] in lines
+    assert ["town04", "the", "paper", "0.74", "78.51", "71.67"] in lines
+    ours = "town04 vpf 4/5 0.123 81.2 / 50.0 / 25.0 97.5 / - / 100.0 0.61"
+    assert ours.split() in lines
+    beaten = "town04 pid 0/5 (0.123) (81.2 / 50.0 / 25.0) (97.5 / - / 100.0) 0.61"
+    assert beaten.split() in lines
+    protocols = "town04 vpf 81.2 / 97.5 90.0 / 95.0 - / - 81.2 / 97.5 90.0 / 95.0 - / -"
+    assert protocols.split() in lines
+    names = [line[0] for line in lines if line and line[0].startswith("town04")]
+    assert names[:2] == ["town04-clean"] * 2, "first without obstacles, as in the paper"
+
+
+def test_a_sweeps_table_marks_what_no_success_stands_behind(capsys: pytest.CaptureFixture[str]) -> None:
+    print_rows([row("town04", "pid", 0), row("town04", "vpf", 5)])
+    out = capsys.readouterr().out
+    assert "(0.123)" in out
+    assert "(81.2)" in out
+    assert " 0.123 " in out
+
+
+@pytest.mark.parametrize(
+    ("statuses", "code"),
+    [({"success": 5}, 0), ({"collision": 5}, 0), ({"success": 4, "error": 1}, 1), ({"invalid_frame": 5}, 1)],
+)
+def test_a_crash_is_a_result_and_an_error_is_not(statuses: dict[str, int], code: int) -> None:
+    assert exit_code({"rows": [row("town04", "pid", 5), row("town04", "vpf", 5, statuses=statuses)]}) == code

@@ -1,0 +1,180 @@
+"""The command line: exit codes, one clear line for what is wrong, and JSON that is nothing else."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from short_scenario import SHORT, write_short
+
+from vpf_sim import cli
+
+
+def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "vpf_sim.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env={**os.environ, **environment})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["drvie"], "No such command 'drvie'. Did you mean 'drive', 'drivers'?"),
+        (["drive"], "Missing argument 'SCENARIO'."),
+        (["drive", "town04", "--sed", "3"], "No such option: --sed (Possible options: --seed)"),
+        (["drive", "town05"], "unknown scenario 'town05': did you mean 'town04'?"),
+        (["drive", "twon04-clean"], "unknown scenario 'twon04-clean': did you mean 'town04-clean'?"),
+        (["drive", "town04", "--weather", "claer"], "unknown weather 'claer': did you mean 'clear'?"),
+        (["drive", "town04", "--driver", "vfp"], "unknown driver 'vfp': did you mean 'vpf'?"),
+        (["drive", "town04", "--driver", "nowhere:Mine"], "driver 'nowhere:Mine': cannot import 'nowhere'"),
+        (["drive", "town04", "--seed", "-3"], "Invalid value for '--seed'"),
+        (["drive", "missing.toml"], "missing.toml: expected a readable scenario file"),
+        (["sweep", "--seeds", "5:2"], "--seeds: expected A:B with A below B, got '5:2', which holds no seed"),
+        (["sweep", "--seeds", "5"], "--seeds: expected A:B with whole numbers, such as 1000:1030, got '5'"),
+        (["sweep", "--scenario", "twon04"], "unknown scenario 'twon04': did you mean 'town04'?"),
+        (["sweep", "--workers", "0"], "Invalid value for '--workers'"),
+        (["sweep", "--resume"], "--resume: expected the folder of the run in --out, got none"),
+        (["sweep", "missing.toml"], "missing.toml: expected a readable sweep file"),
+        (["benchmark", "--seeds", "a:b"], "--seeds: expected A:B with whole numbers"),
+        (["benchmark", "--driver", "pdi"], "unknown driver 'pdi': did you mean 'pid'?"),
+        (["profile", "town05"], "unknown scenario 'town05': did you mean 'town04'?"),
+        (["scenarios", "show", "slalon"], "unknown scenario 'slalon': did you mean 'slalom'?"),
+        (["drivers", "show", "pdi"], "unknown driver 'pdi': did you mean 'pid'?"),
+        (["weathers", "show", "claer"], "unknown weather 'claer': did you mean 'clear'?"),
+    ],
+)
+def test_wrong_use_is_one_clear_line(
+    arguments: list[str],
+    sentence: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code = cli.run(arguments)
+    said = capsys.readouterr()
+    assert code == 2
+    assert said.out == ""
+    assert said.err.startswith(f"vpf-sim: {sentence}")
+    assert said.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == [], "nothing is left behind"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "sentence"),
+    [
+        ("s_m = 11.0", "s_n = 11.0", "goal.s_n: unknown key, did you mean 's_m'?"),
+        ("segments", "lane_width_m = -3.5\nsegments", "road.lane_width_m: expected"),
+        ("[vary]", '[[bodies]]\nkind = "car"\ns_m = 8.0\nlane = 1\nlateral_m = 3.0\n[vary]', "obstacle off the road"),
+        ("[goal]", "[goal", "expected TOML"),
+    ],
+)
+def test_a_wrong_scenario_file_is_told_by_file_and_key(
+    before: str, after: str, sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(SHORT.replace(before, after))
+    for command in (["scenarios", "validate", str(path)], ["drive", str(path), "--driver", "pid"]):
+        assert cli.run(command) == 2
+        lines = capsys.readouterr().err.splitlines()
+        assert any(line.startswith(f"vpf-sim: {path}: ") and sentence in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ('scenaro = ["town04"]', "unknown key 'scenaro': did you mean 'scenario'?"),
+        ('scenario = "town04"', "scenario: expected a list, got 'town04'"),
+        ("scenario = [4]", "scenario: expected str, got 4"),
+        ('seeds = "9:9"', "seeds: expected A:B with A below B, got '9:9', which holds no seed"),
+        ("seeds = 5", "seeds: expected str, got 5"),
+        ("driver = []", "driver: expected at least one, got none"),
+        ("weather = [", "expected TOML"),
+    ],
+)
+def test_a_wrong_sweep_file_is_told_by_file_and_key(
+    text: str, sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "sweep.toml"
+    path.write_text(text)
+    assert cli.run(["sweep", str(path)]) == 2
+    said = capsys.readouterr().err
+    assert sentence in said
+    assert said.count("\n") == 1
+
+
+def test_a_run_folder_is_not_written_over(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("")
+    assert cli.run(["drive", "straight", "--driver", "pid", "--out", str(tmp_path)]) == 2
+    assert "expected an empty or new run folder" in capsys.readouterr().err
+
+
+def test_without_a_display_there_is_nothing_to_watch(tmp_path: Path) -> None:
+    done = vpf_sim("drive", "straight", "--watch", cwd=tmp_path, SDL_VIDEODRIVER="offscreen")
+    assert done.returncode == 2
+    assert "no display" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_drive_prints_one_json_object_and_its_exit_code_is_the_result(tmp_path: Path) -> None:
+    short = str(write_short(tmp_path))
+    good = vpf_sim("drive", short, "--driver", "pid", "--seed", "4", "--json", cwd=tmp_path)
+    assert good.returncode == 0
+    record = json.loads(good.stdout)
+    assert record["timing"].keys() == {"wall_s", "steps_per_s"}
+    (out,) = (tmp_path / "runs").iterdir()
+    stored = json.loads((out / "episodes.jsonl").read_text())
+    assert stored == {key: value for key, value in record.items() if key != "timing"}
+    assert stored["status"] == "success"
+
+
+DRIVER = """
+from vpf_sim.types import Command
+
+class Brake:
+    privileged = "none"
+    def reset(self, setup): pass
+    def act(self, observation): return Command(-1.0, 0.0)
+
+class Broken(Brake):
+    def act(self, observation): raise KeyError("lost")
+"""
+
+
+def test_a_users_own_driver_is_found_where_one_stands(tmp_path: Path) -> None:
+    short = str(write_short(tmp_path))
+    (tmp_path / "mine.py").write_text(DRIVER)
+    stuck = vpf_sim("drive", short, "--driver", "mine:Brake", "--json", cwd=tmp_path)
+    assert (stuck.returncode, json.loads(stuck.stdout)["status"]) == (1, "timeout")
+    broken = vpf_sim("drive", short, "--driver", "mine:Broken", "--json", cwd=tmp_path)
+    assert (broken.returncode, json.loads(broken.stdout)["status"]) == (1, "error")
+    assert "KeyError: 'lost'" in broken.stderr
+    assert "Traceback" not in broken.stderr
+
+
+def test_listings(capsys: pytest.CaptureFixture[str]) -> None:
+    for command, key, name in (
+        ("scenarios", "scenarios", "town04"),
+        ("drivers", "drivers", "vpf"),
+        ("weathers", "weathers", "clear"),
+    ):
+        assert cli.run([command, "list", "--json"]) == 0
+        assert name in [row["name"] for row in json.loads(capsys.readouterr().out)[key]]
+        assert cli.run([command, "list"]) == 0
+        assert name in capsys.readouterr().out
+        assert cli.run([command, "show", name]) == 0
+        json.loads(capsys.readouterr().out)
+    assert cli.run(["drivers", "validate", "pid"]) == 0
+
+
+HEAVY = "{'highway_env', 'cv2', 'scipy', 'pandas', 'pyarrow', 'pygame', 'av'}"
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["drive", "--help"], ["scenarios", "list"], ["drivers", "list"], ["weathers", "list"]]
+)
+def test_help_and_listings_load_nothing_heavy(arguments: list[str]) -> None:
+    code = f"import sys; from vpf_sim import cli; cli.run({arguments}); print('loaded', {HEAVY} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("loaded set()\n")

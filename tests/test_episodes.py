@@ -1,0 +1,84 @@
+"""Whole episodes of the drivers over the catalog, and the same bytes wherever they are driven."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from vpf_sim.evaluation import episode
+from vpf_sim.evaluation.json_lines import read_lines
+
+CLEAN = ("town04-clean", "straight", "curve-left", "curve-right", "heading-30")
+PAPER_MSE_M2 = {"town04-clean": 0.42, "town04": 0.74}
+
+
+def drive(scenario: str, driver: str, seed: int) -> dict[str, Any]:
+    return episode.run(scenario, "clear", driver, seed).record
+
+
+@pytest.mark.parametrize("scenario", ["town04-clean", "heading-30"])
+def test_the_pid_follows_its_route(scenario: str) -> None:
+    record = drive(scenario, "pid", seed=5)
+    assert record["status"] == "success"
+    assert record["path_mse_m2"] < 0.02, "the paper's baseline keeps within some centimetres (METHOD C5)"
+    assert record["accuracy"]["shadow"]["steering"]["mae"] == 0.0
+    assert record["accuracy"]["paired"]["steering"]["mae"] == pytest.approx(0.0, abs=1e-9)
+    assert record["comfort"]["comfortable"]
+
+
+def test_the_pid_is_blind_to_obstacles() -> None:
+    record = drive("town04", "pid", seed=5)
+    assert (record["status"], record["collided_with"], record["collisions"]) == ("collision", "car", 1)
+    assert record["min_clearance_m"] == 0.0
+    assert record["comfort"]["min_ttc_s"] < 0.2
+    assert record["driving_score_2_0"] == pytest.approx(0.60 * record["route_completion"])
+
+
+def test_the_neutral_driver_leaves_a_bend() -> None:
+    record = drive("curve-left", "neutral", seed=5)
+    assert record["status"] == "off_road"
+    assert record["route_completion"] < 0.6
+
+
+@pytest.mark.parametrize("scenario", ["town04", "town04-clean"])
+def test_the_field_reaches_the_goal(scenario: str) -> None:
+    record = drive(scenario, "vpf", seed=1003)
+    assert (record["status"], record["collisions"]) == ("success", 0)
+    assert record["path_mse_m2"] <= PAPER_MSE_M2[scenario]
+    assert record["perception"]["foe_share"] > 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1000, 1020))
+@pytest.mark.parametrize("scenario", ["town04", *CLEAN])
+def test_the_field_reaches_the_goal_on_every_seed(scenario: str, seed: int) -> None:
+    record = drive(scenario, "vpf", seed)
+    assert record["status"] == "success"
+    assert record["path_mse_m2"] <= PAPER_MSE_M2.get(scenario, 0.42)
+
+
+@pytest.mark.slow
+def test_focus_of_expansion_on_a_straight_road() -> None:
+    error = drive("straight", "vpf", seed=1000)["perception"]["foe_median_error_px"]
+    assert error["x"] <= 2.0
+    assert error["y"] <= 2.0
+
+
+@pytest.mark.slow
+def test_an_episode_has_the_same_hashes_alone_again_and_in_a_sweep(tmp_path: Path) -> None:
+    vpf_sim = [sys.executable, "-m", "vpf_sim.cli"]
+    alone = [*vpf_sim, "drive", "town04", "--driver", "vpf", "--seed", "1003", "--json"]
+    records = [
+        json.loads(subprocess.run([*alone, "--out", str(tmp_path / name)], capture_output=True, text=True).stdout)
+        for name in ("first", "second")
+    ]
+    grid = ["--scenario", "town04", "--driver", "vpf", "--seeds", "1002:1004", "--workers", "2"]
+    subprocess.run([*vpf_sim, "sweep", *grid, "--out", str(tmp_path / "sweep")], check=True, capture_output=True)
+    swept = {record["seed"]: record for record in read_lines(tmp_path / "sweep" / "episodes.jsonl")}
+    records.append(swept[1003])
+    for key in ("frames_sha256", "states_sha256"):
+        assert len({record[key] for record in records}) == 1
+    assert swept[1002]["states_sha256"] != swept[1003]["states_sha256"]

@@ -1,0 +1,39 @@
+"""The profile's keys, and the stopwatch; never a time."""
+
+import math
+
+from vpf_sim.evaluation import profile, stopwatch
+
+
+def test_a_profile_has_the_promised_keys_and_all_stages() -> None:
+    measured = profile.profile("town04-clean", "clear", steps=3)
+    assert measured.keys() == {"step_ms", "yardstick_ms", "step_ratio", "camera_ratio", "stages_ms"}
+    assert measured["stages_ms"].keys() == {*profile.STAGES, "hash"}
+    assert measured["step_ratio"] == measured["step_ms"] / measured["yardstick_ms"]
+    parts = sum(time for name, time in measured["stages_ms"].items() if "." not in name and name != "hash")
+    assert all(time > 0.0 for time in measured["stages_ms"].values())
+    assert parts > 0.0, "the stages were called"
+
+
+def test_a_stopwatch_puts_back_what_it_replaced() -> None:
+    before = math.hypot
+    watch = stopwatch.Stopwatch()
+    with watch.watching({"length": "math:hypot"}):
+        assert math.hypot is not before
+        assert math.hypot(3.0, 4.0) == 5.0
+        assert math.hypot(3.0, 4.0) == 5.0
+    assert math.hypot is before
+    watch.end_step()
+    assert watch.medians_ms().keys() == {"length"}
+
+
+def test_medians_are_over_the_steps_that_count() -> None:
+    watch = stopwatch.Stopwatch()
+    with watch.stage("a"):
+        pass
+    watch.skip_step()
+    with watch.stage("b"):
+        pass
+    watch.end_step()
+    watch.end_step()
+    assert watch.medians_ms().keys() == {"b"}

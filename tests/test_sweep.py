@@ -1,0 +1,132 @@
+"""Sweeps: the same records however many workers, and after whatever end."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from short_scenario import write_short
+
+from vpf_sim.evaluation.json_lines import read_lines
+from vpf_sim.evaluation.plan import Plan, make_plan
+from vpf_sim.evaluation.summary import mean, summarize
+
+DRIVERS = ("pid", "neutral")
+SEEDS = "0:3"
+
+
+def command(folder: Path, out: Path, *more: str) -> list[str]:
+    grid = ["--scenario", str(folder / "short.toml"), "--driver", "pid", "--driver", "neutral", "--seeds", SEEDS]
+    return [sys.executable, "-m", "vpf_sim.cli", "sweep", *grid, "--out", str(out), *more]
+
+
+def contents(out: Path) -> tuple[list[str], Any]:
+    """What must not depend on how it came about."""
+    return sorted((out / "episodes.jsonl").read_text().splitlines()), json.loads((out / "summary.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_short(tmp_path_factory.mktemp("sweep")).parent
+
+
+@pytest.fixture(scope="module")
+def undisturbed(folder: Path) -> Path:
+    """A sweep with one worker, to its end."""
+    subprocess.run(command(folder, folder / "serial", "--workers", "1"), check=True, capture_output=True)
+    return folder / "serial"
+
+
+def wait_for(out: Path, records: int) -> None:
+    """Until a running sweep has stored so many."""
+    give_up = time.monotonic() + 240.0
+    while len(read_lines(out / "episodes.jsonl")) < records:
+        assert time.monotonic() < give_up, "the sweep stores no records"
+        time.sleep(0.02)
+
+
+def test_a_run_folder_holds_what_was_asked_and_what_came(undisturbed: Path) -> None:
+    records = read_lines(undisturbed / "episodes.jsonl")
+    manifest = json.loads((undisturbed / "manifest.json").read_text())
+    assert len(records) == len({record["id"] for record in records}) == 6
+    assert {record["status"] for record in records} == {"success"}
+    assert manifest["plan"]["driver"] == list(DRIVERS)
+    assert manifest["plan"]["seeds"] == SEEDS
+    assert manifest["fingerprint"].keys() >= {"python", "numpy", "opencv", "opencv_cpu_features", "vpf_sim"}
+    timing = {row["id"]: row for row in read_lines(undisturbed / "timing.jsonl")}
+    assert timing.keys() == {record["id"] for record in records}
+    assert all(row.keys() >= {"wall_s", "steps_per_s", "host", "worker", "retries"} for row in timing.values())
+    assert {path.stem for path in (undisturbed / "steps").iterdir()} == timing.keys()
+
+
+def test_two_workers_make_the_same_records(folder: Path, undisturbed: Path) -> None:
+    out = folder / "parallel"
+    subprocess.run(command(folder, out, "--workers", "2"), check=True, capture_output=True)
+    assert contents(out) == contents(undisturbed)
+
+
+def test_a_killed_sweep_resumes_to_the_same_records(folder: Path, undisturbed: Path) -> None:
+    out = folder / "killed"
+    with subprocess.Popen(command(folder, out, "--workers", "2"), stderr=subprocess.DEVNULL) as parent:
+        wait_for(out, records=2)
+        parent.kill()
+    stored = read_lines(out / "episodes.jsonl")
+    assert 2 <= len(stored) < 6
+    with (out / "episodes.jsonl").open("a") as file:
+        file.write('{"accuracy": {"sha')  # the line that was being written
+    subprocess.run(command(folder, out, "--resume"), check=True, capture_output=True)
+    assert contents(out) == contents(undisturbed)
+
+
+def test_ctrl_c_stops_and_says_how_to_go_on(folder: Path, undisturbed: Path) -> None:
+    out = folder / "stopped"
+    with subprocess.Popen(command(folder, out, "--workers", "1"), stderr=subprocess.PIPE, text=True) as parent:
+        wait_for(out, records=1)
+        os.kill(parent.pid, signal.SIGINT)
+        _, said = parent.communicate()
+    assert parent.returncode == 130
+    assert f"go on with: vpf-sim sweep --out {out} --resume" in said
+    assert "Traceback" not in said
+    go_on = [sys.executable, "-m", "vpf_sim.cli", "sweep", "--out", str(out), "--resume", "--json"]
+    done = subprocess.run(go_on, check=True, capture_output=True, text=True)
+    assert contents(out) == contents(undisturbed)
+    assert json.loads(done.stdout)["rows"] == json.loads((out / "summary.json").read_text())["rows"]
+
+
+def test_a_plan_is_its_grid_seed_by_seed() -> None:
+    plan = Plan(("a", "b"), ("clear",), ("pid",), "4:6")
+    assert [(job.scenario, job.seed) for job in plan.jobs()] == [("a", 4), ("b", 4), ("a", 5), ("b", 5)]
+    assert len(Plan(("a", "a"), ("clear",), ("pid",), "4:6").jobs()) == 2
+
+
+def test_a_plan_of_a_table() -> None:
+    table = {"scenario": ["a"], "weather": ["clear"], "driver": ["pid"], "seeds": "0:1"}
+    assert make_plan(table, "sweep.toml") == Plan(("a",), ("clear",), ("pid",), "0:1")
+
+
+def record(seed: int, status: str, mse: float, throttle: float | None) -> dict[str, Any]:
+    accuracy = {"shadow": {"throttle": {"range": throttle}}}
+    rest = {"max_lane_offset_m": 0.0, "min_clearance_m": mse, "accuracy": accuracy, "perception": {}, "comfort": None}
+    scores = {"route_completion": 0.5, "driving_score_2_0": 0.5, "driving_score_2_1": 0.25, "path_mse_m2": mse}
+    return {"id": f"a.clear.pid.{seed}", "seed": seed, "status": status, **scores, **rest}
+
+
+def test_means_take_the_successful_episodes_and_all_planned_ones_count() -> None:
+    records = [record(0, "success", 1.0, 0.5), record(1, "collision", 9.0, 0.1), record(2, "success", 3.0, None)]
+    (row,) = summarize(Plan(("a",), ("clear",), ("pid",), "0:4").jobs(), records)["rows"]
+    assert (row["episodes"], row["successes"], row["statuses"]) == (4, 2, {"success": 2, "collision": 1})
+    assert row["path_mse_m2"] == 2.0
+    assert row["least_clearance_m"] == 1.0
+    assert row["accuracy"]["shadow"]["throttle"]["range"] == 0.5
+    assert row["unsuccessful"]["path_mse_m2"] == 9.0
+    assert row["driving_score_2_1"] == 0.25
+
+
+def test_a_mean_of_nothing_is_none() -> None:
+    assert mean([]) is None
+    assert mean([None, {"a": 1.0}, {"a": 2.0, "b": None}]) == {"a": 1.5, "b": None}
