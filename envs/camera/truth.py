@@ -65,14 +65,16 @@ def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn]) -> dict[st
     the gap does not close. instance: (H, W) int32, 0 ground and sky, -1 scenery, i + 1 the body i of
     `Renderer.bodies`. hidden: (H, W) bool, what the weather hides.
     """
-    depth, instance, owner = _rasterised(moment.now, drawn)
     result: dict[str, NDArray[np.generic]] = {}
+    if "foe" in names:
+        result["foe"] = focus_of_expansion(moment)
+    if not set(names) - {"foe"}:
+        return result
+    depth, instance, owner = _rasterised(moment.now, drawn)
     if "depth" in names:
         result["depth"] = depth.astype(np.float32)
     if "instance" in names:
         result["instance"] = instance
-    if "foe" in names:
-        result["foe"] = focus_of_expansion(moment)
     if "hidden" in names:
         result["hidden"] = np.zeros(depth.shape, bool)
     if "flow" in names or "ttc" in names:
