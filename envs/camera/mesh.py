@@ -25,6 +25,7 @@ class Mesh:
     colours: Floats  # (F, 3) RGB 0..255 in full light
     lit: Bools  # (F,) whether the sun shades it; lamps shine by themselves
     parts: NDArray[np.int64]  # (F,) which convex part it belongs to; the farthest part is drawn first
+    thickness_m: Floats  # (F,) extent across its longest side
 
     @property
     def height_m(self) -> float:
@@ -80,8 +81,7 @@ class MeshBuilder:
             np.array(self.normals),
             np.array(self.colours, float),
             np.array(self.lit),
-            np.array(self.parts),
-        )
+            np.array(self.parts), _thickness(np.array(self.faces)))
 
     def _add(self, points: Floats, normal: Floats, colour: Colour, lit: bool) -> None:
         index = np.minimum(np.arange(VERTICES), len(points) - 1)
@@ -90,6 +90,14 @@ class MeshBuilder:
         self.colours.append(colour)
         self.lit.append(lit)
         self.parts.append(self.part)
+
+
+def _thickness(faces: Floats) -> Floats:
+    """(F,) m, area of convex faces (F, V, 3) over their longest extent."""
+    spokes = faces - faces[:, :1]
+    area = 0.5 * np.linalg.norm(np.cross(spokes[:, 1:-1], spokes[:, 2:]), axis=2).sum(axis=1)
+    longest = np.linalg.norm(faces[:, :, None] - faces[:, None, :], axis=3).max(axis=(1, 2))
+    return np.asarray(area / longest)
 
 
 def box(builder: MeshBuilder, low: Point, high: Point, colour: Colour) -> dict[str, list[Point]]:

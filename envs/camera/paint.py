@@ -20,7 +20,7 @@ GRASS, GRAVEL, ASPHALT, LINE = 45, 98, 150, 222
 LINE_WIDTH_M = 0.15
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
-RAGGED_STEP_M = 0.7
+RAGGED_STEP_M, RAGGED_CHUNK = 0.7, 24
 CHUNK = 8  # stretches between samples in one polygon
 
 
@@ -49,15 +49,16 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     rng = stream(seed, "asphalt")
     marks = lines(shapes)
     outer = outer_edges(shapes)
-    surfaces = [
+    shoulders = [
         *(_ragged(edge, PAVED_SHOULDER_M + GRAVEL_SHOULDER_M, 0.28, GRAVEL, rng) for edge in outer),
         *(_ragged(edge, PAVED_SHOULDER_M, 0.05, ASPHALT - 4, rng) for edge in outer),
-        *((shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes),
     ]
+    surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
     solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
     striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line) for line in marks if line.striped)])
     repairs, values = wear(shapes, ASPHALT, rng)
     batches = [
+        _strips(shoulders, thin=False, chunk=RAGGED_CHUNK),
         _strips(surfaces, thin=False),
         _separate(repairs, values, thin=False),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
@@ -93,20 +94,19 @@ def _stripe_polygons(line: Line) -> Floats:
 
 
 def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: float = 260.0) -> Batch:
-    """Polygons that may overlap each other."""
-    return Batch(
-        polygons, values, np.arange(len(values)) if not thin else np.zeros(len(values), np.int64), thin, range_m
-    )
+    """Single polygons, sorted by value: those of one value are drawn together."""
+    order = np.argsort(values, kind="stable")
+    return Batch(polygons[order], values[order], values[order], thin, range_m)
 
 
-def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool) -> Batch:
-    """Strips between two edges, cut into polygons of CHUNK stretches."""
+def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, chunk: int = CHUNK) -> Batch:
+    """Strips between two edges, cut into polygons of `chunk` stretches."""
     polygons, values, owners = [], [], []
     for owner, (left, right, value) in enumerate(strips):
-        for start in range(0, len(left) - 1, CHUNK):
-            index = np.minimum(np.arange(start, start + CHUNK + 1), len(left) - 1)
+        for start in range(0, len(left) - 1, chunk):
+            index = np.minimum(np.arange(start, start + chunk + 1), len(left) - 1)
             polygons.append(np.concatenate([left[index], right[index[::-1]]]))
             values.append(value)
             owners.append(owner)
-    shape = (len(polygons), 2 * CHUNK + 2, 2)
+    shape = (len(polygons), 2 * chunk + 2, 2)
     return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin)

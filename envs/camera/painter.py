@@ -17,6 +17,9 @@ SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 SMALL_PX = 6000  # rectangles with less pixels are drawn four times as fine, the others twice
 
 
+VISIBLE_PX = 0.3  # faces thinner than this are not drawn
+
+
 @dataclass(frozen=True, slots=True)
 class Light:
     """Sun and sky on a surface: colour x (sky + sun x cosine)."""
@@ -45,7 +48,8 @@ def project_mesh(view: View, mesh: Mesh, pose: Floats, light: Light) -> Drawing:
     normals = mesh.normals @ axes.T
     offset = np.einsum("ij,ij->i", normals, faces[:, 0])
     inside = faces[..., 2] > NEAR_M
-    shown = np.flatnonzero((offset < -1e-6) & inside.any(axis=1))
+    visible = VISIBLE_PX * max(float(origin[2]) - 2.0, 0.0) / view.camera.fx_px  # m; what is thinner there is left out
+    shown = np.flatnonzero((offset < -1e-6) & inside.any(axis=1) & (mesh.thickness_m >= visible))
     if mesh.parts[-1] > 0:
         shown = shown[np.argsort(-_part_distances(mesh, faces)[mesh.parts[shown]], kind="stable")]
     shading = light.sky + light.direct * np.maximum(0.0, mesh.normals[shown] @ (light.sun @ turn))

@@ -64,6 +64,8 @@ class Surface:
 
     def _draw_batch(self, view: View, batch: Batch, centres: Floats, radii: Floats) -> None:
         seen = self._in_view(view, centres, radii, batch.range_m)
+        if not len(seen):
+            return
         points = _camera_axes(view, batch.polygons_m[seen])
         if batch.thin:
             _inset(points, self._camera.fx_px)

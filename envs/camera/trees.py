@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import ceil, floor, log2
 
 import cv2
 import numpy as np
@@ -64,12 +65,12 @@ def paint_tree(frame: Image, view: View, foot_camera: Floats, height_m: float, v
     foot = view.pixels(foot_camera)
     tall = view.camera.fy_px * height_m / float(foot_camera[2])
     pictures = tree_picture(variant)
-    level = int(np.clip(np.floor(np.log2(ROWS / tall)), 0, len(pictures) - 1))
+    level = min(max(floor(log2(ROWS / tall)), 0), len(pictures) - 1)
     scale = tall / (ROWS >> level)
-    left, top = foot[0] - 0.5 * COLUMNS / ROWS * tall, foot[1] - tall
-    x0, y0 = max(0, int(np.floor(left))), max(0, int(np.floor(top)))
-    x1 = min(frame.shape[1], int(np.ceil(left + COLUMNS / ROWS * tall)) + 1)
-    y1 = min(frame.shape[0], int(np.ceil(top + tall)) + 1)
+    left, top = float(foot[0]) - 0.5 * COLUMNS / ROWS * tall, float(foot[1]) - tall
+    x0, y0 = max(0, floor(left)), max(0, floor(top))
+    x1 = min(frame.shape[1], ceil(left + COLUMNS / ROWS * tall) + 1)
+    y1 = min(frame.shape[0], ceil(top + tall) + 1)
     if x0 >= x1 or y0 >= y1:
         return None
     place = np.array([[scale, 0.0, left + 0.5 * scale - x0], [0.0, scale, top + 0.5 * scale - y0]])

@@ -42,14 +42,11 @@ class View:
 
     def pixels(self, points: Floats) -> Pixels:
         """(..., 2) px of (..., 3) points in camera axes that lie in front."""
-        scale = 1.0 / points[..., 2]
-        return np.stack(
-            [
-                self.camera.cx_px + self.camera.fx_px * points[..., 0] * scale,
-                self.camera.cy_px + self.camera.fy_px * points[..., 1] * scale,
-            ],
-            axis=-1,
-        )
+        camera = self.camera
+        flat: Pixels = points[..., :2] / points[..., 2:]
+        flat *= (camera.fx_px, camera.fy_px)
+        flat += (camera.cx_px, camera.cy_px)
+        return flat
 
     def ground_homography(self) -> Floats:
         """(3, 3) matrix from pixels (x, y, 1) to homogeneous world points of the road; the last component is > 0 below
@@ -73,8 +70,9 @@ def clip_near(polygons: Floats, inside: Bools) -> Floats:
     """(n, 2 V, 3) those parts of (n, V, 3) polygons in camera axes that lie beyond the near plane (Sutherland and
     Hodgman 1974); vertices are repeated to fill up. `inside` is (n, V): which vertices lie beyond, at least one each.
     """
-    following = np.roll(polygons, -1, axis=1)
-    crossing = inside != np.roll(inside, -1, axis=1)
+    cyclic = [*range(1, inside.shape[1]), 0]
+    following = polygons[:, cyclic]
+    crossing = inside != inside[:, cyclic]
     depth, next_depth = polygons[..., 2], following[..., 2]
     share = (NEAR_M - depth) / np.where(crossing, next_depth - depth, 1.0)
     cut = polygons + share[..., None] * (following - polygons)
