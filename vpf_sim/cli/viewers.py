@@ -1,6 +1,6 @@
 """Those who look on while an episode is driven: a video file, a window."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
@@ -15,7 +15,7 @@ def attached(video: Path | None, watch: bool) -> Iterator[Watcher | None]:
     """The function to show each frame and plan to, or None where nobody looks on."""
     camera = Camera()
     with ExitStack() as stack:
-        sinks = []
+        sinks: list[Callable[[Image], None]] = []
         if watch:
             from vpf_sim.envs.window import Window, require_display
 

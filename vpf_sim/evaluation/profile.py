@@ -24,6 +24,7 @@ STAGES = {
     "render.things": "vpf_sim.envs.camera.renderer:Renderer._draw_things",
     "render.noise": "vpf_sim.envs.camera.sensor:Noise.add",
     "physics": "vpf_sim.envs.four_lane:FourLane.advance",
+    "grey": "vpf_sim.planning.planner:grey",
     "flow": "vpf_sim.perception.flow:FlowTracker.update",
     "foe": "vpf_sim.perception.expansion:estimate",
     "obstacle_map": "vpf_sim.perception.obstacles:detect",
