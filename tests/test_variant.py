@@ -28,7 +28,7 @@ def test_literal_is_printed_throughout_and_paper_repaired() -> None:
     assert (literal.total_field.rotation, paper.total_field.rotation) == ("printed", "repaired")
     assert (literal.reference.heading, paper.reference.heading) == ("printed", "repaired")
     assert paper.total_field.lambda_y == 1e-7
-    assert paper.obstacle_field.gamma == 1e7
+    assert paper.obstacle_field.gamma == 3e5
     # Table I of the paper.
     for line in (literal, paper):
         road = line.road_field
