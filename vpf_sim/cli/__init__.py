@@ -7,7 +7,7 @@ from typing import Any
 
 import typer
 
-from vpf_sim.cli import benchmark, drive, drivers, profile, scenarios, sweep, weathers
+from vpf_sim.cli import benchmark, drive, drivers, profile, replay, scenarios, sweep, weathers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import threads
 
@@ -25,6 +25,7 @@ app = typer.Typer(
 app.command("drive")(drive.drive)
 app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
+app.command("replay")(replay.replay)
 app.command("profile")(profile.profile)
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(weathers.app, name="weathers")

@@ -1,0 +1,59 @@
+"""What camera poses say: the way of the vehicle, and the focus of expansion that a camera with these poses must see.
+
+Camera axes are KITTI's and OpenCV's (x right, y down, z forward); ours are X forward, Y right. The flip is here alone.
+"""
+
+from itertools import pairwise
+
+import cv2
+import numpy as np
+
+from vpf_sim.types import Camera, Floats
+
+LEAST_MOTION_M = 0.05  # between two frames, below which the direction of motion is noise
+
+
+def planar(poses: Floats) -> Floats:
+    """(N, 3) x, y, yaw in our axes from (N, 3, 4) camera-to-world: X = z, Y = x, yaw from z to x."""
+    axis = poses[:, :, 2]  # the optical axis in the world
+    yaw = np.unwrap(np.arctan2(axis[:, 0], axis[:, 2]))
+    return np.stack([poses[:, 2, 3], poses[:, 0, 3], yaw], axis=1)
+
+
+def directions(poses: Floats) -> tuple[Floats, Floats]:
+    """(N - 1, 3) m each: the camera's motion from frame k to k + 1, in the axes half way between and in those of k + 1.
+
+    For a camera that turns steadily the first is its motion at either frame, in that frame's own axes.
+    """
+    half_way, at_end = [], []
+    for before, after in pairwise(poses):
+        moved = before[:, :3].T @ (after[:, 3] - before[:, 3])  # in the axes of k
+        turn = before[:, :3].T @ after[:, :3]  # takes axes of k + 1 to those of k
+        half, _ = cv2.Rodrigues(0.5 * cv2.Rodrigues(turn)[0])
+        half_way.append(half.T @ moved)
+        at_end.append(turn.T @ moved)
+    return np.array(half_way), np.array(at_end)
+
+
+def expansion(camera: Camera, directions_m: Floats) -> Floats:
+    """(N, 2) px, the image of each direction (N, 3) in camera axes; nan where the camera hardly moved or moved back."""
+    right, down, depth = directions_m.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x, y = camera.cx_px + camera.fx_px * right / depth, camera.cy_px + camera.fy_px * down / depth
+    moved = (np.linalg.norm(directions_m, axis=1) > LEAST_MOTION_M) & (depth > 0.0)
+    return np.where(moved[:, None], np.stack([x, y], axis=1), np.nan)
+
+
+def mounted_pitch(directions_m: Floats) -> float:
+    """rad, + down: how far below the direction of travel the camera looks on the whole drive; 0 if it never moves."""
+    total = directions_m[np.linalg.norm(directions_m, axis=1) > LEAST_MOTION_M].sum(axis=0)
+    return float(np.arctan2(-total[1], total[2])) if total[2] > 0.0 else 0.0
+
+
+def extended(poses: Floats, count: int) -> Floats:
+    """(count, 3, 4): as many poses as frames; the last motion goes on."""
+    result = list(poses)
+    while len(result) < count:
+        before, last = (np.vstack([pose, [0.0, 0.0, 0.0, 1.0]]) for pose in result[-2:])
+        result.append((last @ np.linalg.inv(before) @ last)[:3])
+    return np.array(result)
