@@ -1,6 +1,7 @@
 """The live window of render_mode "human"."""
 
 import os
+import sys
 from typing import Any
 
 from vpf_sim.errors import InputError
@@ -33,12 +34,20 @@ class Window:
 
 def require_display() -> None:
     """InputError where a window would show nobody anything. SDL falls back to such a window without a word."""
-    pygame = _pygame()
-    pygame.display.init()
-    driver = pygame.display.get_driver()
-    pygame.display.quit()
+    driver = os.environ.get("SDL_VIDEODRIVER") or _default_driver()
     if driver in UNSEEN_DRIVERS:
         raise InputError(f"no display: expected one that a window can be seen on, got SDL's driver '{driver}'")
+
+
+def _default_driver() -> str:
+    """SDL's choice. A Linux without a display is not asked: SDL's attempts would complain on stderr first."""
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return "offscreen"
+    pygame = _pygame()
+    pygame.display.init()
+    driver = str(pygame.display.get_driver())
+    pygame.display.quit()
+    return driver
 
 
 def _pygame() -> Any:

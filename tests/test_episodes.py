@@ -19,7 +19,7 @@ def drive(scenario: str, driver: str, seed: int) -> dict[str, Any]:
     return episode.run(scenario, "clear", driver, seed).record
 
 
-@pytest.mark.parametrize("scenario", ["town04-clean", "heading-30"])
+@pytest.mark.parametrize("scenario", ["town04-clean", pytest.param("heading-30", marks=pytest.mark.slow)])
 def test_the_pid_follows_its_route(scenario: str) -> None:
     record = drive(scenario, "pid", seed=5)
     assert record["status"] == "success"
@@ -43,11 +43,11 @@ def test_the_neutral_driver_leaves_a_bend() -> None:
     assert record["route_completion"] < 0.6
 
 
-@pytest.mark.parametrize("scenario", ["town04", "town04-clean"])
-def test_the_field_reaches_the_goal(scenario: str) -> None:
-    record = drive(scenario, "vpf", seed=1003)
+def test_the_field_passes_both_obstacles() -> None:
+    record = drive("town04", "vpf", seed=1003)
     assert (record["status"], record["collisions"]) == ("success", 0)
-    assert record["path_mse_m2"] <= PAPER_MSE_M2[scenario]
+    assert record["path_mse_m2"] <= PAPER_MSE_M2["town04"]
+    assert record["min_clearance_m"] > 0.0
     assert record["perception"]["foe_share"] > 0.5
 
 

@@ -72,5 +72,11 @@ def _refuse(message: str) -> int:
 def _limit_threads(arguments: Sequence[str]) -> None:
     """Start over with one thread for each numeric library: they read their limits once, when numpy is loaded."""
     if os.name == "posix" and not threads.are_limited():
-        command = [sys.executable, "-m", "vpf_sim.cli", *arguments]
+        command = [
+            sys.executable,
+            "-P",
+            "-m",
+            "vpf_sim.cli",
+            *arguments,
+        ]  # -P: the folder that one stands in comes last
         os.execve(sys.executable, command, {**os.environ, **threads.LIMITS})

@@ -16,8 +16,6 @@ from vpf_sim.types import Floats
 if TYPE_CHECKING:
     from vpf_sim.evaluation.episode import Outcome
 
-FAULTS = ("error", "invalid_frame")  # statuses that are no result of the driver's
-
 
 def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float, own_run: OwnRun | None) -> dict[str, Any]:
     """The record. `route` holds waypoints (M, 2) from the start to beyond the goal, at `route_length_m`."""
