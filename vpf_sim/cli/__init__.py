@@ -36,7 +36,7 @@ def main() -> None:
     """Entry point of the console script and of `python -m vpf_sim.cli`."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     arguments = sys.argv[1:]
-    if arguments and arguments[0] in SIMULATING:
+    if arguments and arguments[0] in SIMULATING and "--help" not in arguments:
         _limit_threads(arguments)
     sys.path.append(os.getcwd())  # where a user's own driver is
     sys.exit(run(arguments))
@@ -45,7 +45,7 @@ def main() -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code; faults of the user are one line each on stderr and 2."""
     try:
-        code = app(list(arguments), standalone_mode=False)
+        code = app(list(arguments), prog_name="vpf-sim", standalone_mode=False)
     except (InputError, OSError) as error:
         return _refuse(str(error))
     except (KeyboardInterrupt, typer.Abort):
