@@ -7,7 +7,7 @@ import typer
 from vpf_sim.cli.options import JsonOption, WeatherOption, print_json
 from vpf_sim.cli.tables import number, print_table
 
-ScenarioArgument = Annotated[str, typer.Argument(metavar="[SCENARIO]", help="Name or file of a scenario.")]
+ScenarioArgument = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name or file of a scenario.")]
 StepsOption = Annotated[int, typer.Option("--steps", min=2, help="Steps to time.")]
 
 
