@@ -14,7 +14,7 @@ from vpf_sim.types import Image
 ORIGINAL = "state"  # where an observation that is not a dictionary goes
 
 
-class CameraObservation(gym.Wrapper, RecordConstructorArgs):  # type: ignore[misc,type-arg]
+class CameraObservation(gym.Wrapper, RecordConstructorArgs):
     """Adds what a camera on the ego vehicle sees to the observation.
 
     The observation becomes a dictionary: `image` (H, W, 3) uint8 RGB beside the entries it had, or, where it was no

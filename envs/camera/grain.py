@@ -1,22 +1,23 @@
 """The grain of the road and the verge, at every distance.
 
-A row of pixels sees the road at one distance D, and each pixel covers D / f across and D^2 / (f h) along it. So the grain
-comes in levels of growing texel size. Each level covers a range of rows and fades into the next over an overlap (a hard
-switch would draw a line that stands still in the picture, and its crossings with markings look like obstacles). Within a
-level the rows are sampled several times as finely as the picture and averaged, which takes out what a row of pixels
-cannot show along the road and keeps what it can show across it.
+A row of pixels sees the road at one distance D, and each pixel covers D / f across and D^2 / (f h) along it. So the
+grain comes in levels of growing texel size. Each level covers a range of rows and fades into the next over an overlap
+(a hard switch would draw a line that stands still in the picture, and its crossings with markings look like obstacles).
+Within a level the rows are sampled several times as finely as the picture and averaged, which takes out what a row of
+pixels cannot show along the road and keeps what it can show across it.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from math import ceil, log, log2
 
 import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
-
 from vpf_sim.envs.camera.texture import TILE, grain_tile
 from vpf_sim.envs.camera.view import View
+
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -72,16 +73,19 @@ class Grain:
         self._bands = [band for level in range(len(LEVELS)) for band in self._level_bands(level, distance)]
         self._tiles = [grain_tile(f"level {i}", *SPECTRA[i]) for i in range(len(LEVELS))]
         self._offsets = stream(seed, "grain").uniform(0.0, TILE, (len(LEVELS), 2))
-        self._canvas = np.zeros((len(distance), camera.width_px), np.uint8)
+        self._size = (camera.width_px, len(distance))
+        self._canvas = np.zeros((len(distance), camera.width_px // 2), np.uint8)  # half as wide as the picture
+        self._picture = np.empty((len(distance), camera.width_px), np.uint8)
         self._set_gains(_even_gains(camera) if even else np.full(len(distance), LARGEST_GAIN))
 
     def _set_gains(self, gains: Floats) -> None:
         """Give each row of pixels its contrast."""
-        width = self._camera.width_px
+        width = self._camera.width_px // 2
         self._scaled = [np.repeat(np.rint(w * gains * 256).astype(np.uint8)[:, None], width, 1) for w in self._weights]
         middle = np.full((len(gains), width), 128, np.uint8)
         means = [cv2.multiply(middle, scaled, scale=1 / 256) for scaled in self._scaled]
-        self.mean: Image = np.sum(means, axis=0, dtype=np.uint8)  # (rows, W) what the grain adds on average
+        average = np.sum(means, axis=0, dtype=np.uint8)
+        self.mean: Image = np.repeat(average, 2, axis=1)  # (rows, W) what the grain adds on average
 
     def draw(self, view: View) -> Image:
         """(rows, W) the grain from the top of the ground down, about `mean`; valid until the next call."""
@@ -101,9 +105,8 @@ class Grain:
             )
             while len(fine) > band.last - band.first:
                 fine = cv2.addWeighted(fine[0::2], 0.5, fine[1::2], 0.5, 0.0)
-            wide = cv2.resize(fine, (self._camera.width_px, len(fine)), interpolation=cv2.INTER_LINEAR)
-            cv2.add(canvas[rows], cv2.multiply(wide, self._scaled[band.level][rows], scale=1 / 256), canvas[rows])
-        return canvas
+            cv2.add(canvas[rows], cv2.multiply(fine, self._scaled[band.level][rows], scale=1 / 256), canvas[rows])
+        return np.asarray(cv2.resize(canvas, self._size, dst=self._picture, interpolation=cv2.INTER_LINEAR), np.uint8)
 
     def _level_bands(self, index: int, distance: Floats) -> list[Band]:
         shown = np.flatnonzero(self._weights[index] > 1e-3)
@@ -113,7 +116,7 @@ class Grain:
         edges = [0, *(i for i in range(1, len(shown)) if capped[i] != capped[i - 1]), len(shown)]
         return [
             self._band(index, int(shown[first]), int(shown[last - 1]) + 1, capped[first])
-            for first, last in zip(edges[:-1], edges[1:], strict=True)
+            for first, last in pairwise(edges)
             if last > first
         ]
 

@@ -35,7 +35,7 @@ class LaneShape:
         across = self.right_m - self.left_m
         width = np.linalg.norm(across, axis=1)
         share = 0.5 + np.asarray(lateral_m) / width
-        return self.left_m + share[:, None] * across
+        return np.asarray(self.left_m + share[:, None] * across)
 
     @property
     def width_m(self) -> float:

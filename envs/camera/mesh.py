@@ -81,7 +81,9 @@ class MeshBuilder:
             np.array(self.normals),
             np.array(self.colours, float),
             np.array(self.lit),
-            np.array(self.parts), _thickness(np.array(self.faces)))
+            np.array(self.parts),
+            _thickness(np.array(self.faces)),
+        )
 
     def _add(self, points: Floats, normal: Floats, colour: Colour, lit: bool) -> None:
         index = np.minimum(np.arange(VERTICES), len(points) - 1)

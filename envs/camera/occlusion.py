@@ -32,4 +32,4 @@ def _in_front(corners: Floats, eye: Floats) -> Bools:
     beyond = (np.einsum("ned,jcd->nejc", normals, corners) >= offsets[..., None, None] - 1e-6).all(axis=3)
     other_in_front = (beyond & eye_outside[..., None]).any(axis=1)
     self_in_front = (beyond & ~eye_outside[..., None]).any(axis=1)
-    return self_in_front | other_in_front.T
+    return np.asarray(self_in_front | other_in_front.T)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
 from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
 from vpf_sim.envs.camera.wear import FLAKE_RANGE_M, flakes, wear
+
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
@@ -20,7 +20,8 @@ GRASS, GRAVEL, ASPHALT, LINE = 45, 98, 150, 222
 LINE_WIDTH_M = 0.15
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
-RAGGED_STEP_M, RAGGED_CHUNK = 0.7, 24
+RAGGED_STEP_M, RAGGED_CHUNK, RAGGED_RANGE_M = 0.7, 12, 40.0
+RANGE_M = 260.0
 CHUNK = 8  # stretches between samples in one polygon
 
 
@@ -32,11 +33,11 @@ class Batch:
     values: NDArray[np.int64]  # (n,) of the palette
     strips: NDArray[np.int64]  # (n,) which strip each belongs to
     thin: bool  # lines, whose width must be kept to a fraction of a pixel
-    range_m: float = 260.0  # what lies farther ahead is not drawn
+    range_m: float = RANGE_M  # what lies farther ahead is not drawn
 
     @property
     def centres_m(self) -> Floats:
-        return self.polygons_m.mean(axis=1)
+        return np.asarray(self.polygons_m.mean(axis=1))
 
     @property
     def radii_m(self) -> Floats:
@@ -49,6 +50,10 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     rng = stream(seed, "asphalt")
     marks = lines(shapes)
     outer = outer_edges(shapes)
+    far_shoulders = [
+        *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M + GRAVEL_SHOULDER_M), GRAVEL) for edge in outer),
+        *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer),
+    ]
     shoulders = [
         *(_ragged(edge, PAVED_SHOULDER_M + GRAVEL_SHOULDER_M, 0.28, GRAVEL, rng) for edge in outer),
         *(_ragged(edge, PAVED_SHOULDER_M, 0.05, ASPHALT - 4, rng) for edge in outer),
@@ -58,7 +63,8 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line) for line in marks if line.striped)])
     repairs, values = wear(shapes, ASPHALT, rng)
     batches = [
-        _strips(shoulders, thin=False, chunk=RAGGED_CHUNK),
+        _strips(far_shoulders, thin=False),
+        _strips(shoulders, thin=False, chunk=RAGGED_CHUNK, range_m=RAGGED_RANGE_M),
         _strips(surfaces, thin=False),
         _separate(repairs, values, thin=False),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
@@ -93,13 +99,15 @@ def _stripe_polygons(line: Line) -> Floats:
     return np.concatenate([left, right[:, ::-1]], axis=1)
 
 
-def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: float = 260.0) -> Batch:
+def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: float = RANGE_M) -> Batch:
     """Single polygons, sorted by value: those of one value are drawn together."""
     order = np.argsort(values, kind="stable")
     return Batch(polygons[order], values[order], values[order], thin, range_m)
 
 
-def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, chunk: int = CHUNK) -> Batch:
+def _strips(
+    strips: list[tuple[Floats, Floats, int]], thin: bool, chunk: int = CHUNK, range_m: float = RANGE_M
+) -> Batch:
     """Strips between two edges, cut into polygons of `chunk` stretches."""
     polygons, values, owners = [], [], []
     for owner, (left, right, value) in enumerate(strips):
@@ -109,4 +117,4 @@ def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, chunk: int = C
             values.append(value)
             owners.append(owner)
     shape = (len(polygons), 2 * chunk + 2, 2)
-    return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin)
+    return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin, range_m)

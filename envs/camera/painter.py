@@ -8,16 +8,16 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-
 from vpf_sim.envs.camera.mesh import Mesh
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
+
 from vpf_sim.types import Floats, Image
 
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 SMALL_PX = 6000  # rectangles with less pixels are drawn four times as fine, the others twice
 
 
-VISIBLE_PX = 0.3  # faces thinner than this are not drawn
+VISIBLE_PX = 0.4  # faces thinner than this are not drawn
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +36,10 @@ class Drawing:
     polygons_px: list[Floats]  # each (V, 2)
     colours: Floats  # (n, 3)
     planes: Floats  # (n, 3) inverse depth of face i at a pixel's ray (x, y, 1) is planes[i] . ray
+
+    def __getitem__(self, part: slice) -> "Drawing":
+        """Some of the faces."""
+        return Drawing(self.polygons_px[part], self.colours[part], self.planes[part])
 
 
 def project_mesh(view: View, mesh: Mesh, pose: Floats, light: Light) -> Drawing:

@@ -28,4 +28,5 @@ def ground_table() -> NDArray[np.uint8]:
     """(256, 1, 3) RGB of each palette value, for cv2.applyColorMap."""
     values = np.arange(256)
     channels = [np.interp(values, RAMP[:, 0], RAMP[:, i]) for i in (1, 2, 3)]
-    return np.rint(np.stack(channels, axis=1)[:, None, :]).astype(np.uint8)
+    table: NDArray[np.uint8] = np.rint(np.stack(channels, axis=1)[:, None, :]).astype(np.uint8)
+    return table

@@ -8,7 +8,6 @@ import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
 from numpy.typing import NDArray
-
 from vpf_sim.envs.camera.bodies import HEIGHTS_M, body_mesh
 from vpf_sim.envs.camera.ground import Ground
 from vpf_sim.envs.camera.layout import lane_shapes
@@ -20,10 +19,11 @@ from vpf_sim.envs.camera.scenery import Scenery
 from vpf_sim.envs.camera.sensor import Noise
 from vpf_sim.envs.camera.shadows import paint_shadow
 from vpf_sim.envs.camera.sky import Sky
-from vpf_sim.envs.camera.truth import STILL, Drawn, Moment, Motion, truth
 from vpf_sim.envs.camera.trees import paint_tree
+from vpf_sim.envs.camera.truth import STILL, Drawn, Moment, Motion, truth
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
+
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -105,26 +105,23 @@ class Renderer:
         faces, depths = self._scenery.draw(view)
         self._drawn = []
         drawn_faces = 0
-        for i in [*bodies, None]:
-            behind = -1.0 if i is None else self._nearest(view, i)
+        for body in [*bodies, None]:
+            behind = -1.0 if body is None else self._nearest(view, body)
             while trees and trees[0][0][2] > behind:
                 sprite = paint_tree(frame, view, *trees.pop(0))
                 if sprite is not None:
                     self._drawn.append(Drawn(sprite, -1, STILL))
             until = int(np.searchsorted(-depths, -behind))
-            if until > drawn_faces:
-                some = Drawing(
-                    faces.polygons_px[drawn_faces:until],
-                    faces.colours[drawn_faces:until],
-                    faces.planes[drawn_faces:until],
-                )
-                paint(frame, some)
-                self._drawn.append(Drawn(some, -1, STILL))
-                drawn_faces = until
-            if i is not None:
-                thing = self._body(i)
-                paint(frame, thing.drawing)
-                self._drawn.append(thing)
+            self._paint(frame, faces[drawn_faces:until], -1, STILL)
+            drawn_faces = until
+            if body is not None:
+                self._paint(frame, *self._body(body))
+
+    def _paint(self, frame: Image, drawing: Drawing, instance: int, motion: Motion) -> None:
+        """Draw faces and note them for the truth."""
+        if drawing.polygons_px:
+            paint(frame, drawing)
+            self._drawn.append(Drawn(drawing, instance, motion))
 
     def _bodies_in_view(self, view: View) -> list[int]:
         """Indices of the bodies that may be in the picture, the farthest first."""
@@ -151,14 +148,15 @@ class Renderer:
     def _size(self, index: int) -> tuple[float, float, float]:
         return _size(self.bodies[index])
 
-    def _body(self, index: int) -> Drawn:
+    def _body(self, index: int) -> tuple[Drawing, int, Motion]:
+        """A body's faces in the picture, its instance, and how it moved."""
         assert self._now is not None
         assert self._before is not None
         body = self.bodies[index]
         pose = self._now.poses[id(body)]
         earlier = self._before.poses.get(id(body), pose)
         motion = STILL if np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
-        return Drawn(project_mesh(self._now.view, self._mesh(body), pose, self._light), index + 1, motion)
+        return project_mesh(self._now.view, self._mesh(body), pose, self._light), index + 1, motion
 
     def _mesh(self, body: RoadObject) -> Mesh:
         """The body's mesh; the body is kept with it, so that its id stays its own."""

@@ -5,18 +5,18 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.spatial import cKDTree
-
 from vpf_sim.envs.camera.layout import LaneShape, outer_edges
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box
 from vpf_sim.envs.camera.painter import Drawing, Light
 from vpf_sim.envs.camera.view import NEAR_M, View
+
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
 POST_SPACING_M, POST_OFFSET_M = 25.0, 1.3
 RAIL_OFFSET_M, RAIL_SPAN_M = 1.7, 4.0
 TREE_SPACING_M = 13.0
-RANGE_M, TREE_RANGE_M = 110.0, 140.0
+RANGE_M, TREE_RANGE_M = 110.0, 120.0
 RANGE_PER_THICKNESS = 800.0  # a face 10 cm thick is drawn up to 80 m, where it is 0.4 px
 STEEL: Colour = (158, 163, 168)
 WHITE: Colour = (232, 233, 230)
@@ -91,19 +91,19 @@ class Scenery:
         places = points + POST_OFFSET_M * outward
         free = self._clear(places, POST_OFFSET_M)
         turned = np.sign(np.sin(along - heading))
-        for i in range(0, len(points), every):
-            if free[i] and not railed[i]:
-                result.append((POST, np.array([*places[i], along[i] - turned[i] * np.pi / 2])))
+        facing = along - turned * np.pi / 2  # back along the lane
+        standing = np.flatnonzero(free & ~railed & (np.arange(len(points)) % every == 0))
+        result += [(POST, np.array([*places[i], facing[i]])) for i in standing]
         rail = points + RAIL_OFFSET_M * outward
         clear = self._clear(rail, RAIL_OFFSET_M)
-        for i in np.flatnonzero(railed[:-1] & railed[1:] & clear[:-1] & clear[1:]):
+        for i in np.flatnonzero(railed[:-1] & railed[1:] & clear[:-1] & clear[1:]).tolist():
             span = rail[i + 1] - rail[i]
             result.append((_rail(round(float(np.hypot(*span)), 2)), np.array([*rail[i], np.arctan2(span[1], span[0])])))
         for i in range(int(rng.integers(10, 40)), len(points), 45):
             place = points[i] + 2.6 * outward[i]
             if self._clear(place[None], 2.6)[0]:
                 sign = SIGNS[int(rng.integers(len(SIGNS)))]
-                result.append((sign, np.array([*place, along[i] - turned[i] * np.pi / 2])))
+                result.append((sign, np.array([*place, facing[i]])))
         return result
 
     def _plant(self, stations: list[tuple[Floats, Floats]], rng: np.random.Generator) -> Trees:
@@ -180,7 +180,14 @@ def _rail(length: float) -> Mesh:
     """One span of a guard rail along x: a folded band on a post; both sides."""
     b = MeshBuilder()
     box(b, (-0.06, -0.05, 0.0), (0.06, 0.05, 0.68), shade_of(STEEL, 0.7))
-    bands = ((0.45, 0.76, 0.85), (0.45, 0.52, 0.8), (0.52, 0.58, 1.12), (0.58, 0.63, 0.62), (0.63, 0.69, 1.12), (0.69, 0.76, 0.85))
+    bands = (
+        (0.45, 0.76, 0.85),
+        (0.45, 0.52, 0.8),
+        (0.52, 0.58, 1.12),
+        (0.58, 0.63, 0.62),
+        (0.63, 0.69, 1.12),
+        (0.69, 0.76, 0.85),
+    )
     for low, high, factor in bands:
         for y, ends in ((-0.1, (length, 0.0)), (0.1, (0.0, length))):
             near, far = ends

@@ -5,8 +5,8 @@ from functools import lru_cache
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-
 from vpf_sim.envs.camera.rig import Rig
+
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
@@ -38,7 +38,7 @@ class Noise:
 
 @lru_cache(maxsize=2)
 def _bank(height: int, width: int, sd: float) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """What is added and what is subtracted, three channels side by side; the same in every episode, for it costs 40 ms."""
+    """What is added and what is subtracted, three channels side by side; drawn once, for it costs 40 ms."""
     shape = (height + MARGIN_PX, 3 * (width + MARGIN_PX))
     levels = np.rint(np.float32(sd) * stream(0, "noise bank").standard_normal(shape, dtype=np.float32))
     return np.clip(levels, 0, 255).astype(np.uint8), np.clip(-levels, 0, 255).astype(np.uint8)

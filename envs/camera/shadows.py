@@ -2,9 +2,9 @@
 
 import cv2
 import numpy as np
-
 from vpf_sim.envs.camera.painter import SHIFT, Light, bounding_box, footprint
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
+
 from vpf_sim.types import Floats, Image
 
 RANGE_M = 90.0
@@ -30,7 +30,7 @@ def paint_shadow(frame: Image, view: View, pose: Floats, size: tuple[float, floa
     x0, y0, x1, y1 = box
     mask = np.full((2 * (y1 - y0), 2 * (x1 - x0)), 255, np.uint8)
     for polygon, value in shown:
-        fixed = np.rint(((polygon + (0.5 - x0, 0.5 - y0)) * 2.0 - 0.5) * 2**SHIFT).astype(np.int32)
+        fixed = np.rint(((polygon - np.array([x0, y0]) + 0.5) * 2.0 - 0.5) * 2**SHIFT).astype(np.int32)
         cv2.fillConvexPoly(mask, fixed, value, cv2.LINE_8, SHIFT)
     left = cv2.blur(cv2.resize(mask, (x1 - x0, y1 - y0), interpolation=cv2.INTER_AREA), (3, 3))
     region = frame[y0:y1, x0:x1]

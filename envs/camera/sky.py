@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-
 from vpf_sim.envs.camera.grain import ground_top
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.view import View
+
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -79,7 +79,7 @@ def _rays(camera: Camera, rows: int) -> Floats:
 def _gradient(slope: Floats) -> Floats:
     """(..., 3) colour of the clear sky at tangents of elevation."""
     share = np.clip(slope, 0.0, ZENITH_SLOPE)[..., None] / ZENITH_SLOPE
-    return HORIZON + (ZENITH - HORIZON) * share**0.7
+    return np.asarray(HORIZON + (ZENITH - HORIZON) * share**0.7)
 
 
 def _doubled(panorama: Floats) -> NDArray[np.uint8]:

@@ -1,7 +1,7 @@
 """The painted ground in the picture, one channel of palette values.
 
-Polygons are filled without anti-aliasing on canvases several times as fine as the picture and averaged down, which gives
-every edge its exact coverage: 2 x 2 near the car, 4 x 8 far away, where one row of pixels spans many metres.
+Polygons are filled without anti-aliasing on canvases several times as fine as the picture and averaged down, which
+gives every edge its exact coverage: 2 x 2 near the car, 4 x 8 far away, where one row of pixels spans many metres.
 """
 
 from dataclasses import dataclass
@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-
 from vpf_sim.envs.camera.grain import ground_top
 from vpf_sim.envs.camera.paint import GRASS, Batch
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
+
 from vpf_sim.types import Camera, Floats, Image
 
 FAR_ROWS = 32  # rows under the horizon that are drawn on the finer canvas
@@ -33,7 +33,7 @@ class Canvas:
         """Pixels of the picture in OpenCV's fixed-point coordinates of this canvas."""
         scale = np.array([self.fine_x, self.fine_y], float) * 2**SHIFT
         offset = np.array([0.5 * self.fine_x - 0.5, (0.5 - self.first) * self.fine_y - 0.5]) * 2**SHIFT
-        return np.rint(pixels * scale + offset).astype(np.int32)
+        return np.asarray(np.rint(pixels * scale + offset), np.int32)
 
 
 class Surface:
@@ -108,7 +108,7 @@ class Surface:
 def _camera_axes(view: View, polygons: Floats) -> Floats:
     """(n, V, 3) of (n, V, 2) points of the road."""
     flat: Floats = (polygons - view.centre[:2]) @ view.axes[:, :2].T
-    return flat - view.centre[2] * view.axes[:, 2]
+    return np.asarray(flat - view.centre[2] * view.axes[:, 2])
 
 
 def _inset(points: Floats, focal_px: float) -> None:
@@ -125,4 +125,4 @@ def _inset(points: Floats, focal_px: float) -> None:
 
 def _halved(picture: Image) -> Image:
     height, width = picture.shape
-    return cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA), np.uint8)

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, bounding_box
 from vpf_sim.envs.camera.trees import Sprite
 from vpf_sim.envs.camera.view import View
+
 from vpf_sim.types import Bools, Floats
 
 NAMES = ("depth", "flow", "foe", "ttc", "instance", "hidden")
+Singles = NDArray[np.float32]
 STANDING_M = 1e-6  # a camera that moved less stands
 
 
@@ -59,8 +60,8 @@ class Moment:
 def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn]) -> dict[str, NDArray[np.generic]]:
     """The arrays asked for.
 
-    depth: (H, W) float32 m along the optical axis, inf in the sky. flow: (H, W, 2) float32 px from k-1 to k, bodies' own
-    motion included; the sky's is that of the rotation. foe: (2,) float64 px, the image of the translation of the
+    depth: (H, W) float32 m along the optical axis, inf in the sky. flow: (H, W, 2) float32 px from k-1 to k, bodies'
+    own motion included; the sky's is that of the rotation. foe: (2,) float64 px, the image of the translation of the
     camera's centre, nan when it stands. ttc: (H, W) float32 s, depth / closing speed along the optical axis, inf where
     the gap does not close. instance: (H, W) int32, 0 ground and sky, -1 scenery, i + 1 the body i of
     `Renderer.bodies`. hidden: (H, W) bool, what the weather hides.
@@ -139,7 +140,7 @@ def covered_pixels(polygon: Floats, shape: tuple[int, ...]) -> Bools:
     return mask.astype(bool)
 
 
-def _motion(moment: Moment, drawn: list[Drawn], depth: Floats, owner: NDArray[np.int32]) -> tuple[Floats, Floats]:
+def _motion(moment: Moment, drawn: list[Drawn], depth: Floats, owner: NDArray[np.int32]) -> tuple[Singles, Singles]:
     """Flow and time to contact of every pixel."""
     rays = _rays(moment.now)
     far = np.isinf(depth)
