@@ -19,8 +19,8 @@ class ExpansionConfig:
     method: Literal["as_printed", "least_squares", "robust"] = "robust"
     tolerance_px: float = 0.25  # flow across the radial direction that an inlier may have, plus
     tolerance_ratio: float = 0.04  # this share of its length
-    min_flow_px: float = 0.3  # shorter motions do not vote
-    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.002, 0.03)  # usual unmeasured pitch, yaw and roll rate
+    min_flow_px: float = 1.5  # shorter motions do not vote: the far road creeps towards the pixel grid
+    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.001, 0.03)  # usual unmeasured pitch, yaw and roll rate
 
     def __post_init__(self) -> None:
         if self.method not in ("as_printed", "least_squares", "robust"):
