@@ -20,19 +20,18 @@ def planar(poses: Floats) -> Floats:
     return np.stack([poses[:, 2, 3], poses[:, 0, 3], yaw], axis=1)
 
 
-def directions(poses: Floats) -> tuple[Floats, Floats]:
-    """(N - 1, 3) m each: the camera's motion from frame k to k + 1, in the axes half way between and in those of k + 1.
+def directions(poses: Floats) -> Floats:
+    """(N - 1, 3) m, the camera's motion from frame k to k + 1, in the axes half way between.
 
-    For a camera that turns steadily the first is its motion at either frame, in that frame's own axes.
+    For a camera that turns steadily this is the direction in which it moves at either frame, in that frame's own axes.
     """
-    half_way, at_end = [], []
+    result = []
     for before, after in pairwise(poses):
         moved = before[:, :3].T @ (after[:, 3] - before[:, 3])  # in the axes of k
         turn = before[:, :3].T @ after[:, :3]  # takes axes of k + 1 to those of k
         half, _ = cv2.Rodrigues(0.5 * cv2.Rodrigues(turn)[0])
-        half_way.append(half.T @ moved)
-        at_end.append(turn.T @ moved)
-    return np.array(half_way), np.array(at_end)
+        result.append(half.T @ moved)
+    return np.array(result)
 
 
 def expansion(camera: Camera, directions_m: Floats) -> Floats:

@@ -30,12 +30,11 @@ def read(folder: Path | str) -> Recording:
     camera_to_world = _poses(folder / "poses.txt", len(files))
     times, derived = _times(folder / "times.txt", len(files))
     camera = _camera(folder / "calib.txt", row, _decode(files[0]))
-    half_way, at_end = camera_motion.directions(camera_to_world)
-    camera = _mounted(camera, half_way)
-    unknown = np.full((len(files) - len(half_way), 2), np.nan)
-    truth = [camera_motion.expansion(camera, moved) for moved in (half_way, at_end)]
+    directions = camera_motion.directions(camera_to_world)
+    camera = replace(camera, pitch_rad=camera_motion.mounted_pitch(directions))
     # Row k + 1: the motion from k to k + 1 is seen at k + 1. A last image without a pose has no truth.
-    foe, chord = (np.concatenate([unknown[:1], pixels, unknown[1:]]) for pixels in truth)
+    foe = np.full((len(files), 2), np.nan)
+    foe[1 : len(camera_to_world)] = camera_motion.expansion(camera, directions)
     poses = camera_motion.planar(camera_motion.extended(camera_to_world, len(files)))
     return Recording(
         name=folder.resolve().name,
@@ -45,7 +44,6 @@ def read(folder: Path | str) -> Recording:
         speed_mps=_speed(poses, times),
         yaw_rate_radps=np.gradient(poses[:, 2], times),
         foe_px=foe,
-        chord_foe_px=chord,
         derived=(*derived, "speed_mps", "yaw_rate_radps", "camera.pitch_rad", "camera.height_m"),
         frames=lambda: _frames(files, (camera.height_px, camera.width_px)),
     )
@@ -117,11 +115,6 @@ def _camera(file: Path, row: int, frame: Image) -> Camera:
     focal_x, focal_y, centre_x, centre_y = (float(matrix[i]) for i in ((0, 0), (1, 1), (0, 2), (1, 2)))
     height, width = frame.shape[:2]
     return Camera(width, height, focal_x, focal_y, centre_x, centre_y, height_m=HEIGHT_M, forward_m=0.0)
-
-
-def _mounted(camera: Camera, directions_m: Floats) -> Camera:
-    """The camera with the pitch at which it turns out to be mounted; the recorded pose is the camera's own."""
-    return replace(camera, pitch_rad=camera_motion.mounted_pitch(directions_m))
 
 
 def _poses(file: Path, images: int) -> Floats:

@@ -61,7 +61,7 @@ def run(recording: Recording, driver_name: str, out: Path, progress: Progress = 
             plan = _trace(driver)
             if plan is not None:
                 recorded_errors.add(plan.perception.expansion, recording.foe_px[k])
-            own_errors.add(own.update(grey(frame), _step_m(recording, k)), recording.chord_foe_px[k])
+            own_errors.add(own.update(grey(frame), _step_m(recording, k)), recording.foe_px[k])
             rows.writerow(_row(recording, k, command, plan))
             video.write(frame if plan is None else overlay.draw(frame, plan, camera))
             progress(k + 1, len(recording))

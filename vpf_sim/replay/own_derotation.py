@@ -1,20 +1,26 @@
-"""The focus of expansion when nothing about the camera's rotation is recorded: it is fitted from the flow itself."""
+"""The focus of expansion when nothing about the camera's rotation is recorded: it is found in the flow itself."""
 
 from dataclasses import replace
 
 import numpy as np
 
+from vpf_sim.geometry import rotation_flow
 from vpf_sim.perception import expansion
 from vpf_sim.perception.flow import FlowTracker
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Expansion, Image
+from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
+
+PASSES = 3
+PROBE_RAD = 1e-3  # a small turn, for the derivative of the flow by it
 
 
 class OwnDerotation:
     """Flow and focus of expansion of a variant, told of no turn at all.
 
-    The yaw rate then is as unknown as the pitch rate, and is given the same room.
+    A turn and a motion to the side look much the same in the flow, but a car hardly moves to its side. So the turn is
+    first taken to be the one that lets most of the flow leave the image of straight ahead; then the focus of expansion
+    is fitted with what is left of the turn, which has the same room as the pitch.
     """
 
     def __init__(self, camera: Camera, variant: Variant, rate_hz: float) -> None:
@@ -29,4 +35,36 @@ class OwnDerotation:
         """At a grey (H, W) frame, `moved_m` on from the last, as the odometer has it."""
         self._along_m += moved_m
         flow = self._tracker.update(grey, np.array([self._along_m, 0.0, 0.0]))
-        return expansion.estimate(flow, self._camera, self._config, self._random)
+        rate = yaw_rate(flow, self._camera) if len(flow) else 0.0
+        return expansion.estimate(_turning(flow, rate), self._camera, self._config, self._random)
+
+
+def yaw_rate(flow: Flow, camera: Camera) -> float:
+    """rad/s, + right: the turn of a camera that moves straight ahead, by the weighted median over the points.
+
+    Each point's flow across the direction away from straight ahead, by how much a turn would change it.
+    """
+    ahead = np.array([camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)])
+    away = flow.points_px - ahead
+    across = np.stack([away[:, 1], -away[:, 0]], axis=1) / (np.hypot(away[:, 0], away[:, 1])[:, None] + 1.0)
+    turned = np.sum(rotation_flow(camera, flow.points_px, PROBE_RAD * flow.gap_s) * across, axis=1) / PROBE_RAD
+    rate = 0.0
+    for _ in range(PASSES):
+        left = np.sum(expansion.derotate(_turning(flow, rate), camera) * across, axis=1)
+        rate += _weighted_median(left / np.where(turned == 0.0, 1.0, turned), np.abs(turned))
+    return rate
+
+
+def _turning(flow: Flow, rate_radps: float) -> Flow:
+    """The flow as seen by a vehicle that turned at this rate."""
+    past = flow.past_pose.copy()
+    past[:, 2] = flow.pose[2] - rate_radps * flow.gap_s
+    return replace(flow, past_pose=past)
+
+
+def _weighted_median(values: Floats, weights: Floats) -> float:
+    order = np.argsort(values)
+    total = np.cumsum(weights[order])
+    if total[-1] <= 0.0:
+        return 0.0
+    return float(values[order[np.searchsorted(total, 0.5 * total[-1])]])

@@ -19,7 +19,6 @@ class Recording:
     speed_mps: Floats  # (N,)
     yaw_rate_radps: Floats  # (N,) + turns right
     foe_px: Floats  # (N, 2) truth of the motion from the frame before, in the axes half way between; nan where unknown
-    chord_foe_px: Floats  # (N, 2) the same motion in the axes of the frame itself, rotation and all
     derived: tuple[str, ...]  # which of these were not recorded but computed, and from what
     frames: Callable[[], Iterator[Image]]  # (H, W, 3) RGB each, from the first
 

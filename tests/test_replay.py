@@ -1,0 +1,215 @@
+"""Recorded drives: a generated street whose motion is known, the shared recording, and drives that are broken."""
+
+import csv
+import json
+import os
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+import recorded_street as street
+
+from vpf_sim import cli
+from vpf_sim.errors import InputError
+from vpf_sim.replay import camera_motion, kitti, open_loop
+from vpf_sim.replay.recording import Recording
+from vpf_sim.types import Camera, Floats
+
+Break = Callable[[Path], object]
+
+SPEED_MPS, YAW_RATE = 8.0, 0.25
+FRAMES = 14
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A bend, by a camera that looks down a little and nods; one pose fewer than images."""
+    folder = tmp_path_factory.mktemp("drives") / "bend"
+    street.write(folder, street.poses(FRAMES - 1, SPEED_MPS, YAW_RATE, 0.03, 0.002), FRAMES)
+    return folder
+
+
+@pytest.fixture
+def copy(drive: Path, tmp_path: Path) -> Path:
+    """The drive, to be broken."""
+    folder = tmp_path / "drive"
+    (folder / "image_0").mkdir(parents=True)
+    for file in drive.rglob("*.*"):
+        (folder / file.relative_to(drive)).write_bytes(file.read_bytes())
+    return folder
+
+
+def test_the_recording_has_the_motion_that_was_driven(drive: Path) -> None:
+    recording = kitti.read(drive)
+    assert (recording.name, len(recording), recording.rate_hz) == ("bend", FRAMES, pytest.approx(10.0))
+    assert recording.speed_mps == pytest.approx(np.full(FRAMES, SPEED_MPS), rel=1e-3)
+    assert recording.yaw_rate_radps == pytest.approx(np.full(FRAMES, YAW_RATE), rel=1e-3)
+    turned = YAW_RATE * (FRAMES - 1) / 10.0  # along an arc to the right, in our axes
+    radius = SPEED_MPS / YAW_RATE
+    assert recording.poses[-1] == pytest.approx(
+        [radius * np.sin(turned), radius * (1.0 - np.cos(turned)), turned], abs=0.01
+    )
+    assert recording.camera.pitch_rad == pytest.approx(0.03, abs=1e-3)
+    assert recording.camera.fx_px == 300.0
+    assert sum(1 for _ in recording.frames()) == FRAMES
+
+
+def test_the_truth_is_the_direction_of_motion_at_the_frame(drive: Path) -> None:
+    recording = kitti.read(drive)
+    # Steady turning: at each frame the camera moves along its own vertical plane, up by the mounting pitch.
+    assert np.nanmax(np.abs(recording.foe_px[:, 0] - street.CENTRE[0])) < 0.1
+    assert np.nanmedian(recording.foe_px[:, 1]) == pytest.approx(street.CENTRE[1] - 300.0 * np.tan(0.03), abs=0.3)
+    assert np.isnan(recording.foe_px[[0, -1]]).all()  # nothing before the first, no pose at the last
+    assert np.isfinite(recording.foe_px[1:-1]).all()
+
+
+def test_a_drive_is_replayed_with_its_error_table_and_video(drive: Path, tmp_path: Path) -> None:
+    entry = open_loop.run(kitti.read(drive), "vpf", tmp_path)
+    assert entry["frames"] == FRAMES
+    assert entry["accuracy"] is None
+    assert "speed_mps" in entry["derived"]
+    for axis in ("x", "y"):
+        # Half the turn of an interval would be 3.7 px, a whole one 7.5 px.
+        assert entry["foe_median_error_px"][axis] < 2.5
+        assert entry["foe_median_error_own_derotation_px"][axis] < 5.0
+    with (tmp_path / "bend.csv").open() as table:
+        rows = list(csv.DictReader(table))
+    assert len(rows) == FRAMES
+    assert all(-1.0 <= float(row["steering"]) <= 1.0 for row in rows)
+    with av.open(str(tmp_path / "bend.mp4")) as video:
+        assert sum(1 for _ in video.decode(video=0)) == FRAMES
+
+
+def test_a_baseline_on_a_route_follows_the_way_that_was_driven(drive: Path, tmp_path: Path) -> None:
+    entry = open_loop.run(kitti.read(drive), "pid", tmp_path)
+    assert entry["foe_median_error_px"] is None  # it looks at nothing
+    with (tmp_path / "bend.csv").open() as table:
+        steering = [float(row["steering"]) for row in csv.DictReader(table)]
+    assert np.median(steering) > 0.0  # the bend goes right
+
+
+def test_the_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code = cli.run(["replay", str(drive), str(drive), "--driver", "neutral", "--out", str(tmp_path / "out"), "--json"])
+    assert code == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert [entry["name"] for entry in answer["drives"]] == ["bend", "bend-2"]
+    assert sorted(path.name for path in (tmp_path / "out").glob("*.mp4")) == ["bend-2.mp4", "bend.mp4"]
+
+
+def test_the_way_goes_on_where_the_last_pose_is_missing() -> None:
+    known = street.poses(5, SPEED_MPS, YAW_RATE, 0.0, 0.0)
+    longer = camera_motion.extended(known, 6)
+    assert longer[5] == pytest.approx(street.poses(6, SPEED_MPS, YAW_RATE, 0.0, 0.0)[5], abs=1e-9)
+
+
+def test_a_camera_that_stands_has_no_focus_of_expansion() -> None:
+    standing: Floats = np.array([[0.0, 0.0, 0.001], [0.0, 0.0, -1.0], [0.1, 0.0, 1.0]])
+    foe = camera_motion.expansion(Camera(), standing)
+    assert np.isnan(foe[:2]).all()
+    assert foe[2] == pytest.approx([319.5 + 32.0, 239.5])
+
+
+def _without(name: str) -> Break:
+    return lambda folder: (folder / name).unlink()
+
+
+def _empty_images(folder: Path) -> None:
+    for file in (folder / "image_0").iterdir():
+        file.unlink()
+
+
+def _write(name: str, text: str) -> Break:
+    return lambda folder: (folder / name).write_text(text)
+
+
+def _drop_poses(folder: Path) -> None:
+    rows = (folder / "poses.txt").read_text().splitlines()
+    (folder / "poses.txt").write_text("\n".join(rows[:-3]))
+
+
+def _short_row(folder: Path) -> None:
+    rows = (folder / "poses.txt").read_text().splitlines()
+    (folder / "poses.txt").write_text("\n".join([rows[0], "1 2 3", *rows[2:]]))
+
+
+def _nan_row(folder: Path) -> None:
+    rows = (folder / "poses.txt").read_text().splitlines()
+    (folder / "poses.txt").write_text("\n".join([*rows[:-1], "nan " * 12]))
+
+
+TIMES_BACK = "\n".join(str(0.1 * k if k != 7 else 0.3) for k in range(FRAMES))
+
+
+@pytest.mark.parametrize(
+    ("break_it", "sentence"),
+    [
+        (_empty_images, "expected .png or .jpg images in one of image/, image_0/"),
+        (_write("image_0/000005.png", "no image"), "000005.png: expected an image, got 8 bytes that do not decode"),
+        (_write("image_0/000000.png", ""), "000000.png: expected an image, got 0 bytes that do not decode"),
+        (_without("calib.txt"), "calib.txt: expected projections of 12 numbers, P0: first, found no file"),
+        (_write("calib.txt", "P0: 1 2 3"), "calib.txt: expected a row of 12 numbers (P0: of KITTI), found none"),
+        (_write("calib.txt", "P0: " + "0 " * 12), "calib.txt: expected focal lengths > 0, got 0 and 0"),
+        (_write("calib.txt", "P0: 1 x"), "calib.txt: line 1: expected numbers, got 'P0: 1 x'"),
+        (_without("poses.txt"), "poses.txt: expected a pose of 12 numbers for each image, found no file"),
+        (_drop_poses, "poses.txt: expected 14 rows for 14 images (or 13), got 10"),
+        (_short_row, "poses.txt: row 2: expected 12 numbers, got 3"),
+        (_nan_row, "poses.txt: line 13: expected finite numbers"),
+        (_write("times.txt", "0.0\n0.1"), "times.txt: expected 14 rows for 14 images, got 2"),
+        (_write("times.txt", TIMES_BACK), "times.txt: row 8: expected a time after 0.6 s, got 0.3 s"),
+    ],
+)
+def test_a_broken_drive_is_one_clear_line(
+    copy: Path,
+    break_it: Break,
+    sentence: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    break_it(copy)
+    code = cli.run(["replay", str(copy), "--driver", "neutral", "--out", str(tmp_path / "out")])
+    said = capsys.readouterr()
+    assert code == 2
+    assert said.out == ""
+    assert sentence in said.err
+    assert said.err.count("\n") == 1
+
+
+def test_no_folder_and_a_full_folder_are_refused(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(InputError, match="nowhere: expected the folder of a drive, found nothing"):
+        kitti.read(tmp_path / "nowhere")
+    (tmp_path / "note.txt").write_text("mine")
+    assert cli.run(["replay", str(drive), "--out", str(tmp_path)]) == 2
+    assert "expected an empty or new folder for --out" in capsys.readouterr().err
+
+
+@pytest.fixture
+def shared_drive() -> Recording:
+    if "VPF_SIM_SHARED" not in os.environ:
+        pytest.skip("VPF_SIM_SHARED is not set: it names the folder that has drives/")
+    return kitti.read(Path(os.environ["VPF_SIM_SHARED"]) / "drives" / "kitti_vo_seq1")
+
+
+def test_the_shared_drive_agrees_with_its_labels(shared_drive: Recording) -> None:
+    folder = Path(os.environ["VPF_SIM_SHARED"]) / "drives" / "kitti_vo_seq1"
+    labels = np.genfromtxt(folder / "labels.csv", delimiter=",", names=True)
+    poses = np.loadtxt(folder / "poses.txt").reshape(-1, 3, 4)
+    assert len(shared_drive) == len(poses) == 51
+    moved = np.array([a[:, :3].T @ (b[:, 3] - a[:, 3]) for a, b in pairwise(poses)])
+    label = np.stack([labels["foe_x_px"], labels["foe_y_px"]], axis=1)[: len(moved)]
+    assert np.abs(camera_motion.expansion(shared_drive.camera, moved) - label).max() < 1e-3
+    # Row k of the labels is in the axes of frame k; ours is seen at k + 1, in axes half a turn on.
+    half_turn_px = 707.0912 * 0.5 * np.diff(shared_drive.poses[:, 2])
+    assert np.abs(shared_drive.foe_px[1:, 0] - (label[:, 0] - half_turn_px)).max() < 0.2
+    assert shared_drive.speed_mps[:50] == pytest.approx(labels["speed_mps"], abs=0.15)
+
+
+def test_the_shared_drive_has_its_focus_of_expansion(shared_drive: Recording, tmp_path: Path) -> None:
+    entry = open_loop.run(shared_drive, "vpf", tmp_path)
+    assert entry["foe_median_error_px"]["x"] <= 3.0
+    assert entry["foe_median_error_px"]["y"] <= 3.5
+    assert entry["foe_median_error_own_derotation_px"]["x"] <= 4.0
