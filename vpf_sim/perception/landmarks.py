@@ -36,7 +36,8 @@ class LandmarkConfig:
     steady_ratio: float = 0.04  # this share of the depth
     single_hits_s: float = 0.2  # and one alone after so long,
     single_depth_ratio: float = 0.035  # at this accuracy
-    single_height_m: float = 1.1
+    single_min_height_m: float = 0.35  # and at this height: the ends of dashes seem to stand 0.3 m high at times
+    single_max_height_m: float = 1.1
     single_far_m: float = 20.0
     recent_px: float = 0.3  # largest error of the motion in the last window, plus
     recent_ratio: float = 0.05  # this share of its length
@@ -193,7 +194,8 @@ class LandmarkTracker:
         single = (
             (marks.hits[believed] >= self._frames(config.single_hits_s))
             & (sigma < config.single_depth_ratio * marks.depth_m[believed])
-            & (marks.height_m[believed] < config.single_height_m)
+            & (marks.height_m[believed] > config.single_min_height_m)
+            & (marks.height_m[believed] < config.single_max_height_m)
             & (marks.depth_m[believed] < config.single_far_m)
             & marks.founding[believed]
         )
