@@ -18,6 +18,8 @@ from vpf_sim.types import Camera, Floats, Image
 FAR_ROWS = 32  # rows under the horizon that are drawn on the finer canvas
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 
+Indices = NDArray[np.int64]
+
 
 @dataclass(frozen=True, slots=True)
 class Canvas:
@@ -36,13 +38,40 @@ class Canvas:
         return np.asarray(np.rint(pixels * scale + offset), np.int32)
 
 
+class Polygons:
+    """All polygons of a road in the order in which they are laid, their vertices in one array."""
+
+    def __init__(self, batches: list[Batch]) -> None:
+        self.points_m = np.concatenate([batch.polygons_m.reshape(-1, 2) for batch in batches])
+        self.across_m = np.concatenate([_across(batch).reshape(-1, 2) for batch in batches])
+        self.counts = np.concatenate([np.full(len(b.values), b.polygons_m.shape[1]) for b in batches])
+        self.starts = np.concatenate([[0], np.cumsum(self.counts)[:-1]])
+        self.values = np.concatenate([batch.values for batch in batches])
+        self.centres_m = np.concatenate([batch.centres_m for batch in batches])
+        self.radii_m = np.concatenate([batch.radii_m for batch in batches])
+        self.ranges_m = np.concatenate([np.full(len(batch.values), batch.range_m) for batch in batches])
+        strips = np.concatenate([batch.strips for batch in batches])
+        owner = np.repeat(np.arange(len(batches)), [len(batch.values) for batch in batches])
+        self.runs = np.cumsum(np.diff(strips, prepend=-1).astype(bool) | np.diff(owner, prepend=-1).astype(bool))
+
+    def in_view(self, view: View) -> Indices:
+        """Which of them may be in the picture."""
+        relative = self.centres_m - view.centre[:2]
+        c, s = np.cos(view.yaw_rad), np.sin(view.yaw_rad)
+        ahead = relative[:, 0] * c + relative[:, 1] * s
+        near = np.flatnonzero((ahead > -self.radii_m) & (ahead < self.ranges_m))
+        aside = relative[near, 1] * c - relative[near, 0] * s
+        slope = 0.55 * view.camera.width_px / view.camera.fx_px
+        seen = np.abs(aside) < slope * np.abs(ahead[near]) + (1.0 + slope) * self.radii_m[near]
+        return np.asarray(near[seen], np.int64)
+
+
 class Surface:
-    """Draws the batches of a road."""
+    """Draws what is painted on the ground."""
 
     def __init__(self, camera: Camera, batches: list[Batch]) -> None:
         self._camera = camera
-        self._batches = batches
-        self._bounds = [(batch.centres_m, batch.radii_m) for batch in batches]
+        self._polygons = Polygons(batches)
         top = ground_top(camera)
         far = min(FAR_ROWS, camera.height_px - top)
         near = camera.height_px - top - far
@@ -55,72 +84,94 @@ class Surface:
         """(rows, W) palette values from the top of the ground down; valid until the next call."""
         self._far.pixels[:] = GRASS
         self._near.pixels[:] = GRASS
-        for batch, (centres, radii) in zip(self._batches, self._bounds, strict=True):
-            self._draw_batch(view, batch, centres, radii)
+        seen = self._polygons.in_view(view)
+        if len(seen):
+            self._fill(seen, self._projected(view, seen))
         far = _halved(_halved(self._far.pixels))
         cv2.addWeighted(far[0::2], 0.5, far[1::2], 0.5, 0.0, self._picture[: self._far.rows])
         self._picture[self._far.rows :] = _halved(self._near.pixels)
         return self._picture
 
-    def _draw_batch(self, view: View, batch: Batch, centres: Floats, radii: Floats) -> None:
-        seen = self._in_view(view, centres, radii, batch.range_m)
-        if not len(seen):
-            return
-        points = _camera_axes(view, batch.polygons_m[seen])
-        if batch.thin:
-            _inset(points, self._camera.fx_px)
-        inside = points[..., 2] > NEAR_M
-        whole, part = inside.all(axis=1), inside.any(axis=1)
-        part &= ~whole
-        self._fill(view.pixels(points[whole]), batch.strips[seen][whole], batch.values[seen][whole])
-        if part.any():
-            clipped = view.pixels(clip_near(points[part], inside[part]))
-            self._fill(clipped, batch.strips[seen][part], batch.values[seen][part])
+    def _projected(self, view: View, seen: Indices) -> "Projected":
+        """The polygons `seen` in pixels, cut at the near plane."""
+        counts = self._polygons.counts[seen]
+        ends = np.cumsum(counts)
+        starts = ends - counts
+        points = self._camera_axes(view, np.repeat(self._polygons.starts[seen] - starts, counts) + np.arange(ends[-1]))
+        cut = np.flatnonzero(np.minimum.reduceat(points[:, 2], starts) <= NEAR_M)
+        points[:, 2] = np.maximum(points[:, 2], NEAR_M)  # those polygons come again below, as they are cut
+        pixels = view.pixels(points)
+        low, high = (extreme.reduceat(pixels[:, 1], starts) for extreme in (np.minimum, np.maximum))
+        clipped = np.empty((0, 1, 2))
+        if len(cut):
+            most = int(counts[cut].max())
+            steps = np.minimum(np.arange(most), counts[cut][:, None] - 1)
+            corners = self._camera_axes(view, (self._polygons.starts[seen[cut]][:, None] + steps).ravel())
+            corners = corners.reshape(len(cut), most, 3)
+            inside = corners[..., 2] > NEAR_M
+            behind = ~inside.any(axis=1)
+            corners[behind, :, 2], inside[behind] = 1.0, True
+            clipped = view.pixels(clip_near(corners, inside))
+            low[cut] = np.where(behind, np.inf, clipped[..., 1].min(axis=1))
+            high[cut] = np.where(behind, -np.inf, clipped[..., 1].max(axis=1))
+        place = np.full(len(seen), -1)
+        place[cut] = np.arange(len(cut))
+        return Projected(pixels, starts, ends, clipped, place, low, high)
 
-    def _in_view(self, view: View, centres: Floats, radii: Floats, range_m: float) -> NDArray[np.int64]:
-        relative = centres - view.centre[:2]
-        c, s = np.cos(view.yaw_rad), np.sin(view.yaw_rad)
-        ahead = relative[:, 0] * c + relative[:, 1] * s
-        aside = relative[:, 1] * c - relative[:, 0] * s
-        slope = 0.55 * self._camera.width_px / self._camera.fx_px
-        return np.flatnonzero(
-            (ahead > -radii) & (ahead < range_m) & (np.abs(aside) < slope * np.abs(ahead) + (1.0 + slope) * radii)
-        )
+    def _camera_axes(self, view: View, vertices: Indices) -> Floats:
+        """(P, 3) vertices in camera axes, lines narrowed by what OpenCV's filling adds: half a pixel of the canvas."""
+        ground = view.axes[:, :2]
+        points: Floats = (self._polygons.points_m[vertices] - view.centre[:2]) @ ground.T
+        points -= view.centre[2] * view.axes[:, 2]
+        across = self._polygons.across_m[vertices] @ ground[0]
+        depth = np.abs(points[:, 2])
+        border_m = self._camera.fy_px * self._camera.height_m / FAR_ROWS
+        inset = np.where(depth < border_m, 0.25, 0.125) * depth / self._camera.fx_px
+        points[:, 0] += np.copysign(np.minimum(inset, 0.45 * np.abs(across)), across)
+        return points
 
-    def _fill(self, pixels: Floats, strips: NDArray[np.int64], values: NDArray[np.int64]) -> None:
-        """Fill (n, V, 2) polygons, those of one strip in one call."""
-        if not len(pixels):
-            return
+    def _fill(self, seen: Indices, projected: "Projected") -> None:
+        """Fill the polygons, those of one run in one call."""
         border = self._near.first
         for canvas, shown in (
-            (self._far, pixels[..., 1].min(axis=1) < border),
-            (self._near, pixels[..., 1].max(axis=1) > border - 1.0),
+            (self._far, projected.low < border),
+            (self._near, projected.high > border - 1.0),
         ):
-            fixed = list(canvas.fixed(pixels[shown]))
-            owners = strips[shown]
-            ends = [*(np.flatnonzero(np.diff(owners)) + 1).tolist(), len(fixed)] if fixed else []
+            index = np.flatnonzero(shown)
+            fixed, cut = canvas.fixed(projected.pixels), canvas.fixed(projected.clipped)
+            polygons = [
+                cut[k] if k >= 0 else fixed[a:b]
+                for a, b, k in zip(
+                    projected.starts[index].tolist(),
+                    projected.ends[index].tolist(),
+                    projected.place[index].tolist(),
+                    strict=True,
+                )
+            ]
+            runs = self._polygons.runs[seen[index]]
+            last = [*(np.flatnonzero(np.diff(runs)) + 1).tolist(), len(index)]
             first = 0
-            for last, value in zip(ends, values[shown][np.array(ends, np.int64) - 1].tolist(), strict=True):
-                cv2.fillPoly(canvas.pixels, fixed[first:last], value, cv2.LINE_8, SHIFT)
-                first = last
+            for end, value in zip(last, self._polygons.values[seen[index[np.array(last) - 1]]].tolist(), strict=True):
+                cv2.fillPoly(canvas.pixels, polygons[first:end], value, cv2.LINE_8, SHIFT)
+                first = end
 
 
-def _camera_axes(view: View, polygons: Floats) -> Floats:
-    """(n, V, 3) of (n, V, 2) points of the road."""
-    flat: Floats = (polygons - view.centre[:2]) @ view.axes[:, :2].T
-    return np.asarray(flat - view.centre[2] * view.axes[:, 2])
+@dataclass(frozen=True, slots=True)
+class Projected:
+    """Polygons in pixels; those that reach behind the near plane once more, as it cuts them."""
+
+    pixels: Floats  # (P, 2) vertices of all
+    starts: Indices  # (n,) where the vertices of each begin
+    ends: Indices  # (n,)
+    clipped: Floats  # (m, V, 2)
+    place: Indices  # (n,) in `clipped`, or -1
+    low: Floats  # (n,) topmost row
+    high: Floats  # (n,) lowest row
 
 
-def _inset(points: Floats, focal_px: float) -> None:
-    """Narrow lines by what OpenCV's polygon filling adds, half a pixel of the canvas on each side."""
-    half = points.shape[1] // 2
-    left, right = points[:, :half], points[:, half:][:, ::-1]
-    across = right[..., 0] - left[..., 0]
-    depth = np.abs(left[..., 2])
-    amount = np.where(depth < 14.0, 0.25, 0.125) * depth / focal_px
-    step = np.sign(across) * np.minimum(amount, 0.45 * np.abs(across))
-    left[..., 0] += step
-    right[..., 0] -= step
+def _across(batch: Batch) -> Floats:
+    """(n, V, 2) m from each vertex of a line to the one beside it, 0 for other polygons."""
+    return batch.polygons_m[:, ::-1] - batch.polygons_m if batch.thin else np.zeros_like(batch.polygons_m)
 
 
 def _halved(picture: Image) -> Image:
