@@ -14,6 +14,7 @@ COLUMNS = 2560  # of the panorama, one turn
 HILL_TOP = 0.10  # tangent of the elevation that no hill reaches
 ZENITH_SLOPE = 1.2  # tangent of the elevation above which the sky keeps its colour
 CLOUD_COLUMNS = 1024
+COARSE = 4  # clouds are soft: they are drawn on every fourth pixel
 ZENITH, HORIZON = np.array([92.0, 136.0, 198.0]), np.array([206.0, 219.0, 231.0])
 HILLS = (  # (tangent of the height, share of haze, RGB near), from far to near
     (0.060, 0.72, (84, 100, 110)),
@@ -39,7 +40,7 @@ class Sky:
         self._column = (turn[self._band :] * per_rad).astype(np.float32)
         self._row = np.clip(rows * (1.0 - slope[self._band :] / tall), 0, rows).astype(np.float32)
         self._clouds = _clouds(rng, tall)
-        coarse = slice(None, None, 2)
+        coarse = slice(None, None, COARSE)
         self._cloud_column = (turn[coarse, coarse] * CLOUD_COLUMNS / (2.0 * np.pi)).astype(np.float32)
         cloud_rows = len(self._clouds) - 1
         self._cloud_row = np.clip(cloud_rows * (1.0 - slope[coarse, coarse] / ZENITH_SLOPE), 0, cloud_rows).astype(
@@ -57,7 +58,7 @@ class Sky:
             self._cloud_row,
             cv2.INTER_LINEAR,
         )
-        frame[: self._top] = cv2.resize(coarse, (self._camera.width_px, 2 * len(coarse)))[: self._top]
+        frame[: self._top] = cv2.resize(coarse, (self._camera.width_px, COARSE * len(coarse)))[: self._top]
         cv2.remap(
             self._hills,
             self._column + np.float32(yaw * COLUMNS + 0.5 * COLUMNS),
