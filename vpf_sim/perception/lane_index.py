@@ -12,7 +12,7 @@ import numpy as np
 from vpf_sim.perception.birds_eye import BirdsEye
 from vpf_sim.perception.line_search import RidgeMap, sight
 from vpf_sim.perception.road_model import lines
-from vpf_sim.types import Floats, Image
+from vpf_sim.types import Bools, Floats, Image
 
 SOLID, DASHED, NONE = 0, 1, 2
 # Share of the length on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
@@ -32,10 +32,11 @@ class LaneIndex:
     lanes: int
     lane_width_m: float
     log_odds: Floats  # (2 * lanes - 1,) n = -(lanes - 1) .. lanes - 1
+    agreement: float | None  # 0 .. 1, how much of the expected lines is seen, lately; None before the first judgement
 
     @classmethod
     def start(cls, lanes: int, lane_width_m: float) -> "LaneIndex":
-        return cls(lanes, lane_width_m, np.zeros(2 * lanes - 1))
+        return cls(lanes, lane_width_m, np.zeros(2 * lanes - 1), None)
 
     @property
     def shifts(self) -> Floats:
@@ -58,6 +59,7 @@ class LaneIndex:
             if 0 <= i + lanes < len(moved):
                 moved[i] = self.log_odds[i + lanes]
         self.log_odds = moved
+        self.agreement = None
 
     def judge(self, state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye) -> None:
         """Take in one frame."""
@@ -84,10 +86,20 @@ class LaneIndex:
         least: Floats = np.asarray(np.where(share < 0.1, HIDDEN, SURPRISE), np.float64)
         says = np.maximum(says - says.max(axis=1, keepdims=True), least[:, None])
         says = np.where((length >= LEAST_LENGTH_M)[:, None], says, 0.0)
+        self._compare(share, length >= LEAST_LENGTH_M)
         kinds = np.array(
             [[self._kind(j + int(n)) for j in range(-self.lanes, 2 * self.lanes + 1)] for n in self.shifts]
         )
         return np.asarray(says[np.arange(len(places)), kinds].sum(axis=1))
+
+    def _compare(self, share: Floats, known: Bools) -> None:
+        """Note how much of the lines of the tracked hypothesis is seen."""
+        inside = np.arange(self.lanes, 2 * self.lanes + 1)  # their places among all
+        expected = np.array([SHARES[self._kind(line), 0] for line in range(self.lanes + 1)])
+        seen = np.minimum(share[inside] / expected, 1.0)
+        if known[inside].any():
+            now = float(np.mean(seen[known[inside]]))
+            self.agreement = now if self.agreement is None else FORGET * self.agreement + (1.0 - FORGET) * now
 
     def _kind(self, line: int) -> int:
         if line in (0, self.lanes):

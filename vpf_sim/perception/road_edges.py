@@ -17,6 +17,7 @@ RIDGE_REACH_M = 0.25
 SEARCH_REACH_M = 0.5
 BODY_MARGIN_M = 0.3
 SWITCH_PROBABILITY = 0.97  # of another lane, before the tracked place moves there
+LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_LOOKS = 0.3, 0.04, 3
 
 
@@ -181,7 +182,10 @@ class RoadEdgeTracker:
         place = float(state[0])
         bend = curvature_ahead(state, 10.0)
         likely = self._index.probabilities(place)[config.lanes - 1]
-        certain = float(likely) * float(np.exp(-self._filter.sigma_m / 0.3))
+        lines_seen = float(
+            np.clip(((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT), 0.0, 1.0)
+        )
+        certain = float(likely) * lines_seen * float(np.exp(-self._filter.sigma_m / 0.3))
         return RoadEdges(
             left_m=-half - place,
             right_m=half - place,
