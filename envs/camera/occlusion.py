@@ -10,15 +10,28 @@ def far_to_near(corners: Floats, eye: Floats) -> list[int]:
 
     Of two footprints that do not overlap, an edge of one separates them; the one on the eye's side of it is in front.
     """
+    middles = corners.mean(axis=1)
+    distance = np.hypot(*(middles - eye).T)
+    left: list[int] = np.argsort(-distance, kind="stable").tolist()
+    if not _overlap(corners - eye, middles - eye):
+        return left
     in_front = _in_front(corners, eye)
-    distance = np.hypot(*np.moveaxis(corners.mean(axis=1) - eye, -1, 0))
-    left = sorted(range(len(corners)), key=lambda i: -float(distance[i]))
     order = []
     while left:
         free = next((i for i in left if not any(in_front[i, j] for j in left if j != i)), left[0])
         order.append(free)
         left.remove(free)
     return order
+
+
+def _overlap(corners: Floats, middles: Floats) -> bool:
+    """Whether any two footprints, relative to the eye, share a direction of sight."""
+    across = corners[..., 1] * middles[:, None, 0] - corners[..., 0] * middles[:, None, 1]
+    along = np.einsum("ncd,nd->nc", corners, middles)
+    half = np.arctan2(np.abs(across), along).max(axis=1)
+    bearing = np.arctan2(middles[:, 1], middles[:, 0])
+    apart = np.abs((bearing[:, None] - bearing + np.pi) % (2.0 * np.pi) - np.pi)
+    return int((apart < half[:, None] + half).sum()) > len(corners)
 
 
 def _in_front(corners: Floats, eye: Floats) -> Bools:

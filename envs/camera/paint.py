@@ -52,12 +52,11 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     outer = outer_edges(shapes)
     far_shoulders = [
         *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M + GRAVEL_SHOULDER_M), GRAVEL) for edge in outer),
-        *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer),
     ]
     shoulders = [
         *(_ragged(edge, PAVED_SHOULDER_M + GRAVEL_SHOULDER_M, 0.28, GRAVEL, rng) for edge in outer),
-        *(_ragged(edge, PAVED_SHOULDER_M, 0.05, ASPHALT - 4, rng) for edge in outer),
     ]
+    paved = [(edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer]
     surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
     solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
     striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line) for line in marks if line.striped)])
@@ -65,7 +64,7 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     batches = [
         _strips(far_shoulders, thin=False),
         _strips(shoulders, thin=False, chunk=RAGGED_CHUNK, range_m=RAGGED_RANGE_M),
-        _strips(surfaces, thin=False),
+        _strips(paved + surfaces, thin=False),
         _separate(repairs, values, thin=False),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, np.full(len(striped), LINE), thin=True),

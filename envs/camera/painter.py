@@ -17,7 +17,7 @@ SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 SMALL_PX = 6000  # rectangles with less pixels are drawn four times as fine, the others twice
 
 
-VISIBLE_PX = 0.4  # faces thinner than this are not drawn
+VISIBLE_PX = 0.6  # faces thinner than this are not drawn
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,12 +18,16 @@ def paint_shadow(frame: Image, view: View, pose: Floats, size: tuple[float, floa
         return
     foot = footprint(pose, size[0], size[1])
     fall = -light.sun[:2] / light.sun[2] * FULLNESS * size[2]
-    outline = cv2.convexHull(np.concatenate([foot, foot + fall]).astype(np.float32))[:, 0].astype(float)
-    polygons = [
-        (_on_road(view, outline), SUN_SHADOW),
-        (_on_road(view, footprint(pose, 0.97 * size[0], 0.9 * size[1])), CONTACT),
-    ]
-    shown = [(polygon, value) for polygon, value in polygons if polygon is not None]
+    under = footprint(pose, 0.97 * size[0], 0.9 * size[1])
+    outlines = [cv2.convexHull(np.concatenate([foot, foot + fall]).astype(np.float32))[:, 0].astype(float), under]
+    points = view.camera_axes(np.column_stack([np.concatenate(outlines), np.zeros(len(outlines[0]) + 4)]))
+    polygons = [points[:-4], points[-4:]]
+    if points[:, 2].min() <= NEAR_M:
+        inside = [polygon[:, 2] > NEAR_M for polygon in polygons]
+        if not (inside[0].any() and inside[1].any()):
+            return
+        polygons = [clip_near(polygon[None], flags[None])[0] for polygon, flags in zip(polygons, inside, strict=True)]
+    shown = list(zip([view.pixels(polygon) for polygon in polygons], (SUN_SHADOW, CONTACT), strict=True))
     box = bounding_box([polygon for polygon, _ in shown], frame.shape)
     if box is None:
         return
@@ -35,10 +39,3 @@ def paint_shadow(frame: Image, view: View, pose: Floats, size: tuple[float, floa
     left = cv2.blur(cv2.resize(mask, (x1 - x0, y1 - y0), interpolation=cv2.INTER_AREA), (3, 3))
     region = frame[y0:y1, x0:x1]
     cv2.multiply(region, cv2.merge([left, left, left]), region, scale=1 / 255)
-
-
-def _on_road(view: View, outline: Floats) -> Floats | None:
-    """The picture of a polygon on the road; None if it lies behind the camera."""
-    points = view.camera_axes(np.column_stack([outline, np.zeros(len(outline))]))[None]
-    inside = points[..., 2] > NEAR_M
-    return view.pixels(clip_near(points, inside))[0] if inside.any() else None

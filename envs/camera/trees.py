@@ -62,12 +62,13 @@ def tree_picture(variant: int) -> tuple[NDArray[np.uint8], ...]:
 
 def paint_tree(frame: Image, view: View, foot_camera: Floats, height_m: float, variant: int) -> Sprite | None:
     """Draw a tree of a height whose foot is at a point in camera axes; None if it is out of the picture."""
-    foot = view.pixels(foot_camera)
-    tall = view.camera.fy_px * height_m / float(foot_camera[2])
+    camera, (right, down, depth) = view.camera, foot_camera.tolist()
+    tall = camera.fy_px * height_m / depth
+    left = camera.cx_px + camera.fx_px * right / depth - 0.5 * COLUMNS / ROWS * tall
+    top = camera.cy_px + camera.fy_px * down / depth - tall
     pictures = tree_picture(variant)
     level = min(max(floor(log2(ROWS / tall)), 0), len(pictures) - 1)
     scale = tall / (ROWS >> level)
-    left, top = float(foot[0]) - 0.5 * COLUMNS / ROWS * tall, float(foot[1]) - tall
     x0, y0 = max(0, floor(left)), max(0, floor(top))
     x1 = min(frame.shape[1], ceil(left + COLUMNS / ROWS * tall) + 1)
     y1 = min(frame.shape[0], ceil(top + tall) + 1)
@@ -80,4 +81,4 @@ def paint_tree(frame: Image, view: View, foot_camera: Floats, height_m: float, v
     behind = cv2.bitwise_not(alpha)
     cv2.multiply(region, cv2.merge([behind, behind, behind]), region, scale=1 / 255)
     cv2.add(region, cv2.cvtColor(drawn, cv2.COLOR_RGBA2RGB), region)
-    return Sprite(x0, y0, alpha > 127, float(foot_camera[2]))
+    return Sprite(x0, y0, alpha > 127, depth)
