@@ -15,6 +15,7 @@ from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 
 RIDGE_REACH_M = 0.25
 SEARCH_REACH_M = 0.5
+AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
 SWITCH_PROBABILITY = 0.97  # of another lane, before the tracked place moves there
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
@@ -172,6 +173,7 @@ class RoadEdgeTracker:
             self._index.shift(lanes)
 
     def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
+        """The state as edges; its one curvature is the one that puts the road 10 m ahead where the state has it."""
         config = self.config
         half = 0.5 * config.lanes * config.lane_width_m
         if self._filter is None:
@@ -180,7 +182,7 @@ class RoadEdgeTracker:
             return RoadEdges(-half - place, half - place, 0.0, curvature, config.lane_width_m, 0.0)
         state = self._filter.state
         place = float(state[0])
-        bend = curvature_ahead(state, 10.0)
+        bend = curvature_ahead(state, AHEAD_M)
         likely = self._index.probabilities(place)[config.lanes - 1]
         lines_seen = float(
             np.clip(((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT), 0.0, 1.0)

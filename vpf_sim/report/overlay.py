@@ -18,7 +18,7 @@ TTC_STEPS_S = np.array([0.8, 1.2, 1.8, 2.5, 3.5, 5.0, 8.0, 1e6])
 TTC_RGB = np.array([(255, 40, 40), (255, 110, 40), (255, 220, 60), (70, 225, 120)], float)
 
 ROAD_AHEAD_M = np.linspace(2.0, 45.0, 60)  # along the road
-WAY_AHEAD_M = np.linspace(3.2, 24.0, 40)
+WAY_AHEAD_M = np.linspace(2.0, 24.0, 40)
 WAY_WIDTH_M = 1.9
 SHIFT_M = 16.0  # of road over which the way is drawn from the vehicle to where it is wanted
 BODY_HEIGHT_M = 1.4
