@@ -16,7 +16,7 @@ from vpf_sim import cli
 from vpf_sim.errors import InputError
 from vpf_sim.replay import camera_motion, kitti, open_loop
 from vpf_sim.replay.recording import Recording
-from vpf_sim.types import Camera, Floats
+from vpf_sim.types import Camera, Command, DriverSetup, Floats, Observation
 
 Break = Callable[[Path], object]
 
@@ -97,6 +97,32 @@ def test_the_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys:
     answer = json.loads(capsys.readouterr().out)
     assert [entry["name"] for entry in answer["drives"]] == ["bend", "bend-2"]
     assert sorted(path.name for path in (tmp_path / "out").glob("*.mp4")) == ["bend-2.mp4", "bend.mp4"]
+
+
+class Clumsy:
+    """A driver that gives up on its third frame."""
+
+    privileged = "none"
+
+    def reset(self, setup: DriverSetup) -> None:
+        self.frames = 0
+
+    def act(self, observation: Observation) -> Command:
+        self.frames += 1
+        if self.frames == 3:
+            raise RuntimeError("no idea")
+        return Command(0.0, 0.0)
+
+
+def test_a_driver_that_fails_is_an_error_of_the_drive(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    driver = f"{__name__}:Clumsy"
+    code = cli.run(["replay", str(drive), "--driver", driver, "--out", str(tmp_path / "out"), "--json"])
+    said = capsys.readouterr()
+    assert code == 1
+    assert json.loads(said.out) == {"drives": []}
+    assert said.err == "vpf-sim: bend: error: RuntimeError: no idea\n"
 
 
 def test_the_way_goes_on_where_the_last_pose_is_missing() -> None:

@@ -20,8 +20,9 @@ DrivesArgument = Annotated[list[Path], typer.Argument(metavar="DRIVE...", help="
 def replay(
     drive: DrivesArgument, driver: DriverOption = "vpf", out: OutOption = None, json: JsonOption = False
 ) -> None:
-    """Run a driver over recorded drives, open loop: what it sees against the truth, and what it would do."""
+    """Run a driver over recorded drives, open loop: what it sees against the truth; exit code 1 on its error."""
     from vpf_sim import drivers
+    from vpf_sim.errors import InputError
     from vpf_sim.evaluation import run_folder
     from vpf_sim.evaluation.threads import limit_opencv
     from vpf_sim.replay import kitti, open_loop
@@ -30,12 +31,20 @@ def replay(
     drivers.create(driver)
     recordings = _named_apart([kitti.read(folder) for folder in drive])
     folder = _new(out) if out else run_folder.new_path("replay")
-    answer = {"drives": [open_loop.run(recording, driver, folder, _tell(recording.name)) for recording in recordings]}
+    entries = []
+    for recording in recordings:
+        try:
+            entries.append(open_loop.run(recording, driver, folder, _tell(recording.name)))
+        except (InputError, OSError):
+            raise
+        except Exception as error:  # the driver's own; the other drives are still worth their time
+            print(f"vpf-sim: {recording.name}: error: {type(error).__name__}: {error}", file=sys.stderr)
     if json:
-        print_json(answer)
-        return
-    _print(answer["drives"])
-    print(f"\nvideos and commands: {folder}")
+        print_json({"drives": entries})
+    else:
+        _print(entries)
+        print(f"\nvideos and commands: {folder}")
+    raise typer.Exit(0 if len(entries) == len(recordings) else 1)
 
 
 def _named_apart(recordings: "list[Recording]") -> "list[Recording]":
