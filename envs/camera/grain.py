@@ -111,7 +111,7 @@ class Grain:
     def _level_bands(self, index: int, distance: Floats) -> list[Band]:
         shown = np.flatnonzero(self._weights[index] > 1e-3)
         along = np.abs(np.gradient(distance))  # m of road a row covers
-        wanted = [2 ** max(0, ceil(log2(along[row] / (2.8 * LEVELS[index].texel_m)))) for row in shown]
+        wanted = [2 ** max(0, ceil(log2(along[row] / (2.0 * LEVELS[index].texel_m)))) for row in shown]
         capped = [min(supersampling, 16) for supersampling in wanted]
         edges = [0, *(i for i in range(1, len(shown)) if capped[i] != capped[i - 1]), len(shown)]
         return [

@@ -33,7 +33,7 @@ class Light:
 class Drawing:
     """Faces of one thing in the picture, in painter's order."""
 
-    polygons_px: list[Floats]  # each (V, 2)
+    polygons_px: Floats  # (n, V, 2)
     colours: Floats  # (n, 3)
     planes: Floats  # (n, 3) inverse depth of face i at a pixel's ray (x, y, 1) is planes[i] . ray
 
@@ -60,7 +60,7 @@ def project_mesh(view: View, mesh: Mesh, pose: Floats, light: Light) -> Drawing:
     colours = np.minimum(mesh.colours[shown] * np.where(mesh.lit[shown], shading, 1.0)[:, None], 255.0)
     planes = normals[shown] / offset[shown, None]
     faces, inside = faces[shown], inside[shown]
-    return Drawing(list(view.pixels(faces if inside.all() else clip_near(faces, inside))), colours, planes)
+    return Drawing(view.pixels(faces if inside.all() else clip_near(faces, inside)), colours, planes)
 
 
 def paint(frame: Image, drawing: Drawing) -> None:
@@ -73,7 +73,7 @@ def paint(frame: Image, drawing: Drawing) -> None:
     fine = 4 if region.size < 3 * SMALL_PX else 2
     canvas = cv2.resize(region, ((x1 - x0) * fine, (y1 - y0) * fine), interpolation=cv2.INTER_NEAREST)
     scale, offset = fine * 2**SHIFT, np.array([0.5 - x0, 0.5 - y0]) - 0.5 / fine
-    fixed = np.rint((np.array(drawing.polygons_px) + offset) * scale).astype(np.int32)
+    fixed = np.rint((drawing.polygons_px + offset) * scale).astype(np.int32)
     for polygon, colour in zip(fixed, drawing.colours.tolist(), strict=True):
         cv2.fillConvexPoly(canvas, polygon, colour, cv2.LINE_8, SHIFT)
     while canvas.shape[0] > y1 - y0:
@@ -81,11 +81,9 @@ def paint(frame: Image, drawing: Drawing) -> None:
     region[:] = canvas
 
 
-def bounding_box(polygons: list[Floats], shape: tuple[int, ...]) -> tuple[int, int, int, int] | None:
-    """x0, y0, x1, y1 of the pixels that polygons may touch, within the picture; None if there are none."""
-    if not polygons:
-        return None
-    points = np.concatenate(polygons)
+def bounding_box(polygons: Floats, shape: tuple[int, ...]) -> tuple[int, int, int, int] | None:
+    """x0, y0, x1, y1 of the pixels that polygons (..., 2) may touch, within the picture; None if there are none."""
+    points = polygons.reshape(-1, 2)
     low, high = points.min(axis=0) - 1.0, points.max(axis=0) + 2.0
     x0, y0 = np.maximum(np.floor(low), 0.0)
     x1, y1 = np.minimum(np.ceil(high), [shape[1], shape[0]])

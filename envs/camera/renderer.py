@@ -119,7 +119,7 @@ class Renderer:
 
     def _paint(self, frame: Image, drawing: Drawing, instance: int, motion: Motion) -> None:
         """Draw faces and note them for the truth."""
-        if drawing.polygons_px:
+        if len(drawing.polygons_px):
             paint(frame, drawing)
             self._drawn.append(Drawn(drawing, instance, motion))
 

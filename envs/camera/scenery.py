@@ -64,7 +64,7 @@ class Scenery:
         depth = faces[kept, :, 2].mean(axis=1)
         kept, depth = kept[order := np.argsort(-depth, kind="stable")], depth[order]
         pixels = view.pixels(faces[kept])
-        return Drawing(list(pixels), self._colours[seen[kept]], normals[kept] / offset[kept, None]), depth
+        return Drawing(pixels, self._colours[seen[kept]], normals[kept] / offset[kept, None]), depth
 
     def trees_in_view(self, view: View) -> list[tuple[Floats, float, int]]:
         """(foot in camera axes, height, variant) of each tree in view, the farthest first."""

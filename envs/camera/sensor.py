@@ -10,7 +10,7 @@ from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
-MARGIN_PX = 256  # how far the bank is larger than the picture
+MARGIN_PX = 96  # how far the bank is larger than the picture
 
 
 class Noise:

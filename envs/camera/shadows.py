@@ -28,7 +28,7 @@ def paint_shadow(frame: Image, view: View, pose: Floats, size: tuple[float, floa
             return
         polygons = [clip_near(polygon[None], flags[None])[0] for polygon, flags in zip(polygons, inside, strict=True)]
     shown = list(zip([view.pixels(polygon) for polygon in polygons], (SUN_SHADOW, CONTACT), strict=True))
-    box = bounding_box([polygon for polygon, _ in shown], frame.shape)
+    box = bounding_box(np.concatenate([polygon for polygon, _ in shown]), frame.shape)
     if box is None:
         return
     x0, y0, x1, y1 = box

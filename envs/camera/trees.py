@@ -6,7 +6,6 @@ from math import ceil, floor, log2
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.view import View
 
@@ -32,13 +31,16 @@ class Sprite:
 
     x: int
     y: int
-    opaque: NDArray[np.bool_]  # (h, w)
+    through: Image  # (h, w, 3) what is seen through it, of 255
     depth_m: float
 
 
 @lru_cache(maxsize=VARIANTS)
-def tree_picture(variant: int) -> tuple[NDArray[np.uint8], ...]:
-    """Picture `variant` as RGBA with colours already multiplied by alpha, at growing reduction (a factor of 2 each)."""
+def tree_picture(variant: int) -> tuple[tuple[Image, Image], ...]:
+    """Picture `variant` at growing reduction, a factor of 2 each: colours times opacity, and what it lets through.
+
+    Both are (h, w, 3), so that two operations on whole pictures draw it.
+    """
     rng = stream(0, f"tree {variant}")
     blobs, trunk = SHAPES[variant % len(SHAPES)]
     y, x = np.mgrid[0:ROWS, 0:COLUMNS] / float(ROWS)
@@ -57,7 +59,10 @@ def tree_picture(variant: int) -> tuple[NDArray[np.uint8], ...]:
     while pictures[-1].shape[0] > 8:
         height, width = pictures[-1].shape[:2]
         pictures.append(cv2.resize(pictures[-1], (width // 2, height // 2), interpolation=cv2.INTER_AREA))
-    return tuple(pictures)
+    return tuple(
+        (np.ascontiguousarray(p[..., :3]), np.ascontiguousarray(np.repeat(255 - p[..., 3:], 3, axis=2)))
+        for p in pictures
+    )
 
 
 def paint_tree(frame: Image, view: View, foot_camera: Floats, height_m: float, variant: int) -> Sprite | None:
@@ -75,10 +80,9 @@ def paint_tree(frame: Image, view: View, foot_camera: Floats, height_m: float, v
     if x0 >= x1 or y0 >= y1:
         return None
     place = np.array([[scale, 0.0, left + 0.5 * scale - x0], [0.0, scale, top + 0.5 * scale - y0]])
-    drawn = cv2.warpAffine(pictures[level], place, (x1 - x0, y1 - y0), flags=cv2.INTER_LINEAR)
-    region = frame[y0:y1, x0:x1]
-    alpha = drawn[..., 3]
-    behind = cv2.bitwise_not(alpha)
-    cv2.multiply(region, cv2.merge([behind, behind, behind]), region, scale=1 / 255)
-    cv2.add(region, cv2.cvtColor(drawn, cv2.COLOR_RGBA2RGB), region)
-    return Sprite(x0, y0, alpha > 127, depth)
+    size, region = (x1 - x0, y1 - y0), frame[y0:y1, x0:x1]
+    colour, through = pictures[level]
+    behind = cv2.warpAffine(through, place, size, flags=cv2.INTER_LINEAR, borderValue=(255, 255, 255))
+    cv2.multiply(region, behind, region, scale=1 / 255)
+    cv2.add(region, cv2.warpAffine(colour, place, size, flags=cv2.INTER_LINEAR), region)
+    return Sprite(x0, y0, np.asarray(behind, np.uint8), depth)

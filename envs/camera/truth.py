@@ -122,11 +122,11 @@ def _covered(
 ) -> Iterator[tuple[tuple[NDArray[np.intp], ...], Floats]]:
     """The pixels of each face, as indices, and its plane: inverse depth at a pixel's ray is the dot product."""
     if isinstance(drawing, Sprite):
-        rows, columns = np.nonzero(drawing.opaque)
+        rows, columns = np.nonzero(drawing.through[..., 0] < 128)
         yield (rows + drawing.y, columns + drawing.x), np.array([0.0, 0.0, 1.0 / drawing.depth_m])
         return
     for polygon, plane in zip(drawing.polygons_px, drawing.planes, strict=True):
-        box = bounding_box([polygon], shape)
+        box = bounding_box(polygon, shape)
         if box is not None:
             x0, y0, x1, y1 = box
             rows, columns = np.nonzero(covered_pixels(polygon - (x0, y0), (y1 - y0, x1 - x0)))
