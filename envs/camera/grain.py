@@ -31,7 +31,7 @@ class Level:
 
 
 LEVELS = (Level(0.007, 3.6), Level(0.02, 8.0), Level(0.06, 22.0), Level(0.18, 90.0))
-SPECTRA = ((2.6, 0.3), (3.5, 0.45), (4.0, 0.55), (4.0, 0.6))  # shortest wavelength in texels, slope; finer is rougher
+SPECTRA = ((2.6, 0.3), (3.0, 0.2), (3.2, 0.25), (4.0, 0.5))  # shortest wavelength in texels, slope
 OVERLAP = 0.75  # a level begins to give way to the next at this part of its reach
 GRADIENT = 3.0  # rms difference between neighbouring pixels of a row, in steps of the palette
 LARGEST_GAIN = 0.5

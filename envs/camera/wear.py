@@ -30,7 +30,7 @@ def flakes(lines: list[Line], rng: np.random.Generator) -> Floats:
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
         middle = middle + rng.uniform(-0.08, 0.08, (len(s), 1)) * across
         corners = np.array([[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]]) * rng.uniform(0.5, 1.5, (len(s), 4, 1))
-        size = np.stack([rng.uniform(0.03, 0.16, len(s)), rng.uniform(0.01, 0.035, len(s))], axis=1)
+        size = np.stack([rng.uniform(0.02, 0.10, len(s)), rng.uniform(0.008, 0.022, len(s))], axis=1)
         place = corners * size[:, None]
         result.append(middle[:, None] + place[..., :1] * along[:, None] + place[..., 1:] * across[:, None])
     return np.concatenate(result)
