@@ -1,4 +1,4 @@
-"""The one-way flow of DESIGN: who may import whom, read from the sources without running them."""
+"""The one-way flow: who may import whom, read from the sources without running them."""
 
 import ast
 import subprocess
