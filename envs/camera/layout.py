@@ -5,7 +5,6 @@ lane is then a mix of its two edges. Lanes that begin or end where the network d
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from highway_env.road.lane import AbstractLane, LineType
@@ -14,8 +13,9 @@ from scipy.spatial import cKDTree
 
 from vpf_sim.types import Bools, Floats
 
-STEP_M = 1.0  # between samples of a bent lane; a chord of 1 m leaves an arc of 15 m radius by 8 mm
-STRAIGHT_STEP_M = 8.0
+SAGITTA_M = 0.006  # how far the chord between two samples of a bent lane may leave its arc
+SHORTEST_STEP_M, STRAIGHT_STEP_M = 0.5, 8.0
+PROBES = 64  # places along a lane where its heading is asked for
 RUN_ON_M = 300.0  # how far a lane is drawn beyond the network's ends
 SAME_LINE_M = 0.4  # two lines nearer than this are one
 STRIPE_M, PERIOD_M = 3.0, 9.0
@@ -171,10 +171,13 @@ def _sampled(lane: AbstractLane, before: bool, after: bool) -> LaneShape:
 
 
 def _stations(lane: AbstractLane, length: float) -> Floats:
-    """Stations along a lane, dense where it bends: the same heading at many places is taken for straight."""
-    headings = [lane.heading_at(float(x)) for x in np.linspace(0.0, length, 33)]
-    step = STRAIGHT_STEP_M if max(abs(b - a) for a, b in pairwise(headings)) < 1e-9 else STEP_M
-    return np.linspace(0.0, length, max(2, int(np.ceil(length / step)) + 1))
+    """Stations along a lane, as dense as its sharpest bend needs: a chord of length c leaves an arc of curvature k by
+    c^2 k / 8."""
+    spacing = length / PROBES
+    headings = np.unwrap([lane.heading_at(spacing * i) for i in range(PROBES + 1)])
+    sharpest = float(np.abs(np.diff(headings)).max()) / spacing
+    step = np.sqrt(8.0 * SAGITTA_M / max(sharpest, 1e-9))
+    return np.linspace(0.0, length, max(2, int(np.ceil(length / np.clip(step, SHORTEST_STEP_M, STRAIGHT_STEP_M))) + 1))
 
 
 def _direction(lane: AbstractLane, s: float) -> Floats:

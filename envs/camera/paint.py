@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
-from vpf_sim.envs.camera.wear import FLAKE_RANGE_M, flakes, wear
+from vpf_sim.envs.camera.wear import FLAKE_RANGE_M, REPAIR_RANGE_M, flakes, wear
 
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
@@ -65,7 +65,7 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
         _strips(far_shoulders, thin=False),
         _strips(shoulders, thin=False, chunk=RAGGED_CHUNK, range_m=RAGGED_RANGE_M),
         _strips(paved + surfaces, thin=False),
-        _separate(repairs, values, thin=False),
+        _separate(repairs, values, thin=False, range_m=REPAIR_RANGE_M),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, np.full(len(striped), LINE), thin=True),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),

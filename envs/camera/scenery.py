@@ -16,7 +16,7 @@ from vpf_sim.types import Floats
 POST_SPACING_M, POST_OFFSET_M = 25.0, 1.3
 RAIL_OFFSET_M, RAIL_SPAN_M = 1.7, 4.0
 TREE_SPACING_M = 18.0
-RANGE_M, TREE_RANGE_M = 110.0, 120.0
+RANGE_M, TREE_RANGE_M = 100.0, 95.0
 RANGE_PER_THICKNESS = 550.0  # a face 10 cm thick is drawn up to 55 m, where it is 0.6 px
 STEEL: Colour = (158, 163, 168)
 WHITE: Colour = (232, 233, 230)
