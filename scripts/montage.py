@@ -1,0 +1,61 @@
+"""Draw the README's picture: frames, what the driver sees in them, and its field.
+
+python scripts/montage.py docs/pictures/montage.jpg
+"""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from vpf_sim.evaluation import episode
+from vpf_sim.report import field_view, overlay
+from vpf_sim.types import Camera, Image, Plan
+
+SEED = 1003
+QUALITY = 85
+
+
+def moment(scenario: str, when: Callable[[Plan], bool]) -> tuple[Image, Plan]:
+    """The first frame of an episode, and the plan for it, of which `when` is true."""
+    found: list[tuple[Image, Plan]] = []
+
+    def watch(frame: Image, plan: Plan | None) -> None:
+        if plan is not None and not found and when(plan):
+            found.append((frame.copy(), plan))
+
+    episode.run(scenario, "clear", "vpf", SEED, watch)
+    return found[0]
+
+
+def nearest_m(plan: Plan) -> float:
+    """m to the nearest body ahead."""
+    ahead = plan.perception.obstacles.forward_m
+    return float(np.min(ahead, where=ahead > 0.0, initial=np.inf))
+
+
+def main() -> None:
+    camera = Camera()
+    straight = moment("straight", lambda plan: plan.perception.flow.pose[0] > 20.0)
+    bend = moment("curve-right", lambda plan: plan.perception.road.curvature_per_m > 0.009)
+    far = moment("town04", lambda plan: nearest_m(plan) < 18.0)
+    near = moment("town04", lambda plan: nearest_m(plan) < 8.0)
+    pictures = [
+        straight[0],
+        overlay.draw(*bend, camera),
+        overlay.draw(*far, camera),
+        field_view.draw(far[1]),
+        overlay.draw(*near, camera),
+        field_view.draw(near[1]),
+    ]
+    rows = [np.hstack(pictures[i : i + 2]) for i in range(0, len(pictures), 2)]
+    target = Path(sys.argv[1])
+    target.parent.mkdir(parents=True, exist_ok=True)
+    picture = cv2.cvtColor(np.vstack(rows), cv2.COLOR_RGB2BGR)
+    cv2.imwrite(str(target), picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+
+
+if __name__ == "__main__":
+    main()

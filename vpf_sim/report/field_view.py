@@ -1,0 +1,115 @@
+"""The field from above: the road ahead, the bodies on it, the potential across it, its parts and its minimum."""
+
+from typing import Any
+
+import cv2
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.report.canvas import INK, Canvas, Colour
+from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
+from vpf_sim.types import Camera, Floats, Image, Plan
+
+AHEAD_M = 45.0
+MARGIN_M = 1.0  # beyond the carriageway's edges
+PROFILE_SHARE = 0.32  # of the picture's height, for the curves
+HIGHEST = 12.0  # potential at the top of the curves and of the tint
+PAPER: Colour = (28, 33, 40)
+
+
+def draw(plan: Plan, width_px: int = 640, height_px: int = 480) -> Image:
+    """(H, W, 3) RGB, for a plan of the variant `robust`, whose potential is a function of the place across the road.
+
+    Raises InputError for a plan without one.
+    """
+    potential: Any = plan.extra.get("potential")
+    if potential is None:
+        raise InputError("field view: expected a plan with a potential across the road, as of the driver vpf")
+    lane = plan.extra["lane"]
+    canvas = Canvas(np.full((height_px, width_px, 3), PAPER, np.uint8), Camera(width_px, height_px))
+    base = (1.0 - PROFILE_SHARE) * height_px
+    view = _View(lane.left_m - MARGIN_M, lane.right_m + MARGIN_M, width_px, base)
+    _tint(canvas, view, potential.y_m, potential.total)
+    _edges(canvas, view, lane.left_m, lane.right_m)
+    _bodies(canvas, view, plan.extra["obstacles"])
+    _vehicle(canvas, view, lane.y_m)
+    _curves(canvas, view, potential)
+    _minimum(canvas, view, potential.minimum_m, plan.extra["reference_y_m"])
+    _legend(canvas)
+    return canvas.frame
+
+
+class _View:
+    """From lane coordinates to pixels: y to the right, along the road upwards."""
+
+    def __init__(self, left_m: float, right_m: float, width_px: int, base_px: float) -> None:
+        self.left_m, self.scale, self.base_px = left_m, width_px / (right_m - left_m), base_px
+        self.ahead = (base_px - 12.0) / AHEAD_M
+
+    def place(self, y_m: Floats, along_m: Floats) -> Floats:
+        return np.stack([(y_m - self.left_m) * self.scale, self.base_px - along_m * self.ahead], axis=-1)
+
+    def across(self, y_m: float, low: float, high: float) -> Floats:
+        """(2, 2) px, a line along the road at y."""
+        return self.place(np.array([y_m, y_m]), np.array([low, high]))
+
+
+def _tint(canvas: Canvas, view: _View, y_m: Floats, total: Floats) -> None:
+    """The height of the potential as colour, dark where it is low."""
+    columns = view.left_m + (np.arange(canvas.frame.shape[1]) + 0.5) / view.scale
+    height = np.clip(np.interp(columns, y_m, total) / HIGHEST, 0.0, 1.0)
+    levels = np.asarray(np.rint(215.0 * np.sqrt(height)), np.uint8)[None]  # short of the map's glaring end
+    colours = cv2.cvtColor(cv2.applyColorMap(levels, cv2.COLORMAP_INFERNO), cv2.COLOR_BGR2RGB)
+    canvas.frame[: int(view.base_px)] = colours
+
+
+def _edges(canvas: Canvas, view: _View, left_m: float, right_m: float) -> None:
+    for y in (left_m, right_m):
+        canvas.lines([view.across(y, 0.0, AHEAD_M)], ROAD, 2)
+
+
+def _bodies(canvas: Canvas, view: _View, bodies: Any) -> None:
+    """Faces as they are believed to stand, with a body's length behind."""
+    for along, left, right in zip(bodies.along_m, bodies.left_m, bodies.right_m, strict=True):
+        y, x = np.array([left, right, right, left]), along + np.array([0.0, 0.0, 4.0, 4.0])
+        if along > AHEAD_M:
+            continue
+        box = view.place(y, np.minimum(x, AHEAD_M))
+        canvas.fill([box], OBSTACLE, 0.75)
+        canvas.lines([box], INK, 1, closed=True)
+
+
+def _vehicle(canvas: Canvas, view: _View, y_m: float) -> None:
+    place = view.place(
+        np.array([y_m - 0.95, y_m + 0.95, y_m + 0.95, y_m, y_m - 0.95]), np.array([0.0, 0.0, 2.0, 3.5, 2.0])
+    )
+    canvas.fill([place], INK, 1.0)
+
+
+def _curves(canvas: Canvas, view: _View, potential: Any) -> None:
+    """U(y) below the road: its three parts, and their sum."""
+    bottom = canvas.frame.shape[0] - 8.0
+    for values, colour, width in (
+        (potential.target, TARGET, 1),
+        (potential.road, ROAD, 1),
+        (potential.obstacle, OBSTACLE, 1),
+        (potential.total, INK, 2),
+    ):
+        height = np.clip(values / HIGHEST, 0.0, 1.0) * (bottom - view.base_px - 16.0)
+        x = (potential.y_m - view.left_m) * view.scale
+        canvas.lines([np.stack([x, bottom - height], axis=1)], colour, width)
+
+
+def _minimum(canvas: Canvas, view: _View, minimum_m: float, reference_m: float) -> None:
+    canvas.lines([view.across(reference_m, 0.0, AHEAD_M)], REFERENCE, 2)
+    x = float(view.place(np.array(minimum_m), np.array(0.0))[0])
+    bottom = canvas.frame.shape[0] - 4.0
+    canvas.lines([np.array([[x, view.base_px], [x, bottom]])], REFERENCE, 1)
+    canvas.disc(np.array([x, bottom - 4.0]), 4.0, REFERENCE)
+
+
+def _legend(canvas: Canvas) -> None:
+    left = 12.0
+    for word, colour in (("potential: goal", TARGET), ("+ road", ROAD), ("+ bodies", OBSTACLE), ("minimum", REFERENCE)):
+        canvas.text(word, left, 22.0, colour, 0.42)
+        left += canvas.text_width_px(word) + 14.0
