@@ -1,6 +1,7 @@
 """The focus of expansion (FOE): the image of the direction in which the camera moves (paper, section III-A)."""
 
 from dataclasses import dataclass
+from math import sqrt
 from typing import Literal
 
 import numpy as np
@@ -8,19 +9,20 @@ import numpy as np
 from vpf_sim.geometry import rotation_flow
 from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow
 
-HYPOTHESES = 48
-SAMPLE = 100  # points that vote in RANSAC
-ITERATIONS = 4  # of the reweighting
+HYPOTHESES = 32
+SAMPLE = 64  # points that vote in RANSAC
+ITERATIONS = 6  # of the reweighting, at most
+SETTLED_PX = 0.05  # a step of the reweighting after which another is not worth while
 LEAST = 8  # moving points without which there is no FOE
 
 
 @dataclass(frozen=True, slots=True)
 class ExpansionConfig:
     method: Literal["as_printed", "least_squares", "robust"] = "robust"
-    tolerance_px: float = 0.25  # flow across the radial direction that an inlier may have, plus
-    tolerance_ratio: float = 0.04  # this share of its length
+    tolerance_px: float = 0.25  # error across the radial direction that one step between frames may have, plus
+    tolerance_ratio: float = 0.03  # this share of its length; over n chained steps it grows with sqrt(n)
     min_flow_px: float = 1.5  # shorter motions do not vote: the far road creeps towards the pixel grid
-    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.001, 0.03)  # usual unmeasured pitch, yaw and roll rate
+    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.0015, 0.03)  # usual unmeasured pitch, yaw and roll rate
 
     def __post_init__(self) -> None:
         if self.method not in ("as_printed", "least_squares", "robust"):
@@ -83,11 +85,10 @@ def chord_shift(flow: Flow, camera: Camera) -> Floats:
 
 def _across(points_px: Floats, flow_px: Floats, foe_px: Floats) -> Floats:
     """(H, N) px, flow across the direction away from each of the FOEs (H, 2); inf where it points inward."""
-    away = points_px[None] - foe_px[:, None]
-    cross = flow_px[:, 0] * away[..., 1] - flow_px[:, 1] * away[..., 0]
-    along = flow_px[:, 0] * away[..., 0] + flow_px[:, 1] * away[..., 1]
-    distance = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2) + 1e-9
-    across: Floats = np.where(along > 0.0, np.abs(cross) / distance, np.inf)
+    x, y = points_px[:, 0] - foe_px[:, :1], points_px[:, 1] - foe_px[:, 1:]
+    u, v = np.ascontiguousarray(flow_px.T)
+    across: Floats = np.abs(u * y - v * x) / (np.sqrt(x * x + y * y) + 1e-9)
+    across[u * x + v * y <= 0.0] = np.inf
     return across
 
 
@@ -99,14 +100,15 @@ def _ransac(points_px: Floats, flow_px: Floats, tolerance_px: Floats, rng: np.ra
     a, b = lines(points_px, flow_px)
     first, second = rng.integers(0, len(a), (2, HYPOTHESES))
     determinant = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
-    parallel = np.abs(determinant) < 0.05 * np.hypot(*a[first].T) * np.hypot(*a[second].T) + 1e-12
+    length = np.hypot(a[:, 0], a[:, 1])
+    parallel = np.abs(determinant) < 0.05 * length[first] * length[second] + 1e-12
     determinant = np.where(parallel, 1.0, determinant)
     x = (b[first] * a[second, 1] - b[second] * a[first, 1]) / determinant
     y = (a[first, 0] * b[second] - a[second, 0] * b[first]) / determinant
     foes = np.stack([x, y], axis=1)[~parallel]
     if not len(foes):
         return None
-    votes = np.sum(np.clip(1.0 - _across(points_px, flow_px, foes) / tolerance_px, 0.0, 1.0), axis=1)
+    votes = np.maximum(1.0 - _across(points_px, flow_px, foes) / tolerance_px, 0.0).sum(axis=1)
     best: Floats = foes[np.argmax(votes)]
     return best
 
@@ -118,9 +120,12 @@ def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
     """
     x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
     y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
-    across = np.stack([x * y, 1.0 + x * x, -y], axis=1) * camera.fx_px
-    down = np.stack([1.0 + y * y, x * y, x], axis=1) * camera.fy_px
-    return np.stack([across, down], axis=1) * gap_s[:, None, None]
+    motion = np.empty((len(x), 2, 3))
+    motion[:, 0, 0], motion[:, 0, 1], motion[:, 0, 2] = x * y, 1.0 + x * x, -y
+    motion[:, 1, 0], motion[:, 1, 1], motion[:, 1, 2] = 1.0 + y * y, x * y, x
+    motion *= np.array([[camera.fx_px], [camera.fy_px]])
+    motion *= gap_s[:, None, None]
+    return motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +139,7 @@ def robust(
     points_px: Floats,
     flow_px: Floats,
     gap_s: Floats,
+    steps: Floats,
     camera: Camera,
     config: ExpansionConfig,
     rng: np.random.Generator,
@@ -142,53 +148,73 @@ def robust(
 
     A row of A x = b has the noise of the flow times the distance from the FOE, so rows weigh by its inverse, and by
     Tukey's biweight of the flow across the radial direction. Pitch, roll and what the yaw rate's sensor misses turn
-    the picture too; these rates are fitted along, held near zero by their usual size.
+    the picture too; these rates are fitted along, held near zero by their usual size. `steps` (N,) is the number of
+    frames that each displacement was chained over.
     """
     length = np.hypot(flow_px[:, 0], flow_px[:, 1])
-    tolerance = config.tolerance_px + config.tolerance_ratio * length
+    tolerance = np.sqrt(steps) * (config.tolerance_px + config.tolerance_ratio * length / steps)
     usable = length > config.min_flow_px
-    if np.count_nonzero(usable) < LEAST:
+    p, v, limit = points_px[usable], flow_px[usable], tolerance[usable]
+    if len(p) < LEAST:
         return None
-    start = _ransac(points_px[usable], flow_px[usable], tolerance[usable], rng)
+    start = _ransac(p, v, limit, rng)
     if start is None:
         return None
-    turning = _tilt_flow(camera, points_px, gap_s)
+    turn = _tilt_flow(camera, p, gap_s[usable])
+    fitted = _reweighted(p, v, limit, turn, start, config)
+    if fitted is None:
+        return None
+    state, covariance = fitted
+    inliers = np.zeros(len(usable), np.bool_)
+    inliers[usable] = _across(p, v - turn @ state[2:], state[None, :2])[0] < limit
+    return Fit(state[:2], covariance, inliers)
+
+
+def _reweighted(
+    points_px: Floats, flow_px: Floats, limit_px: Floats, turn: Floats, start_px: Floats, config: ExpansionConfig
+) -> tuple[Floats, Floats] | None:
+    """(5,) FOE px and pitch, yaw and roll rates rad/s, and the FOE's (2, 2) covariance px^2; None if it has none."""
     prior = np.array([0.0, 0.0, *(1.0 / max(sd, 1e-9) ** 2 for sd in config.rotation_sd_radps)])
-    state = np.array([*start, 0.0, 0.0, 0.0])
-    p, v, limit, turn = points_px[usable], flow_px[usable], tolerance[usable], turning[usable]
+    state = np.array([*start_px, 0.0, 0.0, 0.0])
     for _ in range(ITERATIONS):
-        weight, slope, across = _linearise(p, v - turn @ state[2:], turn, state[:2], limit)
-        weighted = slope * weight[:, None]
-        normal = weighted.T @ slope + np.diag(prior)
-        if np.count_nonzero(weight) < LEAST or np.linalg.det(normal[:2, :2]) < 1e-12:
+        weight, slope, across = _linearise(points_px, flow_px - turn @ state[2:], turn, state[:2], limit_px)
+        weighted = (slope * weight[:, None]).T
+        normal = weighted @ slope
+        determinant = normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2
+        if np.count_nonzero(weight) < LEAST or determinant < 1e-12:
             return None
-        state = state - np.linalg.solve(normal, weighted.T @ across + prior * state)
-    covariance = np.linalg.inv(normal)[:2, :2]
-    still = flow_px - turning @ state[2:]
-    inliers = usable & (_across(points_px, still, state[None, :2])[0] < tolerance)
-    return Fit(state[:2], np.asarray(covariance, np.float64), inliers)
+        normal.flat[::6] += prior
+        step = np.linalg.solve(normal, weighted @ across + prior * state)
+        state = state - step
+        if abs(step[0]) + abs(step[1]) < SETTLED_PX:
+            break
+    return state, np.asarray(np.linalg.inv(normal)[:2, :2], np.float64)
 
 
 def _linearise(
     points_px: Floats, flow_px: Floats, turn: Floats, foe_px: Floats, limit_px: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Weights (N,), slopes (N, 5) and values (N,) px of the flow across the radial direction, at a FOE and rates."""
-    away = points_px - foe_px
-    distance = np.hypot(away[:, 0], away[:, 1]) + 5.0
-    x, y = away[:, 0] / distance, away[:, 1] / distance
-    across = flow_px[:, 0] * y - flow_px[:, 1] * x
-    outward = flow_px[:, 0] * x + flow_px[:, 1] * y > 0.0
+    x, y = points_px[:, 0] - foe_px[0], points_px[:, 1] - foe_px[1]
+    u, v = flow_px[:, 0], flow_px[:, 1]
+    nearness = 1.0 / (np.sqrt(x * x + y * y) + 5.0)
+    x, y = x * nearness, y * nearness
+    across = u * y - v * x
     # The tolerance is some three standard deviations of the flow.
-    weight = np.where(outward, np.clip(1.0 - (across / (2.0 * limit_px)) ** 2, 0.0, None) ** 2, 0.0)
+    size = across / limit_px
+    size *= size
+    weight = np.maximum(1.0 - 0.25 * size, 0.0) * (3.0 / limit_px)
+    weight *= weight
+    weight[u * x + v * y <= 0.0] = 0.0
     slope = np.empty((len(across), 5))
-    slope[:, 0], slope[:, 1] = flow_px[:, 1] / distance, -flow_px[:, 0] / distance
+    slope[:, 0], slope[:, 1] = v * nearness, -u * nearness
     slope[:, 2:] = turn[:, 1] * x[:, None] - turn[:, 0] * y[:, None]
-    return weight * 9.0 / limit_px**2, slope, across
+    return weight, slope, across
 
 
 def estimate(flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random.Generator) -> Expansion:
     """The FOE of one frame. Without enough motion it is the principal point, with confidence 0."""
-    moving = np.hypot(*flow.displacement_px.T) > 1e-9 if len(flow) else np.zeros(0, np.bool_)
+    moving = np.hypot(flow.displacement_px[:, 0], flow.displacement_px[:, 1]) > 1e-9
     if np.count_nonzero(moving) < 2:
         return _unknown(camera, len(flow))
     if config.method != "robust":
@@ -200,15 +226,24 @@ def estimate(flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random
     derotated = derotate(flow, camera)
     shift = chord_shift(flow, camera)
     # Moving a line by the shift moves its intersection with the others from the chord's image to the present FOE.
-    points = flow.points_px + np.stack([shift, np.zeros_like(shift)], axis=1)
-    fit = robust(points, derotated, flow.gap_s, camera, config, rng)
+    points = flow.points_px.copy()
+    points[:, 0] += shift
+    fit = robust(points, derotated, flow.gap_s, _steps(flow), camera, config, rng)
     if fit is None:
         return _unknown(camera, len(flow))
-    voters = int(np.count_nonzero(np.hypot(*derotated.T) > config.min_flow_px))
+    voters = int(np.count_nonzero(np.hypot(derotated[:, 0], derotated[:, 1]) > config.min_flow_px))
     share = float(np.count_nonzero(fit.inliers)) / max(1, voters)
-    sharp = 1.0 / (1.0 + float(np.sqrt(np.trace(fit.covariance_px2))) / 5.0)
+    sharp = 1.0 / (1.0 + sqrt(fit.covariance_px2[0, 0] + fit.covariance_px2[1, 1]) / 5.0)
     x, y = (float(value) for value in fit.foe_px)
     return Expansion(x, y, fit.covariance_px2, fit.inliers, min(1.0, share * sharp))
+
+
+def _steps(flow: Flow) -> Floats:
+    """(N,) frames that each window was chained over: the youngest points are no older than their windows."""
+    young = flow.gap_s > 0.0
+    rate_hz = np.min(flow.age_frames[young] / flow.gap_s[young], initial=np.inf)
+    steps: Floats = np.maximum(flow.gap_s * rate_hz, 1.0)
+    return steps
 
 
 def _unknown(camera: Camera, count: int) -> Expansion:
