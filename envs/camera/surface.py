@@ -9,16 +9,15 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from vpf_sim.envs.camera.grain import ground_top
+from vpf_sim.envs.camera.grain import ground_top, row_distance
+from vpf_sim.envs.camera.nearby import Indices, Nearby
 from vpf_sim.envs.camera.paint import GRASS, Batch
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 FAR_ROWS = 32  # rows under the horizon that are drawn on the finer canvas
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,39 +30,35 @@ class Canvas:
     fine_x: int
     fine_y: int
 
-    def fixed(self, pixels: Floats) -> NDArray[np.int32]:
-        """Pixels of the picture in OpenCV's fixed-point coordinates of this canvas."""
+    def fixed_from_ground(self, view: View) -> Floats:
+        """(3, 3) from points of the ground, (x, y, 1) m from the camera's foot along the world's axes, to homogeneous
+        coordinates of this canvas, in OpenCV's fixed point."""
+        camera = view.camera
+        lens = np.array([[camera.fx_px, 0.0, camera.cx_px], [0.0, camera.fy_px, camera.cy_px], [0.0, 0.0, 1.0]])
+        ground = np.column_stack([view.axes[:, :2], -view.centre[2] * view.axes[:, 2]])
         scale = np.array([self.fine_x, self.fine_y], float) * 2**SHIFT
         offset = np.array([0.5 * self.fine_x - 0.5, (0.5 - self.first) * self.fine_y - 0.5]) * 2**SHIFT
-        return np.asarray(np.rint(pixels * scale + offset), np.int32)
+        fixed = np.array([[scale[0], 0.0, offset[0]], [0.0, scale[1], offset[1]], [0.0, 0.0, 1.0]])
+        return np.asarray(fixed @ lens @ ground)
 
 
 class Polygons:
     """All polygons of a road in the order in which they are laid, their vertices in one array."""
 
-    def __init__(self, batches: list[Batch]) -> None:
+    def __init__(self, camera: Camera, batches: list[Batch]) -> None:
         self.points_m = np.concatenate([batch.polygons_m.reshape(-1, 2) for batch in batches])
         self.across_m = np.concatenate([_across(batch).reshape(-1, 2) for batch in batches])
+        self.thin = np.concatenate([np.full(batch.polygons_m[..., 0].size, batch.thin) for batch in batches])
         self.counts = np.concatenate([np.full(len(b.values), b.polygons_m.shape[1]) for b in batches])
         self.starts = np.concatenate([[0], np.cumsum(self.counts)[:-1]])
         self.values = np.concatenate([batch.values for batch in batches])
-        self.centres_m = np.concatenate([batch.centres_m for batch in batches])
         self.radii_m = np.concatenate([batch.radii_m for batch in batches])
-        self.ranges_m = np.concatenate([np.full(len(batch.values), batch.range_m) for batch in batches])
+        centres = np.concatenate([batch.centres_m for batch in batches])
+        ranges = np.concatenate([np.full(len(batch.values), batch.range_m) for batch in batches])
+        self.nearby = Nearby(camera, centres, self.radii_m, ranges)
         strips = np.concatenate([batch.strips for batch in batches])
         owner = np.repeat(np.arange(len(batches)), [len(batch.values) for batch in batches])
         self.runs = np.cumsum(np.diff(strips, prepend=-1).astype(bool) | np.diff(owner, prepend=-1).astype(bool))
-
-    def in_view(self, view: View) -> Indices:
-        """Which of them may be in the picture."""
-        relative = self.centres_m - view.centre[:2]
-        c, s = np.cos(view.yaw_rad), np.sin(view.yaw_rad)
-        ahead = relative[:, 0] * c + relative[:, 1] * s
-        near = np.flatnonzero((ahead > -self.radii_m) & (ahead < self.ranges_m))
-        aside = relative[near, 1] * c - relative[near, 0] * s
-        slope = 0.55 * view.camera.width_px / view.camera.fx_px
-        seen = np.abs(aside) < slope * np.abs(ahead[near]) + (1.0 + slope) * self.radii_m[near]
-        return np.asarray(near[seen], np.int64)
 
 
 class Surface:
@@ -71,102 +66,88 @@ class Surface:
 
     def __init__(self, camera: Camera, batches: list[Batch]) -> None:
         self._camera = camera
-        self._polygons = Polygons(batches)
+        self._polygons = Polygons(camera, batches)
         top = ground_top(camera)
         far = min(FAR_ROWS, camera.height_px - top)
         near = camera.height_px - top - far
         width = camera.width_px
         self._far = Canvas(np.empty((8 * far, 4 * width), np.uint8), top, far, 4, 8)
         self._near = Canvas(np.empty((2 * near, 2 * width), np.uint8), top + far, near, 2, 2)
+        self._far_from_m, self._near_to_m = row_distance(camera)[[far, far - 1]]
         self._picture = np.empty((far + near, width), np.uint8)
 
     def draw(self, view: View) -> Image:
         """(rows, W) palette values from the top of the ground down; valid until the next call."""
         self._far.pixels[:] = GRASS
         self._near.pixels[:] = GRASS
-        seen = self._polygons.in_view(view)
+        seen, ahead = self._polygons.nearby.in_view(view)
         if len(seen):
-            self._fill(seen, self._projected(view, seen))
+            self._fill(view, seen, ahead)
         far = _halved(_halved(self._far.pixels))
         cv2.addWeighted(far[0::2], 0.5, far[1::2], 0.5, 0.0, self._picture[: self._far.rows])
         self._picture[self._far.rows :] = _halved(self._near.pixels)
         return self._picture
 
-    def _projected(self, view: View, seen: Indices) -> "Projected":
-        """The polygons `seen` in pixels, cut at the near plane."""
+    def _fill(self, view: View, seen: Indices, ahead: Floats) -> None:
+        """Fill the polygons `seen`, whose middles lie `ahead`."""
         counts = self._polygons.counts[seen]
         ends = np.cumsum(counts)
         starts = ends - counts
-        points = self._camera_axes(view, np.repeat(self._polygons.starts[seen] - starts, counts) + np.arange(ends[-1]))
-        cut = np.flatnonzero(np.minimum.reduceat(points[:, 2], starts) <= NEAR_M)
-        points[:, 2] = np.maximum(points[:, 2], NEAR_M)  # those polygons come again below, as they are cut
-        pixels = view.pixels(points)
-        low, high = (extreme.reduceat(pixels[:, 1], starts) for extreme in (np.minimum, np.maximum))
-        clipped = np.empty((0, 1, 2))
-        if len(cut):
-            most = int(counts[cut].max())
-            steps = np.minimum(np.arange(most), counts[cut][:, None] - 1)
-            corners = self._camera_axes(view, (self._polygons.starts[seen[cut]][:, None] + steps).ravel())
-            corners = corners.reshape(len(cut), most, 3)
-            inside = corners[..., 2] > NEAR_M
-            behind = ~inside.any(axis=1)
-            corners[behind, :, 2], inside[behind] = 1.0, True
-            clipped = view.pixels(clip_near(corners, inside))
-            low[cut] = np.where(behind, np.inf, clipped[..., 1].min(axis=1))
-            high[cut] = np.where(behind, -np.inf, clipped[..., 1].max(axis=1))
-        place = np.full(len(seen), -1)
-        place[cut] = np.arange(len(cut))
-        return Projected(pixels, starts, ends, clipped, place, low, high)
+        vertices = np.repeat(self._polygons.starts[seen] - starts, counts) + np.arange(ends[-1])
+        points = self._narrowed(view, vertices)
+        nearest, farthest = ahead - self._polygons.radii_m[seen], ahead + self._polygons.radii_m[seen]
+        depth = _depth_of_ground(view)
+        cut = np.flatnonzero(np.hypot(depth[0], depth[1]) * nearest + depth[2] <= NEAR_M)
+        corners = starts[cut, None] + np.minimum(np.arange(counts.max()), counts[cut, None] - 1)
+        clipped, beyond = _clipped(points[corners], depth)
+        points[corners] = 0.0  # what lies behind has no place on the canvases
+        farthest[cut[~beyond]], cut = -np.inf, cut[beyond]
+        places = list(zip(starts.tolist(), ends.tolist(), strict=True))
+        for canvas, shown in (
+            (self._far, farthest > self._far_from_m),
+            (self._near, (nearest < self._near_to_m) & (farthest > 0.0)),
+        ):
+            matrix = canvas.fixed_from_ground(view)
+            fixed = _transformed(points, matrix)
+            index = np.flatnonzero(shown)
+            polygons = {i: fixed[slice(*places[i])] for i in index.tolist()}
+            polygons |= zip(cut.tolist(), _transformed(clipped, matrix), strict=True)
+            runs = self._polygons.runs[seen[index]]
+            for run in np.split(index, np.flatnonzero(np.diff(runs)) + 1):
+                laid = [polygons[i] for i in run.tolist()]
+                cv2.fillPoly(canvas.pixels, laid, int(self._polygons.values[seen[run[0]]]), cv2.LINE_8, SHIFT)
 
-    def _camera_axes(self, view: View, vertices: Indices) -> Floats:
-        """(P, 3) vertices in camera axes, lines narrowed by what OpenCV's filling adds: half a pixel of the canvas."""
-        ground = view.axes[:, :2]
-        points: Floats = (self._polygons.points_m[vertices] - view.centre[:2]) @ ground.T
-        points -= view.centre[2] * view.axes[:, 2]
-        across = self._polygons.across_m[vertices] @ ground[0]
-        depth = np.abs(points[:, 2])
+    def _narrowed(self, view: View, vertices: Indices) -> Floats:
+        """(P, 2) m vertices from the camera's foot, lines narrowed by what OpenCV's filling adds: half a pixel of the
+        canvas."""
+        points: Floats = self._polygons.points_m[vertices] - view.centre[:2]
+        thin = np.flatnonzero(self._polygons.thin[vertices])
+        right = view.axes[0, :2]
+        across = self._polygons.across_m[vertices[thin]] @ right
+        depth = np.abs(points[thin] @ (ground := _depth_of_ground(view))[:2] + ground[2])
         border_m = self._camera.fy_px * self._camera.height_m / FAR_ROWS
         inset = np.where(depth < border_m, 0.25, 0.125) * depth / self._camera.fx_px
-        points[:, 0] += np.copysign(np.minimum(inset, 0.45 * np.abs(across)), across)
+        points[thin] += np.copysign(np.minimum(inset, 0.45 * np.abs(across)), across)[:, None] * right
         return points
 
-    def _fill(self, seen: Indices, projected: "Projected") -> None:
-        """Fill the polygons, those of one run in one call."""
-        border = self._near.first
-        for canvas, shown in (
-            (self._far, projected.low < border),
-            (self._near, projected.high > border - 1.0),
-        ):
-            index = np.flatnonzero(shown)
-            fixed, cut = canvas.fixed(projected.pixels), canvas.fixed(projected.clipped)
-            polygons = [
-                cut[k] if k >= 0 else fixed[a:b]
-                for a, b, k in zip(
-                    projected.starts[index].tolist(),
-                    projected.ends[index].tolist(),
-                    projected.place[index].tolist(),
-                    strict=True,
-                )
-            ]
-            runs = self._polygons.runs[seen[index]]
-            last = [*(np.flatnonzero(np.diff(runs)) + 1).tolist(), len(index)]
-            first = 0
-            for end, value in zip(last, self._polygons.values[seen[index[np.array(last) - 1]]].tolist(), strict=True):
-                cv2.fillPoly(canvas.pixels, polygons[first:end], value, cv2.LINE_8, SHIFT)
-                first = end
+
+def _depth_of_ground(view: View) -> Floats:
+    """(3,) the depth of a point (x, y) m from the camera's foot is the product with (x, y, 1)."""
+    return np.array([*view.axes[2, :2], -view.centre[2] * view.axes[2, 2]])
 
 
-@dataclass(frozen=True, slots=True)
-class Projected:
-    """Polygons in pixels; those that reach behind the near plane once more, as it cuts them."""
+def _transformed(points: Floats, matrix: Floats) -> NDArray[np.int32]:
+    """(..., 2) points under a homography, as whole numbers."""
+    homogeneous = cv2.perspectiveTransform(points.reshape(1, -1, 2), matrix)
+    return np.rint(homogeneous).astype(np.int32).reshape(points.shape)
 
-    pixels: Floats  # (P, 2) vertices of all
-    starts: Indices  # (n,) where the vertices of each begin
-    ends: Indices  # (n,)
-    clipped: Floats  # (m, V, 2)
-    place: Indices  # (n,) in `clipped`, or -1
-    low: Floats  # (n,) topmost row
-    high: Floats  # (n,) lowest row
+
+def _clipped(polygons: Floats, depth: Floats) -> tuple[Floats, Bools]:
+    """What of polygons (n, V, 2) of the ground lies beyond the near plane, and of which (n,) anything does."""
+    corners = np.concatenate([polygons, (polygons @ depth[:2] + depth[2])[..., None]], axis=2)
+    inside = corners[..., 2] > NEAR_M
+    beyond = inside.any(axis=1)
+    return clip_near(corners[beyond], inside[beyond])[..., :2], beyond
 
 
 def _across(batch: Batch) -> Floats:
