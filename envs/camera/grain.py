@@ -36,6 +36,7 @@ OVERLAP = 0.75  # a level begins to give way to the next at this part of its rea
 GRADIENT = 3.0  # rms difference between neighbouring pixels of a row, in steps of the palette
 LARGEST_GAIN = 0.5
 CALIBRATION_VIEWS = 6
+WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,43 +71,52 @@ class Grain:
         self._top = ground_top(camera)
         distance = row_distance(camera)
         self._weights = _weights(distance)
-        self._bands = [band for level in range(len(LEVELS)) for band in self._level_bands(level, distance)]
+        bands = [band for level in range(len(LEVELS)) for band in self._level_bands(level, distance)]
+        self._bands = sorted(bands, key=lambda band: -band.supersampling)
+        self._levels = [band.level for band in self._bands]
+        self._samplings = np.array([band.sampling for band in self._bands])
         self._tiles = [grain_tile(f"level {i}", *SPECTRA[i]) for i in range(len(LEVELS))]
         self._offsets = stream(seed, "grain").uniform(0.0, TILE, (len(LEVELS), 2))
         self._size = (camera.width_px, len(distance))
-        self._canvas = np.zeros((len(distance), camera.width_px // 2), np.uint8)  # half as wide as the picture
+        self._half = camera.width_px // 2  # the grain is drawn half as wide as the picture
+        self._fine = np.empty((sum(b.supersampling * (b.last - b.first) for b in bands), self._half), np.uint8)
+        self._canvas = np.zeros((len(distance), self._half), np.uint8)
         self._picture = np.empty((len(distance), camera.width_px), np.uint8)
         self._set_gains(_even_gains(camera) if even else np.full(len(distance), LARGEST_GAIN))
 
     def _set_gains(self, gains: Floats) -> None:
         """Give each row of pixels its contrast."""
-        width = self._camera.width_px // 2
-        self._scaled = [np.repeat(np.rint(w * gains * 256).astype(np.uint8)[:, None], width, 1) for w in self._weights]
-        middle = np.full((len(gains), width), 128, np.uint8)
-        means = [cv2.multiply(middle, scaled, scale=1 / 256) for scaled in self._scaled]
-        average = np.sum(means, axis=0, dtype=np.uint8)
+        levels = [np.repeat(np.rint(w * gains * 256).astype(np.uint8)[:, None], self._half, 1) for w in self._weights]
+        self._scaled = np.concatenate([levels[band.level][band.first : band.last] for band in self._bands])
+        middle = np.full((len(gains), self._half), 128, np.uint8)
+        average = np.sum([cv2.multiply(middle, scaled, scale=1 / 256) for scaled in levels], axis=0, dtype=np.uint8)
         self.mean: Image = np.repeat(average, 2, axis=1)  # (rows, W) what the grain adds on average
 
     def draw(self, view: View) -> Image:
         """(rows, W) the grain from the top of the ground down, about `mean`; valid until the next call."""
-        homography = view.ground_homography()
-        canvas = self._canvas
+        rows = cv2.multiply(self._sampled(view), self._scaled, scale=1 / 256)
+        canvas, first = self._canvas, 0
         canvas[:] = 0
         for band in self._bands:
-            rows = slice(band.first, band.last)
-            texels = _to_texels(view, LEVELS[band.level], self._offsets[band.level]) @ homography @ band.sampling
-            size = (self._camera.width_px // 2, (band.last - band.first) * band.supersampling)
-            fine = cv2.warpPerspective(
-                self._tiles[band.level],
-                texels,
-                size,
-                flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-                borderMode=cv2.BORDER_WRAP,
-            )
-            while len(fine) > band.last - band.first:
-                fine = cv2.addWeighted(fine[0::2], 0.5, fine[1::2], 0.5, 0.0)
-            cv2.add(canvas[rows], cv2.multiply(fine, self._scaled[band.level][rows], scale=1 / 256), canvas[rows])
+            part = canvas[band.first : band.last]
+            cv2.add(part, rows[first : first + len(part)], part)
+            first += len(part)
         return np.asarray(cv2.resize(canvas, self._size, dst=self._picture, interpolation=cv2.INTER_LINEAR), np.uint8)
+
+    def _sampled(self, view: View) -> Image:
+        """The rows of all bands, the finest first; as they are halved, those that are sampled less finely join them."""
+        texels = np.array([_to_texels(view, *of) for of in zip(LEVELS, self._offsets, strict=True)])
+        matrices = (texels @ view.ground_homography())[self._levels] @ self._samplings
+        fine, count, supersampling = self._fine, 0, self._bands[0].supersampling
+        for band, matrix in zip(self._bands, matrices, strict=True):
+            while supersampling > band.supersampling:
+                halved = cv2.addWeighted(fine[0:count:2], 0.5, fine[1:count:2], 0.5, 0.0)
+                count, supersampling = count // 2, supersampling // 2
+                fine[:count] = halved
+            rows = fine[count : count + (band.last - band.first) * band.supersampling]
+            cv2.warpPerspective(self._tiles[band.level], matrix, rows.shape[::-1], rows, WARP, cv2.BORDER_WRAP)
+            count += len(rows)
+        return fine[:count]
 
     def _level_bands(self, index: int, distance: Floats) -> list[Band]:
         shown = np.flatnonzero(self._weights[index] > 1e-3)

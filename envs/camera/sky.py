@@ -58,7 +58,7 @@ class Sky:
             self._cloud_row,
             cv2.INTER_LINEAR,
         )
-        frame[: self._top] = cv2.resize(coarse, (self._camera.width_px, COARSE * len(coarse)))[: self._top]
+        cv2.resize(coarse, (self._camera.width_px, self._top), frame[: self._top])
         cv2.remap(
             self._hills,
             self._column + np.float32(yaw * COLUMNS + 0.5 * COLUMNS),
