@@ -37,13 +37,13 @@ def as_printed(flow: Flow, expansion: Expansion, config: ContactConfig) -> Float
     return capped
 
 
-def radial(flow: Flow, camera: Camera, expansion: Expansion, config: ContactConfig) -> Floats:
-    """(N,) s from each point's derotated motion away from the FOE; inf where it does not approach.
+def _radial(flow: Flow, derotated: Floats, camera: Camera, expansion: Expansion, config: ContactConfig) -> Floats:
+    """(N,) s from each point's derotated motion (N, 2) away from the FOE; inf where it does not approach.
 
     A standing point at distance r from the FOE came from r - d in the window T, so Z r is constant, and
     TTC now = Z / (dZ / T) = T (r - d) / d.
     """
-    ratio = _radial_ratio(flow, camera, expansion, config)
+    ratio = _radial_ratio(flow, derotated, camera, expansion, config)
     with np.errstate(divide="ignore"):
         ttc = np.where(ratio > 0.0, flow.gap_s * (1.0 - ratio) / ratio, np.inf)
     return np.where(ttc > config.cap_s, np.inf, ttc)
@@ -55,11 +55,15 @@ def of_clusters(flow: Flow, camera: Camera, labels: Labels, config: ContactConfi
     `labels` (N,) counts clusters from 0; -1 is none. The centre c is fitted too, so that a cluster needs no FOE and
     may move. Clusters of fewer than `least` points are inf.
     """
+    return _of_clusters(flow, derotate(flow, camera), labels, config, least)
+
+
+def _of_clusters(flow: Flow, derotated: Floats, labels: Labels, config: ContactConfig, least: int = 3) -> Floats:
     count = int(labels.max(initial=-1)) + 1
     chosen = (labels >= 0) & (flow.gap_s > 0.0)
     label, gap = labels[chosen], flow.gap_s[chosen]
     points = flow.points_px[chosen]
-    rate = derotate(flow, camera)[chosen] / gap[:, None]  # windows differ in length, their rates agree to first order
+    rate = derotated[chosen] / gap[:, None]  # windows differ in length, their rates agree to first order
     size = np.bincount(label, minlength=count)
 
     def centred(values: Floats) -> Floats:
@@ -84,19 +88,20 @@ def time_to_contact(
     """(N,) s of each point of the flow; points of a cluster (`labels`) take the cluster's where it has one."""
     if config.method == "as_printed":
         return as_printed(flow, expansion, config)
-    ttc = radial(flow, camera, expansion, config)
+    derotated = derotate(flow, camera)
+    ttc = _radial(flow, derotated, camera, expansion, config)
     if labels is None or not np.any(labels >= 0):
         return ttc
-    clusters = of_clusters(flow, camera, labels, config)
+    clusters = _of_clusters(flow, derotated, labels, config)
     together = np.where(labels >= 0, clusters[np.maximum(labels, 0)], np.inf)
     return np.where(np.isfinite(together), together, ttc)
 
 
-def _radial_ratio(flow: Flow, camera: Camera, expansion: Expansion, config: ContactConfig) -> Floats:
+def _radial_ratio(flow: Flow, derotated: Floats, camera: Camera, expansion: Expansion, config: ContactConfig) -> Floats:
     """(N,) d / r: radial motion over the distance from the chord's image; 0 where it is below the floor."""
-    foe_x = expansion.x_px - chord_shift(flow, camera)
-    away = np.stack([flow.points_px[:, 0] - foe_x, flow.points_px[:, 1] - expansion.y_px], axis=1)
-    distance_squared = np.sum(away * away, axis=1) + 1e-12
-    along = np.sum(derotate(flow, camera) * away, axis=1)
+    x = flow.points_px[:, 0] - (expansion.x_px - chord_shift(flow, camera))
+    y = flow.points_px[:, 1] - expansion.y_px
+    distance_squared = x * x + y * y + 1e-12
+    along = derotated[:, 0] * x + derotated[:, 1] * y
     ratio: Floats = np.where(along > config.floor_px * np.sqrt(distance_squared), along / distance_squared, 0.0)
     return ratio

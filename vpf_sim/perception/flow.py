@@ -75,8 +75,19 @@ def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
     patch = image[rows[:, :, None], columns[:, None, :]].astype(np.float32)
     dx = 0.5 * (patch[:, 1:-1, 2:] - patch[:, 1:-1, :-2])
     dy = 0.5 * (patch[:, 2:, 1:-1] - patch[:, :-2, 1:-1])
-    xx, xy, yy = (np.mean(a * b, axis=(1, 2)) for a, b in ((dx, dx), (dx, dy), (dy, dy)))
-    return np.stack([xx, xy, xy, yy], axis=1).astype(np.float64).reshape(-1, 2, 2)
+    both = np.stack([dx, dy], axis=1).reshape(-1, 2, dx.shape[1] * dx.shape[2])
+    tensor: Floats = (both @ both.transpose(0, 2, 1)).astype(np.float64) / both.shape[2]
+    return tensor
+
+
+def inverse(matrices: Floats) -> Floats:
+    """(N, 2, 2) inverses of symmetric matrices (N, 2, 2)."""
+    a, b, d = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]
+    result = np.empty_like(matrices)
+    result[:, 0, 0], result[:, 1, 1] = d, a
+    result[:, 0, 1] = result[:, 1, 0] = -b
+    result /= (a * d - b * b)[:, None, None]
+    return result
 
 
 @dataclass(slots=True)
@@ -110,6 +121,8 @@ class _Tracks:
     def renew_anchor(self, frames: int, pose: Floats) -> None:
         """Where the next sighting is `frames` old, it becomes the first, and the present one the next."""
         due = self.next_age >= frames
+        if not due.any():
+            return
         column = due[:, None]
         self.first_px = np.where(column, self.next_px, self.first_px)
         self.first_pose = np.where(column, self.next_pose, self.first_pose)
@@ -214,7 +227,8 @@ class FlowTracker:
         tracks = self._tracks
         tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
         tracks.age, tracks.next_age = tracks.age + 1, tracks.next_age + 1
-        tracks.keep(good)
+        if not good.all():
+            tracks.keep(good)
 
     def _report(self, pose: Floats) -> Flow:
         tracks = self._tracks
@@ -246,19 +260,22 @@ class FlowTracker:
             return
         tensor = structure_tensor(image, tracks.trail[0, due], self.config.window_px)
         looks = 1 + tracks.age[due, None, None] // self._period_frames
-        mean = np.linalg.inv(tracks.structure[due] + FAINT)
-        mean = mean + (np.linalg.inv(tensor + FAINT) - mean) / (looks + 1)
-        tracks.structure[due] = np.linalg.inv(mean) - FAINT
+        mean = inverse(tracks.structure[due] + FAINT)
+        mean = mean + (inverse(tensor + FAINT) - mean) / (looks + 1)
+        tracks.structure[due] = inverse(mean) - FAINT
         keep = np.ones(len(tracks), np.bool_)
         keep[due] = self._is_corner(tensor)
-        tracks.keep(keep)
+        if not keep.all():
+            tracks.keep(keep)
 
     @property
     def _guarded(self) -> bool:
         return self.config.texture_floor > 0.0 or self.config.corner_ratio > 0.0
 
     def _is_corner(self, tensor: Floats) -> Bools:
-        small, large = np.linalg.eigvalsh(tensor).T
+        mean = 0.5 * (tensor[:, 0, 0] + tensor[:, 1, 1])
+        half = np.hypot(0.5 * (tensor[:, 0, 0] - tensor[:, 1, 1]), tensor[:, 0, 1])
+        small, large = mean - half, mean + half
         corner: Bools = (small >= self.config.texture_floor) & (small >= self.config.corner_ratio * large)
         return corner
 

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.ground import past_image
@@ -73,6 +72,17 @@ def carriageway_offsets(forward_m: Floats, road: RoadEdges) -> tuple[Floats, Flo
         return place
 
     return edge(road.left_m), edge(road.right_m)
+
+
+def connected(linked: Bools) -> Integers:
+    """(N,) which connected part each node of a symmetric graph (N, N) belongs to, counted from 0."""
+    label = np.arange(len(linked))
+    while True:
+        least = np.minimum(np.where(linked, label, len(label)).min(axis=1), label)
+        least = least[least]  # of the least of its part: long chains close soon
+        if np.array_equal(least, label):
+            return np.unique(label, return_inverse=True)[1].astype(np.int64)
+        label = least
 
 
 class LandmarkTracker:
@@ -174,7 +184,9 @@ class LandmarkTracker:
             return
         followed = np.isin(marks.identity, flow.identity)
         ahead = vehicle_from_world(marks.place_m, flow.pose)[:, 0] > -self.config.behind_m
-        marks.keep((marks.believed | followed) & ahead & (marks.hits > 0))
+        wanted = (marks.believed | followed) & ahead & (marks.hits > 0)
+        if not wanted.all():
+            marks.keep(wanted)
 
     def _frames(self, time_s: float) -> int:
         return max(2, round(time_s * self.rate_hz))
@@ -189,8 +201,8 @@ class LandmarkTracker:
         gap = np.abs(place[:, None] - place[None])
         reach = np.maximum(config.link_forward_m, 2.5 * np.hypot(sigma[:, None], sigma[None]))
         linked = (gap[..., 1] < config.link_right_m) & (gap[..., 0] < reach)
-        count, parts = connected_components(linked, directed=False)
-        label = parts.astype(np.int64)
+        label = connected(linked)
+        count = int(label.max()) + 1
         single = (
             (marks.hits[believed] >= self._frames(config.single_hits_s))
             & (sigma < config.single_depth_ratio * marks.depth_m[believed])

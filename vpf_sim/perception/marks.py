@@ -83,7 +83,7 @@ class Marks:
 
     def record(self, seen: Sightings, on_road: Integers, rules: Rules, time_s: float) -> None:
         """Count one frame: `seen` stood above the road, the tracks `on_road` lay on it."""
-        row, column = self._matches(seen.identity)
+        row, column = self._matches(seen.identity)  # rows are of the table, columns of `seen`
         moved = np.hypot(*(seen.place_m[column] - self.steady_m[row]).T)
         still = moved < rules.steady_m + rules.steady_ratio * seen.depth_m[column]
         self._confirm(row[still], seen, column[still])
@@ -96,7 +96,10 @@ class Marks:
         expected = rules.share * rules.rate_hz * (time_s - self.since_s)
         enough = (self.hits >= rules.hits) & (self.hits >= np.minimum(expected, rules.most_hits))
         self.believed = (self.believed | enough) & (self.hits > 0)
-        self._append(seen, time_s)
+        new = np.ones(len(seen.identity), np.bool_)
+        new[column] = False
+        if new.any():
+            self._append(seen, new, time_s)
 
     def _matches(self, identity: Integers) -> tuple[Integers, Integers]:
         """Rows of the table and of `identity` that are the same track."""
@@ -120,8 +123,7 @@ class Marks:
         self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
         self.founding[row] = seen.founding[column]
 
-    def _append(self, seen: Sightings, time_s: float) -> None:
-        new = ~np.isin(seen.identity, self.identity, assume_unique=True)
+    def _append(self, seen: Sightings, new: Bools, time_s: float) -> None:
         fresh = Marks.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)), time_s)
         for column in fields(self):
             setattr(self, column.name, np.concatenate([getattr(self, column.name), getattr(fresh, column.name)]))

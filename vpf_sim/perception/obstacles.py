@@ -19,7 +19,9 @@ class ObstacleMapConfig:
     method: Literal["otsu_flow", "otsu_residual", "absolute"] = "absolute"
     reduction: int = 8
     disc_px: float = 16.0  # a point marks a disc of this radius
-    sigma_px: float = 80.0  # of the Gaussian, in pixels of the full image; the paper: half the image width
+    sigma_px: float | None = (
+        80.0  # of the Gaussian, in px of the full image; the paper: half the width; None: no gradient
+    )
     normalisation: Literal["as_printed", "proper"] = "proper"
     noise_px: float = 0.1  # standard deviation of a displacement
     ratio: float = 0.1  # of the road's flow, that the residual must exceed as well
@@ -31,7 +33,7 @@ class ObstacleMapConfig:
             raise ValueError(f"method: expected otsu_flow, otsu_residual or absolute, got '{self.method}'")
         if self.normalisation not in ("as_printed", "proper"):
             raise ValueError(f"normalisation: expected as_printed or proper, got '{self.normalisation}'")
-        if self.reduction < 1 or self.sigma_px <= 0.0 or self.disc_px <= 0.0:
+        if self.reduction < 1 or (self.sigma_px is not None and self.sigma_px <= 0.0) or self.disc_px <= 0.0:
             raise ValueError("reduction, sigma_px, disc_px: expected > 0")
 
 
@@ -83,12 +85,14 @@ def rasterise(points_px: Floats, camera: Camera, config: ObstacleMapConfig) -> F
 
 
 def smoothed_gradient(plane: Floats, config: ObstacleMapConfig) -> Floats:
-    """(2, h, w) grad (G * O) per pixel of the full image, O = 0 outside the frame (METHOD A7).
+    """(2, h, w) grad (G * O) per pixel of the full image, O = 0 outside the frame (METHOD A7); 0 without a sigma.
 
     The Gaussian is separable, so the convolution with zero padding is one matrix from each side, and its gradient the
     same with the Gaussian's derivative. Printed, G has the factor 1 / (2 pi sigma) instead of 1 / (2 pi sigma^2).
     """
     height, width = plane.shape
+    if config.sigma_px is None:
+        return np.zeros((2, height, width))
     rows, rows_slope = _gaussian(height, config.reduction, config.sigma_px)
     columns, columns_slope = _gaussian(width, config.reduction, config.sigma_px)
     gain = config.sigma_px if config.normalisation == "as_printed" else 1.0

@@ -68,14 +68,12 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
     a = focal * (q[:, :2] - first * q[:, 2:])
     b = focal * (first * t[:, 2:] - t[:, :2])
     weight = information(flow, window_px, age_s, noise)
-    wa = np.einsum("nij,nj->ni", weight, a)
-    curvature = np.sum(a * wa, axis=1)
+    curvature = _product(a, weight, a)
     with np.errstate(divide="ignore", invalid="ignore"):
-        depth = np.where(curvature > 1e-12, np.sum(wa * b, axis=1) / curvature, np.nan)
+        depth = np.where(curvature > 1e-12, _product(a, weight, b) / curvature, np.nan)
         past_depth = depth * q[:, 2] + t[:, 2]
         sigma = np.abs(past_depth) / np.sqrt(curvature)
         residual = (a * depth[:, None] - b) / past_depth[:, None]
-    chi2 = np.einsum("ni,nij,nj->n", residual, weight, residual)
     cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
     down = cosine * ray[:, 1] + sine
     height = camera.height_m - depth * down
@@ -85,9 +83,16 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
         height_m=height,
         height_sigma_m=np.hypot(sigma * down, depth * noise.pitch_rad),
         right_m=depth * ray[:, 0],
-        chi2=chi2,
+        chi2=_product(residual, weight, residual),
         chi2_ground=_chi2_on_road(camera, ray, down, flow, weight),
     )
+
+
+def _product(left: Floats, weight: Floats, right: Floats) -> Floats:
+    """(N,) left^T weight right of vectors (N, 2) and symmetric matrices (N, 2, 2)."""
+    mixed = left[:, 0] * right[:, 1] + left[:, 1] * right[:, 0]
+    straight: Floats = weight[:, 0, 0] * left[:, 0] * right[:, 0] + weight[:, 1, 1] * left[:, 1] * right[:, 1]
+    return straight + weight[:, 0, 1] * mixed
 
 
 def _in_first_camera(camera: Camera, ray: Floats, flow: Flow) -> tuple[Floats, Floats]:
@@ -115,5 +120,5 @@ def _chi2_on_road(camera: Camera, ray: Floats, down: Floats, flow: Flow, weight:
     forward = np.cos(camera.pitch_rad) - np.sin(camera.pitch_rad) * ray[:, 1]
     road = np.stack([camera.forward_m + depth * forward, depth * ray[:, 0], np.zeros(len(ray))], axis=1)
     residual = flow.first_px - past_image(camera, road, flow.first_pose, flow.pose)
-    chi2 = np.einsum("ni,nij,nj->n", residual, weight, residual)
+    chi2 = _product(residual, weight, residual)
     return np.where(below, np.nan_to_num(chi2, nan=np.inf), np.inf)
