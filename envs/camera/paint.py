@@ -21,7 +21,7 @@ LINE_WIDTH_M = 0.15
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
 RAGGED_STEP_M, RAGGED_CHUNK, RAGGED_RANGE_M = 0.7, 12, 40.0
-RANGE_M = 260.0
+RANGE_M, STRIPE_RANGE_M = 260.0, 160.0
 CHUNK = 8  # stretches between samples in one polygon
 
 
@@ -67,7 +67,7 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
         _strips(paved + surfaces, thin=False),
         _separate(repairs, values, thin=False, range_m=REPAIR_RANGE_M),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
-        _separate(striped, np.full(len(striped), LINE), thin=True),
+        _separate(striped, np.full(len(striped), LINE), thin=True, range_m=STRIPE_RANGE_M),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
     return [batch for batch in batches if len(batch.values)]

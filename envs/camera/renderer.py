@@ -63,7 +63,7 @@ class Renderer:
         shapes = lane_shapes(road)
         self._sky = Sky(camera, seed)
         self._ground = Ground(camera, shapes, seed)
-        self._scenery = Scenery(shapes, self._light, seed)
+        self._scenery = Scenery(camera, shapes, self._light, seed)
         self._noise = Noise(rig, seed)
         self._meshes: dict[int, tuple[RoadObject, Mesh]] = {}
         self._drawn: list[Drawn] = []

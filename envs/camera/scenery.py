@@ -7,17 +7,19 @@ import numpy as np
 from scipy.spatial import cKDTree
 from vpf_sim.envs.camera.layout import LaneShape, outer_edges
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box
+from vpf_sim.envs.camera.nearby import Nearby
 from vpf_sim.envs.camera.painter import Drawing, Light
 from vpf_sim.envs.camera.view import NEAR_M, View
 
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats
+from vpf_sim.types import Camera, Floats
 
 POST_SPACING_M, POST_OFFSET_M = 25.0, 1.3
 RAIL_OFFSET_M, RAIL_SPAN_M = 1.7, 4.0
 TREE_SPACING_M = 18.0
 RANGE_M, TREE_RANGE_M = 100.0, 95.0
 RANGE_PER_THICKNESS = 550.0  # a face 10 cm thick is drawn up to 55 m, where it is 0.6 px
+FACE_RADIUS_M = 2.0
 STEEL: Colour = (158, 163, 168)
 WHITE: Colour = (232, 233, 230)
 BLACK: Colour = (34, 34, 36)
@@ -35,7 +37,7 @@ class Trees:
 class Scenery:
     """What stands beside a road and never moves."""
 
-    def __init__(self, shapes: list[LaneShape], light: Light, seed: int) -> None:
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, seed: int) -> None:
         rng = stream(seed, "scenery")
         lanes = np.concatenate([0.5 * (shape.left_m + shape.right_m) for shape in shapes])
         half = max(0.5 * shape.width_m for shape in shapes)
@@ -47,16 +49,13 @@ class Scenery:
             meshes += self._furniture(points, outward, rng)
         self.trees = self._plant(stations, rng)
         self._faces, self._normals, self._colours, thickness = _in_world(meshes, light)
-        self._ranges = np.minimum(RANGE_M, thickness * RANGE_PER_THICKNESS)
-        self._centres = self._faces.mean(axis=1)[:, :2]
+        ranges = np.minimum(RANGE_M, thickness * RANGE_PER_THICKNESS)
+        radii = np.full(len(ranges), FACE_RADIUS_M)
+        self._nearby = Nearby(camera, self._faces.mean(axis=1)[:, :2], radii, ranges)
 
     def draw(self, view: View) -> tuple[Drawing, Floats]:
         """The faces in view, the farthest first, and their depths (n,) m."""
-        relative = self._centres - view.centre[:2]
-        forward = relative @ np.array([np.cos(view.yaw_rad), np.sin(view.yaw_rad)])
-        aside = relative @ np.array([-np.sin(view.yaw_rad), np.cos(view.yaw_rad)])
-        slope = 0.55 * view.camera.width_px / view.camera.fx_px
-        seen = np.flatnonzero((forward > 1.0) & (forward < self._ranges) & (np.abs(aside) < slope * forward + 4.0))
+        seen, _ = self._nearby.in_view(view)
         faces = view.camera_axes(self._faces[seen])
         normals = self._normals[seen] @ view.axes.T
         offset = np.einsum("ij,ij->i", normals, faces[:, 0])

@@ -9,7 +9,7 @@ from vpf_sim.types import Floats
 SPACING_M = 22.0  # of faults along each lane, on average
 REPAIR_RANGE_M = 60.0  # nothing of this is drawn farther ahead
 FLAKE_SPACING_M = 0.5  # of missing pieces along each line, on average
-FLAKE_RANGE_M = 25.0
+FLAKE_RANGE_M = 20.0
 PATCH, ACROSS = 0.35, 0.75  # kinds of fault: below the first a patch, below the second a crack across, else along
 
 
