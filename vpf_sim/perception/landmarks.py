@@ -130,17 +130,21 @@ class LandmarkTracker:
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
             above &= points.height_m < config.max_height_m + 2.0 * points.height_sigma_m
-            left, right = carriageway_offsets(self.camera.forward_m + depth, road)
-            above &= (points.right_m > left + config.edge_margin_m) & (points.right_m < right - config.edge_margin_m)
-            above &= self._is_clear_of_lines(flow.points_px, road)
-        return self._moves_so_now(flow, points, above)
-
-    def _moves_so_now(self, flow: Flow, points: Triangulation, above: Bools) -> Bools:
-        """(N,) those of the points whose motion in the last window is that of the place found from the whole track.
-
-        It is not for a track that has slipped on to something else, or is swept along by the edge of a nearer body.
-        """
         chosen = np.flatnonzero(above)
+        left, right = carriageway_offsets(self.camera.forward_m + depth[chosen], road)
+        aside = points.right_m[chosen]
+        inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
+        chosen = chosen[inside & self._is_clear_of_lines(flow.points_px[chosen], road)]
+        confirmed = np.zeros(len(flow), np.bool_)
+        if len(chosen):
+            confirmed[chosen] = self._moves_so_now(flow, points, chosen)
+        return confirmed
+
+    def _moves_so_now(self, flow: Flow, points: Triangulation, chosen: Integers) -> Bools:
+        """Which of the chosen points moved in the last window as the place found from the whole track does.
+
+        A track does not that has slipped on to something else, or is swept along by the edge of a nearer body.
+        """
         place = np.stack(
             [self.camera.forward_m + points.depth_m[chosen], points.right_m[chosen], points.height_m[chosen]], axis=1
         )
@@ -148,8 +152,7 @@ class LandmarkTracker:
         expected = past_image(self.camera, place, flow.past_pose[chosen], flow.pose)
         error = np.hypot(*(before - expected).T)
         length = np.hypot(*flow.displacement_px[chosen].T)
-        confirmed = np.zeros(len(flow), np.bool_)
-        confirmed[chosen] = error < self.config.recent_px + self.config.recent_ratio * length
+        confirmed: Bools = error < self.config.recent_px + self.config.recent_ratio * length
         return confirmed
 
     def _is_clear_of_lines(self, points_px: Floats, road: RoadEdges) -> Bools:

@@ -1,11 +1,12 @@
 """Depth and height of followed points from their first and latest sighting and the car's own motion."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.ground import past_image, relative_pose
-from vpf_sim.types import Bools, Camera, Floats, Flow
+from vpf_sim.perception.ground import relative_pose
+from vpf_sim.types import Camera, Floats, Flow
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +72,15 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
     curvature = _product(a, weight, a)
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = np.where(curvature > 1e-12, _product(a, weight, b) / curvature, np.nan)
-        past_depth = depth * q[:, 2] + t[:, 2]
-        sigma = np.abs(past_depth) / np.sqrt(curvature)
-        residual = (a * depth[:, None] - b) / past_depth[:, None]
+        sigma = np.abs(depth * q[:, 2] + t[:, 2]) / np.sqrt(curvature)
+
+    def chi2(depth_m: Floats) -> tuple[Floats, Floats]:
+        """(N,) of the tracks given depths, and (N,) those depths in the first camera."""
+        past_depth = depth_m * q[:, 2] + t[:, 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            residual = (a * depth_m[:, None] - b) / past_depth[:, None]
+        return _product(residual, weight, residual), past_depth
+
     cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
     down = cosine * ray[:, 1] + sine
     height = camera.height_m - depth * down
@@ -83,9 +90,16 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
         height_m=height,
         height_sigma_m=np.hypot(sigma * down, depth * noise.pitch_rad),
         right_m=depth * ray[:, 0],
-        chi2=_product(residual, weight, residual),
-        chi2_ground=_chi2_on_road(camera, ray, down, flow, weight),
+        chi2=chi2(depth)[0],
+        chi2_ground=_on_road(camera, down, chi2),
     )
+
+
+def _on_road(camera: Camera, down: Floats, chi2: Callable[[Floats], tuple[Floats, Floats]]) -> Floats:
+    """(N,) chi2 with the depth of the flat road; inf above the horizon and where the first camera had passed it."""
+    below = down > 1e-4
+    result, past_depth = chi2(camera.height_m / np.where(below, down, 1.0))
+    return np.where(below & (past_depth > 0.0), result, np.inf)
 
 
 def _product(left: Floats, weight: Floats, right: Floats) -> Floats:
@@ -112,13 +126,3 @@ def _in_first_camera(camera: Camera, ray: Floats, flow: Flow) -> tuple[Floats, F
     ahead = position[:, 0] + camera.forward_m * (cosine - 1.0)
     aside = position[:, 1] + camera.forward_m * sine
     return to_camera(turned_forward, turned_right, down), to_camera(ahead, aside, np.zeros_like(ahead))
-
-
-def _chi2_on_road(camera: Camera, ray: Floats, down: Floats, flow: Flow, weight: Floats) -> Floats:
-    below: Bools = down > 1e-4
-    depth = camera.height_m / np.where(below, down, 1.0)
-    forward = np.cos(camera.pitch_rad) - np.sin(camera.pitch_rad) * ray[:, 1]
-    road = np.stack([camera.forward_m + depth * forward, depth * ray[:, 0], np.zeros(len(ray))], axis=1)
-    residual = flow.first_px - past_image(camera, road, flow.first_pose, flow.pose)
-    chi2 = _product(residual, weight, residual)
-    return np.where(below, np.nan_to_num(chi2, nan=np.inf), np.inf)
