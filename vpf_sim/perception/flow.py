@@ -68,15 +68,20 @@ def grey(image_rgb: Image) -> Image:
 
 
 def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
-    """(N, 2, 2) mean of grad I grad I^T over the window about each point, grey levels^2 / px^2 (Shi-Tomasi)."""
-    reach = np.arange(-(window_px // 2) - 1, window_px // 2 + 2)
-    columns = np.clip(np.rint(points_px[:, 0]).astype(np.intp)[:, None] + reach, 0, image.shape[1] - 1)
-    rows = np.clip(np.rint(points_px[:, 1]).astype(np.intp)[:, None] + reach, 0, image.shape[0] - 1)
-    patch = image[rows[:, :, None], columns[:, None, :]].astype(np.float32)
-    dx = 0.5 * (patch[:, 1:-1, 2:] - patch[:, 1:-1, :-2])
-    dy = 0.5 * (patch[:, 2:, 1:-1] - patch[:, :-2, 1:-1])
-    both = np.stack([dx, dy], axis=1).reshape(-1, 2, dx.shape[1] * dx.shape[2])
-    tensor: Floats = (both @ both.transpose(0, 2, 1)).astype(np.float64) / both.shape[2]
+    """(N, 2, 2) mean of grad I grad I^T over the window about each point, grey levels^2 / px^2 (Shi-Tomasi).
+
+    At the frame's edge the window is the nearest that lies inside.
+    """
+    size = window_px + 2
+    windows = np.lib.stride_tricks.sliding_window_view(image, (size, size))
+    corner = np.rint(points_px).astype(np.intp) - size // 2
+    rows, columns = np.clip(corner[:, 1], 0, windows.shape[0] - 1), np.clip(corner[:, 0], 0, windows.shape[1] - 1)
+    patch = windows[rows, columns].astype(np.float32)
+    gradient = np.empty((len(patch), 2, window_px, window_px), np.float32)
+    np.subtract(patch[:, 1:-1, 2:], patch[:, 1:-1, :-2], out=gradient[:, 0])
+    np.subtract(patch[:, 2:, 1:-1], patch[:, :-2, 1:-1], out=gradient[:, 1])
+    gradient = gradient.reshape(-1, 2, window_px**2)
+    tensor: Floats = (gradient @ gradient.transpose(0, 2, 1)).astype(np.float64) / (4 * window_px**2)
     return tensor
 
 
