@@ -56,8 +56,24 @@ def parse(text: str, file: str) -> Scenario:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{file}: expected TOML, got: {error}") from None
     except ValidationError as error:
-        faults = error.errors(include_url=False)
-        raise InputError("\n".join(line for fault in faults for line in _lines(file, dict(fault)))) from None
+        faults = _causes([dict(fault) for fault in error.errors(include_url=False)])
+        raise InputError("\n".join(line for fault in faults for line in _lines(file, fault))) from None
+
+
+def _causes(faults: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Faults without those that only follow from others: a key that is missing because it is misspelt, a list that is
+    too short because a part of it is wrong."""
+    misspelt = {(*fault["loc"][:-1], _near(fault["loc"])) for fault in faults if fault["type"] == "extra_forbidden"}
+    places = [fault["loc"] for fault in faults]
+    return [
+        fault
+        for fault in faults
+        if not (fault["type"] == "missing" and fault["loc"] in misspelt)
+        and not (
+            fault["type"] == "too_short"
+            and any(place[: len(fault["loc"])] == fault["loc"] != place for place in places)
+        )
+    ]
 
 
 def _lines(file: str, fault: dict[str, Any]) -> list[str]:
@@ -95,10 +111,19 @@ def _is_segment_kind(location: tuple[int | str, ...], i: int) -> bool:
 
 def _nearest(location: tuple[int | str, ...]) -> str:
     """The remedy for an unknown key: the nearest of its section, or all of them."""
+    near = _near(location)
+    return f"did you mean '{near}'?" if near else f"known: {', '.join(_known(location))}"
+
+
+def _near(location: tuple[int | str, ...]) -> str | None:
+    """The key of the same section that an unknown one is nearest to."""
+    return next(iter(get_close_matches(str(location[-1]), _known(location), n=1, cutoff=0.5)), None)
+
+
+def _known(location: tuple[int | str, ...]) -> list[str]:
+    """The keys of the section that a key is in."""
     section = SECTIONS[".".join(step for step in location[:-1] if isinstance(step, str))]
-    known = [field.alias or name for name, field in section.model_fields.items()]
-    near = get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
-    return f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
+    return [field.alias or name for name, field in section.model_fields.items()]
 
 
 def _nearest_of(value: object, expected: str) -> str:

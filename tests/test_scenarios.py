@@ -121,6 +121,22 @@ def test_each_fault_is_one_line_with_file_key_expected_and_actual(old: str, new:
     assert message(old, new) == f"my.toml: {line}"
 
 
+def test_a_misspelt_key_that_must_be_there_is_one_fault() -> None:
+    assert message("s_m = 165.0", "s_n = 165.0") == "my.toml: goal.s_n: unknown key, did you mean 's_m'?"
+    both = message("s_m = 165.0", "place = 165.0").splitlines()
+    assert both == [
+        "my.toml: goal.s_m: expected a value, got none",
+        "my.toml: goal.place: unknown key, known: s_m, kind",
+    ]
+
+
+def test_the_only_segment_with_a_fault_does_not_count_as_none() -> None:
+    text = 'schema = 1\n[road]\nsegments = [{kind = "line", length_m = -1}]\n[goal]\ns_m = 20.0'
+    with pytest.raises(InputError) as caught:
+        scenarios.parse(text, "my.toml")
+    assert str(caught.value) == "my.toml: road.segments[0].length_m: expected greater than 0, got -1"
+
+
 def test_a_file_with_two_faults_gets_two_lines() -> None:
     text = FILE.replace("s_m = 165.0", "s_m = 4.0").replace("lane = 2", "lane = 5")
     with pytest.raises(InputError) as caught:
