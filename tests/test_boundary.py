@@ -1,0 +1,71 @@
+"""The sensor boundary: from what a driver is told, nothing of the world can be reached that it has not declared."""
+
+import gc
+from collections.abc import Iterator
+from contextlib import closing
+from types import BuiltinFunctionType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from highway_env.road.lane import AbstractLane
+from highway_env.road.road import Road, RoadNetwork
+from highway_env.vehicle.objects import RoadObject
+from short_scenario import write_short
+
+from vpf_sim.evaluation.episode import read, setup_for
+
+CODE = (type, ModuleType, FunctionType, BuiltinFunctionType)  # lead to all that is imported, not to an episode
+WORLD = (Road, RoadNetwork, AbstractLane, RoadObject)
+
+
+def reachable(*roots: object) -> Iterator[object]:
+    """All objects that the roots hold, themselves or through others: attributes, items, the base of a view."""
+    found = {id(root): root for root in roots}
+    ahead = list(roots)
+    while ahead:
+        holder = ahead.pop()
+        yield holder
+        held = [*gc.get_referents(holder), getattr(holder, "base", None) if isinstance(holder, np.ndarray) else None]
+        for thing in held:
+            if not isinstance(thing, CODE) and id(thing) not in found:
+                found[id(thing)] = thing
+                ahead.append(thing)
+
+
+def of_the_world(value: object) -> bool:
+    return isinstance(value, WORLD) or type(value).__module__.startswith(("highway_env", "vpf_sim.envs"))
+
+
+class Declares:
+    def __init__(self, privileged: Any) -> None:
+        self.privileged = privileged
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
+    """What a driver of each privilege holds after the first step of an episode in the real environment."""
+    from vpf_sim.envs.four_lane import FourLane
+
+    with closing(FourLane(str(write_short(tmp_path_factory.mktemp("scenario"))), truth=("foe",))) as env:
+        first, _ = env.reset(seed=3)
+        setups = {name: setup_for(Declares(name), env, 3) for name in ("none", "route", "world")}  # type: ignore[arg-type]
+        second, *_ = env.step(np.zeros(2, np.float32))
+        return {name: [setup, read(first), read(second)] for name, setup in setups.items()}
+
+
+@pytest.mark.parametrize("privileged", ["none", "route"])
+def test_a_driver_without_the_privilege_cannot_reach_the_world(privileged: str, told: dict[str, list[object]]) -> None:
+    assert not [value for value in reachable(*told[privileged]) if of_the_world(value)]
+
+
+def test_the_search_finds_the_world_where_it_is_given(told: dict[str, list[object]]) -> None:
+    kinds = {kind for value in reachable(*told["world"]) for kind in WORLD if isinstance(value, kind)}
+    assert kinds == set(WORLD)
+
+
+def test_a_driver_without_a_privilege_holds_no_more_than_numbers_and_its_frames(told: dict[str, list[object]]) -> None:
+    modules = {type(value).__module__ for value in reachable(*told["none"])}
+    assert modules <= {"builtins", "numpy", "vpf_sim.types"}
+    arrays = [value for value in reachable(*told["none"]) if isinstance(value, np.ndarray)]
+    assert {array.shape for array in arrays} == {(480, 640, 3)}, "no waypoints, no other picture"
