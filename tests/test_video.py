@@ -42,6 +42,15 @@ def test_odd_sides_lose_a_row_and_a_column(tmp_path: Path) -> None:
         assert (container.streams.video[0].width, container.streams.video[0].height) == (64, 48)
 
 
+def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder.mp4").mkdir()
+    for path in (tmp_path / "folder.mp4", tmp_path / "file" / "drive.mp4"):
+        with pytest.raises(InputError) as caught:
+            Writer(path, (64, 48), 10.0)
+        assert str(caught.value).startswith(f"video '{path}': expected a file that can be written, got: ")
+
+
 def test_wrong_frames_and_names_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"expected a file name that ends in \.mp4"):
         Writer(tmp_path / "drive.avi", (64, 48), 10.0)

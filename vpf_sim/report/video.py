@@ -24,9 +24,13 @@ class Writer:
         self.path = Path(path)
         if self.path.suffix.lower() != ".mp4":
             raise InputError(f"video '{path}': expected a file name that ends in .mp4")
-        self.path.parent.mkdir(parents=True, exist_ok=True)
         self._width, self._height = (side - side % 2 for side in size)
-        self._container = av.open(str(self.path), "w", format="mp4", options={"movflags": "+faststart"})
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self.path.open("wb").close()  # av would notice only at the first frame, and not say which file
+            self._container = av.open(str(self.path), "w", format="mp4", options={"movflags": "+faststart"})
+        except OSError as error:
+            raise InputError(f"video '{path}': expected a file that can be written, got: {error.strerror}") from None
         rate = Fraction(rate_hz).limit_denominator(1001)
         self._stream = self._container.add_stream("libx264", rate=rate, options={"crf": "20", "preset": "veryfast"})
         self._stream.width, self._stream.height = self._width, self._height
