@@ -31,7 +31,7 @@ class Needy(Own):
     def __init__(self, network): pass
 
 class Explosive(Own):
-    def __init__(self): raise RuntimeError("no weights")
+    def __init__(self): raise RuntimeError("no weights\\nat all")
 
 instance = Own()
 """
@@ -145,6 +145,23 @@ def test_a_class_that_wants_arguments_is_refused(module: str) -> None:
         drivers.create(f"{module}:Needy")
 
 
-def test_a_users_own_failure_is_not_hidden(module: str) -> None:
-    with pytest.raises(RuntimeError, match="no weights"):
+def test_a_users_own_failure_is_one_line_with_the_exception_behind_it(module: str) -> None:
+    with pytest.raises(InputError) as caught:
         drivers.create(f"{module}:Explosive")
+    assert str(caught.value) == "driver 'own_driver:Explosive': making it raised RuntimeError: no weights at all"
+    assert isinstance(caught.value.__cause__, RuntimeError)
+
+
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [("def (", "SyntaxError: "), ("raise OSError('no disk')", "OSError: no disk")],
+)
+def test_a_module_that_cannot_be_run_is_told(
+    source: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "broken_driver.py").write_text(source)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(InputError) as caught:
+        drivers.create("broken_driver:Own")
+    assert str(caught.value).startswith(f"driver 'broken_driver:Own': importing 'broken_driver' raised {reason}")
+    assert "\n" not in str(caught.value)

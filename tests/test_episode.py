@@ -101,10 +101,22 @@ class Clumsy(Constant):
         return command
 
 
+class Quitter(Constant):
+    def act(self, observation: Observation) -> Command:  # noqa: ARG002
+        raise SystemExit(5)
+
+
+class Silent(Constant):
+    def act(self, observation: Observation) -> Command:  # type: ignore[return]
+        """It forgets to answer."""
+
+
 @pytest.mark.parametrize(
     ("driver", "reason", "rows"),
     [
         (lambda: Clumsy(), "ZeroDivisionError: no fourth frame, please", 4),
+        (lambda: Quitter(), "SystemExit: 5", 1),
+        (lambda: Silent(), "TypeError: driver: act: expected a vpf_sim.types.Command, got None", 1),
         (lambda: Scribbler(), "ValueError: assignment destination is read-only", 1),
         (lambda: Constant(float("nan")), "ValueError: driver: expected finite throttle and steering", 1),
         (lambda: Constant(0.0, float("inf")), "ValueError: driver: expected finite throttle and steering", 1),

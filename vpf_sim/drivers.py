@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import cast, get_args
 
+import numpy as np
+
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.types import Command, Driver, DriverSetup, Observation, Plan, Privilege
 
@@ -128,13 +130,34 @@ def create(name: str) -> Driver:
     return _REGISTRY[name].make()
 
 
+def command_of(driver: Driver, observation: Observation) -> Command:
+    """What a driver does, within the limits; anything but a command of finite numbers is the driver's fault."""
+    command = driver.act(observation)
+    if not isinstance(command, Command):
+        raise TypeError(f"driver: act: expected a vpf_sim.types.Command, got {command!r}")
+    values = np.array([command.throttle, command.steering], dtype=float)
+    if not np.isfinite(values).all():
+        raise ValueError(f"driver: expected finite throttle and steering, got {command}")
+    throttle, steering = np.clip(values, -1.0, 1.0).tolist()
+    return Command(throttle, steering)
+
+
+def trace_of(driver: Driver) -> Plan | None:
+    """The plan of a driver that shows one."""
+    trace = getattr(driver, "trace", None)
+    plan = trace() if trace is not None else None
+    return plan if isinstance(plan, Plan) else None
+
+
 def _load(path: str) -> Driver:
     """An instance of the class at "package.module:Class", checked against the driver's protocol."""
     module_name, _, class_name = path.partition(":")
     try:
         module = import_module(module_name)
     except (ImportError, ValueError) as error:
-        raise InputError(f"driver '{path}': cannot import '{module_name}': {error}") from None
+        raise InputError(f"driver '{path}': cannot import '{module_name}': {error}") from error
+    except Exception as error:
+        raise InputError(f"driver '{path}': importing '{module_name}' raised {_told(error)}") from error
     found = getattr(module, class_name, None)
     if not isinstance(found, type):
         raise InputError(f"driver '{path}': module '{module_name}' has no class '{class_name}'")
@@ -144,7 +167,14 @@ def _load(path: str) -> Driver:
     try:
         driver = cast(Driver, found())
     except TypeError as error:
-        raise InputError(f"driver '{path}': expected a class that is made without arguments: {error}") from None
+        raise InputError(f"driver '{path}': expected a class that is made without arguments: {error}") from error
+    except Exception as error:
+        raise InputError(f"driver '{path}': making it raised {_told(error)}") from error
     if driver.privileged not in get_args(Privilege):
         raise InputError(f"driver '{path}': privileged: expected none, route or world, got {driver.privileged!r}")
     return driver
+
+
+def _told(error: Exception) -> str:
+    """An exception of a user's own code in one line; the exception itself is chained."""
+    return " ".join(f"{type(error).__name__}: {error}".split())

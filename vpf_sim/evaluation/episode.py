@@ -17,7 +17,7 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.log import StepLog
 from vpf_sim.evaluation.paired import pid_without_obstacles
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.types import Command, Driver, DriverSetup, Image, Observation, Plan
+from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
 
 Watcher = Callable[[Image, Plan | None], None]
 
@@ -69,15 +69,15 @@ def roll_out(env: Any, driver: Driver, shadow: Driver, seed: int, watch: Watcher
                 observation = read(observed)
                 frames.add(observation.image)
                 log.observe(observation, info, env)
-                command = checked(driver.act(observation))
-                log.act(command, shadow.act(observation), plan := trace_of(driver))
+                command = drivers.command_of(driver, observation)
+                log.act(command, shadow.act(observation), plan := drivers.trace_of(driver))
                 if watch is not None:
                     watch(observation.image, plan)
                 observed, _, terminated, truncated, info = env.step(np.array([command.throttle, command.steering]))
                 ended = terminated or truncated
             log.observe(read(observed), info, env)
             status = info["status"]
-        except Exception:
+        except (Exception, SystemExit):
             status, traceback, info = "error", format_exc(), {}
     return Outcome(status, log.table(), info.get("collided_with"), frames.hexdigest(), traceback)
 
@@ -103,19 +103,3 @@ def read(observed: dict[str, Any]) -> Observation:
     time_s = float(observed["time"][0])
     goal_m = (goal_x_m, goal_y_m)
     return Observation(observed["image"], time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m)
-
-
-def checked(command: Command) -> Command:
-    """The command within its limits; anything but finite numbers is the driver's fault."""
-    values = np.array([command.throttle, command.steering], dtype=float)
-    if not np.isfinite(values).all():
-        raise ValueError(f"driver: expected finite throttle and steering, got {command}")
-    throttle, steering = np.clip(values, -1.0, 1.0).tolist()
-    return Command(throttle, steering)
-
-
-def trace_of(driver: Driver) -> Plan | None:
-    """The plan of a driver that shows one."""
-    trace = getattr(driver, "trace", None)
-    plan = trace() if trace is not None else None
-    return plan if isinstance(plan, Plan) else None

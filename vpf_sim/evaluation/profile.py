@@ -11,7 +11,7 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.evaluation.episode import checked, read, setup_for
+from vpf_sim.evaluation.episode import read, setup_for
 from vpf_sim.evaluation.stopwatch import Stopwatch
 from vpf_sim.evaluation.threads import limit_opencv
 from vpf_sim.types import Image
@@ -69,7 +69,7 @@ def _frames(scenario: str, weather: str, steps: int, watch: Stopwatch) -> Iterat
             ended, step = False, 0
             while not ended:
                 with watch.stage("step"):
-                    command = checked(driver.act(read(observed)))
+                    command = drivers.command_of(driver, read(observed))
                     observed, _, *ends, _ = env.step(np.array([command.throttle, command.steering]))
                 ended, step = any(ends), step + 1
                 if step <= WARM_UP_STEPS:

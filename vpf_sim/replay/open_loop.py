@@ -57,8 +57,8 @@ def run(recording: Recording, driver_name: str, out: Path, progress: Progress = 
         rows = csv.writer(table)
         rows.writerow(COLUMNS)
         for k, frame in enumerate(recording.frames()):
-            command = driver.act(_observation(recording, k, frame))
-            plan = _trace(driver)
+            command = drivers.command_of(driver, _observation(recording, k, frame))
+            plan = drivers.trace_of(driver)
             if plan is not None:
                 recorded_errors.add(plan.perception.expansion, recording.foe_px[k])
             own_errors.add(own.update(grey(frame), _step_m(recording, k)), recording.foe_px[k])
@@ -112,11 +112,6 @@ def _observation(recording: Recording, k: int, frame: Image) -> Observation:
         yaw_rate_radps=float(recording.yaw_rate_radps[k]),
         goal_m=(float(recording.poses[-1, 0]), float(recording.poses[-1, 1])),
     )
-
-
-def _trace(driver: Driver) -> Plan | None:
-    trace = getattr(driver, "trace", None)
-    return None if trace is None else trace()
 
 
 def _step_m(recording: Recording, k: int) -> float:
