@@ -32,6 +32,7 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
         (["drive", "missing.toml"], "missing.toml: expected a readable scenario file"),
         (["sweep", "--seeds", "5:2"], "--seeds: expected A:B with A below B, got '5:2', which holds no seed"),
         (["sweep", "--seeds", "5"], "--seeds: expected A:B with whole numbers, such as 1000:1030, got '5'"),
+        (["sweep", "--seeds", "0:99999999999999"], "--seeds: expected at most 1000000 seeds, got '0:99999999999999'"),
         (["sweep", "--scenario", "twon04"], "unknown scenario 'twon04': did you mean 'town04'?"),
         (["sweep", "--workers", "0"], "Invalid value for '--workers'"),
         (["sweep", "--resume"], "--resume: expected the folder of the run in --out, got none"),
@@ -139,6 +140,15 @@ class Brake:
 
 class Broken(Brake):
     def act(self, observation): raise KeyError("lost")
+
+class Chatty(Brake):
+    def __init__(self): print("made")
+    def act(self, observation):
+        print("braking")
+        return Command(1.0, 0.0)
+
+class Unmade(Brake):
+    def __init__(self): raise RuntimeError("no weights")
 """
 
 
@@ -151,6 +161,27 @@ def test_a_users_own_driver_is_found_where_one_stands(tmp_path: Path) -> None:
     assert (broken.returncode, json.loads(broken.stdout)["status"]) == (1, "error")
     assert "KeyError: 'lost'" in broken.stderr
     assert "Traceback" not in broken.stderr
+
+
+def test_what_a_driver_prints_is_no_part_of_the_answer(tmp_path: Path) -> None:
+    short = str(write_short(tmp_path))
+    (tmp_path / "mine.py").write_text(DRIVER)
+    driven = vpf_sim("drive", short, "--driver", "mine:Chatty", "--json", cwd=tmp_path)
+    grid = ("--scenario", short, "--driver", "mine:Chatty", "--seeds", "0:1", "--workers", "1")
+    swept = vpf_sim("sweep", *grid, "--json", cwd=tmp_path)
+    for done in (driven, swept):
+        assert done.returncode == 0
+        json.loads(done.stdout)
+        assert "made\n" in done.stderr
+        assert "braking\n" in done.stderr
+
+
+def test_a_driver_that_cannot_be_made_is_wrong_input(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(DRIVER)
+    done = vpf_sim("drive", "straight", "--driver", "mine:Unmade", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == "vpf-sim: driver 'mine:Unmade': making it raised RuntimeError: no weights\n"
+    assert not (tmp_path / "runs").exists()
 
 
 def test_listings(capsys: pytest.CaptureFixture[str]) -> None:

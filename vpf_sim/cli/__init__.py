@@ -46,8 +46,10 @@ def run(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code; faults of the user are one line each on stderr and 2."""
     try:
         code = app(list(arguments), prog_name="vpf-sim", standalone_mode=False)
-    except (InputError, OSError) as error:
+    except InputError as error:
         return _refuse(str(error))
+    except OSError as error:
+        return _refuse(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except (KeyboardInterrupt, typer.Abort):
         return 130
     except UsageError as error:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriverOption, JsonOption, OutOption, WeatherOption, print_json
+from vpf_sim.cli.options import DriverOption, JsonOption, OutOption, WeatherOption, print_json, prints_on_stderr
 from vpf_sim.cli.tables import number, percent
 
 ScenarioArgument = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name or file of a scenario.")]
@@ -32,8 +32,10 @@ def drive(
     from vpf_sim.evaluation.threads import limit_opencv
 
     limit_opencv()
-    asked = run_folder.manifest("drive", Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}"))
-    with viewers.attached(video, watch) as show:
+    plan = Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}")
+    with prints_on_stderr():
+        asked = run_folder.manifest("drive", plan)
+    with viewers.attached(video, watch) as show, prints_on_stderr():
         folder = run_folder.RunFolder(out or run_folder.new_path("drive"), asked)
         result = episode.run(scenario, weather, driver, seed, show)
     steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")

@@ -2,8 +2,9 @@
 
 import json
 import sys
+from contextlib import redirect_stdout
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import typer
 
@@ -16,6 +17,11 @@ ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on with the run
 MixedOption = Annotated[bool, typer.Option("--mixed", help="Go on under another fingerprint; marks the records.")]
 SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, half open.", metavar="A:B")]
 WorkersOption = Annotated[int | None, typer.Option("--workers", min=1, help="Worker processes; one a core by default.")]
+
+
+def prints_on_stderr() -> redirect_stdout[TextIO]:
+    """A context in which a driver may print: stdout is for the command's answer."""
+    return redirect_stdout(sys.stderr)
 
 
 def print_json(answer: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriverOption, JsonOption, OutOption, print_json
+from vpf_sim.cli.options import DriverOption, JsonOption, OutOption, print_json, prints_on_stderr
 from vpf_sim.cli.tables import number, print_table
 
 if TYPE_CHECKING:
@@ -28,13 +28,15 @@ def replay(
     from vpf_sim.replay import kitti, open_loop
 
     limit_opencv()
-    drivers.create(driver)
+    with prints_on_stderr():
+        drivers.create(driver)
     recordings = _named_apart([kitti.read(folder) for folder in drive])
     folder = _new(out) if out else run_folder.new_path("replay")
     entries = []
     for recording in recordings:
         try:
-            entries.append(open_loop.run(recording, driver, folder, _tell(recording.name)))
+            with prints_on_stderr():
+                entries.append(open_loop.run(recording, driver, folder, _tell(recording.name)))
         except (InputError, OSError):
             raise
         except Exception as error:  # the driver's own; the other drives are still worth their time

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from vpf_sim.cli.options import prints_on_stderr
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.plan import Plan
 
@@ -20,7 +21,8 @@ def fill(command: str, plan: Plan, out: Path | None, resume: bool, mixed: bool, 
 
     if resume and out is None:
         raise InputError("--resume: expected the folder of the run in --out, got none")
-    asked = run_folder.manifest(command, plan)
+    with prints_on_stderr():
+        asked = run_folder.manifest(command, plan)
     folder = run_folder.RunFolder(out or run_folder.new_path(command), asked, resume, mixed)
     jobs = plan.jobs()
     try:

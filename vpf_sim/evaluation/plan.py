@@ -12,6 +12,8 @@ from vpf_sim import tables
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 
+MOST_SEEDS = 1_000_000  # of one run: more is a slip of the pen, and would not fit into memory
+
 
 @dataclass(frozen=True, slots=True)
 class Plan:
@@ -53,6 +55,8 @@ def parse_seeds(text: str, where: str = "--seeds") -> range:
     seeds = range(int(first), int(last))
     if not seeds:
         raise InputError(f"{where}: expected A:B with A below B, got '{text}', which holds no seed")
+    if seeds.stop - seeds.start > MOST_SEEDS:
+        raise InputError(f"{where}: expected at most {MOST_SEEDS} seeds, got '{text}'")
     return seeds
 
 

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -102,6 +103,7 @@ def _receive(worker: "_Worker[Task]", waiting: "deque[tuple[Task, int]]") -> "Do
 def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
     """The life of a worker: Ctrl-C is the parent's business, and the worker ends with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    sys.stdout = sys.stderr  # what a driver prints must not get into the parent's answer
     Thread(target=_end_with_parent, daemon=True).start()
     limit_opencv()
     while True:
