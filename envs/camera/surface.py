@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from vpf_sim.envs.camera.grain import ground_top, row_distance
 from vpf_sim.envs.camera.nearby import Indices, Nearby
-from vpf_sim.envs.camera.paint import GRASS, Batch
+from vpf_sim.envs.camera.paint import GRASS, RANGE_M, Batch
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 
 from vpf_sim.types import Bools, Camera, Floats, Image
@@ -31,11 +31,11 @@ class Canvas:
     fine_y: int
 
     def fixed_from_ground(self, view: View) -> Floats:
-        """(3, 3) from points of the ground, (x, y, 1) m from the camera's foot along the world's axes, to homogeneous
-        coordinates of this canvas, in OpenCV's fixed point."""
+        """(3, 3) from points of the ground, (x, y, 1) m in the world, to homogeneous coordinates of this canvas, in
+        OpenCV's fixed point."""
         camera = view.camera
         lens = np.array([[camera.fx_px, 0.0, camera.cx_px], [0.0, camera.fy_px, camera.cy_px], [0.0, 0.0, 1.0]])
-        ground = np.column_stack([view.axes[:, :2], -view.centre[2] * view.axes[:, 2]])
+        ground = np.column_stack([view.axes[:, :2], -view.axes @ view.centre])
         scale = np.array([self.fine_x, self.fine_y], float) * 2**SHIFT
         offset = np.array([0.5 * self.fine_x - 0.5, (0.5 - self.first) * self.fine_y - 0.5]) * 2**SHIFT
         fixed = np.array([[scale[0], 0.0, offset[0]], [0.0, scale[1], offset[1]], [0.0, 0.0, 1.0]])
@@ -96,13 +96,13 @@ class Surface:
         vertices = np.repeat(self._polygons.starts[seen] - starts, counts) + np.arange(ends[-1])
         points = self._narrowed(view, vertices)
         nearest, farthest = ahead - self._polygons.radii_m[seen], ahead + self._polygons.radii_m[seen]
-        depth = _depth_of_ground(view)
-        cut = np.flatnonzero(np.hypot(depth[0], depth[1]) * nearest + depth[2] <= NEAR_M)
+        rise = self._camera.height_m * np.sin(self._camera.pitch_rad)  # what looking down adds to the depth
+        cut = np.flatnonzero(np.cos(self._camera.pitch_rad) * nearest + rise <= NEAR_M)
         corners = starts[cut, None] + np.minimum(np.arange(counts.max()), counts[cut, None] - 1)
-        clipped, beyond = _clipped(points[corners], depth)
-        points[corners] = 0.0  # what lies behind has no place on the canvases
+        clipped, beyond = _clipped(points[corners], _depth_of_ground(view))
+        points[corners] += 2.0 * RANGE_M * view.axes[2, :2]  # what lies behind has no place on the canvases
         farthest[cut[~beyond]], cut = -np.inf, cut[beyond]
-        places = list(zip(starts.tolist(), ends.tolist(), strict=True))
+        runs = self._polygons.runs[seen]
         for canvas, shown in (
             (self._far, farthest > self._far_from_m),
             (self._near, (nearest < self._near_to_m) & (farthest > 0.0)),
@@ -110,21 +110,26 @@ class Surface:
             matrix = canvas.fixed_from_ground(view)
             fixed = _transformed(points, matrix)
             index = np.flatnonzero(shown)
-            polygons = {i: fixed[slice(*places[i])] for i in index.tolist()}
-            polygons |= zip(cut.tolist(), _transformed(clipped, matrix), strict=True)
-            runs = self._polygons.runs[seen[index]]
-            for run in np.split(index, np.flatnonzero(np.diff(runs)) + 1):
-                laid = [polygons[i] for i in run.tolist()]
-                cv2.fillPoly(canvas.pixels, laid, int(self._polygons.values[seen[run[0]]]), cv2.LINE_8, SHIFT)
+            polygons = [fixed[a:b] for a, b in zip(starts[index].tolist(), ends[index].tolist(), strict=True)]
+            split = shown[cut]
+            places = np.searchsorted(index, cut[split]).tolist()
+            for place, polygon in zip(places, _transformed(clipped, matrix)[split], strict=True):
+                polygons[place] = polygon
+            last = [*(np.flatnonzero(np.diff(runs[index])) + 1).tolist(), len(index)]
+            first = 0
+            for end, value in zip(last, self._polygons.values[seen[index[np.array(last) - 1]]].tolist(), strict=True):
+                cv2.fillPoly(canvas.pixels, polygons[first:end], value, cv2.LINE_8, SHIFT)
+                first = end
 
     def _narrowed(self, view: View, vertices: Indices) -> Floats:
         """(P, 2) m vertices from the camera's foot, lines narrowed by what OpenCV's filling adds: half a pixel of the
         canvas."""
-        points: Floats = self._polygons.points_m[vertices] - view.centre[:2]
-        thin = np.flatnonzero(self._polygons.thin[vertices])
+        points: Floats = self._polygons.points_m.take(vertices, axis=0)
+        thin = np.flatnonzero(self._polygons.thin.take(vertices))
         right = view.axes[0, :2]
-        across = self._polygons.across_m[vertices[thin]] @ right
-        depth = np.abs(points[thin] @ (ground := _depth_of_ground(view))[:2] + ground[2])
+        across = self._polygons.across_m.take(vertices[thin], axis=0) @ right
+        ground = _depth_of_ground(view)
+        depth = np.abs(points.take(thin, axis=0) @ ground[:2] + ground[2])
         border_m = self._camera.fy_px * self._camera.height_m / FAR_ROWS
         inset = np.where(depth < border_m, 0.25, 0.125) * depth / self._camera.fx_px
         points[thin] += np.copysign(np.minimum(inset, 0.45 * np.abs(across)), across)[:, None] * right
@@ -132,8 +137,8 @@ class Surface:
 
 
 def _depth_of_ground(view: View) -> Floats:
-    """(3,) the depth of a point (x, y) m from the camera's foot is the product with (x, y, 1)."""
-    return np.array([*view.axes[2, :2], -view.centre[2] * view.axes[2, 2]])
+    """(3,) the depth of a point (x, y) m of the world's ground is the product with (x, y, 1)."""
+    return np.array([*view.axes[2, :2], -view.axes[2] @ view.centre])
 
 
 def _transformed(points: Floats, matrix: Floats) -> NDArray[np.int32]:
