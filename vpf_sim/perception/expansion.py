@@ -2,15 +2,18 @@
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.geometry import rotation_flow
 from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow
 
-HYPOTHESES = 32
-SAMPLE = 64  # points that vote in RANSAC
+Reals = NDArray[np.floating[Any]]
+
+HYPOTHESES = 96
+SAMPLE = 128  # points that vote in RANSAC
 ITERATIONS = 6  # of the reweighting, at most
 SETTLED_PX = 0.05  # a step of the reweighting after which another is not worth while
 LEAST = 8  # moving points without which there is no FOE
@@ -21,8 +24,8 @@ class ExpansionConfig:
     method: Literal["as_printed", "least_squares", "robust"] = "robust"
     tolerance_px: float = 0.25  # error across the radial direction that one step between frames may have, plus
     tolerance_ratio: float = 0.03  # this share of its length; over n chained steps it grows with sqrt(n)
-    min_flow_px: float = 1.5  # shorter motions do not vote: the far road creeps towards the pixel grid
-    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.0015, 0.03)  # usual unmeasured pitch, yaw and roll rate
+    min_flow_px: float = 1.7  # shorter motions do not vote: the far road creeps towards the pixel grid
+    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.001, 0.03)  # usual unmeasured pitch, yaw and roll rate
 
     def __post_init__(self) -> None:
         if self.method not in ("as_printed", "least_squares", "robust"):
@@ -83,11 +86,11 @@ def chord_shift(flow: Flow, camera: Camera) -> Floats:
     return shift
 
 
-def _across(points_px: Floats, flow_px: Floats, foe_px: Floats) -> Floats:
+def _across(points_px: Reals, flow_px: Reals, foe_px: Reals) -> Reals:
     """(H, N) px, flow across the direction away from each of the FOEs (H, 2); inf where it points inward."""
     x, y = points_px[:, 0] - foe_px[:, :1], points_px[:, 1] - foe_px[:, 1:]
     u, v = np.ascontiguousarray(flow_px.T)
-    across: Floats = np.abs(u * y - v * x) / (np.sqrt(x * x + y * y) + 1e-9)
+    across: Reals = np.abs(u * y - v * x) / (np.sqrt(x * x + y * y) + 1e-9)
     across[u * x + v * y <= 0.0] = np.inf
     return across
 
@@ -108,7 +111,8 @@ def _ransac(points_px: Floats, flow_px: Floats, tolerance_px: Floats, rng: np.ra
     foes = np.stack([x, y], axis=1)[~parallel]
     if not len(foes):
         return None
-    votes = np.maximum(1.0 - _across(points_px, flow_px, foes) / tolerance_px, 0.0).sum(axis=1)
+    single = (values.astype(np.float32) for values in (points_px, flow_px, foes))  # exact enough to count votes
+    votes = np.maximum(1.0 - _across(*single) / tolerance_px.astype(np.float32), 0.0).sum(axis=1)
     best: Floats = foes[np.argmax(votes)]
     return best
 

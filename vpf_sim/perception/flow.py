@@ -45,7 +45,7 @@ class FlowConfig:
     block_px: int = 3
     bands: Literal["whole", "road"] = "whole"
     detect_period_s: float = 0.1
-    forward_backward_px: float | None = None  # largest distance after tracking back; None: no check
+    forward_backward_px: float | None = None  # largest distance after tracking back, once a period; None: no check
     reach_px_per_s: float = 400.0  # fastest motion to follow
     texture_floor: float = 0.0  # least small eigenvalue of a corner's structure tensor, grey levels^2 / px^2
     corner_ratio: float = 0.0  # and its least share of the large one: edges slide
@@ -80,8 +80,8 @@ def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
     gradient = np.empty((len(patch), 2, window_px, window_px), np.float32)
     np.subtract(patch[:, 1:-1, 2:], patch[:, 1:-1, :-2], out=gradient[:, 0])
     np.subtract(patch[:, 2:, 1:-1], patch[:, :-2, 1:-1], out=gradient[:, 1])
-    gradient = gradient.reshape(-1, 2, window_px**2)
-    tensor: Floats = (gradient @ gradient.transpose(0, 2, 1)).astype(np.float64) / (4 * window_px**2)
+    flat = gradient.reshape(-1, 2, window_px**2)
+    tensor: Floats = (flat @ flat.transpose(0, 2, 1)).astype(np.float64) / (4 * window_px**2)
     return tensor
 
 
@@ -223,7 +223,7 @@ class FlowTracker:
         offset = np.array([0.0, self._top])
         points = (self._tracks.trail[0] - offset).astype(np.float32)
         moved, good = self._lucas_kanade(before[rows], after[rows], points)
-        if self.config.forward_backward_px is not None:
+        if self.config.forward_backward_px is not None and self._frame % self._period_frames == 1 % self._period_frames:
             back, returned = self._lucas_kanade(after[rows], before[rows], moved)
             good &= returned & (np.hypot(*(back - points).T) < self.config.forward_backward_px)
         now = moved.astype(np.float64) + offset
