@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from vpf_sim.types import Bools, Floats
 
-SAGITTA_M = 0.006  # how far the chord between two samples of a bent lane may leave its arc
+SAGITTA_M = 0.01  # how far the chord between two samples of a bent lane may leave its arc
 SHORTEST_STEP_M, STRAIGHT_STEP_M = 0.5, 8.0
 PROBES = 64  # places along a lane where its heading is asked for
 RUN_ON_M = 300.0  # how far a lane is drawn beyond the network's ends

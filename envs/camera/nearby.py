@@ -26,9 +26,10 @@ class Nearby:
         """Which discs may be in the picture, and how far ahead their middles are, m."""
         eye = view.centre[:2]
         if not np.hypot(*(eye - self._middle)) < STEP_M:
+            centres_m, radii_m, ranges_m = self._all
             self._middle = eye
-            self._index = np.flatnonzero(np.hypot(*(self._all[0] - eye).T) < self._reach_m)
-            self._close = tuple(values[self._index] for values in self._all)
+            self._index = np.flatnonzero(np.hypot(*(centres_m - eye).T) < self._reach_m)
+            self._close = (centres_m[self._index], radii_m[self._index], ranges_m[self._index])
         centres, radii, ranges = self._close
         c, s = np.cos(view.yaw_rad), np.sin(view.yaw_rad)
         ahead, aside = np.array([[c, s], [-s, c]]) @ (centres - eye).T

@@ -61,7 +61,8 @@ class Scenery:
         offset = np.einsum("ij,ij->i", normals, faces[:, 0])
         kept = np.flatnonzero((offset < -1e-6) & (faces[..., 2] > NEAR_M).all(axis=1))
         depth = faces[kept, :, 2].mean(axis=1)
-        kept, depth = kept[order := np.argsort(-depth, kind="stable")], depth[order]
+        nearer = 1e-6 * np.arange(len(kept))  # what lies on a face is laid after it, however the depths are rounded
+        kept, depth = kept[order := np.argsort(nearer - depth)], depth[order]
         pixels = view.pixels(faces[kept])
         return Drawing(pixels, self._colours[seen[kept]], normals[kept] / offset[kept, None]), depth
 

@@ -151,7 +151,7 @@ def _clipped(polygons: Floats, depth: Floats) -> tuple[Floats, Bools]:
     """What of polygons (n, V, 2) of the ground lies beyond the near plane, and of which (n,) anything does."""
     corners = np.concatenate([polygons, (polygons @ depth[:2] + depth[2])[..., None]], axis=2)
     inside = corners[..., 2] > NEAR_M
-    beyond = inside.any(axis=1)
+    beyond: Bools = np.asarray(inside.any(axis=1))
     return clip_near(corners[beyond], inside[beyond])[..., :2], beyond
 
 
