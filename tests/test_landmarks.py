@@ -1,5 +1,7 @@
 """Landmarks from simulated tracks: bodies at known places, empty roads, bends, remembering and forgetting."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from vpf_sim.geometry import project, vehicle_from_world, wrap_angle
 from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker, carriageway_offsets
 from vpf_sim.perception.triangulation import NoiseModel, information, triangulate
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Floats, Flow, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
 CAMERA = Camera()
 RATE_HZ, SPEED_MPS = 60.0, 5.55
@@ -208,6 +210,24 @@ def test_two_bodies_in_a_row_stay_two() -> None:
     order = np.argsort(last.left_m)
     assert last.right_m[order[0]] < -1.4
     assert last.left_m[order[1]] > 1.7
+
+
+def test_a_side_known_well_across_counts_however_poor_its_depth() -> None:
+    """A barrier ahead is lost 16 m before it, and joined to a car beside it that is measured ever better."""
+    barrier, car = body(42.0, 0.2, 3.0, 1.0, 12), body(40.5, 2.9, 2.0, 1.4, 12)
+    drive, found = Drive(np.concatenate([barrier, car])), tracker()
+    for frame in range(round(31.0 / SPEED_MPS * RATE_HZ)):
+        flow = drive.flow(frame)
+        kept = (flow.identity >= len(barrier)) | (flow.pose[0] < 26.0)
+        seen = found.update(chosen(flow, kept), drive.road, SPEED_MPS, frame / RATE_HZ)
+    assert seen.left_m.min() == pytest.approx(-1.3, abs=0.2)
+    assert seen.right_m.max() == pytest.approx(3.9, abs=0.2)
+
+
+def chosen(flow: Flow, kept: Bools) -> Flow:
+    """The flow of some of its points."""
+    columns = {field.name: getattr(flow, field.name) for field in fields(flow)}
+    return Flow(**{name: column if name == "pose" else column[kept] for name, column in columns.items()})
 
 
 def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_bodies() -> None:

@@ -46,7 +46,8 @@ class LandmarkConfig:
     foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there
     link_right_m: float = 1.0  # points nearer than this belong to one body
     link_forward_m: float = 2.0
-    sharp_m: float = 0.3  # points with a smaller sigma of the depth count for the extent, or those near the best
+    sharp_m: float = 0.3  # points with a smaller sigma of the depth count for the face, or those near the best
+    sharp_side_m: float = 0.12  # and with a smaller sigma across, for the sides
     behind_m: float = 11.0  # where a body is forgotten
 
     def __post_init__(self) -> None:
@@ -179,7 +180,8 @@ class LandmarkTracker:
         below = (flow.points_px[above, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
         founding = below * self.config.foot_m > self.camera.height_m
         sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
-        return Sightings(flow.identity[above], place, sigma, depth, height, founding)
+        side_sigma = sigma * np.abs(points.right_m[above]) / depth
+        return Sightings(flow.identity[above], place, sigma, side_sigma, depth, height, founding)
 
     def _forget(self, flow: Flow) -> None:
         marks = self._marks
@@ -230,16 +232,15 @@ class LandmarkTracker:
         body[fresh] = self._next_body + np.arange(len(fresh))
         self._next_body += len(fresh)
         self._marks.body[believed] = np.where(confirmed[label], body[label], known)
-        # Faces and sides are those of the points that are known best; a poor one would stretch the body.
-        sharpest = np.full(count, np.inf)
-        np.minimum.at(sharpest, label, sigma)
-        known_well = sigma <= np.maximum(self.config.sharp_m, 2.0 * sharpest[label])
-        member, place = label[known_well], place[known_well]
+        # A poor point would stretch the body. Ahead of the car, one of poor depth still tells a side well.
+        sides = _known_well(self._marks.side_sigma_m[believed], self.config.sharp_side_m, label, count)
         left, right = np.full(count, np.inf), np.full(count, -np.inf)
-        np.minimum.at(left, member, place[:, 1])
-        np.maximum.at(right, member, place[:, 1])
+        np.minimum.at(left, label[sides], place[sides, 1])
+        np.maximum.at(right, label[sides], place[sides, 1])
+        known_well = _known_well(sigma, self.config.sharp_m, label, count)
+        member = label[known_well]
         face = np.full(count, np.inf)
-        np.minimum.at(face, member, place[:, 0])
+        np.minimum.at(face, member, place[known_well, 0])
         weight = 1.0 / np.maximum(sigma[known_well], 0.02) ** 2
         face_sigma = 1.0 / np.sqrt(np.bincount(member, weight, count))
         closing = max(speed_mps, 0.0)
@@ -247,6 +248,14 @@ class LandmarkTracker:
             ttc = np.where((face > 0.0) & (closing > 0.0), face / closing, np.inf)
         c = confirmed
         return Obstacles(face[c], left[c], right[c], face_sigma[c], ttc[c], body[c])
+
+
+def _known_well(sigma_m: Floats, sharp_m: float, label: Integers, count: int) -> Bools:
+    """(M,) points that count for the extent of their body: the sharp, and those not much worse than its sharpest."""
+    sharpest = np.full(count, np.inf)
+    np.minimum.at(sharpest, label, sigma_m)
+    well: Bools = sigma_m <= np.maximum(sharp_m, 2.0 * sharpest[label])
+    return well
 
 
 def _none() -> Obstacles:

@@ -17,6 +17,7 @@ class Sightings:
     identity: Integers  # (M,) of the track
     place_m: Floats  # (M, 2) in the world
     sigma_m: Floats  # (M,) of the depth
+    side_sigma_m: Floats  # (M,) of the place across, which errs with the depth by the bearing
     depth_m: Floats  # (M,) from the camera
     height_m: Floats  # (M,) above the road
     founding: Bools  # (M,) may found a body, not only support one
@@ -43,6 +44,7 @@ class Marks:
     since_s: Floats  # (M,) when the count began
     place_m: Floats  # (M, 2) in the world at the last hit
     sigma_m: Floats  # (M,)
+    side_sigma_m: Floats  # (M,)
     depth_m: Floats  # (M,)
     height_m: Floats  # (M,)
     founding: Bools  # (M,)
@@ -54,7 +56,7 @@ class Marks:
     @classmethod
     def none(cls) -> "Marks":
         number, truth = np.empty(0), np.empty(0, np.bool_)
-        return cls.of(Sightings(np.empty(0, np.int64), np.empty((0, 2)), number, number, number, truth), 0.0)
+        return cls.of(Sightings(np.empty(0, np.int64), np.empty((0, 2)), number, number, number, number, truth), 0.0)
 
     @classmethod
     def of(cls, seen: Sightings, time_s: float) -> "Marks":
@@ -65,6 +67,7 @@ class Marks:
             since_s=np.full(count, time_s),
             place_m=seen.place_m,
             sigma_m=seen.sigma_m,
+            side_sigma_m=seen.side_sigma_m,
             depth_m=seen.depth_m,
             height_m=seen.height_m,
             founding=seen.founding,
@@ -121,6 +124,7 @@ class Marks:
     def _place(self, row: Integers, seen: Sightings, column: Integers) -> None:
         self.place_m[row], self.sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
         self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
+        self.side_sigma_m[row] = seen.side_sigma_m[column]
         self.founding[row] = seen.founding[column]
 
     def _append(self, seen: Sightings, new: Bools, time_s: float) -> None:
