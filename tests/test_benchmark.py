@@ -22,10 +22,17 @@ def row(scenario: str, driver: str, successes: int, **changes: Any) -> dict[str,
     scores = {"path_mse_m2": 0.1234, "accuracy": accuracy}
     nothing = {"path_mse_m2": None, "accuracy": None}
     return {
-        "scenario": scenario, "weather": "clear", "driver": driver, "episodes": 5, "successes": successes,
-        "statuses": {"success": successes, "collision": 5 - successes}, "least_clearance_m": 0.61,
+        "scenario": scenario,
+        "weather": "clear",
+        "driver": driver,
+        "privileged": "route" if driver == "pid" else "none",
+        "episodes": 5,
+        "successes": successes,
+        "statuses": {"success": successes, "collision": 5 - successes},
+        "least_clearance_m": 0.61,
         **(scores if successes else nothing),
-        "driving_score_2_1": 0.9, "unsuccessful": scores if successes < 5 else nothing,
+        "driving_score_2_1": 0.9,
+        "unsuccessful": scores if successes < 5 else nothing,
         **changes,
     }
 
@@ -49,7 +56,7 @@ def test_the_papers_numbers_are_beside_ours(capsys: pytest.CaptureFixture[str]) 
     assert ["town04", "the", "paper", "0.74", "78.51", "71.67"] in lines
     ours = "town04 vpf 4/5 0.123 81.2 / 50.0 / 25.0 97.5 / - / 100.0 0.61"
     assert ours.split() in lines
-    beaten = "town04 pid 0/5 (0.123) (81.2 / 50.0 / 25.0) (97.5 / - / 100.0) 0.61"
+    beaten = "town04 pid [route] 0/5 (0.123) (81.2 / 50.0 / 25.0) (97.5 / - / 100.0) 0.61"
     assert beaten.split() in lines
     protocols = "town04 vpf 81.2 / 97.5 90.0 / 95.0 - / - 81.2 / 97.5 90.0 / 95.0 - / -"
     assert protocols.split() in lines
@@ -61,6 +68,7 @@ def test_a_sweeps_table_marks_what_no_success_stands_behind(capsys: pytest.Captu
     print_rows([row("town04", "pid", 0), row("town04", "vpf", 5)])
     out = capsys.readouterr().out
     assert "(0.123)" in out
+    assert "  pid [route]  " in out, "what a driver is told beyond its camera"
     assert "(81.2)" in out
     assert " 0.123 " in out
 

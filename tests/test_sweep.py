@@ -120,6 +120,7 @@ def test_means_take_the_successful_episodes_and_all_planned_ones_count() -> None
     records = [record(0, "success", 1.0, 0.5), record(1, "collision", 9.0, 0.1), record(2, "success", 3.0, None)]
     (row,) = summarize(Plan(("a",), ("clear",), ("pid",), "0:4").jobs(), records)["rows"]
     assert (row["episodes"], row["successes"], row["statuses"]) == (4, 2, {"success": 2, "collision": 1})
+    assert (row["driver"], row["privileged"]) == ("pid", "route")
     assert row["path_mse_m2"] == 2.0
     assert row["least_clearance_m"] == 1.0
     assert row["accuracy"]["shadow"]["throttle"]["range"] == 0.5

@@ -10,7 +10,9 @@ import typer
 
 WeatherOption = Annotated[str, typer.Option("--weather", help="Name or file of a weather.")]
 DriverOption = Annotated[str, typer.Option("--driver", help='Name of a driver, or "package.module:Class".')]
-DriversOption = Annotated[list[str] | None, typer.Option("--driver", help="Name of a driver; may be repeated.")]
+DriversOption = Annotated[
+    list[str] | None, typer.Option("--driver", metavar="DRIVER", help="Name of a driver; may be repeated.")
+]
 OutOption = Annotated[Path | None, typer.Option("--out", help="Run folder; a new one under runs/ by default.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on with the run in --out.")]

@@ -14,7 +14,7 @@ from vpf_sim.cli.tables import number, print_table
 if TYPE_CHECKING:
     from vpf_sim.replay.recording import Recording
 
-DrivesArgument = Annotated[list[Path], typer.Argument(metavar="DRIVE...", help="Folders in KITTI's odometry layout.")]
+DrivesArgument = Annotated[list[Path], typer.Argument(metavar="DRIVE", help="Folders in KITTI's odometry layout.")]
 
 
 def replay(

@@ -48,7 +48,7 @@ def print_benchmark(rows: list[Row], seeds: str) -> None:
         ours = sorted((row for row in rows if row["scenario"] == scenario), key=_place)
         paper = ours[0]["paper"]
         lines.append((scenario, "the paper", "", number(paper["path_mse_m2"]), *_paper_accuracy(paper), ""))
-        lines += [(scenario, row["driver"], *_benchmark_cells(row)) for row in ours]
+        lines += [(scenario, _driver(row), *_benchmark_cells(row)) for row in ours]
     print_table(header, lines, words=2)
     _print_protocols(rows)
     print(
@@ -72,7 +72,7 @@ def _print_protocols(rows: list[Row]) -> None:
     )
     ordered = sorted(rows, key=lambda row: (-len(row["scenario"]), _place(row)))
     lines = [
-        (row["scenario"], row["driver"], *(cell for protocol in ("shadow", "paired") for cell in _parts(row, protocol)))
+        (row["scenario"], _driver(row), *(cell for protocol in ("shadow", "paired") for cell in _parts(row, protocol)))
         for row in ordered
     ]
     print_table(header, lines, words=2)
@@ -82,6 +82,12 @@ def _place(row: Row) -> int:
     from vpf_sim.evaluation.benchmark import DRIVERS
 
     return DRIVERS.index(row["driver"]) if row["driver"] in DRIVERS else len(DRIVERS)
+
+
+def _driver(row: Row) -> str:
+    """The driver, and what it is told beyond its camera."""
+    privileged: str = row["privileged"]
+    return str(row["driver"]) if privileged == "none" else f"{row['driver']} [{privileged}]"
 
 
 def _parts(row: Row, protocol: str) -> list[str]:
@@ -114,7 +120,7 @@ def _cells(row: Row) -> tuple[str, ...]:
     scores, bracket = _scores(row)
     shadow = (scores["accuracy"] or {}).get("shadow") or {}
     return (
-        row["driver"],
+        _driver(row),
         f"{row['successes']}/{row['episodes']}",
         bracket(number(scores["path_mse_m2"], 3)),
         number(row["least_clearance_m"]),

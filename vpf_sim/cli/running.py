@@ -34,7 +34,9 @@ def fill(command: str, plan: Plan, out: Path | None, resume: bool, mixed: bool, 
         raise
     finally:
         folder.close()
-    folder.write_json("summary.json", with_paper(summarize(jobs, folder.records())))
+    with prints_on_stderr():
+        summary = with_paper(summarize(jobs, folder.records()))
+    folder.write_json("summary.json", summary)
     return folder.path
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from statistics import fmean
 from typing import Any
 
+from vpf_sim import drivers
 from vpf_sim.evaluation.job import Job
 
 Record = dict[str, Any]
@@ -29,6 +30,7 @@ def _row(cell: tuple[str, str, str], found: Sequence[Record | None]) -> dict[str
     others = [record for record in driven if record["status"] != "success"]
     return {
         **dict(zip(("scenario", "weather", "driver"), cell, strict=True)),
+        "privileged": drivers.create(cell[2]).privileged,
         "episodes": len(found),
         "successes": len(success),
         "statuses": dict(Counter(record["status"] for record in driven)),
