@@ -13,6 +13,7 @@ from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow
 Reals = NDArray[np.floating[Any]]
 
 HYPOTHESES = 96
+FINALISTS = 16  # of them, that all voters judge
 SAMPLE = 128  # points that vote in RANSAC
 ITERATIONS = 6  # of the reweighting, at most
 SETTLED_PX = 0.05  # a step of the reweighting after which another is not worth while
@@ -111,9 +112,12 @@ def _ransac(points_px: Floats, flow_px: Floats, tolerance_px: Floats, rng: np.ra
     foes = np.stack([x, y], axis=1)[~parallel]
     if not len(foes):
         return None
-    single = (values.astype(np.float32) for values in (points_px, flow_px, foes))  # exact enough to count votes
-    votes = np.maximum(1.0 - _across(*single) / tolerance_px.astype(np.float32), 0.0).sum(axis=1)
-    best: Floats = foes[np.argmax(votes)]
+    # Exact enough to count votes; a quarter of the points tells which hypotheses all of them should judge.
+    p, v, tolerance = (values.astype(np.float32) for values in (points_px, flow_px, tolerance_px))
+    for part, left in ((slice(None, None, 4), FINALISTS), (slice(None), 1)):
+        votes = np.maximum(1.0 - _across(p[part], v[part], foes.astype(np.float32)) / tolerance[part], 0.0).sum(axis=1)
+        foes = foes[np.argsort(-votes, kind="stable")[:left]]
+    best: Floats = foes[0]
     return best
 
 
