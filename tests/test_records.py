@@ -116,6 +116,13 @@ def test_any_other_spoilt_line_is_told(tmp_path: Path) -> None:
         read_lines(path)
 
 
+def test_a_line_that_is_no_record_is_told(tmp_path: Path) -> None:
+    RunFolder(tmp_path, ASKED).close()
+    (tmp_path / "episodes.jsonl").write_text('{"seed": 3}\n')
+    with pytest.raises(InputError, match=r"episodes.jsonl: expected a record with an id on each line"):
+        RunFolder(tmp_path, ASKED, resume=True)
+
+
 def test_a_folder_with_records_needs_resume(tmp_path: Path) -> None:
     RunFolder(tmp_path / "run", ASKED).close()
     with pytest.raises(InputError, match="expected an empty or new run folder, choose another --out, or --resume"):
@@ -169,7 +176,7 @@ def test_mixed_accepts_another_fingerprint_and_nothing_else(tmp_path: Path) -> N
         RunFolder(tmp_path, {**other, "plan": {}}, resume=True, mixed=True)
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"plan": 1'])
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"plan": 1', '{"command": "sweep", "plan": 3, "fingerprint": {}}'])
 def test_a_manifest_that_is_none_is_told(tmp_path: Path, text: str) -> None:
     (tmp_path / "manifest.json").write_text(text)
     with pytest.raises(InputError, match=r"manifest.json: expected"):

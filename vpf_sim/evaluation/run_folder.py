@@ -54,7 +54,11 @@ class RunFolder:
 
     def records(self) -> list[dict[str, Any]]:
         """All records, sorted by id."""
-        return sorted(read_lines(self.path / "episodes.jsonl"), key=lambda record: str(record["id"]))
+        path = self.path / "episodes.jsonl"
+        records = read_lines(path)
+        if not all("id" in record for record in records):
+            raise InputError(f"{path}: expected a record with an id on each line, got a line without")
+        return sorted(records, key=lambda record: str(record["id"]))
 
     def write_json(self, name: str, value: dict[str, Any]) -> None:
         """A file of the folder, keys sorted, whole or not at all."""
@@ -103,8 +107,8 @@ def read_manifest(path: Path) -> dict[str, Any]:
         raise InputError(f"{file}: expected the manifest of a run, got: {error.strerror}") from None
     except ValueError:
         raise InputError(f"{file}: expected JSON, got something else") from None
-    if not isinstance(stored, dict) or not {"command", "plan", "fingerprint"} <= stored.keys():
-        raise InputError(f"{file}: expected command, plan and fingerprint, got something else")
+    if not isinstance(stored, dict) or not all(isinstance(stored.get(key), dict) for key in ("plan", "fingerprint")):
+        raise InputError(f"{file}: expected a table for plan and for fingerprint, got something else")
     return stored
 
 
