@@ -17,6 +17,8 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Floats
 
 ROBUST = variant.load("robust").valley
+assert ROBUST is not None
+KEPT_M = ROBUST.field.clearance_m - 0.1  # of the clearance that is asked for
 
 
 @dataclass
@@ -38,7 +40,6 @@ def drive(
     rate_hz: float = 60.0,
     time_s: float = 60.0,
 ) -> Run:
-    assert ROBUST is not None
     x, y = road.point(0.0, start_m)
     car = Bicycle(float(x), float(y), rate_hz=rate_hz)
     setup = DriverSetup(Camera(), car.model, rate_hz, 5.55, (1e3, 0.0), 0)
@@ -76,8 +77,8 @@ TOWN = (Body(35.3, -2.09), Body(119.3, 0.91))  # the paper's two obstacles by ME
 def test_it_passes_the_papers_obstacles(range_m: float) -> None:
     run = drive(Road(1.0 / 186.6), TOWN, 192.0, 0.1, range_m, noise_deg=0.3, delay_frames=2)
     lateral = run.track[1]
-    assert run.clearance_m >= 0.6
-    assert np.mean(lateral**2) <= 0.50
+    assert run.clearance_m >= KEPT_M
+    assert np.mean(lateral**2) <= 0.40
     assert np.abs(run.track[3]).max() < 3.0
     assert lateral.min() > -2.2
     assert run.track[2].min() > 3.0
@@ -89,13 +90,13 @@ def test_it_takes_a_slalom_at_20_frames_a_second() -> None:
     bodies = [Body(50.0 * row, 1.2 * (-1) ** row) for row in (1, 2, 3)]
     run = drive(Road(), bodies, 190.0, noise_deg=0.3, delay_frames=1, rate_hz=20.0)
     assert run.track[0, -1] > 189.0
-    assert run.clearance_m >= 0.6
+    assert run.clearance_m >= KEPT_M
     assert np.abs(run.track[3]).max() < 3.0
 
 
 def test_a_body_dead_ahead_is_passed_on_the_side_with_more_road() -> None:
     run = drive(Road(), [Body(60.0, 0.0)], 110.0)
-    assert run.clearance_m >= 0.6
+    assert run.clearance_m >= KEPT_M
     assert run.track[1].min() < -2.0
     assert run.track[1].max() < 0.3
 
