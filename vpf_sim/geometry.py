@@ -51,7 +51,7 @@ def project(camera: Camera, points_m: Floats) -> Floats:
 
 
 def ground_from_pixels(camera: Camera, pixels: Floats) -> Floats:
-    """(..., 2) m, the points of the flat road in vehicle axes that undistorted pixels (..., 2) show; nan above the horizon."""
+    """(..., 2) m, points of the flat road in vehicle axes that undistorted pixels show; nan above the horizon."""
     x = (pixels[..., 0] - camera.cx_px) / camera.fx_px
     y = (pixels[..., 1] - camera.cy_px) / camera.fy_px
     cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)

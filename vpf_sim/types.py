@@ -58,7 +58,7 @@ class VehicleModel:
 
 @dataclass(frozen=True, slots=True)
 class DriverSetup:
-    """What a driver is told before an episode. `route` and `world` are None unless the driver declares the privilege."""
+    """What a driver is told before an episode: `route` and `world` are None unless it declares the privilege."""
 
     camera: Camera
     vehicle: VehicleModel
