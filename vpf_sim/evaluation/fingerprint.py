@@ -1,14 +1,18 @@
-"""What the bytes of an episode depend on beside its inputs: versions, and OpenCV's use of the CPU."""
+"""What the bytes of an episode depend on beside its inputs: versions, the code, and OpenCV's use of the CPU."""
 
 import json
 import platform
+from functools import cache
 from hashlib import sha256
+from importlib.util import find_spec
+from pathlib import Path
 
-FINGERPRINT_KEYS = ("python", "numpy", "opencv", "opencv_cpu_features", "highway_env", "vpf_sim")
+PACKAGES = ("vpf_sim", "vpf_sim.controllers", "vpf_sim.envs", "vpf_sim.scenarios")  # a checkout maps them to folders
+SUFFIXES = (".py", ".toml")
 
 
 def fingerprint() -> dict[str, str]:
-    """The values of FINGERPRINT_KEYS in this process."""
+    """Versions, the code's hash and the CPU features that OpenCV found, in this process."""
     from importlib.metadata import version
 
     import cv2
@@ -23,7 +27,33 @@ def fingerprint() -> dict[str, str]:
         "opencv_cpu_features": cv2.getCPUFeaturesLine(),
         "highway_env": version("highway-env"),
         "vpf_sim": vpf_sim.__version__,
+        "source": source(),
     }
+
+
+@cache
+def source() -> str:
+    """SHA-256 over the files of the installed package, wherever they are: an edit is another fingerprint."""
+    return hash_of_files({package.replace(".", "/"): _folder(package) for package in PACKAGES})
+
+
+def hash_of_files(folders: dict[str, Path]) -> str:
+    """SHA-256 over the names and contents of all code and configuration below `folders`, which go by other names."""
+    found = {
+        f"{name}/{path.relative_to(folder).as_posix()}": path
+        for name, folder in folders.items()
+        for path in folder.rglob("*")
+        if path.suffix in SUFFIXES and path.is_file()
+    }
+    lines = [f"{sha256(path.read_bytes()).hexdigest()} {name}\n" for name, path in sorted(found.items())]
+    return sha256("".join(lines).encode()).hexdigest()
+
+
+def _folder(package: str) -> Path:
+    spec = find_spec(package)
+    assert spec is not None
+    assert spec.submodule_search_locations, f"{package} is a package"
+    return Path(spec.submodule_search_locations[0])
 
 
 def digest(value: object) -> str:

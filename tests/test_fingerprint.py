@@ -1,0 +1,67 @@
+"""What makes two runs comparable: any edit of the code is another fingerprint."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from vpf_sim.evaluation import fingerprint as module
+from vpf_sim.evaluation.fingerprint import PACKAGES, fingerprint, hash_of_files, source
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def code(tmp_path: Path) -> dict[str, Path]:
+    """A package with one folder inside it and one beside."""
+    for name in ("package/__init__.py", "package/inside/a.py", "package/inside/gains.toml", "beside/b.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(f"# {name}\n")
+    return {"package": tmp_path / "package", "package/beside": tmp_path / "beside"}
+
+
+@pytest.mark.parametrize("name", ["package/inside/a.py", "package/inside/gains.toml", "beside/b.py"])
+def test_an_edit_is_another_hash(code: dict[str, Path], tmp_path: Path, name: str) -> None:
+    before = hash_of_files(code)
+    assert hash_of_files(code) == before
+    (tmp_path / name).write_text("# edited\n")
+    assert hash_of_files(code) != before
+
+
+def test_a_new_name_and_a_new_file_are_another_hash(code: dict[str, Path], tmp_path: Path) -> None:
+    hashes = {hash_of_files(code)}
+    (tmp_path / "beside" / "b.py").rename(tmp_path / "beside" / "c.py")
+    hashes.add(hash_of_files(code))
+    (tmp_path / "package" / "new.py").write_text("")
+    hashes.add(hash_of_files(code))
+    assert len(hashes) == 3
+
+
+def test_what_is_no_code_does_not_count(code: dict[str, Path], tmp_path: Path) -> None:
+    before = hash_of_files(code)
+    (tmp_path / "package" / "__pycache__").mkdir()
+    (tmp_path / "package" / "__pycache__" / "a.cpython-311.pyc").write_bytes(b"3")
+    assert hash_of_files(code) == before
+
+
+def test_a_checkout_and_an_installed_package_have_the_same_hash(code: dict[str, Path], tmp_path: Path) -> None:
+    before = hash_of_files(code)
+    (tmp_path / "beside").rename(tmp_path / "package" / "beside")
+    installed = {"package": tmp_path / "package", "package/beside": tmp_path / "package" / "beside"}
+    assert hash_of_files(installed) == before
+
+
+def test_all_packages_are_in_the_fingerprint(monkeypatch: pytest.MonkeyPatch) -> None:
+    mapped = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-dir"]
+    assert set(PACKAGES) == set(mapped)
+    hashed: dict[str, Path] = {}
+    monkeypatch.setattr(module, "hash_of_files", lambda folders: hashed.update(folders) or "")
+    source.__wrapped__()
+    assert {name.replace("/", ".") for name in hashed} == set(mapped)
+    assert all((folder / "__init__.py").exists() for folder in hashed.values())
+
+
+def test_the_hash_is_in_the_fingerprint() -> None:
+    assert fingerprint()["source"] == source()
+    assert re.fullmatch("[0-9a-f]{64}", source())
