@@ -1,6 +1,8 @@
 """Records: their keys, their values, and the folder that keeps them."""
 
 import json
+import subprocess
+import sys
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -174,6 +176,49 @@ def test_mixed_accepts_another_fingerprint_and_nothing_else(tmp_path: Path) -> N
     folder.close()
     with pytest.raises(InputError, match="plan changed"):
         RunFolder(tmp_path, {**other, "plan": {}}, resume=True, mixed=True)
+
+
+def test_a_run_folder_has_one_run_at_a_time(tmp_path: Path) -> None:
+    first = RunFolder(tmp_path / "run", ASKED)
+    first.add(records.failed(JOB), {"id": JOB.id})
+    with (tmp_path / "run" / "episodes.jsonl").open("a") as file:
+        file.write('{"id": "half')  # what the other is just writing must not be cut off
+    stored = (tmp_path / "run" / "episodes.jsonl").read_text()
+    with pytest.raises(InputError) as told:
+        RunFolder(tmp_path / "run", ASKED, resume=True)
+    assert str(told.value) == f"{tmp_path / 'run'}: in use by another run"
+    assert (tmp_path / "run" / "episodes.jsonl").read_text() == stored
+    first.close()
+    RunFolder(tmp_path / "run", ASKED, resume=True).close()
+
+
+HOLD = """
+import sys, time
+from pathlib import Path
+from vpf_sim.evaluation.json_lines import JsonLines
+lines = JsonLines(Path(sys.argv[1]))
+print("held", flush=True)
+time.sleep(600)
+"""
+
+
+def test_a_killed_run_leaves_no_lock(tmp_path: Path) -> None:
+    path = tmp_path / "episodes.jsonl"
+    with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], stdout=subprocess.PIPE) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == b"held\n"
+        with pytest.raises(InputError, match="in use by another run"):
+            JsonLines(path)
+        other.kill()
+    JsonLines(path).close()
+
+
+def test_a_folder_that_cannot_be_used_is_not_held(tmp_path: Path) -> None:
+    RunFolder(tmp_path, ASKED).close()
+    (tmp_path / "episodes.jsonl").write_text('{"seed": 3}\n')
+    for _ in range(2):
+        with pytest.raises(InputError, match="expected a record with an id"):
+            RunFolder(tmp_path, ASKED, resume=True)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"plan": 1', '{"command": "sweep", "plan": 3, "fingerprint": {}}'])

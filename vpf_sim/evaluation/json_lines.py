@@ -1,6 +1,7 @@
 """JSON lines that a crash cannot spoil: each is written by one call, and is on the disk before the next."""
 
 import errno
+import fcntl
 import json
 import os
 from pathlib import Path
@@ -10,11 +11,16 @@ from vpf_sim.errors import InputError
 
 
 class JsonLines:
-    """Append rows to a file; opening it drops a last line that a crash left torn."""
+    """Append rows to a file, as the only one who does; opening it drops a last line that a crash left torn."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the end of the process, whatever ends it, frees it
+        except BlockingIOError:
+            os.close(self._file)
+            raise InputError(f"{path.parent}: in use by another run") from None
         stored = path.read_bytes()
         os.ftruncate(self._file, stored.rfind(b"\n") + 1)
 

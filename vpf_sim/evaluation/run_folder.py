@@ -39,12 +39,20 @@ class RunFolder:
         self.path = path
         self.mark: str | None = None  # the fingerprint's digest, where records are made on another than the manifest's
         asked = json.loads(json.dumps(asked))
-        if not resume or not (path / MANIFEST).exists():
-            self._begin(asked)
+        new = not resume or not (path / MANIFEST).exists()
+        if new:
+            self._make()
         elif self._continue(asked, mixed):
             self.mark = digest(asked["fingerprint"])
-        self._records, self._timing = JsonLines(path / "episodes.jsonl"), JsonLines(path / "timing.jsonl")
-        self.done = {record["id"] for record in self.records()}
+        self._records = JsonLines(path / "episodes.jsonl")  # from here on the folder is locked
+        self._timing = JsonLines(path / "timing.jsonl")
+        if new:
+            self.write_json(MANIFEST, asked)
+        try:
+            self.done = {record["id"] for record in self.records()}
+        except InputError:
+            self.close()
+            raise
 
     def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
         """Store a finished episode."""
@@ -74,14 +82,13 @@ class RunFolder:
         self._records.close()
         self._timing.close()
 
-    def _begin(self, asked: dict[str, Any]) -> None:
+    def _make(self) -> None:
         if self.path.exists() and not self.path.is_dir():
             raise InputError(f"{self.path}: expected a folder, got a file")
         if self.path.exists() and any(self.path.iterdir()):
             remedy = "choose another --out, or --resume what is there" if (self.path / MANIFEST).exists() else ""
             raise InputError(f"{self.path}: expected an empty or new run folder, {remedy or 'got other files'}")
         self.path.mkdir(parents=True, exist_ok=True)
-        self.write_json(MANIFEST, asked)
 
     def _continue(self, asked: dict[str, Any], mixed: bool) -> bool:
         """Check that the same is asked; whether the fingerprint is another, which only `mixed` allows."""
