@@ -36,6 +36,8 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
         (["sweep", "--scenario", "twon04"], "unknown scenario 'twon04': did you mean 'town04'?"),
         (["sweep", "--workers", "0"], "Invalid value for '--workers'"),
         (["sweep", "--resume"], "--resume: expected the folder of the run in --out, got none"),
+        (["sweep", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
+        (["benchmark", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
         (["sweep", "missing.toml"], "missing.toml: expected a readable sweep file"),
         (["benchmark", "--seeds", "a:b"], "--seeds: expected A:B with whole numbers"),
         (["benchmark", "--driver", "pdi"], "unknown driver 'pdi': did you mean 'pid'?"),

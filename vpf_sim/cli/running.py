@@ -21,6 +21,8 @@ def fill(command: str, plan: Plan, out: Path | None, resume: bool, mixed: bool, 
 
     if resume and out is None:
         raise InputError("--resume: expected the folder of the run in --out, got none")
+    if resume and out is not None and not out.exists():
+        raise InputError(f"{out}: --resume: expected the folder of a run, found nothing")
     with prints_on_stderr():
         asked = run_folder.manifest(command, plan)
     folder = run_folder.RunFolder(out or run_folder.new_path(command), asked, resume, mixed)
