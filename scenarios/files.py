@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from vpf_sim.scenarios import parts
 from vpf_sim.scenarios.schema import Scenario
 
-from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.errors import InputError, unknown_name, wrong_value
 
 # The keys of every section, for the nearest name to a misspelt one.
 SECTIONS: dict[str, type[BaseModel]] = {
@@ -91,7 +91,7 @@ def _lines(file: str, fault: dict[str, Any]) -> list[str]:
         tag = fault["ctx"]["tag"]
         return [f"{file}: {_key(location)}.kind: expected one of 'line', 'arc', 'clothoid', got '{tag}'"]
     remedy = _nearest_of(fault["input"], fault["ctx"]["expected"]) if kind == "literal_error" else ""
-    return [f"{file}: {_key(location)}: {_expected(fault['msg'])}, got {_short(fault['input'])}{remedy}"]
+    return [f"{file}: {_key(location)}: {wrong_value(fault['msg'], fault['input'])}{remedy}"]
 
 
 def _key(location: tuple[int | str, ...]) -> str:
@@ -130,17 +130,3 @@ def _nearest_of(value: object, expected: str) -> str:
     """The nearest of the choices that pydantic lists in quotes."""
     near = get_close_matches(str(value), re.findall("'([^']+)'", expected), n=1, cutoff=0.5)
     return f": did you mean '{near[0]}'?" if near else ""
-
-
-def _expected(message: str) -> str:
-    """pydantic's 'Input should be X', in our words."""
-    return (
-        message.replace("Input should be", "expected", 1)
-        if message.startswith("Input should")
-        else f"expected: {message}"
-    )
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -242,14 +242,26 @@ def test_weather_files_change_single_factors(tmp_path):
     ("text", "message"),
     [
         ("sun_altitude = 20.0", "unknown key 'sun_altitude': did you mean 'sun_altitude_angle'"),
-        ("sun_altitude_angle = 200.0", "sun_altitude_angle: .*less than or equal to 90, got 200.0"),
+        ("sun_altitude_angle = 200.0", "sun_altitude_angle: expected less than or equal to 90, got 200.0"),
+        ("sun_altitude_angle = 'noon'", "sun_altitude_angle: expected a valid number, got 'noon'"),
         ("precipitation = 40.0", "unknown key 'precipitation'"),
         ("base = 3", "base: expected the name of a weather, got 3"),
-        ("base = ", "not a TOML file"),
+        ("base = 'ClaerNoon'", "base: unknown weather 'ClaerNoon': did you mean 'ClearNoon'"),
+        ("base = 'other.toml'", "base: unknown weather 'other.toml': known: ClearNoon, clear"),
+        ("bsae = 'clear'", "unknown key 'bsae': did you mean 'base'"),
+        ("base = ", "expected TOML, got: Invalid value"),
+        ("name = '\xe4'", "expected a readable weather file, got: not a text file"),
     ],
 )
 def test_wrong_weather_files_get_one_clear_line(tmp_path, text, message):
     path = tmp_path / "wrong.toml"
-    path.write_text(text)
-    with pytest.raises(InputError, match=message):
+    path.write_text(text, encoding="latin-1")
+    with pytest.raises(InputError, match=message) as told:
         weather.load(str(path))
+    assert str(told.value).startswith(f"{path}: ")
+    assert "\n" not in str(told.value)
+
+
+def test_a_weather_file_that_is_not_there_is_told(tmp_path):
+    with pytest.raises(InputError, match=r"gone.toml: expected a readable weather file, got: No such file"):
+        weather.load(str(tmp_path / "gone.toml"))

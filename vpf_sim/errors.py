@@ -14,3 +14,10 @@ def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
     near = get_close_matches(name, names, n=1, cutoff=0.5)
     remedy = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(names)}"
     return InputError(f"unknown {what} '{name}': {remedy}")
+
+
+def wrong_value(message: str, value: object) -> str:
+    """pydantic's "Input should be X" in our words, with what stands there instead."""
+    wanted, text = message.removeprefix("Input should be "), repr(value)
+    expected = f"expected: {message}" if wanted == message else f"expected {wanted}"
+    return f"{expected}, got {text if len(text) <= 60 else text[:57] + '...'}"

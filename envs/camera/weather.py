@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.errors import InputError, unknown_name, wrong_value
 
 
 class Weather(BaseModel):
@@ -44,22 +44,25 @@ def load(name_or_path: str) -> Weather:
 def _read(path: Path) -> Weather:
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a TOML file: {error}") from error
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not a text file"
+        raise InputError(f"{path}: expected a readable weather file, got: {reason}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: expected TOML, got: {error}") from None
     base = content.pop("base", "ClearNoon")
-    if not isinstance(base, str) or base.endswith(".toml"):
+    if not isinstance(base, str):
         raise InputError(f"{path}: base: expected the name of a weather, got {base!r}")
+    if base not in names():
+        raise InputError(f"{path}: base: {unknown_name('weather', base, names())}")
     factors = {**load(base).model_dump(), "name": path.stem, **content}
     try:
         return Weather.model_validate(factors)
     except ValidationError as error:
-        raise InputError("\n".join(_line(path, fault) for fault in error.errors())) from error
+        raise InputError("\n".join(_line(path, fault) for fault in error.errors())) from None
 
 
 def _line(path: Path, fault: Any) -> str:
     key = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
-        return f"{path}: {unknown_name('key', key, Weather.model_fields)}"
-    return f"{path}: {key}: {fault['msg']}, got {fault['input']!r}"
+        return f"{path}: {unknown_name('key', key, ['base', *Weather.model_fields])}"
+    return f"{path}: {key}: {wrong_value(fault['msg'], fault['input'])}"
