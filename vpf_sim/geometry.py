@@ -30,11 +30,6 @@ def world_from_vehicle(points_m: Floats, pose: Floats) -> Floats:
     return absolute
 
 
-def camera_position(camera: Camera, pose: Floats) -> Floats:
-    """(2,) m, the camera's centre in the world."""
-    return world_from_vehicle(np.array([camera.forward_m, 0.0]), pose)
-
-
 def project(camera: Camera, points_m: Floats) -> Floats:
     """(..., 2) px, the undistorted image of (..., 3) points in vehicle axes (forward, right, up from the road).
 

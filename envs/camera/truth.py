@@ -15,7 +15,6 @@ from vpf_sim.envs.camera.view import View
 
 from vpf_sim.types import Bools, Floats
 
-NAMES = ("depth", "flow", "foe", "ttc", "instance", "hidden")
 Singles = NDArray[np.float32]
 STANDING_M = 1e-6  # a camera that moved less stands
 
