@@ -96,7 +96,8 @@ def test_the_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys:
     assert code == 0
     answer = json.loads(capsys.readouterr().out)
     assert [entry["name"] for entry in answer["drives"]] == ["bend", "bend-2"]
-    assert sorted(path.name for path in (tmp_path / "out").glob("*.mp4")) == ["bend-2.mp4", "bend.mp4"]
+    written = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert written == ["bend-2.csv", "bend-2.mp4", "bend.csv", "bend.mp4"]
 
 
 class Clumsy:
@@ -123,6 +124,7 @@ def test_a_driver_that_fails_is_an_error_of_the_drive(
     assert code == 1
     assert json.loads(said.out) == {"drives": []}
     assert said.err == "vpf-sim: bend: error: RuntimeError: no idea\n"
+    assert not list(tmp_path.glob("out/*"))
 
 
 def test_the_way_goes_on_where_the_last_pose_is_missing() -> None:
@@ -201,6 +203,7 @@ def test_a_broken_drive_is_one_clear_line(
     assert said.out == ""
     assert sentence in said.err
     assert said.err.count("\n") == 1
+    assert not list(tmp_path.glob("out/*")), "no half of a table or video is left behind"
 
 
 def test_no_folder_and_a_full_folder_are_refused(

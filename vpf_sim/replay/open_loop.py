@@ -1,7 +1,8 @@
 """A driver on a recorded drive: it sees the frames and says what it would do, and nobody does it."""
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -51,8 +52,10 @@ def run(recording: Recording, driver_name: str, out: Path, progress: Progress = 
     recorded_errors, own_errors = Errors(), Errors()
     camera = recording.camera
     with (
-        (out / f"{recording.name}.csv").open("w", newline="") as table,
-        Writer(out / f"{recording.name}.mp4", (camera.width_px, camera.height_px), recording.rate_hz) as video,
+        _draft(out / f"{recording.name}.csv") as csv_path,
+        _draft(out / f"{recording.name}.mp4") as video_path,
+        csv_path.open("w", newline="") as table,
+        Writer(video_path, (camera.width_px, camera.height_px), recording.rate_hz) as video,
     ):
         rows = csv.writer(table)
         rows.writerow(COLUMNS)
@@ -73,6 +76,17 @@ def run(recording: Recording, driver_name: str, out: Path, progress: Progress = 
         "accuracy": None,  # KITTI's layout records no throttle and no steering
         "derived": list(recording.derived),
     }
+
+
+@contextmanager
+def _draft(path: Path) -> Iterator[Path]:
+    """Another name to write under: at the end the file gets its own, or is removed if anything went wrong."""
+    draft = path.with_name(f"{path.stem}.draft{path.suffix}")
+    try:
+        yield draft
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
 
 
 def _setup(recording: Recording, driver: Driver) -> DriverSetup:
