@@ -201,6 +201,19 @@ def test_listings(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["drivers", "validate", "pid"]) == 0
 
 
+def test_a_stopped_drive_leaves_no_empty_run_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stop(*_: object) -> None:
+        assert (tmp_path / "run" / "manifest.json").exists()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vpf_sim.evaluation.episode.run", stop)
+    assert cli.run(["drive", "straight", "--driver", "neutral", "--out", str(tmp_path / "run")]) == 130
+    assert capsys.readouterr().err == ""
+    assert list(tmp_path.iterdir()) == []
+
+
 HEAVY = "{'highway_env', 'cv2', 'scipy', 'pandas', 'pyarrow', 'pygame', 'av'}"
 
 

@@ -221,6 +221,15 @@ def test_a_folder_that_cannot_be_used_is_not_held(tmp_path: Path) -> None:
             RunFolder(tmp_path, ASKED, resume=True)
 
 
+def test_a_discarded_folder_keeps_what_is_not_ours(tmp_path: Path) -> None:
+    RunFolder(tmp_path / "run", ASKED).discard()
+    assert not (tmp_path / "run").exists()
+    folder = RunFolder(tmp_path / "run", ASKED)
+    (tmp_path / "run" / "note.txt").write_text("mine")
+    folder.discard()
+    assert [path.name for path in (tmp_path / "run").iterdir()] == ["note.txt"]
+
+
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"plan": 1', '{"command": "sweep", "plan": 3, "fingerprint": {}}'])
 def test_a_manifest_that_is_none_is_told(tmp_path: Path, text: str) -> None:
     (tmp_path / "manifest.json").write_text(text)

@@ -37,7 +37,11 @@ def drive(
         asked = run_folder.manifest("drive", plan)
     with viewers.attached(video, watch) as show, prints_on_stderr():
         folder = run_folder.RunFolder(out or run_folder.new_path("drive"), asked)
-        result = episode.run(scenario, weather, driver, seed, show)
+        try:
+            result = episode.run(scenario, weather, driver, seed, show)
+        except BaseException:  # Ctrl-C above all
+            folder.discard()
+            raise
     steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
     folder.add(result.record, result.timing)
     folder.close()

@@ -2,6 +2,7 @@
 
 import json
 import os
+from contextlib import suppress
 from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
@@ -81,6 +82,14 @@ class RunFolder:
     def close(self) -> None:
         self._records.close()
         self._timing.close()
+
+    def discard(self) -> None:
+        """Remove the folder of a run that stored nothing."""
+        for name in (MANIFEST, "episodes.jsonl", "timing.jsonl"):
+            (self.path / name).unlink()
+        self.close()
+        with suppress(OSError):  # something of the user's is in it
+            self.path.rmdir()
 
     def _make(self) -> None:
         if self.path.exists() and not self.path.is_dir():
