@@ -8,10 +8,10 @@ import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.kinematics import Vehicle
 from highway_env.vehicle.objects import Obstacle, RoadObject
+
 from vpf_sim.envs.rectangles import solid_bodies
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.kinds import MOVING, SIZES, BodyKind
-
 from vpf_sim.types import Floats
 
 MAX_ACCELERATION_MPS2 = 1.5

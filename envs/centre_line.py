@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from vpf_sim.scenarios.parts import Arc, Line, Road, Segment
 
+from vpf_sim.scenarios.parts import Arc, Line, Road, Segment
 from vpf_sim.types import Floats
 
 NODES, WEIGHTS = (values.tolist() for values in np.polynomial.legendre.leggauss(8))

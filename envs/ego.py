@@ -6,8 +6,8 @@ from math import atan, cos, sin, tan
 import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.kinematics import Vehicle
-from vpf_sim.scenarios.kinds import EGO_SIZE, BodyKind
 
+from vpf_sim.scenarios.kinds import EGO_SIZE, BodyKind
 from vpf_sim.types import Floats, VehicleModel
 
 MAX_SPEED_MPS = 60.0

@@ -4,11 +4,11 @@ from math import hypot
 from typing import Literal
 
 import numpy as np
+
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.rectangles import corners, free_ahead
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.scenarios import Scenario
-
 from vpf_sim.types import Image
 
 Status = Literal["running", "success", "collision", "off_road", "timeout", "stuck", "invalid_frame"]

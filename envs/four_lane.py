@@ -9,6 +9,8 @@ import numpy as np
 from gymnasium import spaces
 from highway_env.road.road import Road
 from numpy.typing import NDArray
+
+from vpf_sim import scenarios
 from vpf_sim.envs import camera as cameras
 from vpf_sim.envs.bodies import place_bodies
 from vpf_sim.envs.camera import weather as weathers
@@ -18,11 +20,9 @@ from vpf_sim.envs.rectangles import clearance, distance, solid_bodies
 from vpf_sim.envs.road import build_road
 from vpf_sim.envs.route import Route
 from vpf_sim.envs.window import Window
-from vpf_sim.scenarios import Scenario
-
-from vpf_sim import scenarios
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.scenarios import Scenario
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image, VehicleModel
 

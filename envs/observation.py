@@ -6,9 +6,9 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
+
 from vpf_sim.envs.camera import Renderer, Rig, Weather
 from vpf_sim.envs.camera.weather import load
-
 from vpf_sim.types import Image
 
 ORIGINAL = "state"  # where an observation that is not a dictionary goes

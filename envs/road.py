@@ -6,10 +6,10 @@ import numpy as np
 from highway_env.road.lane import AbstractLane, LineType
 from highway_env.road.road import LaneIndex, RoadNetwork
 from highway_env.road.road import Road as HighwayRoad
+
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.parts import Road
-
 from vpf_sim.types import Floats
 
 START, END = "start", "end"  # the nodes of the network

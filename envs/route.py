@@ -1,9 +1,9 @@
 """The way through a scenario: the centre of the ego's lane, from the start to the goal and beyond."""
 
 import numpy as np
+
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.scenarios import Scenario
-
 from vpf_sim.types import Floats
 
 BEYOND_GOAL_M = 40.0

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
-from vpf_sim.scenarios import parts
-from vpf_sim.scenarios.schema import Scenario
 
 from vpf_sim.errors import InputError, unknown_name, wrong_value
+from vpf_sim.scenarios import parts
+from vpf_sim.scenarios.schema import Scenario
 
 # The keys of every section, for the nearest name to a misspelt one.
 SECTIONS: dict[str, type[BaseModel]] = {

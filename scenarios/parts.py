@@ -7,6 +7,7 @@ counted from the right, from 1. Radii and headings grow when turning right.
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
+
 from vpf_sim.scenarios.kinds import BodyKind
 
 Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML knows lists only

@@ -3,9 +3,9 @@
 from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
+
 from vpf_sim.scenarios.checks import faults
 from vpf_sim.scenarios.parts import Body, Ego, Goal, Limits, Road, Section, Vary
-
 from vpf_sim.seeding import stream
 
 SectionT = TypeVar("SectionT", bound=Section)

@@ -5,11 +5,11 @@ from math import hypot
 import numpy as np
 import pytest
 from highway_env.road.road import Road
+
+from vpf_sim import scenarios
 from vpf_sim.envs.bodies import STANDING, TRAFFIC, place_bodies
 from vpf_sim.envs.road import build_road
 from vpf_sim.scenarios import SIZES, Scenario
-
-from vpf_sim import scenarios
 
 BEND = """
 schema = 1

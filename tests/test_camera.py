@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 from highway_scenes import WIDTH_M, add_body, add_ego, bent_road, straight_road
-from vpf_sim.envs.camera import Renderer, Rig, weather
 
+from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import project, vehicle_from_world
 from vpf_sim.types import Camera

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 from ideal import Body, Eyes, Road, clearance, perception
-from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 
+from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.valley import Valley
 from vpf_sim.seeding import stream

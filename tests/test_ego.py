@@ -4,6 +4,7 @@ from math import atan, cos, pi, radians, sin, tan
 
 import numpy as np
 import pytest
+
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.road import build_road
 from vpf_sim.scenarios import load

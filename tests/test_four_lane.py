@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
-from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.envs.four_lane import FourLane
 
 import vpf_sim  # noqa: F401 (registers the environment)
 from vpf_sim import scenarios
+from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
 from vpf_sim.types import Camera, Floats
 

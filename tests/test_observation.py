@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from highway_env.road.lane import LineType
-from vpf_sim.envs.camera import Rig
 
 import vpf_sim
+from vpf_sim.envs.camera import Rig
 from vpf_sim.geometry import project, vehicle_from_world
 from vpf_sim.types import Camera
 

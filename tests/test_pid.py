@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from bicycle import Bicycle
-from vpf_sim.controllers.pid import Pid, WaypointPid, load_gains
 
+from vpf_sim.controllers.pid import Pid, WaypointPid, load_gains
 from vpf_sim.types import Floats
 
 GAINS = load_gains()

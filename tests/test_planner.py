@@ -5,8 +5,8 @@ from math import radians
 
 import numpy as np
 import pytest
-from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 
+from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import project, rotation, vehicle_from_world, wrap_angle
 from vpf_sim.planning import variant
 from vpf_sim.planning.planner import Planner

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from highway_env.road.road import Road
 from highway_env.vehicle.objects import Landmark
+
 from vpf_sim.envs.bodies import STANDING
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.rectangles import clearance, corners, distance, free_ahead

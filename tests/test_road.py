@@ -5,10 +5,10 @@ import pytest
 from highway_env.road.lane import LineType
 from scipy.integrate import quad
 from scipy.special import fresnel
-from vpf_sim.envs.road import Carriageway, build_road, centre_line
-from vpf_sim.scenarios.parts import Arc, Clothoid, Line, Road
 
 from vpf_sim import scenarios
+from vpf_sim.envs.road import Carriageway, build_road, centre_line
+from vpf_sim.scenarios.parts import Arc, Clothoid, Line, Road
 
 BENDS = Road(
     heading_deg=200.0,

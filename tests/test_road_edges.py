@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 import pytest
 from road_picture import RoadPicture
+
 from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.renderer import Renderer
 from vpf_sim.envs.four_lane import FourLane
-
 from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.birds_eye import distort
 from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from vpf_sim.envs.road import centre_line
-from vpf_sim.envs.route import Route
 
 from vpf_sim import scenarios
+from vpf_sim.envs.road import centre_line
+from vpf_sim.envs.route import Route
 
 BEND = """
 schema = 1

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from vpf_sim.envs.road import build_road
 
 from vpf_sim import scenarios
+from vpf_sim.envs.road import build_road
 from vpf_sim.errors import InputError
 from vpf_sim.types import Floats
 

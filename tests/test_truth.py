@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from highway_env.vehicle.kinematics import Vehicle
 from highway_scenes import add_body, add_ego, bent_road, on_bend, straight_road
-from vpf_sim.envs.camera import Renderer, weather
 
+from vpf_sim.envs.camera import Renderer, weather
 from vpf_sim.geometry import ground_from_pixels, project, vehicle_from_world, world_from_vehicle
 from vpf_sim.types import Camera
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pygame
 import pytest
+
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.window import Window, require_display
-
 from vpf_sim.errors import InputError
 
 

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from vpf_sim.scenarios.parts import Road
 
+from vpf_sim.scenarios.parts import Road
 from vpf_sim.types import Camera, Command, DriverSetup, Observation, VehicleModel
 
 RATE_HZ = 10.0

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+
 from vpf_sim.envs.camera.cars import CHROME, LAMP, PAINTS, RUBBER, UNDERSIDE, car, plate, shade, upright
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
 

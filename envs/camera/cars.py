@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point
 
 PAINTS: tuple[Colour, ...] = (

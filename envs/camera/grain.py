@@ -15,9 +15,9 @@ from math import ceil, log, log2
 import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
+
 from vpf_sim.envs.camera.texture import TILE, grain_tile
 from vpf_sim.envs.camera.view import View
-
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 

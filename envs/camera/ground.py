@@ -1,13 +1,13 @@
 """The road and the verge in the picture: what is painted on them, their grain, their colours."""
 
 import cv2
+
 from vpf_sim.envs.camera.grain import Grain, ground_top
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.paint import painted
 from vpf_sim.envs.camera.palette import ground_table
 from vpf_sim.envs.camera.surface import Surface
 from vpf_sim.envs.camera.view import View
-
 from vpf_sim.types import Camera, Image
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from vpf_sim.envs.camera.view import View
 
+from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats
 
 STEP_M = 12.0  # what the camera travels before all things are looked at again

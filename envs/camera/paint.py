@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
 from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
 from vpf_sim.envs.camera.wear import FLAKE_RANGE_M, REPAIR_RANGE_M, flakes, wear
-
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+
 from vpf_sim.envs.camera.mesh import Mesh
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
-
 from vpf_sim.types import Floats, Image
 
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates

@@ -8,6 +8,7 @@ import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
 from numpy.typing import NDArray
+
 from vpf_sim.envs.camera.bodies import HEIGHTS_M, body_mesh
 from vpf_sim.envs.camera.ground import Ground
 from vpf_sim.envs.camera.layout import lane_shapes
@@ -23,7 +24,6 @@ from vpf_sim.envs.camera.trees import paint_tree
 from vpf_sim.envs.camera.truth import STILL, Drawn, Moment, Motion, truth
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
-
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 

@@ -5,12 +5,12 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.spatial import cKDTree
+
 from vpf_sim.envs.camera.layout import LaneShape, outer_edges
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box
 from vpf_sim.envs.camera.nearby import Nearby
 from vpf_sim.envs.camera.painter import Drawing, Light
 from vpf_sim.envs.camera.view import NEAR_M, View
-
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 

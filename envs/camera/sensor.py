@@ -5,8 +5,8 @@ from functools import lru_cache
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from vpf_sim.envs.camera.rig import Rig
 
+from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 

@@ -2,9 +2,9 @@
 
 import cv2
 import numpy as np
+
 from vpf_sim.envs.camera.painter import SHIFT, Light, bounding_box, footprint
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
-
 from vpf_sim.types import Floats, Image
 
 RANGE_M = 90.0

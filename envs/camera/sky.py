@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
 from vpf_sim.envs.camera.grain import ground_top
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.view import View
-
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 

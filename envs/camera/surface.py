@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
 from vpf_sim.envs.camera.grain import ground_top, row_distance
 from vpf_sim.envs.camera.nearby import Indices, Nearby
 from vpf_sim.envs.camera.paint import GRASS, RANGE_M, Batch
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
-
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 FAR_ROWS = 32  # rows under the horizon that are drawn on the finer canvas

@@ -6,9 +6,9 @@ from math import ceil, floor, log2
 
 import cv2
 import numpy as np
+
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.view import View
-
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, bounding_box
 from vpf_sim.envs.camera.trees import Sprite
 from vpf_sim.envs.camera.view import View
-
 from vpf_sim.types import Bools, Floats
 
 Singles = NDArray[np.float32]

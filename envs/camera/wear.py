@@ -2,8 +2,8 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from vpf_sim.envs.camera.layout import LaneShape, Line, interpolated
 
+from vpf_sim.envs.camera.layout import LaneShape, Line, interpolated
 from vpf_sim.types import Floats
 
 SPACING_M = 22.0  # of faults along each lane, on average
