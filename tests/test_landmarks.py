@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import project, vehicle_from_world, wrap_angle
-from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker, carriageway_offsets
+from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker, _at_least, carriageway_offsets
 from vpf_sim.perception.triangulation import NoiseModel, information, triangulate
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
@@ -222,6 +222,15 @@ def test_a_side_known_well_across_counts_however_poor_its_depth() -> None:
         seen = found.update(chosen(flow, kept), drive.road, SPEED_MPS, frame / RATE_HZ)
     assert seen.left_m.min() == pytest.approx(-1.3, abs=0.2)
     assert seen.right_m.max() == pytest.approx(3.9, abs=0.2)
+
+
+def test_what_lies_before_the_face_is_moved_along_its_line_of_sight() -> None:
+    """A corner 12 m ahead and 3 m right, seen from the origin and placed at two thirds of its distance; then a turn."""
+    turn, corner = -0.3, np.array([12.0, 3.0])
+    placed = vehicle_from_world(np.stack([corner * 2.0 / 3.0, corner]), np.array([0.0, 0.0, turn]))
+    sight = np.arctan2(corner[1], corner[0]) - turn
+    across = _at_least(np.full(2, placed[1, 0]), placed, np.full(2, sight))
+    assert across == pytest.approx([placed[1, 1]] * 2)
 
 
 def chosen(flow: Flow, kept: Bools) -> Flow:

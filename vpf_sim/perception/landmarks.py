@@ -180,8 +180,9 @@ class LandmarkTracker:
         below = (flow.points_px[above, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
         founding = below * self.config.foot_m > self.camera.height_m
         sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
-        side_sigma = sigma * np.abs(points.right_m[above]) / depth
-        return Sightings(flow.identity[above], place, sigma, side_sigma, depth, height, founding)
+        bearing = points.right_m[above] / depth
+        sight = flow.pose[2] + np.arctan(bearing)
+        return Sightings(flow.identity[above], place, sigma, sigma * np.abs(bearing), sight, depth, height, founding)
 
     def _forget(self, flow: Flow) -> None:
         marks = self._marks
@@ -219,10 +220,17 @@ class LandmarkTracker:
         support = np.bincount(label, minlength=count)
         founders = np.bincount(label, marks.founding[believed], count)
         confirmed = (founders >= 2) | ((founders >= 1) & (support >= 3)) | (np.bincount(label, single, count) > 0)
-        return self._describe(believed, label, confirmed, place, sigma, speed_mps)
+        return self._describe(believed, label, confirmed, place, sigma, pose[2], speed_mps)
 
     def _describe(
-        self, believed: Integers, label: Integers, confirmed: Bools, place: Floats, sigma: Floats, speed_mps: float
+        self,
+        believed: Integers,
+        label: Integers,
+        confirmed: Bools,
+        place: Floats,
+        sigma: Floats,
+        yaw_rad: float,
+        speed_mps: float,
     ) -> Obstacles:
         count = len(confirmed)
         body = np.full(count, np.iinfo(np.int64).max)
@@ -233,14 +241,15 @@ class LandmarkTracker:
         self._next_body += len(fresh)
         self._marks.body[believed] = np.where(confirmed[label], body[label], known)
         # A poor point would stretch the body. Ahead of the car, one of poor depth still tells a side well.
-        sides = _known_well(self._marks.side_sigma_m[believed], self.config.sharp_side_m, label, count)
-        left, right = np.full(count, np.inf), np.full(count, -np.inf)
-        np.minimum.at(left, label[sides], place[sides, 1])
-        np.maximum.at(right, label[sides], place[sides, 1])
         known_well = _known_well(sigma, self.config.sharp_m, label, count)
         member = label[known_well]
         face = np.full(count, np.inf)
         np.minimum.at(face, member, place[known_well, 0])
+        sides = np.flatnonzero(_known_well(self._marks.side_sigma_m[believed], self.config.sharp_side_m, label, count))
+        across = _at_least(face[label[sides]], place[sides], self._marks.sight_rad[believed[sides]] - yaw_rad)
+        left, right = np.full(count, np.inf), np.full(count, -np.inf)
+        np.minimum.at(left, label[sides], across)
+        np.maximum.at(right, label[sides], across)
         weight = 1.0 / np.maximum(sigma[known_well], 0.02) ** 2
         face_sigma = 1.0 / np.sqrt(np.bincount(member, weight, count))
         closing = max(speed_mps, 0.0)
@@ -256,6 +265,17 @@ def _known_well(sigma_m: Floats, sharp_m: float, label: Integers, count: int) ->
     np.minimum.at(sharpest, label, sigma_m)
     well: Bools = sigma_m <= np.maximum(sharp_m, 2.0 * sharpest[label])
     return well
+
+
+def _at_least(forward_m: Floats, place_m: Floats, sight_rad: Floats) -> Floats:
+    """(M,) m across, where points (M, 2) in vehicle axes lie when those nearer than `forward_m` are moved up to it.
+
+    Nothing of a body lies before its face, and a place errs along the line of sight (to the right of ahead by
+    `sight_rad`) in which the point was seen, not across it; the car may have turned since.
+    """
+    lacking = np.maximum(forward_m - place_m[:, 0], 0.0)
+    across: Floats = place_m[:, 1] + lacking * np.tan(sight_rad)
+    return across
 
 
 def _none() -> Obstacles:

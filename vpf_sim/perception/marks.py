@@ -18,6 +18,7 @@ class Sightings:
     place_m: Floats  # (M, 2) in the world
     sigma_m: Floats  # (M,) of the depth
     side_sigma_m: Floats  # (M,) of the place across, which errs with the depth by the bearing
+    sight_rad: Floats  # (M,) direction in the world in which the point was seen, and its place may err
     depth_m: Floats  # (M,) from the camera
     height_m: Floats  # (M,) above the road
     founding: Bools  # (M,) may found a body, not only support one
@@ -45,6 +46,7 @@ class Marks:
     place_m: Floats  # (M, 2) in the world at the last hit
     sigma_m: Floats  # (M,)
     side_sigma_m: Floats  # (M,)
+    sight_rad: Floats  # (M,)
     depth_m: Floats  # (M,)
     height_m: Floats  # (M,)
     founding: Bools  # (M,)
@@ -56,7 +58,7 @@ class Marks:
     @classmethod
     def none(cls) -> "Marks":
         number, truth = np.empty(0), np.empty(0, np.bool_)
-        return cls.of(Sightings(np.empty(0, np.int64), np.empty((0, 2)), number, number, number, number, truth), 0.0)
+        return cls.of(Sightings(np.empty(0, np.int64), np.empty((0, 2)), *[number] * 5, truth), 0.0)
 
     @classmethod
     def of(cls, seen: Sightings, time_s: float) -> "Marks":
@@ -68,6 +70,7 @@ class Marks:
             place_m=seen.place_m,
             sigma_m=seen.sigma_m,
             side_sigma_m=seen.side_sigma_m,
+            sight_rad=seen.sight_rad,
             depth_m=seen.depth_m,
             height_m=seen.height_m,
             founding=seen.founding,
@@ -124,7 +127,7 @@ class Marks:
     def _place(self, row: Integers, seen: Sightings, column: Integers) -> None:
         self.place_m[row], self.sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
         self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
-        self.side_sigma_m[row] = seen.side_sigma_m[column]
+        self.side_sigma_m[row], self.sight_rad[row] = seen.side_sigma_m[column], seen.sight_rad[column]
         self.founding[row] = seen.founding[column]
 
     def _append(self, seen: Sightings, new: Bools, time_s: float) -> None:
