@@ -58,7 +58,9 @@ class Marks:
     @classmethod
     def none(cls) -> "Marks":
         number, truth = np.empty(0), np.empty(0, np.bool_)
-        return cls.of(Sightings(np.empty(0, np.int64), np.empty((0, 2)), *[number] * 5, truth), 0.0)
+        return cls.of(
+            Sightings(np.empty(0, np.int64), np.empty((0, 2)), number, number, number, number, number, truth), 0.0
+        )
 
     @classmethod
     def of(cls, seen: Sightings, time_s: float) -> "Marks":
