@@ -3,9 +3,8 @@
 from math import hypot
 from typing import Literal
 
-import numpy as np
-
 from vpf_sim.envs.ego import Ego
+from vpf_sim.envs.frame_check import InvalidFrame, fault_of
 from vpf_sim.envs.rectangles import corners, free_ahead
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.scenarios import Scenario
@@ -20,33 +19,41 @@ STANDING_MPS, STANDING_S = 0.05, 2.0
 STOP_AHEAD_M = (1.0, 15.0)
 STUCK_MPS, STUCK_S = 0.2, 10.0
 FRAME_MOVED_M = 0.02
-SAMPLE = 40  # px between the pixels that are looked at before whole frames are compared
 
 
 class Ending:
-    """Judges every step of one episode."""
+    """Judges every step of one episode; `invalid_frame` is the first frame that was none."""
 
-    def __init__(self, scenario: Scenario, rate_hz: float, ego: Ego, frame: Image) -> None:
+    def __init__(self, scenario: Scenario, rate_hz: float, ego: Ego, frame: Image, shape: tuple[int, ...]) -> None:
+        """`frame` is that of the reset, `shape` that which every frame must have."""
         self._scenario = scenario
         self._rate_hz = rate_hz
+        self._shape = shape
         self._steps = 0
         self._standing_steps = 0
         self._slow_steps = 0
         self._last_frame = frame
         self._last_position = ego.position
+        self.invalid_frame: InvalidFrame | None = None
+        self._check(frame)
+
+    @property
+    def status_at_reset(self) -> Status:
+        return "running" if self.invalid_frame is None else "invalid_frame"
 
     def status(self, ego: Ego, frame: Image) -> Status:
         """The status after one more step; called once a step."""
         self._steps += 1
         self._slow_steps = self._slow_steps + 1 if ego.speed < STUCK_MPS else 0
-        invalid = self._invalid(ego, frame)
+        self._check(frame, self._last_frame if self._moved(ego) else None)
+        self._last_frame = frame
         if ego.crashed:
             return "collision"
         if off_road(ego):
             return "off_road"
         if self._success(ego):
             return "success"
-        if invalid:
+        if self.invalid_frame is not None:
             return "invalid_frame"
         if self._slow_steps >= STUCK_S * self._rate_hz:
             return "stuck"
@@ -59,13 +66,16 @@ class Ending:
         self._standing_steps = self._standing_steps + 1 if stopped else 0
         return self._standing_steps >= STANDING_S * self._rate_hz
 
-    def _invalid(self, ego: Ego, frame: Image) -> bool:
-        last, self._last_frame = self._last_frame, frame
+    def _moved(self, ego: Ego) -> bool:
+        """Whether the ego is elsewhere than at the last frame."""
         (x, y), (last_x, last_y) = ego.position.tolist(), self._last_position.tolist()
         self._last_position = ego.position
-        if frame.shape != last.shape or frame.dtype != np.uint8 or _constant(frame):
-            return True
-        return hypot(x - last_x, y - last_y) > FRAME_MOVED_M and _same(frame, last)
+        return hypot(x - last_x, y - last_y) > FRAME_MOVED_M
+
+    def _check(self, frame: Image, last: Image | None = None) -> None:
+        fault = fault_of(frame, self._shape, last)
+        if fault is not None and self.invalid_frame is None:
+            self.invalid_frame = InvalidFrame(self._steps, self._steps / self._rate_hz, fault)
 
 
 def off_road(ego: Ego) -> bool:
@@ -81,13 +91,3 @@ def off_road(ego: Ego) -> bool:
         abs(right) > half_width_m + OFF_ROAD_MARGIN_M or not -OFF_ROAD_MARGIN_M <= s <= length_m + OFF_ROAD_MARGIN_M
         for s, right in places
     )
-
-
-def _constant(frame: Image) -> bool:
-    """Black, or any one colour."""
-    first = frame[0, 0]
-    return bool((frame[::SAMPLE, ::SAMPLE] == first).all() and (frame == first).all())
-
-
-def _same(a: Image, b: Image) -> bool:
-    return bool((a[::SAMPLE, ::SAMPLE] == b[::SAMPLE, ::SAMPLE]).all() and (a == b).all())

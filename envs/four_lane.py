@@ -1,6 +1,7 @@
 """vpf_sim/FourLane-v0: the ego car on a scenario's road, seen through its camera."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from math import radians
 from typing import Any
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from vpf_sim import scenarios
 from vpf_sim.envs import camera as cameras
 from vpf_sim.envs.bodies import place_bodies
+from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
@@ -40,8 +42,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     (x, y, yaw, speed, yaw rate) in m, rad, s, `goal` (x, y) m, `time` s. Reward: metres of route gained / 10, less 0.01
     x squared change of action, less 5 on collision or off_road, plus 5 on success. `info`: `status` ("running" until
     the end), `route_m`, `lane_offset_m` from the centre of the ego's lane (+ is right), `clearance_m` to the nearest
-    body, `collided_with`, and the arrays that `truth` names. Success, collision and off_road terminate; timeout, stuck
-    and invalid_frame truncate.
+    body, `collided_with`, and the arrays that `truth` names; where a frame was none also `invalid_frame`: its number,
+    `time_s` and `fault`. Success, collision and off_road terminate; timeout, stuck and invalid_frame truncate.
 
     `scenario` and `weather` are names of the catalogs, paths of TOML files, or what their `load` returns. After a reset
     `scenario` is the one drawn for the seed, and `road`, `ego`, `route` and `goal_m` are those of the episode.
@@ -63,9 +65,10 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         render_mode: str | None = None,
         truth: Sequence[str] = (),
         rate_hz: float = 60.0,
-        camera: Camera | None = None,
+        rig: Rig | None = None,
     ) -> None:
-        self.camera = camera or Camera()
+        self.rig = rig or Rig()
+        self.camera = self.rig.camera
         self.vehicle_model = VehicleModel()
         self.rate_hz = _checked_rate(rate_hz)
         self.metadata = {**self.metadata, "render_fps": round(rate_hz)}
@@ -87,13 +90,14 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.episode_seed = int(self.np_random.integers(2**31)) if seed is None else seed
         self.scenario = self._undrawn.draw(self.episode_seed)
         self._build_world()
-        self._renderer = cameras.Renderer(self.road, self.camera, self.weather, self.episode_seed)
+        self._renderer = cameras.Renderer(self.road, self.rig, self.weather, self.episode_seed)
         self._steps, self._route_m = 0, self._path.progress(self.ego.place[0])
         self._action = np.zeros(2)
         self._frame = self._renderer.render(self.ego, 0.0)
-        self._ending = Ending(self.scenario, self.rate_hz, self.ego, self._frame)
+        shape = (self.camera.height_px, self.camera.width_px, 3)
+        self._ending = Ending(self.scenario, self.rate_hz, self.ego, self._frame, shape)
         self._show()
-        return self._observation(), self._info("running")
+        return self._observation(), self._info(self._ending.status_at_reset)
 
     def step(self, action: NDArray[np.float32]) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
         """Apply throttle and steering for one tick of the clock."""
@@ -171,6 +175,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "lane_offset_m": self.ego.place[1] - self._path.offset_m,
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
+            **({"invalid_frame": asdict(self._ending.invalid_frame)} if self._ending.invalid_frame else {}),
             **(self._renderer.truth(self._truth) if self._truth else {}),
         }
 

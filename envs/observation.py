@@ -50,7 +50,7 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
         world: Any = self.env.unwrapped
         # the environment's own generator is not drawn from: its episodes stay as they are without the camera
         episode_seed = int(world.np_random_seed) + self._episodes
-        self.renderer = Renderer(world.road, self.rig.camera, self.weather, episode_seed, self.rig.noise_sd)
+        self.renderer = Renderer(world.road, self.rig, self.weather, episode_seed)
         return self._observed(observation), info
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:

@@ -50,7 +50,7 @@ def unworn(monkeypatch):
 def test_sides_of_stripes_lie_where_projected(camera, unworn):  # noqa: ARG001
     road = straight_road()
     ego = add_ego(road, [20.0, WIDTH_M * 1.5 - 0.7])
-    renderer = Renderer(road, camera, CLEAR, 1, noise_sd=0.0)
+    renderer = Renderer(road, Rig(camera, noise_sd=0.0), CLEAR, 1)
     picture = grey(renderer, ego)
     pose = np.array([*ego.position, ego.heading])
     errors = []
@@ -78,7 +78,7 @@ def test_ends_of_stripes_lie_where_projected(unworn):  # noqa: ARG001
     errors = []
     for x in np.arange(20.0, 29.0, 1.3):
         ego = add_ego(road, [x, WIDTH_M * 1.5])  # the line runs straight down the middle of the picture
-        picture = grey(Renderer(road, camera, CLEAR, 1, noise_sd=0.0), ego)
+        picture = grey(Renderer(road, Rig(camera, noise_sd=0.0), CLEAR, 1), ego)
         road.vehicles.clear()
         for start, end in stripes_ahead(x + 3.0, x + 12.0):
             ends = np.array([[end - x, 0.0, 0.0], [start - x, 0.0, 0.0]])
@@ -99,8 +99,8 @@ def test_a_body_fills_the_silhouette_that_its_corners_span(distance):
     road, empty = straight_road(), straight_road()
     add_body(road, "van", [20.0 + distance, 3.5])
     ego = add_ego(road, [20.0, 3.5])
-    with_body = grey(Renderer(road, camera, CLEAR, 1, noise_sd=0.0), ego)
-    without = grey(Renderer(empty, camera, CLEAR, 1, noise_sd=0.0), ego)
+    with_body = grey(Renderer(road, Rig(camera, noise_sd=0.0), CLEAR, 1), ego)
+    without = grey(Renderer(empty, Rig(camera, noise_sd=0.0), CLEAR, 1), ego)
     changed = np.abs(with_body - without) > 2.0
     rear = distance - 0.5 * 5.5
     (left, top), (right, _) = project(camera, np.array([[rear, -1.05, 2.3], [rear, 1.05, 2.3]]))
@@ -117,7 +117,7 @@ def test_a_standing_camera_sees_the_same_frame():
     road = straight_road()
     add_body(road, "car", [40.0, 3.5])
     ego = add_ego(road, [20.0, 7.0])
-    renderer = Renderer(road, Camera(), CLEAR, 1, noise_sd=0.0)
+    renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 1)
     first, second = renderer.render(ego, 0.0), renderer.render(ego, 1.0)
     assert np.array_equal(first, second)
     assert not np.shares_memory(first, second)
@@ -126,8 +126,8 @@ def test_a_standing_camera_sees_the_same_frame():
 def test_noise_has_its_size_and_is_new_in_each_frame():
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
-    quiet = Renderer(road, Camera(), CLEAR, 1, noise_sd=0.0).render(ego, 0.0).astype(float)
-    renderer = Renderer(road, Camera(), CLEAR, 1, noise_sd=2.0)
+    quiet = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 1).render(ego, 0.0).astype(float)
+    renderer = Renderer(road, Rig(Camera(), noise_sd=2.0), CLEAR, 1)
     first, second = (renderer.render(ego, 0.0).astype(float) for _ in range(2))
     assert (first - quiet)[:400].std() == pytest.approx(2.0, abs=0.15)
     assert np.corrcoef((first - quiet).ravel(), (second - quiet).ravel())[0, 1] == pytest.approx(0.0, abs=0.01)
@@ -136,13 +136,13 @@ def test_noise_has_its_size_and_is_new_in_each_frame():
 DIGEST = """
 import hashlib, cv2
 from highway_scenes import add_body, add_ego, bent_road
-from vpf_sim.envs.camera import Renderer, weather
+from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.types import Camera
 cv2.setNumThreads(1)
 road = bent_road()
 add_body(road, "car", [30.0, 6.0], 0.3)
 ego = add_ego(road, [1.0, 2.0])
-renderer = Renderer(road, Camera(), weather.load("clear"), 7)
+renderer = Renderer(road, Rig(), weather.load("clear"), 7)
 digest = hashlib.sha256()
 for k in range(3):
     ego.position = ego.position + [0.09, 0.0]
@@ -164,7 +164,9 @@ def test_a_seed_gives_the_same_bytes_in_a_fresh_process():
 def test_seeds_differ_in_scenery_and_ground_not_in_markings():
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
-    one, two = (Renderer(road, Camera(), CLEAR, seed, noise_sd=0.0).render(ego, 0.0).astype(int) for seed in (1, 2))
+    one, two = (
+        Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, seed).render(ego, 0.0).astype(int) for seed in (1, 2)
+    )
     assert np.abs(one - two)[250:].mean() > 2.0
     assert np.abs(one - two)[180:240].mean() > 2.0
 
@@ -172,7 +174,7 @@ def test_seeds_differ_in_scenery_and_ground_not_in_markings():
 def test_the_ground_has_grain_at_every_distance():
     road = bent_road()
     ego = add_ego(road, [1.0, -1.75])
-    picture = grey(Renderer(road, Camera(), CLEAR, 3, noise_sd=0.0), ego)
+    picture = grey(Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 3), ego)
     for row in (252, 262, 275, 290, 320, 360, 420, 470):  # 35 m to 2 m ahead
         asphalt = picture[row, 280:340]
         assert 2.0 < asphalt.std() < 16.0, row
@@ -182,7 +184,7 @@ def test_grain_has_no_seam_between_its_levels():
     """Averaged over many places, the brightness changes nowhere abruptly from row to row."""
     road = straight_road()
     ego = add_ego(road, [0.0, 3.5])
-    renderer = Renderer(road, Camera(), CLEAR, 3, noise_sd=0.0)
+    renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 3)
     frames = []
     for k in range(24):
         ego.position = np.array([20.0 + 7.7 * k, 3.5])
@@ -196,7 +198,7 @@ def test_frames_do_not_shimmer_in_the_distance():
     """A millimetre of travel changes the far road by no more than its share of a pixel."""
     road = straight_road()
     ego = add_ego(road, [20.0, 3.5])
-    renderer = Renderer(road, Camera(), CLEAR, 3, noise_sd=0.0)
+    renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 3)
     first = grey(renderer, ego)
     ego.position = ego.position + np.array([0.001, 0.0])
     assert np.abs(grey(renderer, ego) - first)[242:300].mean() < 0.35
@@ -205,7 +207,7 @@ def test_frames_do_not_shimmer_in_the_distance():
 def test_the_sky_turns_with_the_yaw_and_does_not_move_with_the_car():
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
-    renderer = Renderer(road, Camera(), CLEAR, 3, noise_sd=0.0)
+    renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 3)
     first = renderer.render(ego, 0.0)[:100]
     ego.position = ego.position + np.array([30.0, 1.0])
     assert np.array_equal(renderer.render(ego, 0.1)[:60], first[:60])
@@ -225,8 +227,9 @@ def test_cameras_that_cannot_be_drawn_are_refused(camera, key):
 
 
 def test_weathers_are_those_that_are_drawn():
-    assert weather.names() == ["ClearNoon", "clear"]
-    assert weather.load("clear") == weather.load("ClearNoon")
+    aliases = {"clear": "ClearNoon", "cloudy": "CloudyNoon", "rain": "HardRainNoon", "MidRainNoon": "MidRainyNoon"}
+    assert {alias: weather.load(alias).name for alias in aliases} == aliases
+    assert set(aliases) < set(weather.names())
     with pytest.raises(InputError, match="unknown weather 'cleer': did you mean 'clear'"):
         weather.load("cleer")
 
@@ -244,10 +247,10 @@ def test_weather_files_change_single_factors(tmp_path):
         ("sun_altitude = 20.0", "unknown key 'sun_altitude': did you mean 'sun_altitude_angle'"),
         ("sun_altitude_angle = 200.0", "sun_altitude_angle: expected less than or equal to 90, got 200.0"),
         ("sun_altitude_angle = 'noon'", "sun_altitude_angle: expected a valid number, got 'noon'"),
-        ("precipitation = 40.0", "unknown key 'precipitation'"),
+        ("rain = 40.0", "unknown key 'rain'"),
         ("base = 3", "base: expected the name of a weather, got 3"),
         ("base = 'ClaerNoon'", "base: unknown weather 'ClaerNoon': did you mean 'ClearNoon'"),
-        ("base = 'other.toml'", "base: unknown weather 'other.toml': known: ClearNoon, clear"),
+        ("base = 'other.toml'", "base: unknown weather 'other.toml': known: ClearNoon"),
         ("bsae = 'clear'", "unknown key 'bsae': did you mean 'base'"),
         ("base = ", "expected TOML, got: Invalid value"),
         ("name = '\xe4'", "expected a readable weather file, got: not a text file"),

@@ -13,6 +13,7 @@ from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 
 import vpf_sim  # noqa: F401 (registers the environment)
 from vpf_sim import scenarios
+from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
@@ -24,7 +25,7 @@ schema = 1
 segments = [{kind = "line", length_m = 200}]
 """
 FULL_AHEAD, FULL_BRAKE, NEUTRAL = np.array([1.0, 0.0]), np.array([-1.0, 0.0]), np.array([0.0, 0.0])
-SMALL = Camera(width_px=64, height_px=48, fx_px=32.0, fy_px=32.0, cx_px=31.5, cy_px=23.5)
+SMALL = Rig(Camera(width_px=64, height_px=48, fx_px=32.0, fy_px=32.0, cx_px=31.5, cy_px=23.5))
 
 
 class FakeRenderer:
@@ -66,7 +67,7 @@ def constantly(action: Floats) -> Callable[[FourLane], Floats]:
 
 
 def ending(text: str, action: Floats = NEUTRAL) -> tuple[list[tuple[Any, ...]], FourLane]:
-    env = FourLane(scenario(text), camera=SMALL)
+    env = FourLane(scenario(text), rig=SMALL)
     return drive(env, constantly(action)), env
 
 
@@ -88,7 +89,7 @@ def test_success_is_the_centre_crossing_the_goals_cross_section() -> None:
 
 @pytest.mark.usefixtures("blind")
 def test_success_counts_in_any_lane() -> None:
-    env = FourLane(scenario(GOAL + "[ego]\nlane = 4\nlateral_m = -0.5\n"), camera=SMALL)
+    env = FourLane(scenario(GOAL + "[ego]\nlane = 4\nlateral_m = -0.5\n"), rig=SMALL)
     steps = drive(env, constantly(NEUTRAL))
     assert steps[-1][4]["status"] == "success"
     assert steps[-1][4]["lane_offset_m"] == pytest.approx(-0.5)
@@ -112,7 +113,7 @@ def test_collision_names_the_kind_hit_and_moves_the_car_by_nothing_but_its_speed
 @pytest.mark.usefixtures("blind")
 def test_a_car_from_behind_is_a_collision_too() -> None:
     text = FAR + '[ego]\ns_m = 30.0\nspeed_mps = 0.0\n[[bodies]]\nkind = "car"\ns_m = 10.0\nlane = 2\nspeed_mps = 8.0\n'
-    env = FourLane(scenario(text), camera=SMALL)
+    env = FourLane(scenario(text), rig=SMALL)
     env.reset(seed=0)
     env.road.vehicles[0].act = lambda: None  # it does not look
     info = next(info for *_, info in (env.step(NEUTRAL) for _ in range(200)) if info["status"] != "running")
@@ -166,7 +167,7 @@ def braking_at(x: float) -> Callable[[FourLane], Floats]:
 
 @pytest.mark.usefixtures("blind")
 def test_stop_is_two_seconds_of_standing_at_one_to_fifteen_metres() -> None:
-    env = FourLane(scenario(STOP + BARRIER), camera=SMALL)
+    env = FourLane(scenario(STOP + BARRIER), rig=SMALL)
     steps = drive(env, braking_at(28.0))
     standing = sum(step[0]["ego"][3] < 0.05 for step in steps)
     assert (steps[-1][4]["status"], standing) == ("success", 120)
@@ -176,7 +177,7 @@ def test_stop_is_two_seconds_of_standing_at_one_to_fifteen_metres() -> None:
 @pytest.mark.usefixtures("blind")
 @pytest.mark.parametrize("x", [10.0, 34.3])
 def test_stop_too_far_from_or_too_near_the_body_is_no_success(x: float) -> None:
-    env = FourLane(scenario(STOP + BARRIER), camera=SMALL)
+    env = FourLane(scenario(STOP + BARRIER), rig=SMALL)
     steps = drive(env, braking_at(x))
     assert steps[-1][4]["status"] == "stuck"
     assert not 1.0 <= steps[-1][4]["clearance_m"] <= 15.0
@@ -216,7 +217,7 @@ def test_the_same_frame_twice_is_right_while_the_car_stands(monkeypatch: pytest.
 
 @pytest.mark.usefixtures("blind")
 def test_the_reward_is_metres_over_ten_less_the_squared_change_of_action() -> None:
-    env = FourLane(scenario(FAR), camera=SMALL)
+    env = FourLane(scenario(FAR), rig=SMALL)
     env.reset(seed=0)
     _, first, *_ = env.step(np.array([0.0, 0.5]))
     _, second, *_ = env.step(np.array([0.5, 0.5]))
@@ -226,7 +227,7 @@ def test_the_reward_is_metres_over_ten_less_the_squared_change_of_action() -> No
 
 @pytest.mark.usefixtures("blind")
 def test_actions_are_shares_of_what_the_car_can_do() -> None:
-    env = FourLane(scenario(FAR), camera=SMALL)
+    env = FourLane(scenario(FAR), rig=SMALL)
     for action, change_mps, steering_rad in [
         ((1.0, 1.0), 3.0 / 60.0, 1.0 / 60.0),
         ((-0.5, 0.01), -3.0 / 60.0, radians(0.4)),
@@ -241,7 +242,7 @@ def test_actions_are_shares_of_what_the_car_can_do() -> None:
 @pytest.mark.usefixtures("blind")
 @pytest.mark.parametrize("action", [[np.nan, 0.0], [0.0], [0.0, inf]])
 def test_an_action_that_is_not_two_finite_numbers_is_refused(action: list[float]) -> None:
-    env = FourLane(scenario(FAR), camera=SMALL)
+    env = FourLane(scenario(FAR), rig=SMALL)
     env.reset(seed=0)
     with pytest.raises(ValueError, match=r"^action: expected two finite numbers in \[-1, 1\], throttle and steering"):
         env.step(np.array(action))
@@ -249,7 +250,7 @@ def test_an_action_that_is_not_two_finite_numbers_is_refused(action: list[float]
 
 @pytest.mark.usefixtures("blind")
 def test_an_action_array_is_left_as_it_was() -> None:
-    env, action = FourLane(scenario(FAR), camera=SMALL), np.array([2.0, -3.0])
+    env, action = FourLane(scenario(FAR), rig=SMALL), np.array([2.0, -3.0])
     env.reset(seed=0)
     env.step(action)
     assert action.tolist() == [2.0, -3.0]
@@ -257,7 +258,7 @@ def test_an_action_array_is_left_as_it_was() -> None:
 
 @pytest.mark.usefixtures("blind")
 def test_what_the_evaluation_is_offered() -> None:
-    env = FourLane("curve-right", camera=SMALL)
+    env = FourLane("curve-right", rig=SMALL)
     env.reset(seed=4)
     lane = env.road.network.get_lane(("start", "end", 2))
     assert env.scenario == scenarios.load("curve-right").draw(4)
@@ -274,7 +275,7 @@ def test_what_the_evaluation_is_offered() -> None:
     ("heading", "yaw"), [(3.0 * pi + 0.1, -pi + 0.1), (-pi, pi), (-3.0 * pi - 0.1, pi - 0.1), (1, 1)]
 )
 def test_the_yaw_is_the_heading_wrapped(heading: float, yaw: float) -> None:
-    env = FourLane("straight", camera=SMALL)
+    env = FourLane("straight", rig=SMALL)
     env.reset(seed=0)
     env.ego.heading = heading
     observed, *_ = env.step(NEUTRAL)
@@ -283,7 +284,7 @@ def test_the_yaw_is_the_heading_wrapped(heading: float, yaw: float) -> None:
 
 @pytest.mark.usefixtures("blind")
 def test_twenty_frames_a_second_is_the_other_clock() -> None:
-    env = FourLane(scenario(GOAL), camera=SMALL, rate_hz=20.0)
+    env = FourLane(scenario(GOAL), rig=SMALL, rate_hz=20.0)
     steps = drive(env, constantly(NEUTRAL))
     assert len(steps) == np.ceil(25.0 / (5.55 / 20.0))
     assert steps[-1][0]["time"][0] == pytest.approx(len(steps) / 20.0)
@@ -349,7 +350,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others() -> None:
 
 @pytest.mark.usefixtures("blind")
 def test_a_reset_without_a_seed_draws_the_next_of_a_reproducible_sequence() -> None:
-    env, other = FourLane("town04", camera=SMALL), FourLane("town04", camera=SMALL)
+    env, other = FourLane("town04", rig=SMALL), FourLane("town04", rig=SMALL)
     env.reset(seed=5)
     other.reset(seed=5)
     starts = [env.reset()[0]["ego"].tolist() for _ in range(3)]
@@ -395,8 +396,8 @@ def test_every_step_returns_fresh_arrays() -> None:
 
 @pytest.mark.usefixtures("blind")
 def test_truth_is_given_on_request_only() -> None:
-    _, info = FourLane("straight", camera=SMALL, truth=("foe",)).reset(seed=0)
+    _, info = FourLane("straight", rig=SMALL, truth=("foe",)).reset(seed=0)
     assert "foe" in info
-    _, info = FourLane("straight", camera=SMALL).reset(seed=0)
+    _, info = FourLane("straight", rig=SMALL).reset(seed=0)
     assert set(info) == {"status", "route_m", "lane_offset_m", "clearance_m", "collided_with"}
     assert info["clearance_m"] == inf

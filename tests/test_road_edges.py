@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from road_picture import RoadPicture
 
-from vpf_sim.envs.camera import weather
+from vpf_sim.envs.camera import Rig, weather
 from vpf_sim.envs.camera.renderer import Renderer
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
@@ -154,7 +154,7 @@ def test_rendered_frames_meet_the_target(scenario: str) -> None:
     env = FourLane(scenario=scenario)
     env.reset(seed=5)
     centre, half = env.road.network.centre, env.road.network.half_width_m
-    renderer = Renderer(env.road, env.camera, weather.load("clear"), 5)
+    renderer = Renderer(env.road, Rig(env.camera), weather.load("clear"), 5)
     tracker = RoadEdgeTracker(env.camera, RoadEdgeConfig(), 10.0)
     start_s, start_lateral = centre.local_at(*env.ego.position)
     errors = []

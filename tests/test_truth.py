@@ -6,7 +6,7 @@ import pytest
 from highway_env.vehicle.kinematics import Vehicle
 from highway_scenes import add_body, add_ego, bent_road, on_bend, straight_road
 
-from vpf_sim.envs.camera import Renderer, weather
+from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.geometry import ground_from_pixels, project, vehicle_from_world, world_from_vehicle
 from vpf_sim.types import Camera
 
@@ -20,7 +20,7 @@ def straight_scene(seed=4):
     ego = add_ego(road, [20.0, 7.0])
     for kind, place in (("car", [36.0, 3.6]), ("van", [34.0, 10.6]), ("truck", [44.0, 7.4])):
         add_body(road, kind, place)
-    return road, ego, Renderer(road, Camera(), CLEAR, seed, noise_sd=0.0)
+    return road, ego, Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, seed)
 
 
 def bent_scene(seed=4):
@@ -28,7 +28,7 @@ def bent_scene(seed=4):
     ego = add_ego(road, *on_bend(2.0, 1.75))
     for s, right in ((16.0, 3.5), (22.0, -3.5), (28.0, 2.0)):
         add_body(road, "car", *on_bend(s, right))
-    return road, ego, Renderer(road, Camera(), CLEAR, seed, noise_sd=0.0)
+    return road, ego, Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, seed)
 
 
 def advance(ego, curvature):
@@ -84,7 +84,7 @@ def test_sky_flow_is_that_of_the_turn_alone():
 def test_the_focus_of_expansion_is_where_the_flow_of_pure_translation_vanishes():
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
-    renderer = Renderer(road, Camera(), CLEAR, 1, noise_sd=0.0)
+    renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 1)
     renderer.render(ego, 0.0)
     ego.position = ego.position + np.array([0.09, 0.0045])  # a crab angle of 0.05 rad
     renderer.render(ego, 1.0 / RATE_HZ)

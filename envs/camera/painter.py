@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.mesh import Mesh
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 from vpf_sim.types import Floats, Image
@@ -18,15 +19,6 @@ SMALL_PX = 6000  # rectangles with less pixels are drawn four times as fine, the
 
 
 VISIBLE_PX = 0.6  # faces thinner than this are not drawn
-
-
-@dataclass(frozen=True, slots=True)
-class Light:
-    """Sun and sky on a surface: colour x (sky + sun x cosine)."""
-
-    sun: Floats  # (3,) unit vector towards the sun, world axes with z up
-    sky: float = 0.55
-    direct: float = 0.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +48,9 @@ def project_mesh(view: View, mesh: Mesh, pose: Floats, light: Light) -> Drawing:
     shown = np.flatnonzero((offset < -1e-6) & inside.any(axis=1) & (mesh.thickness_m >= visible))
     if mesh.parts[-1] > 0:
         shown = shown[np.argsort(-_part_distances(mesh, faces)[mesh.parts[shown]], kind="stable")]
-    shading = light.sky + light.direct * np.maximum(0.0, mesh.normals[shown] @ (light.sun @ turn))
-    colours = np.minimum(mesh.colours[shown] * np.where(mesh.lit[shown], shading, 1.0)[:, None], 255.0)
+    facing = np.maximum(0.0, mesh.normals[shown] @ (light.sun @ turn))[:, None]
+    shading = np.where(mesh.lit[shown, None], light.sky + light.direct * facing, 1.0)
+    colours = np.minimum(mesh.colours[shown] * shading, 255.0)
     planes = normals[shown] / offset[shown, None]
     faces, inside = faces[shown], inside[shown]
     return Drawing(view.pixels(faces if inside.all() else clip_near(faces, inside)), colours, planes)

@@ -7,9 +7,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vpf_sim.envs.camera.layout import LaneShape, outer_edges
+from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box
 from vpf_sim.envs.camera.nearby import Nearby
-from vpf_sim.envs.camera.painter import Drawing, Light
+from vpf_sim.envs.camera.painter import Drawing
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
@@ -158,8 +159,8 @@ def _in_world(meshes: list[tuple[Mesh, Floats]], light: Light) -> tuple[Floats, 
         places = np.stack([x, y, zero], axis=1)
         faces.append((np.einsum("nij,fvj->nfvi", turns, mesh.faces_m[:, :4]) + places[:, None, None]).reshape(-1, 4, 3))
         turned = np.einsum("nij,fj->nfi", turns, mesh.normals)
-        shading = light.sky + light.direct * np.maximum(0.0, turned @ light.sun)
-        colours.append(np.minimum(255.0, mesh.colours * shading[..., None]).reshape(-1, 3))
+        shading = light.sky + light.direct * np.maximum(0.0, turned @ light.sun)[..., None]
+        colours.append(np.minimum(255.0, mesh.colours * shading).reshape(-1, 3))
         normals.append(turned.reshape(-1, 3))
         thickness.append(np.tile(mesh.thickness_m, len(x)))
     return np.concatenate(faces), np.concatenate(normals), np.concatenate(colours), np.concatenate(thickness)

@@ -1,4 +1,4 @@
-"""The noise of the sensor."""
+"""The sensor: what it adds to the light that falls on it."""
 
 from functools import lru_cache
 
@@ -7,25 +7,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.rig import Rig
+from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
 MARGIN_PX = 96  # how far the bank is larger than the picture
 
 
-class Noise:
+class Sensor:
     """Temporal noise, nearly of one size over all tones after a gamma of 2.2 in 8 bits.
 
     A bank is drawn once; each frame adds it from another corner.
     """
 
-    def __init__(self, rig: Rig, seed: int) -> None:
+    def __init__(self, rig: Rig, weather: Weather, seed: int) -> None:
         self._rng = stream(seed, "sensor noise")
         self._size = (rig.camera.height_px, rig.camera.width_px)
         self._layers = _bank(*self._size, rig.noise_sd) if rig.noise_sd > 0.0 else None
 
-    def add(self, frame: Image) -> None:
-        """Add the next frame's noise."""
+    def expose(self, frame: Image) -> None:
+        """Add the next frame's noise, in place."""
         if self._layers is None:
             return
         y, x = (int(i) for i in self._rng.integers(0, MARGIN_PX, 2))

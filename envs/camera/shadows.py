@@ -3,7 +3,8 @@
 import cv2
 import numpy as np
 
-from vpf_sim.envs.camera.painter import SHIFT, Light, bounding_box, footprint
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import SHIFT, bounding_box, footprint
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 from vpf_sim.types import Floats, Image
 

@@ -31,6 +31,7 @@ class Sprite:
 
     x: int
     y: int
+    colour: Image  # (h, w, 3) colours times opacity
     through: Image  # (h, w, 3) what is seen through it, of 255
     depth_m: float
 
@@ -65,8 +66,8 @@ def tree_picture(variant: int) -> tuple[tuple[Image, Image], ...]:
     )
 
 
-def paint_tree(frame: Image, view: View, foot_camera: Floats, height_m: float, variant: int) -> Sprite | None:
-    """Draw a tree of a height whose foot is at a point in camera axes; None if it is out of the picture."""
+def tree_sprite(view: View, foot_camera: Floats, height_m: float, variant: int) -> Sprite | None:
+    """A tree of a height whose foot is at a point in camera axes; None if it is out of the picture."""
     camera, (right, down, depth) = view.camera, foot_camera.tolist()
     tall = camera.fy_px * height_m / depth
     left = camera.cx_px + camera.fx_px * right / depth - 0.5 * COLUMNS / ROWS * tall
@@ -75,14 +76,21 @@ def paint_tree(frame: Image, view: View, foot_camera: Floats, height_m: float, v
     level = min(max(floor(log2(ROWS / tall)), 0), len(pictures) - 1)
     scale = tall / (ROWS >> level)
     x0, y0 = max(0, floor(left)), max(0, floor(top))
-    x1 = min(frame.shape[1], ceil(left + COLUMNS / ROWS * tall) + 1)
-    y1 = min(frame.shape[0], ceil(top + tall) + 1)
+    x1 = min(camera.width_px, ceil(left + COLUMNS / ROWS * tall) + 1)
+    y1 = min(camera.height_px, ceil(top + tall) + 1)
     if x0 >= x1 or y0 >= y1:
         return None
     place = np.array([[scale, 0.0, left + 0.5 * scale - x0], [0.0, scale, top + 0.5 * scale - y0]])
-    size, region = (x1 - x0, y1 - y0), frame[y0:y1, x0:x1]
+    size = (x1 - x0, y1 - y0)
     colour, through = pictures[level]
     behind = cv2.warpAffine(through, place, size, flags=cv2.INTER_LINEAR, borderValue=(255, 255, 255))
-    cv2.multiply(region, behind, region, scale=1 / 255)
-    cv2.add(region, cv2.warpAffine(colour, place, size, flags=cv2.INTER_LINEAR), region)
-    return Sprite(x0, y0, np.asarray(behind, np.uint8), depth)
+    leaves = cv2.warpAffine(colour, place, size, flags=cv2.INTER_LINEAR)
+    return Sprite(x0, y0, np.asarray(leaves, np.uint8), np.asarray(behind, np.uint8), depth)
+
+
+def paint_sprite(frame: Image, sprite: Sprite) -> None:
+    """Draw an upright picture over the picture."""
+    height, width = sprite.through.shape[:2]
+    region = frame[sprite.y : sprite.y + height, sprite.x : sprite.x + width]
+    cv2.multiply(region, sprite.through, region, scale=1 / 255)
+    cv2.add(region, sprite.colour, region)

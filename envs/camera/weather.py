@@ -1,6 +1,8 @@
-"""Weather by CARLA's named factors. Only what the renderer shows is offered.
+"""Weather by CARLA's named factors, its presets, and weather files.
 
-Names, ranges and presets are those of CARLA 0.9.16 (`carla.WeatherParameters`, PythonAPI/docs/weather.yml).
+Names, ranges and presets are those of CARLA 0.9.16 (`carla.WeatherParameters`, PythonAPI/docs/weather.yml), apart from
+`wetness`, which CARLA leaves at 0 in rain, and the azimuth, which it leaves to the map. What the factors mean in
+physical units is in `vpf_sim.envs.camera.atmosphere`.
 """
 
 import tomllib
@@ -13,17 +15,72 @@ from vpf_sim.errors import InputError, unknown_name, wrong_value
 
 
 class Weather(BaseModel):
-    """The light of one moment."""
+    """The weather of one episode. Factors without a unit run from 0, none, to 100, most."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     name: str
-    sun_altitude_angle: float = Field(default=45.0, ge=10.0, le=90.0)  # deg above the horizon
+    cloudiness: float = Field(default=0.0, ge=0.0, le=100.0)
+    precipitation: float = Field(default=0.0, ge=0.0, le=100.0)  # rain that falls
+    precipitation_deposits: float = Field(default=0.0, ge=0.0, le=100.0)  # puddles
+    wind_intensity: float = Field(default=0.0, ge=0.0, le=100.0)
+    fog_density: float = Field(default=0.0, ge=0.0, le=100.0)
+    wetness: float = Field(default=0.0, ge=0.0, le=100.0)  # of the road's surface
+    sun_altitude_angle: float = Field(default=45.0, ge=-90.0, le=90.0)  # deg above the horizon
     sun_azimuth_angle: float = Field(default=215.0, ge=0.0, le=360.0)  # deg, clockwise from the world's X axis
+    droplets: float = Field(default=0.0, ge=0.0, le=100.0)  # on the windshield; 100: all that the rain brings
+    wiper_period_s: float = Field(default=0.0, ge=0.0, le=60.0)  # from sweep to sweep; 0: off
+    streak_gain: float = Field(default=1.0, ge=0.0, le=20.0)  # brightness of falling drops; 1: physical
+    road_friction: float | None = Field(default=None, ge=0.05, le=2.0)  # None: the tyres never slip, in rain neither
 
 
-PRESETS = {"ClearNoon": Weather(name="ClearNoon")}
-ALIASES = {"clear": "ClearNoon"}
+def _preset(
+    name: str,
+    cloud: float,
+    rain: float,
+    deposits: float,
+    wind: float,
+    altitude: float,
+    fog: float,
+    wiper_s: float = 0.0,
+) -> Weather:
+    return Weather(
+        name=name,
+        cloudiness=cloud,
+        precipitation=rain,
+        precipitation_deposits=deposits,
+        wind_intensity=wind,
+        fog_density=fog,
+        wetness=max(rain, deposits),
+        sun_altitude_angle=altitude,
+        droplets=rain,
+        wiper_period_s=wiper_s,
+    )
+
+
+SLOW_WIPER_S, FAST_WIPER_S, INTERVAL_WIPER_S = 1.33, 0.92, 4.0  # 45 and 65 cycles a minute; FMVSS 104 S4.1.1
+PRESETS = {
+    weather.name: weather
+    for weather in (
+        # name, cloudiness, precipitation, deposits, wind, sun's altitude, fog, wiper
+        _preset("ClearNoon", 5, 0, 0, 10, 45, 2),
+        _preset("CloudyNoon", 60, 0, 0, 10, 45, 3),
+        _preset("WetNoon", 5, 0, 50, 10, 45, 3),
+        _preset("WetCloudyNoon", 60, 0, 50, 10, 45, 3),
+        _preset("SoftRainNoon", 20, 30, 50, 30, 45, 3, INTERVAL_WIPER_S),
+        _preset("MidRainyNoon", 60, 60, 60, 60, 45, 3, SLOW_WIPER_S),
+        _preset("HardRainNoon", 100, 100, 90, 100, 45, 7, FAST_WIPER_S),
+        _preset("FoggyNoon", 80, 0, 0, 10, 45, 70),
+        _preset("ClearSunset", 5, 0, 0, 10, 15, 2),
+        _preset("CloudySunset", 60, 0, 0, 10, 15, 3),
+        _preset("WetSunset", 5, 0, 50, 10, 15, 2),
+        _preset("WetCloudySunset", 60, 0, 50, 10, 15, 2),
+        _preset("SoftRainSunset", 20, 30, 50, 30, 15, 2, INTERVAL_WIPER_S),
+        _preset("MidRainSunset", 60, 60, 60, 60, 15, 3, SLOW_WIPER_S),
+        _preset("HardRainSunset", 100, 100, 90, 100, 15, 7, FAST_WIPER_S),
+    )
+}
+ALIASES = {"clear": "ClearNoon", "cloudy": "CloudyNoon", "rain": "HardRainNoon", "MidRainNoon": "MidRainyNoon"}
 
 
 def names() -> list[str]:

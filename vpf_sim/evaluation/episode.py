@@ -31,6 +31,7 @@ class Outcome:
     collided_with: str | None
     frames_sha256: str
     traceback: str | None  # of our own or the driver's exception
+    invalid_frame: dict[str, Any] | None = None  # its number, `time_s` and what was wrong with it
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ def roll_out(env: Any, driver: Driver, shadow: Driver, seed: int, watch: Watcher
             observed, info = env.reset(seed=seed)
             driver.reset(setup_for(driver, env, seed))
             shadow.reset(setup_for(shadow, env, seed))
-            ended = False
+            ended = info["status"] != "running"
             while not ended:
                 observation = read(observed)
                 frames.add(observation.image)
@@ -79,7 +80,8 @@ def roll_out(env: Any, driver: Driver, shadow: Driver, seed: int, watch: Watcher
             status = info["status"]
         except (Exception, SystemExit):
             status, traceback, info = "error", format_exc(), {}
-    return Outcome(status, log.table(), info.get("collided_with"), frames.hexdigest(), traceback)
+    invalid_frame = info.get("invalid_frame") if status == "invalid_frame" else None
+    return Outcome(status, log.table(), info.get("collided_with"), frames.hexdigest(), traceback, invalid_frame)
 
 
 def setup_for(driver: Driver, env: Any, seed: int) -> DriverSetup:

@@ -21,7 +21,7 @@ def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float, ow
     """The record. `route` holds waypoints (M, 2) from the start to beyond the goal, at `route_length_m`."""
     table = outcome.steps
     if len(table) == 0 or own_run is None:
-        return failed(job, outcome.status)
+        return failed(job, outcome.status, outcome.invalid_frame)
     hits = [outcome.collided_with] if outcome.collided_with else []
     completion = 1.0 if outcome.status == "success" else path.completion(table.route_m, route_length_m)
     off_lane = driving_score.off_lane_share(table.route_m, table.outside)
@@ -29,6 +29,7 @@ def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float, ow
         {
             **_identity(job),
             "status": outcome.status,
+            "invalid_frame": outcome.invalid_frame,
             "route_completion": completion,
             "path_mse_m2": path.path_mse(table.positions_m, path.shorten(route, route_length_m)),
             "max_lane_offset_m": np.max(np.abs(table.lane_offset_m)),
@@ -48,14 +49,14 @@ def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float, ow
     return record
 
 
-def failed(job: Job, status: str = "error") -> dict[str, Any]:
+def failed(job: Job, status: str = "error", invalid_frame: dict[str, Any] | None = None) -> dict[str, Any]:
     """The record of an episode that never began, or whose worker died: nothing to score."""
     scores = dict.fromkeys(
         ("path_mse_m2", "max_lane_offset_m", "accuracy", "collided_with", "min_clearance_m", "comfort", "perception")
     )
     none_driven = {"route_completion": 0.0, "driving_score_2_0": 0.0, "driving_score_2_1": 0.0, "collisions": 0}
     hashes = {"steps": 0, "states_sha256": None, "frames_sha256": None}
-    return {**_identity(job), "status": status, **scores, **none_driven, **hashes}
+    return {**_identity(job), "status": status, "invalid_frame": invalid_frame, **scores, **none_driven, **hashes}
 
 
 def finite(value: Any) -> Any:

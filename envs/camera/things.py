@@ -1,0 +1,126 @@
+"""What stands up from the ground, bodies and scenery: what of it is in view, and painting it, the farthest first."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
+
+from vpf_sim.envs.camera.bodies import HEIGHTS_M, body_mesh
+from vpf_sim.envs.camera.layout import LaneShape
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.mesh import Mesh
+from vpf_sim.envs.camera.occlusion import far_to_near
+from vpf_sim.envs.camera.painter import footprint, paint, project_mesh
+from vpf_sim.envs.camera.scenery import Scenery
+from vpf_sim.envs.camera.shadows import paint_shadow
+from vpf_sim.envs.camera.trees import Sprite, paint_sprite, tree_sprite
+from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
+from vpf_sim.envs.camera.view import View
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Image
+
+RANGE_M = 200.0  # bodies farther ahead are not drawn
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """What moved, at one frame."""
+
+    view: View
+    time_s: float
+    bodies: list[RoadObject]  # all but the one that carries the camera
+    poses: dict[int, Floats]  # (x, y, heading) of each body, by its id
+
+
+class Things:
+    """The bodies and the scenery of one road."""
+
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, seed: int) -> None:
+        self._seed = seed
+        self._light = light
+        self._scenery = Scenery(camera, shapes, light, seed)
+        self._meshes: dict[int, tuple[RoadObject, Mesh]] = {}
+
+    def seen(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
+        """All that is in view, the farthest first, as it lies in the picture."""
+        view = now.view
+        trees = self._scenery.trees_in_view(view)
+        faces, depths = self._scenery.draw(view)
+        drawn: list[Drawn] = []
+        first = 0
+        for i in [*bodies_in_view(now), None]:
+            behind = -1.0 if i is None else _nearest(now, i)
+            while trees and trees[0][0][2] > behind:
+                sprite = tree_sprite(view, *trees.pop(0))
+                if sprite is not None:
+                    drawn.append(Drawn(sprite, -1, STILL))
+            until = int(np.searchsorted(-depths, -behind))
+            if until > first:
+                drawn.append(Drawn(faces[first:until], -1, STILL))
+            first = until
+            if i is not None and (body := self._body(now, before, i)) is not None:
+                drawn.append(body)
+        return drawn
+
+    def paint(self, frame: Image, drawn: list[Drawn]) -> None:
+        """Draw things over the picture, in their order."""
+        for thing in drawn:
+            if isinstance(thing.drawing, Sprite):
+                paint_sprite(frame, thing.drawing)
+            else:
+                paint(frame, thing.drawing)
+
+    def paint_shadows(self, frame: Image, now: Snapshot) -> None:
+        """Darken the ground where bodies keep the light off."""
+        for i in bodies_in_view(now):
+            body = now.bodies[i]
+            paint_shadow(frame, now.view, now.poses[id(body)], body_size(body), self._light)
+
+    def _body(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
+        """A body's faces in the picture and how it moved; None if none of them is seen."""
+        body = now.bodies[index]
+        pose = now.poses[id(body)]
+        earlier = before.poses.get(id(body), pose)
+        motion = STILL if np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
+        drawing = project_mesh(now.view, self._mesh(body), pose, self._light)
+        return Drawn(drawing, index + 1, motion) if len(drawing.polygons_px) else None
+
+    def _mesh(self, body: RoadObject) -> Mesh:
+        """The body's mesh; the body is kept with it, so that its id stays its own."""
+        if id(body) not in self._meshes:
+            rng = stream(self._seed, f"body {len(self._meshes)}")
+            self._meshes[id(body)] = (body, body_mesh(_kind(body), body_size(body), rng))
+        return self._meshes[id(body)][1]
+
+
+def bodies_in_view(now: Snapshot) -> list[int]:
+    """Indices of the bodies that may be in the picture, the farthest first."""
+    eye, axis = now.view.centre[:2], now.view.axes[2, :2]
+    ahead = [
+        i
+        for i, body in enumerate(now.bodies)
+        if not isinstance(body, Landmark) and -body.LENGTH < float(axis @ (body.position - eye)) < RANGE_M
+    ]
+    if len(ahead) < 2:
+        return ahead
+    corners = np.array([_footprint(now, i) for i in ahead])
+    return [ahead[k] for k in far_to_near(corners, eye)]
+
+
+def body_size(body: RoadObject) -> tuple[float, float, float]:
+    """(length, width, height) m."""
+    return (float(body.LENGTH), float(body.WIDTH), float(getattr(body, "HEIGHT", HEIGHTS_M[_kind(body)])))
+
+
+def _nearest(now: Snapshot, index: int) -> float:
+    """Depth of a body's nearest corner."""
+    return float(((_footprint(now, index) - now.view.centre[:2]) @ now.view.axes[2, :2]).min())
+
+
+def _footprint(now: Snapshot, index: int) -> Floats:
+    body = now.bodies[index]
+    return footprint(now.poses[id(body)], *body_size(body)[:2])
+
+
+def _kind(body: RoadObject) -> str:
+    return str(getattr(body, "kind", "barrier" if isinstance(body, Obstacle) else "car"))
