@@ -31,8 +31,8 @@ SMALL = Rig(Camera(width_px=64, height_px=48, fx_px=32.0, fy_px=32.0, cx_px=31.5
 class FakeRenderer:
     """Frames that show nothing but that time passes: most ends of an episode have nothing to do with the picture."""
 
-    def __init__(self, road: object, camera: Camera, weather: object, seed: int) -> None:  # noqa: ARG002
-        self._shape = (camera.height_px, camera.width_px, 3)
+    def __init__(self, road: object, rig: Rig, weather: object, seed: int) -> None:  # noqa: ARG002
+        self._shape = (rig.camera.height_px, rig.camera.width_px, 3)
 
     def render(self, ego: object, time_s: float) -> np.ndarray:  # noqa: ARG002
         frame = np.zeros(self._shape, np.uint8)
