@@ -265,7 +265,7 @@ def test_what_the_evaluation_is_offered() -> None:
     assert env.ego in env.road.vehicles
     assert lane.local_coordinates(np.array(env.goal_m)) == pytest.approx((205.0, 0.0), abs=1e-9)
     assert lane.local_coordinates(env.route[0]) == pytest.approx((5.0, 0.0), abs=1e-9)
-    assert (env.rate_hz, env.speed_reference_mps, env.camera) == (60.0, 5.55, SMALL)
+    assert (env.rate_hz, env.speed_reference_mps, env.camera) == (60.0, 5.55, SMALL.camera)
     assert env.ego.place[1] - 1.75 == pytest.approx(env.scenario.ego.lateral_m)
     assert env.ego.heading == pytest.approx(radians(env.scenario.ego.heading_deg))
 

@@ -25,16 +25,13 @@ def benchmark(
 ) -> None:
     """Town04 with and without obstacles, the paper's method in its variants, and the PID (seeds 1000:1030)."""
     from vpf_sim.cli.results import exit_code, print_benchmark, read_summary
-    from vpf_sim.cli.running import fill
+    from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.benchmark import plan as benchmark_plan
     from vpf_sim.evaluation.plan import parse_seeds
-    from vpf_sim.evaluation.run_folder import MANIFEST, stored_plan
 
     if seeds is not None:
         parse_seeds(seeds)
-    asked = bool(seeds or driver)
-    stored = resume and not asked and out is not None and (out / MANIFEST).exists()
-    plan = stored_plan(out) if stored and out is not None else benchmark_plan(seeds, driver or [])
+    plan = plan_of(out, resume, bool(seeds or driver), lambda: benchmark_plan(seeds, driver or []))
     path = fill("benchmark", plan, out, resume, mixed, workers)
     summary = read_summary(path)
     if json:

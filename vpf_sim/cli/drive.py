@@ -26,7 +26,7 @@ def drive(
     json: JsonOption = False,
 ) -> None:
     """Drive one episode; exit code 1 if it is no success."""
-    from vpf_sim.cli import viewers
+    from vpf_sim.cli import invalid_frames, viewers
     from vpf_sim.evaluation import episode, run_folder, steps
     from vpf_sim.evaluation.plan import Plan
     from vpf_sim.evaluation.threads import limit_opencv
@@ -45,6 +45,7 @@ def drive(
     steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
     folder.add(result.record, result.timing)
     folder.close()
+    invalid_frames.warn([result.record])
     _answer(result, folder.path, json)
     raise typer.Exit(0 if result.record["status"] == "success" else 1)
 

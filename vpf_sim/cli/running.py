@@ -6,11 +6,21 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from vpf_sim.cli import invalid_frames
 from vpf_sim.cli.options import prints_on_stderr
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.plan import Plan
 
 Record = dict[str, Any]
+
+
+def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan]) -> Plan:
+    """The plan that `make` gives; of a run that goes on without anything else asked, the one it was made for."""
+    from vpf_sim.evaluation.run_folder import MANIFEST, stored_plan
+
+    if resume and not asked and out is not None and (out / MANIFEST).exists():
+        return stored_plan(out)
+    return make()
 
 
 def fill(command: str, plan: Plan, out: Path | None, resume: bool, mixed: bool, workers: int | None) -> Path:
@@ -36,8 +46,10 @@ def fill(command: str, plan: Plan, out: Path | None, resume: bool, mixed: bool, 
         raise
     finally:
         folder.close()
+    records = folder.records()
     with prints_on_stderr():
-        summary = with_paper(summarize(jobs, folder.records()))
+        summary = with_paper(summarize(jobs, records))
+    invalid_frames.warn(records)
     folder.write_json("summary.json", summary)
     return folder.path
 

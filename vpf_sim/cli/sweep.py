@@ -40,18 +40,18 @@ def sweep(
 ) -> None:
     """Drive the grid. With --resume and nothing else asked, the grid that the folder was made for."""
     from vpf_sim.cli.results import exit_code, print_rows, read_summary
-    from vpf_sim.cli.running import fill
-    from vpf_sim.evaluation.plan import make_plan, parse_seeds, read_plan
-    from vpf_sim.evaluation.run_folder import MANIFEST, stored_plan
+    from vpf_sim.cli.running import fill, plan_of
+    from vpf_sim.evaluation.plan import Plan, make_plan, parse_seeds, read_plan
 
     given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": seeds}
     given = {key: value for key, value in given.items() if value}
     if seeds is not None:
         parse_seeds(seeds)
-    if resume and out is not None and not given and file is None and (out / MANIFEST).exists():
-        plan = stored_plan(out)
-    else:
-        plan = make_plan({**DEFAULTS, **(read_plan(file) if file else {}), **given}, str(file or "sweep"))
+
+    def make() -> Plan:
+        return make_plan({**DEFAULTS, **(read_plan(file) if file else {}), **given}, str(file or "sweep"))
+
+    plan = plan_of(out, resume, bool(given or file), make)
     path = fill("sweep", plan, out, resume, mixed, workers)
     summary = read_summary(path)
     if json:
