@@ -40,8 +40,9 @@ def row(scenario: str, driver: str, successes: int, **changes: Any) -> dict[str,
 def test_the_benchmark_drives_the_papers_cells_with_its_drivers() -> None:
     plan = benchmark.plan("1000:1002", [])
     assert {job[:3] for job in plan.jobs()} == {
-        (scenario, "clear", driver)
+        (scenario, weather, driver)
         for scenario in ("town04-clean", "town04")
+        for weather in ("clear", "rain")
         for driver in ("vpf", "vpf-paper", "vpf-literal", "pid")
     }
     assert {job.seed for job in plan.jobs()} == {1000, 1001}
@@ -50,18 +51,27 @@ def test_the_benchmark_drives_the_papers_cells_with_its_drivers() -> None:
 
 def test_the_papers_numbers_are_beside_ours(capsys: pytest.CaptureFixture[str]) -> None:
     rows = [row("town04", "pid", 0), row("town04", "vpf", 4), row("town04-clean", "vpf", 5)]
+    rows += [row("town04", "vpf", 3, weather="rain"), row("town04-clean", "vpf", 5, weather="rain")]
     print_benchmark(with_paper({"rows": rows})["rows"], "1000:1005")
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert ["town04-clean", "the", "paper", "0.42", "82.34", "72.14"] in lines
-    assert ["town04", "the", "paper", "0.74", "78.51", "71.67"] in lines
-    ours = "town04 vpf 4/5 0.123 81.2 / 50.0 / 25.0 97.5 / - / 100.0 0.61"
+    for cell in (
+        "town04-clean clear the paper 0.42 82.34 72.14",
+        "town04-clean rain the paper 0.97 78.45 67.12",
+        "town04 clear the paper 0.74 78.51 71.67",
+        "town04 rain the paper 1.34 70.76 65.45",
+    ):
+        assert cell.split() in lines
+    ours = "town04 clear vpf 4/5 0.123 81.2 / 50.0 / 25.0 97.5 / - / 100.0 0.61"
     assert ours.split() in lines
-    beaten = "town04 pid [route] 0/5 (0.123) (81.2 / 50.0 / 25.0) (97.5 / - / 100.0) 0.61"
+    beaten = "town04 clear pid [route] 0/5 (0.123) (81.2 / 50.0 / 25.0) (97.5 / - / 100.0) 0.61"
     assert beaten.split() in lines
-    protocols = "town04 vpf 81.2 / 97.5 90.0 / 95.0 - / - 81.2 / 97.5 90.0 / 95.0 - / -"
+    protocols = "town04 clear vpf 81.2 / 97.5 90.0 / 95.0 - / - 81.2 / 97.5 90.0 / 95.0 - / -"
     assert protocols.split() in lines
-    names = [line[0] for line in lines if line and line[0].startswith("town04")]
-    assert names[:2] == ["town04-clean"] * 2, "first without obstacles, as in the paper"
+    table = [line[:2] for line in lines if line and line[0].startswith("town04")][: len(rows) + 4]
+    cells = [(scenario, weather) for scenario in ("town04-clean", "town04") for weather in ("clear", "rain")]
+    assert [tuple(cell) for cell in dict.fromkeys(map(tuple, table))] == cells, (
+        "first without obstacles, as in the paper"
+    )
 
 
 def test_a_sweeps_table_marks_what_no_success_stands_behind(capsys: pytest.CaptureFixture[str]) -> None:

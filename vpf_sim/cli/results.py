@@ -1,6 +1,7 @@
 """The tables of sweeps and benchmarks as text."""
 
 import json
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -40,21 +41,22 @@ def print_rows(rows: list[Row]) -> None:
 
 
 def print_benchmark(rows: list[Row], seeds: str) -> None:
-    """The paper's table: for each scenario its cell, then ours under the named definitions."""
-    print(f"Clear weather, seeds {seeds}. Accuracy against the PID, shadow protocol, in %: range / span / tolerance.\n")
-    header = ("scenario", "driver", "success", "MSE m2", "throttle", "steering", "clearance m")
+    """The paper's table: for each scenario and weather its cell, then ours under the named definitions."""
+    print(f"Seeds {seeds}. Accuracy against the PID, shadow protocol, in %: range / span / tolerance.\n")
+    header = ("scenario", "weather", "driver", "success", "MSE m2", "throttle", "steering", "clearance m")
     lines: list[tuple[str, ...]] = []
-    for scenario in sorted({row["scenario"] for row in rows}, key=len, reverse=True):
-        ours = sorted((row for row in rows if row["scenario"] == scenario), key=_place)
+    for cell, group in groupby(sorted(rows, key=_place), key=_cell):
+        ours = list(group)
         paper = ours[0]["paper"]
-        lines.append((scenario, "the paper", "", number(paper["path_mse_m2"]), *_paper_accuracy(paper), ""))
-        lines += [(scenario, _driver(row), *_benchmark_cells(row)) for row in ours]
-    print_table(header, lines, words=2)
+        lines.append((*cell, "the paper", "", number(paper["path_mse_m2"]), *_paper_accuracy(paper), ""))
+        lines += [(*cell, _driver(row), *_benchmark_cells(row)) for row in ours]
+    print_table(header, lines, words=3)
     _print_protocols(rows)
     print(
         "\nMeans over the successful episodes; in (brackets): none succeeded, over all. The paper does not say how it"
     )
-    print('computes accuracy; its row is "Cloudy", its set-up Clear Noon; its camera and simulator are CARLA\'s.')
+    print('computes accuracy; its rows are "Cloudy" and "Rain", its set-up Clear Noon and Hard Rain; its camera and')
+    print("simulator are CARLA's.")
 
 
 def _print_protocols(rows: list[Row]) -> None:
@@ -62,6 +64,7 @@ def _print_protocols(rows: list[Row]) -> None:
     print("\nAccuracy by range in %, throttle / steering:\n")
     header = (
         "scenario",
+        "weather",
         "driver",
         "shadow",
         "clear of obstacles",
@@ -70,18 +73,24 @@ def _print_protocols(rows: list[Row]) -> None:
         "clear of obstacles",
         "passing",
     )
-    ordered = sorted(rows, key=lambda row: (-len(row["scenario"]), _place(row)))
     lines = [
-        (row["scenario"], _driver(row), *(cell for protocol in ("shadow", "paired") for cell in _parts(row, protocol)))
-        for row in ordered
+        (*_cell(row), _driver(row), *(part for protocol in ("shadow", "paired") for part in _parts(row, protocol)))
+        for row in sorted(rows, key=_place)
     ]
-    print_table(header, lines, words=2)
+    print_table(header, lines, words=3)
 
 
-def _place(row: Row) -> int:
-    from vpf_sim.evaluation.benchmark import DRIVERS
+def _cell(row: Row) -> tuple[str, str]:
+    """The paper's table has one entry for each."""
+    return row["scenario"], row["weather"]
 
-    return DRIVERS.index(row["driver"]) if row["driver"] in DRIVERS else len(DRIVERS)
+
+def _place(row: Row) -> tuple[int, int, int, str]:
+    """Where a row stands: scenarios, weathers and drivers as the benchmark lists them, then a user's own drivers."""
+    from vpf_sim.evaluation.benchmark import DRIVERS, SCENARIOS, WEATHERS
+
+    driver = DRIVERS.index(row["driver"]) if row["driver"] in DRIVERS else len(DRIVERS)
+    return SCENARIOS.index(row["scenario"]), WEATHERS.index(row["weather"]), driver, row["driver"]
 
 
 def _driver(row: Row) -> str:
