@@ -153,6 +153,13 @@ def test_commands_beyond_the_limits_are_clipped_and_recorded_so() -> None:
 def test_an_invalid_frame_is_said() -> None:
     outcome = roll_out(TinyWorld(invalid_after=3), Constant(), Constant(), seed=0)
     assert (outcome.status, len(outcome.steps)) == ("invalid_frame", 3)
+    assert outcome.invalid_frame == {"frame": 3, "time_s": 0.3, "fault": "stale"}
+
+
+def test_no_driver_is_shown_a_first_frame_that_is_none() -> None:
+    driver = Constant()
+    outcome = roll_out(TinyWorld(invalid_after=0), driver, Constant(), seed=0)
+    assert (outcome.status, len(outcome.steps), len(driver.seen)) == ("invalid_frame", 0, 0)
 
 
 def test_a_watcher_is_shown_every_frame() -> None:

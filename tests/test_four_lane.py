@@ -196,7 +196,7 @@ class Frames(FakeRenderer):
 WRONG: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "black": np.zeros_like,
     "constant": lambda frame: np.full_like(frame, 90),
-    "shape": lambda frame: frame[1:],
+    "wrong shape": lambda frame: frame[1:],
     "stale": lambda frame: frame,
 }
 
@@ -207,6 +207,25 @@ def test_an_invalid_frame_ends_the_episode(fault: str, monkeypatch: pytest.Monke
     monkeypatch.setattr("vpf_sim.envs.camera.Renderer", faulty)
     steps, _ = ending(FAR)
     assert (steps[-1][4]["status"], steps[-1][3], len(steps)) == ("invalid_frame", True, 31)
+    assert steps[-1][4]["invalid_frame"] == {"frame": 31, "time_s": 31.0 / 60.0, "fault": fault}
+    assert not any("invalid_frame" in step[4] for step in steps[:-1])
+
+
+class Blind(FakeRenderer):
+    """Black from the first frame on."""
+
+    def render(self, ego: object, time_s: float) -> np.ndarray:
+        return np.zeros_like(super().render(ego, time_s))
+
+
+def test_a_camera_that_never_works_is_said_at_the_reset(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vpf_sim.envs.camera.Renderer", Blind)
+    env = FourLane(scenario(FAR), rig=SMALL)
+    _, info = env.reset(seed=0)
+    assert info["status"] == "invalid_frame"
+    *_, truncated, info = env.step(NEUTRAL)
+    assert truncated
+    assert info["invalid_frame"] == {"frame": 0, "time_s": 0.0, "fault": "black"}
 
 
 def test_the_same_frame_twice_is_right_while_the_car_stands(monkeypatch: pytest.MonkeyPatch) -> None:

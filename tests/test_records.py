@@ -24,7 +24,7 @@ JOB = Job("town04", "clear", "vpf", 7)
 KEYS = {
     *("id", "scenario", "weather", "driver", "seed", "status", "route_completion", "path_mse_m2", "max_lane_offset_m"),
     *("accuracy", "collisions", "collided_with", "min_clearance_m", "driving_score_2_0", "driving_score_2_1"),
-    *("comfort", "perception", "steps", "states_sha256", "frames_sha256"),
+    *("invalid_frame", "comfort", "perception", "steps", "states_sha256", "frames_sha256"),
 }
 OWN_RUN = OwnRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
 ASKED: dict[str, Any] = {
@@ -59,7 +59,7 @@ def test_a_record_of_a_drive_that_is_known_in_closed_form() -> None:
     assert record["accuracy"]["paired"]["throttle"]["mae"] == pytest.approx(0.5)
     assert record["accuracy"]["paired"]["steering"]["mae"] == pytest.approx(0.1)
     assert (record["route_completion"], record["driving_score_2_1"]) == (1.0, 1.0)
-    assert (record["collisions"], record["min_clearance_m"]) == (0, None)
+    assert (record["collisions"], record["min_clearance_m"], record["invalid_frame"]) == (0, None, None)
 
 
 def test_a_record_holds_no_nan_and_survives_json() -> None:
@@ -80,6 +80,13 @@ def test_a_collision_costs_its_factor() -> None:
     assert (record["collisions"], record["collided_with"], record["route_completion"]) == (1, "car", 0.5)
     assert record["driving_score_2_0"] == pytest.approx(0.5 * 0.60)
     assert record["driving_score_2_1"] == pytest.approx(0.5 / 1.70)
+
+
+@pytest.mark.parametrize("steps_before", [0, 3])
+def test_a_record_says_which_frame_was_none(steps_before: int) -> None:
+    record = score(Constant(), invalid_after=steps_before)
+    assert (record["status"], record["steps"]) == ("invalid_frame", steps_before)
+    assert record["invalid_frame"] == {"frame": steps_before, "time_s": steps_before / 10.0, "fault": "stale"}
 
 
 def test_finite_leaves_no_numpy_and_no_nan() -> None:

@@ -36,7 +36,7 @@ class TinyWorld:
             position=np.zeros(2), heading=0.0, velocity=np.zeros(2), LENGTH=4.5, WIDTH=1.9, place=(0.0, 0.0)
         )
         self.ego.road = self.road
-        return self._observed(), self._info("running")
+        return self._observed(), self._info("invalid_frame" if self.invalid_after == 0 else "running")
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
         self.steps += 1
@@ -58,6 +58,7 @@ class TinyWorld:
             "lane_offset_m": y,
             "clearance_m": np.inf,
             "collided_with": None,
+            "invalid_frame": {"frame": self.steps, "time_s": self.steps / RATE_HZ, "fault": "stale"},
             "secret": "what drivers must not see",
         }
 

@@ -1,0 +1,73 @@
+"""A camera that breaks ends the episode, and every command that drives says so loudly."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from short_scenario import write_short
+
+from vpf_sim.cli import invalid_frames
+from vpf_sim.evaluation.json_lines import read_lines
+
+BREAKING = """
+import numpy as np
+from vpf_sim.envs import camera
+from vpf_sim.types import Command
+
+class Broken(camera.Renderer):
+    def render(self, ego, time_s):
+        frame = super().render(ego, time_s)
+        return np.zeros_like(frame) if time_s > 0.3 else frame
+
+camera.Renderer = Broken
+
+class Driver:
+    privileged = "none"
+    def reset(self, setup): pass
+    def act(self, observation): return Command(0.0, 0.0)
+"""
+SENTENCE = "invalid frame 19, at 0.317 s: all black"
+
+
+def vpf_sim(folder: Path, *arguments: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "vpf_sim.cli", *arguments, "--driver", "breaking:Driver", "--json", "--out", "run"]
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=dict(os.environ), check=False)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [["drive", "short.toml"], ["sweep", "--scenario", "short.toml", "--seeds", "0:1", "--workers", "1"]],
+    ids=["drive", "sweep"],
+)
+def test_a_broken_camera_is_said_loudly(command: list[str], tmp_path: Path) -> None:
+    write_short(tmp_path)
+    (tmp_path / "breaking.py").write_text(BREAKING)
+    done = vpf_sim(tmp_path, *command)
+    (record,) = read_lines(tmp_path / "run" / "episodes.jsonl")
+    assert done.returncode == 1
+    assert f"vpf-sim: WARNING: {record['id']}: {SENTENCE}\n" in done.stderr
+    json.loads(done.stdout)
+    assert record["status"] == "invalid_frame"
+    assert record["invalid_frame"] == {"frame": 19, "time_s": pytest.approx(19 / 60), "fault": "black"}
+
+
+def record(number: int, **changes: Any) -> dict[str, Any]:
+    invalid = {"frame": 3, "time_s": 0.05, "fault": "stale"}
+    return {"id": f"town04.{number}", "status": "invalid_frame", "invalid_frame": invalid, **changes}
+
+
+def test_only_broken_cameras_are_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
+    invalid_frames.warn([record(1, status="success", invalid_frame=None), record(2, status="error")])
+    assert capsys.readouterr().err == ""
+
+
+def test_many_warnings_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+    invalid_frames.warn(record(number) for number in range(invalid_frames.MOST + 5))
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == invalid_frames.MOST + 2
+    assert lines[0].startswith("vpf-sim: WARNING: town04.0: invalid frame 3, at 0.050 s: the same as the one before")
+    assert lines[-2] == "vpf-sim: WARNING: and 5 more episodes with an invalid frame"
