@@ -1,6 +1,6 @@
 """The light of a weather: what sun and sky give to surfaces, and the colours of the sky.
 
-All colours are those of the finished picture, 0 to 255, exposure included.
+All colours and factors are those of the finished picture (gamma 2.2), automatic exposure included.
 """
 
 from dataclasses import dataclass
@@ -8,8 +8,28 @@ from math import cos, radians, sin
 
 import numpy as np
 
+from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.daylight import Daylight, cloud_cover
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.types import Floats
+
+GAMMA = 2.2
+NOON_LEVEL = 1.04  # the exposure's aim for a horizontal surface at ClearNoon
+ALBEDO = 0.2  # of the ground that the exposure is metered on
+CLEAR_HORIZON, COVERED_HORIZON = 2.5, 0.9  # brightness of the horizon in multiples of the sky's mean
+DARKEST_KLX = 0.05  # with less light than this the exposure is at its longest
+RAIN_DARKENS = 0.13  # how much of the sky's brightness hard rain takes, beyond what the exposure makes up for
+OPAQUE_FOG_PER_M = 0.008  # extinction at which fog alone colours the sky
+BLUE = np.array([-0.05, 0.0, 0.07])  # tint of the light in the shade under a clear sky
+WARM = np.array([0.09, 0.0, -0.14])  # and of all that comes from the sky when the sun stands at 5 deg
+
+# Colours of the sky with a high sun and with one at 5 deg, means over all directions: chosen by eye.
+HORIZON = np.array([[206.0, 219.0, 231.0], [244.0, 205.0, 162.0]])
+ZENITH = np.array([[92.0, 136.0, 198.0], [82.0, 108.0, 160.0]])
+CLOUD = np.array([[246.0, 248.0, 250.0], [255.0, 214.0, 176.0]])
+COVERED_HORIZON_RGB = np.array([[198.0, 203.0, 208.0], [190.0, 184.0, 180.0]])
+COVERED_ZENITH_RGB = np.array([[214.0, 218.0, 224.0], [166.0, 167.0, 176.0]])
+FOG = np.array([[208.0, 212.0, 216.0], [206.0, 200.0, 194.0]])
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,21 +40,93 @@ class Light:
     direct: Floats  # (3,) RGB factor of the sun
     sky: Floats  # (3,) RGB factor of the sky
     horizon: Floats  # (3,) RGB 0..255 of the sky at the horizon, and of what fog and rain put before things
-    zenith: Floats  # (3,) RGB 0..255
+    zenith: Floats  # (3,) RGB 0..255, clouds included
     shadow: float  # what is left of the road's brightness where the sun does not shine, 0..1
     contact: float  # and right under a body
+    cover: float  # part of the sky that clouds hide, 0..1
+    gap: Floats  # (3,) RGB 0..255 of the zenith between the clouds
+    cloud: Floats  # (3,) RGB 0..255 of the brightest clouds
 
     @classmethod
     def of(cls, weather: Weather) -> "Light":
         """The light of a weather."""
-        altitude, azimuth = radians(weather.sun_altitude_angle), radians(weather.sun_azimuth_angle)
-        sun = np.array([cos(altitude) * cos(azimuth), cos(altitude) * sin(azimuth), sin(altitude)])
+        atmosphere, cover = Atmosphere.of(weather), cloud_cover(weather)
+        daylight = Daylight.of(weather, atmosphere)
+        direct, sky = _factors(daylight, cover, weather)
+        sun = _towards_sun(weather)
+        level = sky + direct * max(sun[2], 0.0)
+        horizon, zenith, gap, cloud = _sky_colours(weather, atmosphere, cover) * _night(daylight)
         return cls(
             sun=sun,
-            direct=np.full(3, 0.6),
-            sky=np.full(3, 0.55),
-            horizon=np.array([214.0, 224.0, 232.0]),
-            zenith=np.array([96.0, 146.0, 208.0]),
-            shadow=0.5,
+            direct=direct,
+            sky=sky,
+            horizon=horizon,
+            zenith=zenith,
+            shadow=float(np.mean(sky / level)),
             contact=0.27,
+            cover=cover,
+            gap=gap,
+            cloud=cloud,
         )
+
+    @property
+    def ground(self) -> Floats:
+        """(3,) RGB factor of a horizontal surface."""
+        return self.sky + self.direct * max(float(self.sun[2]), 0.0)
+
+
+def _towards_sun(weather: Weather) -> Floats:
+    altitude, azimuth = radians(weather.sun_altitude_angle), radians(weather.sun_azimuth_angle)
+    return np.array([cos(altitude) * cos(azimuth), cos(altitude) * sin(azimuth), sin(altitude)])
+
+
+def _lowness(weather: Weather) -> float:
+    """0 with a high sun to 1 with one at 5 deg or below."""
+    return min(max((30.0 - weather.sun_altitude_angle) / 25.0, 0.0), 1.0)
+
+
+def _factors(daylight: Daylight, cover: float, weather: Weather) -> tuple[Floats, Floats]:
+    """(3,) RGB factors of the sun and of the sky.
+
+    In linear light a surface's brightness is the sum of both; after the gamma the sum is no more exact, so the sun's
+    factor is the mean of those that make the ground and a face turned to the sun right.
+    """
+    total = max(daylight.ground_klx, 1e-6)
+    level = _exposed(daylight, cover) * _night(daylight) * (1.0 - 0.5 * RAIN_DARKENS * weather.precipitation / 100.0)
+    shade = level * (daylight.sky_klx / total) ** (1.0 / GAMMA)
+    facing = level * ((daylight.sky_klx + daylight.sun_klx) / total) ** (1.0 / GAMMA)
+    height = max(sin(radians(weather.sun_altitude_angle)), 0.1)
+    direct = 0.5 * (level - shade) / height + 0.5 * (facing - shade)
+    low = _lowness(weather)
+    blue = BLUE * (1.0 - cover) * (1.0 - low)
+    return direct * daylight.sun_colour ** (1.0 / GAMMA) * (1.0 - blue), shade * (1.0 + blue + WARM * low)
+
+
+def _exposed(daylight: Daylight, cover: float) -> float:
+    """Factor of a horizontal surface: the exposure keeps the mean of ground and horizon at the same grey."""
+    horizon = CLEAR_HORIZON + (COVERED_HORIZON - CLEAR_HORIZON) * cover
+    share = daylight.ground_klx / (ALBEDO * daylight.ground_klx + horizon * daylight.sky_klx)
+    return NOON_LEVEL * float(share / NOON_SHARE) ** (1.0 / GAMMA)
+
+
+def _night(daylight: Daylight) -> float:
+    """What is left of the brightness when the exposure is at its longest."""
+    return float(min(1.0, daylight.ground_klx / DARKEST_KLX) ** (1.0 / GAMMA))
+
+
+def _sky_colours(weather: Weather, atmosphere: Atmosphere, cover: float) -> Floats:
+    """(4, 3) RGB 0..255 of the horizon, the zenith, the gaps between the clouds, and the clouds."""
+    low = _lowness(weather)
+    clear_horizon, gap, cloud, covered_horizon, covered_zenith, fog = (
+        colours[0] + (colours[1] - colours[0]) * low
+        for colours in (HORIZON, ZENITH, CLOUD, COVERED_HORIZON_RGB, COVERED_ZENITH_RGB, FOG)
+    )
+    horizon = clear_horizon + (covered_horizon - clear_horizon) * cover
+    cloud = cloud + (covered_zenith - cloud) * cover
+    zenith = gap + (cloud - gap) * cover
+    colours = np.array([horizon, zenith, gap, cloud]) * (1.0 - RAIN_DARKENS * weather.precipitation / 100.0)
+    foggy = min(1.0, 3.0 / atmosphere.visibility_m / OPAQUE_FOG_PER_M)
+    return np.asarray(colours + (fog - colours) * foggy)
+
+
+NOON_SHARE = 82.8 / (ALBEDO * 82.8 + (CLEAR_HORIZON + (COVERED_HORIZON - CLEAR_HORIZON) * 0.05) * 15.6)  # ClearNoon's
