@@ -24,7 +24,7 @@ from vpf_sim.envs.route import Route
 from vpf_sim.envs.window import Window
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.scenarios import Scenario
+from vpf_sim.scenarios import RandomScenario, Scenario
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image, VehicleModel
 
@@ -60,7 +60,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def __init__(
         self,
-        scenario: str | Scenario = "town04",
+        scenario: str | Scenario | RandomScenario = "town04",
         weather: "str | weathers.Weather" = "clear",
         render_mode: str | None = None,
         truth: Sequence[str] = (),
@@ -75,7 +75,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.render_mode = _checked_name("render mode", render_mode, self.metadata["render_modes"])
         self._truth = tuple(str(_checked_name("truth", name, TRUTHS)) for name in truth)
         self._undrawn = scenarios.load(scenario) if isinstance(scenario, str) else scenario
-        self.scenario = self._undrawn
+        self.scenario = self._undrawn.draw(0)
         self.weather = weathers.load(weather) if isinstance(weather, str) else weather
         self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)

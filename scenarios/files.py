@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from vpf_sim.errors import InputError, unknown_name, wrong_value
 from vpf_sim.scenarios import parts
+from vpf_sim.scenarios.random_road import RandomRoad, RandomScenario
 from vpf_sim.scenarios.schema import Scenario
 
 # The keys of every section, for the nearest name to a misspelt one.
@@ -24,6 +25,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "goal": parts.Goal,
     "bodies": parts.Body,
     "limits": parts.Limits,
+    "random": RandomRoad,
 }
 
 
@@ -33,7 +35,7 @@ def names() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in catalog.iterdir() if entry.name.endswith(".toml"))
 
 
-def load(name_or_path: str) -> Scenario:
+def load(name_or_path: str) -> Scenario | RandomScenario:
     """The scenario of that name in the catalog, or of that TOML file; InputError on anything wrong."""
     if name_or_path in names():
         text = (files("vpf_sim.scenarios.catalog") / f"{name_or_path}.toml").read_text("utf-8")
@@ -49,10 +51,11 @@ def load(name_or_path: str) -> Scenario:
     return parse(text, name_or_path)
 
 
-def parse(text: str, file: str) -> Scenario:
+def parse(text: str, file: str) -> Scenario | RandomScenario:
     """The scenario that a TOML text describes; `file` is how messages call it."""
     try:
-        return Scenario.model_validate(tomllib.loads(text))
+        content = tomllib.loads(text)
+        return (RandomScenario if "random" in content else Scenario).model_validate(content)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{file}: expected TOML, got: {error}") from None
     except ValidationError as error:
@@ -123,7 +126,8 @@ def _near(location: tuple[int | str, ...]) -> str | None:
 def _known(location: tuple[int | str, ...]) -> list[str]:
     """The keys of the section that a key is in."""
     section = SECTIONS[".".join(step for step in location[:-1] if isinstance(step, str))]
-    return [field.alias or name for name, field in section.model_fields.items()]
+    fields = {**section.model_fields, **(RandomScenario.model_fields if section is Scenario else {})}
+    return [field.alias or name for name, field in fields.items()]
 
 
 def _nearest_of(value: object, expected: str) -> str:

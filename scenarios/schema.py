@@ -38,12 +38,12 @@ class Scenario(Section):
 
     def draw(self, seed: int) -> "Scenario":
         """The scenario of one seed: each value that may vary drawn from a stream of its own, nothing left to vary."""
-        ego = _drawn(self.ego, self.vary, "ego", "ego", seed)
-        bodies = tuple(_drawn(body, self.vary, "bodies", f"bodies.{i}", seed) for i, body in enumerate(self.bodies))
+        ego = drawn(self.ego, self.vary, "ego", "ego", seed)
+        bodies = tuple(drawn(body, self.vary, "bodies", f"bodies.{i}", seed) for i, body in enumerate(self.bodies))
         return self.model_copy(update={"ego": ego, "bodies": bodies, "vary": {}})
 
 
-def _drawn(part: SectionT, vary: Vary, group: str, name: str, seed: int) -> SectionT:
+def drawn(part: SectionT, vary: Vary, group: str, name: str, seed: int) -> SectionT:
     """A part with each value that may vary changed by a draw, uniform in [low, high]."""
     update = {}
     for key, (low, high) in vary.items():

@@ -1,11 +1,14 @@
 """`vpf-sim scenarios`: the catalog, one scenario, or a check of a file."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vpf_sim.cli.options import JsonOption, print_json
 from vpf_sim.cli.tables import print_table
+
+if TYPE_CHECKING:
+    from vpf_sim.scenarios import Scenario
 
 app = typer.Typer(help="The scenarios that there are; check your own.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -16,23 +19,33 @@ def list_scenarios(json: JsonOption = False) -> None:
     from vpf_sim import scenarios
 
     loaded = {name: scenarios.load(name) for name in scenarios.names()}
-    rows = [
-        {"name": name, "road_m": one.road.length_m, "route_m": one.goal.s_m - one.ego.s_m, "bodies": len(one.bodies)}
-        for name, one in loaded.items()
-    ]
+    rows = [_row(name, None if isinstance(one, scenarios.RandomScenario) else one) for name, one in loaded.items()]
     if json:
         print_json({"scenarios": rows})
         return
-    cells = [(str(r["name"]), f"{r['road_m']:.0f}", f"{r['route_m']:.0f}", str(r["bodies"])) for r in rows]
+    keys = ("name", "road_m", "route_m", "bodies")
+    cells = [tuple("drawn" if r[key] is None else str(r[key]) for key in keys) for r in rows]
     print_table(("scenario", "road m", "route m", "bodies"), cells)
 
 
+def _row(name: str, one: "Scenario | None") -> dict[str, object]:
+    """One line of the list; what the seed draws is None."""
+    if one is None:
+        return {"name": name, "road_m": None, "route_m": None, "bodies": None}
+    route_m = round(one.goal.s_m - one.ego.s_m)
+    return {"name": name, "road_m": round(one.road.length_m), "route_m": route_m, "bodies": len(one.bodies)}
+
+
 @app.command()
-def show(name: str) -> None:
+def show(
+    name: str, seed: Annotated[int | None, typer.Option(min=0, help="Show what this seed makes of it.")] = None
+) -> None:
     """What a scenario says, with its defaults, as JSON."""
     from vpf_sim import scenarios
 
-    print_json(scenarios.load(name).model_dump(mode="json", by_alias=True))
+    scenario = scenarios.load(name)
+    shown = scenario if seed is None else scenario.draw(seed)
+    print_json(shown.model_dump(mode="json", by_alias=True))
 
 
 @app.command()

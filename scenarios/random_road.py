@@ -1,0 +1,174 @@
+"""Scenarios whose road and bodies the seed draws as a whole, within limits that a file gives."""
+
+from collections.abc import Iterator
+from typing import Annotated, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+
+from vpf_sim.scenarios.kinds import SIZES, BodyKind
+from vpf_sim.scenarios.parts import Arc, Body, Clothoid, Ego, Goal, Interval, Limits, Line, Road, Section, Segment, Vary
+from vpf_sim.scenarios.schema import Scenario, drawn
+from vpf_sim.seeding import stream
+
+BEYOND_GOAL_M = 60.0  # of road
+LAST_ROW_M = 15.0  # before the goal at least
+MOST_TURN_RAD = np.radians(80.0)  # from the first heading: the road never meets itself
+FIRST_LINE_M, LINE_M, ARC_M, CLOTHOID_M = (30.0, 60.0), (20.0, 60.0), (20.0, 70.0), (15.0, 30.0)
+SIDE_GAP_M = 0.3  # between two bodies of a row
+TRIES = 40  # places tried for each body
+
+
+class Span(NamedTuple):
+    """A stretch across the carriageway, m right of its centre."""
+
+    left_m: float
+    right_m: float
+
+    def overlaps(self, other: "Span") -> bool:
+        return self.left_m < other.right_m and other.left_m < self.right_m
+
+
+class RandomRoad(Section):
+    """What the seed draws from, uniformly: a road of lines and bends, and rows of bodies across it.
+
+    Each row leaves a gap that is at least `free_gap_m` wide; its middle is at most `gap_shift_lanes` lanes from that of
+    the row before, the first from the ego's lane.
+    """
+
+    lanes: PositiveInt = 4
+    lane_width_m: PositiveFloat = 3.5
+    length_m: Interval = (250.0, 400.0)  # of the route
+    heading_deg: Interval = (-180.0, 180.0)
+    radius_m: Interval = (80.0, 400.0)  # of bends, to either side
+    rows: Annotated[tuple[NonNegativeInt, NonNegativeInt], Field(strict=False)] = (0, 4)
+    row_bodies: Annotated[tuple[PositiveInt, PositiveInt], Field(strict=False)] = (1, 3)
+    first_row_m: PositiveFloat = 50.0  # from the ego at least
+    row_spacing_m: PositiveFloat = 40.0  # from the last body of a row to the first of the next at least
+    free_gap_m: PositiveFloat = 3.5
+    gap_shift_lanes: PositiveFloat = 2.0
+    kinds: Annotated[tuple[BodyKind, ...], Field(strict=False, min_length=1)] = tuple(SIZES)
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> Self:
+        found = list(self._faults())
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    def _faults(self) -> Iterator[str]:
+        for key in ("length_m", "heading_deg", "radius_m", "rows", "row_bodies"):
+            low, high = getattr(self, key)
+            if low > high:
+                yield f"random.{key}: expected [low, high] with low <= high, got [{low:g}, {high:g}]"
+        half_m = self.lanes * self.lane_width_m / 2.0
+        if self.radius_m[0] <= half_m:
+            yield f"random.radius_m: expected more than half the carriageway, {half_m:g} m, got {self.radius_m[0]:g}"
+        if self.length_m[0] < self.first_row_m:
+            yield f"random.length_m: expected at least first_row_m, {self.first_row_m:g} m, got {self.length_m[0]:g}"
+        if self.free_gap_m > 2.0 * half_m:
+            yield f"random.free_gap_m: expected at most the carriageway, {2.0 * half_m:g} m, got {self.free_gap_m:g}"
+
+
+class RandomScenario(Section):
+    """A scenario file with a section `random` in place of `road`, `goal` and `bodies`."""
+
+    version: Literal[1] = Field(alias="schema")
+    random: RandomRoad
+    ego: Ego = Ego()
+    limits: Limits | None = None
+    vary: Vary = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _vary_the_ego_alone(self) -> Self:
+        found = [
+            f'vary."{key}": expected a value of the ego, got one of the bodies' for key in self.vary if key[:3] != "ego"
+        ]
+        if self.ego.lane > self.random.lanes:
+            found.append(f"ego.lane: expected 1 to {self.random.lanes}, counted from the right, got {self.ego.lane}")
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    def draw(self, seed: int) -> Scenario:
+        """The scenario of one seed."""
+        rng = stream(seed, "random road")
+        length_m = float(rng.uniform(*self.random.length_m))
+        goal = Goal(s_m=self.ego.s_m + length_m)
+        road = Road(
+            lanes=self.random.lanes,
+            lane_width_m=self.random.lane_width_m,
+            heading_deg=float(rng.uniform(*self.random.heading_deg)),
+            segments=tuple(_segments(self.random, goal.s_m + BEYOND_GOAL_M, rng)),
+        )
+        bodies = tuple(_bodies(self.random, road, self.ego, goal, stream(seed, "random rows")))
+        ego = drawn(self.ego, self.vary, "ego", "ego", seed)
+        parts = {"road": road, "ego": ego, "goal": goal, "bodies": bodies, "limits": self.limits}
+        return Scenario.model_validate({"schema": self.version, **parts})
+
+
+def _segments(limits: RandomRoad, length_m: float, rng: np.random.Generator) -> Iterator[Segment]:
+    """Lines and bends, with and without clothoids, until the road is long enough."""
+    first = Line(kind="line", length_m=float(rng.uniform(*FIRST_LINE_M)))
+    yield first
+    laid_m, turned_rad = first.length_m, 0.0
+    while laid_m < length_m:
+        if rng.random() < 0.35:
+            parts: list[Segment] = [Line(kind="line", length_m=float(rng.uniform(*LINE_M)))]
+        else:
+            parts, turn_rad = _bend(limits, turned_rad, rng)
+            turned_rad += turn_rad
+        yield from parts
+        laid_m += sum(part.length_m for part in parts)
+
+
+def _bend(limits: RandomRoad, turned_rad: float, rng: np.random.Generator) -> tuple[list[Segment], float]:
+    """An arc, in one of two cases between clothoids, and by what it turns; back where it would turn too far."""
+    radius_m, arc_m = float(rng.uniform(*limits.radius_m)), float(rng.uniform(*ARC_M))
+    clothoid_m = float(rng.uniform(*CLOTHOID_M)) if rng.random() < 0.5 else 0.0
+    turn_rad = min((arc_m + clothoid_m) / radius_m, MOST_TURN_RAD)
+    arc_m = max(turn_rad * radius_m - clothoid_m, 5.0)
+    sign = 1.0 if rng.random() < 0.5 else -1.0
+    if abs(turned_rad + sign * turn_rad) > MOST_TURN_RAD:
+        sign = -np.copysign(1.0, turned_rad)
+    arc = Arc(kind="arc", length_m=arc_m, radius_m=sign * radius_m)
+    if clothoid_m == 0.0:
+        return [arc], sign * turn_rad
+    into = Clothoid(kind="clothoid", length_m=clothoid_m, end_radius_m=sign * radius_m)
+    return [into, arc, Clothoid(kind="clothoid", length_m=clothoid_m)], sign * turn_rad
+
+
+def _bodies(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator) -> Iterator[Body]:
+    """Rows of bodies, each with a gap that can be reached from the last one's."""
+    longest_m = max(SIZES[kind].length_m for kind in limits.kinds)
+    first_m, last_m = ego.s_m + limits.first_row_m + longest_m / 2.0, goal.s_m - LAST_ROW_M
+    step_m = limits.row_spacing_m + longest_m
+    fitting = 1 + int((last_m - first_m) // step_m) if last_m > first_m else 0
+    count = min(int(rng.integers(limits.rows[0], limits.rows[1] + 1)), fitting)
+    slack_m = last_m - first_m - (count - 1) * step_m
+    starts = np.sort(rng.uniform(0.0, max(slack_m, 0.0), count)) + first_m + step_m * np.arange(count)
+    gap_m = road.lane_offset_m(ego.lane)
+    for s_m in starts.tolist():
+        gap_m = _next_gap(limits, road, gap_m, rng)
+        yield from _row(limits, road, float(s_m), gap_m, rng)
+
+
+def _next_gap(limits: RandomRoad, road: Road, last_m: float, rng: np.random.Generator) -> float:
+    """Where the middle of a row's gap lies."""
+    farthest = road.half_width_m - limits.free_gap_m / 2.0
+    shift = limits.gap_shift_lanes * limits.lane_width_m
+    return float(rng.uniform(max(last_m - shift, -farthest), min(last_m + shift, farthest)))
+
+
+def _row(limits: RandomRoad, road: Road, s_m: float, gap_m: float, rng: np.random.Generator) -> Iterator[Body]:
+    """Bodies beside each other, each where it fits."""
+    taken = [Span(gap_m - limits.free_gap_m / 2.0, gap_m + limits.free_gap_m / 2.0)]
+    for _ in range(int(rng.integers(limits.row_bodies[0], limits.row_bodies[1] + 1))):
+        kind = limits.kinds[int(rng.integers(len(limits.kinds)))]
+        half = SIZES[kind].width_m / 2.0
+        for place in rng.uniform(-road.half_width_m + half, road.half_width_m - half, TRIES).tolist():
+            if not any(Span(place - half, place + half).overlaps(other) for other in taken):
+                taken.append(Span(place - half - SIDE_GAP_M, place + half + SIDE_GAP_M))
+                lane = min(road.lanes, max(1, round(road.lanes / 2.0 - place / road.lane_width_m + 0.5)))
+                yield Body(kind=kind, s_m=s_m, lane=lane, lateral_m=place - road.lane_offset_m(lane))
+                break

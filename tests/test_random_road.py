@@ -1,0 +1,118 @@
+"""Roads that a seed draws keep what the file promises, for every seed."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from vpf_sim import scenarios
+from vpf_sim.envs.road import build_road
+from vpf_sim.errors import InputError
+from vpf_sim.scenarios import SIZES, RandomScenario, Scenario
+from vpf_sim.seeding import stream
+
+SEEDS = range(300)
+FREE_GAP_M, LANE_M, HALF_M = 3.5, 3.5, 7.0
+
+
+def load() -> RandomScenario:
+    scenario = scenarios.load("random")
+    assert isinstance(scenario, RandomScenario)
+    return scenario
+
+
+DRAWN = [load().draw(seed) for seed in SEEDS]
+
+
+def rows(scenario: Scenario) -> list[list[tuple[float, float, float]]]:
+    """For each row, (s, left, right) m of its bodies, from the left."""
+    found: dict[float, list[tuple[float, float, float]]] = {}
+    for body in scenario.bodies:
+        centre, half = scenario.road.lane_offset_m(body.lane) + body.lateral_m, SIZES[body.kind].width_m / 2.0
+        found.setdefault(body.s_m, []).append((body.s_m, centre - half, centre + half))
+    return [sorted(found[s], key=lambda body: body[1]) for s in sorted(found)]
+
+
+def gaps(row: list[tuple[float, float, float]]) -> list[tuple[float, float]]:
+    """The free stretches across the carriageway that are wide enough."""
+    edges = [-HALF_M, *(edge for _, left, right in row for edge in (left, right)), HALF_M]
+    return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= FREE_GAP_M - 1e-9]
+
+
+def reachable(scenario: Scenario) -> bool:
+    """Whether gaps can be chosen, row by row, with middles at most two lanes apart, starting from the ego's lane."""
+    places = [(scenario.road.lane_offset_m(scenario.ego.lane),) * 2]
+    for row in rows(scenario):
+        middles = [(a + FREE_GAP_M / 2.0, b - FREE_GAP_M / 2.0) for a, b in gaps(row)]
+        reach = 2.0 * LANE_M + 1e-9
+        places = [
+            (max(low, a - reach), min(high, b + reach))
+            for low, high in middles
+            for a, b in places
+            if low <= b + reach and high >= a - reach
+        ]
+    return bool(places)
+
+
+def test_routes_bends_and_rows_are_within_the_limits() -> None:
+    for drawn in DRAWN:
+        assert 250.0 <= drawn.goal.s_m - drawn.ego.s_m <= 400.0
+        radii = [getattr(part, "radius_m", getattr(part, "end_radius_m", None)) for part in drawn.road.segments]
+        assert all(abs(radius) >= 80.0 for radius in radii if radius is not None)
+        assert 0 <= len(rows(drawn)) <= 4
+
+
+def test_rows_keep_their_distances_and_leave_a_gap_that_can_be_reached() -> None:
+    for drawn in DRAWN:
+        places = [row[0][0] for row in rows(drawn)]
+        assert all(place - drawn.ego.s_m >= 50.0 for place in places)
+        assert all(after - before >= 40.0 for before, after in pairwise(places))
+        assert all(gaps(row) for row in rows(drawn))
+        assert reachable(drawn)
+
+
+def test_bodies_of_a_row_do_not_touch() -> None:
+    for drawn in DRAWN:
+        assert all(b[1] > a[2] for row in rows(drawn) for a, b in pairwise(row))
+
+
+def test_all_kinds_all_counts_of_rows_and_both_ways_of_bending_come_up() -> None:
+    assert {body.kind for drawn in DRAWN for body in drawn.bodies} == set(SIZES)
+    assert {len(rows(drawn)) for drawn in DRAWN} == {0, 1, 2, 3, 4}
+    radii = [part.radius_m for drawn in DRAWN for part in drawn.road.segments if part.kind == "arc"]
+    assert min(radii) < -80.0
+    assert max(radii) > 80.0
+    headings = [drawn.road.heading_deg for drawn in DRAWN]
+    assert min(headings) < -120.0
+    assert max(headings) > 120.0
+
+
+def test_roads_never_come_near_themselves() -> None:
+    for drawn in DRAWN[:60]:
+        centre = build_road(drawn, stream(0, "road")).network.centre
+        s = np.arange(0.0, drawn.road.length_m, 2.0)
+        points = np.array([centre.position_at(float(station), 0.0) for station in s])
+        apart = np.hypot(*(points[:, None] - points[None]).T)
+        along = np.abs(s[:, None] - s[None])
+        assert (apart[along > 40.0] > 2.0 * HALF_M).all()
+
+
+def test_a_seed_draws_the_same_road_and_another_seed_another() -> None:
+    assert load().draw(5) == load().draw(5)
+    assert load().draw(5).road != load().draw(6).road
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("radius_m = [5.0, 90.0]", "random.radius_m: expected more than half the carriageway, 7 m, got 5"),
+        ("rows = [3, 1]", "random.rows: expected [low, high] with low <= high, got [3, 1]"),
+        ("raidus_m = [90.0, 100.0]", "random.raidus_m: unknown key, did you mean 'radius_m'?"),
+        ("free_gap_m = 15.0", "random.free_gap_m: expected at most the carriageway, 14 m, got 15"),
+        ("[ego]\nlane = 5", "ego.lane: expected 1 to 4, counted from the right, got 5"),
+    ],
+)
+def test_wrong_limits_get_one_clear_line(text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        scenarios.parse(f"schema = 1\n[random]\n{text}\n", "my.toml")
+    assert str(caught.value) == f"my.toml: {message}"
