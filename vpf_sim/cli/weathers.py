@@ -1,31 +1,38 @@
 """`vpf-sim weathers`: the weathers that there are, one of them, or a check of a file."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from vpf_sim.cli.options import JsonOption, print_json
+from vpf_sim.cli.tables import print_table
 
 app = typer.Typer(help="The weathers that there are; check your own.", no_args_is_help=True, rich_markup_mode=None)
+SameJsonOption = Annotated[bool, typer.Option("--json", help="One JSON object; it is printed without this, too.")]
 
 
 @app.command("list")
 def list_weathers(json: JsonOption = False) -> None:
-    """The presets and their aliases."""
+    """The presets with their aliases, and what they mean."""
     from vpf_sim.envs.camera import weather
+    from vpf_sim.evaluation.weather_meaning import aliases, in_words
 
+    loaded = list(weather.PRESETS.values())
     if json:
-        print_json({"weathers": [{"name": name} for name in weather.names()]})
+        print_json({"weathers": [_row(name) for name in weather.names()]})
         return
-    print("\n".join(weather.names()))
+    print_table(("weather", "alias", ""), [(w.name, ", ".join(aliases(w)), in_words(w)) for w in loaded], words=3)
 
 
 @app.command()
-def show(name: str) -> None:
-    """The factors of a weather, as JSON."""
+def show(name: str, json: SameJsonOption = False) -> None:  # noqa: ARG001
+    """The factors of a weather or a weather file and their physical meaning, as JSON."""
     from vpf_sim.envs.camera import weather
+    from vpf_sim.evaluation.weather_meaning import aliases, in_words, physical
 
-    print_json(weather.load(name).model_dump(mode="json"))
+    loaded = weather.load(name)
+    meaning = {"aliases": aliases(loaded), "meaning": in_words(loaded), "physical": physical(loaded)}
+    print_json({**loaded.model_dump(mode="json"), **meaning})
 
 
 @app.command()
@@ -35,3 +42,12 @@ def validate(file: Annotated[str, typer.Argument(metavar="FILE")]) -> None:
 
     weather.load(file)
     print(f"{file}: a good weather")
+
+
+def _row(name: str) -> dict[str, Any]:
+    """A name that can be asked for, the preset that it stands for, and what that means."""
+    from vpf_sim.envs.camera import weather
+    from vpf_sim.evaluation.weather_meaning import in_words
+
+    loaded = weather.load(name)
+    return {"name": name, "preset": loaded.name, "meaning": in_words(loaded)}

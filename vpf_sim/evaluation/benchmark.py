@@ -9,8 +9,8 @@ WEATHERS = ("clear", "rain")
 DRIVERS = ("vpf", "vpf-paper", "vpf-literal", "pid")
 SEEDS = "1000:1030"
 # Table "Simulator results", rows "Cloudy" (the set-up of the same paper says Clear Noon) and "Rain" (there: Hard Rain):
-# throttle and steering accuracy with respect to the PID, by a definition that it does not give, and mean squared error of
-# the path, whose unit it prints as m.
+# throttle and steering accuracy with respect to the PID, by a definition that it does not give, and the mean squared
+# error of the path, whose unit it prints as m.
 PAPER: dict[tuple[str, str], dict[str, float]] = {
     ("town04-clean", "clear"): {"throttle": 0.8234, "steering": 0.7214, "path_mse_m2": 0.42},
     ("town04", "clear"): {"throttle": 0.7851, "steering": 0.7167, "path_mse_m2": 0.74},

@@ -1,0 +1,63 @@
+"""What a weather means: its factors in physical units, and in a line of words."""
+
+from math import hypot
+
+from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.weather import ALIASES, PRESETS, Weather
+
+FOG_FROM_M = 5000.0  # a visibility below this is worth a word
+BREEZE_MPS = 4.0  # and a wind above this
+
+
+def physical(weather: Weather) -> dict[str, float]:
+    """The factors as `vpf_sim.envs.camera.atmosphere` reads them; the keys hold the units.
+
+    `visibility_m` is that through fog and rain together: the distance at which contrast falls to 5 %.
+    """
+    air = Atmosphere.of(weather)
+    meaning = {
+        "rain_mmph": air.rain_mmph,
+        "fog_visibility_m": air.visibility_m,
+        "visibility_m": 3.0 / air.extinction_per_m,
+        "extinction_per_km": 1e3 * air.extinction_per_m,
+        "wind_mps": hypot(*air.wind_mps),
+        "wet_road_share": air.wetness,
+        "puddle_share": air.puddles,
+        "sun_altitude_deg": weather.sun_altitude_angle,
+        "wiper_cycles_per_min": 60.0 / weather.wiper_period_s if weather.wiper_period_s else 0.0,
+    }
+    return {key: float(f"{value:.4g}") for key, value in meaning.items()}
+
+
+def aliases(weather: Weather) -> list[str]:
+    """The other names of a preset; a weather of a file has none."""
+    return sorted(alias for alias, name in ALIASES.items() if PRESETS[name] == weather)
+
+
+def in_words(weather: Weather) -> str:
+    """Sky, sun, rain, fog, wind, road and glass in one line, each where there is something to say."""
+    meaning = physical(weather)
+    parts = [_sky(weather.cloudiness), f"sun {weather.sun_altitude_angle:g}° high", *_rain(meaning["rain_mmph"])]
+    if (visibility_m := meaning["fog_visibility_m"]) < FOG_FROM_M:
+        parts.append(f"fog, visibility {float(f'{visibility_m:.2g}'):g} m")
+    if meaning["wind_mps"] >= BREEZE_MPS:
+        parts.append(f"wind {meaning['wind_mps']:g} m/s")
+    if meaning["wet_road_share"] > 0.0:
+        parts.append("wet road" if meaning["puddle_share"] == 0.0 else "wet road with puddles")
+    if weather.droplets > 0.0:
+        parts.append("drops on the glass")
+    if weather.wiper_period_s > 0.0:
+        parts.append(f"wipers every {weather.wiper_period_s:g} s")
+    return ", ".join(parts)
+
+
+def _sky(cloudiness: float) -> str:
+    return "clear sky" if cloudiness < 15.0 else "overcast" if cloudiness >= 90.0 else "clouds"
+
+
+def _rain(rate_mmph: float) -> list[str]:
+    """The rate with the words of weather services: heavy from 10, violent from 50 mm/h."""
+    if rate_mmph == 0.0:
+        return []
+    strength = "light" if rate_mmph < 2.0 else "moderate" if rate_mmph < 10.0 else "heavy"
+    return [f"{'violent' if rate_mmph >= 50.0 else strength} rain of {rate_mmph:g} mm/h"]
