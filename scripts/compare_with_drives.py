@@ -1,0 +1,85 @@
+"""Statistics of the recorded drives beside those of frames rendered with their cameras, rates and speeds.
+
+python scripts/compare_with_drives.py [--drives DIR] [--only NAME ...] [--out DIR] [--json FILE] [--seed 0]
+
+A ratio (rendered / real) outside 1/2 .. 2 is marked with a star. With --out, pictures side by side: real left, rendered
+right.
+"""
+
+import argparse
+import json
+import os
+from dataclasses import asdict
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from vpf_sim.evaluation import lookalike
+from vpf_sim.evaluation.frame_statistics import measure, scaled_grey
+from vpf_sim.evaluation.text_table import text_table
+from vpf_sim.evaluation.threads import limit_opencv
+from vpf_sim.replay import drives
+from vpf_sim.replay.drives import Clip
+from vpf_sim.types import Image
+
+LOOKS = 16  # frames of a drive that are looked at
+MOST_FRAMES = 120
+LARGEST_RATIO = 2.0
+
+
+def compare(clip: Clip, seed: int, out: Path | None) -> list[dict[str, Any]]:
+    """The rows real, rendered and ratio of one drive."""
+    real = list(islice(clip.frames(), MOST_FRAMES))
+    street = lookalike.STREETS[clip.name]
+    drive = street.drive(clip.camera, clip.rate_hz, clip.speed_mps)
+    rendered = [shot.image for shot in drive.shots(street.sky(), seed, len(real))]
+    if out is not None:
+        save(out, clip.name, real, rendered)
+    every = max(1, len(real) // LOOKS)
+    ours, theirs = (measure([scaled_grey(image) for image in images], every) for images in (rendered, real))
+    ratio = {key: _starred(value) for key, value in ours.ratio(theirs).items()}
+    name = clip.name
+    return [
+        {"frames": f"{name} real", **asdict(theirs)},
+        {"frames": "  rendered", **asdict(ours)},
+        {"frames": "  ratio", **ratio},
+    ]
+
+
+def save(out: Path, name: str, real: list[Image], rendered: list[Image]) -> None:
+    """Three pairs of pictures, real left, rendered right."""
+    out.mkdir(parents=True, exist_ok=True)
+    for k in (0, len(real) // 2, len(real) - 1):
+        pair = np.hstack([real[k], rendered[k]])
+        cv2.imwrite(str(out / f"{name}_{k:03d}.png"), cv2.cvtColor(pair, cv2.COLOR_RGB2BGR))
+
+
+def _starred(ratio: float) -> str:
+    within = 1.0 / LARGEST_RATIO <= ratio <= LARGEST_RATIO
+    return f"{ratio:.2f}" + ("" if within else "*")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    shared = os.environ.get("VPF_SIM_SHARED", "../shared")
+    parser.add_argument("--drives", type=Path, default=Path(shared) / "drives", help="folder of the drives")
+    parser.add_argument("--only", nargs="*", choices=list(lookalike.STREETS), help="drives; all by default")
+    parser.add_argument("--out", type=Path, help="folder for pictures side by side")
+    parser.add_argument("--json", type=Path, help="also write the table to this file")
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+    limit_opencv()
+    rows: list[dict[str, Any]] = []
+    for name in arguments.only or lookalike.STREETS:
+        new = compare(drives.read(arguments.drives / name), arguments.seed, arguments.out)
+        print(text_table(new, header=not rows), flush=True)
+        rows.extend(new)
+    if arguments.json:
+        arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

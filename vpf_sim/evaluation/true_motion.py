@@ -1,0 +1,91 @@
+"""How tracks really moved over several frames, from the truth of the last frame and what the poses were before."""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.view import View
+from vpf_sim.evaluation.scripted import Shot
+from vpf_sim.types import Camera, Floats
+
+NEIGHBOURS = [(x, y) for y in (-1, 0, 1) for x in (-1, 0, 1)]
+Truth = dict[str, NDArray[np.generic]]
+
+
+@dataclass(frozen=True, slots=True)
+class Instant:
+    """Where the camera and the bodies were at one frame."""
+
+    view: View
+    bodies: list[Floats]  # (3,) x m, y m, heading rad of each
+
+
+class TrueMotion:
+    """Remembers the poses of the last frames.
+
+    The scene is rigid but for its bodies, which move as a whole: the point that a pixel shows now, by its depth, was
+    then at a known place, and was seen where that projects to. The lens is a pinhole.
+    """
+
+    def __init__(self, camera: Camera, frames: int) -> None:
+        self._camera = camera
+        self._instants: deque[Instant] = deque(maxlen=frames + 1)  # newest first
+
+    def note(self, shot: Shot) -> None:
+        """Remember a frame; every one in its order."""
+        bodies = [np.array([*body.position, body.heading], float) for body in shot.renderer.bodies]
+        self._instants.appendleft(Instant(View.at(self._camera, shot.pose[:2], shot.pose[2]), bodies))
+
+    def errors_px(self, points_px: Floats, displacement_px: Floats, frames: NDArray[np.int64], truth: Truth) -> Floats:
+        """(N,) px by which displacements (N, 2) of points (N, 2) over `frames` (N,) miss the true ones.
+
+        `truth` has `depth` and `instance` of the frame noted last. Of the nine pixels about a point the one that agrees
+        best counts, as a corner on an outline may belong to either side.
+        """
+        errors = np.full(len(points_px), np.inf)
+        for back in np.unique(frames):
+            chosen = frames == back
+            for neighbour in NEIGHBOURS:
+                true_px = self._displacement(pixels(points_px[chosen] + neighbour, self._camera), int(back), truth)
+                errors[chosen] = np.minimum(errors[chosen], np.hypot(*(displacement_px[chosen] - true_px).T))
+        return errors
+
+    def _displacement(self, pixel: NDArray[np.intp], back: int, truth: Truth) -> Floats:
+        """(N, 2) px that what is seen at pixels (N, 2) moved in the last `back` frames."""
+        now, then = self._instants[0], self._instants[back]
+        column, row = pixel.T
+        depth, instance = truth["depth"][row, column].astype(np.float64), truth["instance"][row, column]
+        camera = self._camera
+        ray = np.stack([(column - camera.cx_px) / camera.fx_px, (row - camera.cy_px) / camera.fy_px, np.ones(len(row))])
+        direction = ray.T @ now.view.axes
+        endless = np.isinf(depth)
+        world = now.view.centre + direction * np.where(endless, 0.0, depth)[:, None]
+        for body in np.unique(instance[instance > 0]):
+            moved = instance == body
+            world[moved] = carried(world[moved], now.bodies[body - 1], then.bodies[body - 1])
+        seen = np.where(endless[:, None], direction @ then.view.axes.T, then.view.camera_axes(world))
+        displacement: Floats = pixel - then.view.pixels(seen)
+        return displacement
+
+
+def pixels(points_px: Floats, camera: Camera) -> NDArray[np.intp]:
+    """(N, 2) the pixels, column and row, that points (N, 2) lie in; at the frame's edge the nearest."""
+    return np.clip(np.rint(points_px), 0, [camera.width_px - 1, camera.height_px - 1]).astype(np.intp)
+
+
+def at(values: NDArray[np.generic], points_px: Floats, camera: Camera) -> NDArray[Any]:
+    """(N,) the values of an array (H, W) at points (N, 2)."""
+    column, row = pixels(points_px, camera).T
+    found: NDArray[Any] = values[row, column]
+    return found
+
+
+def carried(points: Floats, now: Floats, then: Floats) -> Floats:
+    """Where points (N, 3) of a body at pose `now` were when its pose (x, y, heading) was `then`."""
+    turn = then[2] - now[2]
+    c, s = np.cos(turn), np.sin(turn)
+    flat = (points[:, :2] - now[:2]) @ np.array([[c, s], [-s, c]]) + then[:2]
+    return np.column_stack([flat, points[:, 2]])
