@@ -1,20 +1,157 @@
-"""The wet road, a mirror at grazing angles."""
+"""The wet road, a mirror at grazing angles: sharp in puddles, smeared along the line of sight elsewhere."""
+
+from dataclasses import dataclass
+from math import ceil
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.mirror import (
+    REFINEMENT,
+    horizon_row,
+    large_sprites,
+    mirrored_faces,
+    paint_faces,
+    paint_sprite,
+    reflectance,
+)
+from vpf_sim.envs.camera.puddles import Puddles, covered_table, road_table
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Camera, Image
+from vpf_sim.types import Bools, Camera, Image
+
+Bytes = NDArray[np.uint8]
+
+DAMP_SHARE, FILM_SHARE = 0.35, 0.9  # of a damp road's and a flooded road's surface that mirrors
+DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # of its facets
+STONES_MMPH, FILM_MMPH = 8.0, 25.0  # between these rates of rain the film comes to cover the stones
+PUDDLE_DARK = 0.15  # how much less of the asphalt is seen through a puddle
+HIDDEN_SHARE, HIDDEN_LEVELS = 0.25 * 255, 12
+
+
+@dataclass(frozen=True, slots=True)
+class Water:
+    """Where there is water in one frame, (rows, columns) each of the canvas."""
+
+    share: Bytes  # of the light that is mirrored, of 255
+    through: Bytes  # of the road's own light that is left, of 255
+    standing: Bytes  # 255 in puddles, else 0
 
 
 class WetRoad:
-    """Mirrors sky and things on the road."""
+    """Mirrors sky and things on the road.
+
+    The share that is mirrored is Fresnel's for flat water (n = 1.333) times the share of the road that is covered.
+    Below about 10 mm/h the stones of the asphalt poke through the film, from 25 mm/h on it is one film (Gallaway et al.
+    1971, TTI report 138-5). A facet tilted by s moves the mirror image of what is far by 2 f s up or down, and hardly
+    sideways.
+    """
 
     def __init__(
         self, camera: Camera, shapes: list[LaneShape], atmosphere: Atmosphere, light: Light, seed: int
     ) -> None:
-        pass
+        del light
+        self._dry = atmosphere.wetness <= 0.0
+        if self._dry:
+            return
+        self._camera = camera
+        self._top = int(np.clip(np.floor(horizon_row(camera)) + 1, 0, camera.height_px))
+        self._rows = ceil((camera.height_px - self._top) / REFINEMENT)
+        self._columns = camera.width_px // REFINEMENT
+        self._puddles = Puddles(shapes, seed)
+        film = float(np.clip((atmosphere.rain_mmph - STONES_MMPH) / (FILM_MMPH - STONES_MMPH), 0.0, 1.0))
+        share = min(1.0, 2.0 * atmosphere.wetness) * (DAMP_SHARE + film * (FILM_SHARE - DAMP_SHARE))
+        slope = np.radians(DAMP_SLOPE_DEG + film * (FILM_SLOPE_DEG - DAMP_SLOPE_DEG))
+        self._smear = 2 * round(2.0 * camera.fy_px * slope / REFINEMENT) + 1
+        self._standing_table = covered_table(atmosphere.puddles)
+        self._share_table = np.maximum(self._standing_table, np.rint(share * road_table())).astype(np.uint8)
+        self._dark_table = np.rint(PUDDLE_DARK * self._standing_table).astype(np.uint8)
+        self._reflectance = np.rint(255.0 * reflectance(self._sines())).astype(np.uint8)
+        self._last: tuple[View, list[Drawn], Bytes] | None = None
 
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
         """Mirror what is drawn above the horizon and the things that will be drawn, in place."""
+        if self._dry or self._rows == 0:
+            return
+        sky = self._mirrored_sky(frame)
+        self._last = (view, drawn, sky)
+        water = self._water(view)
+        self._lay(frame, water.through, self._mirrored(view, water, sky, drawn))
+
+    def hidden(self) -> Bools:
+        """(H, W) where the last frame shows mirror images of things: they make up a quarter of what is seen, or differ
+        by 12 grey levels from the mirrored sky."""
+        mask = np.zeros((self._camera.height_px, self._camera.width_px), bool)
+        if self._last is None:
+            return mask
+        view, drawn, sky = self._last
+        water, white, black = self._water(view), np.full_like(sky, 255), np.zeros_like(sky)
+        of_sky = cv2.subtract(self._mirrored(view, water, white, drawn), self._mirrored(view, water, black, drawn))
+        share = cv2.subtract(self._mirrored(view, water, white, []), of_sky)
+        contrast = cv2.absdiff(self._mirrored(view, water, sky, drawn), self._mirrored(view, water, sky, []))
+        shown = (np.asarray(share).max(axis=2) > HIDDEN_SHARE) | (np.asarray(contrast).max(axis=2) > HIDDEN_LEVELS)
+        below = mask[self._top :]
+        below[:] = shown.repeat(REFINEMENT, axis=0).repeat(REFINEMENT, axis=1)[: len(below)]
+        return mask
+
+    def _water(self, view: View) -> Water:
+        """Where there is water."""
+        depths = self._depths(view)
+        standing: Any = cv2.LUT(depths, self._standing_table)
+        share: Any = cv2.multiply(cv2.LUT(depths, self._share_table), self._reflectance, scale=1 / 255)
+        through: Any = cv2.subtract(cv2.bitwise_not(share), cv2.LUT(depths, self._dark_table))
+        return Water(share, through, np.asarray(cv2.threshold(standing, 127.0, 255.0, cv2.THRESH_BINARY)[1], np.uint8))
+
+    def _mirrored(self, view: View, water: Water, sky: Bytes, drawn: list[Drawn]) -> Bytes:
+        """(rows, columns, 3) the light that the water sends to the camera."""
+        mirror = sky.copy()
+        for sprite in large_sprites(drawn):
+            paint_sprite(mirror, view, self._top, sprite)
+        paint_faces(mirror, self._top, mirrored_faces(view, drawn, 0.5 * self._smear * REFINEMENT))
+        light: Any = cv2.blur(mirror, (1, self._smear))
+        cv2.copyTo(mirror, water.standing, light)
+        cv2.multiply(light, cv2.merge([water.share] * 3), light, scale=1 / 255)
+        return np.asarray(light, np.uint8)
+
+    def _lay(self, frame: Image, through: Bytes, light: Bytes) -> None:
+        """Dim the road and add what it mirrors; a row of the canvas serves two of the picture."""
+        size = (frame.shape[1], self._rows)
+        left: Any = cv2.cvtColor(cv2.resize(through, size), cv2.COLOR_GRAY2RGB)
+        added: Any = cv2.resize(light, size)
+        for first in range(REFINEMENT):
+            rows = frame[self._top + first :: REFINEMENT]
+            cv2.multiply(rows, left[: len(rows)], rows, scale=1 / 255)
+            cv2.add(rows, added[: len(rows)], rows)
+
+    def _mirrored_sky(self, frame: Image) -> Bytes:
+        """The sky upside down."""
+        tall = min(self._rows, self._top // REFINEMENT)
+        above = frame[self._top - tall * REFINEMENT : self._top]
+        sky = cv2.flip(cv2.resize(above, (self._columns, tall), interpolation=cv2.INTER_AREA), 0)
+        if tall < self._rows:
+            sky = cv2.copyMakeBorder(sky, 0, self._rows - tall, 0, 0, cv2.BORDER_REPLICATE)
+        return np.asarray(sky, np.uint8)
+
+    def _depths(self, view: View) -> Bytes:
+        """(rows, columns) the depth of the puddles' map at each pixel of the canvas."""
+        raster = self._puddles.raster(view)
+        centre = 0.5 * (REFINEMENT - 1)
+        pixels = np.array([[REFINEMENT, 0.0, centre], [0.0, REFINEMENT, centre + self._top], [0.0, 0.0, 1.0]])
+        matrix = raster.from_world() @ view.ground_homography() @ pixels
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        size = (self._columns, self._rows)
+        return np.asarray(cv2.warpPerspective(raster.depths, matrix, size, flags=flags), np.uint8)
+
+    def _sines(self) -> NDArray[np.float64]:
+        """(rows, columns) sine of the angle between ray and road."""
+        camera = self._camera
+        x = ((np.arange(self._columns) + 0.5) * REFINEMENT - 0.5 - camera.cx_px) / camera.fx_px
+        y = ((np.arange(self._rows) + 0.5) * REFINEMENT - 0.5 + self._top - camera.cy_px) / camera.fy_px
+        right, down = np.meshgrid(x, y)
+        fall = down * np.cos(camera.pitch_rad) + np.sin(camera.pitch_rad)
+        return np.asarray(fall / np.sqrt(right**2 + down**2 + 1.0))
