@@ -123,6 +123,7 @@ def _sky_colours(weather: Weather, atmosphere: Atmosphere, cover: float) -> Floa
     )
     horizon = clear_horizon + (covered_horizon - clear_horizon) * cover
     cloud = cloud + (covered_zenith - cloud) * cover
+    gap = gap + (covered_zenith - gap) * cover**3
     zenith = gap + (cloud - gap) * cover
     colours = np.array([horizon, zenith, gap, cloud]) * (1.0 - RAIN_DARKENS * weather.precipitation / 100.0)
     foggy = min(1.0, 3.0 / atmosphere.visibility_m / OPAQUE_FOG_PER_M)

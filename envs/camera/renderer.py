@@ -48,7 +48,7 @@ class Renderer:
         shapes = lane_shapes(road)
         self._lens = Lens(rig.camera)
         camera = self._camera = self._lens.pinhole
-        self._sky = Sky(camera, seed)
+        self._sky = Sky(camera, light, atmosphere, seed)
         self._ground = Ground(camera, shapes, seed)
         self._veil = Veil(camera, atmosphere, light)
         self._things = Things(camera, shapes, light, seed)

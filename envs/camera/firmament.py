@@ -1,0 +1,102 @@
+"""The sky as a panorama: its gradient, the glow about the sun, clouds.
+
+Clouds lie on a layer, sampled where the ray meets it, so that they get smaller and flatter towards the horizon.
+"""
+
+from functools import lru_cache
+from math import radians
+from statistics import NormalDist
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.texture import noise
+from vpf_sim.seeding import stream
+from vpf_sim.types import Floats, Image
+
+COLUMNS, ROWS = 1024, 192
+ZENITH_SLOPE = 1.2  # tangent of the elevation above which the sky keeps its colour
+LAYER_M = 1200.0  # height of the clouds
+TILE, TILE_HEIGHTS = 512, 14.0  # texels of the field of clouds, and how many heights of the layer they span
+FLATTEST = 0.22  # added to the slope at which a ray meets the layer, as if the layer bent down with the Earth
+SOFTNESS = 0.9  # of a cloud's edge, in standard deviations of the field
+HAZE_SHARE = 0.25  # part of the extinction near the ground that there is on average up to the clouds
+GLOW_RAD, DISC_RAD = 0.4, radians(1.0)  # how far the sun's glow reaches, and the disc with its bloom
+NOON_SUN = 0.65  # factor of the sun at ClearNoon
+
+
+def firmament(light: Light, atmosphere: Atmosphere, rng: np.random.Generator) -> Image:
+    """(ROWS, COLUMNS, 3) RGB: column i at the azimuth 2 pi i / COLUMNS, rows at even tangents of the elevation from
+    ZENITH_SLOPE down to 0."""
+    slope, azimuth = np.meshgrid(
+        np.linspace(ZENITH_SLOPE, 0.0, ROWS), np.arange(COLUMNS) * (2.0 * np.pi / COLUMNS), indexing="ij"
+    )
+    angle = _angle_to_sun(light, slope, azimuth)
+    sun = min(float(light.direct.mean()) / NOON_SUN, 1.0)
+    warm = 255.0 * light.direct / max(float(light.direct.max()), 1e-6)
+    sky = _gradient(light, slope)
+    glow = 0.6 * sun * np.exp(-angle / GLOW_RAD)[..., None]
+    sky += (np.maximum(warm, sky) - sky) * glow
+    opacity, tone = _clouds(light, atmosphere, slope, azimuth, rng)
+    lit = light.horizon + (light.cloud - light.horizon) * np.sqrt(slope / ZENITH_SLOPE)[..., None]
+    lit += (np.maximum(warm, lit) - lit) * glow
+    sky += (lit * tone[..., None] - sky) * opacity[..., None]
+    disc = sun * (1.0 - 0.7 * opacity) * np.exp(-((angle / DISC_RAD) ** 2))
+    sky += (255.0 - sky) * disc[..., None]
+    return np.clip(np.rint(sky), 0, 255).astype(np.uint8)
+
+
+def _angle_to_sun(light: Light, slope: Floats, azimuth: Floats) -> Floats:
+    """rad between directions and the sun."""
+    scale = 1.0 / np.hypot(1.0, slope)
+    cosine = (np.cos(azimuth) * light.sun[0] + np.sin(azimuth) * light.sun[1] + slope * light.sun[2]) * scale
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _gradient(light: Light, slope: Floats) -> Floats:
+    """(..., 3) colour of the sky between the clouds."""
+    share = (slope / ZENITH_SLOPE)[..., None] ** 0.7
+    return np.asarray(light.horizon + (light.gap - light.horizon) * share)
+
+
+def _clouds(
+    light: Light, atmosphere: Atmosphere, slope: Floats, azimuth: Floats, rng: np.random.Generator
+) -> tuple[Floats, Floats]:
+    """How much of the sky clouds hide, 0 to 1, and their brightness about 1.
+
+    The threshold of a field of Gaussian noise sets the cover; thick parts are darker from below, and sides turned to
+    the sun brighter. The air takes the contrast of distant ones.
+    """
+    heights = 1.0 / (slope + FLATTEST)
+    x, y = heights * np.cos(azimuth), heights * np.sin(azimuth)
+    origin, heading = rng.uniform(0.0, TILE_HEIGHTS, 2), rng.uniform(0.0, 2.0 * np.pi)
+    field = _field(x, y, origin, heading)
+    sunward = field - _field(x + 0.12 * light.sun[0], y + 0.12 * light.sun[1], origin, heading)
+    threshold = -NormalDist().inv_cdf(min(max(light.cover, 1e-3), 0.999))
+    dense = field - threshold
+    clear = np.exp(-HAZE_SHARE * atmosphere.extinction_per_m * LAYER_M * heights)
+    opacity = np.clip(dense / SOFTNESS + 0.5, 0.0, 1.0)
+    opacity = opacity**2 * (3.0 - 2.0 * opacity) * (0.45 + 0.55 * light.cover)
+    thick = np.clip(dense, 0.0, 4.0)
+    broken = 4.0 * light.cover * (1.0 - light.cover)
+    shade = -0.10 * thick - 0.04 * (field if light.cover > 0.9 else 0.0) + (0.02 + 0.10 * broken) * sunward
+    mean = -0.10 * min(max(-threshold, 0.0), 4.0)  # a covered sky keeps its brightness
+    return opacity * (0.15 + 0.85 * clear), 1.0 + (shade - mean) * (0.25 + 0.75 * clear)
+
+
+def _field(x: Floats, y: Floats, origin: Floats, heading: float) -> Floats:
+    """The field of clouds at points of the layer, in heights of it from the point overhead."""
+    c, s = np.cos(heading), np.sin(heading)
+    scale = TILE / TILE_HEIGHTS
+    columns = np.mod((c * x - s * y + origin[0]) * scale, TILE).astype(np.float32)
+    rows = np.mod((s * x + c * y + origin[1]) * scale, TILE).astype(np.float32)
+    return np.asarray(cv2.remap(_tile(), columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP), np.float64)
+
+
+@lru_cache(maxsize=1)
+def _tile() -> NDArray[np.float32]:
+    """(TILE, TILE) the field of clouds, the same in every episode: what a seed varies is where it lies."""
+    return noise((TILE, TILE), stream(0, "clouds"), 7.0, 1.45).astype(np.float32)

@@ -1,0 +1,54 @@
+"""Ranges of hills at the horizon, as a panorama."""
+
+import cv2
+import numpy as np
+
+from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.firmament import ZENITH_SLOPE
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.texture import noise
+from vpf_sim.types import Floats, Image
+
+COLUMNS, ROWS_PER_SLOPE = 2560, 400
+HILL_SLOPE = 0.10  # tangent of the elevation that no hill reaches
+HILLS = (  # (distance in m, tangent of the height, RGB), from far to near; the nearest is a line of trees
+    (7500.0, 0.060, (84, 100, 110)),
+    (3500.0, 0.036, (74, 92, 72)),
+    (950.0, 0.020, (52, 70, 38)),
+)
+LEAST_SHOWN = 0.005  # of the nearest hills' contrast: what is fainter is less than a level
+
+
+def hills_show(atmosphere: Atmosphere) -> bool:
+    """Whether any of the hills can be made out through the air."""
+    return bool(np.exp(-atmosphere.extinction_per_m * HILLS[-1][0]) > LEAST_SHOWN)
+
+
+def hills(sky: Image, tall: float, light: Light, atmosphere: Atmosphere, rng: np.random.Generator) -> Image:
+    """(rows, COLUMNS, 3) RGB ranges of hills before a panorama of the sky: column i at the azimuth 2 pi i / COLUMNS,
+    rows at even tangents of the elevation from `tall` down to 0. The air veils them by their distance."""
+    rows = int(tall * ROWS_PER_SLOPE)
+    slope = np.linspace(tall, 0.0, rows)[:, None]
+    picture = _magnified(sky, slope[:, 0])
+    air = picture[-1] - 6.0
+    for index, (distance_m, height, colour) in enumerate(HILLS):
+        left = np.exp(-atmosphere.extinction_per_m * distance_m)
+        far = index < len(HILLS) - 1
+        outline = noise((1, COLUMNS), rng, 10.0 if far else 3.0, 1.6 if far else 1.0)[0]
+        top = height * np.clip(0.65 + 0.22 * outline, 0.15, 1.4)
+        cover = np.clip((top - slope) / (tall / rows), 0.0, 1.0)[..., None]
+        texture = noise((128, COLUMNS), rng, 3.0, 0.5)[:rows, :, None] * 16.0
+        tone = (np.array(colour, float) + texture) * light.ground
+        picture += cover * (air + (tone - air) * left - picture)
+    return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+
+
+def _magnified(sky: Image, slope: Floats) -> Floats:
+    """(rows, COLUMNS, 3) the sky at some tangents of the elevation."""
+    turn = np.concatenate([sky, sky[:, :1]], axis=1)
+    columns = np.arange(COLUMNS, dtype=np.float32) * np.float32(sky.shape[1] / COLUMNS)
+    rows = ((len(sky) - 1) * (1.0 - slope / ZENITH_SLOPE)).astype(np.float32)
+    shape = (len(rows), COLUMNS)
+    maps = np.broadcast_to(columns, shape), np.broadcast_to(rows[:, None], shape)
+    picture = cv2.remap(turn, *(np.ascontiguousarray(of) for of in maps), cv2.INTER_LINEAR)
+    return np.asarray(picture, np.float64)
