@@ -61,9 +61,10 @@ def measure(greys: Sequence[Image], every: int = 1) -> FrameStatistics:
     return FrameStatistics(*np.mean(rows, axis=0).tolist())
 
 
-def corners(image: Image) -> Floats:
-    """(N, 2) px, the corners of a grey frame."""
-    found = cv2.goodFeaturesToTrack(image, CORNERS, QUALITY, MIN_DISTANCE_PX)
+def corners(image: Image, mask: Bools | None = None) -> Floats:
+    """(N, 2) px, the corners of a grey frame, where an (H, W) mask allows."""
+    allowed = None if mask is None else mask.astype(np.uint8)
+    found = cv2.goodFeaturesToTrack(image, CORNERS, QUALITY, MIN_DISTANCE_PX, mask=allowed)
     return np.empty((0, 2)) if found is None else found[:, 0].astype(np.float64)
 
 

@@ -1,0 +1,69 @@
+"""The judge of perception, by flows and maps that are made up."""
+
+import numpy as np
+import pytest
+
+from vpf_sim.evaluation import judge
+from vpf_sim.types import Camera, Expansion, Floats, Flow, ObstacleMap
+
+
+def flow_at(points_px: Floats) -> Flow:
+    """Points that stand still."""
+    count = len(points_px)
+    none = np.zeros((count, 2))
+    return Flow(
+        points_px=points_px,
+        displacement_px=none,
+        gap_s=np.full(count, 0.1),
+        past_pose=np.zeros((count, 3)),
+        pose=np.zeros(3),
+        identity=np.arange(count),
+        first_px=points_px,
+        first_pose=np.zeros((count, 3)),
+        age_frames=np.full(count, 6),
+        structure=np.zeros((count, 2, 2)),
+    )
+
+
+def test_the_share_off_counts_errors_above_a_pixel() -> None:
+    errors = [np.array([0.2, 1.5, 0.9]), np.array([3.0])]
+    assert judge.share_off(errors) == 0.5
+    seen = [np.array([True, False, True]), np.array([True])]
+    assert judge.share_off(errors, seen) == pytest.approx(1.0 / 3.0)
+    assert np.isnan(judge.share_off([]))
+
+
+def test_time_to_contact_is_scored_where_it_is_short() -> None:
+    seen = np.array([2.0, 6.0, np.inf, 1.0, 5.0])
+    true = np.array([4.0, 5.0, 8.0, np.inf, 30.0])
+    assert judge.ttc_errors(seen, true) == pytest.approx([0.5, 0.2, 1.0])
+
+
+def test_an_unknown_focus_is_not_scored() -> None:
+    def found(confidence: float) -> Expansion:
+        return Expansion(303.0, 204.0, np.eye(2), np.ones(3, np.bool_), confidence)
+
+    assert judge.foe_error_px(found(1.0), np.array([300.0, 200.0])) == [5.0]
+    assert judge.foe_error_px(found(0.0), np.array([300.0, 200.0])) == []
+    assert judge.foe_error_px(found(1.0), np.array([np.nan, np.nan])) == []
+
+
+def test_a_cluster_is_false_with_nothing_near_that_stands_up() -> None:
+    points = np.array([[100.0, 100.0], [108.0, 100.0], [300.0, 300.0], [308.0, 300.0], [500.0, 400.0], [20.0, 20.0]])
+    marked = np.array([True, True, True, True, True, False])
+    plane = np.zeros((60, 80))
+    plane[12, 12:14] = plane[37, 37:39] = plane[50, 62] = 1.0
+    seen = ObstacleMap(marked, plane, np.zeros((2, 60, 80)), 8)
+    stands = np.zeros((480, 640), np.bool_)
+    assert judge.false_clusters(seen, flow_at(points), stands) == 3
+    stands[100, 120] = True  # 12 px right of one point of the first
+    assert judge.false_clusters(seen, flow_at(points), stands) == 2
+    stands[300, 340] = True  # too far from the second
+    assert judge.false_clusters(seen, flow_at(points), stands) == 2
+    stands[:] = True
+    assert judge.false_clusters(seen, flow_at(points), stands) == 0
+
+
+def test_nothing_judged_is_no_number() -> None:
+    score = judge.Judge(Camera(), 60.0, 0).score()
+    assert np.isnan([score.off, score.foe_px, score.ttc_error, score.hidden, score.survive_6]).all()
