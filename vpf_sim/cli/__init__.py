@@ -7,11 +7,11 @@ from typing import Any
 
 import typer
 
-from vpf_sim.cli import benchmark, drive, drivers, profile, replay, scenarios, sweep, weathers
+from vpf_sim.cli import benchmark, doctor, drive, drivers, profile, replay, scenarios, sweep, weathers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import threads
 
-SIMULATING = ("drive", "sweep", "benchmark", "replay", "profile")
+SIMULATING = ("drive", "sweep", "benchmark", "replay", "profile", "gallery", "doctor")
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
 
 app = typer.Typer(
@@ -27,6 +27,7 @@ app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
 app.command("replay")(replay.replay)
 app.command("profile")(profile.profile)
+app.command("doctor")(doctor.doctor)
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(weathers.app, name="weathers")
 app.add_typer(drivers.app, name="drivers")

@@ -1,0 +1,26 @@
+"""`vpf-sim doctor`: whether all is well on this machine."""
+
+import sys
+from dataclasses import asdict
+
+import typer
+
+from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
+
+
+def doctor(json: JsonOption = False) -> None:
+    """Check what is installed, the picture, the speed, and that an episode is always the same; 1 if a check fails."""
+    from vpf_sim.evaluation.doctor import examine
+
+    answer, checks = sys.stdout, []
+    with prints_on_stderr():
+        for check in examine():
+            checks.append(check)
+            if not json:
+                remedy = f"; {check.remedy}" if check.remedy else ""
+                line = f"{'ok' if check.ok else 'FAIL':<6}{check.name:<16}{check.found}{remedy}"
+                print(line, file=answer, flush=True)
+    all_ok = all(check.ok for check in checks)
+    if json:
+        print_json({"ok": all_ok, "checks": [asdict(check) for check in checks]})
+    raise typer.Exit(0 if all_ok else 1)
