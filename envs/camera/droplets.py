@@ -1,0 +1,208 @@
+"""Drops of water on the windshield: they land, merge, run, dry off or are wiped away."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.impacts import FOOTPRINT, SMALLEST_MM, Impacts
+from vpf_sim.envs.camera.pane import Pane
+from vpf_sim.envs.camera.planes import Box, Planes
+from vpf_sim.envs.camera.stamps import VARIANTS, stamp
+from vpf_sim.seeding import stream
+from vpf_sim.types import Bools, Floats
+
+RUNS_FROM_MM = 3.3  # diameter of the drop; its spot is then 6 mm wide
+GRAVITY_BELOW_MPS, WIND_ABOVE_MPS = 12.0, 20.0  # between these drops of any size stand still
+RUN_MPS = (0.02, 0.1)
+RUNS_S, RESTS_S = 0.35, 0.25  # mean times of slip and of stick
+SHED_SHARE = (0.2, 0.4)  # width of what a running drop leaves behind / its own
+LIFE_S = (5.0, 20.0)  # until a drop has dried off or run off, when no wiper comes
+LARGEST_MM = 8.0
+SIZE_STEP = 1.08  # drops are drawn in sizes this far apart,
+BAND_PX = 16  # and as in the middle of a band of this many rows
+
+Drops = NDArray[np.void]
+DROP = np.dtype(
+    [
+        *((name, "f8") for name in ("x", "y")),  # px
+        ("size", "f8"),  # mm, diameter of a sphere of its volume
+        ("dies", "f8"),  # s
+        ("turns", "f8"),  # s, when it next starts or stops
+        ("run", "f8"),  # m/s, 0 at rest
+        ("way", "f8"),  # mm, since it last shed water
+        *((name, "i4") for name in ("column", "row", "width", "height", "blur", "variant", "rx", "ry")),  # as drawn
+    ]
+)
+DRAWN = ["column", "row", "width", "height", "blur", "variant"]
+
+
+class Droplets:
+    """All drops on the glass, and their picture in `planes`."""
+
+    def __init__(self, pane: Pane, planes: Planes, rain_mmph: float, seed: int) -> None:
+        self.planes = planes
+        self.drops: Drops = np.zeros(0, DROP)
+        self._pane = pane
+        self._impacts = Impacts(rain_mmph)
+        self._area_m2 = float(pane.area_m2.sum())
+        self._rng = stream(seed, "droplets")
+
+    def advance(self, time_s: float, gap_s: float, speed_mps: float) -> None:
+        """Let the drops of the `gap_s` before `time_s` land, run and dry off."""
+        height, width = self.planes.shape
+        out = (self.drops["row"] < 0) | (self.drops["row"] > height) | (abs(2 * self.drops["column"] - width) > width)
+        self._remove((self.drops["dies"] <= time_s) | out)
+        self._run(time_s, gap_s, speed_mps)
+        self._land(time_s, gap_s, speed_mps)
+
+    def wipe(self, swept: NDArray[np.uint8], inside: Callable[[Floats, Floats], Bools]) -> None:
+        """Take away the water where the mask of the planes is 255, and the drops whose middle is `inside`."""
+        self.planes.wipe(swept)
+        self.drops = self.drops[~inside(self.drops["x"], self.drops["y"])]
+
+    def _land(self, time_s: float, gap_s: float, speed_mps: float) -> None:
+        sizes = self._impacts.draw(self._rng, speed_mps, self._area_m2 * gap_s)
+        new = np.zeros(len(sizes), DROP)
+        random = self._rng.random((4, len(sizes)))
+        new["x"] = random[0] * self._pane.camera.width_px - 0.5
+        new["y"] = self._pane.spread(random[1])
+        new["size"] = sizes
+        new["dies"] = time_s + LIFE_S[0] + (LIFE_S[1] - LIFE_S[0]) * random[2]
+        new["turns"] = time_s + RESTS_S * random[3]
+        new["variant"] = (VARIANTS * random[3]).astype(np.int32)
+        self._shape(new)
+        first = len(self.drops)
+        self.drops = np.concatenate([self.drops, new])
+        self._put(self._merge(np.arange(first, len(self.drops)), first), self.planes.whole)
+
+    def _merge(self, movers: NDArray[np.intp], undrawn_from: int) -> Drops:
+        """Join each of `movers` with the drops it touches (the middle of one lies in the spot of the other) into one of
+        the volume of all, in their centre of mass; the drops from `undrawn_from` on that are left, and those that grew.
+        """
+        gone, grown = np.zeros(len(self.drops), bool), np.arange(len(self.drops)) >= undrawn_from
+        boxes: list[Box] = []
+        for i, touched in self._touching(movers):
+            group = np.append(touched[~gone[touched]], i)
+            if gone[i] or len(group) == 1:
+                continue
+            keeper = int(group[np.argmax(self.drops["size"][group])])
+            boxes += [self._box(k) for k in group if k < undrawn_from and k != keeper]
+            if self._unite(group, keeper) and keeper < undrawn_from:
+                boxes.append(self._box(keeper))
+            gone[group], gone[keeper], grown[keeper] = True, False, True
+        return self._settle(gone, grown, boxes)
+
+    def _settle(self, gone: Bools, grown: Bools, boxes: list[Box]) -> Drops:
+        """Drop the drops that are gone, clear their places; those that are to be drawn."""
+        if gone.any():
+            self.drops, grown = self.drops[~gone], grown[~gone]
+        for box in boxes:
+            self._redraw(box)
+        return self.drops[grown]
+
+    def _unite(self, group: NDArray[np.intp], keeper: int) -> bool:
+        """Give one drop the water of all; whether it is drawn elsewhere now."""
+        drops, one = self.drops, slice(keeper, keeper + 1)
+        volumes = drops["size"][group] ** 3
+        before = drops[["column", "row"]][keeper]
+        for axis in ("x", "y"):
+            drops[axis][keeper] = volumes @ drops[axis][group] / volumes.sum()
+        drops["size"][keeper] = min(volumes.sum() ** (1 / 3), LARGEST_MM)
+        self._shape(drops[one])
+        return bool(before != drops[["column", "row"]][keeper])
+
+    def _touching(self, movers: NDArray[np.intp]) -> list[tuple[int, NDArray[np.intp]]]:
+        """For each mover that touches any: itself, and the drops it touches."""
+        drops, rows = self.drops, self._pane.row(self.drops["y"][movers])
+        dx = (drops["x"][movers, None] - drops["x"]) / self._pane.across[rows, None]
+        dy = (drops["y"][movers, None] - drops["y"]) / self._pane.along[rows, None]
+        reach = FOOTPRINT / 2 * np.maximum(drops["size"][movers, None], drops["size"])
+        touching = dx * dx + dy * dy < reach * reach
+        touching[np.arange(len(movers)), movers] = False
+        return [(int(movers[k]), np.flatnonzero(touching[k])) for k in np.flatnonzero(touching.any(axis=1))]
+
+    def _run(self, time_s: float, gap_s: float, speed_mps: float) -> None:
+        """Move the large drops: down at low speed, up and outwards at high speed, by fits and starts."""
+        large = np.flatnonzero(self.drops["size"] >= RUNS_FROM_MM)
+        for i in large[self.drops["turns"][large] <= time_s]:
+            self._turn(int(i), time_s)
+        blown = speed_mps > WIND_ABOVE_MPS
+        running = large[self.drops["run"][large] > 0.0]
+        if not len(running) or (not blown and speed_mps >= GRAVITY_BELOW_MPS):
+            return
+        left = [self._step(int(i), gap_s, blown) for i in running]
+        self._put(self._merge(running, len(self.drops)), self.planes.whole)
+        shed = np.concatenate(left)
+        self._put(shed, self.planes.whole)
+        self.drops = np.concatenate([self.drops, shed])
+
+    def _turn(self, i: int, time_s: float) -> None:
+        """Start a drop that rests, stop one that runs."""
+        rests = self.drops["run"][i] == 0.0
+        self.drops["run"][i] = self._rng.uniform(*RUN_MPS) if rests else 0.0
+        self.drops["turns"][i] = time_s + self._rng.exponential(RUNS_S if rests else RESTS_S)
+
+    def _step(self, i: int, gap_s: float, blown: bool) -> Drops:
+        """Move one drop; (0 or 1,) the small drop it leaves behind."""
+        drops, one, box = self.drops, slice(i, i + 1), self._box(i)
+        before = drops[one].copy()
+        row = int(self._pane.row(drops["y"][i]))
+        way_mm = 1e3 * drops["run"][i] * gap_s
+        outwards = 0.7 * np.sign(drops["x"][i] - self._pane.camera.cx_px) if blown else 0.0
+        drops["x"][i] += way_mm * self._pane.across[row] * (outwards + self._rng.normal(0.0, 0.15))
+        drops["y"][i] += way_mm * self._pane.along[row] * (-0.7 if blown else 1.0)
+        drops["way"][i] += way_mm
+        left = self._shed(i, before) if drops["way"][i] > 0.6 * FOOTPRINT * drops["size"][i] else before[:0]
+        self._shape(drops[one])
+        if (before[["column", "row"]] != drops[["column", "row"]][one]).any():
+            self._redraw(box)
+            self._put(drops[one], self.planes.whole)
+        return left
+
+    def _shed(self, i: int, before: Drops) -> Drops:
+        """(1,) a small drop where a running one was, and taken from it."""
+        before["size"] *= self._rng.uniform(*SHED_SHARE)
+        before["run"] = 0.0
+        self._shape(before)
+        self.drops["way"][i] = 0.0
+        self.drops["size"][i] = (self.drops["size"][i] ** 3 - before["size"][0] ** 3) ** (1 / 3)
+        return before
+
+    def _remove(self, gone: Bools) -> None:
+        boxes = [self._box(int(i)) for i in np.flatnonzero(gone)]
+        if boxes:
+            self.drops = self.drops[~gone]
+        for box in boxes:
+            self._redraw(box)
+
+    def _shape(self, drops: Drops) -> None:
+        """Note how drops are drawn: their middle on the planes, and their stamp in 1/8 px of the planes."""
+        pane, height = self._pane, self._pane.camera.height_px
+        band = np.minimum(pane.row(drops["y"]) // BAND_PX * BAND_PX + BAND_PX // 2, height - 1)
+        spot = SMALLEST_MM * SIZE_STEP ** np.rint(np.log(drops["size"] / SMALLEST_MM) / np.log(SIZE_STEP)) * FOOTPRINT
+        drops["column"], drops["row"] = (np.rint((drops[axis] - 0.5) / 2) for axis in ("x", "y"))
+        for name, extent in (("width", spot * pane.across[band]), ("height", spot * pane.along[band])):
+            drops[name] = np.maximum(np.rint(4.0 * extent), 1)
+        drops["blur"] = np.maximum(np.rint(4.0 * pane.blur_px[band]), 1)
+        drops["rx"], drops["ry"] = (((drops[name] + drops["blur"]) // 16) + 2 for name in ("width", "height"))
+
+    def _put(self, drops: Drops, box: Box) -> None:
+        for column, row, width, height, blur, variant in drops[DRAWN].tolist():
+            image = stamp(width, height, blur, variant if width > 2 * blur else 0, self.planes.scene)
+            self.planes.put(image, column, row, box)
+
+    def _redraw(self, box: Box) -> None:
+        """Draw a part of the planes again."""
+        drops = self.drops
+        self.planes.clear(box)
+        beside = (drops["column"] + drops["rx"] < box[0]) | (drops["column"] - drops["rx"] > box[2])
+        beyond = (drops["row"] + drops["ry"] < box[1]) | (drops["row"] - drops["ry"] > box[3])
+        self._put(drops[~(beside | beyond)], box)
+
+    def _box(self, i: int) -> Box:
+        """What a drop covers on the planes."""
+        column, row, rx, ry = self.drops[["column", "row", "rx", "ry"]][i].tolist()
+        height, width = self.planes.shape
+        x0, x1, y0, y1 = column - rx, column + rx + 1, row - ry, row + ry + 1
+        return max(x0, 0), max(y0, 0), max(min(x1, width), 0), max(min(y1, height), 0)

@@ -1,0 +1,110 @@
+"""The windshield wiper: where its blade is, what it sweeps, and its shadow on the picture.
+
+One blade turns about a pivot below the picture on the left, from lying along the lower edge of the glass to standing by
+its left edge and back, sinusoidally; then it rests until the next period.
+"""
+
+from dataclasses import dataclass
+from math import cos, pi, radians
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.pane import Pane
+from vpf_sim.seeding import stream
+from vpf_sim.types import Bools, Floats, Image
+
+PIVOT_M = (-0.45, 0.62)  # right of the optical axis, down along the glass
+SWEEP_RAD = radians(90.0)  # from lying to the right of the pivot to standing above it
+RADII_M = (0.25, 0.84)  # what the blade wipes
+CYCLE_S = 1.33  # there and back, 45 a minute; faster where the period is shorter
+WIDTH_M = 0.016  # of blade and arm
+COLOUR, COVER = (22.0, 23.0, 25.0), 0.94
+EXPOSURE_S = 0.004
+EXPOSURES = 5  # positions within one exposure
+DIVISOR = 4  # the mask of the blade is drawn this much smaller than the frame
+
+
+class Wiper:
+    """One blade; without a period it rests for ever, out of sight."""
+
+    def __init__(self, pane: Pane, period_s: float, seed: int) -> None:
+        self.period_s = period_s
+        self._pane = pane
+        self._cycle_s = min(CYCLE_S, period_s)
+        self._offset_s = float(stream(seed, "wiper").uniform(0.0, period_s))
+        camera = pane.camera
+        x = 2.0 * np.arange((camera.width_px + 1) // 2) + 0.5
+        y = 2.0 * np.arange((camera.height_px + 1) // 2) + 0.5
+        self._angles: NDArray[np.float32] = _angle_at(pane, *np.meshgrid(x, y)).astype(np.float32)
+
+    def angle(self, time_s: float) -> float:
+        """Angle of the blade (rad), 0 lying, `SWEEP_RAD` standing."""
+        phase = ((time_s + self._offset_s) % self.period_s) / self._cycle_s
+        return SWEEP_RAD * (1.0 - cos(2.0 * pi * min(phase, 1.0))) / 2.0
+
+    def swath(self, from_s: float, until_s: float) -> "Swath":
+        """What the blade passes over in a span of time."""
+        angles = [self.angle(from_s), self.angle(until_s)]
+        for turn_s, angle in ((0.0, 0.0), (self._cycle_s / 2.0, SWEEP_RAD)):
+            if (turn_s - from_s - self._offset_s) % self.period_s <= until_s - from_s:
+                angles.append(angle)
+        return Swath(self._pane, self._angles, min(angles), max(angles))
+
+    def blade(self, time_s: float) -> Image | None:
+        """(H / 4, W / 4) 0..255 how much of the light the blade takes; None when it is out of the picture."""
+        camera = self._pane.camera
+        mask: Image = np.zeros((-(-camera.height_px // DIVISOR), -(-camera.width_px // DIVISOR)), np.uint8)
+        for k in range(EXPOSURES):
+            quad = self._corners(time_s + EXPOSURE_S * (k / (EXPOSURES - 1) - 0.5))
+            once = np.zeros_like(mask)
+            cv2.fillConvexPoly(once, np.rint(quad * 16.0).astype(np.int32), (255 // EXPOSURES,), cv2.LINE_AA, 4)
+            cv2.add(mask, once, mask)
+        return np.asarray(cv2.blur(mask, (5, 5)), np.uint8) if mask.any() else None
+
+    def _corners(self, time_s: float) -> Floats:
+        """(4, 2) corners of the blade on the mask."""
+        angle = self.angle(time_s)
+        along, across = np.array([np.cos(angle), -np.sin(angle)]), np.array([np.sin(angle), np.cos(angle)])
+        sides = np.array([[-0.5, 0.5, 0.5, -0.5]]).T * WIDTH_M * across
+        ends = np.array([[RADII_M[0], RADII_M[0], RADII_M[1], RADII_M[1]]]).T * along
+        points = np.array(PIVOT_M) + ends + sides
+        return (np.stack(self._pane.pixels(points[:, 0], points[:, 1]), axis=-1) + 0.5) / DIVISOR - 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Swath:
+    """The glass between two angles of the blade, as far out as the blade reaches."""
+
+    pane: Pane
+    angles: NDArray[np.float32]  # (h, w) of the planes
+    low: float
+    high: float
+
+    def mask(self) -> Image:
+        """(h, w) of the planes: 255 in the swath, 0 outside."""
+        bounds: tuple[float, float] = (self.low, self.high)
+        return np.asarray(cv2.inRange(self.angles, *(np.array([bound]) for bound in bounds)), np.uint8)
+
+    def holds(self, x_px: Floats, y_px: Floats) -> Bools:
+        """Which points of the picture lie in the swath."""
+        angle = _angle_at(self.pane, x_px, y_px)
+        return (angle >= self.low) & (angle <= self.high)
+
+
+def paint_blade(frame: Image, blade: Image) -> None:
+    """Put the blade before the frame, in place."""
+    size = (frame.shape[1], frame.shape[0])
+    cover = cv2.cvtColor(cv2.convertScaleAbs(cv2.resize(blade, size), None, COVER), cv2.COLOR_GRAY2RGB)
+    cv2.multiply(frame, cv2.bitwise_not(cover), frame, 1.0 / 255.0)
+    cv2.add(frame, cv2.convertScaleAbs(cover, None, COLOUR[0] / 255.0), frame)
+
+
+def _angle_at(pane: Pane, x_px: Floats, y_px: Floats) -> Floats:
+    """The blade's angle when it is over a point of the picture; -1 where it never is."""
+    u, s = pane.on_glass(x_px, y_px)
+    u, up = u - PIVOT_M[0], PIVOT_M[1] - s
+    radius = np.hypot(u, up)
+    reached = (radius >= RADII_M[0]) & (radius <= RADII_M[1])
+    return np.where(reached, np.arctan2(up, u), -1.0)
