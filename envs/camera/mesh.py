@@ -26,10 +26,18 @@ class Mesh:
     lit: Bools  # (F,) whether the sun shades it; lamps shine by themselves
     parts: NDArray[np.int64]  # (F,) which convex part it belongs to; the farthest part is drawn first
     thickness_m: Floats  # (F,) extent across its longest side
+    from_m: Floats  # (F,) distance from which on it is drawn: coarse faces for what is far
+    until_m: Floats  # (F,) and up to which
+    centres_m: Floats  # (parts, 3) the middle of each part
 
     @property
     def height_m(self) -> float:
         return float(self.faces_m[..., 2].max())
+
+    @property
+    def reach_m(self) -> float:
+        """How far it reaches from its origin."""
+        return float(np.linalg.norm(self.faces_m, axis=2).max())
 
 
 @dataclass(slots=True)
@@ -41,7 +49,9 @@ class MeshBuilder:
     colours: list[Colour] = field(default_factory=list)
     lit: list[bool] = field(default_factory=list)
     parts: list[int] = field(default_factory=list)
+    distances: list[tuple[float, float]] = field(default_factory=list)
     part: int = 0
+    drawn_m: tuple[float, float] = (0.0, np.inf)  # distances between which what follows is drawn
 
     def next_part(self) -> None:
         """What follows is a part of its own."""
@@ -76,13 +86,18 @@ class MeshBuilder:
         self._add(points, np.array([0.0, float(side), 0.0]), colour, True)
 
     def build(self) -> Mesh:
+        faces, parts, distances = np.array(self.faces), np.array(self.parts), np.array(self.distances)
+        centres = [faces[parts == part].mean(axis=(0, 1)) for part in range(self.part + 1)]
         return Mesh(
-            np.array(self.faces),
-            np.array(self.normals),
-            np.array(self.colours, float),
-            np.array(self.lit),
-            np.array(self.parts),
-            _thickness(np.array(self.faces)),
+            faces_m=faces,
+            normals=np.array(self.normals),
+            colours=np.array(self.colours, float),
+            lit=np.array(self.lit),
+            parts=parts,
+            thickness_m=_thickness(faces),
+            from_m=distances[:, 0],
+            until_m=distances[:, 1],
+            centres_m=np.array(centres),
         )
 
     def _add(self, points: Floats, normal: Floats, colour: Colour, lit: bool) -> None:
@@ -92,6 +107,7 @@ class MeshBuilder:
         self.colours.append(colour)
         self.lit.append(lit)
         self.parts.append(self.part)
+        self.distances.append(self.drawn_m)
 
 
 def _thickness(faces: Floats) -> Floats:

@@ -1,80 +1,211 @@
 """Draws faces into the picture, sub-pixel exact.
 
-A rectangle of the picture is enlarged, faces are filled on it without anti-aliasing, and it is averaged down again: the
-untouched pixels come back as they were and the edges get their exact coverage.
+Things that lie side by side in the picture share a layer: an empty rectangle, finer than the picture, on which faces
+are filled without anti-aliasing. Averaged down, it holds colours times opacity and what is seen through it (Porter and
+Duff 1984), so that edges get their exact coverage and the picture beneath stays as it was where nothing is drawn.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Protocol
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.mesh import Mesh
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 from vpf_sim.types import Floats, Image
 
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
-SMALL_PX = 6000  # rectangles with less pixels are drawn four times as fine, the others twice
+SUBPIXELS = 64  # polygons are rounded to parts of a pixel
+SMALL_PX = 6000  # layers with less pixels are drawn four times as fine, the others twice
+SPARE_PX = 2500  # what an additional layer costs, in empty pixels of a larger one
+EMPTY = np.frombuffer(bytes((0, 0, 0, 255)), np.uint32)[0]  # a pixel of a layer on which nothing is drawn
 
-
-VISIBLE_PX = 0.6  # faces thinner than this are not drawn
+Box = tuple[int, int, int, int]  # x0, y0, x1, y1
 
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Faces of one thing in the picture, in painter's order."""
+    """Faces of one or more things in the picture, in painter's order."""
 
     polygons_px: Floats  # (n, V, 2)
-    colours: Floats  # (n, 3)
+    fixed: NDArray[np.int32]  # (n, V, 2) the same, from the corner of the picture, in parts of a pixel
+    colours: Floats  # (n, 4) RGB times opacity, and what is seen through, of 255
     planes: Floats  # (n, 3) inverse depth of face i at a pixel's ray (x, y, 1) is planes[i] . ray
+    firsts: list[int]  # (k + 1,) the first face of each thing, and n
+    boxes: list[Box]  # (k,) the pixels that each thing may touch
 
-    def __getitem__(self, part: slice) -> "Drawing":
-        """Some of the faces."""
-        return Drawing(self.polygons_px[part], self.colours[part], self.planes[part])
-
-
-def project_mesh(view: View, mesh: Mesh, pose: Floats, light: Light) -> Drawing:
-    """The visible faces of a mesh at a pose (x, y, heading)."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    axes = view.axes @ turn
-    origin = view.axes @ (np.array([pose[0], pose[1], 0.0]) - view.centre)
-    faces = mesh.faces_m @ axes.T + origin
-    normals = mesh.normals @ axes.T
-    offset = np.einsum("ij,ij->i", normals, faces[:, 0])
-    inside = faces[..., 2] > NEAR_M
-    visible = VISIBLE_PX * max(float(origin[2]) - 2.0, 0.0) / view.camera.fx_px  # m; what is thinner there is left out
-    shown = np.flatnonzero((offset < -1e-6) & inside.any(axis=1) & (mesh.thickness_m >= visible))
-    if mesh.parts[-1] > 0:
-        shown = shown[np.argsort(-_part_distances(mesh, faces)[mesh.parts[shown]], kind="stable")]
-    facing = np.maximum(0.0, mesh.normals[shown] @ (light.sun @ turn))[:, None]
-    shading = np.where(mesh.lit[shown, None], light.sky + light.direct * facing, 1.0)
-    colours = np.minimum(mesh.colours[shown] * shading, 255.0)
-    planes = normals[shown] / offset[shown, None]
-    faces, inside = faces[shown], inside[shown]
-    return Drawing(view.pixels(faces if inside.all() else clip_near(faces, inside)), colours, planes)
+    def part(self, first: int, last: int) -> "Drawing":
+        """The things `first` to `last` - 1."""
+        a, b = self.firsts[first], self.firsts[last]
+        firsts = [face - a for face in self.firsts[first : last + 1]]
+        return Drawing(
+            self.polygons_px[a:b],
+            self.fixed[a:b],
+            self.colours[a:b],
+            self.planes[a:b],
+            firsts,
+            self.boxes[first:last],
+        )
 
 
-def paint(frame: Image, drawing: Drawing) -> None:
-    """Draw faces over the picture."""
-    box = bounding_box(drawing.polygons_px, frame.shape)
-    if box is None:
-        return
-    x0, y0, x1, y1 = box
-    region = frame[y0:y1, x0:x1]
-    fine = 4 if region.size < 3 * SMALL_PX else 2
-    canvas = cv2.resize(region, ((x1 - x0) * fine, (y1 - y0) * fine), interpolation=cv2.INTER_NEAREST)
-    scale, offset = fine * 2**SHIFT, np.array([0.5 - x0, 0.5 - y0]) - 0.5 / fine
-    fixed = np.rint((drawing.polygons_px + offset) * scale).astype(np.int32)
-    for polygon, colour in zip(fixed, drawing.colours.tolist(), strict=True):
-        cv2.fillConvexPoly(canvas, polygon, colour, cv2.LINE_8, SHIFT)
-    while canvas.shape[0] > y1 - y0:
-        canvas = cv2.resize(canvas, (canvas.shape[1] // 2, canvas.shape[0] // 2), interpolation=cv2.INTER_AREA)
-    region[:] = canvas
+@dataclass(frozen=True, slots=True)
+class Sprite:
+    """An upright picture that faces the camera, and where it lies in the frame."""
+
+    x: int
+    y: int
+    colour: Image  # (h, w, 3) colours times opacity
+    through: Image  # (h, w, 3) what is seen through it, of 255
+    depth_m: float
 
 
-def bounding_box(polygons: Floats, shape: tuple[int, ...]) -> tuple[int, int, int, int] | None:
+class Placed(Protocol):
+    """What knows how it was drawn."""
+
+    @property
+    def drawing(self) -> Drawing | Sprite: ...
+
+
+@dataclass(slots=True)
+class _Layer:
+    """Things that will be drawn together."""
+
+    box: Box
+    runs: list[tuple[Drawing, int, int]] = field(default_factory=list)  # faces from the first up to the second
+
+
+def drawing(view: View, faces: Floats, colours: Floats, planes: Floats, firsts: NDArray[np.int64]) -> Drawing:
+    """The drawing of things whose `faces` (n, V, 3) are given in camera axes, each with a vertex beyond the near plane.
+
+    `firsts` is (k,), the first face of each thing.
+    """
+    polygons = view.pixels(in_front(faces))
+    fixed = np.rint(polygons * SUBPIXELS).astype(np.int32)
+    fixed += SUBPIXELS // 2
+    points, each = fixed.reshape(-1, 2), firsts * fixed.shape[1]
+    low, high = np.minimum.reduceat(points, each).tolist(), np.maximum.reduceat(points, each).tolist()
+    width, height = view.camera.width_px, view.camera.height_px
+    boxes = [
+        (
+            max(x0 // SUBPIXELS, 0),
+            max(y0 // SUBPIXELS, 0),
+            min(x1 // SUBPIXELS + 1, width),
+            min(y1 // SUBPIXELS + 1, height),
+        )
+        for (x0, y0), (x1, y1) in zip(low, high, strict=True)
+    ]
+    return Drawing(polygons, fixed, colours, planes, [*firsts.tolist(), len(faces)], boxes)
+
+
+def in_front(faces: Floats) -> Floats:
+    """(n, V or 2 V, 3) those parts of faces that lie beyond the near plane."""
+    behind = faces[..., 2] <= NEAR_M
+    if not behind.any():
+        return faces
+    cut = np.flatnonzero(behind.any(axis=1))
+    result = np.concatenate([faces, faces[:, -1:].repeat(faces.shape[1], axis=1)], axis=1)
+    result[cut] = clip_near(faces[cut], ~behind[cut])
+    return result
+
+
+def opaque(colours: Floats, opacity: Floats | float = 1.0) -> Floats:
+    """(n, 4) RGB times opacity, and what is seen through, of 255."""
+    result = np.empty((len(colours), 4))
+    share = np.broadcast_to(opacity, len(colours))
+    result[:, :3] = colours * share[:, None]
+    result[:, 3] = 255.0 * (1.0 - share)
+    return result
+
+
+def paint(frame: Image, drawn: list[Drawing | Sprite]) -> None:
+    """Draw things over the picture, in their order."""
+    waiting: list[_Layer] = []
+    for thing in drawn:
+        if isinstance(thing, Sprite):
+            waiting = _painted_under(frame, thing, waiting)
+            paint_sprite(frame, thing)
+            continue
+        for box, first, last in zip(thing.boxes, thing.firsts, thing.firsts[1:], strict=False):
+            if box[0] < box[2] and box[1] < box[3]:
+                waiting = _joined(waiting, box, (thing, first, last))
+    for layer in waiting:
+        paint_sprite(frame, _rasterised(layer))
+
+
+def paint_sprite(frame: Image, sprite: Sprite) -> None:
+    """Draw an upright picture over the picture."""
+    height, width = sprite.through.shape[:2]
+    region = frame[sprite.y : sprite.y + height, sprite.x : sprite.x + width]
+    cv2.multiply(region, sprite.through, region, scale=1 / 255)
+    cv2.add(region, sprite.colour, region)
+
+
+def premultiplied(picture: Image) -> tuple[Image, Image]:
+    """(h, w, 3) colours times opacity and what is seen through, of a picture (h, w, 4) that holds both."""
+    through = cv2.cvtColor(cv2.extractChannel(picture, 3), cv2.COLOR_GRAY2BGR)
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGRA2BGR), np.uint8), np.asarray(through, np.uint8)
+
+
+def _painted_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[_Layer]:
+    """Draw the layers that a sprite covers; those that still wait."""
+    height, width = sprite.through.shape[:2]
+    left = []
+    for layer in waiting:
+        x0, y0, x1, y1 = layer.box
+        if x0 < sprite.x + width and sprite.x < x1 and y0 < sprite.y + height and sprite.y < y1:
+            paint_sprite(frame, _rasterised(layer))
+        else:
+            left.append(layer)
+    return left
+
+
+def _joined(waiting: list[_Layer], box: Box, run: tuple[Drawing, int, int]) -> list[_Layer]:
+    """Layers with one more thing: in a layer of its own, or with all those that it touches or nearly does."""
+    a0, b0, a1, b1 = box
+    mine: _Layer | None = None
+    others = []
+    for layer in waiting:
+        x0, y0, x1, y1 = layer.box
+        u0, v0, u1, v1 = min(a0, x0), min(b0, y0), max(a1, x1), max(b1, y1)
+        touches = a0 < x1 and x0 < a1 and b0 < y1 and y0 < b1
+        if not touches and (u1 - u0) * (v1 - v0) - (a1 - a0) * (b1 - b0) - (x1 - x0) * (y1 - y0) > SPARE_PX:
+            others.append(layer)
+            continue
+        if mine is None:
+            mine = layer
+        else:
+            mine.runs += layer.runs
+        a0, b0, a1, b1 = u0, v0, u1, v1
+    if mine is None:
+        mine = _Layer(box)
+    mine.box = (a0, b0, a1, b1)
+    if mine.runs and mine.runs[-1][0] is run[0] and mine.runs[-1][2] == run[1]:
+        run = (run[0], mine.runs.pop()[1], run[2])
+    mine.runs.append(run)
+    others.append(mine)
+    return others
+
+
+def _rasterised(layer: _Layer) -> Sprite:
+    """The picture of a layer."""
+    x0, y0, x1, y1 = layer.box
+    height, width = y1 - y0, x1 - x0
+    fine = 4 if width * height < SMALL_PX else 2
+    canvas: Image = np.full((height * fine, width * fine), EMPTY, np.uint32).view(np.uint8).reshape(-1, width * fine, 4)
+    shift = (SUBPIXELS // fine).bit_length() - 1
+    corner = np.array([x0, y0], np.int32) * SUBPIXELS + SUBPIXELS // 2 // fine
+    for thing, first, last in layer.runs:
+        polygons = thing.fixed[first:last] - corner
+        for polygon, colour in zip(polygons, thing.colours[first:last].tolist(), strict=True):
+            cv2.fillConvexPoly(canvas, polygon, colour, cv2.LINE_8, shift)
+    while len(canvas) > height:
+        half = (canvas.shape[1] // 2, canvas.shape[0] // 2)
+        canvas = np.asarray(cv2.resize(canvas, half, interpolation=cv2.INTER_AREA), np.uint8)
+    return Sprite(x0, y0, *premultiplied(canvas), 0.0)
+
+
+def bounding_box(polygons: Floats, shape: tuple[int, ...]) -> Box | None:
     """x0, y0, x1, y1 of the pixels that polygons (..., 2) may touch, within the picture; None if there are none."""
     points = polygons.reshape(-1, 2)
     low, high = points.min(axis=0) - 1.0, points.max(axis=0) + 2.0
@@ -89,10 +220,3 @@ def footprint(pose: Floats, length: float, width: float) -> Floats:
     corners = 0.5 * np.array([[-length, -width], [-length, width], [length, width], [length, -width]])
     turned: Floats = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
     return turned
-
-
-def _part_distances(mesh: Mesh, faces: Floats) -> Floats:
-    """(parts,) how far the middle of each part of a mesh is from the camera."""
-    centres = faces.mean(axis=1)
-    counts = np.bincount(mesh.parts)
-    return np.asarray(np.hypot(*(np.bincount(mesh.parts, centres[:, i]) / counts for i in (0, 2))))

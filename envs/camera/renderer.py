@@ -51,7 +51,7 @@ class Renderer:
         self._sky = Sky(camera, light, atmosphere, seed)
         self._ground = Ground(camera, shapes, seed)
         self._veil = Veil(camera, atmosphere, light)
-        self._things = Things(camera, shapes, light, seed)
+        self._things = Things(camera, shapes, light, self._veil, seed)
         self._wet_road = WetRoad(camera, shapes, atmosphere, light, seed)
         self._spray = Spray(camera, atmosphere, light, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)

@@ -8,13 +8,13 @@ from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
 from vpf_sim.envs.camera.bodies import HEIGHTS_M, body_mesh
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.mesh import Mesh
 from vpf_sim.envs.camera.occlusion import far_to_near
-from vpf_sim.envs.camera.painter import footprint, paint, project_mesh
+from vpf_sim.envs.camera.painter import Drawing, footprint, paint
 from vpf_sim.envs.camera.scenery import Scenery
 from vpf_sim.envs.camera.shadows import paint_shadow
-from vpf_sim.envs.camera.trees import Sprite, paint_sprite, tree_sprite
+from vpf_sim.envs.camera.solid import Solid
 from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
+from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
@@ -35,40 +35,33 @@ class Snapshot:
 class Things:
     """The bodies and the scenery of one road."""
 
-    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, seed: int) -> None:
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, veil: Veil, seed: int) -> None:
         self._seed = seed
         self._light = light
-        self._scenery = Scenery(camera, shapes, light, seed)
-        self._meshes: dict[int, tuple[RoadObject, Mesh]] = {}
+        self._veil = veil
+        self._scenery = Scenery(camera, shapes, light, veil, seed)
+        self._solids: dict[int, tuple[RoadObject, Solid]] = {}
 
     def seen(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
         """All that is in view, the farthest first, as it lies in the picture."""
-        view = now.view
-        trees = self._scenery.trees_in_view(view)
-        faces, depths = self._scenery.draw(view)
+        sprites = self._scenery.trees_seen(now.view)
+        scenery, depths = self._scenery.seen(now.view)
         drawn: list[Drawn] = []
-        first = 0
+        first = tree = 0
         for i in [*bodies_in_view(now), None]:
             behind = -1.0 if i is None else _nearest(now, i)
-            while trees and trees[0][0][2] > behind:
-                sprite = tree_sprite(view, *trees.pop(0))
-                if sprite is not None:
-                    drawn.append(Drawn(sprite, -1, STILL))
-            until = int(np.searchsorted(-depths, -behind))
-            if until > first:
-                drawn.append(Drawn(faces[first:until], -1, STILL))
-            first = until
+            while tree < len(sprites) and sprites[tree].depth_m > behind:
+                first = _until(drawn, scenery, depths, first, sprites[tree].depth_m)
+                drawn.append(Drawn(sprites[tree], -1, STILL))
+                tree += 1
+            first = _until(drawn, scenery, depths, first, behind)
             if i is not None and (body := self._body(now, before, i)) is not None:
                 drawn.append(body)
         return drawn
 
     def paint(self, frame: Image, drawn: list[Drawn]) -> None:
         """Draw things over the picture, in their order."""
-        for thing in drawn:
-            if isinstance(thing.drawing, Sprite):
-                paint_sprite(frame, thing.drawing)
-            else:
-                paint(frame, thing.drawing)
+        paint(frame, [thing.drawing for thing in drawn])
 
     def paint_shadows(self, frame: Image, now: Snapshot) -> None:
         """Darken the ground where bodies keep the light off."""
@@ -82,15 +75,26 @@ class Things:
         pose = now.poses[id(body)]
         earlier = before.poses.get(id(body), pose)
         motion = STILL if np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
-        drawing = project_mesh(now.view, self._mesh(body), pose, self._light)
-        return Drawn(drawing, index + 1, motion) if len(drawing.polygons_px) else None
+        drawing = self._solid(body).seen(now.view, pose)
+        return None if drawing is None else Drawn(drawing, index + 1, motion)
 
-    def _mesh(self, body: RoadObject) -> Mesh:
-        """The body's mesh; the body is kept with it, so that its id stays its own."""
-        if id(body) not in self._meshes:
-            rng = stream(self._seed, f"body {len(self._meshes)}")
-            self._meshes[id(body)] = (body, body_mesh(_kind(body), body_size(body), rng))
-        return self._meshes[id(body)][1]
+    def _solid(self, body: RoadObject) -> Solid:
+        """The body as a solid; the body is kept with it, so that its id stays its own."""
+        if id(body) not in self._solids:
+            rng = stream(self._seed, f"body {len(self._solids)}")
+            mesh = body_mesh(_kind(body), body_size(body), rng)
+            self._solids[id(body)] = (body, Solid(mesh, self._light, self._veil))
+        return self._solids[id(body)][1]
+
+
+def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], first: int, behind: float) -> int:
+    """Add the things of the scenery from `first` on that lie farther than `behind`; the first that does not."""
+    last = first
+    while last < len(depths) and depths[last] > behind:
+        last += 1
+    if scenery is not None and last > first:
+        drawn.append(Drawn(scenery.part(first, last), -1, STILL))
+    return last
 
 
 def bodies_in_view(now: Snapshot) -> list[int]:

@@ -1,19 +1,27 @@
 """Pictures of trees and bushes, made from noise; drawn as upright pictures that face the camera."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, floor, log2
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import Sprite, premultiplied
 from vpf_sim.envs.camera.texture import noise
+from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats, Image
+from vpf_sim.types import Camera, Floats, Image
 
 ROWS, COLUMNS = 256, 192
+SHAPE = COLUMNS / ROWS
+NEAREST_M = 4.0
 VARIANTS = 8
+RANGE_M, FADED_IN_M = 115.0, 85.0  # trees appear at the one and are there at the other
+UNVEILED = 0.97  # air that leaves more of a tree's contrast does not show
+NOON = 0.85  # the shading of a crown for which the pictures were mixed
 Blob = tuple[float, float, float, float]  # centre x, y and radii, parts of the height
 
 # For each shape of tree: its blobs (y from the top down), and the trunk's half width.
@@ -25,22 +33,11 @@ SHAPES: tuple[tuple[tuple[Blob, ...], float], ...] = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Sprite:
-    """Where an upright picture was drawn."""
-
-    x: int
-    y: int
-    colour: Image  # (h, w, 3) colours times opacity
-    through: Image  # (h, w, 3) what is seen through it, of 255
-    depth_m: float
-
-
 @lru_cache(maxsize=VARIANTS)
-def tree_picture(variant: int) -> tuple[tuple[Image, Image], ...]:
-    """Picture `variant` at growing reduction, a factor of 2 each: colours times opacity, and what it lets through.
+def tree_picture(variant: int) -> tuple[Image, ...]:
+    """Picture `variant` at growing reduction, a factor of 2 each.
 
-    Both are (h, w, 3), so that two operations on whole pictures draw it.
+    Each is (h, w, 4): colours times opacity, and what it lets through.
     """
     rng = stream(0, f"tree {variant}")
     blobs, trunk = SHAPES[variant % len(SHAPES)]
@@ -55,42 +52,75 @@ def tree_picture(variant: int) -> tuple[tuple[Image, Image], ...]:
     bark = np.array([74.0, 62.0, 50.0]) * np.clip(1.0 + 0.25 * leaves - 6.0 * (x - 0.375), 0.4, 1.5)[..., None]
     colour = np.where((stem & (alpha < 0.5))[..., None], bark, colour)
     alpha = np.maximum(alpha, stem)
-    rgba = np.dstack([colour * alpha[..., None], 255.0 * alpha])
-    pictures = [np.clip(np.rint(rgba), 0, 255).astype(np.uint8)]
+    picture = np.dstack([colour * alpha[..., None], 255.0 * (1.0 - alpha)])
+    pictures = [np.clip(np.rint(picture), 0, 255).astype(np.uint8)]
     while pictures[-1].shape[0] > 8:
         height, width = pictures[-1].shape[:2]
         pictures.append(cv2.resize(pictures[-1], (width // 2, height // 2), interpolation=cv2.INTER_AREA))
-    return tuple(
-        (np.ascontiguousarray(p[..., :3]), np.ascontiguousarray(np.repeat(255 - p[..., 3:], 3, axis=2)))
-        for p in pictures
-    )
+    return tuple(pictures)
 
 
-def tree_sprite(view: View, foot_camera: Floats, height_m: float, variant: int) -> Sprite | None:
-    """A tree of a height whose foot is at a point in camera axes; None if it is out of the picture."""
-    camera, (right, down, depth) = view.camera, foot_camera.tolist()
-    tall = camera.fy_px * height_m / depth
-    left = camera.cx_px + camera.fx_px * right / depth - 0.5 * COLUMNS / ROWS * tall
-    top = camera.cy_px + camera.fy_px * down / depth - tall
-    pictures = tree_picture(variant)
-    level = min(max(floor(log2(ROWS / tall)), 0), len(pictures) - 1)
-    scale = tall / (ROWS >> level)
-    x0, y0 = max(0, floor(left)), max(0, floor(top))
-    x1 = min(camera.width_px, ceil(left + COLUMNS / ROWS * tall) + 1)
-    y1 = min(camera.height_px, ceil(top + tall) + 1)
-    if x0 >= x1 or y0 >= y1:
-        return None
-    place = np.array([[scale, 0.0, left + 0.5 * scale - x0], [0.0, scale, top + 0.5 * scale - y0]])
-    size = (x1 - x0, y1 - y0)
-    colour, through = pictures[level]
-    behind = cv2.warpAffine(through, place, size, flags=cv2.INTER_LINEAR, borderValue=(255, 255, 255))
-    leaves = cv2.warpAffine(colour, place, size, flags=cv2.INTER_LINEAR)
-    return Sprite(x0, y0, np.asarray(leaves, np.uint8), np.asarray(behind, np.uint8), depth)
+class TreeStand:
+    """The pictures of all trees in one light, seen through one air."""
 
+    def __init__(self, light: Light, veil: Veil) -> None:
+        tint = (light.sky + 0.5 * light.direct) / NOON
+        scale = np.diag([*tint, 1.0])
+        self._pictures = [
+            tuple(np.asarray(cv2.transform(picture, scale), np.uint8) for picture in tree_picture(variant))
+            for variant in range(VARIANTS)
+        ]
+        self._horizon = light.horizon
+        self._veil = veil
 
-def paint_sprite(frame: Image, sprite: Sprite) -> None:
-    """Draw an upright picture over the picture."""
-    height, width = sprite.through.shape[:2]
-    region = frame[sprite.y : sprite.y + height, sprite.x : sprite.x + width]
-    cv2.multiply(region, sprite.through, region, scale=1 / 255)
-    cv2.add(region, sprite.colour, region)
+    def seen(self, view: View, feet_m: Floats, heights_m: Floats, variants: NDArray[np.int64]) -> list[Sprite]:
+        """The trees in view, the farthest first, of those whose feet (T, 3) are at these points of the world."""
+        camera = view.camera
+        right, down, depth = view.axes @ (feet_m - view.centre).T
+        wide = 0.5 * camera.width_px / camera.fx_px * depth + 0.5 * SHAPE * heights_m
+        index = np.flatnonzero((depth > NEAREST_M) & (depth < RANGE_M) & (np.abs(right) < wide))
+        index = index[np.argsort(-depth[index], kind="stable")]
+        right, down, depth = right[index], down[index], depth[index]
+        tall = camera.fy_px * heights_m[index] / depth
+        left = camera.cx_px + camera.fx_px * right / depth - 0.5 * SHAPE * tall
+        top = camera.cy_px + camera.fy_px * down / depth - tall
+        air = self._veil.transmission(depth)
+        opacity = np.minimum(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))
+        rows = zip(*(a.tolist() for a in (left, top, tall, depth, air, opacity, variants[index])), strict=True)
+        sprites = [self._sprite(camera, *row) for row in rows]
+        return [sprite for sprite in sprites if sprite is not None]
+
+    def _sprite(
+        self,
+        camera: Camera,
+        left: float,
+        top: float,
+        tall: float,
+        depth: float,
+        air: float,
+        opacity: float,
+        variant: int,
+    ) -> Sprite | None:
+        x0, y0 = max(0, floor(left)), max(0, floor(top))
+        x1 = min(camera.width_px, ceil(left + SHAPE * tall) + 1)
+        y1 = min(camera.height_px, ceil(top + tall) + 1)
+        if x0 >= x1 or y0 >= y1:
+            return None
+        pictures = self._pictures[variant]
+        level = min(max(floor(log2(ROWS / tall)), 0), len(pictures) - 1)
+        scale = tall / (ROWS >> level)
+        place = np.array(((scale, 0.0, left + 0.5 * scale - x0), (0.0, scale, top + 0.5 * scale - y0)))
+        size = (x1 - x0, y1 - y0)
+        picture = np.asarray(cv2.warpAffine(pictures[level], place, size, borderValue=(0, 0, 0, 255)), np.uint8)
+        if air < UNVEILED or opacity < 1.0:
+            picture = self._faint(picture, air, opacity)
+        return Sprite(x0, y0, *premultiplied(picture), depth)
+
+    def _faint(self, picture: Image, air: float, opacity: float) -> Image:
+        """A picture of which the air leaves a part of the contrast, and that is partly seen through."""
+        matrix = np.zeros((4, 5))
+        matrix[:3, :3] = opacity * air * np.eye(3)
+        matrix[:3, 3] = -opacity * (1.0 - air) * self._horizon / 255.0
+        matrix[:3, 4] = opacity * (1.0 - air) * self._horizon
+        matrix[3, 3:] = opacity, 255.0 * (1.0 - opacity)
+        return np.asarray(cv2.transform(picture, matrix), np.uint8)

@@ -10,8 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.painter import SHIFT, Drawing, bounding_box
-from vpf_sim.envs.camera.trees import Sprite
+from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite, bounding_box
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Bools, Floats
 
