@@ -11,8 +11,7 @@ from road_picture import RoadPicture
 from vpf_sim.envs.camera import Rig, weather
 from vpf_sim.envs.camera.renderer import Renderer
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.birds_eye import distort
+from vpf_sim.geometry import distort, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
 from vpf_sim.perception.road_model import NODES_M, lines, moved
 from vpf_sim.types import Camera, Floats, Obstacles, RoadEdges

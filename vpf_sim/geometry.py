@@ -6,6 +6,9 @@ import numpy as np
 
 from vpf_sim.types import Camera, Floats
 
+NEWTON_STEPS = 12
+LEAST_SLOPE = 0.02  # of the distorted radius: near the fold of the polynomial steps are held short
+
 
 def wrap_angle(angle_rad: float) -> float:
     """The same direction in [-pi, pi)."""
@@ -69,3 +72,39 @@ def rotation_flow(camera: Camera, points_px: Floats, yaw_change_rad: Floats) -> 
     before_x = (sine + cosine * x) / depth
     before_y = y / depth
     return np.stack([camera.fx_px * (x - before_x), camera.fy_px * (y - before_y)], axis=-1)
+
+
+def distort(camera: Camera, pixels: Floats) -> Floats:
+    """(..., 2) px in the frame of undistorted pixels, by OpenCV's radial model: a ray at the tangent r from the axis is
+    seen at r (1 + k1 r^2 + k2 r^4)."""
+    if camera.k1 == 0.0 and camera.k2 == 0.0:
+        return pixels
+    ray = (pixels - _centre(camera)) / _focal(camera)
+    square = np.sum(ray**2, axis=-1, keepdims=True)
+    square = np.minimum(square, 4.0)  # beyond any lens the polynomial may fold back
+    distorted: Floats = _centre(camera) + _focal(camera) * ray * (1.0 + camera.k1 * square + camera.k2 * square**2)
+    return distorted
+
+
+def undistort(camera: Camera, pixels: Floats) -> Floats:
+    """(..., 2) undistorted px of pixels in the frame: the inverse of `distort`, by Newton's method on the radius."""
+    if camera.k1 == 0.0 and camera.k2 == 0.0:
+        return pixels
+    ray = (pixels - _centre(camera)) / _focal(camera)
+    seen = np.sqrt(np.sum(ray**2, axis=-1, keepdims=True))
+    radius = seen.copy()
+    for _ in range(NEWTON_STEPS):
+        square = radius**2
+        slope = 1.0 + 3.0 * camera.k1 * square + 5.0 * camera.k2 * square**2
+        excess = radius * (1.0 + camera.k1 * square + camera.k2 * square**2) - seen
+        radius = np.clip(radius - excess / np.maximum(slope, LEAST_SLOPE), 0.0, 2.0)
+    undistorted: Floats = _centre(camera) + _focal(camera) * ray * (radius / np.maximum(seen, 1e-12))
+    return np.where(seen > 0.0, undistorted, pixels)
+
+
+def _centre(camera: Camera) -> Floats:
+    return np.array([camera.cx_px, camera.cy_px])
+
+
+def _focal(camera: Camera) -> Floats:
+    return np.array([camera.fx_px, camera.fy_px])

@@ -33,4 +33,5 @@ class Cylinder:
         whole, fraction = divmod(steps, FRACTIONS)
         first = (whole - self._base) % self._columns
         seen = self._panorama[:, first : first + self._span]
-        cv2.remap(seen, *self._maps[fraction], cv2.INTER_LINEAR, picture)
+        across, down = self._maps[fraction]
+        cv2.remap(seen, across, down, cv2.INTER_LINEAR, picture)

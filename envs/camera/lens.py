@@ -1,14 +1,98 @@
 """The distortion of the lens."""
 
-from vpf_sim.types import Camera, Image
+from dataclasses import replace
+from math import ceil, floor
+from typing import TypeVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.errors import InputError
+from vpf_sim.geometry import distort, undistort
+from vpf_sim.types import Camera, Floats, Image
+
+WIDEST = 2.0  # tangent of the angle from the axis, 63 deg, up to which a lens may see
+STEPS = 2000
+Values = TypeVar("Values", bound=np.generic)
 
 
 class Lens:
-    """What bends the picture of a pinhole camera by OpenCV's radial model k1, k2."""
+    """Bends the picture of a pinhole camera by OpenCV's radial model k1, k2.
+
+    The pinhole camera is the lens's without distortion, with as much picture as the lens sees; its picture is looked up
+    where the ray of each pixel meets it. Without distortion it is the lens's camera and its picture is passed through.
+    """
 
     def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+        self.bends = camera.k1 != 0.0 or camera.k2 != 0.0
         self.pinhole = camera  # what the undistorted picture is drawn with
+        self._corner_px = np.zeros(2)  # the pinhole's first pixel in the undistorted picture
+        if self.bends:
+            self.pinhole, self._corner_px = _pinhole(camera)
+            x, y = np.moveaxis(self.pixels().astype(np.float32), -1, 0)
+            self._maps = cv2.convertMaps(x, y, cv2.CV_16SC2)
+
+    def pixels(self) -> Floats:
+        """(H, W, 2) where in the pinhole's picture each pixel looks."""
+        return undistort(self._camera, _pixel_grid(self._camera)) - self._corner_px
+
+    def nearest(self, values: NDArray[Values]) -> NDArray[Values]:
+        """(H, W, ...) what the pinhole's (h, w, ...) picture of values holds where each pixel looks."""
+        if not self.bends:
+            return values
+        column, row = np.moveaxis(np.rint(self.pixels()).astype(np.intp), -1, 0)
+        return np.asarray(values[row, column], values.dtype)
+
+    def seen(self, pixels: Floats) -> Floats:
+        """(..., 2) px in the picture of the pinhole's pixels."""
+        return distort(self._camera, pixels + self._corner_px)
 
     def distorted(self, frame: Image) -> Image:
-        """(H, W, 3) the picture through the lens."""
-        return frame
+        """(H, W, 3) the pinhole's picture through the lens."""
+        if not self.bends:
+            return frame
+        across, down = self._maps
+        return np.asarray(cv2.remap(frame, across, down, cv2.INTER_LINEAR), np.uint8)
+
+
+def _pixel_grid(camera: Camera) -> Floats:
+    """(H, W, 2) the coordinates of each pixel."""
+    grid = np.meshgrid(np.arange(camera.width_px, dtype=float), np.arange(camera.height_px, dtype=float))
+    return np.stack(grid, axis=-1)
+
+
+def check_distortion(camera: Camera) -> None:
+    """Refuse a distortion that shows one ray in two places of the picture, or none in some."""
+    radius = np.linspace(0.0, WIDEST, STEPS)
+    seen = radius * (1.0 + camera.k1 * radius**2 + camera.k2 * radius**4)
+    folds = np.flatnonzero(np.diff(seen) <= 0.0)
+    reach = float(seen[folds[0]] if len(folds) else seen[-1])
+    corners = [
+        np.hypot((x - camera.cx_px) / camera.fx_px, (y - camera.cy_px) / camera.fy_px)
+        for x in (0, camera.width_px - 1)
+        for y in (0, camera.height_px - 1)
+    ]
+    if (camera.k1 != 0.0 or camera.k2 != 0.0) and not max(corners) < 0.99 * reach:
+        raise InputError(
+            f"camera: k1, k2: expected a distortion that can be undone within the picture, to {max(corners):.2f} off "
+            f"the axis, got {camera.k1:g}, {camera.k2:g}, with which rays reach {reach:.2f}"
+        )
+
+
+def _pinhole(camera: Camera) -> tuple[Camera, Floats]:
+    """The camera without distortion whose picture holds all that `camera` sees, and its first pixel in `camera`'s."""
+    x, y = np.moveaxis(undistort(camera, _pixel_grid(camera)), -1, 0)
+    left, top = floor(float(x.min())) - 1, floor(float(y.min())) - 1
+    width, height = ceil(float(x.max())) + 2 - left, ceil(float(y.max())) + 2 - top
+    pinhole = replace(
+        camera,
+        width_px=width + width % 2,
+        height_px=height + height % 2,
+        cx_px=camera.cx_px - left,
+        cy_px=camera.cy_px - top,
+        k1=0.0,
+        k2=0.0,
+    )
+    return pinhole, np.array([left, top], float)

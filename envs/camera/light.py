@@ -106,7 +106,7 @@ def _exposed(daylight: Daylight, cover: float) -> float:
     """Factor of a horizontal surface: the exposure keeps the mean of ground and horizon at the same grey."""
     horizon = CLEAR_HORIZON + (COVERED_HORIZON - CLEAR_HORIZON) * cover
     share = daylight.ground_klx / (ALBEDO * daylight.ground_klx + horizon * daylight.sky_klx)
-    return NOON_LEVEL * float(share / NOON_SHARE) ** (1.0 / GAMMA)
+    return float(NOON_LEVEL * (share / NOON_SHARE) ** (1.0 / GAMMA))
 
 
 def _night(daylight: Daylight) -> float:

@@ -82,7 +82,7 @@ class Renderer:
         if self._now is None or self._before is None:
             raise RuntimeError("no frame has been rendered yet")
         moment = Moment(self._now.view, self._before.view, self._now.time_s - self._before.time_s)
-        return truth(names, moment, self._drawn)
+        return truth(names, moment, self._drawn, self._lens)
 
     def _advance(self, ego: Carrier, time_s: float) -> tuple[Snapshot, Snapshot]:
         """Note where everything is now; now and before."""

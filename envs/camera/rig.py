@@ -2,20 +2,26 @@
 
 from dataclasses import dataclass, field
 
+from vpf_sim.envs.camera.lens import check_distortion
 from vpf_sim.errors import InputError
 from vpf_sim.types import Camera
 
 
 @dataclass(frozen=True, slots=True)
 class Rig:
-    """A camera and the noise of its sensor.
+    """A camera, its lens and its sensor.
 
-    The default, 1.3 grey levels, is what a small sensor shows by day with 10 000 electrons at full scale (EMVA 1288:
-    shot noise and 4 electrons of read noise, after a gamma of 2.2); 0 turns the noise off.
+    noise_sd: standard deviation of the sensor's noise in grey levels; 0 turns it off, None leaves it to the weather's
+    light: 1.3 by day, which is what a small sensor shows with 10 000 electrons at full scale (EMVA 1288: shot noise and
+    4 electrons of read noise, after a gamma of 2.2), 2.5 in hard rain and at sunset. exposure_ev: longer (+) or shorter
+    (-) than the automatic exposure, in powers of 2 of the light. blur_px: standard deviation of the lens's and the
+    sensor's blur, 0 is none.
     """
 
     camera: Camera = field(default_factory=Camera)
-    noise_sd: float = 1.3  # grey levels
+    noise_sd: float | None = None
+    exposure_ev: float = 0.0
+    blur_px: float = 0.0
 
     def __post_init__(self) -> None:
         camera = self.camera
@@ -25,11 +31,12 @@ class Rig:
                 raise InputError(f"camera: {key}: expected at least {low}, got {value}")
         if camera.width_px % 2:
             raise InputError(f"camera: width_px: expected an even number, got {camera.width_px}")
-        if camera.k1 != 0.0 or camera.k2 != 0.0:
-            raise InputError(
-                f"camera: k1, k2: expected 0, the picture has no lens distortion, got {camera.k1}, {camera.k2}"
-            )
         if not abs(camera.pitch_rad) < 0.5:
             raise InputError(f"camera: pitch_rad: expected between -0.5 and 0.5, got {camera.pitch_rad}")
-        if not 0.0 <= self.noise_sd <= 20.0:
+        check_distortion(camera)
+        if self.noise_sd is not None and not 0.0 <= self.noise_sd <= 20.0:
             raise InputError(f"camera: noise_sd: expected 0 to 20 grey levels, got {self.noise_sd}")
+        if not -4.0 <= self.exposure_ev <= 4.0:
+            raise InputError(f"camera: exposure_ev: expected -4 to 4, got {self.exposure_ev}")
+        if not 0.0 <= self.blur_px <= 5.0:
+            raise InputError(f"camera: blur_px: expected 0 to 5, got {self.blur_px}")

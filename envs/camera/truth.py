@@ -10,9 +10,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.lens import Lens
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite, bounding_box
 from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Bools, Floats
+from vpf_sim.types import Bools, Camera, Floats
 
 Singles = NDArray[np.float32]
 STANDING_M = 1e-6  # a camera that moved less stands
@@ -55,8 +56,8 @@ class Moment:
     gap_s: float
 
 
-def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn]) -> dict[str, NDArray[np.generic]]:
-    """The arrays asked for.
+def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn], lens: Lens) -> dict[str, NDArray[np.generic]]:
+    """The arrays asked for, of the picture through the lens; the views are those of its pinhole camera.
 
     depth: (H, W) float32 m along the optical axis, inf in the sky. flow: (H, W, 2) float32 px from k-1 to k, bodies'
     own motion included; the sky's is that of the rotation. foe: (2,) float64 px, the image of the translation of the
@@ -66,18 +67,22 @@ def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn]) -> dict[st
     """
     result: dict[str, NDArray[np.generic]] = {}
     if "foe" in names:
-        result["foe"] = focus_of_expansion(moment)
+        result["foe"] = lens.seen(focus_of_expansion(moment))
     if not set(names) - {"foe"}:
         return result
-    depth, instance, owner = _rasterised(moment.now, drawn)
+    pixels = lens.pixels()
+    rays = _rays(moment.now.camera, pixels)
+    owner, planes = _rasterised(moment.now, drawn)
+    owner, depth = lens.nearest(owner), _depth(rays, lens.nearest(planes))
     if "depth" in names:
         result["depth"] = depth.astype(np.float32)
     if "instance" in names:
-        result["instance"] = instance
+        result["instance"] = np.array([0, *(thing.instance for thing in drawn)], np.int32)[owner + 1]
     if "hidden" in names:
         result["hidden"] = np.zeros(depth.shape, bool)
     if "flow" in names or "ttc" in names:
-        flow, ttc = _motion(moment, drawn, depth, owner)
+        earlier, ttc = _motion(moment, drawn, depth, rays, owner)
+        flow = (lens.seen(pixels) - lens.seen(earlier)).astype(np.float32)
         result.update({name: array for name, array in (("flow", flow), ("ttc", ttc)) if name in names})
     return result
 
@@ -90,29 +95,31 @@ def focus_of_expansion(moment: Moment) -> Floats:
     return moment.now.pixels(step)
 
 
-def _rays(view: View) -> Floats:
-    """(H, W, 3) the ray of each pixel in camera axes, with depth 1."""
-    camera = view.camera
-    x = (np.arange(camera.width_px) - camera.cx_px) / camera.fx_px
-    y = (np.arange(camera.height_px) - camera.cy_px) / camera.fy_px
-    grid = np.meshgrid(x, y)
-    return np.stack([*grid, np.ones_like(grid[0])], axis=-1)
+def _rays(camera: Camera, pixels: Floats) -> Floats:
+    """(..., 3) the rays of (..., 2) pixels in camera axes, with depth 1."""
+    flat = (pixels - (camera.cx_px, camera.cy_px)) / (camera.fx_px, camera.fy_px)
+    return np.concatenate([flat, np.ones((*flat.shape[:-1], 1))], axis=-1)
 
 
-def _rasterised(view: View, drawn: list[Drawn]) -> tuple[Floats, NDArray[np.int32], NDArray[np.int32]]:
-    """Depth, instance, and which of `drawn` owns each pixel (-1: ground or sky)."""
-    rays = _rays(view)
-    fall = rays @ -view.axes[:, 2]
-    with np.errstate(divide="ignore"):
-        depth = np.where(fall > 0.0, view.centre[2] / fall, np.inf)
-    instance = np.zeros(depth.shape, np.int32)
-    owner = np.full(depth.shape, -1, np.int32)
+def _rasterised(view: View, drawn: list[Drawn]) -> tuple[NDArray[np.int32], Floats]:
+    """(h, w) which of `drawn` owns each pixel of the pinhole's picture (-1: ground or sky); (h, w, 3) the plane seen
+    there, whose inverse depth at a pixel's ray is the dot product."""
+    shape = (view.camera.height_px, view.camera.width_px)
+    owner = np.full(shape, -1, np.int32)
+    planes = np.empty((*shape, 3))
+    planes[:] = -view.axes[:, 2] / view.centre[2]
     for index, thing in enumerate(drawn):
-        for covered, plane in _covered(thing.drawing, depth.shape):
-            depth[covered] = 1.0 / (rays[covered] @ plane)
-            instance[covered] = thing.instance
+        for covered, plane in _covered(thing.drawing, shape):
+            planes[covered] = plane
             owner[covered] = index
-    return depth, instance, owner
+    return owner, planes
+
+
+def _depth(rays: Floats, planes: Floats) -> Floats:
+    """(H, W) m along the optical axis, inf where the ray does not meet its plane."""
+    inverse = np.sum(rays * planes, axis=-1)
+    depth: Floats = np.divide(1.0, inverse, out=np.full(inverse.shape, np.inf), where=inverse > 0.0)
+    return depth
 
 
 def _covered(
@@ -138,15 +145,14 @@ def covered_pixels(polygon: Floats, shape: tuple[int, ...]) -> Bools:
     return mask.astype(bool)
 
 
-def _motion(moment: Moment, drawn: list[Drawn], depth: Floats, owner: NDArray[np.int32]) -> tuple[Singles, Singles]:
-    """Flow and time to contact of every pixel."""
-    rays = _rays(moment.now)
+def _motion(
+    moment: Moment, drawn: list[Drawn], depth: Floats, rays: Floats, owner: NDArray[np.int32]
+) -> tuple[Floats, Singles]:
+    """(H, W, 2) px where each pixel's point was in the pinhole's earlier picture, and (H, W) its time to contact."""
     far = np.isinf(depth)
-    flow = np.zeros((*depth.shape, 2), np.float32)
+    earlier_px = np.empty((*depth.shape, 2))
     ttc = np.full(depth.shape, np.inf, np.float32)
-    pixels = moment.now.pixels(rays)
-    distant = rays[far] @ moment.now.axes @ moment.before.axes.T
-    flow[far] = pixels[far] - moment.before.pixels(distant)
+    earlier_px[far] = moment.before.pixels(rays[far] @ moment.now.axes @ moment.before.axes.T)
     for index in range(-1, len(drawn)):
         chosen = (owner == index) & ~far
         if not chosen.any():
@@ -154,10 +160,10 @@ def _motion(moment: Moment, drawn: list[Drawn], depth: Floats, owner: NDArray[np
         motion = STILL if index < 0 else drawn[index].motion
         world = (rays[chosen] * depth[chosen][:, None]) @ moment.now.axes + moment.now.centre
         earlier = world @ motion.turn.T + motion.shift
-        flow[chosen] = pixels[chosen] - moment.before.pixels(moment.before.camera_axes(earlier))
+        earlier_px[chosen] = moment.before.pixels(moment.before.camera_axes(earlier))
         if moment.gap_s > 0.0:
             approach = (moment.now.centre - moment.before.centre) - (world - earlier)
             closing = approach @ moment.now.axes[2] / moment.gap_s
             with np.errstate(divide="ignore"):
                 ttc[chosen] = np.where(closing > 1e-9, depth[chosen] / closing, np.inf)
-    return flow, ttc
+    return earlier_px, ttc

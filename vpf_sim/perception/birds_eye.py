@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from vpf_sim.geometry import ground_from_pixels, project
+from vpf_sim.geometry import distort, ground_from_pixels, project
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 
@@ -56,18 +56,6 @@ def rows_ahead(camera: Camera, patch: Patch) -> Floats:
         if not chosen or place >= chosen[-1] + patch.row_m:
             chosen.append(place)
     return np.array(chosen)
-
-
-def distort(camera: Camera, pixels: Floats) -> Floats:
-    """(..., 2) px in the frame of undistorted pixels, by OpenCV's radial model k1, k2."""
-    if camera.k1 == 0.0 and camera.k2 == 0.0:
-        return pixels
-    centre, focal = np.array([camera.cx_px, camera.cy_px]), np.array([camera.fx_px, camera.fy_px])
-    ray = (pixels - centre) / focal
-    square = np.sum(ray**2, axis=-1, keepdims=True)
-    square = np.minimum(square, 4.0)  # beyond any lens the polynomial may fold back
-    distorted: Floats = centre + focal * ray * (1.0 + camera.k1 * square + camera.k2 * square**2)
-    return distorted
 
 
 def ridge(patch: Image, reach_columns: int) -> Image:

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.geometry import undistort
 from vpf_sim.perception.ground import ground_flow
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
@@ -175,7 +176,7 @@ class FlowTracker:
         self._tracks = _Tracks(trail, none, none, pixels, poses, np.empty((0, 2, 2)), pixels, poses, none)
 
     def update(self, image: Image, pose: Floats) -> Flow:
-        """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw)."""
+        """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels."""
         self._poses = np.concatenate([pose[None], self._poses[: self._window_frames]])
         if self._previous is not None and len(self._tracks):
             self._follow(self._previous, image)
@@ -238,7 +239,10 @@ class FlowTracker:
     def _report(self, pose: Floats) -> Flow:
         tracks = self._tracks
         frames = np.minimum(tracks.age, self._window_frames)
-        now, past = tracks.trail[0], tracks.trail[frames, np.arange(len(tracks))]
+        now, past, first = (
+            undistort(self.camera, points)
+            for points in (tracks.trail[0], tracks.trail[frames, np.arange(len(tracks))], tracks.first_px)
+        )
         return Flow(
             points_px=now,
             displacement_px=now - past,
@@ -246,7 +250,7 @@ class FlowTracker:
             past_pose=self._poses[frames],
             pose=pose,
             identity=tracks.identity,
-            first_px=tracks.first_px,
+            first_px=first,
             first_pose=tracks.first_pose,
             age_frames=tracks.age,
             structure=tracks.structure,
@@ -305,8 +309,9 @@ class FlowTracker:
         if np.count_nonzero(old) <= quota // 2:
             return
         chosen = np.flatnonzero(old)
-        road = ground_flow(self.camera, points[chosen], tracks.first_pose[chosen], self._poses[0])
-        residual = np.hypot(*(points[chosen] - tracks.first_px[chosen] - road).T)
+        now, first = (undistort(self.camera, of[chosen]) for of in (points, tracks.first_px))
+        road = ground_flow(self.camera, now, tracks.first_pose[chosen], self._poses[0])
+        residual = np.hypot(*(now - first - road).T)
         settled = chosen[residual < 0.02 * np.hypot(*road.T) + 0.1]
         excess = len(chosen) - quota // 2
         keep = np.ones(len(tracks), np.bool_)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from vpf_sim.geometry import project
-from vpf_sim.perception.birds_eye import distort
+from vpf_sim.geometry import distort, project
 from vpf_sim.types import Camera, Floats, Image
 
 Colour = tuple[int, int, int]  # RGB

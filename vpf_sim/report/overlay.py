@@ -5,6 +5,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from vpf_sim.geometry import distort
 from vpf_sim.report.canvas import INK, SHADE, Canvas, Colour
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, draw_compass
 from vpf_sim.types import Camera, Floats, Image, Perception, Plan, RoadEdges
@@ -108,8 +109,9 @@ def _flow(canvas: Canvas, perception: Perception) -> None:
     flow = perception.flow
     step = np.digitize(perception.ttc_s, TTC_STEPS_S)
     for i, colour in enumerate([*(ttc_colour(float(ttc)) for ttc in TTC_STEPS_S), UNKNOWN]):
-        now = flow.points_px[step == i]
-        past = now - flow.displacement_px[step == i]
+        chosen = flow.points_px[step == i]
+        past = distort(canvas.camera, chosen - flow.displacement_px[step == i])
+        now = distort(canvas.camera, chosen)
         canvas.lines(list(np.stack([past, now], axis=1)), colour, 1)
         for point in now:
             cv2.circle(canvas.frame, _whole(point), canvas.stroke_px(1.6), colour, -1, cv2.LINE_AA)
