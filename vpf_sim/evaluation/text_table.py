@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 NAME_WIDTH = 22
+LEAST_WIDTH = 8  # of a column
 GAP = 2
 
 
@@ -19,7 +20,7 @@ def text_table(rows: Sequence[Mapping[str, float | str]], header: bool = True) -
 
 
 def _line(keys: Sequence[str], cells: Sequence[str]) -> str:
-    numbers = (f"{cell:>{len(key) + GAP}}" for key, cell in zip(keys[1:], cells[1:], strict=True))
+    numbers = (f"{cell:>{max(len(key), LEAST_WIDTH) + GAP}}" for key, cell in zip(keys[1:], cells[1:], strict=True))
     return f"{cells[0]:<{NAME_WIDTH}}" + "".join(numbers)
 
 

@@ -4,13 +4,16 @@ The same drive is rendered in every weather from the same poses and seed, so wha
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import Weather
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.evaluation.judge import Judge, Score
 from vpf_sim.evaluation.scripted import Path, ScriptedDrive, smooth_step
+from vpf_sim.perception.flow import grey
 from vpf_sim.scenarios.parts import Body
+from vpf_sim.types import Image
 
 DRY = {"precipitation": 0.0, "precipitation_deposits": 0.0, "wetness": 0.0, "droplets": 0.0, "wiper_period_s": 0.0}
 
@@ -72,6 +75,12 @@ def drive(traffic: bool = True) -> ScriptedDrive:
     return ScriptedDrive(scenario.model_copy(update={"bodies": tuple(bodies)}), path)
 
 
+@lru_cache(maxsize=2)
+def _clear_greys(traffic: bool, seed: int, count: int) -> list[Image]:
+    """The drive in clear weather."""
+    return [grey(shot.image) for shot in drive(traffic).shots(_changed(), seed, count)]
+
+
 def measure(factor: Factor, seed: int, seconds: float, every: int) -> Score:
     """Drive in one weather; every `every`-th frame is compared with the truth."""
     course = drive(factor.traffic)
@@ -79,6 +88,7 @@ def measure(factor: Factor, seed: int, seconds: float, every: int) -> Score:
         course = replace(course, rig=replace(course.rig, noise_sd=factor.noise_sd))
     judge = Judge(course.rig.camera, course.rate_hz, seed)
     count = round(seconds * course.rate_hz) + 1
+    clear = _clear_greys(factor.traffic, seed, count)
     for shot in course.shots(factor.weather, seed, count):
-        judge.see(shot, judged=shot.index % every == 0)
+        judge.see(shot, clear[shot.index], judged=shot.index % every == 0)
     return judge.score()

@@ -1,0 +1,62 @@
+"""The scripted drive in one weather and another: the paper's effect shows in it."""
+
+import numpy as np
+import pytest
+
+from vpf_sim.evaluation import weather_effect
+from vpf_sim.evaluation.judge import Score
+from vpf_sim.evaluation.weather_effect import Factor
+
+FACTORS = {factor.name: factor for factor in weather_effect.factors()}
+
+
+def measured(name: str) -> Score:
+    return weather_effect.measure(FACTORS[name], seed=0, seconds=1.0, every=20)
+
+
+def test_every_row_has_its_own_name() -> None:
+    assert len(FACTORS) == len(weather_effect.factors())
+
+
+def test_single_factors_leave_the_others_clear() -> None:
+    clear = FACTORS["clear"].weather.model_dump()
+    expected = {
+        "no noise": set(),
+        "slippery road": {"road_friction"},
+        "wiper on dry glass": {"wiper_period_s"},
+        "wet mirror": {"wetness"},
+        "puddles": {"precipitation_deposits"},
+        "streaks": {"precipitation", "wind_intensity"},
+        "droplets": {"precipitation", "wind_intensity", "streak_gain", "droplets"},
+    }
+    for name, changed in expected.items():
+        factors = FACTORS[name].weather.model_dump()
+        assert {key for key in clear if factors[key] != clear[key]} == changed, name
+
+
+def test_grip_does_not_show() -> None:
+    def frames(factor: Factor) -> list[bytes]:
+        return [shot.image.tobytes() for shot in weather_effect.drive().shots(factor.weather, 0, 3)]
+
+    assert frames(FACTORS["slippery road"]) == frames(FACTORS["clear"])
+
+
+def test_in_clear_weather_nothing_differs_from_clear_weather() -> None:
+    score = measured("clear")
+    assert score.off_clear == 0.0
+    assert score.hidden == 0.0
+    assert score.off == score.off_seen
+    assert score.survive_1 > 0.9
+    assert score.off < 0.3
+    assert score.robust_foe_px < 5.0
+    assert np.isfinite(list(score.__getstate__())).all()
+
+
+@pytest.mark.slow
+def test_water_on_the_glass_and_on_the_road_is_what_misleads() -> None:
+    """WEATHER's order: veil and noise do next to nothing to the tracks, drops on the glass and mirrors do."""
+    off = {name: measured(name).off_clear for name in ("noise of sd 4", "veil: fog of 50", "droplets", "HardRainNoon")}
+    assert off["noise of sd 4"] < 0.01
+    assert off["veil: fog of 50"] < 0.03
+    assert off["droplets"] > 0.03
+    assert off["HardRainNoon"] > 0.05
