@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 REFINEMENT = 2  # pixels of the picture to a pixel of the mirror image, each way
-FACES, SPRITES = 40, 6  # only the largest are mirrored
+FACES, SPRITES = 24, 4  # only the largest are mirrored
+FADED = 64.0  # of 255; faces that let more through are not mirrored
 SMALLEST_PX = 40.0  # area of the smallest face that is mirrored
 SPRITE_TALL_PX = 30
 FOOT_M = 0.4  # what of a body counts as its foot
+FOOT_SHARE = 0.3  # of the way from its foot up to the horizon is surely covered by the thing
 WATER_INDEX = 1.333
 
 
@@ -23,8 +25,12 @@ WATER_INDEX = 1.333
 class Faces:
     """Faces as the water shows them, in painter's order."""
 
-    polygons_px: list[Floats]  # (V, 2) each
+    points_px: Floats  # (n, 2) the vertices of one face after the other
+    corners: list[int]  # how many each has
     colours: list[list[float]]
+
+
+NO_FACES = Faces(np.empty((0, 2)), [], [])
 
 
 def reflectance(sine: Floats) -> Floats:
@@ -62,37 +68,48 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Face
     """
     drawings = [thing.drawing for thing in drawn if isinstance(thing.drawing, Drawing)]
     if not drawings:
-        return Faces([], [])
+        return NO_FACES
     planes = np.concatenate([drawing.planes for drawing in drawings])
-    corners = np.concatenate([np.full(len(d.planes), d.polygons_px.shape[1]) for d in drawings])
-    points = np.concatenate([drawing.polygons_px.reshape(-1, 2) for drawing in drawings])
-    image, height = mirrored_points(view, points, np.repeat(planes, corners, axis=0))
-    camera = view.camera
-    starts = np.cumsum(corners) - corners
-    inside = np.clip(image, 0.0, (camera.width_px, camera.height_px))
-    extent = np.maximum.reduceat(inside, starts) - np.minimum.reduceat(inside, starts)
-    area = extent[:, 0] * extent[:, 1]
-    area[1.0 + 2.0 * camera.height_m * (planes @ view.axes[:, 2]) <= 0.0] = 0.0  # turned away from the mirrored eye
+    first = np.concatenate([drawing.polygons_px[:, :3] for drawing in drawings])
+    (ax, ay), (bx, by) = (first[:, 1] - first[:, 0]).T, (first[:, 2] - first[:, 0]).T
+    area = np.abs(ax * by - ay * bx)  # of the parallelogram of three vertices
+    turned_away = 1.0 + 2.0 * view.camera.height_m * (planes @ view.axes[:, 2]) <= 0.0  # from the mirrored camera
+    area[turned_away | _seen_through(drawings)] = 0.0
     shown = np.flatnonzero(area > SMALLEST_PX)
     if len(shown) > FACES:
         shown = np.sort(shown[np.argpartition(-area[shown], FACES)[:FACES]])
+    ends = np.cumsum([len(drawing.planes) for drawing in drawings])
+    owners = np.searchsorted(ends, shown, side="right").tolist()
+    faces = [(drawings[i], k - int(ends[i])) for i, k in zip(owners, shown.tolist(), strict=True)]
+    polygons = [drawing.polygons_px[k] for drawing, k in faces]
+    return _drawn_out(view, polygons, planes[shown], [drawing.colours[k].tolist() for drawing, k in faces], foot_px)
+
+
+def _seen_through(drawings: list[Drawing]) -> Bools:
+    """(n,) which faces fade out with distance."""
+    return np.asarray(np.concatenate([drawing.colours[:, 3] for drawing in drawings]) > FADED)
+
+
+def _drawn_out(view: View, polygons: list[Floats], planes: Floats, colours: list[list[float]], foot_px: float) -> Faces:
+    """Faces mirrored, and their feet drawn out."""
+    if not polygons:
+        return NO_FACES
+    corners = [len(polygon) for polygon in polygons]
+    image, height = mirrored_points(view, np.concatenate(polygons), np.repeat(planes, corners, axis=0))
     low = height < FOOT_M
-    image[low, 1] -= np.minimum(foot_px, 0.25 * (image[low, 1] - horizon_row(camera)))
-    colours = np.concatenate([drawing.colours for drawing in drawings])[shown].tolist()
-    return Faces([image[a : a + n] for a, n in zip(starts[shown], corners[shown], strict=True)], colours)
+    image[low, 1] -= np.minimum(foot_px, FOOT_SHARE * (image[low, 1] - horizon_row(view.camera)))
+    return Faces(image, corners, colours)
 
 
 def paint_faces(canvas: Image, top: int, faces: Faces) -> None:
     """Draw mirrored faces on a canvas of reduced size whose first row is the picture's row `top`."""
-    if not faces.polygons_px:
-        return
     scale = 2.0**SHIFT / REFINEMENT
-    points = (np.concatenate(faces.polygons_px) + np.array([0.5, 0.5 - top])) * scale - 0.5 * 2**SHIFT
+    points = faces.points_px * scale + np.array([0.5, 0.5 - top]) * scale - 0.5 * 2**SHIFT
     fixed = np.rint(np.clip(points, -30000.0, 30000.0)).astype(np.int32)
     start = 0
-    for polygon, colour in zip(faces.polygons_px, faces.colours, strict=True):
-        cv2.fillConvexPoly(canvas, fixed[start : start + len(polygon)], colour, cv2.LINE_8, SHIFT)
-        start += len(polygon)
+    for corners, colour in zip(faces.corners, faces.colours, strict=True):
+        cv2.fillConvexPoly(canvas, fixed[start : start + corners], colour, cv2.LINE_AA, SHIFT)
+        start += corners
 
 
 def large_sprites(drawn: list[Drawn]) -> list[Sprite]:

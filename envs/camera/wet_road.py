@@ -20,7 +20,7 @@ from vpf_sim.envs.camera.mirror import (
     paint_sprite,
     reflectance,
 )
-from vpf_sim.envs.camera.puddles import Puddles, covered_table, road_table
+from vpf_sim.envs.camera.puddles import Puddles, covered_table, road_table, water_level
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Bools, Camera, Image
@@ -30,7 +30,8 @@ Bytes = NDArray[np.uint8]
 DAMP_SHARE, FILM_SHARE = 0.35, 0.9  # of a damp road's and a flooded road's surface that mirrors
 DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # of its facets
 STONES_MMPH, FILM_MMPH = 8.0, 25.0  # between these rates of rain the film comes to cover the stones
-PUDDLE_DARK = 0.15  # how much less of the asphalt is seen through a puddle
+DARK = 0.3  # how fast the asphalt darkens with the depth of the water, levels of 255 per level of the map
+STEEP, STEEPEST = 0.34, 0.46  # sines of the angle under which the mirror image (11 %) begins to be left out, and is
 HIDDEN_SHARE, HIDDEN_LEVELS = 0.25 * 255, 12
 
 
@@ -61,17 +62,20 @@ class WetRoad:
             return
         self._camera = camera
         self._top = int(np.clip(np.floor(horizon_row(camera)) + 1, 0, camera.height_px))
-        self._rows = ceil((camera.height_px - self._top) / REFINEMENT)
         self._columns = camera.width_px // REFINEMENT
+        sines = self._sines(ceil((camera.height_px - self._top) / REFINEMENT))
+        fading = np.clip((sines - STEEPEST) / (STEEP - STEEPEST), 0.0, 1.0)
+        self._rows = int((fading.max(axis=1) > 0.0).sum())
         self._puddles = Puddles(shapes, seed)
         film = float(np.clip((atmosphere.rain_mmph - STONES_MMPH) / (FILM_MMPH - STONES_MMPH), 0.0, 1.0))
         share = min(1.0, 2.0 * atmosphere.wetness) * (DAMP_SHARE + film * (FILM_SHARE - DAMP_SHARE))
         slope = np.radians(DAMP_SLOPE_DEG + film * (FILM_SLOPE_DEG - DAMP_SLOPE_DEG))
         self._smear = 2 * round(2.0 * camera.fy_px * slope / REFINEMENT) + 1
-        self._standing_table = covered_table(atmosphere.puddles)
-        self._share_table = np.maximum(self._standing_table, np.rint(share * road_table())).astype(np.uint8)
-        self._dark_table = np.rint(PUDDLE_DARK * self._standing_table).astype(np.uint8)
-        self._reflectance = np.rint(255.0 * reflectance(self._sines())).astype(np.uint8)
+        standing = covered_table(atmosphere.puddles)
+        above = np.arange(256.0) - water_level(atmosphere.puddles)
+        self._dark_table = np.clip(np.ceil(DARK * above), 0, 255).astype(np.uint8)
+        self._share_table = np.maximum(standing, np.rint(share * road_table())).astype(np.uint8)
+        self._reflectance = np.rint(255.0 * reflectance(sines) * fading)[: self._rows].astype(np.uint8)
         self._last: tuple[View, list[Drawn], Bytes] | None = None
 
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
@@ -95,17 +99,18 @@ class WetRoad:
         share = cv2.subtract(self._mirrored(view, water, white, []), of_sky)
         contrast = cv2.absdiff(self._mirrored(view, water, sky, drawn), self._mirrored(view, water, sky, []))
         shown = (np.asarray(share).max(axis=2) > HIDDEN_SHARE) | (np.asarray(contrast).max(axis=2) > HIDDEN_LEVELS)
-        below = mask[self._top :]
+        below = mask[self._top : self._top + self._rows * REFINEMENT]
         below[:] = shown.repeat(REFINEMENT, axis=0).repeat(REFINEMENT, axis=1)[: len(below)]
         return mask
 
     def _water(self, view: View) -> Water:
         """Where there is water."""
         depths = self._depths(view)
-        standing: Any = cv2.LUT(depths, self._standing_table)
+        dark: Any = cv2.LUT(depths, self._dark_table)
         share: Any = cv2.multiply(cv2.LUT(depths, self._share_table), self._reflectance, scale=1 / 255)
-        through: Any = cv2.subtract(cv2.bitwise_not(share), cv2.LUT(depths, self._dark_table))
-        return Water(share, through, np.asarray(cv2.threshold(standing, 127.0, 255.0, cv2.THRESH_BINARY)[1], np.uint8))
+        through: Any = cv2.subtract(cv2.bitwise_not(share), dark)
+        standing: Any = cv2.threshold(dark, 0.0, 255.0, cv2.THRESH_BINARY)[1]
+        return Water(share, through, standing)
 
     def _mirrored(self, view: View, water: Water, sky: Bytes, drawn: list[Drawn]) -> Bytes:
         """(rows, columns, 3) the light that the water sends to the camera."""
@@ -120,11 +125,11 @@ class WetRoad:
 
     def _lay(self, frame: Image, through: Bytes, light: Bytes) -> None:
         """Dim the road and add what it mirrors; a row of the canvas serves two of the picture."""
-        size = (frame.shape[1], self._rows)
-        left: Any = cv2.cvtColor(cv2.resize(through, size), cv2.COLOR_GRAY2RGB)
-        added: Any = cv2.resize(light, size)
+        left: Any = cv2.cvtColor(cv2.resize(through, (frame.shape[1], self._rows)), cv2.COLOR_GRAY2RGB)
+        wide = [cv2.merge([channel] * REFINEMENT).reshape(self._rows, -1) for channel in cv2.split(light)]
+        added: Any = cv2.merge(wide)
         for first in range(REFINEMENT):
-            rows = frame[self._top + first :: REFINEMENT]
+            rows = frame[self._top + first :: REFINEMENT][: self._rows]
             cv2.multiply(rows, left[: len(rows)], rows, scale=1 / 255)
             cv2.add(rows, added[: len(rows)], rows)
 
@@ -147,11 +152,11 @@ class WetRoad:
         size = (self._columns, self._rows)
         return np.asarray(cv2.warpPerspective(raster.depths, matrix, size, flags=flags), np.uint8)
 
-    def _sines(self) -> NDArray[np.float64]:
+    def _sines(self, rows: int) -> NDArray[np.float64]:
         """(rows, columns) sine of the angle between ray and road."""
         camera = self._camera
         x = ((np.arange(self._columns) + 0.5) * REFINEMENT - 0.5 - camera.cx_px) / camera.fx_px
-        y = ((np.arange(self._rows) + 0.5) * REFINEMENT - 0.5 + self._top - camera.cy_px) / camera.fy_px
+        y = ((np.arange(rows) + 0.5) * REFINEMENT - 0.5 + self._top - camera.cy_px) / camera.fy_px
         right, down = np.meshgrid(x, y)
         fall = down * np.cos(camera.pitch_rad) + np.sin(camera.pitch_rad)
         return np.asarray(fall / np.sqrt(right**2 + down**2 + 1.0))
