@@ -45,7 +45,7 @@ def test_the_wheel_has_one_top_level_name_and_all_data(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.split("/")[0] for name in names if ".dist-info" not in name} == {"vpf_sim"}
     for package, folder in MAPPED.items():
-        for path in [*(ROOT / folder).rglob("*.toml"), *(ROOT / folder).rglob("*.py")]:
+        for path in (path for suffix in ("jinja", "toml", "py") for path in (ROOT / folder).rglob(f"*.{suffix}")):
             inside = "/".join([*package.split("."), *path.relative_to(ROOT / folder).parts])
             assert inside in names
     assert "vpf_sim/py.typed" in names

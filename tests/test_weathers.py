@@ -152,7 +152,7 @@ def test_fog_in_m(fog: float, visibility_m: float) -> None:
 
 def test_wind_wetness_and_wipers_have_units() -> None:
     found = physical(weather.Weather(name="mine", wind_intensity=60.0, precipitation_deposits=40.0, wiper_period_s=1.5))
-    assert (found["wind_mps"], found["wet_road_share"], found["puddle_share"]) == (9.0, 0.4, 0.4)
+    assert (found["wind_mps"], found["wetness"], found["puddles"]) == (9.0, 0.4, 0.4)
     assert found["wiper_cycles_per_min"] == 40.0
 
 

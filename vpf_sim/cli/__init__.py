@@ -7,7 +7,7 @@ from typing import Any
 
 import typer
 
-from vpf_sim.cli import benchmark, doctor, drive, drivers, profile, replay, scenarios, sweep, weathers
+from vpf_sim.cli import benchmark, doctor, drive, drivers, gallery, profile, replay, scenarios, sweep, weathers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import threads
 
@@ -27,6 +27,7 @@ app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
 app.command("replay")(replay.replay)
 app.command("profile")(profile.profile)
+app.command("gallery")(gallery.gallery)
 app.command("doctor")(doctor.doctor)
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(weathers.app, name="weathers")

@@ -21,12 +21,32 @@ def physical(weather: Weather) -> dict[str, float]:
         "visibility_m": 3.0 / air.extinction_per_m,
         "extinction_per_km": 1e3 * air.extinction_per_m,
         "wind_mps": hypot(*air.wind_mps),
-        "wet_road_share": air.wetness,
-        "puddle_share": air.puddles,
+        "wetness": air.wetness,
+        "puddles": air.puddles,
         "sun_altitude_deg": weather.sun_altitude_angle,
         "wiper_cycles_per_min": 60.0 / weather.wiper_period_s if weather.wiper_period_s else 0.0,
     }
     return {key: float(f"{value:.4g}") for key, value in meaning.items()}
+
+
+def factors(weather: Weather) -> tuple[tuple[str, str, str], ...]:
+    """Each factor with its value and, where it has one, its meaning in physical units."""
+    found = physical(weather)
+    friction = weather.road_friction
+    meaning = {
+        "precipitation": f"{found['rain_mmph']:g} mm/h of rain",
+        "wind_intensity": f"{found['wind_mps']:g} m/s",
+        "fog_density": f"visibility {_distance(found['fog_visibility_m'])}",
+        "sun_altitude_angle": "° above the horizon",
+        "sun_azimuth_angle": "° clockwise from the world's X axis",
+        "wiper_period_s": f"{found['wiper_cycles_per_min']:.0f} cycles a minute" if weather.wiper_period_s else "off",
+        "streak_gain": "times the physical brightness of falling drops",
+        "road_friction": "the tyres never slip" if friction is None else "grip of the tyres",
+    }
+    if found["rain_mmph"] > 0.0:
+        meaning["fog_density"] += f"; in this rain {_distance(found['visibility_m'])}"
+    values = weather.model_dump(exclude={"name"})
+    return tuple((key, "-" if value is None else f"{value:g}", meaning.get(key, "")) for key, value in values.items())
 
 
 def aliases(weather: Weather) -> list[str]:
@@ -39,16 +59,22 @@ def in_words(weather: Weather) -> str:
     meaning = physical(weather)
     parts = [_sky(weather.cloudiness), f"sun {weather.sun_altitude_angle:g}° high", *_rain(meaning["rain_mmph"])]
     if (visibility_m := meaning["fog_visibility_m"]) < FOG_FROM_M:
-        parts.append(f"fog, visibility {float(f'{visibility_m:.2g}'):g} m")
+        parts.append(f"fog, visibility {_distance(visibility_m)}")
     if meaning["wind_mps"] >= BREEZE_MPS:
         parts.append(f"wind {meaning['wind_mps']:g} m/s")
-    if meaning["wet_road_share"] > 0.0:
-        parts.append("wet road" if meaning["puddle_share"] == 0.0 else "wet road with puddles")
+    if meaning["wetness"] > 0.0:
+        parts.append("wet road" if meaning["puddles"] == 0.0 else "wet road with puddles")
     if weather.droplets > 0.0:
         parts.append("drops on the glass")
     if weather.wiper_period_s > 0.0:
         parts.append(f"wipers every {weather.wiper_period_s:g} s")
     return ", ".join(parts)
+
+
+def _distance(metres: float) -> str:
+    """In two digits."""
+    rounded = float(f"{metres:.2g}")
+    return f"{rounded:g} m" if rounded < 1000.0 else f"{rounded / 1000.0:g} km"
 
 
 def _sky(cloudiness: float) -> str:

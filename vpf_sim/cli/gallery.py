@@ -1,0 +1,52 @@
+"""`vpf-sim gallery`: every weather at fixed poses, on one page."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vpf_sim.cli.options import OutOption, WorkersOption
+
+if TYPE_CHECKING:
+    from vpf_sim.report.gallery import Entry
+
+WeathersOption = Annotated[
+    list[str] | None, typer.Option("--weather", metavar="WEATHER", help="Name or file; may be repeated.")
+]
+
+
+def gallery(weather: WeathersOption = None, workers: WorkersOption = None, out: OutOption = None) -> None:
+    """Draw all weathers, or some, at fixed poses and on a short drive, into a folder with one page, index.html."""
+    from vpf_sim.envs.camera import weather as weathers
+    from vpf_sim.evaluation import gallery as pictures
+    from vpf_sim.evaluation import run_folder
+    from vpf_sim.evaluation.sweep import default_workers
+
+    loaded = list(dict.fromkeys(weathers.load(name) for name in weather or weathers.PRESETS))
+    folder = out or run_folder.new_path("gallery")
+    with _progress(len(loaded)) as tell:
+        page = pictures.make(folder, loaded, workers or default_workers(), tell)
+    print(page)
+
+
+@contextmanager
+def _progress(total: int) -> "Iterator[Callable[[Entry], None]]":
+    """A function to be told of each weather: a bar on a terminal, lines elsewhere."""
+    if sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import Progress
+
+        with Progress(console=Console(stderr=True)) as bar:
+            task = bar.add_task("weathers", total=total)
+            yield lambda entry: bar.update(task, advance=1, description=entry.name)
+        return
+    count = 0
+
+    def tell_line(entry: "Entry") -> None:
+        nonlocal count
+        count += 1
+        print(f"{count}/{total} {entry.name}", file=sys.stderr, flush=True)
+
+    yield tell_line
