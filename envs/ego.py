@@ -1,7 +1,7 @@
 """The ego car: the paper's kinematic bicycle, with the limits of its actuators."""
 
 from collections.abc import Mapping
-from math import atan, cos, sin, tan
+from math import asin, atan, cos, hypot, sin, tan
 
 import numpy as np
 from highway_env.road.road import Road
@@ -12,6 +12,7 @@ from vpf_sim.types import Floats, VehicleModel
 
 MAX_SPEED_MPS = 60.0
 YAW_RATE_LIMIT_RADPS = 4.0  # of the sensor, not of the car
+GRAVITY_MPS2 = 9.81
 
 
 class Ego(Vehicle):  # type: ignore[misc]
@@ -22,6 +23,10 @@ class Ego(Vehicle):  # type: ignore[misc]
     One step is an arc of the circle that the mean steering angle of the step gives, as long as the exact distance under
     constant acceleration; so a constant steering angle keeps the car on its circle at every step size. The steering
     angle follows its command at a limited rate. The speed never falls below zero: braking ends in standing.
+
+    With a friction mu the tyres hold accelerations, along and across together, up to mu g (the friction circle:
+    Rajamani, Vehicle Dynamics and Control, 2012, ch. 13). Of more, both parts come in the same proportion: the car
+    brakes less, and runs wide at the yaw rate mu g / v. Without one they never slip.
     """
 
     LENGTH = EGO_SIZE.length_m
@@ -37,8 +42,11 @@ class Ego(Vehicle):  # type: ignore[misc]
     speed: float  # m/s
     action: dict[str, float]
 
-    def __init__(self, road: Road, position: Floats, heading: float = 0.0, speed: float = 0.0) -> None:
+    def __init__(
+        self, road: Road, position: Floats, heading: float = 0.0, speed: float = 0.0, friction: float | None = None
+    ) -> None:
         self.model = VehicleModel()
+        self.friction = friction
         self.steering_rad = 0.0
         self.place = (0.0, 0.0)  # s, lateral on the carriageway
         super().__init__(road, position, heading, speed)
@@ -53,8 +61,8 @@ class Ego(Vehicle):  # type: ignore[misc]
         """Move on by dt seconds. `impact`, by which highway-env throws a body back on contact, is ignored."""
         before_rad = self.steering_rad
         self.steering_rad = self._steer(dt)
-        distance_m = self._accelerate(dt)
-        beta = self._slip_rad(0.5 * (before_rad + self.steering_rad))
+        beta, acceleration = self._held(0.5 * (before_rad + self.steering_rad))
+        distance_m = self._accelerate(acceleration, dt)
         turn_rad = distance_m * sin(beta) / self.model.l_r_m
         half_turn = 0.5 * turn_rad
         chord_m = distance_m if abs(half_turn) < 1e-9 else distance_m * sin(half_turn) / half_turn
@@ -70,9 +78,9 @@ class Ego(Vehicle):  # type: ignore[misc]
         wanted = min(max(float(self.action["steering"]), -limit), limit)
         return self.steering_rad + min(max(wanted - self.steering_rad, -most), most)
 
-    def _accelerate(self, dt: float) -> float:
+    def _accelerate(self, acceleration: float, dt: float) -> float:
         """Change the speed; returns the distance travelled meanwhile, which ends early where the car comes to stand."""
-        before_mps, acceleration = self.speed, float(self.action["acceleration"])
+        before_mps = self.speed
         after_mps = before_mps + acceleration * dt
         self.speed = min(max(after_mps, 0.0), MAX_SPEED_MPS)
         if after_mps < 0.0:
@@ -83,14 +91,25 @@ class Ego(Vehicle):  # type: ignore[misc]
         """Angle from the heading to the velocity of the centre of mass."""
         return atan(self.model.l_r_m / self.model.wheelbase_m * tan(steering_rad))
 
+    def _held(self, steering_rad: float) -> tuple[float, float]:
+        """Slip angle and acceleration at a steering angle and the commanded acceleration, as far as the tyres hold."""
+        beta, along = self._slip_rad(steering_rad), float(self.action["acceleration"])
+        if self.friction is None:
+            return beta, along
+        asked = hypot(along, self.speed**2 * sin(beta) / self.model.l_r_m)
+        held = self.friction * GRAVITY_MPS2
+        if asked <= held:
+            return beta, along
+        return asin(sin(beta) * held / asked), along * held / asked
+
     @property
     def yaw_rate_radps(self) -> float:
-        return self.speed * sin(self._slip_rad(self.steering_rad)) / self.model.l_r_m
+        return self.speed * sin(self._held(self.steering_rad)[0]) / self.model.l_r_m
 
     @property
     def velocity(self) -> Floats:
         """(2,) m/s of the centre of mass, with the slip angle."""
-        course = self.heading + self._slip_rad(self.steering_rad)
+        course = self.heading + self._held(self.steering_rad)[0]
         return self.speed * np.array([cos(course), sin(course)])
 
     def on_state_update(self) -> None:

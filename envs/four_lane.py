@@ -140,7 +140,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.route_length_m = self._path.length_m
         place_bodies(self.road, self.scenario)
         position = centre.position_at(ego.s_m, self._path.offset_m + ego.lateral_m)
-        self.ego = Ego(self.road, position, centre.heading_at(ego.s_m) + radians(ego.heading_deg), ego.speed_mps)
+        heading = centre.heading_at(ego.s_m) + radians(ego.heading_deg)
+        self.ego = Ego(self.road, position, heading, ego.speed_mps, self.weather.road_friction)
         self.road.vehicles.append(self.ego)
 
     def _controls(self, command: Floats) -> dict[str, float]:

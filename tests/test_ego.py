@@ -5,7 +5,9 @@ from math import atan, cos, pi, radians, sin, tan
 import numpy as np
 import pytest
 
-from vpf_sim.envs.ego import Ego
+from vpf_sim.envs.camera import weather
+from vpf_sim.envs.ego import GRAVITY_MPS2, Ego
+from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.road import build_road
 from vpf_sim.scenarios import load
 
@@ -13,14 +15,14 @@ WHEELBASE_M = 2.7
 L_R_M = WHEELBASE_M / 2.0
 
 
-def ego_car(speed: float = 5.55, heading: float = 0.0) -> Ego:
+def ego_car(speed: float = 5.55, heading: float = 0.0, friction: float | None = None) -> Ego:
     road = build_road(load("straight"), np.random.default_rng(0))
-    return Ego(road, np.array([20.0, 1.75]), heading, speed)
+    return Ego(road, np.array([20.0, 1.75]), heading, speed, friction)
 
 
-def turned(steering: float, speed: float) -> Ego:
+def turned(steering: float, speed: float, friction: float | None = None) -> Ego:
     """A car whose wheels already stand at the steering angle."""
-    ego = ego_car(speed)
+    ego = ego_car(speed, friction=friction)
     ego.steering_rad = steering
     ego.act({"acceleration": 0.0, "steering": steering})
     return ego
@@ -122,3 +124,50 @@ def test_the_throw_of_a_contact_does_not_move_the_car() -> None:
     ego.step(1.0 / 60.0)
     assert ego.position == pytest.approx([20.0 + 5.55 / 60.0, 1.75])
     assert not ego.crashed
+
+
+def test_on_a_slippery_road_the_car_brakes_at_what_the_friction_holds() -> None:
+    ego = ego_car(speed=10.03, friction=0.3)
+    ego.act({"acceleration": -6.0, "steering": 0.0})
+    for _ in range(400):
+        ego.step(1.0 / 60.0)
+    assert ego.speed == 0.0
+    assert ego.position[0] - 20.0 == pytest.approx(10.03**2 / (2.0 * 0.3 * GRAVITY_MPS2), rel=1e-12)
+
+
+@pytest.mark.parametrize("steering_deg", [-20.0, 20.0])
+def test_on_a_slippery_road_the_car_runs_wide_on_the_circle_that_the_friction_holds(steering_deg: float) -> None:
+    ego = turned(radians(steering_deg), 8.0, friction=0.3)
+    held = 0.3 * GRAVITY_MPS2
+    for _ in range(120):
+        ego.step(1.0 / 60.0)
+    assert ego.heading == pytest.approx(np.sign(steering_deg) * 2.0 * held / 8.0, rel=1e-12)
+    assert ego.yaw_rate_radps == pytest.approx(np.sign(steering_deg) * held / 8.0, rel=1e-12)
+    assert ego.speed == 8.0
+
+
+def test_braking_in_a_bend_shares_the_friction_between_both() -> None:
+    ego = turned(radians(20.0), 8.0, friction=0.3)
+    ego.act({"acceleration": -4.0, "steering": radians(20.0)})
+    across = 8.0**2 * sin(atan(0.5 * tan(radians(20.0)))) / L_R_M
+    ego.step(1e-4)
+    along = (ego.speed - 8.0) / 1e-4
+    assert np.hypot(along, ego.heading / 1e-4 * 8.0) == pytest.approx(0.3 * GRAVITY_MPS2, rel=1e-4)
+    assert along / (ego.heading / 1e-4 * 8.0) == pytest.approx(-4.0 / across, rel=1e-4)
+
+
+def test_what_the_friction_holds_is_done_as_on_a_dry_road() -> None:
+    cars = [turned(radians(3.0), 8.0, friction) for friction in (None, 0.3)]
+    for ego in cars:
+        ego.act({"acceleration": 1.0, "steering": radians(-4.0)})
+        for _ in range(60):
+            ego.step(1.0 / 60.0)
+    assert np.array_equal(cars[0].position, cars[1].position)
+    assert cars[0].heading == cars[1].heading
+
+
+def test_the_grip_is_the_weathers_and_rain_alone_takes_none() -> None:
+    for name, changes, expected in (("rain", {}, None), ("clear", {"road_friction": 0.4}, 0.4)):
+        env = FourLane("straight", weather.load(name).model_copy(update=changes))
+        env.reset(seed=1)
+        assert env.ego.friction == expected
