@@ -1,26 +1,70 @@
 """The road and the verge in the picture: what is painted on them, their grain, their colours."""
 
-import cv2
+from functools import partial
 
-from vpf_sim.envs.camera.grain import Grain, ground_top
+import cv2
+import numpy as np
+
+from vpf_sim.envs.camera.gains import even_gains
+from vpf_sim.envs.camera.grain import Grain
+from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
+from vpf_sim.envs.camera.levels import levels
+from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.paint import painted
-from vpf_sim.envs.camera.palette import ground_table
-from vpf_sim.envs.camera.surface import Surface
+from vpf_sim.envs.camera.palette import grain_strength, ground_table
+from vpf_sim.envs.camera.patches import patch_of, sample
+from vpf_sim.envs.camera.raster import Raster
+from vpf_sim.envs.camera.surface import Polygons, Surface
 from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Camera, Image
+from vpf_sim.types import Camera, Floats, Image
 
 
 class Ground:
     """Paints every row below the horizon."""
 
-    def __init__(self, camera: Camera, shapes: list[LaneShape], seed: int) -> None:
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, wetness: float, seed: int) -> None:
         self._top = ground_top(camera)
-        self._surface = Surface(camera, painted(shapes, seed))
-        self._grain = Grain(camera, seed)
-        self._table = ground_table()
+        self._levels = levels(camera)
+        polygons = Polygons(painted(shapes, seed))
+        self._patches = [
+            patch_of(camera, level, partial(_painted, Surface(polygons, level.near_m), Grain(level, seed), gain))
+            for level, gain in zip(self._levels, even_gains(camera), strict=True)
+        ]
+        self._table = ground_table(light, wetness)
+        self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)
+        faded = max((len(level.weights) for level in self._levels), default=0)
+        self._over = np.empty((faded, camera.width_px), np.uint8)
 
     def draw(self, view: View, frame: Image) -> None:
         """Paint the ground into the picture."""
-        smooth = cv2.subtract(self._surface.draw(view), self._grain.mean)
-        cv2.applyColorMap(cv2.add(smooth, self._grain.draw(view)), self._table, frame[self._top :])
+        if not self._levels:
+            return
+        to_world = view.ground_homography()
+        for level, patch in zip(self._levels, self._patches, strict=True):
+            patch.follow(view)
+            for band in level.bands:
+                target = self._values[band.first : band.last]
+                if not band.faded:
+                    sample(patch, band, to_world, target)
+                    continue
+                over = self._over[: len(target)]
+                sample(patch, band, to_world, over)
+                first = band.first - level.bands[0].first
+                _fade(target, over, level.weights[first : first + len(target)])
+        cv2.applyColorMap(self._values, self._table, frame[self._top :])
+
+
+def _fade(rows: Image, over: Image, weights: Image) -> None:
+    """Lay rows over others in place; a weight of 255 hides what lies under."""
+    under = cv2.multiply(rows, cv2.bitwise_not(weights), scale=1 / 255)
+    cv2.add(under, cv2.multiply(over, weights, scale=1 / 255), rows)
+
+
+def _painted(surface: Surface, grain: Grain, gain: Floats, raster: Raster) -> Image:
+    """(rows, columns) palette values of a raster, with their grain."""
+    smooth = surface.paint(raster)
+    steps = np.subtract(grain.draw(raster), 128, dtype=np.float32) * gain
+    return np.asarray(
+        cv2.add(smooth, cv2.multiply(steps, cv2.LUT(smooth, grain_strength())), dtype=cv2.CV_8U), np.uint8
+    )

@@ -1,7 +1,13 @@
 """The colours of the ground: one ramp from dark grass over gravel and asphalt to white paint."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
+
+from vpf_sim.envs.camera import weather
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.types import Floats
 
 # (value, red, green, blue)
 RAMP = np.array(
@@ -24,9 +30,38 @@ RAMP = np.array(
 )
 
 
-def ground_table() -> NDArray[np.uint8]:
-    """(256, 1, 3) RGB of each palette value, for cv2.applyColorMap."""
+# (value, how strongly the grain shows)
+STRENGTH = np.array([(0, 1.7), (60, 1.7), (98, 1.3), (138, 1.0), (160, 1.0), (222, 0.6)])
+ASPHALT_GREY, PAINT_GREY = 106.0, 255.0
+WET_FACTOR = 0.6  # what is left of the brightness of wet asphalt (Angstrom 1925)
+
+
+def ground_table(light: Light, wetness: float) -> NDArray[np.uint8]:
+    """(256, 1, 3) RGB of each palette value under a light, for cv2.applyColorMap; wetness is 0 to 1.
+
+    The ramp's colours are those of ClearNoon. What is wet is darker and more saturated: colours are raised to a power,
+    which keeps bright paint bright (Lagarde, "Water drop 3", 2013), so that asphalt keeps 0.6 of its brightness.
+    """
     values = np.arange(256)
-    channels = [np.interp(values, RAMP[:, 0], RAMP[:, i]) for i in (1, 2, 3)]
-    table: NDArray[np.uint8] = np.rint(np.stack(channels, axis=1)[:, None, :]).astype(np.uint8)
+    colours = np.stack([np.interp(values, RAMP[:, 0], RAMP[:, i]) for i in (1, 2, 3)], axis=1)
+    exponent = 1.0 + wetness * np.log(WET_FACTOR) / np.log(ASPHALT_GREY / PAINT_GREY)
+    wet = PAINT_GREY * (colours / PAINT_GREY) ** exponent
+    lit = np.clip(wet * _level(light) / _level(_noon()), 0.0, 255.0)
+    table: NDArray[np.uint8] = np.rint(lit[:, None, :]).astype(np.uint8)
     return table
+
+
+@lru_cache(maxsize=1)
+def grain_strength() -> NDArray[np.float32]:
+    """(256,) how strongly the grain shows on each palette value, 1 = as on asphalt."""
+    return np.asarray(np.interp(np.arange(256), STRENGTH[:, 0], STRENGTH[:, 1]), np.float32)
+
+
+@lru_cache(maxsize=1)
+def _noon() -> Light:
+    return Light.of(weather.PRESETS["ClearNoon"])
+
+
+def _level(light: Light) -> Floats:
+    """(3,) what a horizontal surface gets."""
+    return np.asarray(light.sky + light.direct * max(float(light.sun[2]), 0.0))

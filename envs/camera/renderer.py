@@ -49,7 +49,7 @@ class Renderer:
         self._lens = Lens(rig.camera)
         camera = self._camera = self._lens.pinhole
         self._sky = Sky(camera, light, atmosphere, seed)
-        self._ground = Ground(camera, shapes, seed)
+        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed)
         self._veil = Veil(camera, atmosphere, light)
         self._things = Things(camera, shapes, light, self._veil, seed)
         self._wet_road = WetRoad(camera, shapes, atmosphere, light, seed)

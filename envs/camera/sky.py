@@ -6,8 +6,8 @@ import numpy as np
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.cylinder import Cylinder
 from vpf_sim.envs.camera.firmament import ZENITH_SLOPE, firmament
-from vpf_sim.envs.camera.grain import ground_top
 from vpf_sim.envs.camera.hills import HILL_SLOPE, hills, hills_show
+from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream

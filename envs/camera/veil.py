@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
-from vpf_sim.envs.camera.grain import ground_top
+from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.types import Camera, Floats, Image
 

@@ -1,0 +1,81 @@
+"""The raster of a level of the ground that is far: the picture of a camera that stands a little ahead or behind.
+
+Far away a pixel covers much more of the ground along its ray than across, and rays spread. The texels of a picture do
+the same, those of an even lattice do not: grain averaged over them would be drawn out along the flow.
+"""
+
+from collections.abc import Callable
+from itertools import product
+from math import cos, inf, sin
+
+import numpy as np
+
+from vpf_sim.envs.camera.levels import Level
+from vpf_sim.envs.camera.raster import Raster
+from vpf_sim.envs.camera.view import View
+from vpf_sim.types import Camera, Floats, Image
+
+STEP, SIDESTEP, TURN_RAD = 0.15, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
+KEPT = 0.6  # a place is kept while the camera is nearer to it than this, in steps
+ROWS = 1.5  # of texels per row of pixels
+
+Place = tuple[float, float, float]  # heading, ahead, right: in steps
+
+
+class FarPatch:
+    """What a level shows of the ground, kept while the camera stays near a place."""
+
+    def __init__(self, camera: Camera, level: Level, paint: Callable[[Raster], Image]) -> None:
+        self._camera = camera
+        self._paint = paint
+        self._step, self._sidestep = STEP * level.near_m, SIDESTEP * level.near_m
+        (left, top), (right, bottom) = self._corners(level)
+        self._to_texels = np.array([[1.0, 0.0, -np.floor(left)], [0.0, ROWS, -ROWS * np.floor(top)], [0.0, 0.0, 1.0]])
+        rows, columns = int(np.ceil(ROWS * (bottom - np.floor(top)))) + 2, int(right - np.floor(left)) + 2
+        self._texel_m = (level.across_m, level.along_m / ROWS)
+        self._place: Place = (inf, inf, inf)
+        self.pixels: Image = np.empty((rows, columns), np.uint8)
+        self.from_world = np.eye(3)
+
+    def follow(self, view: View) -> None:
+        """Let the raster cover what the camera sees."""
+        place = self._wanted(view)
+        if place == self._place:
+            return
+        self._place = place
+        heading, ahead, right = place[0] * TURN_RAD, place[1] * self._step, place[2] * self._sidestep
+        forward = np.array([cos(heading), sin(heading)])
+        eye = ahead * forward + right * np.array([-forward[1], forward[0]])
+        anchor = View.at(self._camera, eye - self._camera.forward_m * forward, heading)
+        self.from_world = self._camera.height_m * self._to_texels @ np.linalg.inv(anchor.ground_homography())
+        rows, columns = self.pixels.shape
+        self.pixels[:] = self._paint(Raster(rows, columns, self.from_world, *self._texel_m))
+
+    def _wanted(self, view: View) -> Place:
+        """The place that is near enough: the one before while it is."""
+        heading, ahead, right = self._place
+        turns = view.yaw_rad / TURN_RAD
+        if abs(turns - heading) > KEPT:
+            heading, ahead, right = round(turns), inf, inf
+        c, s = cos(heading * TURN_RAD), sin(heading * TURN_RAD)
+        x, y = float(view.centre[0]), float(view.centre[1])
+        steps, sidesteps = (c * x + s * y) / self._step, (c * y - s * x) / self._sidestep
+        return (
+            heading,
+            ahead if abs(steps - ahead) < KEPT else round(steps),
+            right if abs(sidesteps - right) < KEPT else round(sidesteps),
+        )
+
+    def _corners(self, level: Level) -> tuple[Floats, Floats]:
+        """(2,) and (2,) the least and the largest pixel that a level shows, from all poses that keep a place."""
+        camera = self._camera
+        found = []
+        for turn, ahead, right in product((-KEPT * TURN_RAD, KEPT * TURN_RAD), (-KEPT, KEPT), (-KEPT, KEPT)):
+            c, s = cos(turn), sin(turn)
+            points = level.corners_m @ np.array([[c, s], [-s, c]])
+            points += (ahead * self._step, right * self._sidestep)
+            depth = points[:, 0] * cos(camera.pitch_rad) + camera.height_m * sin(camera.pitch_rad)
+            down = (camera.height_m / depth - sin(camera.pitch_rad)) / cos(camera.pitch_rad)
+            found.append([camera.cx_px + camera.fx_px * points[:, 1] / depth, camera.cy_px + camera.fy_px * down])
+        pixels = np.concatenate(found, axis=1)
+        return pixels.min(axis=1), pixels.max(axis=1)

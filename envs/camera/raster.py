@@ -1,0 +1,30 @@
+"""A raster of the ground: which points of the world its texels are."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.types import Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Raster:
+    """Rows and columns of texels, laid on the ground by a homography."""
+
+    rows: int
+    columns: int
+    from_world: Floats  # (3, 3) from points (x, y, 1) m to homogeneous (column, row), whole at the middles of texels
+    across_m: float  # size of the smallest texel
+    along_m: float
+
+    def finer(self, fine_x: float, fine_y: float) -> Floats:
+        """(3, 3) as `from_world`, to a raster that is several times as fine."""
+        scale = np.array([[fine_x, 0.0, 0.5 * fine_x - 0.5], [0.0, fine_y, 0.5 * fine_y - 0.5], [0.0, 0.0, 1.0]])
+        return np.asarray(scale @ self.from_world)
+
+    def outline(self) -> Floats:
+        """(4, 2) m, its corners in the world, around it."""
+        columns, rows = np.array([-0.5, self.columns - 0.5]), np.array([-0.5, self.rows - 0.5])
+        corners = np.stack([columns[[0, 0, 1, 1]], rows[[0, 1, 1, 0]], np.ones(4)], axis=1)
+        world = corners @ np.linalg.inv(self.from_world).T
+        return np.asarray(world[:, :2] / world[:, 2:])
