@@ -30,23 +30,27 @@ def physical(weather: Weather) -> dict[str, float]:
 
 
 def factors(weather: Weather) -> tuple[tuple[str, str, str], ...]:
-    """Each factor with its value and, where it has one, its meaning in physical units."""
+    """Each factor with its value, and its meaning, in physical units where it has them."""
     found = physical(weather)
     friction = weather.road_friction
     meaning = {
+        "cloudiness": "0 clear, 100 overcast",
         "precipitation": f"{found['rain_mmph']:g} mm/h of rain",
+        "precipitation_deposits": "puddles; 100: the most that there are",
         "wind_intensity": f"{found['wind_mps']:g} m/s",
         "fog_density": f"visibility {_distance(found['fog_visibility_m'])}",
-        "sun_altitude_angle": "° above the horizon",
-        "sun_azimuth_angle": "° clockwise from the world's X axis",
+        "wetness": "of the road between the puddles",
+        "sun_altitude_angle": "degrees above the horizon",
+        "sun_azimuth_angle": "degrees clockwise from the world's X axis",
+        "droplets": "% of the drops that the rain brings to the glass",
         "wiper_period_s": f"{found['wiper_cycles_per_min']:.0f} cycles a minute" if weather.wiper_period_s else "off",
-        "streak_gain": "times the physical brightness of falling drops",
+        "streak_gain": "times the brightness that falling drops have",
         "road_friction": "the tyres never slip" if friction is None else "grip of the tyres",
     }
     if found["rain_mmph"] > 0.0:
         meaning["fog_density"] += f"; in this rain {_distance(found['visibility_m'])}"
     values = weather.model_dump(exclude={"name"})
-    return tuple((key, "-" if value is None else f"{value:g}", meaning.get(key, "")) for key, value in values.items())
+    return tuple((key, "-" if value is None else f"{value:g}", meaning[key]) for key, value in values.items())
 
 
 def aliases(weather: Weather) -> list[str]:
