@@ -1,5 +1,6 @@
 """The overlay: what is drawn lies where geometry says, and the frame that came in stays as it was."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -94,10 +95,26 @@ def test_the_total_force_points_up_when_it_pulls_ahead() -> None:
     assert np.abs(above.astype(int) - TOTAL).max() < 40
 
 
-def test_bodies_behind_the_camera_and_unknown_numbers_break_nothing() -> None:
+def test_a_body_behind_the_camera_is_not_drawn() -> None:
     camera = Camera()
-    made = plan(camera, points=np.array([[0.0, 0.0], [639.0, 479.0]]), bodies=0.5)
-    drawn(camera, made)
+    assert camera.forward_m > 0.5, "m ahead of the pose, where the body stands"
+    assert np.array_equal(drawn(camera, plan(camera, bodies=0.5)), drawn(camera, plan(camera)))
+
+
+def test_points_in_the_corners_of_the_picture_are_drawn_as_far_as_they_are_in_it() -> None:
+    camera = Camera()
+    change = drawn(camera, plan(camera, points=np.array([[0.0, 0.0], [639.0, 479.0]])))
+    assert min(change[0, 0], change[479, 639]) > 100.0
+
+
+def test_a_focus_of_expansion_that_is_no_number_is_not_drawn() -> None:
+    camera = Camera()
+    made = plan(camera)
+    unknown = replace(made.perception.expansion, x_px=float("nan"))
+    change = drawn(camera, replace(made, perception=replace(made.perception, expansion=unknown)))
+    beside = (round(camera.cy_px), round(camera.cx_px) + 11)
+    assert drawn(camera, made)[beside] > 100.0
+    assert change[beside] == 0.0
 
 
 def test_colours_run_from_red_to_green_and_grey_is_unknown() -> None:

@@ -201,7 +201,9 @@ def test_the_catalog_has_what_it_promises() -> None:
 def test_every_seed_of_the_catalog_passes_the_checks_of_the_schema(name: str) -> None:
     scenario = scenarios.load(name)
     for seed in range(50):
-        scenarios.Scenario.model_validate(scenario.draw(seed).model_dump(by_alias=True))
+        drawn = scenario.draw(seed)
+        assert scenarios.Scenario.model_validate(drawn.model_dump(by_alias=True)) == drawn
+        assert drawn.vary == {}, "nothing is left to draw"
 
 
 def road_45() -> tuple[ET.Element, float, float]:
