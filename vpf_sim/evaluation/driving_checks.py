@@ -125,7 +125,7 @@ class _Here:
         """What the camera sees from a car that rolls on in clear weather."""
         with closing(FourLane(SCENARIO, "clear")) as env:
             observed, _ = env.reset(seed=SEED)
-            return [observed["image"], *(env.step(np.zeros(2))[0]["image"] for _ in range(FRAMES - 1))]
+            return [observed["image"], *(env.step(np.zeros(2, np.float32))[0]["image"] for _ in range(FRAMES - 1))]
 
     @cached_property
     def run(self) -> Run:
