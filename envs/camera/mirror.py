@@ -145,3 +145,13 @@ def _upside_down(picture: Image, size: tuple[int, int]) -> NDArray[np.uint8]:
 def horizon_row(camera: Camera) -> float:
     """The row of the horizon in the middle of the picture, px."""
     return float(camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad))
+
+
+def erase(mask: Image, drawing: Drawing | Sprite) -> None:
+    """Set the pixels (H, W) that a thing covers to 0."""
+    if isinstance(drawing, Sprite):
+        height, width = drawing.through.shape[:2]
+        mask[drawing.y : drawing.y + height, drawing.x : drawing.x + width][drawing.through[..., 0] < 128] = 0
+        return
+    for polygon in np.rint(drawing.polygons_px * 2**SHIFT).astype(np.int32):
+        cv2.fillConvexPoly(mask, polygon, (0,), cv2.LINE_8, SHIFT)

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
-from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.mirror import (
     REFINEMENT,
-    horizon_row,
+    erase,
     large_sprites,
     mirrored_faces,
     paint_faces,
@@ -53,15 +53,14 @@ class WetRoad:
     sideways.
     """
 
-    def __init__(
-        self, camera: Camera, shapes: list[LaneShape], atmosphere: Atmosphere, light: Light, seed: int
-    ) -> None:
-        del light
+    def __init__(self, camera: Camera, shapes: list[LaneShape], atmosphere: Atmosphere, seed: int) -> None:
+        self._size = (camera.height_px, camera.width_px)
+        self._last: tuple[View, list[Drawn], Bytes] | None = None
         self._dry = atmosphere.wetness <= 0.0
         if self._dry:
             return
         self._camera = camera
-        self._top = int(np.clip(np.floor(horizon_row(camera)) + 1, 0, camera.height_px))
+        self._top = ground_top(camera)
         self._columns = camera.width_px // REFINEMENT
         sines = self._sines(ceil((camera.height_px - self._top) / REFINEMENT))
         fading = np.clip((sines - STEEPEST) / (STEEP - STEEPEST), 0.0, 1.0)
@@ -76,7 +75,6 @@ class WetRoad:
         self._dark_table = np.clip(np.ceil(DARK * above), 0, 255).astype(np.uint8)
         self._share_table = np.maximum(standing, np.rint(share * road_table())).astype(np.uint8)
         self._reflectance = np.rint(255.0 * reflectance(sines) * fading)[: self._rows].astype(np.uint8)
-        self._last: tuple[View, list[Drawn], Bytes] | None = None
 
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
         """Mirror what is drawn above the horizon and the things that will be drawn, in place."""
@@ -90,9 +88,9 @@ class WetRoad:
     def hidden(self) -> Bools:
         """(H, W) where the last frame shows mirror images of things: they make up a quarter of what is seen, or differ
         by 12 grey levels from the mirrored sky."""
-        mask = np.zeros((self._camera.height_px, self._camera.width_px), bool)
+        mask = np.zeros(self._size, np.uint8)
         if self._last is None:
-            return mask
+            return mask.astype(bool)
         view, drawn, sky = self._last
         water, white, black = self._water(view), np.full_like(sky, 255), np.zeros_like(sky)
         of_sky = cv2.subtract(self._mirrored(view, water, white, drawn), self._mirrored(view, water, black, drawn))
@@ -101,7 +99,9 @@ class WetRoad:
         shown = (np.asarray(share).max(axis=2) > HIDDEN_SHARE) | (np.asarray(contrast).max(axis=2) > HIDDEN_LEVELS)
         below = mask[self._top : self._top + self._rows * REFINEMENT]
         below[:] = shown.repeat(REFINEMENT, axis=0).repeat(REFINEMENT, axis=1)[: len(below)]
-        return mask
+        for thing in drawn:
+            erase(mask, thing.drawing)
+        return mask.astype(bool)
 
     def _water(self, view: View) -> Water:
         """Where there is water."""
