@@ -7,22 +7,27 @@ from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.impacts import FOOTPRINT, SMALLEST_MM, Impacts
 from vpf_sim.envs.camera.pane import Pane
-from vpf_sim.envs.camera.planes import Box, Planes
+from vpf_sim.envs.camera.planes import ROWS, Box, Planes
 from vpf_sim.envs.camera.stamps import VARIANTS, stamp
 from vpf_sim.seeding import stream
-from vpf_sim.types import Bools, Floats
+from vpf_sim.types import Bools, Floats, Image
 
 RUNS_FROM_MM = 3.3  # diameter of the drop; its spot is then 6 mm wide
 GRAVITY_BELOW_MPS, WIND_ABOVE_MPS = 12.0, 20.0  # between these drops of any size stand still
 RUN_MPS = (0.02, 0.1)
 RUNS_S, RESTS_S = 0.35, 0.25  # mean times of slip and of stick
+SHED_EVERY = 0.6  # widths of its spot, in the mean
 SHED_SHARE = (0.2, 0.4)  # width of what a running drop leaves behind / its own
 LIFE_S = (5.0, 20.0)  # until a drop has dried off or run off, when no wiper comes
 LARGEST_MM = 8.0
+SMALLEST_PX = 2.5  # width of a spot; smaller ones are part of the film
 SIZE_STEP = 1.08  # drops are drawn in sizes this far apart,
 BAND_PX = 16  # and as in the middle of a band of this many rows
 
 Drops = NDArray[np.void]
+PLACE = ["column", "row"]
+EXTENTS = ["width", "height", "blur", "blur_y"]
+DRAWN = [*PLACE, *EXTENTS, "variant"]
 DROP = np.dtype(
     [
         *((name, "f8") for name in ("x", "y")),  # px
@@ -30,11 +35,9 @@ DROP = np.dtype(
         ("dies", "f8"),  # s
         ("turns", "f8"),  # s, when it next starts or stops
         ("run", "f8"),  # m/s, 0 at rest
-        ("way", "f8"),  # mm, since it last shed water
-        *((name, "i4") for name in ("column", "row", "width", "height", "blur", "variant", "rx", "ry")),  # as drawn
+        *((name, "i4") for name in (*DRAWN, "rx", "ry")),  # on the planes: px, stamps in 1/8 px, half its extent
     ]
 )
-DRAWN = ["column", "row", "width", "height", "blur", "variant"]
 
 
 class Droplets:
@@ -45,8 +48,11 @@ class Droplets:
         self.drops: Drops = np.zeros(0, DROP)
         self._pane = pane
         self._impacts = Impacts(rain_mmph)
-        self._area_m2 = float(pane.area_m2.sum())
+        self._area_m2 = float(pane.above_m2[-1])
         self._rng = stream(seed, "droplets")
+        middles = np.minimum(np.arange(BAND_PX // 2, len(pane.across) + BAND_PX // 2, BAND_PX), len(pane.across) - 1)
+        extents = [pane.across, pane.along / ROWS, pane.blur_px, pane.blur_px / ROWS]
+        self._bands = 8.0 * np.array(extents)[:, middles]  # of 1 mm and of the disc, in 1/8 px of the planes
 
     def advance(self, time_s: float, gap_s: float, speed_mps: float) -> None:
         """Let the drops of the `gap_s` before `time_s` land, run and dry off."""
@@ -56,17 +62,36 @@ class Droplets:
         self._run(time_s, gap_s, speed_mps)
         self._land(time_s, gap_s, speed_mps)
 
-    def wipe(self, swept: NDArray[np.uint8], inside: Callable[[Floats, Floats], Bools]) -> None:
-        """Take away the water where the mask of the planes is 255, and the drops whose middle is `inside`."""
+    def wipe(self, swept: Image, inside: Callable[[Floats, Floats], Bools]) -> None:
+        """Take away the drops whose middle is `inside`, and the water where the mask of the planes is 255."""
+        gone = inside(self.drops["x"], self.drops["y"])
+        cut = self._edge_of(swept) != gone[:, None]
+        halves = self.drops[gone & cut.any(axis=1)]
         self.planes.wipe(swept)
-        self.drops = self.drops[~inside(self.drops["x"], self.drops["y"])]
+        self._put(self.drops[~gone & cut.any(axis=1)], self.planes.whole)
+        self.drops = self.drops[~gone]
+        for drop in halves:
+            self._redraw(self._box(drop))
+
+    def _edge_of(self, mask: Image) -> Bools:
+        """(n, 4) whether the left, right, upper and lower end of each drop lies in a mask of the planes."""
+        drops, (height, width) = self.drops, mask.shape
+        column, row, rx, ry = (drops[name][:, None] for name in (*PLACE, "rx", "ry"))
+        columns = np.clip(column + rx * np.array([-1, 1, 0, 0]), 0, width - 1)
+        rows = np.clip(row + ry * np.array([0, 0, -1, 1]), 0, height - 1)
+        edge: Bools = mask[rows, columns] > 0
+        return edge
 
     def _land(self, time_s: float, gap_s: float, speed_mps: float) -> None:
         sizes = self._impacts.draw(self._rng, speed_mps, self._area_m2 * gap_s)
-        new = np.zeros(len(sizes), DROP)
         random = self._rng.random((4, len(sizes)))
+        y = self._pane.spread(random[1])
+        rows = self._pane.row(y)
+        seen = FOOTPRINT**2 * sizes**2 * self._pane.across[rows] * self._pane.along[rows] >= SMALLEST_PX**2
+        sizes, y, random = sizes[seen], y[seen], random[:, seen]
+        new = np.zeros(len(sizes), DROP)
         new["x"] = random[0] * self._pane.camera.width_px - 0.5
-        new["y"] = self._pane.spread(random[1])
+        new["y"] = y
         new["size"] = sizes
         new["dies"] = time_s + LIFE_S[0] + (LIFE_S[1] - LIFE_S[0]) * random[2]
         new["turns"] = time_s + RESTS_S * random[3]
@@ -87,9 +112,10 @@ class Droplets:
             if gone[i] or len(group) == 1:
                 continue
             keeper = int(group[np.argmax(self.drops["size"][group])])
-            boxes += [self._box(k) for k in group if k < undrawn_from and k != keeper]
+            boxes += [self._box(self.drops[k]) for k in group if k < undrawn_from and k != keeper]
+            place = self._box(self.drops[keeper])
             if self._unite(group, keeper) and keeper < undrawn_from:
-                boxes.append(self._box(keeper))
+                boxes.append(place)
             gone[group], gone[keeper], grown[keeper] = True, False, True
         return self._settle(gone, grown, boxes)
 
@@ -105,12 +131,12 @@ class Droplets:
         """Give one drop the water of all; whether it is drawn elsewhere now."""
         drops, one = self.drops, slice(keeper, keeper + 1)
         volumes = drops["size"][group] ** 3
-        before = drops[["column", "row"]][keeper]
+        before = drops[PLACE][keeper]
         for axis in ("x", "y"):
             drops[axis][keeper] = volumes @ drops[axis][group] / volumes.sum()
         drops["size"][keeper] = min(volumes.sum() ** (1 / 3), LARGEST_MM)
         self._shape(drops[one])
-        return bool(before != drops[["column", "row"]][keeper])
+        return bool(before != drops[PLACE][keeper])
 
     def _touching(self, movers: NDArray[np.intp]) -> list[tuple[int, NDArray[np.intp]]]:
         """For each mover that touches any: itself, and the drops it touches."""
@@ -131,11 +157,14 @@ class Droplets:
         running = large[self.drops["run"][large] > 0.0]
         if not len(running) or (not blown and speed_mps >= GRAVITY_BELOW_MPS):
             return
-        left = [self._step(int(i), gap_s, blown) for i in running]
-        self._put(self._merge(running, len(self.drops)), self.planes.whole)
-        shed = np.concatenate(left)
-        self._put(shed, self.planes.whole)
-        self.drops = np.concatenate([self.drops, shed])
+        before = self.drops[running]
+        self.drops[running] = self._stepped(before, gap_s, blown)
+        left = self._shed(running, before, gap_s)
+        moved = (self.drops[PLACE][running] != before[PLACE]).nonzero()[0]
+        for k in moved:
+            self._redraw(self._box(before[k]))
+        self._put(self._merge(running[moved], len(self.drops)), self.planes.whole)
+        self._add(left)
 
     def _turn(self, i: int, time_s: float) -> None:
         """Start a drop that rests, stop one that runs."""
@@ -143,53 +172,55 @@ class Droplets:
         self.drops["run"][i] = self._rng.uniform(*RUN_MPS) if rests else 0.0
         self.drops["turns"][i] = time_s + self._rng.exponential(RUNS_S if rests else RESTS_S)
 
-    def _step(self, i: int, gap_s: float, blown: bool) -> Drops:
-        """Move one drop; (0 or 1,) the small drop it leaves behind."""
-        drops, one, box = self.drops, slice(i, i + 1), self._box(i)
-        before = drops[one].copy()
-        row = int(self._pane.row(drops["y"][i]))
-        way_mm = 1e3 * drops["run"][i] * gap_s
-        outwards = 0.7 * np.sign(drops["x"][i] - self._pane.camera.cx_px) if blown else 0.0
-        drops["x"][i] += way_mm * self._pane.across[row] * (outwards + self._rng.normal(0.0, 0.15))
-        drops["y"][i] += way_mm * self._pane.along[row] * (-0.7 if blown else 1.0)
-        drops["way"][i] += way_mm
-        left = self._shed(i, before) if drops["way"][i] > 0.6 * FOOTPRINT * drops["size"][i] else before[:0]
-        self._shape(drops[one])
-        if (before[["column", "row"]] != drops[["column", "row"]][one]).any():
-            self._redraw(box)
-            self._put(drops[one], self.planes.whole)
+    def _stepped(self, drops: Drops, gap_s: float, blown: bool) -> Drops:
+        """Running drops a while later."""
+        later, rows = drops.copy(), self._pane.row(drops["y"])
+        way_mm = 1e3 * gap_s * drops["run"]
+        sideways = self._rng.normal(0.0, 0.4, len(drops))
+        if blown:
+            sideways += 0.7 * np.sign(drops["x"] - self._pane.camera.cx_px)
+        later["x"] += way_mm * self._pane.across[rows] * sideways
+        later["y"] += way_mm * self._pane.along[rows] * (-0.7 if blown else 1.0)
+        self._shape(later)
+        return later
+
+    def _shed(self, running: NDArray[np.intp], before: Drops, gap_s: float) -> Drops:
+        """The small drops that running ones leave where they were, taken from them."""
+        drops = self.drops
+        spots = before["run"] * 1e3 * gap_s / (SHED_EVERY * FOOTPRINT * before["size"])
+        sheds = self._rng.random(len(running)) < spots
+        left = before[sheds]
+        left["size"] *= self._rng.uniform(*SHED_SHARE, len(left))
+        left["run"] = 0.0
+        self._shape(left)
+        drops["size"][running[sheds]] = (before["size"][sheds] ** 3 - left["size"] ** 3) ** (1 / 3)
         return left
 
-    def _shed(self, i: int, before: Drops) -> Drops:
-        """(1,) a small drop where a running one was, and taken from it."""
-        before["size"] *= self._rng.uniform(*SHED_SHARE)
-        before["run"] = 0.0
-        self._shape(before)
-        self.drops["way"][i] = 0.0
-        self.drops["size"][i] = (self.drops["size"][i] ** 3 - before["size"][0] ** 3) ** (1 / 3)
-        return before
+    def _add(self, drops: Drops) -> None:
+        self._put(drops, self.planes.whole)
+        self.drops = np.concatenate([self.drops, drops])
 
     def _remove(self, gone: Bools) -> None:
-        boxes = [self._box(int(i)) for i in np.flatnonzero(gone)]
+        boxes = [self._box(drop) for drop in self.drops[gone]]
         if boxes:
             self.drops = self.drops[~gone]
         for box in boxes:
             self._redraw(box)
 
     def _shape(self, drops: Drops) -> None:
-        """Note how drops are drawn: their middle on the planes, and their stamp in 1/8 px of the planes."""
-        pane, height = self._pane, self._pane.camera.height_px
-        band = np.minimum(pane.row(drops["y"]) // BAND_PX * BAND_PX + BAND_PX // 2, height - 1)
-        spot = SMALLEST_MM * SIZE_STEP ** np.rint(np.log(drops["size"] / SMALLEST_MM) / np.log(SIZE_STEP)) * FOOTPRINT
-        drops["column"], drops["row"] = (np.rint((drops[axis] - 0.5) / 2) for axis in ("x", "y"))
-        for name, extent in (("width", spot * pane.across[band]), ("height", spot * pane.along[band])):
-            drops[name] = np.maximum(np.rint(4.0 * extent), 1)
-        drops["blur"] = np.maximum(np.rint(4.0 * pane.blur_px[band]), 1)
-        drops["rx"], drops["ry"] = (((drops[name] + drops["blur"]) // 16) + 2 for name in ("width", "height"))
+        """Note how drops are drawn: their middle on the planes, and their stamp."""
+        bands = self._bands[:, self._pane.row(drops["y"]) // BAND_PX]
+        steps = np.rint(np.log(drops["size"] / SMALLEST_MM) / np.log(SIZE_STEP))
+        bands[:2] *= FOOTPRINT * SMALLEST_MM * SIZE_STEP**steps
+        drops["column"], drops["row"] = np.rint(drops["x"]), np.rint((drops["y"] - (ROWS - 1) / 2) / ROWS)
+        for name, extent in zip(EXTENTS, np.maximum(np.rint(bands), 1), strict=True):
+            drops[name] = extent
+        drops["rx"] = (drops["width"] + drops["blur"]) // 16 + 2
+        drops["ry"] = (drops["height"] + drops["blur_y"]) // 16 + 2
 
     def _put(self, drops: Drops, box: Box) -> None:
-        for column, row, width, height, blur, variant in drops[DRAWN].tolist():
-            image = stamp(width, height, blur, variant if width > 2 * blur else 0, self.planes.scene)
+        for column, row, width, height, blur, blur_y, variant in drops[DRAWN].tolist():
+            image = stamp((width, height), (blur, blur_y), variant if width > 2 * blur else 0, self.planes.scene)
             self.planes.put(image, column, row, box)
 
     def _redraw(self, box: Box) -> None:
@@ -200,9 +231,9 @@ class Droplets:
         beyond = (drops["row"] + drops["ry"] < box[1]) | (drops["row"] - drops["ry"] > box[3])
         self._put(drops[~(beside | beyond)], box)
 
-    def _box(self, i: int) -> Box:
+    def _box(self, drop: np.void) -> Box:
         """What a drop covers on the planes."""
-        column, row, rx, ry = self.drops[["column", "row", "rx", "ry"]][i].tolist()
+        column, row, rx, ry = (int(drop[name]) for name in (*PLACE, "rx", "ry"))
         height, width = self.planes.shape
         x0, x1, y0, y1 = column - rx, column + rx + 1, row - ry, row + ry + 1
         return max(x0, 0), max(y0, 0), max(min(x1, width), 0), max(min(y1, height), 0)

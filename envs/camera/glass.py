@@ -1,12 +1,11 @@
 """Water on the windshield, and the wiper that takes it away."""
 
-from math import ceil
-
 import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import HEAVIEST_RAIN_MMPH, Atmosphere
 from vpf_sim.envs.camera.droplets import Droplets
+from vpf_sim.envs.camera.film import Film
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.pane import Pane
 from vpf_sim.envs.camera.planes import Planes
@@ -16,9 +15,8 @@ from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.camera.wipers import Wiper, paint_blade
 from vpf_sim.types import Bools, Camera, Image
 
-FILM = 0.05  # share of the light that the film between drops blurs
-WARM_UP_S, WARM_UP_MPS = 8.0, 5.5  # drive in the rain before the first frame
-LONGEST_STEP_S = 0.1
+TICK_S = 1.0 / 30.0  # in which drops land and move
+WARM_UP_TICKS, WARM_UP_STRIDE, WARM_UP_MPS = 240, 3, 5.5  # drive in the rain before the first frame; coarser
 
 
 class Glass:
@@ -32,6 +30,7 @@ class Glass:
         del atmosphere
         self._size = (camera.width_px, camera.height_px)
         self._time_s: float | None = None
+        self._tick = 0
         self._speed_mps = WARM_UP_MPS
         pane = Pane.of(camera)
         self._wiper = Wiper(pane, weather.wiper_period_s, seed) if weather.wiper_period_s > 0.0 else None
@@ -40,8 +39,8 @@ class Glass:
             rain = HEAVIEST_RAIN_MMPH * (weather.droplets / 100.0) ** 2
             planes = Planes(camera)
             self._droplets = Droplets(pane, planes, rain, seed)
-            self._film: Image = np.full(planes.shape, round(255 * FILM), np.uint8)
-            self._refraction = Refraction(camera, planes, light)
+            self._film = Film(planes.shape, self._wiper, TICK_S, seed)
+            self._refraction = Refraction(planes, light)
 
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Put the water of this moment before the picture, in place."""
@@ -50,7 +49,7 @@ class Glass:
             self._speed_mps = float(np.linalg.norm(now.view.centre - before.view.centre)) / gap_s
         if self._droplets is not None:
             self._advance(self._droplets, now.time_s)
-            self._refraction.apply(frame, np.maximum(self._droplets.planes.alpha, self._film))
+            self._refraction.apply(frame, np.asarray(cv2.max(self._droplets.planes.alpha, self._film.cover), np.uint8))
         self._time_s = now.time_s
         blade = self._blade()
         if blade is not None:
@@ -71,11 +70,20 @@ class Glass:
 
     def _advance(self, droplets: Droplets, time_s: float) -> None:
         """Bring water and wiper to a time; nothing happens when they are there already."""
-        since_s = time_s - WARM_UP_S if self._time_s is None else self._time_s
-        steps = max(ceil((time_s - since_s) / LONGEST_STEP_S - 1e-9), 0)
-        for moment in np.linspace(since_s, time_s, steps + 1)[1:].tolist():
-            droplets.advance(moment, moment - since_s, self._speed_mps)
-            if self._wiper is not None:
-                swath = self._wiper.swath(since_s, moment)
-                droplets.wipe(swath.mask(), swath.holds)
-            since_s = moment
+        now = int(time_s / TICK_S + 1e-6)
+        start, stride = max(self._tick, now - WARM_UP_TICKS), 1
+        if self._time_s is None:
+            start, stride = now - WARM_UP_TICKS, WARM_UP_STRIDE
+        for tick in range(start + stride, now + 1, stride):
+            until_s, gap_s = tick * TICK_S, stride * TICK_S
+            droplets.advance(until_s, gap_s, self._speed_mps)
+            self._film.advance(until_s)
+            self._wipe(droplets, until_s - gap_s, until_s)
+        self._wipe(droplets, now * TICK_S if self._time_s is None else self._time_s, time_s)
+        self._tick = now
+
+    def _wipe(self, droplets: Droplets, from_s: float, until_s: float) -> None:
+        swath = None if self._wiper is None else self._wiper.swath(from_s, until_s)
+        if swath is not None:
+            droplets.wipe(swath.mask, swath.holds)
+            self._film.wipe(swath, until_s)

@@ -27,7 +27,7 @@ class Pane:
     depth_m: Floats
     across: Floats  # px / mm of glass along the row
     along: Floats  # px / mm of glass down the picture
-    area_m2: Floats  # of glass in each row
+    above_m2: Floats  # (H + 1,) glass above each row's upper edge
     blur_px: Floats  # diameter of the disc into which a point on the glass spreads: f A / z
 
     @classmethod
@@ -37,12 +37,13 @@ class Pane:
         depth = DISTANCE_M * np.clip(1.0 / np.maximum(1.0 - t / tan(RAKE_RAD), 0.1), NEAREST_SHARE, FARTHEST_SHARE)
         across = 1e-3 * camera.fx_px / depth
         along = 1e-3 * camera.fy_px * DISTANCE_M * sin(RAKE_RAD) / depth**2
-        area = 1e-6 * camera.width_px / (across * along)
-        return cls(camera, depth, across, along, area, PUPIL_MM * across)
+        area_m2 = 1e-6 * camera.width_px / (across * along)
+        above_m2 = np.concatenate([[0.0], np.cumsum(area_m2)])
+        return cls(camera, depth, across, along, above_m2, PUPIL_MM * across)
 
     def row(self, y_px: Floats) -> NDArray[np.intp]:
         """The row of the picture that holds a height, or the nearest one."""
-        return np.clip(np.rint(y_px), 0, len(self.depth_m) - 1).astype(np.intp)
+        return np.minimum(np.maximum(y_px + 0.5, 0.0), len(self.depth_m) - 0.5).astype(np.intp)
 
     def on_glass(self, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
         """(u, s) m where the rays of pixels meet the glass."""
@@ -60,6 +61,5 @@ class Pane:
 
     def spread(self, uniform: Floats) -> Floats:
         """Heights (px) of points spread evenly over the glass, from numbers spread evenly over 0..1."""
-        share = np.concatenate([[0.0], np.cumsum(self.area_m2)])
-        heights: Floats = np.interp(uniform * share[-1], share, np.arange(len(share)) - 0.5)
+        heights: Floats = np.interp(uniform * self.above_m2[-1], self.above_m2, np.arange(len(self.above_m2)) - 0.5)
         return heights

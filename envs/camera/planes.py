@@ -1,4 +1,4 @@
-"""The picture's water, at half size: how much of each pixel it covers and what it shows there."""
+"""The water before the picture, row pair by row pair: how much of each pixel it covers and what it shows there."""
 
 from typing import Any
 
@@ -6,31 +6,35 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.stamps import REACH, Stamp
+from vpf_sim.envs.camera.stamps import REACH, Stamp, packed
 from vpf_sim.types import Camera, Image
 
 NONE: Any = None  # for arguments of OpenCV that its stubs want to be arrays
-SCENE_DIVISOR = 4  # the small picture of the scene is this much smaller than the frame
+FILM_DIVISOR, SCENE_DIVISOR = 4, 8  # how much smaller than the frame the pictures are that film and drops show
+ROWS = 2  # of the picture that share one of the planes: doubling rows costs nothing, doubling columns does
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1 on the planes
 
 
 class Planes:
     """Persistent; only what is stamped, moved or wiped changes.
 
-    `alpha` (h, w) 0..255 and `source` (h, w, 2), where in the pictures of `stamps` each pixel looks. Where there is no
-    drop, a pixel looks straight through, into the first of the pictures.
+    `alpha` (h, w) 0..255 and `source` (h, w, 2) x, y, where each pixel looks: straight through, into a blurred picture
+    of `film` (height, width); or, in a drop, into those of `scene` (height, width) below it, one for each shade.
     """
 
     def __init__(self, camera: Camera) -> None:
-        self.shape = ((camera.height_px + 1) // 2, (camera.width_px + 1) // 2)
-        self.scene = (max(camera.height_px // SCENE_DIVISOR, 1), max(camera.width_px // SCENE_DIVISOR, 1))
-        y, x = (
-            (np.arange(size) * small / size).astype(np.int16)
-            for size, small in zip(self.shape, self.scene, strict=True)
+        self.shape = (-(-camera.height_px // ROWS), camera.width_px)
+        self.film, self.scene = (
+            (-(-camera.height_px // divisor), -(-camera.width_px // divisor))
+            for divisor in (FILM_DIVISOR, SCENE_DIVISOR)
         )
-        self._through = np.stack(np.meshgrid(x, y), axis=-1)
+        y, x = (np.arange(size) * small // size for size, small in zip(self.shape, self.film, strict=True))
+        self._through = packed(*np.meshgrid(x, y))
+        self._packed = self._through.copy()
+        self.source: NDArray[np.int16] = self._packed.view(np.int16).reshape(*self.shape, 2)
         self.alpha: Image = np.zeros(self.shape, np.uint8)
-        self.source = self._through.copy()
+        self._anchors_x = _anchors(self.shape[1], self.scene[1], 0)
+        self._anchors_y = _anchors(self.shape[0], self.scene[0], self.film[0])
 
     @property
     def whole(self) -> Box:
@@ -44,30 +48,33 @@ class Planes:
         x0, y0, x1, y1 = max(left, box[0]), max(top, box[1]), min(left + width, box[2]), min(top + height, box[3])
         if x0 >= x1 or y0 >= y1:
             return
-        own = np.s_[y0 - top : y1 - top, x0 - left : x1 - left]
+        alpha, source = stamp.alpha, stamp.source
+        if (x1 - x0, y1 - y0) != (width, height):
+            own = np.s_[y0 - top : y1 - top, x0 - left : x1 - left]
+            alpha, source = alpha[own], source[own]
         here = self.alpha[y0:y1, x0:x1]
-        alpha = stamp.alpha[own]
-        source = stamp.source[own] + self._anchor(x, y)
-        cv2.copyTo(source, cv2.compare(alpha, here, cv2.CMP_GT), self.source[y0:y1, x0:x1])
+        source = source + (
+            self._anchors_x[min(max(x, 0), self.shape[1] - 1)]
+            + self._anchors_y[min(max(y, 0), self.shape[0] - 1)] * 65536
+        )
+        cv2.copyTo(source, cv2.compare(alpha, here, cv2.CMP_GT), self._packed[y0:y1, x0:x1])
         cv2.max(alpha, here, here)
 
     def clear(self, box: Box) -> None:
         """Leave no water in a box."""
         x0, y0, x1, y1 = box
         self.alpha[y0:y1, x0:x1] = 0
-        self.source[y0:y1, x0:x1] = self._through[y0:y1, x0:x1]
+        self._packed[y0:y1, x0:x1] = self._through[y0:y1, x0:x1]
 
-    def wipe(self, mask: NDArray[np.uint8]) -> None:
+    def wipe(self, mask: Image) -> None:
         """Leave no water where a (h, w) mask is 255."""
         cv2.subtract(self.alpha, mask, self.alpha)
-        cv2.copyTo(self._through, mask, self.source)
+        cv2.copyTo(self._through, mask, self._packed)
 
-    def _anchor(self, x: int, y: int) -> NDArray[np.int16]:
-        """(2,) what the middle of a drop at (x, y) shows: part of the way from the middle of the scene to what is
-        behind the drop."""
-        middle = [(size - 1) / 2 for size in self.scene[::-1]]
-        place = [
-            half * (1.0 + (1.0 - REACH) * min(max(2.0 * at / size - 1.0, -1.0), 1.0))
-            for half, at, size in zip(middle, (x, y), self.shape[::-1], strict=True)
-        ]
-        return np.array(place).astype(np.int16)
+
+def _anchors(size: int, small: int, first: int) -> list[int]:
+    """For each place along the planes, what the middle of a drop there shows: part of the way from the middle of the
+    scene to what is behind the drop."""
+    place = (1.0 - REACH) * np.linspace(-1.0, 1.0, size)
+    anchors: list[int] = (first + (small - 1) / 2 * (1.0 + place)).astype(int).tolist()
+    return anchors

@@ -4,42 +4,47 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.planes import NONE, Planes
-from vpf_sim.types import Camera, Image
+from vpf_sim.envs.camera.planes import NONE, ROWS, Planes
+from vpf_sim.envs.camera.stamps import SHADES
+from vpf_sim.types import Image
 
-RIM_LIGHT, SKY_LIGHT = 0.6, 0.12  # brightness of a drop's rim; what a drop mirrors of the sky
-SPREAD_PX = 5  # blur of the small picture of the scene
+SKY_LIGHT = 0.12  # share of a drop's light that is the sky's mirror image
+FILM_SPREAD, DROP_SPREAD = (5, 5), (13, 13)  # px of the small pictures; through a drop of 10 px, far out of focus, 4 px
 
 
 class Refraction:
     """Owns the buffers, for a frame's worth of memory taken anew costs as much as what is done with it."""
 
-    def __init__(self, camera: Camera, planes: Planes, light: Light) -> None:
+    def __init__(self, planes: Planes, light: Light) -> None:
         self._planes = planes
-        self._size = (camera.width_px, camera.height_px)
-        height, width = planes.scene
-        self._scenes: Image = np.zeros((3 * height, width, 3), np.uint8)  # as `stamps` counts them
+        (film_h, film_w), (height, width) = planes.film, planes.scene
+        self._pictures: Image = np.zeros((film_h + len(SHADES) * height, film_w, 3), np.uint8)
+        self._film = self._pictures[:film_h]
+        self._shades = [self._pictures[film_h + k * height :][:height, :width] for k in range(len(SHADES))]
         self._sky: Image = np.broadcast_to(np.rint(SKY_LIGHT * light.horizon), (height, width, 3)).astype(np.uint8)
         self._texture: Image = np.zeros((*planes.shape, 3), np.uint8)
-        self._alpha: Image = np.zeros((*planes.shape, 3), np.uint8)
-        self._full: Image = np.zeros((camera.height_px, camera.width_px, 3), np.uint8)
+        self._cover: Image = np.zeros((*planes.shape, 3), np.uint8)
 
     def apply(self, frame: Image, cover: Image) -> None:
         """Show the frame through water that covers `cover` (h, w) 0..255 of each pixel of the planes, in place."""
-        self._picture(frame)
-        texture, alpha, full = self._texture, self._alpha, self._full
-        cv2.remap(self._scenes, self._planes.source, NONE, cv2.INTER_NEAREST, texture)
-        cv2.cvtColor(cover, cv2.COLOR_GRAY2RGB, alpha)
-        cv2.multiply(texture, alpha, texture, 1.0 / 255.0)
-        cv2.cvtColor(cv2.resize(cv2.bitwise_not(cover), self._size), cv2.COLOR_GRAY2RGB, full)
-        cv2.multiply(frame, full, frame, 1.0 / 255.0)
-        cv2.resize(texture, self._size, full)
-        cv2.add(frame, full, frame)
+        self._look(frame)
+        texture, colours = self._texture, self._cover
+        cv2.remap(self._pictures, self._planes.source, NONE, cv2.INTER_NEAREST, texture)
+        cv2.cvtColor(cover, cv2.COLOR_GRAY2RGB, colours)
+        cv2.multiply(texture, colours, texture, 1.0 / 255.0)
+        cv2.bitwise_not(colours, colours)
+        for first in range(ROWS):
+            rows = frame[first::ROWS]
+            cv2.multiply(rows, colours[: len(rows)], rows, 1.0 / 255.0)
+            cv2.add(rows, texture[: len(rows)], rows)
 
-    def _picture(self, frame: Image) -> None:
-        """Make the small pictures that drops show, one above the other: film, body, rim."""
-        height, width = self._planes.scene
-        film, body, rim = np.split(self._scenes, 3)
-        cv2.blur(cv2.resize(frame, (width, height)), (SPREAD_PX, SPREAD_PX), film)
-        cv2.addWeighted(film, 1.0 - SKY_LIGHT, self._sky, 1.0, 0.0, body)
-        cv2.convertScaleAbs(film, rim, RIM_LIGHT)
+    def _look(self, frame: Image) -> None:
+        """Make the small pictures that film and drops show."""
+        film, (scene, *shades) = self._film, self._shades
+        cv2.resize(frame, film.shape[1::-1], film)
+        cv2.resize(film, scene.shape[1::-1], scene)
+        cv2.blur(film, FILM_SPREAD, film)
+        cv2.blur(scene, DROP_SPREAD, scene)
+        cv2.addWeighted(scene, 1.0 - SKY_LIGHT, self._sky, 1.0, 0.0, scene)
+        for shade, light in zip(shades, SHADES[1:], strict=True):
+            cv2.convertScaleAbs(scene, shade, light)

@@ -8,6 +8,7 @@ right; its rim, where the light comes in from far off the scene, is darker.
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,35 +16,41 @@ from numpy.typing import NDArray
 from vpf_sim.types import Image
 
 VARIANTS = 4  # outlines of larger drops
-FILM, BODY, RIM = 0, 1, 2  # the pictures that `source` looks into, one above the other
-REACH = 0.65  # share of the scene to either side of its middle that one drop shows
-RIM_FROM = 0.72  # of the radius
+SHADES = (1.0, 0.9, 0.78, 0.64)  # brightness from the middle of a drop to its rim
+REACH = 0.85  # share of the scene to either side of its middle that one drop shows
+RIM_FROM = 0.5  # of the radius
 
 
 @dataclass(frozen=True, slots=True)
 class Stamp:
-    """One drop on the half-size planes."""
+    """One drop on the planes."""
 
     alpha: Image  # (h, w) 0..255, what it covers
-    source: NDArray[np.int16]  # (h, w, 2) x, y where in the small picture of the scene it looks, from its anchor
+    source: NDArray[np.int32]  # (h, w) where in the small pictures of the scene it looks, from its anchor; packed
 
 
-@lru_cache(maxsize=4096)
-def stamp(width: int, height: int, blur: int, variant: int, scene: tuple[int, int]) -> Stamp:
-    """The stamp of a spot of `width` x `height` with a disc of `blur`, all in 1/8 px of the planes; `scene` is the
-    (height, width) of the small picture."""
-    w, h, b = width / 8.0, height / 8.0, blur / 8.0
-    rx, ry = int(np.ceil((w + b) / 2)), int(np.ceil((h + b) / 2))
+@lru_cache(maxsize=8192)
+def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tuple[int, int]) -> Stamp:
+    """The stamp of a spot of `size` (width, height) with a disc of `blur`, all in 1/8 px of the planes; `scene` is the
+    (height, width) of the small picture. Pictures of all `SHADES` lie one below the other."""
+    (w, h), (bx, by) = (tuple(extent / 8.0 for extent in pair) for pair in (size, blur))
+    rx, ry = int(np.ceil((w + bx) / 2)), int(np.ceil((h + by) / 2))
     y, x = np.mgrid[-ry : ry + 1, -rx : rx + 1].astype(float)
-    rough = _outline(x / (w + b), y / (h + b), variant) if w > 2.0 * b else 1.0
-    outer = np.hypot(2.0 * x / (w + b), 2.0 * y / (h + b)) / rough
-    level = (abs(w - b) + abs(h - b)) / (w + h + 2.0 * b)
-    cover = min(1.0, w / b) * min(1.0, h / b) * np.clip((1.0 - outer) / (1.0 - level), 0.0, 1.0)
-    rim = (outer > RIM_FROM) & (w > 2.0 * b)
-    bank = np.where(rim, RIM, BODY) * scene[0]
-    u, v = (np.clip(2.0 * offset / size, -1.0, 1.0) for offset, size in ((x, w + b), (y, h + b)))
-    source = np.stack([-u * REACH * (scene[1] / 2 - 1), -v * REACH * (scene[0] / 2 - 1) + bank], axis=-1)
-    return Stamp(np.rint(255.0 * cover).astype(np.uint8), np.rint(source).astype(np.int16))
+    u, v = 2.0 * x / (w + bx), 2.0 * y / (h + by)
+    thick = w > 2.0 * bx
+    outer = np.hypot(u, v) / (_outline(u, v, variant) if thick else 1.0)
+    level = (abs(w - bx) + abs(h - by)) / (w + h + bx + by)
+    cover = min(1.0, w / bx) * min(1.0, h / by) * np.clip((1.0 - outer) / (1.0 - level), 0.0, 1.0)
+    shade = np.clip((outer - RIM_FROM) / (1.0 - RIM_FROM), 0.0, 0.999) * len(SHADES) // 1 if thick else 0.0
+    look_x = -np.clip(u, -1.0, 1.0) * REACH * (scene[1] / 2 - 1)
+    look_y = -np.clip(v, -1.0, 1.0) * REACH * (scene[0] / 2 - 1) + shade * scene[0]
+    return Stamp(np.rint(255.0 * cover).astype(np.uint8), packed(np.rint(look_x), np.rint(look_y)))
+
+
+def packed(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.int32]:
+    """Two int16 in one little-endian int32, so that whole pixels are added and copied; negative parts come out right
+    once they are added to what makes them positive."""
+    return (x.astype(np.int32) + 65536 * y.astype(np.int32)).astype("<i4")
 
 
 def _outline(x: NDArray[np.float64], y: NDArray[np.float64], variant: int) -> NDArray[np.float64]:

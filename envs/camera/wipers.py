@@ -9,9 +9,9 @@ from math import cos, pi, radians
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.pane import Pane
+from vpf_sim.envs.camera.planes import ROWS
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Floats, Image
 
@@ -35,25 +35,33 @@ class Wiper:
         self._cycle_s = min(CYCLE_S, period_s)
         self._offset_s = float(stream(seed, "wiper").uniform(0.0, period_s))
         camera = pane.camera
-        x = 2.0 * np.arange((camera.width_px + 1) // 2) + 0.5
-        y = 2.0 * np.arange((camera.height_px + 1) // 2) + 0.5
-        self._angles: NDArray[np.float32] = _angle_at(pane, *np.meshgrid(x, y)).astype(np.float32)
+        y = ROWS * np.arange(-(-camera.height_px // ROWS)) + (ROWS - 1) / 2
+        pixels = np.meshgrid(np.arange(camera.width_px), y)
+        self.radii_m = _polar(pane, *pixels)[0]  # (h, w) of the planes: distance from the pivot
+        self._angles = _angle_at(pane, *pixels).astype(np.float32)
+        reached = self._angles[self._angles >= 0.0]
+        self._seen = (float(reached.min()) - 0.05, float(reached.max()) + 0.05) if reached.size else (1.0, -1.0)
 
     def angle(self, time_s: float) -> float:
         """Angle of the blade (rad), 0 lying, `SWEEP_RAD` standing."""
         phase = ((time_s + self._offset_s) % self.period_s) / self._cycle_s
         return SWEEP_RAD * (1.0 - cos(2.0 * pi * min(phase, 1.0))) / 2.0
 
-    def swath(self, from_s: float, until_s: float) -> "Swath":
-        """What the blade passes over in a span of time."""
+    def swath(self, from_s: float, until_s: float) -> "Swath | None":
+        """What the blade passes over in a span of time; None outside the picture."""
         angles = [self.angle(from_s), self.angle(until_s)]
         for turn_s, angle in ((0.0, 0.0), (self._cycle_s / 2.0, SWEEP_RAD)):
             if (turn_s - from_s - self._offset_s) % self.period_s <= until_s - from_s:
                 angles.append(angle)
-        return Swath(self._pane, self._angles, min(angles), max(angles))
+        if max(angles) < self._seen[0] or min(angles) > self._seen[1]:
+            return None
+        mask = np.asarray(cv2.inRange(self._angles, np.array([min(angles)]), np.array([max(angles)])), np.uint8)
+        return Swath(self._pane, min(angles), max(angles), mask)
 
     def blade(self, time_s: float) -> Image | None:
         """(H / 4, W / 4) 0..255 how much of the light the blade takes; None when it is out of the picture."""
+        if not self._seen[0] <= self.angle(time_s) <= self._seen[1]:
+            return None
         camera = self._pane.camera
         mask: Image = np.zeros((-(-camera.height_px // DIVISOR), -(-camera.width_px // DIVISOR)), np.uint8)
         for k in range(EXPOSURES):
@@ -78,14 +86,9 @@ class Swath:
     """The glass between two angles of the blade, as far out as the blade reaches."""
 
     pane: Pane
-    angles: NDArray[np.float32]  # (h, w) of the planes
-    low: float
+    low: float  # rad
     high: float
-
-    def mask(self) -> Image:
-        """(h, w) of the planes: 255 in the swath, 0 outside."""
-        bounds: tuple[float, float] = (self.low, self.high)
-        return np.asarray(cv2.inRange(self.angles, *(np.array([bound]) for bound in bounds)), np.uint8)
+    mask: Image  # (h, w) of the planes: 255 in it, 0 outside
 
     def holds(self, x_px: Floats, y_px: Floats) -> Bools:
         """Which points of the picture lie in the swath."""
@@ -101,10 +104,14 @@ def paint_blade(frame: Image, blade: Image) -> None:
     cv2.add(frame, cv2.convertScaleAbs(cover, None, COLOUR[0] / 255.0), frame)
 
 
-def _angle_at(pane: Pane, x_px: Floats, y_px: Floats) -> Floats:
-    """The blade's angle when it is over a point of the picture; -1 where it never is."""
+def _polar(pane: Pane, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
+    """Distance from the pivot (m) and angle (rad) of points of the picture."""
     u, s = pane.on_glass(x_px, y_px)
     u, up = u - PIVOT_M[0], PIVOT_M[1] - s
-    radius = np.hypot(u, up)
-    reached = (radius >= RADII_M[0]) & (radius <= RADII_M[1])
-    return np.where(reached, np.arctan2(up, u), -1.0)
+    return np.hypot(u, up), np.arctan2(up, u)
+
+
+def _angle_at(pane: Pane, x_px: Floats, y_px: Floats) -> Floats:
+    """The blade's angle when it is over a point of the picture; -1 where it never is."""
+    radius, angle = _polar(pane, x_px, y_px)
+    return np.where((radius >= RADII_M[0]) & (radius <= RADII_M[1]), angle, -1.0)
