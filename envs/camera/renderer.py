@@ -78,11 +78,16 @@ class Renderer:
         return frame
 
     def truth(self, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
-        """The arrays called `names` for the frame rendered last (see `vpf_sim.envs.camera.truth`)."""
+        """The arrays called `names` for the frame rendered last (see `vpf_sim.envs.camera.truth`), and `hidden`: (H, W)
+        bool, what the weather hides or fakes with mirror images, spray, drops and wipers."""
         if self._now is None or self._before is None:
             raise RuntimeError("no frame has been rendered yet")
         moment = Moment(self._now.view, self._before.view, self._now.time_s - self._before.time_s)
-        return truth(names, moment, self._drawn, self._lens)
+        result = truth(names, moment, self._drawn, self._lens)
+        if "hidden" in names:
+            outside = self._wet_road.hidden() | self._spray.hidden()
+            result["hidden"] = self._lens.nearest(outside) | self._glass.hidden()
+        return result
 
     def _advance(self, ego: Carrier, time_s: float) -> tuple[Snapshot, Snapshot]:
         """Note where everything is now; now and before."""

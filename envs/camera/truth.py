@@ -63,12 +63,12 @@ def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn], lens: Lens
     own motion included; the sky's is that of the rotation. foe: (2,) float64 px, the image of the translation of the
     camera's centre, nan when it stands. ttc: (H, W) float32 s, depth / closing speed along the optical axis, inf where
     the gap does not close. instance: (H, W) int32, 0 ground and sky, -1 scenery, i + 1 the body i of
-    `Renderer.bodies`. hidden: (H, W) bool, what the weather hides.
+    `Renderer.bodies`.
     """
     result: dict[str, NDArray[np.generic]] = {}
     if "foe" in names:
         result["foe"] = lens.seen(focus_of_expansion(moment))
-    if not set(names) - {"foe"}:
+    if not set(names) - {"foe", "hidden"}:
         return result
     pixels = lens.pixels()
     rays = _rays(moment.now.camera, pixels)
@@ -78,8 +78,6 @@ def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn], lens: Lens
         result["depth"] = depth.astype(np.float32)
     if "instance" in names:
         result["instance"] = np.array([0, *(thing.instance for thing in drawn)], np.int32)[owner + 1]
-    if "hidden" in names:
-        result["hidden"] = np.zeros(depth.shape, bool)
     if "flow" in names or "ttc" in names:
         earlier, ttc = _motion(moment, drawn, depth, rays, owner)
         flow = (lens.seen(pixels) - lens.seen(earlier)).astype(np.float32)
