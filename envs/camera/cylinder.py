@@ -5,18 +5,17 @@ import numpy as np
 
 from vpf_sim.types import Floats, Image
 
-FRACTIONS = 16  # steps within a column of the panorama by which the picture turns
-
 
 class Cylinder:
     """A panorama: column i shows the azimuth 2 pi i / columns, the rows show even tangents of the elevation from
     `tall` down to 0.
 
-    Whole columns of a turn shift the panorama, the rest picks one of 16 look-up tables that are made once: the picture
-    turns in steps of a sixteenth of a column.
+    Whole columns of a turn shift the panorama, the rest picks one of several look-up tables that are made once: the
+    picture turns in steps of a fraction of a column.
     """
 
-    def __init__(self, panorama: Image, tall: float, turn_rad: Floats, slope: Floats) -> None:
+    def __init__(self, panorama: Image, tall: float, turn_rad: Floats, slope: Floats, fractions: int) -> None:
+        self._fractions = fractions
         rows, self._columns = panorama.shape[:2]
         self._per_rad = self._columns / (2.0 * np.pi)
         self._base = int(np.ceil(np.abs(turn_rad).max() * self._per_rad)) + 1
@@ -24,13 +23,13 @@ class Cylinder:
         self._panorama = np.ascontiguousarray(np.concatenate([panorama, panorama[:, : self._span]], axis=1))
         column = (turn_rad * self._per_rad + self._base).astype(np.float32)
         row = np.clip((rows - 1) * (1.0 - slope / tall), 0, rows - 1).astype(np.float32)
-        shifts = np.arange(FRACTIONS, dtype=np.float32) / FRACTIONS
+        shifts = np.arange(fractions, dtype=np.float32) / fractions
         self._maps = [cv2.convertMaps(column + shift, row, cv2.CV_16SC2) for shift in shifts]
 
     def draw(self, yaw_rad: float, picture: Image) -> None:
         """Paint what is seen at a yaw into a picture of the shape of the rays."""
-        steps = round(yaw_rad * self._per_rad * FRACTIONS)
-        whole, fraction = divmod(steps, FRACTIONS)
+        steps = round(yaw_rad * self._per_rad * self._fractions)
+        whole, fraction = divmod(steps, self._fractions)
         first = (whole - self._base) % self._columns
         seen = self._panorama[:, first : first + self._span]
         across, down = self._maps[fraction]

@@ -4,7 +4,7 @@ Clouds lie on a layer, sampled where the ray meets it, so that they get smaller 
 """
 
 from functools import lru_cache
-from math import radians
+from math import ceil, radians
 from statistics import NormalDist
 
 import cv2
@@ -17,34 +17,36 @@ from vpf_sim.envs.camera.texture import noise
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image
 
-COLUMNS, ROWS = 1024, 192
+FEWEST_COLUMNS, MOST_COLUMNS = 256, 2048
 ZENITH_SLOPE = 1.2  # tangent of the elevation above which the sky keeps its colour
 LAYER_M = 1200.0  # height of the clouds
-TILE, TILE_HEIGHTS = 512, 14.0  # texels of the field of clouds, and how many heights of the layer they span
+TILE, TILE_HEIGHTS = 1024, 20.0  # texels of the field of clouds, and how many heights of the layer they span
 FLATTEST = 0.22  # added to the slope at which a ray meets the layer, as if the layer bent down with the Earth
-SOFTNESS = 0.9  # of a cloud's edge, in standard deviations of the field
+SOFTNESS = 0.6  # of a cloud's edge, in standard deviations of the field
 HAZE_SHARE = 0.25  # part of the extinction near the ground that there is on average up to the clouds
-GLOW_RAD, DISC_RAD = 0.4, radians(1.0)  # how far the sun's glow reaches, and the disc with its bloom
+GLOW_RAD, BLOOM_RAD = 0.4, radians(2.0)  # how far the sun's glow reaches, and its disc with the bloom of the lens
 NOON_SUN = 0.65  # factor of the sun at ClearNoon
 
 
-def firmament(light: Light, atmosphere: Atmosphere, rng: np.random.Generator) -> Image:
-    """(ROWS, COLUMNS, 3) RGB: column i at the azimuth 2 pi i / COLUMNS, rows at even tangents of the elevation from
-    ZENITH_SLOPE down to 0."""
+def firmament(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.random.Generator) -> Image:
+    """(rows, columns, 3) RGB, about `per_rad` of both to 1: column i at the azimuth 2 pi i / columns, rows at even
+    tangents of the elevation from ZENITH_SLOPE down to 0."""
+    columns = min(max(ceil(2.0 * np.pi * per_rad), FEWEST_COLUMNS), MOST_COLUMNS)
+    rows = round(columns / (2.0 * np.pi) * ZENITH_SLOPE) + 1
     slope, azimuth = np.meshgrid(
-        np.linspace(ZENITH_SLOPE, 0.0, ROWS), np.arange(COLUMNS) * (2.0 * np.pi / COLUMNS), indexing="ij"
+        np.linspace(ZENITH_SLOPE, 0.0, rows), np.arange(columns) * (2.0 * np.pi / columns), indexing="ij"
     )
     angle = _angle_to_sun(light, slope, azimuth)
-    sun = min(float(light.direct.mean()) / NOON_SUN, 1.0)
+    sun = min(max(float(light.direct.mean()) / NOON_SUN, 1.0 - light.cover), 1.0)
     warm = 255.0 * light.direct / max(float(light.direct.max()), 1e-6)
     sky = _gradient(light, slope)
-    glow = 0.6 * sun * np.exp(-angle / GLOW_RAD)[..., None]
+    glow = 0.7 * sun * np.exp(-angle / GLOW_RAD)[..., None]
     sky += (np.maximum(warm, sky) - sky) * glow
     opacity, tone = _clouds(light, atmosphere, slope, azimuth, rng)
     lit = light.horizon + (light.cloud - light.horizon) * np.sqrt(slope / ZENITH_SLOPE)[..., None]
     lit += (np.maximum(warm, lit) - lit) * glow
     sky += (lit * tone[..., None] - sky) * opacity[..., None]
-    disc = sun * (1.0 - 0.7 * opacity) * np.exp(-((angle / DISC_RAD) ** 2))
+    disc = sun * (1.0 - 0.7 * opacity) * np.minimum(1.0, 1.6 * np.exp(-angle / BLOOM_RAD))
     sky += (255.0 - sky) * disc[..., None]
     return np.clip(np.rint(sky), 0, 255).astype(np.uint8)
 
@@ -99,4 +101,4 @@ def _field(x: Floats, y: Floats, origin: Floats, heading: float) -> Floats:
 @lru_cache(maxsize=1)
 def _tile() -> NDArray[np.float32]:
     """(TILE, TILE) the field of clouds, the same in every episode: what a seed varies is where it lies."""
-    return noise((TILE, TILE), stream(0, "clouds"), 7.0, 1.45).astype(np.float32)
+    return noise((TILE, TILE), stream(0, "clouds"), 6.0, 1.25).astype(np.float32)

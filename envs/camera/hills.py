@@ -10,7 +10,6 @@ from vpf_sim.envs.camera.texture import noise
 from vpf_sim.types import Floats, Image
 
 COLUMNS, ROWS_PER_SLOPE = 2560, 400
-HILL_SLOPE = 0.10  # tangent of the elevation that no hill reaches
 HILLS = (  # (distance in m, tangent of the height, RGB), from far to near; the nearest is a line of trees
     (7500.0, 0.060, (84, 100, 110)),
     (3500.0, 0.036, (74, 92, 72)),
@@ -24,18 +23,27 @@ def hills_show(atmosphere: Atmosphere) -> bool:
     return bool(np.exp(-atmosphere.extinction_per_m * HILLS[-1][0]) > LEAST_SHOWN)
 
 
-def hills(sky: Image, tall: float, light: Light, atmosphere: Atmosphere, rng: np.random.Generator) -> Image:
+def outlines(rng: np.random.Generator) -> Floats:
+    """(ranges, COLUMNS) tangents of the elevation of the hills' tops."""
+    trees = len(HILLS) - 1
+    fields = [
+        noise((1, COLUMNS), rng, 3.0 if i == trees else 10.0, 1.0 if i == trees else 1.6)[0] for i in range(trees + 1)
+    ]
+    heights = np.array([[height] for _, height, _ in HILLS])
+    return np.asarray(heights * np.clip(0.65 + 0.22 * np.array(fields), 0.15, 1.4))
+
+
+def hills(
+    sky: Image, tops: Floats, tall: float, light: Light, atmosphere: Atmosphere, rng: np.random.Generator
+) -> Image:
     """(rows, COLUMNS, 3) RGB ranges of hills before a panorama of the sky: column i at the azimuth 2 pi i / COLUMNS,
     rows at even tangents of the elevation from `tall` down to 0. The air veils them by their distance."""
     rows = int(tall * ROWS_PER_SLOPE)
     slope = np.linspace(tall, 0.0, rows)[:, None]
     picture = _magnified(sky, slope[:, 0])
-    air = picture[-1] - 6.0
-    for index, (distance_m, height, colour) in enumerate(HILLS):
+    air = picture[-1]
+    for (distance_m, _, colour), top in zip(HILLS, tops, strict=True):
         left = np.exp(-atmosphere.extinction_per_m * distance_m)
-        far = index < len(HILLS) - 1
-        outline = noise((1, COLUMNS), rng, 10.0 if far else 3.0, 1.6 if far else 1.0)[0]
-        top = height * np.clip(0.65 + 0.22 * outline, 0.15, 1.4)
         cover = np.clip((top - slope) / (tall / rows), 0.0, 1.0)[..., None]
         texture = noise((128, COLUMNS), rng, 3.0, 0.5)[:rows, :, None] * 16.0
         tone = (np.array(colour, float) + texture) * light.ground

@@ -6,7 +6,7 @@ import numpy as np
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.cylinder import Cylinder
 from vpf_sim.envs.camera.firmament import ZENITH_SLOPE, firmament
-from vpf_sim.envs.camera.hills import HILL_SLOPE, hills, hills_show
+from vpf_sim.envs.camera.hills import hills, hills_show, outlines
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.view import View
@@ -21,17 +21,18 @@ class Sky:
 
     def __init__(self, camera: Camera, light: Light, atmosphere: Atmosphere, seed: int) -> None:
         rng = stream(seed, "sky")
-        sky = firmament(light, atmosphere, rng)
+        sky = firmament(light, atmosphere, camera.fx_px / COARSE, rng)
         top, width = ground_top(camera), camera.width_px
         columns, rows = np.arange(width, dtype=float), np.arange(top, dtype=float)
         self._hills: Cylinder | None = None
         self._skyline = slice(top, top)
         if top and hills_show(atmosphere):
+            tops = outlines(rng)
             turn, slope = _directions(camera, columns, rows)
-            first = int(np.argmax((slope < HILL_SLOPE).any(axis=1)))
+            first = int(np.argmax((slope < tops.max()).any(axis=1)))
             tall, self._skyline = float(slope[first:].max()), slice(first, top)
-            picture = hills(sky, tall, light, atmosphere, rng)
-            self._hills = Cylinder(picture, tall, turn[first:], slope[first:])
+            picture = hills(sky, tops, tall, light, atmosphere, rng)
+            self._hills = Cylinder(picture, tall, turn[first:], slope[first:], 16)
         self._rows = self._skyline.start
         self._coarse = np.empty((-(-self._rows // COARSE), -(-width // COARSE), 3), np.uint8)
         self._sky: Cylinder | None = None
@@ -39,7 +40,7 @@ class Sky:
             rows, columns = (
                 _middles(n, size) for n, size in zip(self._coarse.shape, (self._rows, width), strict=False)
             )
-            self._sky = Cylinder(sky, ZENITH_SLOPE, *_directions(camera, columns, rows))
+            self._sky = Cylinder(sky, ZENITH_SLOPE, *_directions(camera, columns, rows), 32)
 
     def draw(self, view: View, frame: Image) -> None:
         """Paint the sky into the picture."""
