@@ -48,8 +48,10 @@ class Glass:
         if gap_s > 0.0:
             self._speed_mps = float(np.linalg.norm(now.view.centre - before.view.centre)) / gap_s
         if self._droplets is not None:
-            self._advance(self._droplets, now.time_s)
-            self._refraction.apply(frame, np.asarray(cv2.max(self._droplets.planes.alpha, self._film.cover), np.uint8))
+            if self._advance(self._droplets, now.time_s):
+                cover = np.asarray(cv2.max(self._droplets.planes.alpha, self._film.cover), np.uint8)
+                self._refraction.look(frame, cover)
+            self._refraction.apply(frame)
         self._time_s = now.time_s
         blade = self._blade()
         if blade is not None:
@@ -68,22 +70,27 @@ class Glass:
     def _blade(self) -> Image | None:
         return None if self._wiper is None or self._time_s is None else self._wiper.blade(self._time_s)
 
-    def _advance(self, droplets: Droplets, time_s: float) -> None:
-        """Bring water and wiper to a time; nothing happens when they are there already."""
+    def _advance(self, droplets: Droplets, time_s: float) -> bool:
+        """Bring water and wiper to a time; whether anything changed, which it does not when they are there already."""
         now = int(time_s / TICK_S + 1e-6)
         start, stride = max(self._tick, now - WARM_UP_TICKS), 1
         if self._time_s is None:
             start, stride = now - WARM_UP_TICKS, WARM_UP_STRIDE
-        for tick in range(start + stride, now + 1, stride):
+        ticks = range(start + stride, now + 1, stride)
+        for tick in ticks:
             until_s, gap_s = tick * TICK_S, stride * TICK_S
             droplets.advance(until_s, gap_s, self._speed_mps)
             self._film.advance(until_s)
             self._wipe(droplets, until_s - gap_s, until_s)
-        self._wipe(droplets, now * TICK_S if self._time_s is None else self._time_s, time_s)
         self._tick = now
+        since_s = now * TICK_S if self._time_s is None else self._time_s
+        return self._wipe(droplets, since_s, time_s) or len(ticks) > 0
 
-    def _wipe(self, droplets: Droplets, from_s: float, until_s: float) -> None:
-        swath = None if self._wiper is None else self._wiper.swath(from_s, until_s)
-        if swath is not None:
-            droplets.wipe(swath.mask, swath.holds)
-            self._film.wipe(swath, until_s)
+    def _wipe(self, droplets: Droplets, from_s: float, until_s: float) -> bool:
+        """Wipe as the blade does in a span of time; whether it was over the picture."""
+        swath = None if self._wiper is None or until_s <= from_s else self._wiper.swath(from_s, until_s)
+        if swath is None:
+            return False
+        droplets.wipe(swath.mask, swath.holds)
+        self._film.wipe(swath, until_s)
+        return True

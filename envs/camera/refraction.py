@@ -23,22 +23,24 @@ class Refraction:
         self._shades = [self._pictures[film_h + k * height :][:height, :width] for k in range(len(SHADES))]
         self._sky: Image = np.broadcast_to(np.rint(SKY_LIGHT * light.horizon), (height, width, 3)).astype(np.uint8)
         self._texture: Image = np.zeros((*planes.shape, 3), np.uint8)
-        self._cover: Image = np.zeros((*planes.shape, 3), np.uint8)
+        self._keep: Image = np.zeros((*planes.shape, 3), np.uint8)
 
-    def apply(self, frame: Image, cover: Image) -> None:
-        """Show the frame through water that covers `cover` (h, w) 0..255 of each pixel of the planes, in place."""
-        self._look(frame)
-        texture, colours = self._texture, self._cover
-        cv2.remap(self._pictures, self._planes.source, NONE, cv2.INTER_NEAREST, texture)
-        cv2.cvtColor(cover, cv2.COLOR_GRAY2RGB, colours)
-        cv2.multiply(texture, colours, texture, 1.0 / 255.0)
-        cv2.bitwise_not(colours, colours)
+    def look(self, frame: Image, cover: Image) -> None:
+        """See the frame through water that covers `cover` (h, w) 0..255 of each pixel of the planes."""
+        self._shrink(frame)
+        cv2.remap(self._pictures, self._planes.source, NONE, cv2.INTER_NEAREST, self._texture)
+        cv2.cvtColor(cover, cv2.COLOR_GRAY2RGB, self._keep)
+        cv2.multiply(self._texture, self._keep, self._texture, 1.0 / 255.0)
+        cv2.bitwise_not(self._keep, self._keep)
+
+    def apply(self, frame: Image) -> None:
+        """Put the water as it was last looked through before a frame, in place."""
         for first in range(ROWS):
             rows = frame[first::ROWS]
-            cv2.multiply(rows, colours[: len(rows)], rows, 1.0 / 255.0)
-            cv2.add(rows, texture[: len(rows)], rows)
+            cv2.multiply(rows, self._keep[: len(rows)], rows, 1.0 / 255.0)
+            cv2.add(rows, self._texture[: len(rows)], rows)
 
-    def _look(self, frame: Image) -> None:
+    def _shrink(self, frame: Image) -> None:
         """Make the small pictures that film and drops show."""
         film, (scene, *shades) = self._film, self._shades
         cv2.resize(frame, film.shape[1::-1], film)
