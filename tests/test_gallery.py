@@ -20,7 +20,7 @@ from vpf_sim.evaluation import gallery
 from vpf_sim.evaluation.poses import POSES, SUN_HEADING_DEG, Pose, video_drive
 from vpf_sim.report.gallery import Entry, Picture, page
 
-VOID = {"meta", "link", "img", "br", "wbr"}
+VOID = {"meta", "link", "img", "input", "wbr"}
 
 
 class Reader(HTMLParser):

@@ -18,7 +18,7 @@ from vpf_sim.report.video import Writer
 from vpf_sim.types import Image
 
 QUALITY = 92  # of JPEG
-LEAD_S, LEAD_HZ = 3.0, 15.0  # of the way to a pose, on which rain gathers on the glass
+LEAD_S, LEAD_HZ = 3.2, 15.0  # of the way to a pose, on which rain gathers on the glass; it ends between two sweeps
 VIDEO_S, VIDEO_HZ = 5.0, 30.0
 
 
