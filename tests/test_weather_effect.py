@@ -43,7 +43,7 @@ def test_grip_does_not_show() -> None:
 
 def test_in_clear_weather_nothing_differs_from_clear_weather() -> None:
     score = measured("clear")
-    assert score.off_clear == 0.0
+    assert score.changed == 0.0
     assert score.hidden == 0.0
     assert score.off == score.off_seen
     assert score.survive_1 > 0.9
@@ -55,7 +55,7 @@ def test_in_clear_weather_nothing_differs_from_clear_weather() -> None:
 @pytest.mark.slow
 def test_water_on_the_glass_and_on_the_road_is_what_misleads() -> None:
     """WEATHER's order: veil and noise do next to nothing to the tracks, drops on the glass and mirrors do."""
-    off = {name: measured(name).off_clear for name in ("noise of sd 4", "veil: fog of 50", "droplets", "HardRainNoon")}
+    off = {name: measured(name).changed for name in ("noise of sd 4", "veil: fog of 50", "droplets", "HardRainNoon")}
     assert off["noise of sd 4"] < 0.01
     assert off["veil: fog of 50"] < 0.03
     assert off["droplets"] > 0.03

@@ -37,7 +37,7 @@ class Score:
     survive_6: float  # and after 0.1 s
     off: float  # share of those that are off the true flow by more than OFF_PX
     off_seen: float  # the same among those that the weather does not hide
-    off_clear: float  # share of them off their flow in clear weather, among those followed in both
+    changed: float  # share of them off their flow without the factor, among those followed in both
     paper_off: float  # of the paper's tracker
     paper_off_seen: float
     foe_px: float  # median distance of the paper's focus of expansion from the true one
@@ -55,7 +55,7 @@ class Judged:
     survived: list[tuple[float, float]] = field(default_factory=list)
     errors_px: list[Floats] = field(default_factory=list)
     in_sight: list[Bools] = field(default_factory=list)  # whether the weather leaves each of them visible
-    changes_px: list[Floats] = field(default_factory=list)  # from where the same corners go in clear weather
+    changes_px: list[Floats] = field(default_factory=list)  # from where the same corners go without the factor
     paper_errors_px: list[Floats] = field(default_factory=list)
     paper_in_sight: list[Bools] = field(default_factory=list)
     foe_px: list[float] = field(default_factory=list)
@@ -76,18 +76,18 @@ class Judge:
         self._tracker = FlowTracker(camera, self._plain.flow, rate_hz)
         self._motion = TrueMotion(camera, WINDOW_FRAMES)
         self._greys: deque[Image] = deque(maxlen=WINDOW_FRAMES + 1)  # oldest first
-        self._clear: deque[Image] = deque(maxlen=WINDOW_FRAMES + 1)
+        self._without: deque[Image] = deque(maxlen=WINDOW_FRAMES + 1)
         self._random = stream(seed, "focus of expansion")
         self._judged = Judged()
 
-    def see(self, shot: Shot, clear: Image, judged: bool) -> None:
+    def see(self, shot: Shot, without: Image, judged: bool) -> None:
         """Follow the corners into this frame; `judged`: and compare with its truth.
 
-        `clear` is the grey frame that was taken there in clear weather.
+        `without` is the grey frame of that place in the weather to compare with.
         """
         self._motion.note(shot)
         self._greys.append(grey(shot.image))
-        self._clear.append(clear)
+        self._without.append(without)
         flow = self._tracker.update(self._greys[-1], shot.pose)
         if not judged or len(self._greys) <= WINDOW_FRAMES:
             return
@@ -106,7 +106,7 @@ class Judge:
             survive_6=_mean(survived[:, 1]),
             off=share_off(judged.errors_px),
             off_seen=share_off(judged.errors_px, judged.in_sight),
-            off_clear=share_off(judged.changes_px),
+            changed=share_off(judged.changes_px),
             paper_off=share_off(judged.paper_errors_px),
             paper_off_seen=share_off(judged.paper_errors_px, judged.paper_in_sight),
             foe_px=_median(judged.foe_px),
@@ -123,9 +123,9 @@ class Judge:
         now_px, alive = frame_statistics.follow(list(self._greys), start_px)
         if len(start_px):
             self._judged.survived.append((float(alive[0].mean()), float(alive[-1].mean())))
-        clear_px, too = frame_statistics.follow(list(self._clear), start_px)
+        without_px, too = frame_statistics.follow(list(self._without), start_px)
         both = alive[-1] & too[-1]
-        self._judged.changes_px.append(np.hypot(*(now_px[both] - clear_px[both]).T))
+        self._judged.changes_px.append(np.hypot(*(now_px[both] - without_px[both]).T))
         start_px, now_px = start_px[alive[-1]], now_px[alive[-1]]
         frames = np.full(len(now_px), WINDOW_FRAMES)
         self._judged.errors_px.append(self._motion.errors_px(now_px, now_px - start_px, frames, truth))

@@ -23,6 +23,8 @@ class Street:
     bodies: tuple[dict[str, Any], ...]
     changes: dict[str, float] = field(default_factory=dict)  # of the weather
     lane_width_m: float = 3.5
+    blur_px: float = 0.0  # of the drive's pictures, estimated from the edges of its marks
+    noise_sd: float | None = None  # grey levels, from its sky
 
     def scenario(self) -> Scenario:
         """The road and its bodies."""
@@ -46,8 +48,9 @@ class Street:
     def drive(self, camera: Camera, rate_hz: float, speed_mps: float) -> ScriptedDrive:
         """Along the middle of the camera's lane."""
         scenario = self.scenario()
+        rig = Rig(camera, noise_sd=self.noise_sd, blur_px=self.blur_px)
         offset_m = scenario.road.lane_offset_m(self.lane)
-        return ScriptedDrive(scenario, Path(START_M, speed_mps, lambda _: offset_m), Rig(camera), rate_hz)
+        return ScriptedDrive(scenario, Path(START_M, speed_mps, lambda _: offset_m), rig, rate_hz)
 
 
 def body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> dict[str, Any]:
@@ -89,6 +92,8 @@ STREETS = {
         lane=1,
         weather="ClearNoon",
         lane_width_m=3.66,
+        blur_px=1.0,
+        noise_sd=0.5,
         bodies=(
             body("van", 28.0, 3, speed_mps=25.3),
             body("car", 70.0, 2, speed_mps=25.3),
@@ -102,6 +107,8 @@ STREETS = {
         lanes=2,
         lane=1,
         weather="FoggyNoon",
+        blur_px=1.5,
+        noise_sd=0.5,
         changes={
             "precipitation": 30.0,
             "precipitation_deposits": 30.0,

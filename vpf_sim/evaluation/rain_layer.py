@@ -18,7 +18,7 @@ def layers(weather: Weather, seed: int, count: int) -> Floats:
         height, width = shot.image.shape[:2]
         size = (width // REDUCTION, height // REDUCTION)
         greys.append(cv2.resize(grey(shot.image), size, interpolation=cv2.INTER_AREA).ravel())
-    frames = np.array(greys, np.float32)
+    frames = np.array(greys, np.float64)
     for start in range(0, count, 60):
         frames[start : start + 60] -= frames[start : start + 60].mean(axis=0)
     return frames

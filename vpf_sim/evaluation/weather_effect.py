@@ -18,12 +18,21 @@ from vpf_sim.types import Image
 DRY = {"precipitation": 0.0, "precipitation_deposits": 0.0, "wetness": 0.0, "droplets": 0.0, "wiper_period_s": 0.0}
 
 
+def _changed(**update: float) -> Weather:
+    """Clear weather with some factors changed."""
+    return weathers.load("ClearNoon").model_copy(update={**DRY, **update})
+
+
+CLEAR = _changed()
+
+
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """One row: a weather, the sensor's noise (None: its own) and whether others drive on the road."""
+    """One row: a weather and the same without the factor, the sensor's noise (None: its own), whether others drive."""
 
     name: str
     weather: Weather
+    without: Weather = CLEAR
     noise_sd: float | None = None  # grey levels
     traffic: bool = True
 
@@ -38,11 +47,12 @@ TOGETHER = ("WetNoon", "SoftRainNoon", "MidRainyNoon", "HardRainNoon", "FoggyNoo
 
 def _single_factors() -> list[Factor]:
     hard = {"precipitation": 100.0, "wind_intensity": 100.0}
+    rain = _changed(**hard, streak_gain=0.0)  # where it rains the road is wet and the air dims
     on_glass = {**hard, "streak_gain": 0.0, "droplets": 100.0}
     return [
-        Factor("clear", _changed()),
-        Factor("no noise", _changed(), noise_sd=0.0),
-        Factor("noise of sd 4", _changed(), noise_sd=4.0),
+        Factor("clear", CLEAR),
+        Factor("no noise", CLEAR, noise_sd=0.0),
+        Factor("noise of sd 4", CLEAR, noise_sd=4.0),
         Factor("slippery road", _changed(road_friction=0.4)),
         Factor("wiper on dry glass", _changed(wiper_period_s=weathers.FAST_WIPER_S)),
         Factor("veil: fog of 50", _changed(fog_density=50.0)),
@@ -50,17 +60,12 @@ def _single_factors() -> list[Factor]:
         Factor("wet mirror", _changed(wetness=100.0), traffic=False),
         Factor("puddles", _changed(precipitation_deposits=90.0), traffic=False),
         Factor("spray of others", _changed(wetness=100.0)),
-        Factor("rain, no streaks", _changed(**hard, streak_gain=0.0)),
-        Factor("streaks", _changed(**hard)),
-        Factor("streaks x 8", _changed(**hard, streak_gain=8.0)),
-        Factor("droplets", _changed(**on_glass)),
-        Factor("droplets, wiper", _changed(**on_glass, wiper_period_s=weathers.FAST_WIPER_S)),
+        Factor("wet road and veil", rain),
+        Factor("streaks", _changed(**hard), rain),
+        Factor("streaks x 8", _changed(**hard, streak_gain=8.0), rain),
+        Factor("droplets", _changed(**on_glass), rain),
+        Factor("droplets, wiper", _changed(**on_glass, wiper_period_s=weathers.FAST_WIPER_S), rain),
     ]
-
-
-def _changed(**update: float) -> Weather:
-    """Clear weather with some factors changed."""
-    return weathers.load("ClearNoon").model_copy(update={**DRY, **update})
 
 
 def drive(traffic: bool = True) -> ScriptedDrive:
@@ -75,10 +80,10 @@ def drive(traffic: bool = True) -> ScriptedDrive:
     return ScriptedDrive(scenario.model_copy(update={"bodies": tuple(bodies)}), path)
 
 
-@lru_cache(maxsize=2)
-def _clear_greys(traffic: bool, seed: int, count: int) -> list[Image]:
-    """The drive in clear weather."""
-    return [grey(shot.image) for shot in drive(traffic).shots(_changed(), seed, count)]
+@lru_cache(maxsize=3)
+def _greys(weather: Weather, traffic: bool, seed: int, count: int) -> list[Image]:
+    """The drive in a weather to compare with."""
+    return [grey(shot.image) for shot in drive(traffic).shots(weather, seed, count)]
 
 
 def measure(factor: Factor, seed: int, seconds: float, every: int) -> Score:
@@ -88,7 +93,7 @@ def measure(factor: Factor, seed: int, seconds: float, every: int) -> Score:
         course = replace(course, rig=replace(course.rig, noise_sd=factor.noise_sd))
     judge = Judge(course.rig.camera, course.rate_hz, seed)
     count = round(seconds * course.rate_hz) + 1
-    clear = _clear_greys(factor.traffic, seed, count)
+    without = _greys(factor.without, factor.traffic, seed, count)
     for shot in course.shots(factor.weather, seed, count):
-        judge.see(shot, clear[shot.index], judged=shot.index % every == 0)
+        judge.see(shot, without[shot.index], judged=shot.index % every == 0)
     return judge.score()
