@@ -12,7 +12,7 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 REFINEMENT = 2  # pixels of the picture to a pixel of the mirror image, each way
-FACES, SPRITES = 24, 4  # only the largest are mirrored
+FACES, SPRITES = 18, 3  # only the largest are mirrored
 FADED = 64.0  # of 255; faces that let more through are not mirrored
 SMALLEST_PX = 40.0  # area of the smallest face that is mirrored
 SPRITE_TALL_PX = 30

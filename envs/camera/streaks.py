@@ -1,9 +1,7 @@
 """Falling rain in the picture: every drop that stands out from what is behind it, as a speck or a streak."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,10 +19,6 @@ FAINTEST, LEAST_CONTRAST = (
 )  # grey levels of the drop as seen, and of its own brightness; fainter ones are left to the sensor's noise
 DARKEST, GROUND = 30.0, 75.0  # of what drops are seen before, and mean of the ground in full light, grey levels
 STEP_MPS = 1.0  # change of the rain's motion past the camera after which its drops are counted anew
-SHORT_PX, FAINT, THIN_PX = 14.0, 28.0, 1.4  # drops beyond one of these are drawn as lines, the others as points
-POINTS = ((0.0, 4.0, 4), (4.0, SHORT_PX, 14))  # of streaks from the first length to the second, px
-LINES = (0.0, 9.0, 20.0, 45.0, np.inf)  # edges of the classes of brightness of lines
-SHIFT = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +58,6 @@ class Streaks:
         self.exposure_s = exposure_s(light)
         self.brightness = brightness(light)
         self._none = atmosphere.rain_mmph <= 0.0 or gain <= 0.0 or self.brightness <= DARKEST
-        self._mask = np.empty((camera.height_px, camera.width_px), np.uint8)
-        self._layer = np.empty((*self._mask.shape, 3), np.uint8)
         self._showers: dict[tuple[int, ...], Shower] = {}
 
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
@@ -78,13 +70,7 @@ class Streaks:
 
     def draw_passing(self, frame: Image, drift: Floats, down: Floats) -> None:
         """Draw drops that fall along `down` (3,) and pass the camera at `drift` (3,) m/s besides, in camera axes."""
-        specks = self.specks(frame, drift, down)
-        mask = self._mask
-        mask.fill(0)
-        lines = (specks.length_px > SHORT_PX) | (specks.level > FAINT) | (specks.width_px > THIN_PX)
-        _stamp(mask, specks.part(~lines))
-        _draw(mask, specks.part(lines))
-        cv2.add(frame, cv2.cvtColor(mask, cv2.COLOR_GRAY2RGB, self._layer), frame)
+        add(frame, self.specks(frame, drift, down))
 
     def specks(self, frame: Image, drift: Floats, down: Floats) -> Specks:
         """The next frame's drops, those that stand out by FAINTEST or more."""
@@ -137,29 +123,23 @@ def brightness(light: Light) -> float:
     return float(0.94 * (0.5 * (sky**GAMMA + ground**GAMMA)) ** (1.0 / GAMMA))
 
 
-def _stamp(mask: NDArray[np.uint8], specks: Specks) -> None:
-    """Draw short streaks as points one pixel apart."""
-    height, width = mask.shape
-    length = specks.length_px
-    for low, high, count in POINTS:
-        some = specks.part((length >= low) & (length < high))
-        along = np.linspace(-0.5, 0.5, count, dtype=np.float32)[:, None]
-        x = np.rint(some.x_px + along * some.dx_px).astype(np.int32)
-        y = np.rint(some.y_px + along * some.dy_px).astype(np.int32)
-        np.clip(x, 0, width - 1, out=x)
-        np.clip(y, 0, height - 1, out=y)
-        mask.reshape(-1)[y * width + x] = some.level.astype(np.uint8)
-
-
-def _draw(mask: NDArray[np.uint8], specks: Specks) -> None:
-    """Draw long, bright or wide streaks as lines, a class of brightness and width at a time."""
-    half = 0.5 * np.stack([specks.dx_px, specks.dy_px], axis=1)
-    middle = np.stack([specks.x_px, specks.y_px], axis=1)
-    ends = np.rint(np.stack([middle - half, middle + half], axis=1) * 2**SHIFT).astype(np.int32)
-    thick = specks.width_px > THIN_PX
-    for low, high in pairwise(LINES):
-        bright = (specks.level >= low) & (specks.level < high)
-        for some, thickness in ((bright & ~thick, 1), (bright & thick, 2)):
-            if some.any():
-                level = min(255.0, float(specks.level[some].mean()))
-                cv2.polylines(mask, list(ends[some]), False, level, thickness, cv2.LINE_AA, SHIFT)
+def add(frame: Image, specks: Specks) -> None:
+    """Add drops to the picture, in place: points a pixel apart, each shared between the two columns beside it. The few
+    that are wider than a pixel are drawn one pixel wide."""
+    height, width = frame.shape[:2]
+    counts = np.maximum(np.abs(specks.dx_px), np.abs(specks.dy_px)).astype(np.intp) + 2
+    ends = np.cumsum(counts)
+    along = np.arange(ends[-1] if len(ends) else 0, dtype=np.float32) - np.repeat(ends - counts, counts)
+    along = along / np.repeat(counts - 1, counts).astype(np.float32) - np.float32(0.5)
+    x = np.repeat(specks.x_px, counts) + along * np.repeat(specks.dx_px, counts)
+    y = np.rint(np.repeat(specks.y_px, counts) + along * np.repeat(specks.dy_px, counts)).astype(np.intp)
+    left = np.floor(x).astype(np.intp)
+    inside = (left >= 0) & (left < width - 1) & (y >= 0) & (y < height)
+    level = np.repeat(specks.level / np.maximum(specks.width_px, np.float32(1.0)), counts)
+    to_right = level * (x - left)
+    pixels = (y * width + left)[inside]
+    flat = frame.reshape(-1, 3)
+    for index, levels in ((pixels, (level - to_right)[inside]), (pixels + 1, to_right[inside])):
+        added = np.minimum(levels, np.float32(255.0)).astype(np.uint8)[:, None]
+        behind = flat[index]
+        flat[index] = behind + np.minimum(255 - behind, added)
