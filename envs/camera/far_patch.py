@@ -15,9 +15,9 @@ from vpf_sim.envs.camera.raster import Raster
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
-STEP, SIDESTEP, TURN_RAD = 0.15, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
-KEPT = 0.6  # a place is kept while the camera is nearer to it than this, in steps
-ROWS = 1.5  # of texels per row of pixels
+STEP, SIDESTEP, TURN_RAD = 0.3, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
+KEPT = 0.55  # a place is kept while the camera is nearer to it than this, in steps
+ROWS = 1.25  # of texels per row of pixels
 
 Place = tuple[float, float, float]  # heading, ahead, right: in steps
 
@@ -31,7 +31,7 @@ class FarPatch:
         self._step, self._sidestep = STEP * level.near_m, SIDESTEP * level.near_m
         (left, top), (right, bottom) = self._corners(level)
         self._to_texels = np.array([[1.0, 0.0, -np.floor(left)], [0.0, ROWS, -ROWS * np.floor(top)], [0.0, 0.0, 1.0]])
-        rows, columns = int(np.ceil(ROWS * (bottom - np.floor(top)))) + 2, int(right - np.floor(left)) + 2
+        rows, columns = int(np.ceil(ROWS * (bottom - np.floor(top)))) + 2, 2 * int(0.5 * (right - np.floor(left)) + 2.0)
         self._texel_m = (level.across_m, level.along_m / ROWS)
         self._place: Place = (inf, inf, inf)
         self.pixels: Image = np.empty((rows, columns), np.uint8)

@@ -16,7 +16,7 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
-GRADIENT = 3.0  # rms difference between neighbouring pixels of a row, in steps of the palette
+GRADIENT = 2.7  # rms difference between neighbouring pixels of a row, in steps of the palette
 VIEWS = 6
 
 

@@ -16,11 +16,11 @@ from vpf_sim.envs.camera.texture import TILE, grain_tile
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image
 
-SIZE = 1.5  # of a texel of noise, in the level's smallest pixels
+SIZE = 1.6  # of a texel of noise, in the level's smallest pixels
 COARSER = 2.0  # the second size of a level over its first
-SHARES = (0.75, 0.5)  # their amplitudes
-SPARSE = 2.0  # texels of noise from one sample to the next where they are averaged
-FINEST = 16  # samples in a texel of the raster
+SHARES = (0.8, 0.4)  # their amplitudes
+SPARSE = 4.5  # texels of noise from one sample to the next where they are averaged
+FINEST = 8  # samples in a texel of the raster
 WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
 
 
@@ -28,24 +28,25 @@ class Grain:
     """The grain of one level, laid on the world by a seed."""
 
     def __init__(self, level: Level, seed: int) -> None:
-        size = SIZE * level.across_m
-        self._laid = [_laid(size * ratio, seed) for ratio in (1.0, COARSER)]
         longest = level.along_m * (ALONG if level.steep else (level.far_m / level.near_m) ** 2 / ROWS)
-        self._fineness = min(FINEST, 2 ** max(0, ceil(log2(longest / (SPARSE * size)))))
-        self._tile = grain_tile("ground")
+        self._sizes = [
+            (_laid(size, seed), min(FINEST, 2 ** max(0, ceil(log2(longest / (SPARSE * size))))))
+            for size in (SIZE * level.across_m, COARSER * SIZE * level.across_m)
+        ]
+        self._tile = grain_tile("ground", shortest=3.0, slope=0.2)
 
     def draw(self, raster: Raster) -> Image:
         """(rows, columns) about 128."""
-        to_world = np.linalg.inv(raster.finer(1, self._fineness))
-        size = (raster.columns, self._fineness * raster.rows)
-        fine, coarse = (
-            cv2.warpPerspective(
-                self._tile, _within(laid @ to_world, size), size, flags=WARP, borderMode=cv2.BORDER_WRAP
-            )
-            for laid in self._laid
-        )
+        fine, coarse = (self._averaged(raster, laid, fineness) for laid, fineness in self._sizes)
         grain = cv2.addWeighted(fine, SHARES[0], coarse, SHARES[1], 128.0 * (1.0 - sum(SHARES)))
-        for _ in range(self._fineness.bit_length() - 1):
+        return np.asarray(cv2.resize(grain, (raster.columns, raster.rows)), np.uint8)
+
+    def _averaged(self, raster: Raster, laid: Floats, fineness: int) -> Image:
+        """(rows, columns / 2) of one size of grain, each texel the mean of a few samples along it."""
+        size = (raster.columns // 2, fineness * raster.rows)
+        matrix = _within(laid @ np.linalg.inv(raster.finer(0.5, fineness)), size)
+        grain = cv2.warpPerspective(self._tile, matrix, size, flags=WARP, borderMode=cv2.BORDER_WRAP)
+        while len(grain) > raster.rows:
             grain = cv2.addWeighted(grain[0::2], 0.5, grain[1::2], 0.5, 0.0)
         return np.asarray(grain, np.uint8)
 

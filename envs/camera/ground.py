@@ -19,6 +19,8 @@ from vpf_sim.envs.camera.surface import Polygons, Surface
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
+NEAR_FINE, FAR_FINE = (2, 2), (2, 4)  # times as fine as the raster, across and along
+
 
 class Ground:
     """Paints every row below the horizon."""
@@ -27,10 +29,10 @@ class Ground:
         self._top = ground_top(camera)
         self._levels = levels(camera)
         polygons = Polygons(painted(shapes, seed))
-        self._patches = [
-            patch_of(camera, level, partial(_painted, Surface(polygons, level.near_m), Grain(level, seed), gain))
-            for level, gain in zip(self._levels, even_gains(camera), strict=True)
-        ]
+        self._patches = []
+        for level, gain in zip(self._levels, even_gains(camera), strict=True):
+            surface = Surface(polygons, level.near_m, NEAR_FINE if level.steep else FAR_FINE)
+            self._patches.append(patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain)))
         self._table = ground_table(light, wetness)
         self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)
         faded = max((len(level.weights) for level in self._levels), default=0)
@@ -64,7 +66,7 @@ def _fade(rows: Image, over: Image, weights: Image) -> None:
 def _painted(surface: Surface, grain: Grain, gain: Floats, raster: Raster) -> Image:
     """(rows, columns) palette values of a raster, with their grain."""
     smooth = surface.paint(raster)
-    steps = np.subtract(grain.draw(raster), 128, dtype=np.float32) * gain
-    return np.asarray(
-        cv2.add(smooth, cv2.multiply(steps, cv2.LUT(smooth, grain_strength())), dtype=cv2.CV_8U), np.uint8
-    )
+    steps = np.subtract(grain.draw(raster), 128, dtype=np.float32)
+    steps *= gain
+    cv2.multiply(steps, cv2.LUT(smooth, grain_strength()), steps)
+    return np.asarray(cv2.add(smooth, steps, smooth, dtype=cv2.CV_8U), np.uint8)

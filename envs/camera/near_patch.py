@@ -10,14 +10,14 @@ from math import cos, floor, pi, sin
 
 import numpy as np
 
-from vpf_sim.envs.camera.levels import ALONG, Level
+from vpf_sim.envs.camera.levels import ACROSS, ALONG, Level
 from vpf_sim.envs.camera.raster import Raster
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Floats, Image
 
 TURN_RAD = pi / 26  # between headings of lattices
 KEPT = 0.6  # a heading is kept while the camera's is nearer than this, in turns
-STEP, SIDESTEP = 0.1, 0.15  # how far a patch goes at a time, in the level's nearest depth
+STEP, SIDESTEP = 0.45, 0.15  # how far a patch goes at a time, in the level's nearest depth
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,15 +33,15 @@ class NearPatch:
     """What a level shows of the ground, kept from frame to frame."""
 
     def __init__(self, level: Level, paint: Callable[[Raster], Image]) -> None:
-        across, along = self._texel_m = (level.across_m, ALONG * level.along_m)
+        across, along = self._texel_m = (ACROSS * level.across_m, ALONG * level.along_m)
         self._paint = paint
         turn = KEPT * TURN_RAD
         turned = np.concatenate([_turned(level.corners_m, angle) for angle in (-turn, 0.0, turn)])
         (self._ahead, self._right), (farthest, rightmost) = turned.min(axis=0), turned.max(axis=0)
         self._step = max(1, round(STEP * level.near_m / along))  # texels
-        self._sidestep = max(1, round(SIDESTEP * level.near_m / across))
+        self._sidestep = 2 * max(1, round(0.5 * SIDESTEP * level.near_m / across))  # even, as the grain's columns
         rows = int(np.ceil((farthest - self._ahead) / along)) + self._step + 3
-        columns = int(np.ceil((rightmost - self._right) / across)) + 2 * self._sidestep + 3
+        columns = 2 * int(0.5 * (rightmost - self._right) / across + 2.0) + 2 * self._sidestep
         self._place: Place | None = None
         self.pixels: Image = np.empty((rows, columns), np.uint8)
         self.from_world = np.eye(3)

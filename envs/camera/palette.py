@@ -12,11 +12,11 @@ from vpf_sim.types import Floats
 # (value, red, green, blue)
 RAMP = np.array(
     [
-        (0, 20, 26, 10),
-        (25, 34, 46, 18),
-        (45, 86, 100, 48),
-        (60, 134, 138, 80),
-        (80, 140, 134, 98),
+        (0, 38, 52, 20),
+        (25, 62, 80, 32),
+        (45, 88, 104, 46),
+        (60, 116, 124, 62),
+        (80, 138, 132, 92),
         (98, 128, 121, 103),
         (124, 104, 102, 97),
         (138, 92, 92, 93),
@@ -31,7 +31,7 @@ RAMP = np.array(
 
 
 # (value, how strongly the grain shows)
-STRENGTH = np.array([(0, 1.7), (60, 1.7), (98, 1.3), (138, 1.0), (160, 1.0), (222, 0.6)])
+STRENGTH = np.array([(0, 1.2), (60, 1.2), (98, 1.3), (138, 1.0), (160, 1.0), (222, 0.6)])
 ASPHALT_GREY, PAINT_GREY = 106.0, 255.0
 WET_FACTOR = 0.6  # what is left of the brightness of wet asphalt (Angstrom 1925)
 

@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.paint import GRASS, Batch
 from vpf_sim.envs.camera.raster import Raster
 from vpf_sim.envs.camera.view import NEAR_M, clip_near
-from vpf_sim.types import Floats, Image
+from vpf_sim.types import Bools, Floats, Image
 
-FINE_X, FINE_Y = 2, 4  # the canvas, in pixels per texel
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 STEP_M = 12.0  # what the raster travels before all polygons are looked at again
-MARGIN_M = 0.1
 
 Indices = NDArray[np.int64]
 
@@ -43,8 +41,9 @@ class Polygons:
 class Surface:
     """Draws what is painted on the ground, for rasters that lie near each other, seen from a depth of `near_m` on."""
 
-    def __init__(self, polygons: Polygons, near_m: float) -> None:
+    def __init__(self, polygons: Polygons, near_m: float, fine: tuple[int, int]) -> None:
         self._polygons = polygons
+        self._fine = fine  # pixels of the canvas per texel, across and along
         self._shown = np.flatnonzero(polygons.ranges_m > near_m)
         self._close = self._shown[:0]
         self._middle = np.full(2, np.inf)
@@ -52,30 +51,29 @@ class Surface:
 
     def paint(self, raster: Raster) -> Image:
         """(rows, columns) palette values."""
-        canvas = np.full((FINE_Y * raster.rows, FINE_X * raster.columns), GRASS, np.uint8)
+        fine_x, fine_y = self._fine
+        canvas = np.full((fine_y * raster.rows, fine_x * raster.columns), GRASS, np.uint8)
         seen = self._seen(raster)
         if len(seen):
-            self._fill(canvas, seen, raster.finer(FINE_X, FINE_Y))
-        canvas = np.asarray(cv2.addWeighted(canvas[0::2], 0.5, canvas[1::2], 0.5, 0.0), np.uint8)
+            self._fill(canvas, seen, raster.finer(fine_x, fine_y))
+        while len(canvas) > fine_x * raster.rows:
+            canvas = np.asarray(cv2.addWeighted(canvas[0::2], 0.5, canvas[1::2], 0.5, 0.0), np.uint8)
         return np.asarray(cv2.resize(canvas, (raster.columns, raster.rows), interpolation=cv2.INTER_AREA), np.uint8)
 
     def _seen(self, raster: Raster) -> Indices:
         """Which polygons may touch a raster."""
         outline = raster.outline()
         middle = outline.mean(axis=0)
-        reach = float(np.hypot(*(outline - middle).T).max()) + MARGIN_M
+        reach = float(np.hypot(*(outline - middle).T).max())
         if not np.hypot(*(middle - self._middle)) + reach <= self._reach_m:
             self._middle, self._reach_m = middle, reach + STEP_M
             away = np.hypot(*(self._polygons.centres_m[self._shown] - middle).T)
             self._close = self._shown[away - self._polygons.radii_m[self._shown] < self._reach_m]
-        centres, radii = self._polygons.centres_m[self._close], self._polygons.radii_m[self._close] + MARGIN_M
-        touching = np.ones(len(self._close), bool)
-        for start, end in zip(outline, outline[[1, 2, 3, 0]], strict=True):
-            along = (end - start) / np.hypot(*(end - start))
-            outside = (centres - start) @ np.array([along[1], -along[0]])
-            inward = (middle - start) @ np.array([along[1], -along[0]])
-            touching &= np.sign(inward) * outside > -radii
-        return np.asarray(self._close[touching])
+        sides = np.roll(outline, -1, axis=0) - outline
+        normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.hypot(*sides.T)[:, None]
+        normals *= np.sign(np.sum((outline - middle) * normals, axis=1))[:, None]  # outward
+        outside = self._polygons.centres_m[self._close] @ normals.T - np.sum(outline * normals, axis=1)
+        return np.asarray(self._close[outside.max(axis=1) < self._polygons.radii_m[self._close]])
 
     def _fill(self, canvas: Image, seen: Indices, matrix: Floats) -> None:
         """Fill polygons, those of one strip in one call."""
@@ -86,10 +84,12 @@ class Surface:
         corners = self._narrowed(vertices, matrix)
         fixed = _fixed(corners)
         polygons = [fixed[a:b] for a, b in zip(starts.tolist(), ends.tolist(), strict=True)]
-        behind = corners[:, 2] <= NEAR_M
-        for index in np.flatnonzero(np.add.reduceat(behind, starts)).tolist():
-            own = slice(starts[index], ends[index])
-            polygons[index] = _fixed(_clipped(corners[own], ~behind[own]))
+        ahead = corners[:, 2] > NEAR_M
+        cut = np.flatnonzero(~np.logical_and.reduceat(ahead, starts))
+        if len(cut):
+            padded = starts[cut, None] + np.minimum(np.arange(counts.max()), counts[cut, None] - 1)
+            for index, polygon in zip(cut.tolist(), _clipped(corners[padded], ahead[padded]), strict=True):
+                polygons[index] = polygon
         last = [*(np.flatnonzero(np.diff(self._polygons.runs[seen])) + 1).tolist(), len(seen)]
         first = 0
         for end, value in zip(last, self._polygons.values[seen[np.array(last) - 1]].tolist(), strict=True):
@@ -120,14 +120,17 @@ def _homogeneous(points: Floats, matrix: Floats) -> Floats:
 
 
 def _fixed(corners: Floats) -> NDArray[np.int32]:
-    """(P, 2) pixels of homogeneous corners in OpenCV's fixed point."""
-    scale = 2.0**SHIFT / np.maximum(corners[:, 2:], NEAR_M)
-    return np.rint(corners[:, :2] * scale).astype(np.int32)
+    """(..., 2) pixels of homogeneous corners in OpenCV's fixed point."""
+    scale = 2.0**SHIFT / np.maximum(corners[..., 2:], NEAR_M)
+    return np.rint(corners[..., :2] * scale).astype(np.int32)
 
 
-def _clipped(corners: Floats, inside: NDArray[np.bool_]) -> Floats:
-    """What of a polygon (V, 3) lies beyond the near plane; a point off the canvas if nothing does."""
-    return clip_near(corners[None], inside[None])[0] if inside.any() else np.array([[-9.0, -9.0, 1.0]])
+def _clipped(polygons: Floats, inside: Bools) -> NDArray[np.int32]:
+    """(n, 2 V, 2) what of polygons (n, V, 3) lies beyond the near plane; a point off the canvas where nothing does."""
+    beyond = inside.any(axis=1)
+    fixed = np.full((len(polygons), 2 * polygons.shape[1], 2), -(9 << SHIFT), np.int32)
+    fixed[beyond] = _fixed(clip_near(polygons[beyond], inside[beyond]))
+    return fixed
 
 
 def _across(batch: Batch) -> Floats:
