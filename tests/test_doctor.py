@@ -125,6 +125,14 @@ def test_no_display_is_no_fault_but_is_said(monkeypatch: pytest.MonkeyPatch) -> 
     assert check.found.startswith("none: --watch")
 
 
+def test_a_display_that_cannot_be_opened_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "nonsense")
+    check = installation.display()
+    assert not check.ok
+    assert check.found.startswith("SDL cannot open it: nonsense not available")
+    assert check.remedy == "unset SDL_VIDEODRIVER, or correct DISPLAY"
+
+
 class Black(Renderer):
     def render(self, ego: Any, time_s: float) -> Image:
         return np.zeros_like(super().render(ego, time_s))

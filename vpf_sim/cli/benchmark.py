@@ -23,7 +23,7 @@ def benchmark(
     mixed: MixedOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Town04 with and without obstacles, the paper's method in its variants, and the PID (seeds 1000:1030)."""
+    """Town04 without and with obstacles, clear and in rain: the paper's method in its variants, and the PID."""
     from vpf_sim.cli.results import exit_code, print_benchmark, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.benchmark import plan as benchmark_plan

@@ -91,13 +91,19 @@ def sdl(environment: Mapping[str, str]) -> Check:
 
 
 def display() -> Check:
-    """Whether a window could be seen; nothing but a window needs one, so that either is right."""
+    """Whether a window could be seen; nothing but a window needs one, so that none is right too."""
+    import pygame
+
     from vpf_sim.envs.window import require_display
 
     try:
         require_display()
+        pygame.display.init()
+        pygame.display.quit()
     except InputError:
         return Check("display", True, 'none: --watch and render_mode "human" are refused, nothing else needs one')
+    except pygame.error as error:
+        return Check("display", False, f"SDL cannot open it: {error}", "unset SDL_VIDEODRIVER, or correct DISPLAY")
     return Check("display", True, "there is one")
 
 
