@@ -10,7 +10,6 @@ import argparse
 import json
 import os
 from dataclasses import asdict
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -25,21 +24,20 @@ from vpf_sim.replay import drives
 from vpf_sim.replay.drives import Clip
 from vpf_sim.types import Image
 
-LOOKS = 16  # frames of a drive that are looked at
-MOST_FRAMES = 120
+LOOKS = 16  # frames of a drive that are looked at, about
 LARGEST_RATIO = 2.0
 
 
 def compare(clip: Clip, seed: int, out: Path | None) -> list[dict[str, Any]]:
     """The rows real, rendered and ratio of one drive."""
-    real = list(islice(clip.frames(), MOST_FRAMES))
+    real = list(clip.frames())
     street = lookalike.STREETS[clip.name]
     drive = street.drive(clip.camera, clip.rate_hz, clip.speed_mps)
     rendered = [shot.image for shot in drive.shots(street.sky(), seed, len(real))]
     if out is not None:
         save(out, clip.name, real, rendered)
-    every = max(1, len(real) // LOOKS)
-    ours, theirs = (measure([scaled_grey(image) for image in images], every) for images in (rendered, real))
+    greys = [[scaled_grey(image) for image in images] for images in (rendered, real)]
+    ours, theirs = (measure(part, every=max(1, len(part) // LOOKS)) for part in greys)
     ratio = {key: _starred(value) for key, value in ours.ratio(theirs).items()}
     name = clip.name
     return [

@@ -1,0 +1,69 @@
+"""The recorded drives of the shared folder: read, measured, and laid out as streets of ours."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation import lookalike
+from vpf_sim.evaluation.frame_statistics import FrameStatistics, measure, scaled_grey
+from vpf_sim.replay import drives
+from vpf_sim.types import Camera
+
+SHARED = os.environ.get("VPF_SIM_SHARED")
+DRIVES = Path(SHARED or "") / "drives"
+needs_drives = pytest.mark.skipif(not SHARED, reason="needs the recorded drives; set VPF_SIM_SHARED")
+
+# Corners in the upper, middle and lower third; gradient percentiles; contrast; tracks alive after 1 and 6 frames.
+KNOWN = {
+    "kitti_vo_seq1": (182, 189, 29, 4.4, 26, 65, 26, 0.74, 0.39),
+    "kitti_raw_leadcar": (128, 168, 104, 2.6, 28, 89, 34, 0.96, 0.87),
+    "carnd_highway": (45, 287, 24, 0.6, 7, 36, 3.6, 0.94, 0.80),
+    "radiate_fog": (79, 50, 22, 0.6, 2.9, 10, 5.5, 0.64, 0.27),
+}
+
+
+@needs_drives
+@pytest.mark.parametrize("name", ["kitti_vo_seq1", "radiate_fog"])
+def test_the_numbers_of_a_drive_are_those_measured_before(name: str) -> None:
+    greys = [scaled_grey(image) for image in drives.read(DRIVES / name).frames()]
+    seen = measure(greys, every=4)
+    for key, ratio in seen.ratio(FrameStatistics(*KNOWN[name])).items():
+        assert ratio == pytest.approx(1.0, abs=0.25), key
+
+
+@needs_drives
+def test_cameras_rates_and_speeds_are_read() -> None:
+    clips = {name: drives.read(DRIVES / name) for name in KNOWN}
+    sizes = {name: (clip.camera.width_px, clip.camera.height_px) for name, clip in clips.items()}
+    assert sizes["kitti_raw_leadcar"] == (1242, 375)
+    assert sizes["radiate_fog"] == (672, 376)
+    assert next(clips["carnd_highway"].frames()).shape == (540, 960, 3)
+    assert clips["radiate_fog"].camera.k1 == pytest.approx(-0.1839, abs=1e-4)
+    assert clips["radiate_fog"].rate_hz == pytest.approx(15.0, abs=0.1)
+    assert clips["kitti_vo_seq1"].speed_mps == pytest.approx(12.0, abs=0.2)
+    assert clips["kitti_raw_leadcar"].speed_mps == pytest.approx(1.6, abs=0.2)
+
+
+def test_an_unknown_drive_is_refused() -> None:
+    with pytest.raises(InputError, match=r"nowhere/else: expected one of kitti_vo_seq1, .*radiate_fog"):
+        drives.read(Path("nowhere/else"))
+
+
+@pytest.mark.parametrize("name", lookalike.STREETS)
+def test_a_street_is_laid_out_from_where_the_drive_starts(name: str) -> None:
+    street = lookalike.STREETS[name]
+    scenario = street.scenario()
+    assert name in KNOWN
+    assert [body.s_m - lookalike.START_M for body in scenario.bodies] == [body["s_m"] for body in street.bodies]
+    drive = street.drive(Camera(), 10.0, 5.0)
+    assert drive.path.offset_m(0.0) == scenario.road.lane_offset_m(street.lane)
+
+
+def test_a_drive_along_a_street_keeps_its_speed() -> None:
+    street = lookalike.STREETS["carnd_highway"]
+    drive = street.drive(Camera(), 25.0, 25.0)
+    places = np.array([shot.pose[:2] for shot in drive.shots(street.sky(), 0, 3)])
+    assert np.hypot(*np.diff(places, axis=0).T) == pytest.approx([1.0, 1.0])
