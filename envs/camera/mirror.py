@@ -14,6 +14,7 @@ from vpf_sim.types import Bools, Camera, Floats, Image
 REFINEMENT = 2  # pixels of the picture to a pixel of the mirror image, each way
 FACES, SPRITES = 18, 3  # only the largest are mirrored
 FADED = 64.0  # of 255; faces that let more through are not mirrored
+BODIES_FIRST = 4.0  # how much more the area of a body's face counts than that of scenery
 SMALLEST_PX = 40.0  # area of the smallest face that is mirrored
 SPRITE_TALL_PX = 30
 FOOT_M = 0.4  # what of a body counts as its foot
@@ -66,19 +67,22 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Face
     it: so a mirror image keeps its darkness there when it is blurred, as it does on a road, where a ray that leaves it
     flatter than the foot lies does not reach the sky.
     """
-    drawings = [thing.drawing for thing in drawn if isinstance(thing.drawing, Drawing)]
-    if not drawings:
+    things = [(thing.drawing, thing.instance) for thing in drawn if isinstance(thing.drawing, Drawing)]
+    if not things:
         return NO_FACES
+    drawings = [drawing for drawing, _ in things]
+    numbers = [len(drawing.planes) for drawing in drawings]
     planes = np.concatenate([drawing.planes for drawing in drawings])
     first = np.concatenate([drawing.polygons_px[:, :3] for drawing in drawings])
     (ax, ay), (bx, by) = (first[:, 1] - first[:, 0]).T, (first[:, 2] - first[:, 0]).T
     area = np.abs(ax * by - ay * bx)  # of the parallelogram of three vertices
     turned_away = 1.0 + 2.0 * view.camera.height_m * (planes @ view.axes[:, 2]) <= 0.0  # from the mirrored camera
     area[turned_away | _seen_through(drawings)] = 0.0
+    area *= np.repeat([BODIES_FIRST if instance > 0 else 1.0 for _, instance in things], numbers)
     shown = np.flatnonzero(area > SMALLEST_PX)
     if len(shown) > FACES:
         shown = np.sort(shown[np.argpartition(-area[shown], FACES)[:FACES]])
-    ends = np.cumsum([len(drawing.planes) for drawing in drawings])
+    ends = np.cumsum(numbers)
     owners = np.searchsorted(ends, shown, side="right").tolist()
     faces = [(drawings[i], k - int(ends[i])) for i, k in zip(owners, shown.tolist(), strict=True)]
     polygons = [drawing.polygons_px[k] for drawing, k in faces]

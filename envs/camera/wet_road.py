@@ -23,6 +23,7 @@ from vpf_sim.envs.camera.mirror import (
 from vpf_sim.envs.camera.puddles import Puddles, covered_table, road_table, water_level
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
+from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Image
 
 Bytes = NDArray[np.uint8]
@@ -30,6 +31,7 @@ Bytes = NDArray[np.uint8]
 DAMP_SHARE, FILM_SHARE = 0.35, 0.9  # of a damp road's and a flooded road's surface that mirrors
 DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # of its facets
 STONES_MMPH, FILM_MMPH = 8.0, 25.0  # between these rates of rain the film comes to cover the stones
+RIPPLE = 5.0  # rows by which the rings of drops shake the mirror image in puddles, in hard rain
 DARK = 0.3  # how fast the asphalt darkens with the depth of the water, levels of 255 per level of the map
 STEEP, STEEPEST = 0.34, 0.46  # sines of the angle under which the mirror image (11 %) begins to be left out, and is
 HIDDEN_SHARE, HIDDEN_LEVELS = 0.25 * 255, 12
@@ -75,6 +77,9 @@ class WetRoad:
         self._dark_table = np.clip(np.ceil(DARK * above), 0, 255).astype(np.uint8)
         self._share_table = np.maximum(standing, np.rint(share * road_table())).astype(np.uint8)
         self._reflectance = np.rint(255.0 * reflectance(sines) * fading)[: self._rows].astype(np.uint8)
+        self._ripple = round(RIPPLE * min(1.0, atmosphere.rain_mmph / FILM_MMPH) / REFINEMENT)
+        self._rng = stream(seed, "rain on puddles")
+        self._from_row = np.arange(self._rows)
 
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
         """Mirror what is drawn above the horizon and the things that will be drawn, in place."""
@@ -82,6 +87,8 @@ class WetRoad:
             return
         sky = self._mirrored_sky(frame)
         self._last = (view, drawn, sky)
+        if self._ripple:
+            self._from_row = self._rng.integers(-self._ripple, self._ripple + 1, self._rows) + np.arange(self._rows)
         water = self._water(view)
         self._lay(frame, water.through, self._mirrored(view, water, sky, drawn))
 
@@ -119,19 +126,19 @@ class WetRoad:
             paint_sprite(mirror, view, self._top, sprite)
         paint_faces(mirror, self._top, mirrored_faces(view, drawn, 0.5 * self._smear * REFINEMENT))
         light: Any = cv2.blur(mirror, (1, self._smear))
+        if self._ripple:
+            mirror = mirror.take(self._from_row, axis=0, mode="clip")
         cv2.copyTo(mirror, water.standing, light)
         cv2.multiply(light, cv2.merge([water.share] * 3), light, scale=1 / 255)
         return np.asarray(light, np.uint8)
 
     def _lay(self, frame: Image, through: Bytes, light: Bytes) -> None:
-        """Dim the road and add what it mirrors; a row of the canvas serves two of the picture."""
-        left: Any = cv2.cvtColor(cv2.resize(through, (frame.shape[1], self._rows)), cv2.COLOR_GRAY2RGB)
-        wide = [cv2.merge([channel] * REFINEMENT).reshape(self._rows, -1) for channel in cv2.split(light)]
-        added: Any = cv2.merge(wide)
-        for first in range(REFINEMENT):
-            rows = frame[self._top + first :: REFINEMENT][: self._rows]
-            cv2.multiply(rows, left[: len(rows)], rows, scale=1 / 255)
-            cv2.add(rows, added[: len(rows)], rows)
+        """Dim the road and add what it mirrors."""
+        rows = frame[self._top : self._top + self._rows * REFINEMENT]
+        size = (self._columns * REFINEMENT, self._rows * REFINEMENT)
+        left: Any = cv2.cvtColor(cv2.resize(through, size), cv2.COLOR_GRAY2RGB)
+        cv2.multiply(rows, left[: len(rows)], rows, scale=1 / 255)
+        cv2.add(rows, cv2.resize(light, size)[: len(rows)], rows)
 
     def _mirrored_sky(self, frame: Image) -> Bytes:
         """The sky upside down."""
