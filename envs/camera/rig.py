@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 
-from vpf_sim.envs.camera.lens import check_distortion
 from vpf_sim.errors import InputError
 from vpf_sim.types import Camera
 
@@ -24,6 +23,8 @@ class Rig:
     blur_px: float = 0.0
 
     def __post_init__(self) -> None:
+        from vpf_sim.envs.camera.lens import check_distortion  # and OpenCV, which listings do without
+
         camera = self.camera
         for key, low in (("width_px", 64), ("height_px", 48), ("fx_px", 1.0), ("fy_px", 1.0), ("height_m", 0.1)):
             value = getattr(camera, key)
