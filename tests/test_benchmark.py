@@ -1,10 +1,13 @@
 """The paper's table: the grid, the paper's cells, and the text."""
 
+import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from vpf_sim.cli.results import exit_code, print_benchmark, print_rows
+from vpf_sim.cli.running import plan_of
 from vpf_sim.evaluation import benchmark
 from vpf_sim.evaluation.benchmark import with_paper
 
@@ -89,3 +92,19 @@ def test_a_sweeps_table_marks_what_no_success_stands_behind(capsys: pytest.Captu
 )
 def test_a_crash_is_a_result_and_an_error_is_not(statuses: dict[str, int], code: int) -> None:
     assert exit_code({"rows": [row("town04", "pid", 5), row("town04", "vpf", 5, statuses=statuses)]}) == code
+
+
+@pytest.mark.parametrize(
+    ("resume", "asked", "stored", "seeds"),
+    [(True, False, True, "5:9"), (True, True, True, "0:1"), (False, False, True, "0:1"), (True, False, False, "0:1")],
+)
+def test_a_run_that_goes_on_drives_what_it_was_made_for(
+    resume: bool, asked: bool, stored: bool, seeds: str, tmp_path: Path
+) -> None:
+    grid = {"scenario": ["town04"], "weather": ["rain"], "driver": ["pid"]}
+    if stored:
+        manifest = {"plan": {**grid, "seeds": "5:9"}, "fingerprint": {}}
+        (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+    plan = plan_of(tmp_path, resume, asked, lambda: benchmark.plan("0:1", ["pid"]))
+    assert plan.seeds == seeds
+    assert plan_of(None, resume, asked, lambda: plan) is plan, "there is no folder to go on with"
