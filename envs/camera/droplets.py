@@ -65,22 +65,22 @@ class Droplets:
     def wipe(self, swept: Image, inside: Callable[[Floats, Floats], Bools]) -> None:
         """Take away the drops whose middle is `inside`, and the water where the mask of the planes is 255."""
         gone = inside(self.drops["x"], self.drops["y"])
-        cut = self._edge_of(swept) != gone[:, None]
-        halves = self.drops[gone & cut.any(axis=1)]
+        cut = (self._corners_in(swept) != gone[:, None]).any(axis=1)
+        halves = self.drops[gone & cut]
         self.planes.wipe(swept)
-        self._put(self.drops[~gone & cut.any(axis=1)], self.planes.whole)
+        self._put(self.drops[~gone & cut], self.planes.whole)
         self.drops = self.drops[~gone]
         for drop in halves:
             self._redraw(self._box(drop))
 
-    def _edge_of(self, mask: Image) -> Bools:
-        """(n, 4) whether the left, right, upper and lower end of each drop lies in a mask of the planes."""
+    def _corners_in(self, mask: Image) -> Bools:
+        """(n, 4) whether the corners of the box around each drop lie in a mask of the planes."""
         drops, (height, width) = self.drops, mask.shape
         column, row, rx, ry = (drops[name][:, None] for name in (*PLACE, "rx", "ry"))
-        columns = np.clip(column + rx * np.array([-1, 1, 0, 0]), 0, width - 1)
-        rows = np.clip(row + ry * np.array([0, 0, -1, 1]), 0, height - 1)
-        edge: Bools = mask[rows, columns] > 0
-        return edge
+        columns = np.clip(column + rx * np.array([-1, 1, -1, 1]), 0, width - 1)
+        rows = np.clip(row + ry * np.array([-1, -1, 1, 1]), 0, height - 1)
+        inside: Bools = mask[rows, columns] > 0
+        return inside
 
     def _land(self, time_s: float, gap_s: float, speed_mps: float) -> None:
         sizes = self._impacts.draw(self._rng, speed_mps, self._area_m2 * gap_s)
@@ -112,10 +112,8 @@ class Droplets:
             if gone[i] or len(group) == 1:
                 continue
             keeper = int(group[np.argmax(self.drops["size"][group])])
-            boxes += [self._box(self.drops[k]) for k in group if k < undrawn_from and k != keeper]
-            place = self._box(self.drops[keeper])
-            if self._unite(group, keeper) and keeper < undrawn_from:
-                boxes.append(place)
+            boxes += [self._box(self.drops[k]) for k in group if k < undrawn_from]
+            self._unite(group, keeper)
             gone[group], gone[keeper], grown[keeper] = True, False, True
         return self._settle(gone, grown, boxes)
 
@@ -127,16 +125,14 @@ class Droplets:
             self._redraw(box)
         return self.drops[grown]
 
-    def _unite(self, group: NDArray[np.intp], keeper: int) -> bool:
-        """Give one drop the water of all; whether it is drawn elsewhere now."""
-        drops, one = self.drops, slice(keeper, keeper + 1)
+    def _unite(self, group: NDArray[np.intp], keeper: int) -> None:
+        """Give one drop the water of all."""
+        drops = self.drops
         volumes = drops["size"][group] ** 3
-        before = drops[PLACE][keeper]
         for axis in ("x", "y"):
             drops[axis][keeper] = volumes @ drops[axis][group] / volumes.sum()
         drops["size"][keeper] = min(volumes.sum() ** (1 / 3), LARGEST_MM)
-        self._shape(drops[one])
-        return bool(before != drops[PLACE][keeper])
+        self._shape(drops[keeper : keeper + 1])
 
     def _touching(self, movers: NDArray[np.intp]) -> list[tuple[int, NDArray[np.intp]]]:
         """For each mover that touches any: itself, and the drops it touches."""
@@ -159,10 +155,11 @@ class Droplets:
             return
         before = self.drops[running]
         self.drops[running] = self._stepped(before, gap_s, blown)
-        left = self._shed(running, before, gap_s)
-        moved = (self.drops[PLACE][running] != before[PLACE]).nonzero()[0]
-        for k in moved:
-            self._redraw(self._box(before[k]))
+        left = self._shed(running, before, gap_s, blown)
+        moved = self.drops[DRAWN][running] != before[DRAWN]
+        for drop in before[moved]:
+            self._redraw(self._box(drop))
+        self._put(self.drops[running[moved]], self.planes.whole)
         self._put(self._merge(running[moved], len(self.drops)), self.planes.whole)
         self._add(left)
 
@@ -184,16 +181,20 @@ class Droplets:
         self._shape(later)
         return later
 
-    def _shed(self, running: NDArray[np.intp], before: Drops, gap_s: float) -> Drops:
-        """The small drops that running ones leave where they were, taken from them."""
-        drops = self.drops
+    def _shed(self, running: NDArray[np.intp], before: Drops, gap_s: float, blown: bool) -> Drops:
+        """The small drops that running ones leave behind, taken from them."""
         spots = before["run"] * 1e3 * gap_s / (SHED_EVERY * FOOTPRINT * before["size"])
         sheds = self._rng.random(len(running)) < spots
         left = before[sheds]
         left["size"] *= self._rng.uniform(*SHED_SHARE, len(left))
         left["run"] = 0.0
+        spot_px = FOOTPRINT * before["size"][sheds] * self._pane.along[self._pane.row(left["y"])]
+        left["y"] += 0.6 * spot_px * (1.0 if blown else -1.0)
         self._shape(left)
-        drops["size"][running[sheds]] = (before["size"][sheds] ** 3 - left["size"] ** 3) ** (1 / 3)
+        lighter = self.drops[running[sheds]]
+        lighter["size"] = (before["size"][sheds] ** 3 - left["size"] ** 3) ** (1 / 3)
+        self._shape(lighter)
+        self.drops[running[sheds]] = lighter
         return left
 
     def _add(self, drops: Drops) -> None:

@@ -8,7 +8,7 @@ from vpf_sim.envs.camera.droplets import Droplets
 from vpf_sim.envs.camera.film import Film
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.pane import Pane
-from vpf_sim.envs.camera.planes import Planes
+from vpf_sim.envs.camera.planes import ROWS, Planes
 from vpf_sim.envs.camera.refraction import Refraction
 from vpf_sim.envs.camera.things import Snapshot
 from vpf_sim.envs.camera.weather import Weather
@@ -61,7 +61,7 @@ class Glass:
         """(H, W) where water or the blade hides more than half of what is behind."""
         hidden = np.zeros(self._size[::-1], bool)
         if self._droplets is not None:
-            hidden |= np.asarray(cv2.resize(self._droplets.planes.alpha, self._size)) > 127
+            hidden |= np.repeat(self._droplets.planes.alpha > 127, ROWS, axis=0)[: len(hidden)]
         blade = self._blade()
         if blade is not None:
             hidden |= np.asarray(cv2.resize(blade, self._size)) > 127
@@ -82,7 +82,7 @@ class Glass:
             droplets.advance(until_s, gap_s, self._speed_mps)
             self._film.advance(until_s)
             self._wipe(droplets, until_s - gap_s, until_s)
-        self._tick = now
+        self._tick = max(self._tick, now)
         since_s = now * TICK_S if self._time_s is None else self._time_s
         return self._wipe(droplets, since_s, time_s) or len(ticks) > 0
 

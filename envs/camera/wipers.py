@@ -20,7 +20,7 @@ SWEEP_RAD = radians(90.0)  # from lying to the right of the pivot to standing ab
 RADII_M = (0.25, 0.84)  # what the blade wipes
 CYCLE_S = 1.33  # there and back, 45 a minute; faster where the period is shorter
 WIDTH_M = 0.016  # of blade and arm
-COLOUR, COVER = (22.0, 23.0, 25.0), 0.94
+GREY, COVER = 22.0, 0.94  # the light that comes from the blade itself; how much it takes of what is behind
 EXPOSURE_S = 0.004
 EXPOSURES = 5  # positions within one exposure
 DIVISOR = 4  # the mask of the blade is drawn this much smaller than the frame
@@ -101,7 +101,7 @@ def paint_blade(frame: Image, blade: Image) -> None:
     size = (frame.shape[1], frame.shape[0])
     cover = cv2.cvtColor(cv2.convertScaleAbs(cv2.resize(blade, size), None, COVER), cv2.COLOR_GRAY2RGB)
     cv2.multiply(frame, cv2.bitwise_not(cover), frame, 1.0 / 255.0)
-    cv2.add(frame, cv2.convertScaleAbs(cover, None, COLOUR[0] / 255.0), frame)
+    cv2.add(frame, cv2.convertScaleAbs(cover, None, GREY / 255.0), frame)
 
 
 def _polar(pane: Pane, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
