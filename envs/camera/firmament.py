@@ -81,7 +81,7 @@ def _clouds(
     dense = field - threshold
     clear = np.exp(-HAZE_SHARE * atmosphere.extinction_per_m * LAYER_M * heights)
     opacity = np.clip(dense / SOFTNESS + 0.5, 0.0, 1.0)
-    opacity = opacity**2 * (3.0 - 2.0 * opacity) * (0.45 + 0.55 * light.cover)
+    opacity = opacity**2 * (3.0 - 2.0 * opacity) * min(1.0, 0.45 + 0.9 * light.cover)
     thick = np.clip(dense, 0.0, 4.0)
     broken = 4.0 * light.cover * (1.0 - light.cover)
     shade = -0.10 * thick - 0.04 * (field if light.cover > 0.9 else 0.0) + (0.02 + 0.10 * broken) * sunward

@@ -1,7 +1,7 @@
 """The distortion of the lens."""
 
 from dataclasses import replace
-from math import ceil, floor
+from math import ceil, floor, isfinite
 from typing import TypeVar
 
 import cv2
@@ -65,6 +65,10 @@ def _pixel_grid(camera: Camera) -> Floats:
 
 def check_distortion(camera: Camera) -> None:
     """Refuse a distortion that shows one ray in two places of the picture, or none in some."""
+    if camera.k1 == 0.0 and camera.k2 == 0.0:
+        return
+    if not (isfinite(camera.k1) and isfinite(camera.k2)):
+        raise InputError(f"camera: k1, k2: expected finite numbers, got {camera.k1}, {camera.k2}")
     radius = np.linspace(0.0, WIDEST, STEPS)
     seen = radius * (1.0 + camera.k1 * radius**2 + camera.k2 * radius**4)
     folds = np.flatnonzero(np.diff(seen) <= 0.0)
@@ -74,7 +78,7 @@ def check_distortion(camera: Camera) -> None:
         for x in (0, camera.width_px - 1)
         for y in (0, camera.height_px - 1)
     ]
-    if (camera.k1 != 0.0 or camera.k2 != 0.0) and not max(corners) < 0.99 * reach:
+    if max(corners) > 0.99 * reach:
         raise InputError(
             f"camera: k1, k2: expected a distortion that can be undone within the picture, to {max(corners):.2f} off "
             f"the axis, got {camera.k1:g}, {camera.k2:g}, with which rays reach {reach:.2f}"
