@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from vpf_sim.envs.camera import weather
-from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.droplets import DROP
 from vpf_sim.envs.camera.glass import Glass
 from vpf_sim.envs.camera.light import Light
@@ -18,7 +17,7 @@ SPEED_MPS, RATE_HZ = 5.5, 60.0
 
 def glass(name: str = "HardRainNoon", seed: int = 0, camera: Camera = CAMERA, **factors: float) -> Glass:
     chosen = weather.load(name).model_copy(update=factors)
-    return Glass(camera, chosen, Atmosphere.of(chosen), Light.of(chosen), seed)
+    return Glass(camera, chosen, Light.of(chosen), seed)
 
 
 def snapshot(time_s: float, camera: Camera = CAMERA) -> Snapshot:

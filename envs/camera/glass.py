@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from vpf_sim.envs.camera.atmosphere import HEAVIEST_RAIN_MMPH, Atmosphere
+from vpf_sim.envs.camera.atmosphere import HEAVIEST_RAIN_MMPH
 from vpf_sim.envs.camera.droplets import Droplets
 from vpf_sim.envs.camera.film import Film
 from vpf_sim.envs.camera.light import Light
@@ -26,8 +26,7 @@ class Glass:
     whether rain is drawn in the air or not, so that what the glass alone does can be told.
     """
 
-    def __init__(self, camera: Camera, weather: Weather, atmosphere: Atmosphere, light: Light, seed: int) -> None:
-        del atmosphere
+    def __init__(self, camera: Camera, weather: Weather, light: Light, seed: int) -> None:
         self._size = (camera.width_px, camera.height_px)
         self._time_s: float | None = None
         self._tick = 0

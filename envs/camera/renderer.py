@@ -55,7 +55,7 @@ class Renderer:
         self._wet_road = WetRoad(camera, shapes, atmosphere, seed)
         self._spray = Spray(camera, atmosphere, light, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
-        self._glass = Glass(rig.camera, weather, atmosphere, light, seed)
+        self._glass = Glass(rig.camera, weather, light, seed)
         self._sensor = Sensor(rig, weather, seed)
         self._drawn: list[Drawn] = []
         self._now: Snapshot | None = None
