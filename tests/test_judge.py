@@ -67,3 +67,12 @@ def test_a_cluster_is_false_with_nothing_near_that_stands_up() -> None:
 def test_nothing_judged_is_no_number() -> None:
     score = judge.Judge(Camera(), 60.0, 0).score()
     assert np.isnan([score.off, score.foe_px, score.ttc_error, score.hidden, score.survive_6]).all()
+
+
+def test_the_rim_of_what_is_hidden_is_not_in_sight() -> None:
+    hidden = np.zeros((40, 60), np.bool_)
+    hidden[20, 30] = True
+    sight = judge.in_sight(hidden)
+    assert np.count_nonzero(~sight) == (2 * judge.RIM_PX + 1) ** 2
+    assert not sight[20 - judge.RIM_PX, 30 + judge.RIM_PX]
+    assert sight[20, 31 + judge.RIM_PX]

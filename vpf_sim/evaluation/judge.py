@@ -25,6 +25,7 @@ PLAIN_VARIANT = "paper"
 OFF_PX = 1.0  # a track farther from the truth is off
 WINDOW_FRAMES = frame_statistics.FRAMES_ON  # 0.1 s at 60 Hz
 NEAR_PX = 16  # a mark so near to something that stands up means it
+RIM_PX = 4  # a corner so near to what the weather hides sits on its rim
 LONGEST_TTC_S = 10.0  # of the points whose time to contact is scored
 NAMES = ("depth", "instance", "hidden", "foe", "ttc")
 
@@ -36,7 +37,7 @@ class Score:
     survive_1: float  # share of the plain tracker's corners that it still follows after one frame
     survive_6: float  # and after 0.1 s
     off: float  # share of those that are off the true flow by more than OFF_PX
-    off_seen: float  # the same among those that the weather does not hide
+    off_seen: float  # the same among those farther than RIM_PX from what the weather hides
     changed: float  # share of them off their flow without the factor, among those followed in both
     paper_off: float  # of the paper's tracker
     paper_off_seen: float
@@ -92,8 +93,9 @@ class Judge:
         if not judged or len(self._greys) <= WINDOW_FRAMES:
             return
         truth = shot.renderer.truth(NAMES)
-        self._judge_corners(truth)
-        self._judge_flow(flow, truth)
+        sight = in_sight(truth["hidden"].astype(np.bool_))
+        self._judge_corners(truth, sight)
+        self._judge_flow(flow, truth, sight)
         self._judge_stages(flow, truth)
         self._judged.hidden.append(float(truth["hidden"].mean()))
 
@@ -117,7 +119,7 @@ class Judge:
             hidden=_mean(judged.hidden),
         )
 
-    def _judge_corners(self, truth: Truth) -> None:
+    def _judge_corners(self, truth: Truth, sight: Bools) -> None:
         """The plain tracker, from the corners of the window's first frame to now."""
         start_px = frame_statistics.corners(self._greys[0])
         now_px, alive = frame_statistics.follow(list(self._greys), start_px)
@@ -129,16 +131,16 @@ class Judge:
         start_px, now_px = start_px[alive[-1]], now_px[alive[-1]]
         frames = np.full(len(now_px), WINDOW_FRAMES)
         self._judged.errors_px.append(self._motion.errors_px(now_px, now_px - start_px, frames, truth))
-        self._judged.in_sight.append(~at(truth["hidden"], now_px, self._camera))
+        self._judged.in_sight.append(at(sight, now_px, self._camera))
 
-    def _judge_flow(self, flow: Flow, truth: Truth) -> None:
+    def _judge_flow(self, flow: Flow, truth: Truth, sight: Bools) -> None:
         """The paper's tracker: the points that were followed for a whole window."""
         frames = np.rint(flow.gap_s * self._rate_hz).astype(np.int64)
         old = frames == WINDOW_FRAMES
         points_px = flow.points_px[old]
         errors = self._motion.errors_px(points_px, flow.displacement_px[old], frames[old], truth)
         self._judged.paper_errors_px.append(errors)
-        self._judged.paper_in_sight.append(~at(truth["hidden"], points_px, self._camera))
+        self._judged.paper_in_sight.append(at(sight, points_px, self._camera))
 
     def _judge_stages(self, flow: Flow, truth: Truth) -> None:
         """What the paper's stages make of that flow, and the robust ones."""
@@ -156,6 +158,12 @@ class Judge:
             (obstacles.ObstacleMapConfig(sigma_px=None), self._judged.robust_false),
         ):
             found.append(false_clusters(obstacles.detect(flow, camera, config), flow, stands))
+
+
+def in_sight(hidden: Bools) -> Bools:
+    """(H, W) what the weather leaves to be seen, RIM_PX off what it hides (H, W)."""
+    width = 2 * RIM_PX + 1
+    return np.asarray(cv2.dilate(hidden.astype(np.uint8), np.ones((width, width), np.uint8)) == 0, np.bool_)
 
 
 def share_off(errors_px: list[Floats], chosen: list[Bools] | None = None) -> float:
