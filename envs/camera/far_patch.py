@@ -17,6 +17,7 @@ from vpf_sim.types import Camera, Floats, Image
 
 STEP, SIDESTEP, TURN_RAD = 0.3, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
 KEPT = 0.55  # a place is kept while the camera is nearer to it than this, in steps
+GOLDEN = 0.618  # the grids of places of the levels are shifted by it, so that few are left in the same frame
 ROWS = 1.25  # of texels per row of pixels
 
 Place = tuple[float, float, float]  # heading, ahead, right: in steps
@@ -29,6 +30,7 @@ class FarPatch:
         self._camera = camera
         self._paint = paint
         self._step, self._sidestep = STEP * level.near_m, SIDESTEP * level.near_m
+        self._phase = GOLDEN * level.near_m % 1.0
         (left, top), (right, bottom) = self._corners(level)
         self._to_texels = np.array([[1.0, 0.0, -np.floor(left)], [0.0, ROWS, -ROWS * np.floor(top)], [0.0, 0.0, 1.0]])
         rows, columns = int(np.ceil(ROWS * (bottom - np.floor(top)))) + 2, 2 * int(0.5 * (right - np.floor(left)) + 2.0)
@@ -56,15 +58,18 @@ class FarPatch:
         heading, ahead, right = self._place
         turns = view.yaw_rad / TURN_RAD
         if abs(turns - heading) > KEPT:
-            heading, ahead, right = round(turns), inf, inf
+            heading, ahead, right = self._rounded(turns), inf, inf
         c, s = cos(heading * TURN_RAD), sin(heading * TURN_RAD)
         x, y = float(view.centre[0]), float(view.centre[1])
         steps, sidesteps = (c * x + s * y) / self._step, (c * y - s * x) / self._sidestep
         return (
             heading,
-            ahead if abs(steps - ahead) < KEPT else round(steps),
-            right if abs(sidesteps - right) < KEPT else round(sidesteps),
+            ahead if abs(steps - ahead) < KEPT else self._rounded(steps),
+            right if abs(sidesteps - right) < KEPT else self._rounded(sidesteps),
         )
+
+    def _rounded(self, steps: float) -> float:
+        return round(steps - self._phase) + self._phase
 
     def _corners(self, level: Level) -> tuple[Floats, Floats]:
         """(2,) and (2,) the least and the largest pixel that a level shows, from all poses that keep a place."""

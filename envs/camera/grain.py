@@ -19,7 +19,7 @@ from vpf_sim.types import Floats, Image
 SIZE = 1.6  # of a texel of noise, in the level's smallest pixels
 COARSER = 2.0  # the second size of a level over its first
 SHARES = (0.8, 0.4)  # their amplitudes
-SPARSE = 4.5  # texels of noise from one sample to the next where they are averaged
+SPARSE = 7.0  # texels of noise from one sample to the next where they are averaged
 FINEST = 8  # samples in a texel of the raster
 WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
 

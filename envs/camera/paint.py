@@ -4,12 +4,20 @@ All of it is flat and never moves, so it is cut into polygons of a few shapes on
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
-from vpf_sim.envs.camera.wear import FLAKE_RANGE_M, REPAIR_RANGE_M, flakes, wear
+from vpf_sim.envs.camera.wear import (
+    FLAKE_RANGE_M,
+    WEAR_RANGE_M,
+    coarse_wear,
+    fine_wear,
+    flakes,
+    tracks,
+)
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
@@ -18,11 +26,12 @@ from vpf_sim.types import Floats
 GRASS, GRAVEL, ASPHALT, LINE = 45, 98, 150, 222
 
 LINE_WIDTH_M = 0.15
+FADED = 8  # typical loss of a stripe's brightness, in the palette
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
-RAGGED_STEP_M, RAGGED_CHUNK, RAGGED_RANGE_M = 0.7, 12, 40.0
+RAGGED_STEP_M, RAGGED_RANGE_M = 0.7, 28.0
 RANGE_M, STRIPE_RANGE_M = 260.0, 160.0
-CHUNK = 8  # stretches between samples in one polygon
+CHUNK, CHUNK_M = 10, 20.0  # stretches between samples in one polygon at most, and their length
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +42,7 @@ class Batch:
     values: NDArray[np.int64]  # (n,) of the palette
     strips: NDArray[np.int64]  # (n,) which strip each belongs to
     thin: bool  # lines, whose width must be kept to a fraction of a pixel
-    range_m: float = RANGE_M  # what lies farther ahead is not drawn
+    range_m: float = RANGE_M  # levels that begin farther ahead do not show it
 
     @property
     def centres_m(self) -> Floats:
@@ -60,14 +69,19 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
     solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
     striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line) for line in marks if line.striped)])
-    repairs, values = wear(shapes, ASPHALT, rng)
+    polished = [(left, right, ASPHALT + tone) for left, right, tone in tracks(shapes)]
+    coarse, coarse_tones = coarse_wear(shapes, rng)
+    fine, fine_tones = fine_wear(shapes, rng)
+    paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
     batches = [
         _strips(far_shoulders, thin=False),
-        _strips(shoulders, thin=False, chunk=RAGGED_CHUNK, range_m=RAGGED_RANGE_M),
+        _strips(shoulders, thin=False, range_m=RAGGED_RANGE_M),
         _strips(paved + surfaces, thin=False),
-        _separate(repairs, values, thin=False, range_m=REPAIR_RANGE_M),
+        _strips(polished, thin=False, range_m=WEAR_RANGE_M),
+        _separate(coarse, ASPHALT + coarse_tones, thin=False, range_m=WEAR_RANGE_M),
+        _separate(fine, ASPHALT + fine_tones, thin=True, range_m=WEAR_RANGE_M),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
-        _separate(striped, np.full(len(striped), LINE), thin=True, range_m=STRIPE_RANGE_M),
+        _separate(striped, paint, thin=True, range_m=STRIPE_RANGE_M),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
     return [batch for batch in batches if len(batch.values)]
@@ -104,16 +118,24 @@ def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: 
     return Batch(polygons[order], values[order], values[order], thin, range_m)
 
 
-def _strips(
-    strips: list[tuple[Floats, Floats, int]], thin: bool, chunk: int = CHUNK, range_m: float = RANGE_M
-) -> Batch:
-    """Strips between two edges, cut into polygons of `chunk` stretches."""
+def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float = RANGE_M) -> Batch:
+    """Strips between two edges, cut into polygons that are neither long nor of many stretches."""
     polygons, values, owners = [], [], []
     for owner, (left, right, value) in enumerate(strips):
-        for start in range(0, len(left) - 1, chunk):
-            index = np.minimum(np.arange(start, start + chunk + 1), len(left) - 1)
+        for first, last in pairwise(_cuts(left)):
+            index = np.minimum(np.arange(first, first + CHUNK + 1), last)
             polygons.append(np.concatenate([left[index], right[index[::-1]]]))
             values.append(value)
             owners.append(owner)
-    shape = (len(polygons), 2 * chunk + 2, 2)
+    shape = (len(polygons), 2 * CHUNK + 2, 2)
     return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin, range_m)
+
+
+def _cuts(points: Floats) -> list[int]:
+    """Indices at which a polyline (M, 2) is cut, its ends included."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    cuts = [0]
+    for i in range(1, len(points)):
+        if i == len(points) - 1 or i - cuts[-1] == CHUNK or along[i + 1] - along[cuts[-1]] > CHUNK_M:
+            cuts.append(i)
+    return cuts

@@ -1,4 +1,10 @@
-"""What years of traffic leave on the asphalt: repaired patches, cracks filled with tar."""
+"""What years of traffic leave on the asphalt: polished tracks, repaired patches, cracks, skid marks, manhole covers.
+
+Every mark is a ribbon between two sides of `STATIONS` points each, at stations s along a lane and lateral places to the
+right of its middle.
+"""
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,17 +12,43 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.layout import LaneShape, Line, interpolated
 from vpf_sim.types import Floats
 
-SPACING_M = 22.0  # of faults along each lane, on average
-REPAIR_RANGE_M = 60.0  # nothing of this is drawn farther ahead
+STATIONS = 7
+SHARES = np.linspace(0.0, 1.0, STATIONS)
+WEAR_RANGE_M = 28.0  # levels of the ground that begin farther ahead do not show it
 FLAKE_SPACING_M = 0.5  # of missing pieces along each line, on average
 FLAKE_RANGE_M = 20.0
-PATCH, ACROSS = 0.35, 0.75  # kinds of fault: below the first a patch, below the second a crack across, else along
+
+# Bands along every lane that tyres polish and engines drip on: lateral place, half its width, tone in the palette.
+TRACKS = (
+    (-0.85, 0.38, 2),
+    (0.85, 0.38, 2),
+    (-0.85, 0.22, 3),
+    (0.85, 0.22, 3),
+    (0.0, 0.5, -2),
+    (0.0, 0.3, -4),
+)
+
+Marks = tuple[Floats, Floats, NDArray[np.int64]]  # (n, 2 STATIONS) stations m, as many lateral places m, (n,) tones
 
 
-def wear(shapes: list[LaneShape], asphalt: int, rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
-    """(n, 6, 2) polygons on the lanes, and their values of the palette."""
-    lanes = [_lane_wear(shape, asphalt, rng) for shape in shapes]
-    return np.concatenate([polygons for polygons, _ in lanes]), np.concatenate([values for _, values in lanes])
+def coarse_wear(shapes: list[LaneShape], rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
+    """(n, 2 STATIONS, 2) patches and skid marks, and how much brighter than the asphalt they are, in the palette."""
+    return _laid(shapes, (_patches, _skids), rng)
+
+
+def fine_wear(shapes: list[LaneShape], rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
+    """(n, 2 STATIONS, 2) cracks and lids, and how much brighter than the asphalt they are, in the palette."""
+    return _laid(shapes, (_cracks_along, _cracks_across, _lids), rng)
+
+
+def tracks(shapes: list[LaneShape]) -> list[tuple[Floats, Floats, int]]:
+    """Left side (M, 2), right side and tone of each band along the lanes."""
+    return [
+        (shape.at(middle - half), shape.at(middle + half), tone)
+        for middle, half, tone in TRACKS
+        for shape in shapes
+        if shape.width_m > 2.6
+    ]
 
 
 def flakes(lines: list[Line], rng: np.random.Generator) -> Floats:
@@ -37,28 +69,88 @@ def flakes(lines: list[Line], rng: np.random.Generator) -> Floats:
     return np.concatenate(result)
 
 
-def _lane_wear(shape: LaneShape, asphalt: int, rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
+def _laid(
+    shapes: list[LaneShape],
+    kinds: tuple[Callable[[LaneShape, np.random.Generator], Marks], ...],
+    rng: np.random.Generator,
+) -> tuple[Floats, NDArray[np.int64]]:
+    polygons, tones = [], []
+    for shape in shapes:
+        for kind in kinds:
+            s, lateral, tone = kind(shape, rng)
+            left, right = (interpolated(s, shape.s_m, edge) for edge in (shape.left_m, shape.right_m))
+            polygons.append(left + (0.5 + lateral / shape.width_m)[..., None] * (right - left))
+            tones.append(tone)
+    return np.concatenate(polygons), np.concatenate(tones)
+
+
+def _starts(shape: LaneShape, spacing_m: float, rng: np.random.Generator) -> Floats:
+    """(n,) stations of marks that come at random, `spacing_m` apart on average."""
     first, last = float(shape.s_m[0]), float(shape.s_m[-1])
-    start = np.sort(rng.uniform(first, last, int((last - first) / SPACING_M) + 1))
-    count, half = len(start), 0.5 * shape.width_m
-    kind = rng.random(count)
-    patch, across = kind < PATCH, (kind >= PATCH) & (kind < ACROSS)
-    long = np.select(
-        [patch, across], [rng.uniform(1.0, 5.0, count), rng.uniform(0.04, 0.07, count)], rng.uniform(2, 9, count)
-    )
-    middle, wide = rng.uniform(-0.6, 0.6, count), rng.uniform(0.35, 0.95, count)
-    ends = np.sort(rng.uniform(-half, half, (count, 2)), axis=1)
-    left = np.select([patch, across], [middle - wide, ends[:, 0]], ends[:, 0])
-    right = np.select([patch, across], [middle + wide, ends[:, 1]], ends[:, 0] + 0.05)
-    skew = np.where(across, rng.uniform(-0.8, 0.8, count), 0.0)
-    tone = np.select([patch, across], [rng.choice([-9, -7, -5, 5], count), np.full(count, -16)], -14)
-    s = start[:, None] + long[:, None] * np.array([0.0, 0.5, 1.0])
-    sides = [_along(shape, s, left), _along(shape, s + skew[:, None], right)]
-    return np.concatenate([sides[0], sides[1][:, ::-1]], axis=1), asphalt + tone
+    return np.asarray(rng.uniform(first, last, rng.poisson((last - first) / spacing_m)))
 
 
-def _along(shape: LaneShape, s: Floats, lateral: Floats) -> Floats:
-    """(n, 3, 2) points at stations (n, 3), n lateral places to the right of the lane's middle."""
-    left, right = (interpolated(s, shape.s_m, edge) for edge in (shape.left_m, shape.right_m))
-    share = 0.5 + lateral / shape.width_m
-    return left + share[:, None, None] * (right - left)
+def _ribbons(s: Floats, lateral: Floats, half_s: Floats | float, half_lateral: Floats | float, tone: Floats) -> Marks:
+    """Marks along middles (n, STATIONS), half as wide as said in each direction: up one side, down the other."""
+    stations = np.concatenate([s - half_s, (s + half_s)[:, ::-1]], axis=1)
+    places = np.concatenate([lateral - half_lateral, (lateral + half_lateral)[:, ::-1]], axis=1)
+    return stations, places, np.rint(tone).astype(np.int64)
+
+
+def _patches(shape: LaneShape, rng: np.random.Generator) -> Marks:
+    """Rectangles of another asphalt with a seam of tar around them."""
+    start = _starts(shape, 60.0, rng)[:, None]
+    long, half = rng.uniform(0.8, 6.0, start.shape), rng.uniform(0.3, 0.45 * shape.width_m, start.shape)
+    middle = rng.uniform(-1.0, 1.0, start.shape) * np.maximum(0.5 * shape.width_m - 0.15 - half, 0.0)
+    tone = rng.choice([-9.0, -7.0, -5.0, 5.0], len(start))
+    seam = _ribbons(start - 0.04 + (long + 0.08) * SHARES, middle + 0 * SHARES, 0.0, half + 0.04, tone - 9.0)
+    inside = _ribbons(start + long * SHARES, middle + 0 * SHARES, 0.0, half, tone)
+    return _together(seam, inside)
+
+
+def _skids(shape: LaneShape, rng: np.random.Generator) -> Marks:
+    """Two tyre marks side by side, drifting to a side, faint where they begin and end."""
+    start = _starts(shape, 140.0, rng)[:, None]
+    long, drift = rng.uniform(5.0, 20.0, start.shape), rng.normal(0.0, 0.6, start.shape)
+    middle, half = rng.uniform(-0.3, 0.3, start.shape), rng.uniform(0.07, 0.1, start.shape)
+    tone = rng.uniform(-15.0, -6.0, len(start))
+    marks = []
+    for side in (-0.75, 0.75):
+        for first, last, share in ((0.0, 0.25, 0.5), (0.25, 0.8, 1.0), (0.8, 1.0, 0.5)):
+            along = first + (last - first) * SHARES
+            marks.append(_ribbons(start + long * along, middle + side + drift * along**2, 0.0, half, share * tone))
+    return _together(*marks)
+
+
+def _cracks_along(shape: LaneShape, rng: np.random.Generator) -> Marks:
+    start = _starts(shape, 30.0, rng)[:, None]
+    long = rng.uniform(1.5, 9.0, start.shape)
+    wander = np.cumsum(rng.normal(0.0, 0.06, (len(start), STATIONS)), axis=1)
+    middle = rng.uniform(-0.5, 0.5, start.shape) * shape.width_m
+    half = rng.uniform(0.008, 0.03, start.shape) * np.sin(np.pi * (0.1 + 0.8 * SHARES))
+    return _ribbons(start + long * SHARES, middle + wander, 0.0, half, rng.uniform(-22.0, -12.0, len(start)))
+
+
+def _cracks_across(shape: LaneShape, rng: np.random.Generator) -> Marks:
+    start = _starts(shape, 25.0, rng)[:, None]
+    ends = np.sort(rng.uniform(-0.6, 0.6, (len(start), 2)), axis=1) * shape.width_m
+    wander = np.cumsum(rng.normal(0.0, 0.08, (len(start), STATIONS)), axis=1)
+    lateral = np.clip(ends[:, :1] + np.diff(ends, axis=1) * SHARES, -0.5 * shape.width_m, 0.5 * shape.width_m)
+    half = rng.uniform(0.01, 0.04, start.shape)
+    return _ribbons(start + wander, lateral, half, 0.0, rng.uniform(-20.0, -10.0, len(start)))
+
+
+def _lids(shape: LaneShape, rng: np.random.Generator) -> Marks:
+    """Round manhole covers in a dark frame."""
+    start = _starts(shape, 120.0, rng)[:, None]
+    middle = rng.uniform(-0.8, 0.8, start.shape)
+    marks = []
+    for radius, tone in ((0.36, -18.0), (0.31, -8.0)):
+        s, half = start - radius * np.cos(np.pi * SHARES), radius * np.sin(np.pi * SHARES)
+        marks.append(_ribbons(s, middle + 0 * SHARES, 0.0, half, np.full(len(start), tone)))
+    return _together(*marks)
+
+
+def _together(*marks: Marks) -> Marks:
+    stations, places, tones = zip(*marks, strict=True)
+    return np.concatenate(stations), np.concatenate(places), np.concatenate(tones)
