@@ -1,0 +1,149 @@
+"""Falling drops against an independent count of drops in a box of air, and against the geometry of their motion."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from highway_scenes import add_ego, straight_road
+
+from vpf_sim.envs.camera import Renderer, Rig, weather
+from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.shower import NEAREST_M, drops_per_m3_mm, fall_speed_mps
+from vpf_sim.envs.camera.streaks import Streaks, add, exposure_s
+from vpf_sim.types import Camera, Floats, Image
+
+CAMERA = Camera()
+DOWN = np.array([0.0, 1.0, 0.0])
+
+
+def streaks(rain_mmph: float = 50.0, seed: int = 1, gain: float = 1.0, name: str = "HardRainNoon") -> Streaks:
+    chosen = weather.load(name)
+    return Streaks(CAMERA, replace(Atmosphere.of(chosen), rain_mmph=rain_mmph), Light.of(chosen), gain, seed)
+
+
+def darker_by(levels: float, source: Streaks) -> Image:
+    """A frame that many grey levels darker than the drops."""
+    return np.full((CAMERA.height_px, CAMERA.width_px, 3), round(source.brightness - levels), np.uint8)
+
+
+def counted(
+    rain_mmph: float, speed_mps: float, exposure: float, contrast: float, rng: np.random.Generator
+) -> tuple[Floats, Floats]:
+    """Levels and lengths of the drops of one frame, every drop of a box of air before the camera thrown by itself."""
+    edges = np.linspace(0.3, 6.0, 58)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    half_x, half_y = 1.0, 0.75
+    far = np.maximum(1e-3 * CAMERA.fx_px * (middle + 0.1) * np.sqrt(0.25 * np.pi * contrast / 4.0), NEAREST_M)
+    volume = far**3 / 3.0 * 4.0 * half_x * half_y  # farther away none reaches 4 grey levels, however slow
+    number = rng.poisson(drops_per_m3_mm(rain_mmph, middle) * np.diff(edges) * volume)
+    diameter = np.repeat(middle, number)
+    z = np.repeat(far, number) * rng.random(len(diameter)) ** (1.0 / 3.0)
+    z, diameter = z[z > NEAREST_M], diameter[z > NEAREST_M]
+    x, y = rng.uniform(-half_x, half_x, len(z)), rng.uniform(-half_y, half_y, len(z))
+    middle = np.stack([x * z, y * z, z])
+    half = 0.5 * exposure * np.stack([0.0 * z, fall_speed_mps(diameter.astype(np.float32)), -speed_mps + 0.0 * z])
+    start, end = middle - half, middle + half
+    length = CAMERA.fx_px * np.hypot(*(end[:2] / end[2] - start[:2] / start[2]))
+    width = 1e-3 * CAMERA.fx_px * diameter / z
+    return 0.25 * np.pi * width**2 / np.maximum(1.0, length) * contrast, length
+
+
+@pytest.mark.parametrize(
+    ("rain", "speed", "exposure"), [(50, 10, 0.002), (25, 10, 0.002), (50, 0, 0.002), (50, 20, 0.002)]
+)
+def test_drops_are_as_many_and_as_long_as_those_of_a_box_of_air(rain: float, speed: float, exposure: float) -> None:
+    source = streaks(float(rain))
+    source.exposure_s = exposure
+    frame, drift = darker_by(100.0, source), np.array([0.0, 0.0, -float(speed)])
+    rng = np.random.default_rng(0)
+    level, length = (
+        np.concatenate(a) for a in zip(*(counted(rain, speed, exposure, 100.0, rng) for _ in range(3)), strict=True)
+    )
+    drawn = [source.specks(frame, drift, DOWN) for _ in range(6)]
+    own_level = np.concatenate([specks.level for specks in drawn])
+    own_length = np.concatenate([specks.length_px for specks in drawn])
+    for least in (4.0, 8.0):
+        assert (own_level >= least).sum() / 6.0 == pytest.approx((level >= least).sum() / 3.0, rel=0.1)
+    assert np.median(own_length) == pytest.approx(np.median(length[level >= 4.0]), rel=0.1)
+    assert np.percentile(own_length, 90) == pytest.approx(np.percentile(length[level >= 4.0], 90), rel=0.15)
+
+
+def test_hard_rain_has_the_specks_of_the_table() -> None:
+    source = streaks(50.0)
+    source.exposure_s = 0.002
+    specks = [source.specks(darker_by(100.0, source), np.array([0.0, 0.0, -10.0]), DOWN) for _ in range(4)]
+    assert np.mean([len(s.level) for s in specks]) == pytest.approx(3810, rel=0.06)
+    assert np.mean([(s.level >= 8.0).sum() for s in specks]) == pytest.approx(740, rel=0.1)
+
+
+def test_drops_of_one_fall_speed_radiate_from_the_vanishing_point_of_the_rain() -> None:
+    source = streaks(50.0)
+    speed, wind = 15.0, 4.0
+    specks = source.specks(darker_by(100.0, source), np.array([wind, 0.0, -speed]), DOWN)
+    x, y = specks.x_px - CAMERA.cx_px + CAMERA.fx_px * wind / speed, specks.y_px - CAMERA.cy_px
+    fall = speed * (specks.dy_px * x / specks.dx_px - y) / CAMERA.fy_px  # puts the vanishing point on the streak's line
+    long = specks.length_px > 1.5
+    assert long.sum() > 200
+    assert np.all((fall[long] > 0.5) & (fall[long] < 9.65))
+    assert np.median(fall[long]) == pytest.approx(6.5, abs=1.5)
+    outward = specks.dx_px * x + specks.dy_px * (y + CAMERA.fy_px * fall / speed)
+    assert np.all(outward[long] > 0.0)
+
+
+def test_none_is_seen_before_the_sky_and_none_when_dry() -> None:
+    source = streaks(50.0)
+    bright = darker_by(0.0, source)
+    before = bright.copy()
+    source.draw_passing(bright, np.array([0.0, 0.0, -10.0]), DOWN)
+    assert np.array_equal(bright, before)
+    road = straight_road()
+    ego = add_ego(road, [20.0, 5.0])
+    renderer = Renderer(road, Rig(noise_sd=0.0), weather.load("ClearNoon"), 1)
+    assert np.array_equal(renderer.render(ego, 0.0), renderer.render(ego, 0.0))
+
+
+def test_gain_brightens() -> None:
+    levels = [streaks(50.0, gain=gain) for gain in (1.0, 3.0)]
+    drift = np.array([0.0, 0.0, -10.0])
+    added = []
+    for source in levels:
+        frame = darker_by(60.0, source)
+        before = frame.copy()
+        source.draw_passing(frame, drift, DOWN)
+        added.append(float((frame - before).sum()))
+    assert added[1] > 2.5 * added[0]
+
+
+def test_seeds_have_their_own_drops_and_frames_never_come_again() -> None:
+    def frames(seed: int) -> list[Image]:
+        source = streaks(50.0, seed)
+        result = []
+        for _ in range(2):
+            frame = darker_by(100.0, source)
+            source.draw_passing(frame, np.array([0.0, 0.0, -10.0]), DOWN)
+            result.append(frame)
+        return result
+
+    (a, b), (again, _), (other, _) = frames(1), frames(1), frames(2)
+    assert np.array_equal(a, again)
+    assert not np.array_equal(a, b)
+    assert not np.array_equal(a, other)
+
+
+def test_what_is_added_is_what_the_streaks_hold() -> None:
+    source = streaks(50.0)
+    frame = np.full((CAMERA.height_px, CAMERA.width_px, 3), 20, np.uint8)
+    specks = source.specks(frame, np.array([0.0, 0.0, 0.0]), DOWN)
+    inner = (specks.width_px < 1.0) & (np.abs(specks.x_px - 320.0) < 300.0) & (np.abs(specks.y_px - 240.0) < 200.0)
+    one = specks.part(np.flatnonzero(inner & (specks.length_px > 4.0))[:1])
+    add(frame, one)
+    light = (frame[..., 0].astype(float) - 20.0).sum()
+    assert light == pytest.approx(float((one.level * (one.length_px + 1.0))[0]), rel=0.35)
+    assert np.array_equal(frame[..., 0], frame[..., 2])
+
+
+def test_dim_light_lengthens_the_exposure() -> None:
+    noon, sunset = (exposure_s(Light.of(weather.load(name))) for name in ("HardRainNoon", "HardRainSunset"))
+    assert noon == pytest.approx(0.002)
+    assert 2.0 * noon < sunset <= 0.008
