@@ -84,8 +84,8 @@ def _clouds(
     opacity = opacity**2 * (3.0 - 2.0 * opacity) * min(1.0, 0.45 + 0.9 * light.cover)
     thick = np.clip(dense, 0.0, 4.0)
     broken = 4.0 * light.cover * (1.0 - light.cover)
-    shade = -0.10 * thick - 0.04 * (field if light.cover > 0.9 else 0.0) + (0.02 + 0.10 * broken) * sunward
-    mean = -0.10 * min(max(-threshold, 0.0), 4.0)  # a covered sky keeps its brightness
+    shade = -0.08 * thick - 0.04 * (field if light.cover > 0.9 else 0.0) + (0.02 + 0.10 * broken) * sunward
+    mean = -0.08 * min(max(-threshold, 0.0), 4.0)  # a covered sky keeps its brightness
     return opacity * (0.15 + 0.85 * clear), 1.0 + (shade - mean) * (0.25 + 0.75 * clear)
 
 

@@ -11,10 +11,11 @@ from vpf_sim.types import Floats, Image
 
 COLUMNS, ROWS_PER_SLOPE = 2560, 400
 HILLS = (  # (distance in m, tangent of the height, RGB), from far to near; the nearest is a line of trees
-    (7500.0, 0.060, (84, 100, 110)),
-    (3500.0, 0.036, (74, 92, 72)),
-    (950.0, 0.020, (52, 70, 38)),
+    (5500.0, 0.060, (58, 82, 96)),
+    (2600.0, 0.036, (62, 84, 70)),
+    (950.0, 0.021, (46, 66, 36)),
 )
+VALLEY_HAZE = 0.25  # how much thicker the air is at the foot of a hill than at its top
 LEAST_SHOWN = 0.005  # of the nearest hills' contrast: what is fainter is less than a level
 
 
@@ -26,11 +27,9 @@ def hills_show(atmosphere: Atmosphere) -> bool:
 def outlines(rng: np.random.Generator) -> Floats:
     """(ranges, COLUMNS) tangents of the elevation of the hills' tops."""
     trees = len(HILLS) - 1
-    fields = [
-        noise((1, COLUMNS), rng, 3.0 if i == trees else 10.0, 1.0 if i == trees else 1.6)[0] for i in range(trees + 1)
-    ]
+    fields = [noise((1, COLUMNS), rng, *((3.0, 0.9) if i == trees else (8.0, 1.4)))[0] for i in range(trees + 1)]
     heights = np.array([[height] for _, height, _ in HILLS])
-    return np.asarray(heights * np.clip(0.65 + 0.22 * np.array(fields), 0.15, 1.4))
+    return np.asarray(heights * np.clip(0.62 + 0.30 * np.array(fields), 0.12, 1.4))
 
 
 def hills(
@@ -43,9 +42,10 @@ def hills(
     picture = _magnified(sky, slope[:, 0])
     air = picture[-1]
     for (distance_m, _, colour), top in zip(HILLS, tops, strict=True):
-        left = np.exp(-atmosphere.extinction_per_m * distance_m)
+        up = np.clip(slope / top, 0.0, 1.0)
+        left = np.exp(-atmosphere.extinction_per_m * distance_m * (1.0 + VALLEY_HAZE * (1.0 - up)))[..., None]
         cover = np.clip((top - slope) / (tall / rows), 0.0, 1.0)[..., None]
-        texture = noise((128, COLUMNS), rng, 3.0, 0.5)[:rows, :, None] * 16.0
+        texture = noise((128, COLUMNS), rng, 3.5, 0.8)[:rows, :, None] * 13.0
         tone = (np.array(colour, float) + texture) * light.ground
         picture += cover * (air + (tone - air) * left - picture)
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
