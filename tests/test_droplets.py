@@ -8,6 +8,7 @@ from vpf_sim.envs.camera.droplets import DROP, Droplets
 from vpf_sim.envs.camera.impacts import FOOTPRINT, Impacts
 from vpf_sim.envs.camera.pane import RAKE_RAD, Pane
 from vpf_sim.envs.camera.planes import Planes
+from vpf_sim.envs.camera.wipers import Wiper
 from vpf_sim.types import Camera
 
 CAMERA = Camera()
@@ -144,12 +145,13 @@ def test_drops_dry_off() -> None:
 
 def test_after_any_history_the_planes_show_the_drops_that_are_there() -> None:
     glass = droplets(100.0, seed=3)
-    x, y = np.meshgrid(np.arange(640), 2 * np.arange(240) + 0.5)
+    swath = Wiper(PANE, 1.33, 0).swath(0.0, 1.33)
+    assert swath is not None
     for tick in range(1, 46):
         glass.advance(tick * 0.1, 0.1, 8.0)
         if tick % 20 == 0:
-            glass.wipe(np.where(x + y < 600.0, 255, 0).astype(np.uint8), lambda x, y: x + y < 600.0)
-    assert len(glass.drops) > 300
+            glass.wipe(swath)
+    assert len(glass.drops) > 200
     assert_drawn_as_listed(glass)
 
 

@@ -1,6 +1,7 @@
 """Drops of water on the windshield: they land, merge, run, dry off or are wiped away."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +10,9 @@ from vpf_sim.envs.camera.impacts import FOOTPRINT, SMALLEST_MM, Impacts
 from vpf_sim.envs.camera.pane import Pane
 from vpf_sim.envs.camera.planes import ROWS, Box, Planes
 from vpf_sim.envs.camera.stamps import VARIANTS, stamp
+from vpf_sim.envs.camera.wipers import Swath
 from vpf_sim.seeding import stream
-from vpf_sim.types import Bools, Floats, Image
+from vpf_sim.types import Bools, Image
 
 RUNS_FROM_MM = 3.3  # diameter of the drop; its spot is then 6 mm wide
 GRAVITY_BELOW_MPS, WIND_ABOVE_MPS = 12.0, 20.0  # between these drops of any size stand still
@@ -50,6 +52,7 @@ class Droplets:
         self._impacts = Impacts(rain_mmph)
         self._area_m2 = float(pane.above_m2[-1])
         self._rng = stream(seed, "droplets")
+        self._drawing = True
         middles = np.minimum(np.arange(BAND_PX // 2, len(pane.across) + BAND_PX // 2, BAND_PX), len(pane.across) - 1)
         extents = [pane.across, pane.along / ROWS, pane.blur_px, pane.blur_px / ROWS]
         self._bands = 8.0 * np.array(extents)[:, middles]  # of 1 mm and of the disc, in 1/8 px of the planes
@@ -62,20 +65,36 @@ class Droplets:
         self._run(time_s, gap_s, speed_mps)
         self._land(time_s, gap_s, speed_mps)
 
-    def wipe(self, swept: Image, inside: Callable[[Floats, Floats], Bools]) -> None:
-        """Take away the drops whose middle is `inside`, and the water where the mask of the planes is 255."""
-        gone = inside(self.drops["x"], self.drops["y"])
-        cut = (self._corners_in(swept) != gone[:, None]).any(axis=1)
-        halves = self.drops[gone & cut]
-        self.planes.wipe(swept)
-        self._put(self.drops[~gone & cut], self.planes.whole)
+    @contextmanager
+    def unseen(self) -> Iterator[None]:
+        """Draw nothing before all is over, then what is there."""
+        self._drawing = False
+        yield
+        self._drawing = True
+        self.planes.clear(self.planes.whole)
+        self._put(self.drops, self.planes.whole)
+
+    def wipe(self, swath: Swath) -> None:
+        """Take away the drops whose middle lies in a swath, and all water in it.
+
+        What is cut in two by the swath's sides lies under the blade and goes with the next swath; what is cut by its
+        ends is drawn again or taken away whole.
+        """
+        x, y = self.drops["x"], self.drops["y"]
+        gone = swath.holds(x, y)
+        cut = swath.at_end(x, y)
+        cut[cut] = (self._corners_in(swath.mask, self.drops[cut]) != gone[cut, None]).any(axis=1)
+        halves, wholes = self.drops[gone & cut], self.drops[~gone & cut]
         self.drops = self.drops[~gone]
+        if self._drawing:
+            self.planes.wipe(swath.mask)
+            self._put(wholes, self.planes.whole)
         for drop in halves:
             self._redraw(self._box(drop))
 
-    def _corners_in(self, mask: Image) -> Bools:
+    def _corners_in(self, mask: Image, drops: Drops) -> Bools:
         """(n, 4) whether the corners of the box around each drop lie in a mask of the planes."""
-        drops, (height, width) = self.drops, mask.shape
+        height, width = mask.shape
         column, row, rx, ry = (drops[name][:, None] for name in (*PLACE, "rx", "ry"))
         columns = np.clip(column + rx * np.array([-1, 1, -1, 1]), 0, width - 1)
         rows = np.clip(row + ry * np.array([-1, -1, 1, 1]), 0, height - 1)
@@ -220,12 +239,16 @@ class Droplets:
         drops["ry"] = (drops["height"] + drops["blur_y"]) // 16 + 2
 
     def _put(self, drops: Drops, box: Box) -> None:
+        if not self._drawing:
+            return
         for column, row, width, height, blur, blur_y, variant in drops[DRAWN].tolist():
             image = stamp((width, height), (blur, blur_y), variant if width > 2 * blur else 0, self.planes.scene)
             self.planes.put(image, column, row, box)
 
     def _redraw(self, box: Box) -> None:
         """Draw a part of the planes again."""
+        if not self._drawing:
+            return
         drops = self.drops
         self.planes.clear(box)
         beside = (drops["column"] + drops["rx"] < box[0]) | (drops["column"] - drops["rx"] > box[2])

@@ -72,24 +72,31 @@ class Glass:
     def _advance(self, droplets: Droplets, time_s: float) -> bool:
         """Bring water and wiper to a time; whether anything changed, which it does not when they are there already."""
         now = int(time_s / TICK_S + 1e-6)
-        start, stride = max(self._tick, now - WARM_UP_TICKS), 1
         if self._time_s is None:
-            start, stride = now - WARM_UP_TICKS, WARM_UP_STRIDE
-        ticks = range(start + stride, now + 1, stride)
-        for tick in ticks:
-            until_s, gap_s = tick * TICK_S, stride * TICK_S
+            with droplets.unseen():
+                self._tick_through(droplets, range(now - WARM_UP_TICKS, now + 1, WARM_UP_STRIDE))
+            self._wipe(droplets, now * TICK_S, time_s)
+            return True
+        before = self._tick
+        if now > before:
+            self._tick_through(droplets, range(max(before, now - WARM_UP_TICKS), now + 1))
+        return self._wipe(droplets, self._time_s, time_s) or now > before
+
+    def _tick_through(self, droplets: Droplets, ticks: range) -> None:
+        """Let the water live from the first of the ticks to the last."""
+        gap_s = ticks.step * TICK_S
+        for tick in ticks[1:]:
+            until_s = tick * TICK_S
             droplets.advance(until_s, gap_s, self._speed_mps)
             self._film.advance(until_s)
             self._wipe(droplets, until_s - gap_s, until_s)
-        self._tick = max(self._tick, now)
-        since_s = now * TICK_S if self._time_s is None else self._time_s
-        return self._wipe(droplets, since_s, time_s) or len(ticks) > 0
+        self._tick = ticks[-1]
 
     def _wipe(self, droplets: Droplets, from_s: float, until_s: float) -> bool:
         """Wipe as the blade does in a span of time; whether it was over the picture."""
         swath = None if self._wiper is None or until_s <= from_s else self._wiper.swath(from_s, until_s)
         if swath is None:
             return False
-        droplets.wipe(swath.mask, swath.holds)
+        droplets.wipe(swath)
         self._film.wipe(swath, until_s)
         return True

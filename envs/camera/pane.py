@@ -16,7 +16,7 @@ from vpf_sim.types import Camera, Floats
 DISTANCE_M = 0.1  # z0, along the optical axis
 RAKE_RAD = radians(55.0)  # against the optical axis, as in a van; much flatter glass would not fill the picture
 NEAREST_SHARE, FARTHEST_SHARE = 0.5, 3.0  # of z0; rays that miss the glass are taken to meet it this far
-PUPIL_MM = 1.0  # diameter of the lens's entrance
+PUPIL_MM = 1.5  # diameter of the lens's entrance: 3 mm at f/2
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from vpf_sim.types import Image
 VARIANTS = 4  # outlines of larger drops
 SHADES = (1.0, 0.9, 0.78, 0.64)  # brightness from the middle of a drop to its rim
 REACH = 0.85  # share of the scene to either side of its middle that one drop shows
-RIM_FROM = 0.5  # of the radius
+RIM_FROM = 0.4  # of the radius
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ PIVOT_M = (-0.45, 0.62)  # right of the optical axis, down along the glass
 SWEEP_RAD = radians(90.0)  # from lying to the right of the pivot to standing above it
 RADII_M = (0.25, 0.84)  # what the blade wipes
 CYCLE_S = 1.33  # there and back, 45 a minute; faster where the period is shorter
+END_M = 0.01
 WIDTH_M = 0.016  # of blade and arm
 GREY, COVER = 22.0, 0.94  # the light that comes from the blade itself; how much it takes of what is behind
 EXPOSURE_S = 0.004
@@ -94,6 +95,11 @@ class Swath:
         """Which points of the picture lie in the swath."""
         angle = _angle_at(self.pane, x_px, y_px)
         return (angle >= self.low) & (angle <= self.high)
+
+    def at_end(self, x_px: Floats, y_px: Floats) -> Bools:
+        """Which points of the picture lie so near the ends of the blade that it may cut a drop there in two."""
+        radius = _polar(self.pane, x_px, y_px)[0]
+        return np.abs(radius[:, None] - RADII_M).min(axis=1) < END_M
 
 
 def paint_blade(frame: Image, blade: Image) -> None:
