@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.hills import HILLS
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.types import Camera, Floats, Image
@@ -68,6 +69,8 @@ class Veil:
 
 
 def _depth_of_rows(camera: Camera) -> Floats:
-    """(rows,) m along the optical axis of the ground that each row sees, from the top of the ground down."""
+    """(rows,) m along the optical axis of the ground that each row sees, from the top of the ground down; no farther
+    than the line of trees that ends it."""
     y = (np.arange(ground_top(camera), camera.height_px) - camera.cy_px) / camera.fy_px
-    return np.asarray(camera.height_m / (y * np.cos(camera.pitch_rad) + np.sin(camera.pitch_rad)))
+    depth = camera.height_m / (y * np.cos(camera.pitch_rad) + np.sin(camera.pitch_rad))
+    return np.asarray(np.minimum(depth, HILLS[-1][0]))
