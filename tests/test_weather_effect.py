@@ -27,7 +27,7 @@ def test_single_factors_leave_the_others_clear() -> None:
         "wet mirror": {"wetness"},
         "puddles": {"precipitation_deposits"},
         "streaks": {"precipitation", "wind_intensity"},
-        "droplets": {"precipitation", "wind_intensity", "streak_gain", "droplets"},
+        "droplets": {"droplets"},
     }
     for name, changed in expected.items():
         factors = FACTORS[name].weather.model_dump()

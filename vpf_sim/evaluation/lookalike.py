@@ -113,7 +113,7 @@ STREETS = {
             "precipitation": 30.0,
             "precipitation_deposits": 30.0,
             "wetness": 60.0,
-            "droplets": 100.0,
+            "droplets": 40.0,
             "cloudiness": 100.0,
         },
         bodies=(body("car", 45.0, 2), body("car", 70.0, 2)),

@@ -48,7 +48,6 @@ TOGETHER = ("WetNoon", "SoftRainNoon", "MidRainyNoon", "HardRainNoon", "FoggyNoo
 def _single_factors() -> list[Factor]:
     hard = {"precipitation": 100.0, "wind_intensity": 100.0}
     rain = _changed(**hard, streak_gain=0.0)  # where it rains the road is wet and the air dims
-    on_glass = {**hard, "streak_gain": 0.0, "droplets": 100.0}
     return [
         Factor("clear", CLEAR),
         Factor("no noise", CLEAR, noise_sd=0.0),
@@ -63,8 +62,9 @@ def _single_factors() -> list[Factor]:
         Factor("wet road and veil", rain),
         Factor("streaks", _changed(**hard), rain),
         Factor("streaks x 8", _changed(**hard, streak_gain=8.0), rain),
-        Factor("droplets", _changed(**on_glass), rain),
-        Factor("droplets, wiper", _changed(**on_glass, wiper_period_s=weathers.FAST_WIPER_S), rain),
+        Factor("droplets of 20", _changed(droplets=20.0)),
+        Factor("droplets", _changed(droplets=100.0)),
+        Factor("droplets, wiper", _changed(droplets=100.0, wiper_period_s=weathers.FAST_WIPER_S)),
     ]
 
 
