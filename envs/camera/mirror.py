@@ -49,14 +49,16 @@ def mirrored_points(view: View, points_px: Floats, planes: Floats) -> tuple[Floa
     about the road it is ray / w - 2 z up, where z = camera height + ray . up / w is its height.
     """
     camera, up = view.camera, view.axes[:, 2]
-    x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
-    y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
-    inverse_depth = planes[:, 0] * x + planes[:, 1] * y + planes[:, 2]
-    lift = camera.height_m * inverse_depth + up[0] * x + up[1] * y + up[2]  # z w
-    depth = 1.0 - 2.0 * up[2] * lift
-    image = np.empty_like(points_px)
-    image[:, 0] = camera.fx_px * (x - 2.0 * up[0] * lift) / depth + camera.cx_px
-    image[:, 1] = camera.fy_px * (y - 2.0 * up[1] * lift) / depth + camera.cy_px
+    lens = np.array([[camera.fx_px, 0.0, camera.cx_px], [0.0, camera.fy_px, camera.cy_px], [0.0, 0.0, 1.0]])
+    unlens = np.linalg.inv(lens)
+    x, y = points_px.T
+    a, b, c = (planes @ unlens).T
+    inverse_depth = a * x + b * y + c
+    a, b, c = up @ unlens
+    lift = camera.height_m * inverse_depth + (a * x + b * y + c)  # z w
+    across, down, ahead = -2.0 * lens @ up
+    depth = 1.0 + ahead * lift
+    image = np.stack([(x + across * lift) / depth, (y + down * lift) / depth], axis=1)
     return image, lift / inverse_depth
 
 
@@ -108,8 +110,8 @@ def _drawn_out(view: View, polygons: list[Floats], planes: Floats, colours: list
 def paint_faces(canvas: Image, top: int, faces: Faces) -> None:
     """Draw mirrored faces on a canvas of reduced size whose first row is the picture's row `top`."""
     scale = 2.0**SHIFT / REFINEMENT
-    points = faces.points_px * scale + np.array([0.5, 0.5 - top]) * scale - 0.5 * 2**SHIFT
-    fixed = np.rint(np.clip(points, -30000.0, 30000.0)).astype(np.int32)
+    corner = np.array([0.5, 0.5 - top]) * scale - 0.5 * 2**SHIFT
+    fixed = np.rint(faces.points_px * scale + corner).astype(np.int32)
     start = 0
     for corners, colour in zip(faces.corners, faces.colours, strict=True):
         cv2.fillConvexPoly(canvas, fixed[start : start + corners], colour, cv2.LINE_AA, SHIFT)
