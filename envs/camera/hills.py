@@ -16,7 +16,7 @@ HILLS = (  # (distance in m, tangent of the height, RGB), from far to near; the 
     (950.0, 0.021, (46, 66, 36)),
 )
 VALLEY_HAZE = 0.25  # how much thicker the air is at the foot of a hill than at its top
-LEAST_SHOWN = 0.005  # of the nearest hills' contrast: what is fainter is less than a level
+LEAST_SHOWN = 0.012  # of the nearest hills' contrast: what is fainter is about a level
 
 
 def hills_show(atmosphere: Atmosphere) -> bool:

@@ -13,7 +13,7 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
 STRIPS = 4  # of the picture, each with its own part of the bank: a small bank stays in the processor's cache
-MARGIN_PX = 64  # how far the bank is larger than a strip
+MARGIN_PX = 32  # how far the bank is larger than a strip
 CORRELATION_PX = 0.5  # sd of the blur that colour interpolation and denoising leave in the noise
 
 
