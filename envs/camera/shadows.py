@@ -9,7 +9,6 @@ from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 from vpf_sim.types import Floats, Image
 
 RANGE_M = 90.0
-SUN_SHADOW, CONTACT = 128, 70  # what is left of the road's brightness, of 255
 FULLNESS = 0.85  # a body's shadow is that of a box of this part of its height
 
 
@@ -28,7 +27,7 @@ def paint_shadow(frame: Image, view: View, pose: Floats, size: tuple[float, floa
         if not (inside[0].any() and inside[1].any()):
             return
         polygons = [clip_near(polygon[None], flags[None])[0] for polygon, flags in zip(polygons, inside, strict=True)]
-    shown = list(zip([view.pixels(polygon) for polygon in polygons], (SUN_SHADOW, CONTACT), strict=True))
+    shown = list(zip([view.pixels(polygon) for polygon in polygons], (light.shadow, light.contact), strict=True))
     box = bounding_box(np.concatenate([polygon for polygon, _ in shown]), frame.shape)
     if box is None:
         return
@@ -36,7 +35,7 @@ def paint_shadow(frame: Image, view: View, pose: Floats, size: tuple[float, floa
     mask = np.full((2 * (y1 - y0), 2 * (x1 - x0)), 255, np.uint8)
     for polygon, value in shown:
         fixed = np.rint(((polygon - np.array([x0, y0]) + 0.5) * 2.0 - 0.5) * 2**SHIFT).astype(np.int32)
-        cv2.fillConvexPoly(mask, fixed, value, cv2.LINE_8, SHIFT)
+        cv2.fillConvexPoly(mask, fixed, round(255.0 * value), cv2.LINE_8, SHIFT)
     left = cv2.blur(cv2.resize(mask, (x1 - x0, y1 - y0), interpolation=cv2.INTER_AREA), (3, 3))
     region = frame[y0:y1, x0:x1]
     cv2.multiply(region, cv2.merge([left, left, left]), region, scale=1 / 255)
