@@ -167,3 +167,12 @@ def test_still_water_stands_still() -> None:
     add_body(road, "car", [34.0, 7.0])
     renderer = Renderer(road, Rig(noise_sd=0.0), weather.load("WetNoon"), 1)
     assert np.array_equal(renderer.render(ego, 0.0), renderer.render(ego, 0.1))
+
+
+@pytest.mark.parametrize("camera", [Camera(cy_px=20.0, pitch_rad=0.3), Camera(cy_px=470.0, pitch_rad=-0.3)])
+def test_without_sky_or_without_road_nothing_is_mirrored(camera: Camera) -> None:
+    frame = np.full((camera.height_px, camera.width_px, 3), ROAD, np.uint8)
+    road = wet_road(camera, "HardRainNoon")
+    road.draw(frame, View.at(camera, EGO, 0.0), [])
+    assert np.all(frame == ROAD)
+    assert not road.hidden().any()

@@ -12,10 +12,10 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 REFINEMENT = 2  # pixels of the picture to a pixel of the mirror image, each way
-FACES, SPRITES = 18, 3  # only the largest are mirrored
+FACES, SPRITES = 18, 5  # only the largest are mirrored
 FADED = 64.0  # of 255; faces that let more through are not mirrored
 BODIES_FIRST = 4.0  # how much more the area of a body's face counts than that of scenery
-SMALLEST_PX = 40.0  # area of the smallest face that is mirrored
+SMALLEST_PX = 20.0  # area of the smallest face that is mirrored
 SPRITE_TALL_PX = 30
 FOOT_M = 0.4  # what of a body counts as its foot
 FOOT_SHARE = 0.3  # of the way from its foot up to the horizon is surely covered by the thing

@@ -21,7 +21,7 @@ class Shower:
     the largest and slowest of them is still bright enough."""
 
     expected: float  # number of drops in all strata
-    strata: NDArray[np.intp]  # (65536,) each stratum as often as its share of the drops
+    strata: NDArray[np.uint16]  # (65536,) each stratum as often as its share of the drops
     diameter_mm: Singles  # (strata,) the least of the class
     corners_px: Singles  # (2, strata) the cell's corner
     farthest_m3: Singles  # (strata,) cube of the farthest depth
@@ -67,7 +67,7 @@ def shower(
     classes, cells = np.divmod(np.arange(len(expected)), corners.shape[1])
     return Shower(
         total,
-        np.resize(strata, 65536) if total > 0.0 else np.zeros(65536, np.intp),
+        np.resize(strata, 65536).astype(np.uint16) if total > 0.0 else np.zeros(65536, np.uint16),
         DIAMETERS_MM[classes].astype(np.float32),
         corners[:, cells].astype(np.float32),
         (farthest**3).ravel().astype(np.float32),

@@ -19,6 +19,7 @@ FAINTEST, LEAST_CONTRAST = (
 )  # grey levels of the drop as seen, and of its own brightness; fainter ones are left to the sensor's noise
 DARKEST, GROUND = 30.0, 75.0  # of what drops are seen before, and mean of the ground in full light, grey levels
 STEP_MPS = 1.0  # change of the rain's motion past the camera after which its drops are counted anew
+SHOWERS = 32  # such counts that are kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +100,8 @@ class Streaks:
         """The drops to choose from, for about this motion of the rain past the camera."""
         key = tuple(np.rint(drift / STEP_MPS).astype(int).tolist())
         if key not in self._showers:
+            if len(self._showers) >= SHOWERS:
+                self._showers.clear()
             faintest = FAINTEST / (self._gain * (self.brightness - DARKEST))
             motion = (STEP_MPS * np.array(key, float), down)
             self._showers[key] = shower(self._camera, self._rain_mmph, motion, self.exposure_s, faintest)

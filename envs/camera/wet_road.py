@@ -52,17 +52,17 @@ class WetRoad:
     The share that is mirrored is Fresnel's for flat water (n = 1.333) times the share of the road that is covered.
     Below about 10 mm/h the stones of the asphalt poke through the film, from 25 mm/h on it is one film (Gallaway et al.
     1971, TTI report 138-5). A facet tilted by s moves the mirror image of what is far by 2 f s up or down, and hardly
-    sideways.
+    sideways. The sky of the picture is all that can be mirrored: a camera that sees none of it sees a dull road.
     """
 
     def __init__(self, camera: Camera, shapes: list[LaneShape], atmosphere: Atmosphere, seed: int) -> None:
         self._size = (camera.height_px, camera.width_px)
         self._last: tuple[View, list[Drawn], Bytes] | None = None
-        self._dry = atmosphere.wetness <= 0.0
-        if self._dry:
+        self._top = ground_top(camera)
+        self._none = atmosphere.wetness <= 0.0 or not REFINEMENT <= self._top < camera.height_px
+        if self._none:
             return
         self._camera = camera
-        self._top = ground_top(camera)
         self._columns = camera.width_px // REFINEMENT
         sines = self._sines(ceil((camera.height_px - self._top) / REFINEMENT))
         fading = np.clip((sines - STEEPEST) / (STEEP - STEEPEST), 0.0, 1.0)
@@ -83,7 +83,7 @@ class WetRoad:
 
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
         """Mirror what is drawn above the horizon and the things that will be drawn, in place."""
-        if self._dry or self._rows == 0:
+        if self._none:
             return
         sky = self._mirrored_sky(frame)
         self._last = (view, drawn, sky)
@@ -135,7 +135,7 @@ class WetRoad:
     def _lay(self, frame: Image, through: Bytes, light: Bytes) -> None:
         """Dim the road and add what it mirrors."""
         rows = frame[self._top : self._top + self._rows * REFINEMENT]
-        size = (self._columns * REFINEMENT, self._rows * REFINEMENT)
+        size = (frame.shape[1], self._rows * REFINEMENT)
         left: Any = cv2.cvtColor(cv2.resize(through, size), cv2.COLOR_GRAY2RGB)
         cv2.multiply(rows, left[: len(rows)], rows, scale=1 / 255)
         cv2.add(rows, cv2.resize(light, size)[: len(rows)], rows)
