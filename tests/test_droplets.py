@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from vpf_sim.envs.camera.droplets import DROP, Droplets
+from vpf_sim.envs.camera.droplets import Droplets
+from vpf_sim.envs.camera.drops import DROP
 from vpf_sim.envs.camera.impacts import FOOTPRINT, Impacts
 from vpf_sim.envs.camera.pane import RAKE_RAD, Pane
 from vpf_sim.envs.camera.planes import Planes
@@ -32,17 +33,15 @@ def drops(*places: tuple[float, float, float]) -> np.ndarray:
 def placed(*places: tuple[float, float, float]) -> Droplets:
     glass = droplets(NO_RAIN)
     made = drops(*places)
-    glass._shape(made)
-    glass._add(made)
+    glass.picture.shape(made)
+    glass.add(made)
     return glass
 
 
 def assert_drawn_as_listed(glass: Droplets) -> None:
-    fresh = Planes(CAMERA)
-    empty = droplets(NO_RAIN)
-    empty.planes = fresh
-    empty._add(glass.drops)
-    np.testing.assert_array_equal(glass.planes.alpha, fresh.alpha)
+    fresh = droplets(NO_RAIN)
+    fresh.add(glass.drops)
+    np.testing.assert_array_equal(glass.planes.alpha, fresh.planes.alpha)
 
 
 def marshall_palmer(power: float, speed_mps: float, rain_mmph: float) -> float:
@@ -100,7 +99,7 @@ def test_a_drop_shows_as_wide_as_its_spot_at_the_distance_of_the_glass() -> None
 
 def test_drops_that_touch_become_one_of_their_volume_in_their_centre_of_mass() -> None:
     glass = placed((300.0, 240.0, 2.0), (302.0, 242.0, 1.0), (500.0, 240.0, 1.5))
-    glass._put(glass._merge(np.array([1]), len(glass.drops)), glass.planes.whole)
+    glass.picture.put(glass._merge(np.array([1]), len(glass.drops)))
     merged, apart = sorted(glass.drops, key=lambda drop: drop["x"])
     assert merged["size"] ** 3 == pytest.approx(2.0**3 + 1.0**3)
     assert (merged["x"], merged["y"]) == pytest.approx((300.0 + 2.0 / 9.0, 240.0 + 2.0 / 9.0))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.envs.camera import weather
-from vpf_sim.envs.camera.droplets import DROP
+from vpf_sim.envs.camera.drops import DROP
 from vpf_sim.envs.camera.glass import Glass
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.things import Snapshot
@@ -45,8 +45,8 @@ def with_drop(x: float, y: float, size: float) -> Glass:
     drop = np.zeros(1, DROP)
     drop["x"], drop["y"], drop["size"], drop["dies"] = x, y, size, 1e9
     assert water._droplets is not None
-    water._droplets._shape(drop)
-    water._droplets._add(drop)
+    water._droplets.picture.shape(drop)
+    water._droplets.add(drop)
     return water
 
 
@@ -109,6 +109,16 @@ def test_cover_grows_between_sweeps_and_a_pass_takes_it_away() -> None:
     growth = np.diff(swings) * 30.0  # 1/s
     assert 0.025 < np.median(growth[growth > 0.0]) < 0.06
     assert growth.min() < -0.5
+
+
+def test_a_thin_film_is_left_behind_the_blade_for_a_moment() -> None:
+    water, frame = glass(droplets=1.0, wiper_period_s=4.0), noise()  # drops a second: next to none
+    assert water._wiper is not None
+    seen = [water._wiper.blade(k / RATE_HZ) is not None for k in range(300)]
+    gone = next(k for k in range(1, 260) if seen[k - 1] and not any(seen[k : k + 40]))
+    contrast = [draw(water, frame, k)[300:400, 200:400].std() for k in range(gone + 40)]
+    fresh, dry = contrast[gone], contrast[gone + 30]
+    assert 0.88 < fresh / dry < 0.97
 
 
 def test_the_same_time_again_changes_nothing() -> None:

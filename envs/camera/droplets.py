@@ -6,10 +6,11 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.impacts import FOOTPRINT, SMALLEST_MM, Impacts
+from vpf_sim.envs.camera.drops import DRAWN, DROP, PLACE, DropPicture, Drops
+from vpf_sim.envs.camera.impacts import FOOTPRINT, Impacts
 from vpf_sim.envs.camera.pane import Pane
-from vpf_sim.envs.camera.planes import ROWS, Box, Planes
-from vpf_sim.envs.camera.stamps import VARIANTS, stamp
+from vpf_sim.envs.camera.planes import Planes
+from vpf_sim.envs.camera.stamps import VARIANTS
 from vpf_sim.envs.camera.wipers import Swath
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Image
@@ -23,56 +24,39 @@ SHED_SHARE = (0.2, 0.4)  # width of what a running drop leaves behind / its own
 LIFE_S = (5.0, 20.0)  # until a drop has dried off or run off, when no wiper comes
 LARGEST_MM = 8.0
 SMALLEST_PX = 2.5  # width of a spot; smaller ones are part of the film
-SIZE_STEP = 1.08  # drops are drawn in sizes this far apart,
-BAND_PX = 16  # and as in the middle of a band of this many rows
-
-Drops = NDArray[np.void]
-PLACE = ["column", "row"]
-EXTENTS = ["width", "height", "blur", "blur_y"]
-DRAWN = [*PLACE, *EXTENTS, "variant"]
-DROP = np.dtype(
-    [
-        *((name, "f8") for name in ("x", "y")),  # px
-        ("size", "f8"),  # mm, diameter of a sphere of its volume
-        ("dies", "f8"),  # s
-        ("turns", "f8"),  # s, when it next starts or stops
-        ("run", "f8"),  # m/s, 0 at rest
-        *((name, "i4") for name in (*DRAWN, "rx", "ry")),  # on the planes: px, stamps in 1/8 px, half its extent
-    ]
-)
 
 
 class Droplets:
-    """All drops on the glass, and their picture in `planes`."""
+    """All drops on the glass, and their picture."""
 
     def __init__(self, pane: Pane, planes: Planes, rain_mmph: float, seed: int) -> None:
         self.planes = planes
+        self.picture = DropPicture(pane, planes)
         self.drops: Drops = np.zeros(0, DROP)
         self._pane = pane
         self._impacts = Impacts(rain_mmph)
         self._area_m2 = float(pane.above_m2[-1])
         self._rng = stream(seed, "droplets")
-        self._drawing = True
-        middles = np.minimum(np.arange(BAND_PX // 2, len(pane.across) + BAND_PX // 2, BAND_PX), len(pane.across) - 1)
-        extents = [pane.across, pane.along / ROWS, pane.blur_px, pane.blur_px / ROWS]
-        self._bands = 8.0 * np.array(extents)[:, middles]  # of 1 mm and of the disc, in 1/8 px of the planes
 
     def advance(self, time_s: float, gap_s: float, speed_mps: float) -> None:
         """Let the drops of the `gap_s` before `time_s` land, run and dry off."""
         height, width = self.planes.shape
         out = (self.drops["row"] < 0) | (self.drops["row"] > height) | (abs(2 * self.drops["column"] - width) > width)
-        self._remove((self.drops["dies"] <= time_s) | out)
+        gone = (self.drops["dies"] <= time_s) | out
+        if gone.any():
+            dead, self.drops = self.drops[gone], self.drops[~gone]
+            self.picture.replace(dead, self.drops)
         self._run(time_s, gap_s, speed_mps)
         self._land(time_s, gap_s, speed_mps)
 
     @contextmanager
     def unseen(self) -> Iterator[None]:
-        """Draw nothing before all is over, then what is there."""
-        self._drawing = False
+        """Draw nothing before all is over, then the drops that are there."""
+        self.picture.drawing = False
         yield
-        self._drawing = True
+        self.picture.drawing = True
         self.planes.clear(self.planes.whole)
-        self._put(self.drops, self.planes.whole)
+        self.picture.put(self.drops)
 
     def wipe(self, swath: Swath) -> None:
         """Take away the drops whose middle lies in a swath, and all water in it.
@@ -86,11 +70,9 @@ class Droplets:
         cut[cut] = (self._corners_in(swath.mask, self.drops[cut]) != gone[cut, None]).any(axis=1)
         halves, wholes = self.drops[gone & cut], self.drops[~gone & cut]
         self.drops = self.drops[~gone]
-        if self._drawing:
-            self.planes.wipe(swath.mask)
-            self._put(wholes, self.planes.whole)
-        for drop in halves:
-            self._redraw(self._box(drop))
+        self.picture.wipe(swath.mask)
+        self.picture.put(wholes)
+        self.picture.replace(halves, self.drops)
 
     def _corners_in(self, mask: Image, drops: Drops) -> Bools:
         """(n, 4) whether the corners of the box around each drop lie in a mask of the planes."""
@@ -115,33 +97,28 @@ class Droplets:
         new["dies"] = time_s + LIFE_S[0] + (LIFE_S[1] - LIFE_S[0]) * random[2]
         new["turns"] = time_s + RESTS_S * random[3]
         new["variant"] = (VARIANTS * random[3]).astype(np.int32)
-        self._shape(new)
+        self.picture.shape(new)
         first = len(self.drops)
         self.drops = np.concatenate([self.drops, new])
-        self._put(self._merge(np.arange(first, len(self.drops)), first), self.planes.whole)
+        self.picture.put(self._merge(np.arange(first, len(self.drops)), first))
 
     def _merge(self, movers: NDArray[np.intp], undrawn_from: int) -> Drops:
         """Join each of `movers` with the drops it touches (the middle of one lies in the spot of the other) into one of
         the volume of all, in their centre of mass; the drops from `undrawn_from` on that are left, and those that grew.
         """
         gone, grown = np.zeros(len(self.drops), bool), np.arange(len(self.drops)) >= undrawn_from
-        boxes: list[Box] = []
+        replaced = [self.drops[:0]]
         for i, touched in self._touching(movers):
             group = np.append(touched[~gone[touched]], i)
             if gone[i] or len(group) == 1:
                 continue
             keeper = int(group[np.argmax(self.drops["size"][group])])
-            boxes += [self._box(self.drops[k]) for k in group if k < undrawn_from]
+            replaced.append(self.drops[group[group < undrawn_from]])
             self._unite(group, keeper)
             gone[group], gone[keeper], grown[keeper] = True, False, True
-        return self._settle(gone, grown, boxes)
-
-    def _settle(self, gone: Bools, grown: Bools, boxes: list[Box]) -> Drops:
-        """Drop the drops that are gone, clear their places; those that are to be drawn."""
         if gone.any():
             self.drops, grown = self.drops[~gone], grown[~gone]
-        for box in boxes:
-            self._redraw(box)
+        self.picture.replace(np.concatenate(replaced), self.drops)
         return self.drops[grown]
 
     def _unite(self, group: NDArray[np.intp], keeper: int) -> None:
@@ -151,7 +128,7 @@ class Droplets:
         for axis in ("x", "y"):
             drops[axis][keeper] = volumes @ drops[axis][group] / volumes.sum()
         drops["size"][keeper] = min(volumes.sum() ** (1 / 3), LARGEST_MM)
-        self._shape(drops[keeper : keeper + 1])
+        self.picture.shape(drops[keeper : keeper + 1])
 
     def _touching(self, movers: NDArray[np.intp]) -> list[tuple[int, NDArray[np.intp]]]:
         """For each mover that touches any: itself, and the drops it touches."""
@@ -176,11 +153,10 @@ class Droplets:
         self.drops[running] = self._stepped(before, gap_s, blown)
         left = self._shed(running, before, gap_s, blown)
         moved = self.drops[DRAWN][running] != before[DRAWN]
-        for drop in before[moved]:
-            self._redraw(self._box(drop))
-        self._put(self.drops[running[moved]], self.planes.whole)
-        self._put(self._merge(running[moved], len(self.drops)), self.planes.whole)
-        self._add(left)
+        self.picture.replace(before[moved], self.drops)
+        self.picture.put(self.drops[running[moved]])
+        self.picture.put(self._merge(running[moved], len(self.drops)))
+        self.add(left)
 
     def _turn(self, i: int, time_s: float) -> None:
         """Start a drop that rests, stop one that runs."""
@@ -197,7 +173,7 @@ class Droplets:
             sideways += 0.7 * np.sign(drops["x"] - self._pane.camera.cx_px)
         later["x"] += way_mm * self._pane.across[rows] * sideways
         later["y"] += way_mm * self._pane.along[rows] * (-0.7 if blown else 1.0)
-        self._shape(later)
+        self.picture.shape(later)
         return later
 
     def _shed(self, running: NDArray[np.intp], before: Drops, gap_s: float, blown: bool) -> Drops:
@@ -209,55 +185,14 @@ class Droplets:
         left["run"] = 0.0
         spot_px = FOOTPRINT * before["size"][sheds] * self._pane.along[self._pane.row(left["y"])]
         left["y"] += 0.6 * spot_px * (1.0 if blown else -1.0)
-        self._shape(left)
+        self.picture.shape(left)
         lighter = self.drops[running[sheds]]
         lighter["size"] = (before["size"][sheds] ** 3 - left["size"] ** 3) ** (1 / 3)
-        self._shape(lighter)
+        self.picture.shape(lighter)
         self.drops[running[sheds]] = lighter
         return left
 
-    def _add(self, drops: Drops) -> None:
-        self._put(drops, self.planes.whole)
+    def add(self, drops: Drops) -> None:
+        """Put drops on the glass."""
+        self.picture.put(drops)
         self.drops = np.concatenate([self.drops, drops])
-
-    def _remove(self, gone: Bools) -> None:
-        boxes = [self._box(drop) for drop in self.drops[gone]]
-        if boxes:
-            self.drops = self.drops[~gone]
-        for box in boxes:
-            self._redraw(box)
-
-    def _shape(self, drops: Drops) -> None:
-        """Note how drops are drawn: their middle on the planes, and their stamp."""
-        bands = self._bands[:, self._pane.row(drops["y"]) // BAND_PX]
-        steps = np.rint(np.log(drops["size"] / SMALLEST_MM) / np.log(SIZE_STEP))
-        bands[:2] *= FOOTPRINT * SMALLEST_MM * SIZE_STEP**steps
-        drops["column"], drops["row"] = np.rint(drops["x"]), np.rint((drops["y"] - (ROWS - 1) / 2) / ROWS)
-        for name, extent in zip(EXTENTS, np.maximum(np.rint(bands), 1), strict=True):
-            drops[name] = extent
-        drops["rx"] = (drops["width"] + drops["blur"]) // 16 + 2
-        drops["ry"] = (drops["height"] + drops["blur_y"]) // 16 + 2
-
-    def _put(self, drops: Drops, box: Box) -> None:
-        if not self._drawing:
-            return
-        for column, row, width, height, blur, blur_y, variant in drops[DRAWN].tolist():
-            image = stamp((width, height), (blur, blur_y), variant if width > 2 * blur else 0, self.planes.scene)
-            self.planes.put(image, column, row, box)
-
-    def _redraw(self, box: Box) -> None:
-        """Draw a part of the planes again."""
-        if not self._drawing:
-            return
-        drops = self.drops
-        self.planes.clear(box)
-        beside = (drops["column"] + drops["rx"] < box[0]) | (drops["column"] - drops["rx"] > box[2])
-        beyond = (drops["row"] + drops["ry"] < box[1]) | (drops["row"] - drops["ry"] > box[3])
-        self._put(drops[~(beside | beyond)], box)
-
-    def _box(self, drop: np.void) -> Box:
-        """What a drop covers on the planes."""
-        column, row, rx, ry = (int(drop[name]) for name in (*PLACE, "rx", "ry"))
-        height, width = self.planes.shape
-        x0, x1, y0, y1 = column - rx, column + rx + 1, row - ry, row + ry + 1
-        return max(x0, 0), max(y0, 0), max(min(x1, width), 0), max(min(y1, height), 0)
