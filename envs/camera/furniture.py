@@ -1,54 +1,22 @@
-"""What stands along a road and never moves, as meshes: posts, guard rails, signs."""
+"""What stands along a road and never moves, as meshes: posts, guard rails, lamp posts, gantries.
+
+Their fronts face back along x, towards whoever drives up to them; every face has at most four corners.
+"""
 
 from functools import lru_cache
 
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box
+from vpf_sim.envs.camera.signs import direction_board, lane_arrow
 
 STEEL: Colour = (158, 163, 168)
+DARK_STEEL: Colour = (112, 117, 122)
 WHITE: Colour = (232, 233, 230)
 BLACK: Colour = (34, 34, 36)
-
-
-def post() -> Mesh:
-    """A delineator: a white post with a black band and a reflector."""
-    b = MeshBuilder()
-    panels = box(b, (-0.05, -0.06, 0.0), (0.05, 0.06, 1.0), WHITE)
-    for panel in panels.values():
-        b.detail(panel, (0.0, 0.66), (1.0, 0.9), BLACK)
-        b.detail(panel, (0.3, 0.7), (0.7, 0.86), (210, 200, 170))
-    return b.build()
-
-
-@lru_cache(maxsize=256)
-def rail(length: float) -> Mesh:
-    """One span of a guard rail along x: a folded band on a post; both sides."""
-    b = MeshBuilder()
-    box(b, (-0.06, -0.05, 0.0), (0.06, 0.05, 0.68), shade_of(STEEL, 0.7))
-    bands = (
-        (0.45, 0.76, 0.85),
-        (0.45, 0.52, 0.8),
-        (0.52, 0.58, 1.12),
-        (0.58, 0.63, 0.62),
-        (0.63, 0.69, 1.12),
-        (0.69, 0.76, 0.85),
-    )
-    for low, high, factor in bands:
-        for y, ends in ((-0.1, (length, 0.0)), (0.1, (0.0, length))):
-            near, far = ends
-            panel: list[Point] = [(near, y, low), (far, y, low), (far, y, high), (near, y, high)]
-            b.whole(panel, shade_of(STEEL, factor))
-    for y, (near, far) in ((-0.11, (0.18, 0.06)), (0.11, (0.06, 0.18))):
-        b.whole([(near, y, 0.56), (far, y, 0.56), (far, y, 0.66), (near, y, 0.66)], (236, 150, 40))
-        b.whole(
-            [
-                (near + length / 2, y, 0.47),
-                (far + length / 2, y, 0.47),
-                (far + length / 2, y, 0.74),
-                (near + length / 2, y, 0.74),
-            ],
-            (96, 99, 102),
-        )
-    return b.build()
+ORANGE: Colour = (236, 150, 40)
+NEAR_M = 22.0  # up to here things are drawn with all their faces
+LAMP_HEIGHT_M, LAMP_ARM_M = 9.0, 1.8
+CLEARANCE_M = 5.6  # under a gantry's boards
+TRUSS_M = (6.3, 7.2)  # heights between which its beams lie
 
 
 def shade_of(colour: Colour, factor: float) -> Colour:
@@ -56,23 +24,121 @@ def shade_of(colour: Colour, factor: float) -> Colour:
     return (colour[0] * factor, colour[1] * factor, colour[2] * factor)
 
 
-def sign(colour: Colour, border: Colour, width: float, height: float, low: float) -> Mesh:
-    """A sign on a pole that faces back along x, with bars for its writing."""
+def _post() -> Mesh:
+    """A delineator: a white post with a slanting black band and a reflector."""
     b = MeshBuilder()
-    box(b, (0.02, -0.04, 0.0), (0.1, 0.04, low + 0.5 * height), shade_of(STEEL, 0.8))
-    panels = box(b, (-0.03, -0.5 * width, low), (0.0, 0.5 * width, low + height), border)
-    b.detail(panels["rear"], (0.04, 0.05), (0.96, 0.95), colour)
-    for i, span in enumerate(((0.15, 0.7), (0.15, 0.85), (0.15, 0.55))):
-        v = 0.72 - 0.24 * i
-        b.detail(panels["rear"], (span[0], v), (span[1], v + 0.11), border)
-    b.whole(panels["front"], shade_of(STEEL, 0.75))
+    panels = box(b, (-0.05, -0.06, 0.0), (0.05, 0.06, 1.0), WHITE)
+    for panel in panels.values():
+        b.shape(panel, [(0.0, 0.64), (0.0, 0.9), (1.0, 0.84), (1.0, 0.58)], BLACK)
+        b.detail(panel, (0.3, 0.66), (0.7, 0.82), (216, 206, 176))
     return b.build()
 
 
-POST = post()
-SIGNS = (
-    sign((24, 76, 168), WHITE, 1.6, 1.1, 1.6),
-    sign(WHITE, (190, 30, 34), 0.8, 0.8, 1.9),
-    sign((18, 104, 66), WHITE, 2.4, 1.5, 1.8),
-    sign((238, 200, 40), BLACK, 0.9, 0.9, 1.8),
-)
+@lru_cache(maxsize=64)
+def rail(length: float) -> Mesh:
+    """A span of guard rail along x, its middle at the origin: a folded band on two posts, seen from both sides."""
+    b = MeshBuilder()
+    half = 0.5 * length
+    for x in (-0.5 * half, 0.5 * half):
+        b.drawn_m = (0.0, NEAR_M)
+        box(b, (x - 0.06, -0.05, 0.0), (x + 0.06, 0.05, 0.68), shade_of(STEEL, 0.7))
+        b.drawn_m = (NEAR_M, 50.0)
+        b.whole([(x, -0.06, 0.0), (x, 0.06, 0.0), (x, 0.06, 0.68), (x, -0.06, 0.68)], shade_of(STEEL, 0.7))
+    b.drawn_m = (NEAR_M, 1e3)
+    _band(b, half, 0.45, 0.76, shade_of(STEEL, 0.92))
+    b.drawn_m = (0.0, NEAR_M)
+    _band(b, half, 0.45, 0.76, shade_of(STEEL, 0.82))
+    for low, high, factor in ((0.515, 0.575, 1.14), (0.575, 0.635, 0.6), (0.635, 0.695, 1.14)):
+        _band(b, half, low, high, shade_of(STEEL, factor))
+    for y, turn in ((-0.11, 1.0), (0.11, -1.0)):
+        for x0, x1, low, high, colour in (
+            (-0.06, 0.06, 0.56, 0.66, ORANGE),
+            (0.5 * half - 0.06, 0.5 * half + 0.06, 0.47, 0.74, DARK_STEEL),
+        ):
+            near, far = (x1, x0) if turn > 0 else (x0, x1)
+            b.whole([(near, y, low), (far, y, low), (far, y, high), (near, y, high)], colour)
+    return b.build()
+
+
+def _band(b: MeshBuilder, half: float, low: float, high: float, colour: Colour) -> None:
+    for y, near, far in ((-0.1, half, -half), (0.1, -half, half)):
+        b.whole([(near, y, low), (far, y, low), (far, y, high), (near, y, high)], colour)
+
+
+def _lamp_mast() -> Mesh:
+    """The mast of a lamp post."""
+    b = MeshBuilder()
+    b.drawn_m = (0.0, 2.0 * NEAR_M)
+    box(b, (-0.14, -0.14, 0.0), (0.14, 0.14, 0.9), shade_of(STEEL, 0.8))
+    b.drawn_m = (0.0, 1e3)
+    _mast(b, 0.1, 0.05, LAMP_HEIGHT_M, shade_of(STEEL, 0.95))
+    return b.build()
+
+
+def _lamp_arm() -> Mesh:
+    """The arm of a lamp post, to the left, over the road, with the lamp at its end."""
+    b = MeshBuilder()
+    top, arm = LAMP_HEIGHT_M, LAMP_ARM_M
+    box(b, (-0.05, -arm, top - 0.06), (0.05, 0.05, top + 0.06), shade_of(STEEL, 0.9))
+    left, right, low = -arm - 0.75, -arm + 0.05, top - 0.05
+    b.whole([(-0.16, right, low), (-0.16, left, low), (0.16, left, low), (0.16, right, low)], (214, 216, 210))
+    box(b, (-0.16, left, low), (0.16, right, top + 0.1), shade_of(STEEL, 0.72))
+    return b.build()
+
+
+def _mast(b: MeshBuilder, low_radius: float, high_radius: float, height: float, colour: Colour) -> None:
+    """A tapered square mast."""
+    corners = ((-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0))
+    for (x0, y0), (x1, y1) in zip(corners, (*corners[1:], corners[0]), strict=True):
+        low, high = low_radius, high_radius
+        foot: list[Point] = [(low * x0, low * y0, 0.0), (low * x1, low * y1, 0.0)]
+        tip: list[Point] = [(high * x1, high * y1, height), (high * x0, high * y0, height)]
+        b.whole([*foot, *tip], colour)
+
+
+def gantry(width: float, lane_middles_m: list[float], seed: int) -> tuple[Mesh, ...]:
+    """A gantry over a road, its legs `width` m apart, with a board or a signal over each lane; y = 0 in its middle.
+
+    Its legs, and what they carry.
+    """
+    legs = tuple(_gantry_leg(y) for y in (-0.5 * width, 0.5 * width))
+    b = MeshBuilder()
+    _truss(b, 0.5 * width)
+    for k, y in enumerate(lane_middles_m):
+        if (k + seed) % 3 == 0:
+            lane_arrow(b, y, CLEARANCE_M + 0.4)
+        else:
+            direction_board(b, y, CLEARANCE_M + 0.1, k + seed)
+    return (*legs, b.build())
+
+
+def _gantry_leg(y: float) -> Mesh:
+    b = MeshBuilder()
+    box(b, (-0.3, y - 0.35, 0.0), (0.3, y + 0.35, 0.8), (150, 149, 146))
+    box(b, (-0.18, y - 0.18, 0.8), (0.18, y + 0.18, TRUSS_M[1]), DARK_STEEL)
+    return b.build()
+
+
+def _truss(b: MeshBuilder, half: float) -> None:
+    """Two beams and the bars between them."""
+    low, high = TRUSS_M
+    for bottom, top, factor in ((low, low + 0.16, 0.9), (high - 0.16, high, 1.0)):
+        box(b, (-0.14, -half, bottom), (0.14, half, top), shade_of(STEEL, factor))
+        under: list[Point] = [
+            (-0.14, half, bottom),
+            (-0.14, -half, bottom),
+            (0.14, -half, bottom),
+            (0.14, half, bottom),
+        ]
+        b.whole(under, shade_of(STEEL, 0.5))
+    b.drawn_m = (0.0, 60.0)
+    count = max(2, round(half / 0.9))
+    for i in range(count):
+        y0, y1 = (-half + 2.0 * half * (i + k) / count for k in (0.0, 1.0))
+        z0, z1 = (low + 0.16, high - 0.16) if i % 2 else (high - 0.16, low + 0.16)
+        b.whole([(-0.1, y0, z0), (-0.1, y0 + 0.12, z0), (-0.1, y1, z1), (-0.1, y1 - 0.12, z1)], shade_of(STEEL, 0.85))
+    b.drawn_m = (0.0, 1e3)
+
+
+POST = _post()
+LAMP_POST = (_lamp_mast(), _lamp_arm())

@@ -1,12 +1,13 @@
 """Draws faces into the picture, sub-pixel exact.
 
 Things that lie side by side in the picture share a layer: an empty rectangle, finer than the picture, on which faces
-are filled without anti-aliasing. Averaged down, it holds colours times opacity and what is seen through it (Porter and
-Duff 1984), so that edges get their exact coverage and the picture beneath stays as it was where nothing is drawn.
+are filled without anti-aliasing; how fine depends on the thing, so that it looks the same in any company. Averaged
+down, the layer holds colours times opacity and what is seen through it (Porter and Duff 1984), so that edges get their
+exact coverage and the picture beneath stays as it was where nothing is drawn.
 """
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any
 
 import cv2
 import numpy as np
@@ -17,8 +18,8 @@ from vpf_sim.types import Floats, Image
 
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 SUBPIXELS = 64  # polygons are rounded to parts of a pixel
-SMALL_PX = 6000  # layers with less pixels are drawn four times as fine, the others twice
-SPARE_PX = 2500  # what an additional layer costs, in empty pixels of a larger one
+SMALL_PX = 2000  # things in less pixels are drawn four times as fine, the others twice
+SPARE_PX = 64000  # what one more layer costs, in empty pixels of a larger one, counted on the layer
 EMPTY = np.frombuffer(bytes((0, 0, 0, 255)), np.uint32)[0]  # a pixel of a layer on which nothing is drawn
 
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1
@@ -60,18 +61,12 @@ class Sprite:
     depth_m: float
 
 
-class Placed(Protocol):
-    """What knows how it was drawn."""
-
-    @property
-    def drawing(self) -> Drawing | Sprite: ...
-
-
 @dataclass(slots=True)
 class _Layer:
     """Things that will be drawn together."""
 
     box: Box
+    fine: int  # pixels of the layer to one of the picture, each way
     runs: list[tuple[Drawing, int, int]] = field(default_factory=list)  # faces from the first up to the second
 
 
@@ -81,8 +76,9 @@ def drawing(view: View, faces: Floats, colours: Floats, planes: Floats, firsts: 
     `firsts` is (k,), the first face of each thing.
     """
     polygons = view.pixels(in_front(faces))
-    fixed = np.rint(polygons * SUBPIXELS).astype(np.int32)
-    fixed += SUBPIXELS // 2
+    exact = polygons * SUBPIXELS
+    exact += 0.5 * SUBPIXELS + 0.5
+    fixed = exact.astype(np.int32)
     points, each = fixed.reshape(-1, 2), firsts * fixed.shape[1]
     low, high = np.minimum.reduceat(points, each).tolist(), np.maximum.reduceat(points, each).tolist()
     width, height = view.camera.width_px, view.camera.height_px
@@ -100,21 +96,12 @@ def drawing(view: View, faces: Floats, colours: Floats, planes: Floats, firsts: 
 
 def in_front(faces: Floats) -> Floats:
     """(n, V or 2 V, 3) those parts of faces that lie beyond the near plane."""
-    behind = faces[..., 2] <= NEAR_M
-    if not behind.any():
+    if faces[..., 2].min() > NEAR_M:
         return faces
+    behind = faces[..., 2] <= NEAR_M
     cut = np.flatnonzero(behind.any(axis=1))
     result = np.concatenate([faces, faces[:, -1:].repeat(faces.shape[1], axis=1)], axis=1)
     result[cut] = clip_near(faces[cut], ~behind[cut])
-    return result
-
-
-def opaque(colours: Floats, opacity: Floats | float = 1.0) -> Floats:
-    """(n, 4) RGB times opacity, and what is seen through, of 255."""
-    result = np.empty((len(colours), 4))
-    share = np.broadcast_to(opacity, len(colours))
-    result[:, :3] = colours * share[:, None]
-    result[:, 3] = 255.0 * (1.0 - share)
     return result
 
 
@@ -128,7 +115,7 @@ def paint(frame: Image, drawn: list[Drawing | Sprite]) -> None:
             continue
         for box, first, last in zip(thing.boxes, thing.firsts, thing.firsts[1:], strict=False):
             if box[0] < box[2] and box[1] < box[3]:
-                waiting = _joined(waiting, box, (thing, first, last))
+                waiting = _joined(frame, waiting, box, (thing, first, last))
     for layer in waiting:
         paint_sprite(frame, _rasterised(layer))
 
@@ -141,7 +128,7 @@ def paint_sprite(frame: Image, sprite: Sprite) -> None:
     cv2.add(region, sprite.colour, region)
 
 
-def premultiplied(picture: Image) -> tuple[Image, Image]:
+def premultiplied(picture: NDArray[np.integer[Any] | np.floating[Any]]) -> tuple[Image, Image]:
     """(h, w, 3) colours times opacity and what is seen through, of a picture (h, w, 4) that holds both."""
     through = cv2.cvtColor(cv2.extractChannel(picture, 3), cv2.COLOR_GRAY2BGR)
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGRA2BGR), np.uint8), np.asarray(through, np.uint8)
@@ -160,17 +147,25 @@ def _painted_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[
     return left
 
 
-def _joined(waiting: list[_Layer], box: Box, run: tuple[Drawing, int, int]) -> list[_Layer]:
-    """Layers with one more thing: in a layer of its own, or with all those that it touches or nearly does."""
+def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Drawing, int, int]) -> list[_Layer]:
+    """Layers with one more thing: together with those that lie near, or in a layer of its own.
+
+    What it would cover, and what lies too far off to share a layer with, is drawn.
+    """
     a0, b0, a1, b1 = box
+    fine = 4 if (a1 - a0) * (b1 - b0) < SMALL_PX else 2
+    spare = SPARE_PX // fine**2
     mine: _Layer | None = None
     others = []
     for layer in waiting:
         x0, y0, x1, y1 = layer.box
         u0, v0, u1, v1 = min(a0, x0), min(b0, y0), max(a1, x1), max(b1, y1)
-        touches = a0 < x1 and x0 < a1 and b0 < y1 and y0 < b1
-        if not touches and (u1 - u0) * (v1 - v0) - (a1 - a0) * (b1 - b0) - (x1 - x0) * (y1 - y0) > SPARE_PX:
-            others.append(layer)
+        empty = (u1 - u0) * (v1 - v0) - (a1 - a0) * (b1 - b0) - (x1 - x0) * (y1 - y0)
+        if layer.fine != fine or empty > spare:
+            if a0 < x1 and x0 < a1 and b0 < y1 and y0 < b1:
+                paint_sprite(frame, _rasterised(layer))
+            else:
+                others.append(layer)
             continue
         if mine is None:
             mine = layer
@@ -178,7 +173,7 @@ def _joined(waiting: list[_Layer], box: Box, run: tuple[Drawing, int, int]) -> l
             mine.runs += layer.runs
         a0, b0, a1, b1 = u0, v0, u1, v1
     if mine is None:
-        mine = _Layer(box)
+        mine = _Layer(box, fine)
     mine.box = (a0, b0, a1, b1)
     if mine.runs and mine.runs[-1][0] is run[0] and mine.runs[-1][2] == run[1]:
         run = (run[0], mine.runs.pop()[1], run[2])
@@ -191,7 +186,7 @@ def _rasterised(layer: _Layer) -> Sprite:
     """The picture of a layer."""
     x0, y0, x1, y1 = layer.box
     height, width = y1 - y0, x1 - x0
-    fine = 4 if width * height < SMALL_PX else 2
+    fine = layer.fine
     canvas: Image = np.full((height * fine, width * fine), EMPTY, np.uint32).view(np.uint8).reshape(-1, width * fine, 4)
     shift = (SUBPIXELS // fine).bit_length() - 1
     corner = np.array([x0, y0], np.int32) * SUBPIXELS + SUBPIXELS // 2 // fine

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.air import Air, contrasts
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.mesh import Mesh
-from vpf_sim.envs.camera.painter import Drawing, drawing, opaque
+from vpf_sim.envs.camera.painter import Drawing, drawing
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Bools, Camera, Floats
@@ -16,6 +17,7 @@ VERTICES = 4  # of every face
 VISIBLE_PX = 0.5  # faces thinner than this are not drawn
 CELL_M, SECTORS = 6.0, 36  # the same faces are looked at as long as the camera stays in a cell and heads for a sector
 FADING = 0.15  # the last part of its range, in which a thing fades out
+FULL = 1.0 / FADING
 
 Standing = tuple[Mesh, Floats, float]  # its pose (x, y, heading), and the distance in m up to which it is drawn
 Indices = NDArray[np.int64]
@@ -31,16 +33,16 @@ class Group:
     faces_m: Floats  # (F, VERTICES, 3)
     normals: Floats  # (F, 3)
     offsets_m: Floats  # (F,) of the faces' planes
-    colours: Floats  # (F, 3) in the light
+    colours: Floats  # (F, 4) contrasts in the light
     from_m: Floats  # (F,) distances ahead of the thing between which the face is drawn
     until_m: Floats  # (F,)
-    ranges_m: Floats  # (F,) distance ahead of the thing at which all of it has faded
+    fading: Floats  # (F,) 1/m, how fast the thing's opacity falls with the distance, in the last part of its range
 
     def only(self, things: Bools, faces: Bools) -> "Group":
         """Some of the faces of some of the things."""
         kept = np.flatnonzero(faces & things[self.owner])
         owner = (np.cumsum(things) - 1)[self.owner[kept]]
-        arrays = (self.faces_m, self.normals, self.offsets_m, self.colours, self.from_m, self.until_m, self.ranges_m)
+        arrays = (self.faces_m, self.normals, self.offsets_m, self.colours, self.from_m, self.until_m, self.fading)
         return Group(self.middles_m[things], self.radii_m[things], owner, *(array[kept] for array in arrays))
 
 
@@ -49,8 +51,9 @@ class Roadside:
 
     def __init__(self, camera: Camera, things: list[Standing], light: Light, veil: Veil) -> None:
         self._slope = 0.5 * camera.width_px / camera.fx_px  # of the sides of what the camera sees
-        self._veil = veil
+        self._air = Air(light, veil)
         self._all = self._near = _group(things, light, camera)
+        self._widest_m = float(self._all.radii_m.max(initial=0.0)) + NEAR_M
         self._place: tuple[int, int, int] | None = None
 
     def seen(self, view: View) -> tuple[Drawing | None, list[float]]:
@@ -59,19 +62,29 @@ class Roadside:
         ahead = (group.middles_m @ axes[2, :2] - float(axes[2, :2] @ eye[:2]))[group.owner]
         away = group.normals @ eye - group.offsets_m
         shown = np.flatnonzero((away > 1e-6) & (ahead >= group.from_m) & (ahead < group.until_m))
-        shown = shown[np.argsort(-ahead[shown], kind="stable")]
-        points = ((group.faces_m[shown].reshape(-1, 3) - eye) @ axes.T).reshape(-1, VERTICES, 3)
-        before = points[..., 2].max(axis=1, initial=NEAR_M) > NEAR_M
-        if not before.all():
-            shown, points = shown[before], points[before]
         if not len(shown):
             return None, []
-        firsts = np.flatnonzero(np.diff(group.owner[shown], prepend=-1))
-        depth = ahead[shown]
-        opacity = np.minimum(1.0, (1.0 - depth / group.ranges_m[shown]) / FADING)
-        colours = opaque(self._veil.colours(group.colours[shown], depth), opacity)
+        shown = shown[np.argsort(-ahead[shown], kind="stable")]
+        points = ((group.faces_m[shown].reshape(-1, 3) - eye) @ axes.T).reshape(-1, VERTICES, 3)
+        if ahead[shown[-1]] < self._widest_m:
+            inside = self._may_show(points)
+            shown, points = shown[inside], points[inside]
+            if not len(shown):
+                return None, []
+        depth, owner = ahead[shown], group.owner[shown]
+        starts = np.ones(len(owner), bool)
+        np.not_equal(owner[1:], owner[:-1], out=starts[1:])
+        firsts = np.flatnonzero(starts)
         planes = group.normals[shown] @ axes.T / -away[shown, None]
+        colours = self._air.colours(group.colours[shown], depth, np.minimum(1.0, FULL - depth * group.fading[shown]))
         return drawing(view, points, colours, planes, firsts), depth[firsts].tolist()
+
+    def _may_show(self, points: Floats) -> Bools:
+        """Which faces (n, VERTICES, 3), in camera axes, are neither behind the near plane nor beside the picture."""
+        right, depth = points[..., 0], points[..., 2]
+        wide = self._slope * depth
+        beside = (right > wide).all(axis=1) | (right < -wide).all(axis=1)
+        return np.asarray(~beside & (depth.max(axis=1) > NEAR_M))
 
     def _close(self, view: View) -> Group:
         """What may be in view from anywhere in the camera's cell, heading anywhere in its sector."""
@@ -124,8 +137,8 @@ def _group(things: list[Standing], light: Light, camera: Camera) -> Group:
         faces_m=faces,
         normals=normals,
         offsets_m=np.einsum("fi,fi->f", normals, faces[:, 0]),
-        colours=np.minimum(255.0, joined("colours", 3) * shading),
+        colours=contrasts(np.minimum(255.0, joined("colours", 3) * shading), light),
         from_m=joined("from_m"),
         until_m=np.minimum(np.minimum(joined("until_m"), thinnest), ranges_m),
-        ranges_m=ranges_m,
+        fading=1.0 / (FADING * ranges_m),
     )

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from vpf_sim.envs.camera.air import Air, contrasts
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.mesh import Mesh
-from vpf_sim.envs.camera.painter import Drawing, drawing, opaque
+from vpf_sim.envs.camera.painter import Drawing, drawing
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Floats
@@ -20,7 +21,7 @@ class Solid:
     def __init__(self, mesh: Mesh, light: Light, veil: Veil) -> None:
         self._mesh = mesh
         self._light = light
-        self._veil = veil
+        self._air = Air(light, veil)
         self._offsets_m = np.einsum("ij,ij->i", mesh.normals, mesh.faces_m[:, 0])  # of the faces' planes
         self._reach_m = mesh.reach_m
         self._heading: float | None = None
@@ -48,16 +49,16 @@ class Solid:
         if not len(shown) or depth > RANGE_M:
             return None
         planes = mesh.normals[shown] @ axes.T / -away[shown, None]
-        colours = self._veil.colours(self._lit(float(pose[2]), turn)[shown], np.array([max(depth, 0.0)]))
-        opacity = min(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))
-        return drawing(view, points, opaque(colours, opacity), planes, ONE)
+        opacity = np.array([min(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))])
+        colours = self._air.colours(self._lit(float(pose[2]), turn)[shown], np.array([max(depth, 0.0)]), opacity)
+        return drawing(view, points, colours, planes, ONE)
 
     def _lit(self, heading: float, turn: Floats) -> Floats:
-        """(F, 3) the colours of all faces at a heading."""
+        """(F, 4) the contrasts of all faces at a heading."""
         if heading != self._heading:
             mesh, light = self._mesh, self._light
             facing = np.maximum(0.0, mesh.normals @ (light.sun @ turn))[:, None]
             shading = np.where(mesh.lit[:, None], light.sky + light.direct * facing, 1.0)
-            self._colours = np.minimum(mesh.colours * shading, 255.0)
+            self._colours = contrasts(np.minimum(mesh.colours * shading, 255.0), light)
             self._heading = heading
         return self._colours

@@ -11,15 +11,13 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.occlusion import far_to_near
 from vpf_sim.envs.camera.painter import Drawing, footprint, paint
 from vpf_sim.envs.camera.scenery import Scenery
-from vpf_sim.envs.camera.shadows import paint_shadow
-from vpf_sim.envs.camera.solid import Solid
+from vpf_sim.envs.camera.shadows import Shadow
+from vpf_sim.envs.camera.solid import RANGE_M, Solid
 from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
-
-RANGE_M = 200.0  # bodies farther ahead are not drawn
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +30,15 @@ class Snapshot:
     poses: dict[int, Floats]  # (x, y, heading) of each body, by its id
 
 
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A body as it is drawn; the body is kept with it, so that its id stays its own."""
+
+    body: RoadObject
+    solid: Solid
+    shadow: Shadow
+
+
 class Things:
     """The bodies and the scenery of one road."""
 
@@ -40,7 +47,8 @@ class Things:
         self._light = light
         self._veil = veil
         self._scenery = Scenery(camera, shapes, light, veil, seed)
-        self._solids: dict[int, tuple[RoadObject, Solid]] = {}
+        self._shapes: dict[int, Shape] = {}
+        self._order: list[int] = []
 
     def seen(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
         """All that is in view, the farthest first, as it lies in the picture."""
@@ -48,8 +56,8 @@ class Things:
         scenery, depths = self._scenery.seen(now.view)
         drawn: list[Drawn] = []
         first = tree = 0
-        for i in [*bodies_in_view(now), None]:
-            behind = -1.0 if i is None else _nearest(now, i)
+        self._order, nearest = bodies_in_view(now)
+        for i, behind in [*zip(self._order, nearest, strict=True), (None, -1.0)]:
             while tree < len(sprites) and sprites[tree].depth_m > behind:
                 first = _until(drawn, scenery, depths, first, sprites[tree].depth_m)
                 drawn.append(Drawn(sprites[tree], -1, STILL))
@@ -64,10 +72,10 @@ class Things:
         paint(frame, [thing.drawing for thing in drawn])
 
     def paint_shadows(self, frame: Image, now: Snapshot) -> None:
-        """Darken the ground where bodies keep the light off."""
-        for i in bodies_in_view(now):
+        """Darken the ground where bodies keep the light off; of those found by `seen`."""
+        for i in self._order:
             body = now.bodies[i]
-            paint_shadow(frame, now.view, now.poses[id(body)], body_size(body), self._light)
+            self._of(body).shadow.paint(frame, now.view, now.poses[id(body)])
 
     def _body(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
         """A body's faces in the picture and how it moved; None if none of them is seen."""
@@ -75,16 +83,17 @@ class Things:
         pose = now.poses[id(body)]
         earlier = before.poses.get(id(body), pose)
         motion = STILL if np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
-        drawing = self._solid(body).seen(now.view, pose)
+        drawing = self._of(body).solid.seen(now.view, pose)
         return None if drawing is None else Drawn(drawing, index + 1, motion)
 
-    def _solid(self, body: RoadObject) -> Solid:
-        """The body as a solid; the body is kept with it, so that its id stays its own."""
-        if id(body) not in self._solids:
-            rng = stream(self._seed, f"body {len(self._solids)}")
-            mesh = body_mesh(_kind(body), body_size(body), rng)
-            self._solids[id(body)] = (body, Solid(mesh, self._light, self._veil))
-        return self._solids[id(body)][1]
+    def _of(self, body: RoadObject) -> Shape:
+        """What is known of a body."""
+        if id(body) not in self._shapes:
+            rng = stream(self._seed, f"body {len(self._shapes)}")
+            size = body_size(body)
+            solid = Solid(body_mesh(_kind(body), size, rng), self._light, self._veil)
+            self._shapes[id(body)] = Shape(body, solid, Shadow(size, self._light))
+        return self._shapes[id(body)]
 
 
 def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], first: int, behind: float) -> int:
@@ -97,28 +106,29 @@ def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], fir
     return last
 
 
-def bodies_in_view(now: Snapshot) -> list[int]:
-    """Indices of the bodies that may be in the picture, the farthest first."""
+def bodies_in_view(now: Snapshot) -> tuple[list[int], list[float]]:
+    """Indices of the bodies that may be in the picture, the farthest first, and the depth of each one's nearest corner.
+
+    What lies in front of the body that is farther away comes later, whatever their depths.
+    """
     eye, axis = now.view.centre[:2], now.view.axes[2, :2]
-    ahead = [
-        i
-        for i, body in enumerate(now.bodies)
-        if not isinstance(body, Landmark) and -body.LENGTH < float(axis @ (body.position - eye)) < RANGE_M
-    ]
-    if len(ahead) < 2:
-        return ahead
+    (x, y), (forward_x, forward_y) = eye.tolist(), axis.tolist()
+    ahead = []
+    for i, body in enumerate(now.bodies):
+        px, py, _ = now.poses[id(body)].tolist()
+        if not isinstance(body, Landmark) and -body.LENGTH < forward_x * (px - x) + forward_y * (py - y) < RANGE_M:
+            ahead.append(i)
+    if not ahead:
+        return [], []
     corners = np.array([_footprint(now, i) for i in ahead])
-    return [ahead[k] for k in far_to_near(corners, eye)]
+    order = far_to_near(corners, eye) if len(ahead) > 1 else [0]
+    nearest = ((corners - eye) @ axis).min(axis=1).tolist()
+    return [ahead[k] for k in order], [nearest[k] for k in order]
 
 
 def body_size(body: RoadObject) -> tuple[float, float, float]:
     """(length, width, height) m."""
     return (float(body.LENGTH), float(body.WIDTH), float(getattr(body, "HEIGHT", HEIGHTS_M[_kind(body)])))
-
-
-def _nearest(now: Snapshot, index: int) -> float:
-    """Depth of a body's nearest corner."""
-    return float(((_footprint(now, index) - now.view.centre[:2]) @ now.view.axes[2, :2]).min())
 
 
 def _footprint(now: Snapshot, index: int) -> Floats:
