@@ -99,8 +99,7 @@ class Swath:
     def at_end(self, x_px: Floats, y_px: Floats) -> Bools:
         """Which points of the picture lie so near the ends of the blade that it may cut a drop there in two."""
         radius = _polar(self.pane, x_px, y_px)[0]
-        near: Bools = (np.abs(radius[:, None] - RADII_M) < END_M).any(axis=1)
-        return near
+        return (np.abs(radius - RADII_M[0]) < END_M) | (np.abs(radius - RADII_M[1]) < END_M)
 
 
 def paint_blade(frame: Image, blade: Image) -> None:
