@@ -8,7 +8,7 @@ from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.mirror import horizon_row, mirrored_faces, mirrored_points, reflectance
-from vpf_sim.envs.camera.painter import Drawing, opaque
+from vpf_sim.envs.camera.painter import Drawing
 from vpf_sim.envs.camera.painter import drawing as drawing_of
 from vpf_sim.envs.camera.truth import STILL, Drawn
 from vpf_sim.envs.camera.view import View
@@ -32,7 +32,7 @@ def wall(camera: Camera, ahead_m: float) -> tuple[View, Drawn]:
     points = view.camera_axes(np.array(corners))
     normal = view.axes @ np.array([-1.0, 0.0, 0.0])
     planes = (normal / (normal @ points[0]))[None]
-    drawing = drawing_of(view, points[None], opaque(np.full((1, 3), 10.0)), planes, np.array([0]))
+    drawing = drawing_of(view, points[None], np.array([[10.0, 10.0, 10.0, 0.0]]), planes, np.array([0]))
     assert isinstance(drawing, Drawing)
     return view, Drawn(drawing, 1, STILL)
 
@@ -73,7 +73,7 @@ def test_what_faces_up_is_not_mirrored() -> None:
     roof = view.camera_axes(np.array([[30.0, 4.0, 1.0], [34.0, 4.0, 1.0], [34.0, 6.0, 1.0], [30.0, 6.0, 1.0]]))
     normal = view.axes[:, 2]
     drawing = drawing_of(
-        view, roof[None], opaque(np.full((1, 3), 9.0)), (normal / (normal @ roof[0]))[None], np.array([0])
+        view, roof[None], np.array([[9.0, 9.0, 9.0, 0.0]]), (normal / (normal @ roof[0]))[None], np.array([0])
     )
     assert isinstance(drawing, Drawing)
     assert mirrored_faces(view, [Drawn(drawing, 1, STILL)]).corners == []

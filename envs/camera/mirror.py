@@ -1,6 +1,7 @@
 """The world upside down, as flat water on the road shows it: faces and upright pictures mirrored about the road."""
 
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import cv2
 import numpy as np
@@ -15,6 +16,7 @@ REFINEMENT = 2  # pixels of the picture to a pixel of the mirror image, each way
 FACES, SPRITES = 18, 5  # only the largest are mirrored
 FADED = 64.0  # of 255; faces that let more through are not mirrored
 BODIES_FIRST = 4.0  # how much more the area of a body's face counts than that of scenery
+LARGE_PX = 60  # area of the rectangle about the smallest thing that is
 SMALLEST_PX = 20.0  # area of the smallest face that is mirrored
 SPRITE_TALL_PX = 30
 FOOT_M = 0.4  # what of a body counts as its foot
@@ -69,7 +71,7 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Face
     it: so a mirror image keeps its darkness there when it is blurred, as it does on a road, where a ray that leaves it
     flatter than the foot lies does not reach the sky.
     """
-    things = [(thing.drawing, thing.instance) for thing in drawn if isinstance(thing.drawing, Drawing)]
+    things = [(thing.drawing, thing.instance) for thing in drawn if _large(thing.drawing)]
     if not things:
         return NO_FACES
     drawings = [drawing for drawing, _ in things]
@@ -89,6 +91,13 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Face
     faces = [(drawings[i], k - int(ends[i])) for i, k in zip(owners, shown.tolist(), strict=True)]
     polygons = [drawing.polygons_px[k] for drawing, k in faces]
     return _drawn_out(view, polygons, planes[shown], [drawing.colours[k].tolist() for drawing, k in faces], foot_px)
+
+
+def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
+    """Whether these are faces, and some of them may be large enough."""
+    if isinstance(drawing, Sprite):
+        return False
+    return any((x1 - x0) * (y1 - y0) > LARGE_PX for x0, y0, x1, y1 in drawing.boxes)
 
 
 def _seen_through(drawings: list[Drawing]) -> Bools:

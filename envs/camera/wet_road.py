@@ -33,7 +33,7 @@ DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # of its facets
 STONES_MMPH, FILM_MMPH = 8.0, 25.0  # between these rates of rain the film comes to cover the stones
 RIPPLE = 5.0  # rows by which the rings of drops shake the mirror image in puddles, in hard rain
 DARK = 0.3  # how fast the asphalt darkens with the depth of the water, levels of 255 per level of the map
-STEEP, STEEPEST = 0.34, 0.46  # sines of the angle under which the mirror image (11 %) begins to be left out, and is
+STEEP, STEEPEST = 0.30, 0.41  # sines of the angle under which the mirror image (16 %) begins to be left out, and is
 HIDDEN_SHARE, HIDDEN_LEVELS = 0.25 * 255, 12
 
 
