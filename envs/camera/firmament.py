@@ -26,6 +26,7 @@ SOFTNESS = 0.6  # of a cloud's edge, in standard deviations of the field
 HAZE_SHARE = 0.25  # part of the extinction near the ground that there is on average up to the clouds
 GLOW_RAD, BLOOM_RAD = 0.4, radians(2.0)  # how far the sun's glow reaches, and its disc with the bloom of the lens
 NOON_SUN = 0.65  # factor of the sun at ClearNoon
+SUN_HAZE_M = 1000.0  # of air like that near the ground takes the sun's glow
 
 
 def firmament(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.random.Generator) -> Image:
@@ -37,7 +38,8 @@ def firmament(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.rand
         np.linspace(ZENITH_SLOPE, 0.0, rows), np.arange(columns) * (2.0 * np.pi / columns), indexing="ij"
     )
     angle = _angle_to_sun(light, slope, azimuth)
-    sun = min(max(float(light.direct.mean()) / NOON_SUN, 1.0 - light.cover), 1.0)
+    behind = (1.0 - light.cover) * np.exp(-SUN_HAZE_M * atmosphere.extinction_per_m)  # broken clouds glow, too
+    sun = min(max(float(light.direct.mean()) / NOON_SUN, float(behind)), 1.0)
     warm = 255.0 * light.direct / max(float(light.direct.max()), 1e-6)
     sky = _gradient(light, slope)
     glow = 0.7 * sun * np.exp(-angle / GLOW_RAD)[..., None]

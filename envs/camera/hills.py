@@ -45,7 +45,7 @@ def hills(
         up = np.clip(slope / top, 0.0, 1.0)
         left = np.exp(-atmosphere.extinction_per_m * distance_m * (1.0 + VALLEY_HAZE * (1.0 - up)))[..., None]
         cover = np.clip((top - slope) / (tall / rows), 0.0, 1.0)[..., None]
-        texture = noise((128, COLUMNS), rng, 3.5, 0.8)[:rows, :, None] * 13.0
+        texture = noise((rows, COLUMNS), rng, 3.5, 0.8)[..., None] * 13.0
         tone = (np.array(colour, float) + texture) * light.ground
         picture += cover * (air + (tone - air) * left - picture)
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
