@@ -12,7 +12,7 @@ import numpy as np
 
 from vpf_sim.envs.camera.levels import Level
 from vpf_sim.envs.camera.raster import Raster
-from vpf_sim.envs.camera.view import View
+from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Camera, Floats, Image
 
 STEP, SIDESTEP, TURN_RAD = 0.3, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
@@ -34,6 +34,8 @@ class FarPatch:
         (left, top), (right, bottom) = self._corners(level)
         self._to_texels = np.array([[1.0, 0.0, -np.floor(left)], [0.0, ROWS, -ROWS * np.floor(top)], [0.0, 0.0, 1.0]])
         rows, columns = int(np.ceil(ROWS * (bottom - np.floor(top)))) + 2, 2 * int(0.5 * (right - np.floor(left)) + 2.0)
+        # so that the plane at which polygons are cut lies well before what is shown
+        self._scale = camera.height_m * NEAR_M / (0.5 * level.near_m)
         self._texel_m = (level.across_m, level.along_m / ROWS)
         self._place: Place = (inf, inf, inf)
         self.pixels: Image = np.empty((rows, columns), np.uint8)
@@ -49,7 +51,7 @@ class FarPatch:
         forward = np.array([cos(heading), sin(heading)])
         eye = ahead * forward + right * np.array([-forward[1], forward[0]])
         anchor = View.at(self._camera, eye - self._camera.forward_m * forward, heading)
-        self.from_world = self._camera.height_m * self._to_texels @ np.linalg.inv(anchor.ground_homography())
+        self.from_world = self._to_texels @ np.linalg.inv(anchor.ground_homography()) * self._scale
         rows, columns = self.pixels.shape
         self.pixels[:] = self._paint(Raster(rows, columns, self.from_world, *self._texel_m))
 

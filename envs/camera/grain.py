@@ -20,7 +20,8 @@ SIZE = 1.6  # of a texel of noise, in the level's smallest pixels
 COARSER = 2.0  # the second size of a level over its first
 SHARES = (0.8, 0.4)  # their amplitudes
 SPARSE = 7.0  # texels of noise from one sample to the next where they are averaged
-FINEST = 8  # samples in a texel of the raster
+BLOTCH_M = 0.6  # texel of the noise that varies over metres
+FINEST = 16  # samples in a texel of the raster
 WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
 
 
@@ -29,23 +30,30 @@ class Grain:
 
     def __init__(self, level: Level, seed: int) -> None:
         longest = level.along_m * (ALONG if level.steep else (level.far_m / level.near_m) ** 2 / ROWS)
-        self._sizes = [
-            (_laid(size, seed), min(FINEST, 2 ** max(0, ceil(log2(longest / (SPARSE * size))))))
-            for size in (SIZE * level.across_m, COARSER * SIZE * level.across_m)
-        ]
-        self._tile = grain_tile("ground", shortest=3.0, slope=0.2)
+        sizes = (SIZE * level.across_m, COARSER * SIZE * level.across_m, BLOTCH_M)
+        self._laid = [_laid(size, seed) for size in sizes]
+        self._fineness = [min(FINEST, 2 ** max(0, ceil(log2(longest / (SPARSE * size))))) for size in sizes]
 
     def draw(self, raster: Raster) -> Image:
         """(rows, columns) about 128."""
-        fine, coarse = (self._averaged(raster, laid, fineness) for laid, fineness in self._sizes)
+        tile = grain_tile("ground", shortest=3.0, slope=0.2)
+        fine, coarse = (self._averaged(raster, i, tile, raster.columns // 2) for i in (0, 1))
         grain = cv2.addWeighted(fine, SHARES[0], coarse, SHARES[1], 128.0 * (1.0 - sum(SHARES)))
         return np.asarray(cv2.resize(grain, (raster.columns, raster.rows)), np.uint8)
 
-    def _averaged(self, raster: Raster, laid: Floats, fineness: int) -> Image:
-        """(rows, columns / 2) of one size of grain, each texel the mean of a few samples along it."""
-        size = (raster.columns // 2, fineness * raster.rows)
-        matrix = _within(laid @ np.linalg.inv(raster.finer(0.5, fineness)), size)
-        grain = cv2.warpPerspective(self._tile, matrix, size, flags=WARP, borderMode=cv2.BORDER_WRAP)
+    def blotches(self, raster: Raster) -> Image:
+        """(rows, columns) about 128: larger differences, of metres."""
+        tile = grain_tile("blotches", shortest=3.0, slope=1.0)
+        blotches = self._averaged(raster, 2, tile, raster.columns // 8)
+        return np.asarray(cv2.resize(blotches, (raster.columns, raster.rows)), np.uint8)
+
+    def _averaged(self, raster: Raster, index: int, tile: Image, columns: int) -> Image:
+        """(rows, columns) of one size of noise, each texel the mean of a few samples along it."""
+        fineness = self._fineness[index]
+        size = (columns, fineness * raster.rows)
+        matrix = self._laid[index] @ np.linalg.inv(raster.finer(columns / raster.columns, fineness))
+        matrix = _within(matrix, size)
+        grain = cv2.warpPerspective(tile, matrix, size, flags=WARP, borderMode=cv2.BORDER_WRAP)
         while len(grain) > raster.rows:
             grain = cv2.addWeighted(grain[0::2], 0.5, grain[1::2], 0.5, 0.0)
         return np.asarray(grain, np.uint8)

@@ -12,13 +12,14 @@ from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.levels import levels
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.paint import painted
-from vpf_sim.envs.camera.palette import grain_strength, ground_table
+from vpf_sim.envs.camera.palette import blotch_strength, grain_strength, ground_table
 from vpf_sim.envs.camera.patches import patch_of, sample
 from vpf_sim.envs.camera.raster import Raster
 from vpf_sim.envs.camera.surface import Polygons, Surface
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
+GRAINY_M = (10.0, 30.0)  # texels begin to lose their grain when they are so long, and have lost it
 NEAR_FINE, FAR_FINE = (2, 2), (2, 4)  # times as fine as the raster, across and along
 
 
@@ -69,4 +70,8 @@ def _painted(surface: Surface, grain: Grain, gain: Floats, raster: Raster) -> Im
     steps = np.subtract(grain.draw(raster), 128, dtype=np.float32)
     steps *= gain
     cv2.multiply(steps, cv2.LUT(smooth, grain_strength()), steps)
+    blotches = np.subtract(grain.blotches(raster), 128, dtype=np.float32)
+    steps += cv2.multiply(blotches, cv2.LUT(smooth, blotch_strength()), blotches)
+    shortest, longest = GRAINY_M
+    steps *= np.clip((longest - raster.lengths()) / (longest - shortest), 0.0, 1.0).astype(np.float32)
     return np.asarray(cv2.add(smooth, steps, smooth, dtype=cv2.CV_8U), np.uint8)

@@ -24,7 +24,7 @@ RANGE_M = 260.0  # nothing is painted farther ahead
 FADE, FADE_ROWS = 0.88, 2.5  # a level begins to give way at this part of its reach, and over as many rows at least
 STEEP = 2.0  # a level that begins nearer than this is seen steeply enough for an even lattice, in camera heights
 ACROSS, ALONG = 1.25, 1.75  # size of such a lattice's texels, in pixels of the level's nearest row
-SPARSE = 2.2  # texels from one sampled row to the next, at most
+SPARSE = 2.3  # texels from one sampled row to the next, at most
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,8 +30,9 @@ RAMP = np.array(
 )
 
 
-# (value, how strongly the grain shows)
+# (value, how strongly the grain shows: gain)
 STRENGTH = np.array([(0, 1.2), (60, 1.2), (98, 1.3), (138, 1.0), (160, 1.0), (222, 0.6)])
+BLOTCHES = np.array([(0, 0.3), (70, 0.3), (98, 0.12), (138, 0.05), (222, 0.05)])  # the same for large differences
 ASPHALT_GREY, PAINT_GREY = 106.0, 255.0
 WET_FACTOR = 0.6  # what is left of the brightness of wet asphalt (Angstrom 1925)
 
@@ -55,6 +56,12 @@ def ground_table(light: Light, wetness: float) -> NDArray[np.uint8]:
 def grain_strength() -> NDArray[np.float32]:
     """(256,) how strongly the grain shows on each palette value, 1 = as on asphalt."""
     return np.asarray(np.interp(np.arange(256), STRENGTH[:, 0], STRENGTH[:, 1]), np.float32)
+
+
+@lru_cache(maxsize=1)
+def blotch_strength() -> NDArray[np.float32]:
+    """(256,) how strongly differences over metres show on each palette value."""
+    return np.asarray(np.interp(np.arange(256), BLOTCHES[:, 0], BLOTCHES[:, 1]), np.float32)
 
 
 @lru_cache(maxsize=1)

@@ -22,9 +22,19 @@ class Raster:
         scale = np.array([[fine_x, 0.0, 0.5 * fine_x - 0.5], [0.0, fine_y, 0.5 * fine_y - 0.5], [0.0, 0.0, 1.0]])
         return np.asarray(scale @ self.from_world)
 
+    def lengths(self) -> Floats:
+        """(rows, 1) m, how long each row's texels are, in the middle."""
+        rows = np.arange(-1.0, self.rows + 1.0)
+        texels = np.stack([np.full(len(rows), 0.5 * self.columns), rows, np.ones(len(rows))], axis=1)
+        world = texels @ np.linalg.inv(self.from_world).T
+        return np.asarray(0.5 * np.hypot(*(_flat(world)[2:] - _flat(world)[:-2]).T)[:, None])
+
     def outline(self) -> Floats:
         """(4, 2) m, its corners in the world, around it."""
         columns, rows = np.array([-0.5, self.columns - 0.5]), np.array([-0.5, self.rows - 0.5])
         corners = np.stack([columns[[0, 0, 1, 1]], rows[[0, 1, 1, 0]], np.ones(4)], axis=1)
-        world = corners @ np.linalg.inv(self.from_world).T
-        return np.asarray(world[:, :2] / world[:, 2:])
+        return _flat(corners @ np.linalg.inv(self.from_world).T)
+
+
+def _flat(points: Floats) -> Floats:
+    return np.asarray(points[:, :2] / points[:, 2:])
