@@ -15,8 +15,8 @@ from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.camera.wipers import Wiper, paint_blade
 from vpf_sim.types import Bools, Camera, Image
 
-TICK_S = 1.0 / 30.0  # in which drops land and move
-WARM_UP_TICKS, WARM_UP_STRIDE, WARM_UP_MPS = 240, 3, 5.5  # drive in the rain before the first frame; coarser
+TICK_S = 0.05  # in which drops land and move, and what they show is seen anew
+WARM_UP_TICKS, WARM_UP_STRIDE, WARM_UP_MPS = 160, 2, 5.5  # drive in the rain before the first frame; coarser
 
 
 class Glass:
