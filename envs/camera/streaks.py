@@ -49,11 +49,13 @@ class Streaks:
     A drop of diameter D at depth z is w = f D / z wide and moves by l = f T |v| / z pixels in the exposure T; it
     differs from what is behind it by (pi / 4) w^2 / max(1, l) of the difference between their brightnesses. A drop
     shows nearly all of the scene before it, so its brightness is 0.94 of the mean of sky and ground (Garg and Nayar
-    2007, doi 10.1007/s11263-006-0028-6) and before the sky none is seen. A `gain` of 1 is physical.
+    2007, doi 10.1007/s11263-006-0028-6) and before the sky none is seen. A `gain` of 1 is physical; more brightens the
+    drops that are seen, and shows no others.
     """
 
     def __init__(self, camera: Camera, atmosphere: Atmosphere, light: Light, gain: float, seed: int) -> None:
-        self._camera, self._rain_mmph, self._gain = camera, atmosphere.rain_mmph, gain
+        self._camera, self._rain_mmph = camera, atmosphere.rain_mmph
+        self._dimming, self._brightening = min(gain, 1.0), max(gain, 1.0)
         self._wind = np.array([*atmosphere.wind_mps, 0.0])
         self._rng = stream(seed, "streaks")
         self.exposure_s = exposure_s(light)
@@ -71,7 +73,7 @@ class Streaks:
 
     def draw_passing(self, frame: Image, drift: Floats, down: Floats) -> None:
         """Draw drops that fall along `down` (3,) and pass the camera at `drift` (3,) m/s besides, in camera axes."""
-        add(frame, self.specks(frame, drift, down))
+        add(frame, self.specks(frame, drift, down), self._brightening)
 
     def specks(self, frame: Image, drift: Floats, down: Floats) -> Specks:
         """The next frame's drops, those that stand out by FAINTEST or more."""
@@ -81,7 +83,9 @@ class Streaks:
         stratum = shower.strata[drawn[0]]
         x_px = shower.corners_px[0][stratum] + chance[0] * (camera.width_px / CELLS[0])
         y_px = shower.corners_px[1][stratum] + chance[1] * (camera.height_px / CELLS[1])
-        contrast = np.float32(self._gain) * (np.float32(self.brightness) - frame[y_px.astype(int), x_px.astype(int), 1])
+        contrast = np.float32(self._dimming) * (
+            np.float32(self.brightness) - frame[y_px.astype(int), x_px.astype(int), 1]
+        )
         dark = np.flatnonzero(contrast > LEAST_CONTRAST)
         x_px, y_px, contrast, stratum, chance = x_px[dark], y_px[dark], contrast[dark], stratum[dark], chance[2:, dark]
         diameter_mm = shower.diameter_mm[stratum] + chance[0] * CLASS_MM
@@ -102,7 +106,7 @@ class Streaks:
         if key not in self._showers:
             if len(self._showers) >= SHOWERS:
                 self._showers.clear()
-            faintest = FAINTEST / (self._gain * (self.brightness - DARKEST))
+            faintest = FAINTEST / (self._dimming * (self.brightness - DARKEST))
             motion = (STEP_MPS * np.array(key, float), down)
             self._showers[key] = shower(self._camera, self._rain_mmph, motion, self.exposure_s, faintest)
         return self._showers[key]
@@ -126,7 +130,7 @@ def brightness(light: Light) -> float:
     return float(0.94 * (0.5 * (sky**GAMMA + ground**GAMMA)) ** (1.0 / GAMMA))
 
 
-def add(frame: Image, specks: Specks) -> None:
+def add(frame: Image, specks: Specks, gain: float = 1.0) -> None:
     """Add drops to the picture, in place: points a pixel apart, each shared between the two columns beside it. The few
     that are wider than a pixel are drawn one pixel wide."""
     height, width = frame.shape[:2]
@@ -138,11 +142,11 @@ def add(frame: Image, specks: Specks) -> None:
     y = np.rint(np.repeat(specks.y_px, counts) + along * np.repeat(specks.dy_px, counts)).astype(np.intp)
     left = np.floor(x).astype(np.intp)
     inside = (left >= 0) & (left < width - 1) & (y >= 0) & (y < height)
-    level = np.repeat(specks.level / np.maximum(specks.width_px, np.float32(1.0)), counts)
+    level = np.repeat(gain * specks.level / np.maximum(specks.width_px, np.float32(1.0)), counts)
     to_right = level * (x - left)
     pixels = (y * width + left)[inside]
     flat = frame.reshape(-1, 3)
     for index, levels in ((pixels, (level - to_right)[inside]), (pixels + 1, to_right[inside])):
-        added = np.minimum(levels, np.float32(255.0)).astype(np.uint8)[:, None]
+        added = np.minimum(levels + np.float32(0.5), np.float32(255.0)).astype(np.uint8)[:, None]
         behind = flat[index]
         flat[index] = behind + np.minimum(255 - behind, added)
