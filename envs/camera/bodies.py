@@ -6,6 +6,7 @@ import numpy as np
 
 from vpf_sim.envs.camera.cars import CHROME, LAMP, PAINTS, RUBBER, UNDERSIDE, car, plate, shade, upright
 from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
+from vpf_sim.envs.camera.people import pedestrian
 
 HEIGHTS_M = {"car": 1.5, "van": 2.3, "truck": 3.4, "cone": 0.75, "pallet": 0.15, "barrier": 1.0, "pedestrian": 1.75}
 
@@ -45,7 +46,7 @@ def van(length: float, width: float, height: float, rng: np.random.Generator) ->
         b.detail(rear, (u0, 0.42), (u1, 0.44), shade(paint, 0.7))
     for u in (0.015, 0.905):
         b.detail(rear, (u, 0.22), (u + 0.08, 0.5), LAMP)
-        b.detail(rear, (u + 0.015, 0.4), (u + 0.065, 0.47), (228, 120, 40))
+        b.detail(rear, (u + 0.015, 0.4), (u + 0.065, 0.47), (214, 104, 34), lit=False)
         b.detail(rear, (u + 0.015, 0.25), (u + 0.065, 0.31), WHITE)
     b.detail(rear, (0.52, 0.36), (0.6, 0.39), (40, 40, 42))
     plate(b, rear, (0.14, 0.18), (0.4, 0.25))
@@ -96,7 +97,7 @@ def truck(length: float, width: float, height: float, rng: np.random.Generator) 
     b.detail(chassis, (0.0, 0.0), (1.0, 0.32), (96, 98, 102))
     for u in (0.02, 0.84):
         b.detail(chassis, (u, 0.4), (u + 0.14, 0.8), LAMP)
-        b.detail(chassis, (u + 0.04, 0.5), (u + 0.1, 0.7), (235, 120, 60))
+        b.detail(chassis, (u + 0.04, 0.5), (u + 0.1, 0.7), (222, 70, 48), lit=False)
     plate(b, chassis, (0.39, 0.42), (0.61, 0.8))
     return b.build()
 
@@ -165,35 +166,6 @@ def barrier(length: float, width: float, height: float, rng: np.random.Generator
             b.detail(panels[name], (u - 0.015, 0.0), (u + 0.015, 1.0), (150, 152, 154))
     for name in ("left", "right"):
         b.detail(panels[name], (0.2, 0.55), (0.8, 0.9), (206, 32, 28))
-    return b.build()
-
-
-def pedestrian(length: float, width: float, height: float, rng: np.random.Generator) -> Mesh:
-    """A standing person: shoes, legs, coat, arms, head."""
-    b = MeshBuilder()
-    coat = PAINTS[int(rng.integers(len(PAINTS)))]
-    trousers: Colour = ((40, 48, 72), (44, 42, 40), (96, 88, 74))[int(rng.integers(3))]
-    deep, wide, h = 0.32 * length, 0.5 * width, height
-    skin: Colour = ((214, 168, 140), (150, 104, 78), (96, 66, 50))[int(rng.integers(3))]
-    for y0, y1 in ((-0.55 * wide, -0.06 * wide), (0.06 * wide, 0.55 * wide)):
-        box(b, (-0.3 * length, y0, 0.0), (0.45 * length, y1, 0.05 * h), (32, 28, 26))
-        box(b, (-deep, y0, 0.05 * h), (deep, y1, 0.48 * h), trousers)
-        b.next_part()
-    torso = box(b, (-deep, -0.66 * wide, 0.45 * h), (deep, 0.66 * wide, 0.83 * h), coat)
-    b.detail(torso["rear"], (0.15, 0.45), (0.85, 0.95), shade(coat, 0.7))
-    b.detail(torso["front"], (0.47, 0.0), (0.53, 1.0), shade(coat, 0.6))
-    for y0, y1 in ((-wide, -0.66 * wide), (0.66 * wide, wide)):
-        b.next_part()
-        box(b, (-0.8 * deep, y0, 0.47 * h), (0.8 * deep, y1, 0.81 * h), shade(coat, 0.9))
-        box(b, (-0.6 * deep, y0 + 0.02, 0.42 * h), (0.6 * deep, y1 - 0.02, 0.47 * h), skin)
-    b.next_part()
-    box(b, (-0.3 * deep, -0.12 * wide, 0.83 * h), (0.4 * deep, 0.12 * wide, 0.87 * h), skin)
-    head = box(b, (-0.75 * deep, -0.32 * wide, 0.87 * h), (0.75 * deep, 0.32 * wide, h), skin)
-    hair = shade((60, 44, 32), float(rng.uniform(0.4, 1.6)))
-    b.detail(head["rear"], (0.0, 0.25), (1.0, 1.0), hair)
-    for name in ("left", "right", "front"):
-        b.detail(head[name], (0.0, 0.72), (1.0, 1.0), hair)
-    b.whole(head["top"], hair)
     return b.build()
 
 

@@ -23,7 +23,7 @@ UNDERSIDE: Colour = (14, 14, 15)
 GLASS: Colour = (34, 42, 50)
 SKY_IN_GLASS: Colour = (88, 104, 122)
 LAMP: Colour = (150, 14, 18)
-LAMP_BRIGHT: Colour = (226, 72, 58)
+LAMP_BRIGHT: Colour = (222, 62, 50)  # shines by itself
 PLATE: Colour = (238, 238, 230)
 CHROME: Colour = (176, 178, 182)
 SILL_M = 0.24
@@ -148,7 +148,7 @@ def _rear(b: MeshBuilder, end: float, half: float, bumper: float, belt: float, p
     b.detail(upper, (0.16, 0.04), (0.84, 0.08), shade(paint, 0.4))
     for u0, u1, inner in ((0.02, 0.2, 0.15), (0.8, 0.98, 0.8)):
         b.detail(upper, (u0, 0.42), (u1, 0.86), LAMP)
-        b.detail(upper, (u0 + 0.02, 0.62), (u1 - 0.02, 0.78), LAMP_BRIGHT)
+        b.detail(upper, (u0 + 0.02, 0.62), (u1 - 0.02, 0.78), LAMP_BRIGHT, lit=False)
         b.detail(upper, (inner, 0.46), (inner + 0.05, 0.58), (232, 228, 220))
     b.detail(upper, (0.36, 0.16), (0.64, 0.5), shade(paint, 0.6))
     plate(b, upper, (0.375, 0.2), (0.625, 0.46))

@@ -18,6 +18,9 @@ VISIBLE_PX = 0.5  # faces thinner than this are not drawn
 CELL_M, SECTORS = 6.0, 36  # the same faces are looked at as long as the camera stays in a cell and heads for a sector
 FADING = 0.15  # the last part of its range, in which a thing fades out
 FULL = 1.0 / FADING
+COARSE_M = 60.0  # faces that are drawn up to here cast shadows
+EDGE_ON = 0.05  # but for those that the sun's rays only graze
+LOWEST_SUN = 0.1  # sine of the altitude; lower suns cast no longer shadows
 
 Standing = tuple[Mesh, Floats, float]  # its pose (x, y, heading), and the distance in m up to which it is drawn
 Indices = NDArray[np.int64]
@@ -78,6 +81,14 @@ class Roadside:
         planes = group.normals[shown] @ axes.T / -away[shown, None]
         colours = self._air.colours(group.colours[shown], depth, np.minimum(1.0, FULL - depth * group.fading[shown]))
         return drawing(view, points, colours, planes, firsts), depth[firsts].tolist()
+
+    def shadow_polygons(self, light: Light) -> list[Floats]:
+        """(n, 2) m, outlines on the ground whose union lies in the shade of all that stands there."""
+        group = self._all
+        coarse = (group.until_m > COARSE_M) & (np.abs(group.normals @ light.sun) > EDGE_ON)
+        faces = group.faces_m[coarse]
+        cast = faces[..., :2] - faces[..., 2:] * (light.sun[:2] / max(light.sun[2], LOWEST_SUN))
+        return list(cast)
 
     def _may_show(self, points: Floats) -> Bools:
         """Which faces (n, VERTICES, 3), in camera axes, are neither behind the near plane nor beside the picture."""

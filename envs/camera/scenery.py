@@ -11,7 +11,7 @@ from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.verge import STATION_M, Verge
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera
+from vpf_sim.types import Camera, Floats
 
 TREE_EVERY = 7  # stations, on either side
 TREE_SHARE, BUSH_SHARE = 0.8, 0.3
@@ -33,6 +33,10 @@ class Scenery:
     def trees_seen(self, view: View) -> list[Sprite]:
         """The trees in view, the farthest first."""
         return self._trees.seen(view)
+
+    def shadow_polygons(self, light: Light) -> list[Floats]:
+        """(n, 2) m, outlines on the ground whose union lies in the shade of furniture, trees and bushes."""
+        return [*self._roadside.shadow_polygons(light), *self._trees.shadow_polygons(light)]
 
 
 def _planted(verge: Verge, rng: np.random.Generator) -> Trees:

@@ -25,6 +25,8 @@ NOTHING = (0, 0, 0, 255)
 RANGE_M, FADED_IN_M = 110.0, 80.0  # trees appear at the one and are there at the other
 UNVEILED = 0.97  # air that leaves more of a tree's contrast does not show
 NOON = 0.85  # the shading of a crown for which the pictures were mixed
+LOWEST_SUN = 0.1  # sine of the altitude; lower suns cast no longer shadows
+SHADOW_SIDES = 10
 BARK = np.array([70.0, 60.0, 50.0])
 Blob = tuple[float, float, float, float]  # centre x, y and radii, parts of the height; y from the top down
 
@@ -165,6 +167,25 @@ class TreeStand:
             for (_, i, foot), left in zip(found, air, strict=True)
             if (sprite := self._sprite(view.camera, foot, self._heights_m[i], self._variants[i], left)) is not None
         ]
+
+    def shadow_polygons(self, light: Light) -> list[Floats]:
+        """(n, 2) m, outlines on the ground of the shades of all stems and lumps of leaves."""
+        lean = light.sun[:2] / max(float(light.sun[2]), LOWEST_SUN)
+        across = np.array([-lean[1], lean[0]]) / max(float(np.hypot(*lean)), 1e-9)
+        circle = 2.0 * np.pi * np.arange(SHADOW_SIDES) / SHADOW_SIDES
+        result = []
+        for foot, height, variant in zip(self._feet_m, self._heights_m, self._variants, strict=True):
+            kind = KINDS[variant]
+            for x, y, rx, ry in kind.crown:
+                middle = np.array(foot) + height * ((x - 0.5 * SHAPE) * across - (1.0 - y) * lean)
+                along = np.hypot(rx, ry * np.hypot(*lean)) * lean / max(float(np.hypot(*lean)), 1e-9)
+                rim = np.cos(circle)[:, None] * along + rx * np.sin(circle)[:, None] * across
+                result.append(middle + height * rim)
+            for x, half in kind.stems:
+                low = np.array(foot) + height * (x - 0.5 * SHAPE) * across
+                high, wide = low - 0.6 * height * lean, height * half * across
+                result.append(np.array([low - wide, low + wide, high + wide, high - wide]))
+        return result
 
     def _sprite(
         self, camera: Camera, foot: tuple[float, float, float], height_m: float, variant: int, air: float
