@@ -13,7 +13,7 @@ from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.evaluation import weather_effect
 from vpf_sim.evaluation.threads import limit_opencv
 
-FRAMES = 4
+FRAMES = 3
 NAMES = list(weathers.PRESETS)
 ALONE = "from test_weather_bytes import digests; print(*digests(7).values())"
 

@@ -9,10 +9,14 @@ from vpf_sim.perception.flow import grey
 from vpf_sim.types import Floats
 
 REDUCTION = 2  # the size of a pixel that is compared
+MOST_LEVELS = 2.0  # of one pixel's change, so that a bright thing's mirror that trembles does not outweigh the rain
 
 
 def layers(weather: Weather, seed: int, count: int) -> Floats:
-    """(count, M) what changes from frame to frame: each frame less the mean of its second, without sensor noise."""
+    """(count, M) what changes from frame to frame: each frame less the mean of its second, without sensor noise.
+
+    Grey levels, at most MOST_LEVELS to both sides.
+    """
     greys = []
     for shot in course("straight", 0.0).shots(weather, seed, count):
         height, width = shot.image.shape[:2]
@@ -21,7 +25,7 @@ def layers(weather: Weather, seed: int, count: int) -> Floats:
     frames = np.array(greys, np.float64)
     for start in range(0, count, 60):
         frames[start : start + 60] -= frames[start : start + 60].mean(axis=0)
-    return frames
+    return np.clip(frames, -MOST_LEVELS, MOST_LEVELS)
 
 
 def likeness(first: Floats, second: Floats) -> Floats:
