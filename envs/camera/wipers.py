@@ -19,9 +19,10 @@ PIVOT_M = (-0.45, 0.62)  # right of the optical axis, down along the glass
 SWEEP_RAD = radians(90.0)  # from lying to the right of the pivot to standing above it
 RADII_M = (0.25, 0.84)  # what the blade wipes
 CYCLE_S = 1.33  # there and back, 45 a minute; faster where the period is shorter
-END_M = 0.01
+END_M = 0.01  # the largest drop's reach
 WIDTH_M = 0.016  # of blade and arm
 GREY, COVER = 22.0, 0.94  # the light that comes from the blade itself; how much it takes of what is behind
+MARGIN_RAD = 0.04  # half the blade, nearest to its pivot, and its blur
 EXPOSURE_S = 0.004
 EXPOSURES = 5  # positions within one exposure
 DIVISOR = 4  # the mask of the blade is drawn this much smaller than the frame
@@ -41,7 +42,7 @@ class Wiper:
         self.radii_m = _polar(pane, *pixels)[0]  # (h, w) of the planes: distance from the pivot
         self._angles = _angle_at(pane, *pixels).astype(np.float32)
         reached = self._angles[self._angles >= 0.0]
-        self._seen = (float(reached.min()) - 0.05, float(reached.max()) + 0.05) if reached.size else (1.0, -1.0)
+        self._seen = (float(reached.min()), float(reached.max())) if reached.size else (1.0, -1.0)
 
     def angle(self, time_s: float) -> float:
         """Angle of the blade (rad), 0 lying, `SWEEP_RAD` standing."""
@@ -61,25 +62,24 @@ class Wiper:
 
     def blade(self, time_s: float) -> Image | None:
         """(H / 4, W / 4) 0..255 how much of the light the blade takes; None when it is out of the picture."""
-        if not self._seen[0] <= self.angle(time_s) <= self._seen[1]:
+        if not self._seen[0] - MARGIN_RAD <= self.angle(time_s) <= self._seen[1] + MARGIN_RAD:
             return None
         camera = self._pane.camera
         mask: Image = np.zeros((-(-camera.height_px // DIVISOR), -(-camera.width_px // DIVISOR)), np.uint8)
-        for k in range(EXPOSURES):
-            quad = self._corners(time_s + EXPOSURE_S * (k / (EXPOSURES - 1) - 0.5))
+        moments = time_s + EXPOSURE_S * np.linspace(-0.5, 0.5, EXPOSURES)
+        for quad in self._corners(np.array([self.angle(moment) for moment in moments.tolist()])):
             once = np.zeros_like(mask)
             cv2.fillConvexPoly(once, np.rint(quad * 16.0).astype(np.int32), (255 // EXPOSURES,), cv2.LINE_AA, 4)
             cv2.add(mask, once, mask)
         return np.asarray(cv2.blur(mask, (5, 5)), np.uint8) if mask.any() else None
 
-    def _corners(self, time_s: float) -> Floats:
-        """(4, 2) corners of the blade on the mask."""
-        angle = self.angle(time_s)
-        along, across = np.array([np.cos(angle), -np.sin(angle)]), np.array([np.sin(angle), np.cos(angle)])
-        sides = np.array([[-0.5, 0.5, 0.5, -0.5]]).T * WIDTH_M * across
-        ends = np.array([[RADII_M[0], RADII_M[0], RADII_M[1], RADII_M[1]]]).T * along
-        points = np.array(PIVOT_M) + ends + sides
-        return (np.stack(self._pane.pixels(points[:, 0], points[:, 1]), axis=-1) + 0.5) / DIVISOR - 0.5
+    def _corners(self, angles: Floats) -> Floats:
+        """(n, 4, 2) corners of the blade on the mask, at n angles."""
+        cosine, sine = np.cos(angles)[:, None], np.sin(angles)[:, None]
+        along = np.array([RADII_M[0], RADII_M[0], RADII_M[1], RADII_M[1]])
+        across = WIDTH_M * np.array([-0.5, 0.5, 0.5, -0.5])
+        u, s = PIVOT_M[0] + along * cosine + across * sine, PIVOT_M[1] - along * sine + across * cosine
+        return (np.stack(self._pane.pixels(u, s), axis=-1) + 0.5) / DIVISOR - 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,10 +104,13 @@ class Swath:
 
 def paint_blade(frame: Image, blade: Image) -> None:
     """Put the blade before the frame, in place."""
-    size = (frame.shape[1], frame.shape[0])
-    cover = cv2.cvtColor(cv2.convertScaleAbs(cv2.resize(blade, size), None, COVER), cv2.COLOR_GRAY2RGB)
-    cv2.multiply(frame, cv2.bitwise_not(cover), frame, 1.0 / 255.0)
-    cv2.add(frame, cv2.convertScaleAbs(cover, None, GREY / 255.0), frame)
+    x, y, width, height = cv2.boundingRect(blade)
+    part = blade[y : y + height, x : x + width]
+    here = frame[DIVISOR * y : DIVISOR * (y + height), DIVISOR * x : DIVISOR * (x + width)]
+    cover = cv2.resize(part, (DIVISOR * width, DIVISOR * height))[: here.shape[0], : here.shape[1]]
+    cover = cv2.cvtColor(cv2.convertScaleAbs(cover, None, COVER), cv2.COLOR_GRAY2RGB)
+    cv2.multiply(here, cv2.bitwise_not(cover), here, 1.0 / 255.0)
+    cv2.add(here, cv2.convertScaleAbs(cover, None, GREY / 255.0), here)
 
 
 def _polar(pane: Pane, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
