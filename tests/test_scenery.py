@@ -1,5 +1,7 @@
 """What stands beside a road: off the lanes, the same for a seed, all of it drawn that is in the picture."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from highway_env.road.road import Road
@@ -51,7 +53,7 @@ def in_world(thing: Standing) -> Floats:
 def test_nothing_stands_on_the_lanes_or_hangs_too_low_over_them(name: str) -> None:
     shapes = lane_shapes(ROADS[name]())
     middles = np.concatenate([0.5 * (shape.left_m + shape.right_m) for shape in shapes])
-    along = np.concatenate([np.linspace(a, b, 12) for a, b in zip(middles, middles[1:], strict=False)])
+    along = np.concatenate([np.linspace(a, b, 12) for a, b in pairwise(middles)])
     lanes, half = cKDTree(along), 0.5 * shapes[0].width_m
     over = 0
     for seed in range(4):
