@@ -16,11 +16,11 @@ from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Camera, Floats, Image
 
 STEP, SIDESTEP, TURN_RAD = 0.3, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
-KEPT = 0.55  # a place is kept while the camera is nearer to it than this, in steps
+KEPT, LIMIT = 0.55, 0.7  # a place is kept while the camera is nearer to it than this, and at most, in steps
 GOLDEN = 0.618  # the grids of places of the levels are shifted by it, so that few are left in the same frame
 ROWS = 1.25  # of texels per row of pixels
 
-Place = tuple[float, float, float]  # heading, ahead, right: in steps
+Place = tuple[float, float, float]  # heading, ahead, right: in turns and steps
 
 
 class FarPatch:
@@ -37,38 +37,36 @@ class FarPatch:
         # so that the plane at which polygons are cut lies well before what is shown
         self._scale = camera.height_m * NEAR_M / (0.5 * level.near_m)
         self._texel_m = (level.across_m, level.along_m / ROWS)
-        self._place: Place = (inf, inf, inf)
+        self._place: Place = (0.0, inf, inf)
         self.pixels: Image = np.empty((rows, columns), np.uint8)
         self.from_world = np.eye(3)
 
-    def follow(self, view: View) -> None:
-        """Let the raster cover what the camera sees."""
-        place = self._wanted(view)
-        if place == self._place:
-            return
-        self._place = place
-        heading, ahead, right = place[0] * TURN_RAD, place[1] * self._step, place[2] * self._sidestep
+    def follow(self, view: View, patient: bool) -> bool:
+        """Let the raster cover what the camera sees; whether it was painted anew, which the patient put off."""
+        if self._is_near(view, LIMIT if patient else KEPT):
+            return False
+        turns = self._rounded(view.yaw_rad / TURN_RAD)
+        steps, sidesteps = self._steps(view, turns)
+        self._place = (turns, self._rounded(steps), self._rounded(sidesteps))
+        heading, ahead, right = turns * TURN_RAD, self._place[1] * self._step, self._place[2] * self._sidestep
         forward = np.array([cos(heading), sin(heading)])
         eye = ahead * forward + right * np.array([-forward[1], forward[0]])
         anchor = View.at(self._camera, eye - self._camera.forward_m * forward, heading)
         self.from_world = self._to_texels @ np.linalg.inv(anchor.ground_homography()) * self._scale
         rows, columns = self.pixels.shape
         self.pixels[:] = self._paint(Raster(rows, columns, self.from_world, *self._texel_m))
+        return True
 
-    def _wanted(self, view: View) -> Place:
-        """The place that is near enough: the one before while it is."""
-        heading, ahead, right = self._place
-        turns = view.yaw_rad / TURN_RAD
-        if abs(turns - heading) > KEPT:
-            heading, ahead, right = self._rounded(turns), inf, inf
-        c, s = cos(heading * TURN_RAD), sin(heading * TURN_RAD)
+    def _is_near(self, view: View, limit: float) -> bool:
+        turns, ahead, right = self._place
+        steps, sidesteps = self._steps(view, turns)
+        return max(abs(view.yaw_rad / TURN_RAD - turns), abs(steps - ahead), abs(sidesteps - right)) < limit
+
+    def _steps(self, view: View, turns: float) -> tuple[float, float]:
+        """How far ahead and to the right the camera is, along a heading."""
+        c, s = cos(turns * TURN_RAD), sin(turns * TURN_RAD)
         x, y = float(view.centre[0]), float(view.centre[1])
-        steps, sidesteps = (c * x + s * y) / self._step, (c * y - s * x) / self._sidestep
-        return (
-            heading,
-            ahead if abs(steps - ahead) < KEPT else self._rounded(steps),
-            right if abs(sidesteps - right) < KEPT else self._rounded(sidesteps),
-        )
+        return (c * x + s * y) / self._step, (c * y - s * x) / self._sidestep
 
     def _rounded(self, steps: float) -> float:
         return round(steps - self._phase) + self._phase
@@ -77,7 +75,7 @@ class FarPatch:
         """(2,) and (2,) the least and the largest pixel that a level shows, from all poses that keep a place."""
         camera = self._camera
         found = []
-        for turn, ahead, right in product((-KEPT * TURN_RAD, KEPT * TURN_RAD), (-KEPT, KEPT), (-KEPT, KEPT)):
+        for turn, ahead, right in product((-LIMIT * TURN_RAD, LIMIT * TURN_RAD), (-LIMIT, LIMIT), (-LIMIT, LIMIT)):
             c, s = cos(turn), sin(turn)
             points = level.corners_m @ np.array([[c, s], [-s, c]])
             points += (ahead * self._step, right * self._sidestep)

@@ -43,9 +43,11 @@ class Ground:
         """Paint the ground into the picture."""
         if not self._levels:
             return
+        painted = False
+        for patch in reversed(self._patches):
+            painted |= patch.follow(view, patient=painted)
         to_world = view.ground_homography()
         for level, patch in zip(self._levels, self._patches, strict=True):
-            patch.follow(view)
             for band in level.bands:
                 target = self._values[band.first : band.last]
                 if not band.faded:

@@ -46,11 +46,11 @@ class NearPatch:
         self.pixels: Image = np.empty((rows, columns), np.uint8)
         self.from_world = np.eye(3)
 
-    def follow(self, view: View) -> None:
-        """Let the raster cover what the camera sees."""
+    def follow(self, view: View, patient: bool) -> bool:  # noqa: ARG002
+        """Let the raster cover what the camera sees; whether some of it was painted. It is never late."""
         place, before = self._wanted(view), self._place
         if place == before:
-            return
+            return False
         self._place = place
         rows = len(self.pixels)
         self.from_world = self._raster(place, rows).from_world
@@ -63,6 +63,7 @@ class NearPatch:
         else:
             self.pixels[fresh:] = self.pixels[:kept]
             self.pixels[:fresh] = self._paint(self._raster(place, fresh))
+        return True
 
     def _wanted(self, view: View) -> Place:
         """The place from which the patch covers the view; heading and column stay while they do."""

@@ -5,6 +5,7 @@ All of it is flat and never moves, so it is cut into polygons of a few shapes on
 
 from dataclasses import dataclass
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,6 @@ FADED = 8  # typical loss of a stripe's brightness, in the palette
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
 RAGGED_STEP_M, RAGGED_RANGE_M = 0.7, 28.0
-RANGE_M, STRIPE_RANGE_M = 260.0, 160.0
 CHUNK, CHUNK_M = 10, 20.0  # stretches between samples in one polygon at most, and their length
 
 
@@ -42,7 +42,7 @@ class Batch:
     values: NDArray[np.int64]  # (n,) of the palette
     strips: NDArray[np.int64]  # (n,) which strip each belongs to
     thin: bool  # lines, whose width must be kept to a fraction of a pixel
-    range_m: float = RANGE_M  # levels that begin farther ahead do not show it
+    range_m: float = inf  # levels that begin farther ahead do not show it
 
     @property
     def centres_m(self) -> Floats:
@@ -59,12 +59,9 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     rng = stream(seed, "asphalt")
     marks = lines(shapes)
     outer = outer_edges(shapes)
-    far_shoulders = [
-        *((edge.at(-0.3), edge.at(PAVED_SHOULDER_M + GRAVEL_SHOULDER_M), GRAVEL) for edge in outer),
-    ]
-    shoulders = [
-        *(_ragged(edge, PAVED_SHOULDER_M + GRAVEL_SHOULDER_M, 0.28, GRAVEL, rng) for edge in outer),
-    ]
+    beside_m = PAVED_SHOULDER_M + GRAVEL_SHOULDER_M
+    far_shoulders = [(edge.at(-0.3), edge.at(beside_m), GRAVEL) for edge in outer]
+    shoulders = [_ragged(edge, beside_m, 0.28, GRAVEL, rng) for edge in outer]
     paved = [(edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer]
     surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
     solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
@@ -81,7 +78,7 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
         _separate(coarse, ASPHALT + coarse_tones, thin=False, range_m=WEAR_RANGE_M),
         _separate(fine, ASPHALT + fine_tones, thin=True, range_m=WEAR_RANGE_M),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
-        _separate(striped, paint, thin=True, range_m=STRIPE_RANGE_M),
+        _separate(striped, paint, thin=True),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
     return [batch for batch in batches if len(batch.values)]
@@ -112,13 +109,13 @@ def _stripe_polygons(line: Line) -> Floats:
     return np.concatenate([left, right[:, ::-1]], axis=1)
 
 
-def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: float = RANGE_M) -> Batch:
+def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: float = inf) -> Batch:
     """Single polygons, sorted by value: those of one value are drawn together."""
     order = np.argsort(values, kind="stable")
     return Batch(polygons[order], values[order], values[order], thin, range_m)
 
 
-def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float = RANGE_M) -> Batch:
+def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float = inf) -> Batch:
     """Strips between two edges, cut into polygons that are neither long nor of many stretches."""
     polygons, values, owners = [], [], []
     for owner, (left, right, value) in enumerate(strips):

@@ -35,6 +35,7 @@ STRENGTH = np.array([(0, 1.2), (60, 1.2), (98, 1.3), (138, 1.0), (160, 1.0), (22
 BLOTCHES = np.array([(0, 0.3), (70, 0.3), (98, 0.12), (138, 0.05), (222, 0.05)])  # the same for large differences
 ASPHALT_GREY, PAINT_GREY = 106.0, 255.0
 WET_FACTOR = 0.6  # what is left of the brightness of wet asphalt (Angstrom 1925)
+WET_SHARE = np.array([(60, 0.5), (124, 1.0)])  # (value, how much of that happens to it): less to leaves than to stone
 
 
 def ground_table(light: Light, wetness: float) -> NDArray[np.uint8]:
@@ -45,7 +46,8 @@ def ground_table(light: Light, wetness: float) -> NDArray[np.uint8]:
     """
     values = np.arange(256)
     colours = np.stack([np.interp(values, RAMP[:, 0], RAMP[:, i]) for i in (1, 2, 3)], axis=1)
-    exponent = 1.0 + wetness * np.log(WET_FACTOR) / np.log(ASPHALT_GREY / PAINT_GREY)
+    soaked = wetness * np.interp(values, WET_SHARE[:, 0], WET_SHARE[:, 1])[:, None]
+    exponent = 1.0 + soaked * np.log(WET_FACTOR) / np.log(ASPHALT_GREY / PAINT_GREY)
     wet = PAINT_GREY * (colours / PAINT_GREY) ** exponent
     lit = np.clip(wet * _level(light) / _level(_noon()), 0.0, 255.0)
     table: NDArray[np.uint8] = np.rint(lit[:, None, :]).astype(np.uint8)

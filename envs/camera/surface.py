@@ -46,6 +46,7 @@ class Surface:
         self._fine = fine  # pixels of the canvas per texel, across and along
         self._shown = np.flatnonzero(polygons.ranges_m > near_m)
         self._close = self._shown[:0]
+        self._discs_m = (polygons.centres_m[:0], polygons.radii_m[:0])
         self._middle = np.full(2, np.inf)
         self._reach_m = 0.0
 
@@ -69,11 +70,13 @@ class Surface:
             self._middle, self._reach_m = middle, reach + STEP_M
             away = np.hypot(*(self._polygons.centres_m[self._shown] - middle).T)
             self._close = self._shown[away - self._polygons.radii_m[self._shown] < self._reach_m]
+            self._discs_m = (self._polygons.centres_m[self._close], self._polygons.radii_m[self._close])
         sides = np.roll(outline, -1, axis=0) - outline
         normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.hypot(*sides.T)[:, None]
         normals *= np.sign(np.sum((outline - middle) * normals, axis=1))[:, None]  # outward
-        outside = self._polygons.centres_m[self._close] @ normals.T - np.sum(outline * normals, axis=1)
-        return np.asarray(self._close[outside.max(axis=1) < self._polygons.radii_m[self._close]])
+        centres_m, radii_m = self._discs_m
+        outside = normals @ centres_m.T - np.sum(outline * normals, axis=1)[:, None]
+        return np.asarray(self._close[outside.max(axis=0) < radii_m])
 
     def _fill(self, canvas: Image, seen: Indices, matrix: Floats) -> None:
         """Fill polygons, those of one strip in one call."""

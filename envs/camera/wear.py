@@ -20,12 +20,10 @@ FLAKE_RANGE_M = 20.0
 
 # Bands along every lane that tyres polish and engines drip on: lateral place, half its width, tone in the palette.
 TRACKS = (
-    (-0.85, 0.38, 2),
-    (0.85, 0.38, 2),
-    (-0.85, 0.22, 3),
-    (0.85, 0.22, 3),
+    (-0.85, 0.32, 2),
+    (0.85, 0.32, 2),
     (0.0, 0.5, -2),
-    (0.0, 0.3, -4),
+    (0.0, 0.28, -4),
 )
 
 Marks = tuple[Floats, Floats, NDArray[np.int64]]  # (n, 2 STATIONS) stations m, as many lateral places m, (n,) tones
