@@ -1,0 +1,163 @@
+"""How sure a number is: 95 % intervals, differences on the same seeds with their tests, and how many seeds it takes.
+
+Means: bootstrap, bias corrected and accelerated (BCa: Efron, JASA 82, 1987), at the level that makes up for the
+bootstrap's narrowness on few values (Hesterberg, The American Statistician 69, 2015, section 3.2): instead of z the
+normal quantile takes sqrt(n / (n - 1)) t(n - 1). Measured on normal / exponential values, the share of intervals that
+hold the mean is 0.92 / 0.89 for n = 5, 0.94 / 0.93 for n = 10, 0.95 / 0.94 for n = 30; without that it is 0.85 / 0.80
+for n = 5.
+
+Shares: Clopper and Pearson's exact interval (Biometrika 26, 1934), which holds the share in at least 95 % of cases.
+
+Everything is a pure function of its values: the resamples are drawn from a stream of their own.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy import special, stats
+
+from vpf_sim.seeding import stream
+from vpf_sim.types import Bools, Floats
+
+LEVEL = 0.95
+RESAMPLES = 9999
+ROUNDING = 1e-12
+MOST_DRAWS = 20_000_000  # of all resamples together: they are held in memory
+Z = float(stats.norm.ppf(0.5 + 0.5 * LEVEL))
+
+
+class Interval(NamedTuple):
+    """A 95 % confidence interval."""
+
+    low: float
+    high: float
+
+
+class Difference(NamedTuple):
+    """The mean of first - second over pairs, its interval, and p of a two-sided test that there is none."""
+
+    difference: float
+    interval: Interval | None
+    p: float
+    pairs: int
+
+
+def mean_interval(values: Floats) -> Interval | None:
+    """The interval of the mean of (n,) values.
+
+    None for a single value, and where all are the same: values without spread say nothing of what others would be.
+    BCa's quantiles are those of the resampled means at Phi(z0 + (z0 + z) / (1 - a (z0 + z))), z the normal quantiles of
+    the level, z0 that of the share of resampled means below the mean, a = sum d^3 / (6 (sum d^2)^1.5) with d the
+    deviations from the mean.
+    """
+    values = np.asarray(values, float)
+    if len(values) < 2 or np.ptp(values) == 0.0:
+        return None
+    deviation = values - np.mean(values)
+    shifts = _weights(len(values)) @ deviation  # of the resampled means from the mean
+    equal = np.abs(shifts) < ROUNDING * np.ptp(values)
+    z0 = special.ndtri(np.mean((shifts < 0.0) & ~equal) + 0.5 * np.mean(equal))
+    a = np.sum(deviation**3) / (6.0 * np.sum(deviation**2) ** 1.5)
+    z = z0 + _expanded_z(len(values)) * np.array([-1.0, 1.0])
+    low, high = np.mean(values) + np.quantile(shifts, special.ndtr(z0 + z / (1.0 - a * z)))
+    return Interval(float(low), float(high))
+
+
+@lru_cache(maxsize=4)
+def _weights(count: int) -> Floats:
+    """(RESAMPLES, n) how much each value counts in each resampled mean of n values; fewer where they would be huge."""
+    resamples = min(RESAMPLES, max(MOST_DRAWS // count, 999))
+    drawn = stream(count, "bootstrap").integers(0, count, (resamples, count))
+    cells = drawn + count * np.arange(resamples)[:, None]
+    return np.bincount(cells.ravel(), minlength=resamples * count).reshape(resamples, count) / count
+
+
+def share_interval(count: float, of: int) -> Interval:
+    """Clopper and Pearson's interval of a share that was seen `count` times in `of` episodes."""
+    tail = 0.5 * (1.0 - LEVEL)
+    low = special.betaincinv(count, of - count + 1.0, tail) if count > 0 else 0.0
+    high = special.betaincinv(count + 1.0, of - count, 1.0 - tail) if count < of else 1.0
+    return Interval(float(low), float(high))
+
+
+def paired_difference(first: Floats, second: Floats) -> Difference | None:
+    """first - second, (n,) scores of the same seeds; p by flipping signs (Fisher, The Design of Experiments, 1935).
+
+    If there is no difference, each pair's is as likely with the other sign: p is the share of sign patterns (all of
+    them for n <= 13, else RESAMPLES of them) whose mean is at least as far from 0. It is at least 2 / 2^n.
+    """
+    if len(first) == 0:
+        return None
+    difference = np.asarray(first, float) - np.asarray(second, float)
+    test = stats.permutation_test(
+        (difference,),
+        np.mean,
+        permutation_type="samples",
+        vectorized=True,
+        n_resamples=RESAMPLES,
+        rng=stream(0, "sign flips"),
+    )
+    return Difference(float(np.mean(difference)), mean_interval(difference), float(test.pvalue), len(difference))
+
+
+def paired_shares(first: Bools, second: Bools) -> Difference:
+    """Share of first - share of second, (n,) successes on the same seeds.
+
+    p: McNemar's exact test (Psychometrika 12, 1947), of the pairs in which one alone succeeded. The interval is Bonett
+    and Price's (J. Educ. Behav. Stat. 37, 2012): d +- z sqrt((p + q - d^2) / (n + 2)), where p and q are the shares of
+    those pairs with one more of each kind, and d = p - q.
+    """
+    first, second = np.asarray(first, bool), np.asarray(second, bool)
+    pairs = len(first)
+    only_first, only_second = int(np.sum(first & ~second)), int(np.sum(second & ~first))
+    p, q = (only_first + 1) / (pairs + 2), (only_second + 1) / (pairs + 2)
+    half = Z * sqrt((p + q - (p - q) ** 2) / (pairs + 2))
+    interval = Interval(max(p - q - half, -1.0), min(p - q + half, 1.0))
+    discordant = only_first + only_second
+    chance = float(stats.binomtest(only_first, discordant).pvalue) if discordant else 1.0
+    return Difference((only_first - only_second) / pairs, interval, chance, pairs)
+
+
+def seeds_for_mean(values: Floats, width: float) -> int | None:
+    """Seeds for an interval of a mean as wide as `width`, high - low: the least n with 2 t(n - 1) s / sqrt(n) <= width.
+
+    s is the standard deviation of the (n,) values so far. None where they do not tell.
+    """
+    if len(values) < 2 or np.ptp(values) == 0.0:
+        return None
+    deviation = float(np.std(values, ddof=1))
+    return _least(lambda n: 2.0 * _t(n) * deviation / sqrt(n) <= width, start=2)
+
+
+def seeds_for_share(count: int, of: int, width: float) -> int:
+    """Seeds for an interval of a share as wide as `width`, if the share stays what it is so far."""
+
+    def fits(n: int) -> bool:
+        low, high = share_interval(n * count / of, n)
+        return high - low <= width
+
+    return _least(fits, start=1)
+
+
+def _t(count: int) -> float:
+    return float(stats.t.ppf(0.5 + 0.5 * LEVEL, count - 1))
+
+
+def _expanded_z(count: int) -> float:
+    """What stands for z in the bootstrap of `count` values, so that it holds the mean in LEVEL of cases."""
+    return _t(count) * sqrt(count / (count - 1))
+
+
+def _least(fits: Callable[[int], bool], start: int) -> int:
+    """The least n >= start that fits, of a condition that holds from some n on."""
+    high = start
+    while not fits(high):
+        high *= 2
+    low = max(start, high // 2)
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (low, middle) if fits(middle) else (middle + 1, high)
+    return high
