@@ -6,6 +6,7 @@ down, the layer holds colours times opacity and what is seen through it (Porter 
 exact coverage and the picture beneath stays as it was where nothing is drawn.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,11 +19,11 @@ from vpf_sim.types import Floats, Image
 
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 SUBPIXELS = 64  # polygons are rounded to parts of a pixel
-SMALL_PX = 2000  # things in less pixels are drawn four times as fine, the others twice
+SMALL_PX = 1200  # things in less pixels are drawn four times as fine, the others twice
 SPARE_PX = 64000  # what one more layer costs, in empty pixels of a larger one, counted on the layer
 EMPTY = np.frombuffer(bytes((0, 0, 0, 255)), np.uint32)[0]  # a pixel of a layer on which nothing is drawn
 
-Box = tuple[int, int, int, int]  # x0, y0, x1, y1
+Box = Sequence[int]  # x0, y0, x1, y1
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,17 +81,9 @@ def drawing(view: View, faces: Floats, colours: Floats, planes: Floats, firsts: 
     exact += 0.5 * SUBPIXELS + 0.5
     fixed = exact.astype(np.int32)
     points, each = fixed.reshape(-1, 2), firsts * fixed.shape[1]
-    low, high = np.minimum.reduceat(points, each).tolist(), np.maximum.reduceat(points, each).tolist()
-    width, height = view.camera.width_px, view.camera.height_px
-    boxes = [
-        (
-            max(x0 // SUBPIXELS, 0),
-            max(y0 // SUBPIXELS, 0),
-            min(x1 // SUBPIXELS + 1, width),
-            min(y1 // SUBPIXELS + 1, height),
-        )
-        for (x0, y0), (x1, y1) in zip(low, high, strict=True)
-    ]
+    limits = np.array([view.camera.width_px, view.camera.height_px])
+    low, high = np.minimum.reduceat(points, each) // SUBPIXELS, np.maximum.reduceat(points, each) // SUBPIXELS + 1
+    boxes = np.column_stack([np.maximum(low, 0), np.minimum(high, limits)]).tolist()
     return Drawing(polygons, fixed, colours, planes, [*firsts.tolist(), len(faces)], boxes)
 
 
@@ -159,7 +152,8 @@ def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Drawing, i
     others = []
     for layer in waiting:
         x0, y0, x1, y1 = layer.box
-        u0, v0, u1, v1 = min(a0, x0), min(b0, y0), max(a1, x1), max(b1, y1)
+        u0, v0 = a0 if a0 < x0 else x0, b0 if b0 < y0 else y0
+        u1, v1 = a1 if a1 > x1 else x1, b1 if b1 > y1 else y1
         empty = (u1 - u0) * (v1 - v0) - (a1 - a0) * (b1 - b0) - (x1 - x0) * (y1 - y0)
         if layer.fine != fine or empty > spare:
             if a0 < x1 and x0 < a1 and b0 < y1 and y0 < b1:
@@ -187,7 +181,9 @@ def _rasterised(layer: _Layer) -> Sprite:
     x0, y0, x1, y1 = layer.box
     height, width = y1 - y0, x1 - x0
     fine = layer.fine
-    canvas: Image = np.full((height * fine, width * fine), EMPTY, np.uint32).view(np.uint8).reshape(-1, width * fine, 4)
+    empty = np.empty((height * fine, width * fine), np.uint32)
+    empty.fill(EMPTY)
+    canvas: Image = empty.view(np.uint8).reshape(-1, width * fine, 4)
     shift = (SUBPIXELS // fine).bit_length() - 1
     corner = np.array([x0, y0], np.int32) * SUBPIXELS + SUBPIXELS // 2 // fine
     for thing, first, last in layer.runs:

@@ -1,6 +1,7 @@
 """What stands up from the ground, bodies and scenery: what of it is in view, and painting it, the farthest first."""
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
@@ -18,6 +19,8 @@ from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
+
+SHADOW_REACH = 4.0  # length of the longest shadows, in heights
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,19 +114,26 @@ def bodies_in_view(now: Snapshot) -> tuple[list[int], list[float]]:
 
     What lies in front of the body that is farther away comes later, whatever their depths.
     """
-    eye, axis = now.view.centre[:2], now.view.axes[2, :2]
-    (x, y), (forward_x, forward_y) = eye.tolist(), axis.tolist()
-    ahead = []
-    for i, body in enumerate(now.bodies):
-        px, py, _ = now.poses[id(body)].tolist()
-        if not isinstance(body, Landmark) and -body.LENGTH < forward_x * (px - x) + forward_y * (py - y) < RANGE_M:
-            ahead.append(i)
+    ahead = [i for i, body in enumerate(now.bodies) if not isinstance(body, Landmark) and _may_show(now, body)]
     if not ahead:
         return [], []
+    eye, axis = now.view.centre[:2], now.view.axes[2, :2]
     corners = np.array([_footprint(now, i) for i in ahead])
     order = far_to_near(corners, eye) if len(ahead) > 1 else [0]
     nearest = ((corners - eye) @ axis).min(axis=1).tolist()
     return [ahead[k] for k in order], [nearest[k] for k in order]
+
+
+def _may_show(now: Snapshot, body: RoadObject) -> bool:
+    """Whether a body or its shadow may be in the picture, by its place alone."""
+    view = now.view
+    x, y, _ = (now.poses[id(body)] - (view.centre[0], view.centre[1], 0.0)).tolist()
+    c, s = cos(view.yaw_rad), sin(view.yaw_rad)
+    ahead, aside = c * x + s * y, c * y - s * x
+    length, width, height = body_size(body)
+    reach = length + width + SHADOW_REACH * height
+    slope = 0.5 * view.camera.width_px / view.camera.fx_px
+    return bool(-reach < ahead < RANGE_M and abs(aside) < slope * (ahead + reach) + reach)
 
 
 def body_size(body: RoadObject) -> tuple[float, float, float]:
