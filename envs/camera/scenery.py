@@ -13,7 +13,7 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
-TREE_EVERY = 7  # stations, on either side
+TREE_EVERY = 2  # stations, on either side
 TREE_SHARE, BUSH_SHARE = 0.8, 0.3
 TREE_FREE_M = 4.0  # around a tree's foot
 
