@@ -64,36 +64,58 @@ class Pid:
         return max(-1.0, min(1.0, self._kp * error + self._ki * integral + self._kd * rate))
 
 
+class SpeedPid:
+    """Keeps a constant speed; computes at its own rate and holds its throttle between."""
+
+    def __init__(self, gains: Gains, speed_reference_mps: float, rate_hz: float) -> None:
+        self._gains = gains
+        self._speed_reference_mps = speed_reference_mps
+        self._hold_steps = max(1, round(rate_hz / gains.rate_hz))
+        law = (gains.longitudinal_kp, gains.longitudinal_ki, gains.longitudinal_kd)
+        self._pid = Pid(*law, gains.buffer_steps, self._hold_steps / rate_hz)
+        self.reset()
+
+    def reset(self) -> None:
+        """No memory."""
+        self._pid.reset()
+        self._step = 0
+        self._held = 0.0
+
+    def throttle(self, speed_mps: float) -> float:
+        """One step of 1 / rate_hz."""
+        if self._step % self._hold_steps == 0:
+            wish = self._pid.step(3.6 * (self._speed_reference_mps - speed_mps))
+            self._held = min(max(wish, -self._gains.brake_limit), self._gains.throttle_limit)
+        self._step += 1
+        return self._held
+
+
 class WaypointPid:
     """Follows waypoints (M, 2) m at a constant speed; computes at its own rate and holds its command between."""
 
     def __init__(self, gains: Gains, route_m: Floats, speed_reference_mps: float, rate_hz: float) -> None:
         self._gains = gains
         self._route_m = route_m
-        self._speed_reference_mps = speed_reference_mps
         self._hold_steps = max(1, round(rate_hz / gains.rate_hz))
-        dt_s = self._hold_steps / rate_hz
-        lateral = (gains.lateral_kp, gains.lateral_ki, gains.lateral_kd)
-        longitudinal = (gains.longitudinal_kp, gains.longitudinal_ki, gains.longitudinal_kd)
-        self._lateral = Pid(*lateral, gains.buffer_steps, dt_s)
-        self._longitudinal = Pid(*longitudinal, gains.buffer_steps, dt_s)
+        law = (gains.lateral_kp, gains.lateral_ki, gains.lateral_kd)
+        self._lateral = Pid(*law, gains.buffer_steps, self._hold_steps / rate_hz)
+        self._speed = SpeedPid(gains, speed_reference_mps, rate_hz)
         self.reset()
 
     def reset(self) -> None:
         """At the start of the route, no memory."""
         self._lateral.reset()
-        self._longitudinal.reset()
+        self._speed.reset()
         self._step = 0
         self._next = 0
-        self._held = Command(0.0, 0.0)
+        self._steering = 0.0
 
     def command(self, observation: Observation) -> Command:
         """One step of 1 / rate_hz."""
         if self._step % self._hold_steps == 0:
-            throttle = self._accelerate(observation.speed_mps)
-            self._held = Command(throttle, self._steer(observation))
+            self._steering = self._steer(observation)
         self._step += 1
-        return self._held
+        return Command(self._speed.throttle(observation.speed_mps), self._steering)
 
     def _waypoint(self, observation: Observation) -> Floats:
         """(2,) m, the first waypoint not yet within the look-ahead; waypoints once passed never come back."""
@@ -109,9 +131,5 @@ class WaypointPid:
         error = wrap_angle(atan2(y - observation.y_m, x - observation.x_m) - observation.yaw_rad)
         wish = self._lateral.step(error)
         gains = self._gains
-        wish = max(self._held.steering - gains.steering_step, min(self._held.steering + gains.steering_step, wish))
+        wish = max(self._steering - gains.steering_step, min(self._steering + gains.steering_step, wish))
         return max(-gains.steering_limit, min(gains.steering_limit, wish))
-
-    def _accelerate(self, speed_mps: float) -> float:
-        wish = self._longitudinal.step(3.6 * (self._speed_reference_mps - speed_mps))
-        return min(wish, self._gains.throttle_limit) if wish >= 0.0 else max(wish, -self._gains.brake_limit)

@@ -55,8 +55,9 @@ def frame(level: int = 90) -> Observation:
 
 
 def test_the_registry_and_its_descriptions() -> None:
-    assert drivers.names() == ["vpf", "vpf-paper", "vpf-literal", "pid", "neutral"]
-    assert {row.name: row.privileged for row in drivers.describe()}["pid"] == "route"
+    assert drivers.names() == ["vpf", "vpf-paper", "vpf-literal", "pid", "pure-pursuit", "stanley", "idm", "neutral"]
+    told = {row.name: row.privileged for row in drivers.describe() if row.privileged != "none"}
+    assert told == {"pid": "route", "pure-pursuit": "route", "stanley": "route", "idm": "world"}
     for row in drivers.describe():
         assert drivers.create(row.name).privileged == row.privileged
 
@@ -95,15 +96,17 @@ def test_reset_starts_the_same_episode_again() -> None:
     assert commands() == commands()
 
 
-def test_pid_needs_a_route_and_follows_it() -> None:
-    driver = drivers.create("pid")
-    with pytest.raises(InputError, match="driver pid: expected a route in its setup, got none"):
+@pytest.mark.parametrize("name", ["pid", "pure-pursuit", "stanley"])
+def test_a_route_driver_needs_a_route_and_follows_it(name: str) -> None:
+    driver = drivers.create(name)
+    with pytest.raises(InputError, match=f"driver {name}: expected a route in its setup, got none"):
         driver.reset(setup())
     driver.reset(setup(np.column_stack([np.arange(200.0), np.zeros(200)])))
-    car = Bicycle(y_m=0.4)
+    car = Bicycle(y_m=0.4, speed_mps=4.0)
     for _ in range(600):
         car.step(driver.act(car.observe()))
     assert car.y_m == pytest.approx(0.0, abs=0.02)
+    assert car.speed_mps == pytest.approx(5.55, abs=0.05)
 
 
 def test_neutral_touches_nothing() -> None:

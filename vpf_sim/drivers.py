@@ -11,7 +11,7 @@ from typing import cast, get_args
 import numpy as np
 
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.types import Command, Driver, DriverSetup, Observation, Plan, Privilege
+from vpf_sim.types import Command, Driver, DriverSetup, Floats, Observation, Plan, Privilege
 
 
 class FieldDriver:
@@ -44,23 +44,44 @@ class FieldDriver:
         return self._plan
 
 
-class PidDriver:
-    """CARLA's waypoint PID on the route: the paper's baseline. It knows no obstacles."""
+class RouteDriver:
+    """A controller that follows the route at the reference speed. It knows no obstacles."""
 
     privileged: Privilege = "route"
 
-    def reset(self, setup: DriverSetup) -> None:
-        from vpf_sim.controllers.pid import WaypointPid, load_gains
+    def __init__(self, name: str) -> None:
+        self._name = name
 
+    def reset(self, setup: DriverSetup) -> None:
         if setup.route is None:
-            raise InputError("driver pid: expected a route in its setup, got none")
-        self._controller = WaypointPid(load_gains(), setup.route, setup.speed_reference_mps, setup.rate_hz)
+            raise InputError(f"driver {self._name}: expected a route in its setup, got none")
+        self._follow = _FOLLOWERS[self._name](setup, setup.route)
+
+    def act(self, observation: Observation) -> Command:
+        return self._follow(observation)
+
+    def trace(self) -> Plan | None:
+        """A baseline makes no plan."""
+        return None
+
+
+class IdmDriver:
+    """highway-env's own driver. It is told all that is on the road, and needs no camera."""
+
+    privileged: Privilege = "world"
+
+    def reset(self, setup: DriverSetup) -> None:
+        from vpf_sim.controllers.idm import Idm, load_gains
+
+        if setup.world is None:
+            raise InputError("driver idm: expected the world in its setup, got none")
+        self._controller = Idm(load_gains(), setup, setup.world)
 
     def act(self, observation: Observation) -> Command:
         return self._controller.command(observation)
 
     def trace(self) -> Plan | None:
-        """A baseline makes no plan."""
+        """No plan of ours."""
         return None
 
 
@@ -80,6 +101,35 @@ class NeutralDriver:
     def trace(self) -> Plan | None:
         """No plan either."""
         return None
+
+
+def _pid(setup: DriverSetup, route: Floats) -> Callable[[Observation], Command]:
+    from vpf_sim.controllers.pid import WaypointPid, load_gains
+
+    return WaypointPid(load_gains(), route, setup.speed_reference_mps, setup.rate_hz).command
+
+
+def _pure_pursuit(setup: DriverSetup, route: Floats) -> Callable[[Observation], Command]:
+    from vpf_sim.controllers.pure_pursuit import PurePursuit, load_gains
+
+    return _with_speed(PurePursuit(load_gains(), route, setup.vehicle).steer, setup)
+
+
+def _stanley(setup: DriverSetup, route: Floats) -> Callable[[Observation], Command]:
+    from vpf_sim.controllers.stanley import Stanley, load_gains
+
+    return _with_speed(Stanley(load_gains(), route, setup.vehicle).steer, setup)
+
+
+def _with_speed(steer: Callable[[Observation], float], setup: DriverSetup) -> Callable[[Observation], Command]:
+    """A law that steers, with the speed held as the PID holds it."""
+    from vpf_sim.controllers.pid import SpeedPid, load_gains
+
+    speed = SpeedPid(load_gains(), setup.speed_reference_mps, setup.rate_hz)
+    return lambda observation: Command(speed.throttle(observation.speed_mps), steer(observation))
+
+
+_FOLLOWERS = {"pid": _pid, "pure-pursuit": _pure_pursuit, "stanley": _stanley}
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +156,16 @@ _REGISTRY: dict[str, _Entry] = {
     "vpf-literal": _Entry(
         lambda: FieldDriver("literal"), "none", "the paper's field as printed: a documented negative"
     ),
-    "pid": _Entry(PidDriver, "route", "CARLA's waypoint PID, the paper's baseline; blind to obstacles"),
+    "pid": _Entry(
+        lambda: RouteDriver("pid"), "route", "CARLA's waypoint PID, the paper's baseline; blind to obstacles"
+    ),
+    "pure-pursuit": _Entry(
+        lambda: RouteDriver("pure-pursuit"), "route", "steers on an arc to a point ahead (Coulter); blind to obstacles"
+    ),
+    "stanley": _Entry(
+        lambda: RouteDriver("stanley"), "route", "steers by heading and cross-track error; blind to obstacles"
+    ),
+    "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; told all bodies"),
     "neutral": _Entry(NeutralDriver, "none", "touches neither throttle nor steering"),
 }
 

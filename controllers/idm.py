@@ -1,0 +1,91 @@
+"""highway-env's own driver, IDM along the lane and MOBIL across, at the wheel of the ego car.
+
+Intelligent Driver Model: M. Treiber, A. Hennecke, D. Helbing, Phys. Rev. E 62, 1805, 2000. Lane changes by MOBIL:
+A. Kesting, M. Treiber, D. Helbing, Transp. Res. Rec. 1999, 86, 2007. Parameters are those of highway-env's IDMVehicle.
+Its steering is a heading controller: with times T_y (lateral) and T_h (heading), near the lane's centre on a straight
+the offset y obeys y'' + y' / T_h + y / (T_h T_y) = 0. It is told all bodies on the road, and looks at no frame.
+"""
+
+from dataclasses import dataclass
+from math import hypot
+
+from highway_env.road.road import Road
+from highway_env.vehicle.behavior import IDMVehicle
+
+from vpf_sim import tables
+from vpf_sim.seeding import stream
+from vpf_sim.types import Command, DriverSetup, Observation
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    lateral_s: float  # T_y
+    heading_s: float  # T_h
+
+    def __post_init__(self) -> None:
+        for key in ("lateral_s", "heading_s"):
+            if not getattr(self, key) > 0.0:
+                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+
+
+def load_gains() -> Gains:
+    """The section [idm] of gains.toml."""
+    return tables.build(Gains, tables.read("vpf_sim.controllers", "gains.toml")["idm"], "gains.toml: [idm]")
+
+
+class Twin(IDMVehicle):  # type: ignore[misc]
+    """An IDMVehicle that goes where the ego is put and never moves by itself."""
+
+    def __init__(self, gains: Gains, road: Road, observation: Observation, setup: DriverSetup) -> None:
+        place = (observation.x_m, observation.y_m)
+        target_mps = setup.speed_reference_mps
+        super().__init__(road, place, observation.yaw_rad, observation.speed_mps, target_speed=target_mps)
+        # Its steering law takes the axles to be half the length before and behind the centre; the ego's are nearer.
+        self.LENGTH = setup.vehicle.wheelbase_m
+        self.KP_LATERAL, self.KP_HEADING = 1.0 / gains.lateral_s, 1.0 / gains.heading_s
+        self.TAU_PURSUIT = gains.heading_s  # so that a bend asks for its own yaw rate
+
+    def follow(self, observation: Observation, passed_s: float) -> None:
+        """Be where the ego is, and that much later."""
+        self.position[:] = observation.x_m, observation.y_m
+        self.heading, self.speed = observation.yaw_rad, observation.speed_mps
+        self.timer += passed_s
+        self.on_state_update()
+
+
+class Idm:
+    """Accelerates, brakes, and changes lanes on a highway-env road, which it only reads."""
+
+    def __init__(self, gains: Gains, setup: DriverSetup, world: Road) -> None:
+        self._gains = gains
+        self._setup = setup
+        self._world = world
+        self._twin: Twin | None = None
+
+    def command(self, observation: Observation) -> Command:
+        """One step of 1 / rate_hz."""
+        if self._twin is None:
+            self._twin = Twin(self._gains, self._others(observation), observation, self._setup)
+        else:
+            self._twin.follow(observation, 1.0 / self._setup.rate_hz)
+        self._twin.act()
+        vehicle, action = self._setup.vehicle, self._twin.action
+        acceleration = float(action["acceleration"])
+        full_mps2 = vehicle.full_throttle_mps2 if acceleration > 0.0 else vehicle.full_brake_mps2
+        throttle, steering = acceleration / full_mps2, float(action["steering"]) / vehicle.steering_limit_rad
+        return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
+
+    def _others(self, observation: Observation) -> Road:
+        """The road with all that is on it except the ego, the vehicle where the observation was made.
+
+        A leader on the next segment of a lane is seen with `neighbour_vehicles_connected_lanes` only.
+        """
+        here, world = [observation.x_m, observation.y_m], self._world
+        ego = min(world.vehicles, key=lambda other: hypot(*(other.position - here)))
+        return Road(
+            network=world.network,
+            vehicles=[vehicle for vehicle in world.vehicles if vehicle is not ego],
+            road_objects=list(world.objects),
+            np_random=stream(self._setup.seed, "idm"),
+            neighbour_vehicles_connected_lanes=True,
+        )

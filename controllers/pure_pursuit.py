@@ -1,0 +1,51 @@
+"""Pure pursuit: steer on the arc that leads the rear axle through a point of the path ahead.
+
+R. C. Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992. With the goal point
+(x, y) in the axes of the vehicle at its rear axle (here y to the right), l^2 = x^2 + y^2, wheelbase L, the arc has
+
+    curvature = 2 y / l^2,    steering delta = atan(L curvature).
+
+On a circle the rear axle follows it exactly. Beside a straight line the offset y of the rear axle obeys, for small
+ones, y'' + (2 / l) y' + (2 / l^2) y = 0 over the distance driven: it decays as exp(-s / l), damped by 1 / sqrt(2).
+"""
+
+from dataclasses import dataclass
+from math import atan, cos, sin
+
+from vpf_sim import tables
+from vpf_sim.controllers.polyline import Polyline
+from vpf_sim.types import Floats, Observation, VehicleModel
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    look_ahead_m: float  # l
+
+    def __post_init__(self) -> None:
+        if not self.look_ahead_m > 0.0:
+            raise ValueError(f"look_ahead_m: expected > 0, got {self.look_ahead_m}")
+
+
+def load_gains() -> Gains:
+    """The section [pure_pursuit] of gains.toml."""
+    table = tables.read("vpf_sim.controllers", "gains.toml")["pure_pursuit"]
+    return tables.build(Gains, table, "gains.toml: [pure_pursuit]")
+
+
+class PurePursuit:
+    """The steering along waypoints (M, 2) m."""
+
+    def __init__(self, gains: Gains, route_m: Floats, vehicle: VehicleModel) -> None:
+        self._gains = gains
+        self._line = Polyline(route_m)
+        self._vehicle = vehicle
+
+    def steer(self, observation: Observation) -> float:
+        """The steering command in [-1, 1]."""
+        cosine, sine = cos(observation.yaw_rad), sin(observation.yaw_rad)
+        x_m, y_m = observation.x_m - self._vehicle.l_r_m * cosine, observation.y_m - self._vehicle.l_r_m * sine
+        goal_x_m, goal_y_m = self._line.ahead(x_m, y_m, self._gains.look_ahead_m)
+        dx, dy = goal_x_m - x_m, goal_y_m - y_m
+        curvature_per_m = 2.0 * (cosine * dy - sine * dx) / max(dx**2 + dy**2, 1e-6)
+        steering_rad = atan(self._vehicle.wheelbase_m * curvature_per_m)
+        return min(max(steering_rad / self._vehicle.steering_limit_rad, -1.0), 1.0)

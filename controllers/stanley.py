@@ -1,0 +1,55 @@
+"""Stanley's steering: point the front wheels along the path, and turn them towards it by the cross-track error.
+
+S. Thrun et al., Stanley: The Robot that Won the DARPA Grand Challenge, J. Field Robotics 23(9), 2006, eq. 10, with the
+softening of G. M. Hoffmann et al., Autonomous Automobile Trajectory Tracking for Off-Road Driving, ACC 2007, sec. III.
+With psi the heading of the path minus the yaw, and e how far the path lies right of the front axle,
+
+    delta = psi + atan(k e / (k_s + v)).
+
+The front wheels then roll along the path, so on a circle the front axle has no steady error; beside a straight line its
+error obeys e' = -v sin(atan(k e / (k_s + v))), which for small ones decays as exp(-k v / (k_s + v) t). Their damping
+terms stand for tyres and a servo that our kinematic car does not have.
+"""
+
+from dataclasses import dataclass
+from math import atan2, cos, sin
+
+from vpf_sim import tables
+from vpf_sim.controllers.polyline import Polyline
+from vpf_sim.geometry import wrap_angle
+from vpf_sim.types import Floats, Observation, VehicleModel
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    k_per_s: float  # k
+    softening_mps: float  # k_s
+
+    def __post_init__(self) -> None:
+        for key in ("k_per_s", "softening_mps"):
+            if not getattr(self, key) > 0.0:
+                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+
+
+def load_gains() -> Gains:
+    """The section [stanley] of gains.toml."""
+    table = tables.read("vpf_sim.controllers", "gains.toml")["stanley"]
+    return tables.build(Gains, table, "gains.toml: [stanley]")
+
+
+class Stanley:
+    """The steering along waypoints (M, 2) m."""
+
+    def __init__(self, gains: Gains, route_m: Floats, vehicle: VehicleModel) -> None:
+        self._gains = gains
+        self._line = Polyline(route_m)
+        self._vehicle = vehicle
+
+    def steer(self, observation: Observation) -> float:
+        """The steering command in [-1, 1]."""
+        axle_x_m = observation.x_m + self._vehicle.l_f_m * cos(observation.yaw_rad)
+        axle_y_m = observation.y_m + self._vehicle.l_f_m * sin(observation.yaw_rad)
+        right_m, heading_rad = self._line.nearest(axle_x_m, axle_y_m)
+        towards_rad = atan2(-self._gains.k_per_s * right_m, self._gains.softening_mps + observation.speed_mps)
+        steering_rad = wrap_angle(heading_rad - observation.yaw_rad) + towards_rad
+        return min(max(steering_rad / self._vehicle.steering_limit_rad, -1.0), 1.0)
