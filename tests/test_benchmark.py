@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from vpf_sim.cli.results import exit_code, print_benchmark, print_rows
+from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, print_rows
 from vpf_sim.cli.running import plan_of
 from vpf_sim.evaluation import benchmark
 from vpf_sim.evaluation.benchmark import with_paper
@@ -23,6 +23,9 @@ def row(scenario: str, driver: str, successes: int, **changes: Any) -> dict[str,
         for protocol in ("shadow", "paired")
     }
     scores = {"path_mse_m2": 0.1234, "accuracy": accuracy}
+    shadow = {"throttle": {"range": [0.801, 0.8234]}, "steering": {"range": None}}
+    intervals = {"path_mse_m2": [0.1, 0.1501], "accuracy": {"shadow": shadow}, "driving_score_2_1": [0.85, 0.93]}
+    nowhere = {"path_mse_m2": None, "accuracy": None, "driving_score_2_1": None}
     nothing = {"path_mse_m2": None, "accuracy": None}
     return {
         "scenario": scenario,
@@ -35,6 +38,7 @@ def row(scenario: str, driver: str, successes: int, **changes: Any) -> dict[str,
         "least_clearance_m": 0.61,
         **(scores if successes else nothing),
         "driving_score_2_1": 0.9,
+        "intervals": intervals if successes else nowhere,
         "unsuccessful": scores if successes < 5 else nothing,
         **changes,
     }
@@ -64,7 +68,7 @@ def test_the_papers_numbers_are_beside_ours(capsys: pytest.CaptureFixture[str]) 
         "town04 rain the paper 1.34 70.76 65.45",
     ):
         assert cell.split() in lines
-    ours = "town04 clear vpf 4/5 0.123 81.2 / 50.0 / 25.0 97.5 / - / 100.0 0.61"
+    ours = "town04 clear vpf 4/5 0.123 [0.100, 0.150] 81.2 / 50.0 / 25.0 97.5 / - / 100.0 0.61"
     assert ours.split() in lines
     beaten = "town04 clear pid [route] 0/5 (0.123) (81.2 / 50.0 / 25.0) (97.5 / - / 100.0) 0.61"
     assert beaten.split() in lines
@@ -83,7 +87,39 @@ def test_a_sweeps_table_marks_what_no_success_stands_behind(capsys: pytest.Captu
     assert "(0.123)" in out
     assert "  pid [route]  " in out, "what a driver is told beyond its camera"
     assert "(81.2)" in out
-    assert " 0.123 " in out
+    ours = "town04 clear vpf 5/5 0.123 [0.100, 0.150] 0.61 81.2 [80.1, 82.3] 97.5 0.90 [0.85, 0.93]"
+    assert ours.split() in [line.split() for line in out.splitlines()]
+
+
+def test_differences_are_told_with_interval_p_and_seeds(capsys: pytest.CaptureFixture[str]) -> None:
+    rate = {"difference": -0.2, "interval": [-0.4, 0.012], "p": 0.0625, "pairs": 30}
+    mse = {"difference": 0.1234, "interval": None, "p": 1.0, "pairs": 2}
+    cell = {"scenario": "town04", "weather": "rain", "driver": "vpf"}
+    print_comparisons(
+        [
+            {**cell, "of": "weather", "minus": "clear", "success_rate": rate, "path_mse_m2": None},
+            {**cell, "of": "driver", "minus": "pid", "success_rate": rate, "path_mse_m2": mse},
+        ]
+    )
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["town04", "rain", "-", "clear", "vpf", "-0.20", "[-0.40,", "0.01]", "0.062", "30", "-", "-", "0"] in lines
+    assert [
+        "town04",
+        "rain",
+        "vpf",
+        "-",
+        "pid",
+        "-0.20",
+        "[-0.40,",
+        "0.01]",
+        "0.062",
+        "30",
+        "0.123",
+        "1.000",
+        "2",
+    ] in lines
+    print_comparisons([])
+    assert capsys.readouterr().out == "", "one weather and one driver"
 
 
 @pytest.mark.parametrize(

@@ -9,11 +9,13 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from short_scenario import write_short
 
 from vpf_sim.evaluation.json_lines import read_lines
 from vpf_sim.evaluation.plan import Plan, make_plan
+from vpf_sim.evaluation.statistics import seeds_for_mean, seeds_for_share, share_interval
 from vpf_sim.evaluation.summary import mean, summarize
 
 DRIVERS = ("pid", "neutral")
@@ -126,6 +128,23 @@ def test_means_take_the_successful_episodes_and_all_planned_ones_count() -> None
     assert row["accuracy"]["shadow"]["throttle"]["range"] == 0.5
     assert row["unsuccessful"]["path_mse_m2"] == 9.0
     assert row["driving_score_2_1"] == 0.25
+    assert row["success_rate"] == 0.5
+    assert row["intervals"]["success_rate"] == pytest.approx(share_interval(2, 4)), "the planned episodes count"
+    assert row["intervals"]["path_mse_m2"] == [1.0, 3.0]
+    assert row["intervals"]["accuracy"]["shadow"]["throttle"]["range"] is None, "one value alone"
+    assert row["intervals"]["driving_score_2_1"] is None, "no spread"
+    assert row["seeds_needed"] == {
+        "success_rate": seeds_for_share(2, 4, 0.1),
+        "path_mse_m2": seeds_for_mean(np.array([1.0, 3.0]), 0.1),
+    }
+
+
+def test_a_summary_does_not_depend_on_the_order_of_its_records() -> None:
+    values = np.random.Generator(np.random.PCG64(5)).exponential(1.0, 12)
+    records = [record(seed, "success", mse, 0.5 + 0.01 * mse) for seed, mse in enumerate(values)]
+    jobs = Plan(("a",), ("clear",), ("pid",), "0:12").jobs()
+    there, back = (json.dumps(summarize(jobs, found)) for found in (records, records[::-1]))
+    assert there == back
 
 
 def test_a_mean_of_nothing_is_none() -> None:

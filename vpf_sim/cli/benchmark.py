@@ -24,7 +24,7 @@ def benchmark(
     json: JsonOption = False,
 ) -> None:
     """Town04 without and with obstacles, clear and in rain: the paper's method in its variants, and the PID."""
-    from vpf_sim.cli.results import exit_code, print_benchmark, read_summary
+    from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.benchmark import plan as benchmark_plan
     from vpf_sim.evaluation.plan import parse_seeds
@@ -38,5 +38,6 @@ def benchmark(
         print_json({"out": str(path), "seeds": plan.seeds, **summary})
     else:
         print_benchmark(summary["rows"], plan.seeds)
+        print_comparisons(summary["comparisons"])
         print(f"\nrecords and steps: {path}")
     raise typer.Exit(exit_code(summary))

@@ -5,7 +5,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from vpf_sim.cli.tables import number, percent, print_table
+from vpf_sim.cli.tables import number, percent, percent_within, print_table, within
 
 Row = dict[str, Any]
 FAULTS = ("error", "invalid_frame")
@@ -37,7 +37,37 @@ def print_rows(rows: list[Row]) -> None:
         "score 2.1",
     )
     print_table(header, [(row["scenario"], row["weather"], *_cells(row)) for row in rows], words=3)
-    print("\nMSE, clearance and accuracy (range, shadow) are over the successful episodes, in (brackets) the others.")
+    print("\nMSE, clearance and accuracy (range, shadow) are over the successful episodes, in (brackets) the others;")
+    print("with 95 % intervals.")
+
+
+def print_comparisons(comparisons: list[Row]) -> None:
+    """What weathers and drivers change on the same seeds; nothing where there is one of each."""
+    if not comparisons:
+        return
+    print("\nDifferences on the same seeds, with 95 % intervals and p of no difference:\n")
+    header = ("scenario", "weather", "driver", "success", "p", "seeds", "MSE m2", "p", "seeds")
+    lines = [
+        (*_sides(row), *_difference(row["success_rate"], 2), *_difference(row["path_mse_m2"], 3)) for row in comparisons
+    ]
+    print_table(header, lines, words=3)
+    print(
+        "\nSuccess over the planned seeds (McNemar's test), MSE where both succeeded (sign flips). Of many such p some"
+    )
+    print("are small by chance.")
+
+
+def _sides(row: Row) -> tuple[str, str, str]:
+    """The cells that are compared: "rain - clear", or "vpf - pid"."""
+    names = {key: row[key] for key in ("scenario", "weather", "driver")}
+    names[row["of"]] += f" - {row['minus']}"
+    return names["scenario"], names["weather"], names["driver"]
+
+
+def _difference(told: Row | None, digits: int) -> tuple[str, str, str]:
+    if told is None:
+        return "-", "-", "0"
+    return within(told["difference"], told["interval"], digits), number(told["p"], 3), str(told["pairs"])
 
 
 def print_benchmark(rows: list[Row], seeds: str) -> None:
@@ -53,10 +83,10 @@ def print_benchmark(rows: list[Row], seeds: str) -> None:
     print_table(header, lines, words=3)
     _print_protocols(rows)
     print(
-        "\nMeans over the successful episodes; in (brackets): none succeeded, over all. The paper does not say how it"
+        "\nMeans over the successful episodes, with 95 % intervals; in (brackets): none succeeded, over all. The paper"
     )
-    print('computes accuracy; its rows are "Cloudy" and "Rain", its set-up Clear Noon and Hard Rain; its camera and')
-    print("simulator are CARLA's.")
+    print('does not say how it computes accuracy; its rows are "Cloudy" and "Rain", its set-up Clear Noon and Hard')
+    print("Rain; its camera and simulator are CARLA's.")
 
 
 def _print_protocols(rows: list[Row]) -> None:
@@ -118,7 +148,7 @@ def _benchmark_cells(row: Row) -> tuple[str, ...]:
     throttle, steering = (bracket(_definitions(scores, signal)) for signal in ("throttle", "steering"))
     return (
         f"{row['successes']}/{row['episodes']}",
-        bracket(number(scores["path_mse_m2"], 3)),
+        bracket(within(scores["path_mse_m2"], _interval(scores, "path_mse_m2"), 3)),
         throttle,
         steering,
         number(row["least_clearance_m"]),
@@ -127,15 +157,30 @@ def _benchmark_cells(row: Row) -> tuple[str, ...]:
 
 def _cells(row: Row) -> tuple[str, ...]:
     scores, bracket = _scores(row)
-    shadow = (scores["accuracy"] or {}).get("shadow") or {}
+    accuracy = [
+        bracket(percent_within(_at(scores, *path), _interval(scores, *path)))
+        for path in (("accuracy", "shadow", signal, "range") for signal in ("throttle", "steering"))
+    ]
     return (
         _driver(row),
         f"{row['successes']}/{row['episodes']}",
-        bracket(number(scores["path_mse_m2"], 3)),
+        bracket(within(scores["path_mse_m2"], _interval(scores, "path_mse_m2"), 3)),
         number(row["least_clearance_m"]),
-        *(bracket(percent((shadow.get(signal) or {}).get("range"))) for signal in ("throttle", "steering")),
-        number(row["driving_score_2_1"]),
+        *accuracy,
+        within(row["driving_score_2_1"], _interval(row, "driving_score_2_1")),
     )
+
+
+def _interval(scores: Row, *path: str) -> Any:
+    """The 95 % interval of a score; the unsuccessful episodes have none."""
+    return _at(scores, "intervals", *path)
+
+
+def _at(table: Any, *path: str) -> Any:
+    """What stands under nested keys; None where any of them leads nowhere."""
+    for key in path:
+        table = (table or {}).get(key)
+    return table
 
 
 def _definitions(scores: Row, signal: str) -> str:

@@ -39,7 +39,7 @@ def sweep(
     json: JsonOption = False,
 ) -> None:
     """Drive the grid. With --resume and nothing else asked, the grid that the folder was made for."""
-    from vpf_sim.cli.results import exit_code, print_rows, read_summary
+    from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.plan import Plan, make_plan, parse_seeds, read_plan
 
@@ -58,5 +58,6 @@ def sweep(
         print_json({"out": str(path), **summary})
     else:
         print_rows(summary["rows"])
+        print_comparisons(summary["comparisons"])
         print(f"\nrecords and steps: {path}")
     raise typer.Exit(exit_code(summary))

@@ -24,3 +24,16 @@ def number(value: float | None, digits: int = 2) -> str:
 def percent(share: float | None) -> str:
     """A share as a percentage with one decimal."""
     return "-" if share is None else f"{100.0 * share:.1f}"
+
+
+def within(value: float | None, interval: Sequence[float] | None, digits: int = 2) -> str:
+    """A number with its 95 % interval, such as "0.43 [0.40, 0.47]"; without one where there is none."""
+    if value is None or interval is None:
+        return number(value, digits)
+    return f"{number(value, digits)} [{', '.join(number(end, digits) for end in interval)}]"
+
+
+def percent_within(share: float | None, interval: Sequence[float] | None) -> str:
+    """A share and its interval as percentages with one decimal."""
+    scaled = None if interval is None else [100.0 * end for end in interval]
+    return within(None if share is None else 100.0 * share, scaled, 1)
