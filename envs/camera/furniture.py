@@ -28,18 +28,18 @@ def _post() -> Mesh:
     """A delineator: a white post with a slanting black band and a reflector."""
     b = MeshBuilder()
     panels = box(b, (-0.05, -0.06, 0.0), (0.05, 0.06, 1.0), WHITE)
-    for panel in panels.values():
-        b.shape(panel, [(0.0, 0.64), (0.0, 0.9), (1.0, 0.84), (1.0, 0.58)], BLACK)
-        b.detail(panel, (0.3, 0.66), (0.7, 0.82), (216, 206, 176))
+    for name in ("rear", "left", "right"):
+        b.shape(panels[name], [(0.0, 0.64), (0.0, 0.9), (1.0, 0.84), (1.0, 0.58)], BLACK)
+    b.detail(panels["rear"], (0.3, 0.66), (0.7, 0.82), (216, 206, 176))
     return b.build()
 
 
 @lru_cache(maxsize=64)
 def rail(length: float) -> Mesh:
-    """A span of guard rail along x, its middle at the origin: a folded band on two posts, seen from both sides."""
+    """A span of guard rail along x, its middle at the origin: a folded band on three posts, seen from both sides."""
     b = MeshBuilder()
     half = 0.5 * length
-    for x in (-0.5 * half, 0.5 * half):
+    for x in (-0.66 * half, 0.0, 0.66 * half):
         b.drawn_m = (0.0, NEAR_M)
         box(b, (x - 0.06, -0.05, 0.0), (x + 0.06, 0.05, 0.68), shade_of(STEEL, 0.7))
         b.drawn_m = (NEAR_M, 50.0)
@@ -70,8 +70,10 @@ def _lamp_mast() -> Mesh:
     b = MeshBuilder()
     b.drawn_m = (0.0, 2.0 * NEAR_M)
     box(b, (-0.14, -0.14, 0.0), (0.14, 0.14, 0.9), shade_of(STEEL, 0.8))
-    b.drawn_m = (0.0, 1e3)
     _mast(b, 0.1, 0.05, LAMP_HEIGHT_M, shade_of(STEEL, 0.95))
+    b.drawn_m = (2.0 * NEAR_M, 1e3)
+    top = LAMP_HEIGHT_M
+    b.whole([(0.0, -0.1, 0.0), (0.0, 0.1, 0.0), (0.0, 0.05, top), (0.0, -0.05, top)], shade_of(STEEL, 0.95))
     return b.build()
 
 
@@ -79,6 +81,10 @@ def _lamp_arm() -> Mesh:
     """The arm of a lamp post, to the left, over the road, with the lamp at its end."""
     b = MeshBuilder()
     top, arm = LAMP_HEIGHT_M, LAMP_ARM_M
+    b.drawn_m = (2.0 * NEAR_M, 1e3)
+    for y0, y1, z0, z1 in ((-arm, 0.05, top - 0.06, top + 0.06), (-arm - 0.75, -arm + 0.05, top - 0.05, top + 0.1)):
+        b.whole([(0.0, y0, z0), (0.0, y1, z0), (0.0, y1, z1), (0.0, y0, z1)], shade_of(STEEL, 0.8))
+    b.drawn_m = (0.0, 2.0 * NEAR_M)
     box(b, (-0.05, -arm, top - 0.06), (0.05, 0.05, top + 0.06), shade_of(STEEL, 0.9))
     left, right, low = -arm - 0.75, -arm + 0.05, top - 0.05
     b.whole([(-0.16, right, low), (-0.16, left, low), (0.16, left, low), (0.16, right, low)], (214, 216, 210))

@@ -20,7 +20,7 @@ from vpf_sim.types import Floats, Image
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 SUBPIXELS = 64  # polygons are rounded to parts of a pixel
 SMALL_PX = 1200  # things in less pixels are drawn four times as fine, the others twice
-SPARE_PX = 64000  # what one more layer costs, in empty pixels of a larger one, counted on the layer
+SPARE_PX = 40000  # what one more layer costs, in empty pixels of a larger one, counted on the layer
 EMPTY = np.frombuffer(bytes((0, 0, 0, 255)), np.uint32)[0]  # a pixel of a layer on which nothing is drawn
 
 Box = Sequence[int]  # x0, y0, x1, y1

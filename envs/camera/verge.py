@@ -14,7 +14,7 @@ from vpf_sim.types import Bools, Floats
 
 STATION_M = 4.0  # edges are sampled that finely
 POST_EVERY, POST_OFFSET_M = 6, 1.3  # stations
-RAIL_EVERY, RAIL_OFFSET_M = 2, 1.7
+RAIL_EVERY, RAIL_OFFSET_M = 3, 1.7
 SIGN_EVERY, SIGN_OFFSET_M = 16, 2.6
 LAMP_EVERY, LAMP_OFFSET_M = 10, 2.4
 LIT_SHARE = 0.5  # of the roads have lamp posts
