@@ -20,10 +20,10 @@ MAY_IMPORT = {
     "planning": LEAVES | {"perception"},
     "drivers": LEAVES | {"perception", "planning", "controllers"},
 }
-MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenarios", "report"}
+MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenarios"}
+MAY_IMPORT["report"] = MAY_IMPORT["evaluation"] | {"evaluation"}
 MAY_IMPORT["replay"] = MAY_IMPORT["drivers"] | {"drivers", "report"}
-MAY_IMPORT["report"] = LEAVES | {"perception", "planning"}
-MAY_IMPORT["cli"] = MAY_IMPORT["evaluation"] | {"evaluation", "replay", "report"}
+MAY_IMPORT["cli"] = MAY_IMPORT["report"] | {"replay", "report"}
 
 
 def modules() -> list[tuple[str, Path]]:

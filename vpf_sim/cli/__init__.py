@@ -7,11 +7,11 @@ from typing import Any
 
 import typer
 
-from vpf_sim.cli import benchmark, doctor, drive, drivers, gallery, profile, replay, scenarios, sweep, weathers
+from vpf_sim.cli import benchmark, doctor, drive, drivers, gallery, profile, replay, scenarios, sweep, video, weathers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import threads
 
-SIMULATING = ("drive", "sweep", "benchmark", "replay", "profile", "gallery", "doctor")
+SIMULATING = ("drive", "sweep", "benchmark", "replay", "profile", "gallery", "doctor", "video", "report")
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
 
 app = typer.Typer(
@@ -26,6 +26,7 @@ app.command("drive")(drive.drive)
 app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
 app.command("replay")(replay.replay)
+app.command("video")(video.video)
 app.command("profile")(profile.profile)
 app.command("gallery")(gallery.gallery)
 app.command("doctor")(doctor.doctor)

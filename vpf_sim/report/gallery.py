@@ -1,10 +1,27 @@
-"""The gallery's page: one HTML file that needs nothing but the pictures and videos beside it."""
+"""Every weather at fixed poses and on a short drive, as files beside one page."""
 
-from collections.abc import Sequence
+import re
+import shutil
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.resources import files
+from pathlib import Path
 
+import cv2
 from jinja2 import Environment, StrictUndefined
+
+from vpf_sim.envs.camera import Weather
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation import pool
+from vpf_sim.evaluation.poses import POSES, SEED, Pose, video_drive
+from vpf_sim.evaluation.weather_meaning import aliases, factors, in_words
+from vpf_sim.report.video import Writer
+from vpf_sim.types import Image
+
+QUALITY = 92  # of JPEG
+LEAD_S, LEAD_HZ = 3.2, 15.0  # of the way to a pose, on which rain gathers on the glass; it ends between two sweeps
+VIDEO_S, VIDEO_HZ = 5.0, 30.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,3 +47,61 @@ def page(entries: Sequence[Entry]) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = files("vpf_sim.report").joinpath("gallery.html.jinja").read_text("utf-8")
     return environment.from_string(template).render(entries=entries)
+
+
+def make(folder: Path, weathers: Sequence[Weather], workers: int, tell: Callable[[Entry], None]) -> Path:
+    """Fill a new or empty folder and give its page; what was begun is removed if anything goes wrong."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(f"{folder}: expected a new or empty folder for the gallery, got one with something in it")
+    folder.mkdir(parents=True, exist_ok=True)
+    tasks = list(enumerate(weathers))
+    entries: dict[int, Entry] = {}
+    try:
+        for done in pool.run(partial(make_entry, folder), tasks, workers):
+            if done.result is None:
+                raise RuntimeError(f"the process that drew {done.task[1].name} died")
+            entries[done.task[0]] = done.result
+            tell(done.result)
+        index = folder / "index.html"
+        index.write_text(page([entries[number] for number, _ in tasks]), "utf-8")
+    except BaseException:
+        shutil.rmtree(folder)
+        raise
+    return index
+
+
+def make_entry(folder: Path, task: tuple[int, Weather]) -> Entry:
+    """The files of one weather."""
+    number, weather = task
+    stem = f"{number + 1:02d}-{re.sub(r'[^A-Za-z0-9_-]', '_', weather.name)}"
+    pictures = []
+    for pose in POSES:
+        file = f"pictures/{stem}-{pose.name}.jpg"
+        _write_picture(folder / file, picture(pose, weather))
+        pictures.append(Picture(pose.caption, file))
+    video = f"videos/{stem}.mp4"
+    _write_video(folder / video, weather)
+    return Entry(weather.name, tuple(aliases(weather)), in_words(weather), factors(weather), tuple(pictures), video)
+
+
+def picture(pose: Pose, weather: Weather) -> Image:
+    """(H, W, 3) what the camera sees at a pose, with what the weather has done to its glass on the way."""
+    count = round(LEAD_S * LEAD_HZ) + 1
+    *_, last = pose.drive(LEAD_S, LEAD_HZ).shots(weather, SEED, count)
+    return last.image
+
+
+def _write_picture(path: Path, image: Image) -> None:
+    path.parent.mkdir(exist_ok=True)
+    done, encoded = cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    if not done:
+        raise RuntimeError(f"{path}: the picture could not be encoded")
+    path.write_bytes(encoded.tobytes())
+
+
+def _write_video(path: Path, weather: Weather) -> None:
+    drive = video_drive(VIDEO_HZ)
+    camera = drive.rig.camera
+    with Writer(path, (camera.width_px, camera.height_px), VIDEO_HZ) as writer:
+        for shot in drive.shots(weather, SEED, round(VIDEO_S * VIDEO_HZ)):
+            writer.write(shot.image)

@@ -1,0 +1,45 @@
+"""`vpf-sim video`: an episode of a run folder as a film."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vpf_sim.cli.options import prints_on_stderr
+
+RunArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
+IdOption = Annotated[str, typer.Option("--id", help="Which episode, such as town04.clear.vpf.1003.")]
+OverlayOption = Annotated[
+    bool, typer.Option("--overlay/--no-overlay", help="Draw in what the driver saw and wanted, by asking it again.")
+]
+FileOption = Annotated[
+    Path | None, typer.Option("--out", help="The .mp4 to write; by default videos/ID.mp4 in the run folder.")
+]
+
+
+def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out: FileOption = None) -> None:  # noqa: A002
+    """Draw an episode again, from its steps and seed: the camera, the road from above, the signals."""
+    from vpf_sim.evaluation.threads import limit_opencv
+    from vpf_sim.report import episode_view
+    from vpf_sim.report.redraw import redrawing
+    from vpf_sim.report.stored_run import open_run
+    from vpf_sim.report.video import Writer
+
+    limit_opencv()
+    run = open_run(folder)
+    with prints_on_stderr():
+        drawn = redrawing(run, id, overlay)
+        path = out or folder / "videos" / f"{id}.mp4"
+        with Writer(path, episode_view.size_px(drawn.camera), drawn.rate_hz) as writer:
+            for index, frame in episode_view.frames(drawn):
+                writer.write(frame)
+                _tell(index + 1, len(drawn.table) + 1)
+    for remark in drawn.remarks:
+        print(f"vpf-sim: {id}: {remark}", file=sys.stderr)
+    print(path)
+
+
+def _tell(done: int, total: int) -> None:
+    if sys.stderr.isatty():
+        print(f"\r{done}/{total} frames", end="\n" if done == total else "", file=sys.stderr, flush=True)

@@ -1,0 +1,150 @@
+"""The road from above, the vehicle's way up: lanes, bodies, the route and its goal, the trail, what is perceived."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.report.canvas import INK, Canvas, Colour
+from vpf_sim.report.compass import OBSTACLE, REFERENCE, TARGET
+from vpf_sim.types import Camera, Floats, Image, Plan
+
+AHEAD_M = 52.0
+BEHIND_M = 14.0
+MEADOW: Colour = (38, 46, 42)
+ASPHALT: Colour = (66, 70, 76)
+MARKING: Colour = (150, 155, 160)
+BODY: Colour = (214, 120, 92)
+EGO: Colour = (92, 176, 255)
+EGO_SIZE_M = (4.5, 1.9)
+DASH_M, GAP_M = 3.0, 6.0
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A rectangle in world axes."""
+
+    x_m: float
+    y_m: float
+    heading_rad: float
+    length_m: float
+    width_m: float
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What does not move, in world axes."""
+
+    lines_m: tuple[Floats, ...]  # (M, 2) each, lane lines from the left edge to the right, M points side by side
+    route_m: Floats  # (M, 2)
+    goal_m: tuple[float, float]
+
+
+def draw(
+    scene: Scene,
+    bodies: tuple[Body, ...],
+    trail_m: Floats,
+    pose: Floats,
+    plan: Plan | None,
+    width_px: int,
+    height_px: int,
+) -> Image:
+    """(H, W, 3) RGB; `trail_m` (N, 2) is where the car was, `pose` (3,) x m, y m, yaw rad where it is."""
+    canvas = Canvas(np.full((height_px, width_px, 3), MEADOW, np.uint8), Camera(width_px, height_px))
+    view = _View(pose, width_px, height_px)
+    _road(canvas, view, scene)
+    canvas.lines([view.place(trail_m)], EGO, 2)
+    for body in bodies:
+        _rectangle(canvas, view, body, BODY)
+    if plan is not None:
+        _perceived(canvas, view, plan)
+    _goal(canvas, view, scene.goal_m)
+    _legend(canvas, plan is not None)
+    _rectangle(canvas, view, Body(float(pose[0]), float(pose[1]), float(pose[2]), *EGO_SIZE_M, "car"), EGO)
+    return canvas.frame
+
+
+class _View:
+    """From world axes to pixels: the vehicle near the bottom, its heading up."""
+
+    def __init__(self, pose: Floats, width_px: int, height_px: int) -> None:
+        self.scale = height_px / (AHEAD_M + BEHIND_M)
+        self.centre_px = np.array([0.5 * width_px, self.scale * AHEAD_M])
+        self.size_px = np.array([width_px, height_px])
+        self.position_m, yaw = pose[:2], float(pose[2])
+        # Columns: the image's x is what lies to the right, its y what lies behind.
+        self.turn = np.array([[-np.sin(yaw), -np.cos(yaw)], [np.cos(yaw), -np.sin(yaw)]])
+
+    def place(self, points_m: Floats) -> Floats:
+        """(..., 2) px of (..., 2) m."""
+        placed: Floats = (points_m - self.position_m) @ self.turn * self.scale + self.centre_px
+        return placed
+
+    def from_vehicle(self, points_m: Floats) -> Floats:
+        """(..., 2) px of (..., 2) m in vehicle axes."""
+        return self.centre_px + self.scale * np.stack([points_m[..., 1], -points_m[..., 0]], axis=-1)
+
+    def near(self, points_m: Floats) -> Floats:
+        """Those of a chain that the picture may show."""
+        reach_m = 1.5 * (AHEAD_M + BEHIND_M)
+        near: Floats = points_m[np.hypot(*(points_m - self.position_m).T) < reach_m]
+        return near
+
+
+def _road(canvas: Canvas, view: _View, scene: Scene) -> None:
+    near = [view.near(line) for line in scene.lines_m]
+    left, right = view.place(near[0]), view.place(near[-1])
+    canvas.fill([np.concatenate([left, right[::-1]])], ASPHALT, 1.0)
+    for line in near[1:-1]:
+        canvas.lines(_dashes(view.place(line)), MARKING, 1)
+    canvas.lines([left, right], INK, 1)
+    canvas.lines(_dashes(view.place(view.near(scene.route_m))), TARGET, 1)
+
+
+def _dashes(line_px: Floats) -> list[Floats]:
+    """Every third piece of a chain."""
+    return [line_px[start : start + 2] for start in range(0, len(line_px) - 1, 3)]
+
+
+def _rectangle(canvas: Canvas, view: _View, body: Body, colour: Colour) -> None:
+    cosine, sine = np.cos(body.heading_rad), np.sin(body.heading_rad)
+    along = 0.5 * body.length_m * np.array([cosine, sine])
+    across = 0.5 * body.width_m * np.array([-sine, cosine])
+    centre = np.array([body.x_m, body.y_m])
+    corners = view.place(np.stack([centre + i * along + j * across for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))]))
+    canvas.fill([corners], colour, 1.0)
+    canvas.lines([corners], INK, 1, closed=True)
+
+
+def _perceived(canvas: Canvas, view: _View, plan: Plan) -> None:
+    """The faces of the bodies that the planner believes in, and the heading that it wants."""
+    bodies = plan.perception.obstacles
+    for forward, left, right in zip(bodies.forward_m, bodies.left_m, bodies.right_m, strict=True):
+        face = np.array([(forward + 1.0, left), (forward, left), (forward, right), (forward + 1.0, right)])
+        canvas.lines([view.from_vehicle(face)], OBSTACLE, 3)
+    heading = plan.reference.heading_rad - float(plan.perception.flow.pose[2])
+    ray = np.outer([3.0, 12.0], [np.cos(heading), np.sin(heading)])
+    canvas.lines([view.from_vehicle(ray)], REFERENCE, 2)
+
+
+def _goal(canvas: Canvas, view: _View, goal_m: tuple[float, float]) -> None:
+    """A disc where the goal is, at the rim where it lies beyond."""
+    place = view.place(np.array(goal_m))
+    inside = np.clip(place, 10.0, view.size_px - 10.0)
+    canvas.disc(inside, 5.0, TARGET)
+    if not np.array_equal(place, inside):
+        distance_m = float(np.hypot(*(np.array(goal_m) - view.position_m)))
+        words = f"goal {distance_m:.0f} m"
+        width = canvas.text_width_px(words, 0.5)
+        left = float(inside[0]) + (10.0 if inside[0] < 0.5 * view.size_px[0] else -10.0 - width)
+        canvas.text(words, left, float(inside[1]) + 5.0, TARGET, 0.5)
+
+
+def _legend(canvas: Canvas, thinks: bool) -> None:
+    words = [("route", TARGET), ("bodies", BODY)]
+    if thinks:
+        words += [("perceived", OBSTACLE), ("wanted heading", REFERENCE)]
+    left = 12.0
+    for word, colour in words:
+        canvas.text(word, left, canvas.frame.shape[0] - 12.0, colour, 0.5)
+        left += canvas.text_width_px(word, 0.5) + 12.0

@@ -1,0 +1,170 @@
+"""An episode of a run folder, drawn again from its steps and its seed.
+
+The steps say where the car was, so it takes no decision to put it there; what the driver thought is had by asking it
+again, on the same frames. Both are as in the run wherever code and machine are: the frames' hash tells.
+"""
+
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import dataclass, field
+from hashlib import sha256
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from vpf_sim import drivers
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.envs.rectangles import solid_bodies
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.episode import read, setup_for
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.geometry import wrap_angle
+from vpf_sim.report.from_above import Body, Scene
+from vpf_sim.report.stored_run import Record, StoredRun
+from vpf_sim.types import Camera, Command, Driver, Floats, Image, Observation, Plan
+
+RATES_HZ = (60.0, 20.0)
+SAME = 1e-9  # m, rad, m/s: less than this is no other place
+BEYOND_M = 60.0  # of the road's ends that is drawn
+EVERY_M = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One frame of the episode, and the world about it."""
+
+    index: int  # the row of the step table
+    image: Image  # (H, W, 3) RGB
+    plan: Plan | None
+    bodies: tuple[Body, ...]
+
+
+@dataclass(slots=True)
+class Redrawing:
+    """An episode to be drawn; after `moments` has ended, `remarks` says in what it is not the run's own."""
+
+    record: Record
+    table: StepTable
+    think: bool  # whether the driver is asked again
+    remarks: list[str] = field(default_factory=list)
+    camera: Camera = field(init=False)
+    scene: Scene = field(init=False)
+    rate_hz: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.rate_hz = rate_of(self.table)
+        with closing(self._world()) as world:
+            world.reset(seed=self.record["seed"])
+            self.camera, self.scene = world.camera, scene_of(world)
+
+    def moments(self) -> Iterator[Moment]:
+        """Every frame in its order, with the driver's plan for it if it is asked and makes one."""
+        digest = sha256()
+        with closing(self._world()) as world:
+            observed, _ = world.reset(seed=self.record["seed"])
+            thinker = _Thinker(self.record["driver"], world, self.table, self.record["seed"]) if self.think else None
+            for index in range(len(self.table) + 1):
+                observation = read(observed)
+                bodies = tuple(body_of(body) for body in solid_bodies(world.ego))
+                if index == len(self.table):
+                    before = digest.hexdigest()
+                digest.update(np.ascontiguousarray(observation.image).data)
+                plan = thinker.plan(index, observation) if thinker else None
+                yield Moment(index, observation.image, plan, bodies)
+                if index < len(self.table):
+                    observed = world.step(np.array([self.table.throttle[index], self.table.steering[index]]))[0]
+        # Of an episode that its driver broke off, the last frame was taken too.
+        same = self.record.get("frames_sha256") in (before, digest.hexdigest())
+        self._remark(same, world.moved_m, thinker)
+
+    def _world(self) -> "_OnRails":
+        return _OnRails(self.record, self.table, self.rate_hz)
+
+    def _remark(self, same: bool, moved_m: float, thinker: "_Thinker | None") -> None:
+        if not same:
+            self.remarks.append(
+                "the frames are not the run's own to the bit: another version of the code or the machine"
+            )
+        if moved_m > SAME:
+            self.remarks.append(f"the car would now be up to {moved_m:.2f} m elsewhere: it is drawn where it was")
+        if thinker is not None:
+            self.remarks += thinker.remarks
+
+
+class _OnRails(FourLane):
+    """The episode's world, in which the car is after each step where the step table says."""
+
+    def __init__(self, record: Record, table: StepTable, rate_hz: float) -> None:
+        super().__init__(record["scenario"], record["weather"], rate_hz=rate_hz)
+        self._table, self._row = table, 0
+        self.moved_m = 0.0  # the farthest that the car had to be moved
+
+    def advance(self, command: Floats) -> None:
+        super().advance(command)
+        self._row += 1
+        place, yaw_rad = self._table.positions_m[self._row], float(self._table.yaw_rad[self._row])
+        speed_mps = float(self._table.speed_mps[self._row])
+        off_m = float(np.hypot(*(self.ego.position - place)))
+        turn = wrap_angle(yaw_rad - self.ego.heading)
+        if max(off_m, abs(turn), abs(speed_mps - self.ego.speed)) > SAME:
+            self.moved_m = max(self.moved_m, off_m)
+            self.ego.position, self.ego.speed = place.copy(), speed_mps
+            self.ego.heading += turn
+            self.ego.on_state_update()
+
+
+class _Thinker:
+    """The driver, asked again what it makes of each frame."""
+
+    def __init__(self, name: str, world: Any, table: StepTable, seed: int) -> None:
+        self.remarks: list[str] = []
+        self._table = table
+        self._driver: Driver | None = drivers.create(name)
+        self._driver.reset(setup_for(self._driver, world, seed))
+
+    def plan(self, index: int, observation: Observation) -> Plan | None:
+        """Its plan for a frame, None where it makes none, broke down, or was not asked in the run."""
+        if self._driver is None or not isfinite(self._table.throttle[index]):
+            return None
+        try:
+            command = drivers.command_of(self._driver, observation)
+        except Exception as error:  # the driver's own
+            self.remarks.append(f"the driver fails on frame {index}: {type(error).__name__}: {error}")
+            self._driver = None
+            return None
+        if not self.remarks and command != Command(
+            float(self._table.throttle[index]), float(self._table.steering[index])
+        ):
+            self.remarks.append(f"from frame {index} on the driver decides otherwise than in the run")
+        return drivers.trace_of(self._driver)
+
+
+def redrawing(run: StoredRun, episode_id: str, think: bool) -> Redrawing:
+    """The episode of a run folder that has this id."""
+    record = run.record(episode_id)
+    table = run.steps(episode_id)
+    if table is None:
+        raise InputError(f"{episode_id}: expected an episode with steps, got one that never began ({record['status']})")
+    return Redrawing(record, table, think)
+
+
+def rate_of(table: StepTable) -> float:
+    """The clock of the episode, Hz."""
+    measured = 1.0 / float(table.time_s[1] - table.time_s[0])
+    return min(RATES_HZ, key=lambda rate: abs(rate - measured))
+
+
+def scene_of(world: FourLane) -> Scene:
+    """What does not move, in world axes."""
+    network = world.road.network
+    along = np.arange(-BEYOND_M, network.centre.length_m + BEYOND_M, EVERY_M)
+    lanes = round(2.0 * network.half_width_m / network.lane_width_m)
+    offsets = [-network.half_width_m + network.lane_width_m * line for line in range(lanes + 1)]
+    return Scene(tuple(network.centre.position(along, offset) for offset in offsets), world.route.copy(), world.goal_m)
+
+
+def body_of(body: Any) -> Body:
+    """A thing on the road as the picture from above needs it."""
+    x_m, y_m = (float(value) for value in body.position)
+    return Body(x_m, y_m, float(body.heading), float(body.LENGTH), float(body.WIDTH), str(body.kind))

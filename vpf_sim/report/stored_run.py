@@ -1,0 +1,69 @@
+"""A run folder as it lies on the disk, for those who only read it."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.evaluation import steps
+from vpf_sim.evaluation.json_lines import read_lines
+from vpf_sim.evaluation.run_folder import read_manifest
+from vpf_sim.evaluation.steps import StepTable
+
+Record = dict[str, Any]
+SUMMARY = "summary.json"
+
+
+@dataclass(frozen=True, slots=True)
+class StoredRun:
+    """What was asked for, what came of it, and how long it took."""
+
+    path: Path
+    manifest: dict[str, Any]
+    records: dict[str, Record]  # by id, sorted
+    timing: dict[str, dict[str, Any]]  # by id
+
+    def record(self, episode_id: str) -> Record:
+        """The record of an episode; InputError names the nearest id if there is none of that name."""
+        if not self.records:
+            raise InputError(f"{self.path}: expected at least one finished episode, got none")
+        if episode_id not in self.records:
+            raise unknown_name(f"episode of {self.path}", episode_id, self.records)
+        return self.records[episode_id]
+
+    def steps(self, episode_id: str) -> StepTable | None:
+        """The steps of an episode, None where it never began."""
+        path = self.path / "steps" / f"{episode_id}.parquet"
+        if not path.exists():
+            return None
+        try:
+            table = steps.read(path)
+        except (OSError, KeyError, ValueError) as error:  # pyarrow's own errors are among them
+            raise InputError(f"{path}: expected a step table, got: {' '.join(str(error).split())[:120]}") from None
+        return table if len(table) else None
+
+    def summary(self) -> dict[str, Any]:
+        """The table of the run; a run that was stopped has none yet."""
+        path = self.path / SUMMARY
+        try:
+            summary = json.loads(path.read_text("utf-8"))
+            assert isinstance(summary["rows"], list)
+        except OSError:
+            remedy = (
+                "finish the run with --resume first" if self.manifest.get("command") != "drive" else "drive has none"
+            )
+            raise InputError(f"{path}: expected the summary of a finished run, found none: {remedy}") from None
+        except (ValueError, KeyError, TypeError, AssertionError):
+            raise InputError(f"{path}: expected a JSON object with rows, got something else") from None
+        return dict(summary)
+
+
+def open_run(path: Path) -> StoredRun:
+    """The run in a folder."""
+    if not path.is_dir():
+        raise InputError(f"{path}: expected a run folder, got {'a file' if path.exists() else 'nothing of that name'}")
+    manifest = read_manifest(path)
+    records = {str(row["id"]): row for row in read_lines(path / "episodes.jsonl") if "id" in row}
+    timing = {str(row["id"]): row for row in read_lines(path / "timing.jsonl") if "id" in row}
+    return StoredRun(path, manifest, dict(sorted(records.items())), timing)
