@@ -1,9 +1,9 @@
 """Statistics of the recorded drives beside those of frames rendered with their cameras, rates and speeds.
 
-python scripts/compare_with_drives.py [--drives DIR] [--only NAME ...] [--out DIR] [--json FILE] [--seed 0]
+python scripts/compare_with_drives.py [--drives DIR] [--only NAME ...] [--out DIR] [--json FILE] [--seeds 0 1 2]
 
-A ratio (rendered / real) outside 1/2 .. 2 is marked with a star. With --out, pictures side by side: real left, rendered
-right.
+Rendered numbers are means over the seeds. A ratio (rendered / real) outside 1/2 .. 2 is marked with a star. With --out,
+pictures side by side: real left, rendered right.
 """
 
 import argparse
@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.evaluation import lookalike
-from vpf_sim.evaluation.frame_statistics import measure, scaled_grey
+from vpf_sim.evaluation.frame_statistics import FrameStatistics, measure, scaled_grey
 from vpf_sim.evaluation.text_table import text_table
 from vpf_sim.evaluation.threads import limit_opencv
 from vpf_sim.replay import drives
@@ -28,16 +28,19 @@ LOOKS = 16  # frames of a drive that are looked at, about
 LARGEST_RATIO = 2.0
 
 
-def compare(clip: Clip, seed: int, out: Path | None) -> list[dict[str, Any]]:
+def compare(clip: Clip, seeds: list[int], out: Path | None) -> list[dict[str, Any]]:
     """The rows real, rendered and ratio of one drive."""
     real = list(clip.frames())
+    theirs = statistics(real)
     street = lookalike.STREETS[clip.name]
     drive = street.drive(clip.camera, clip.rate_hz, clip.speed_mps)
-    rendered = [shot.image for shot in drive.shots(street.sky(), seed, len(real))]
-    if out is not None:
-        save(out, clip.name, real, rendered)
-    greys = [[scaled_grey(image) for image in images] for images in (rendered, real)]
-    ours, theirs = (measure(part, every=max(1, len(part) // LOOKS)) for part in greys)
+    parts = []
+    for seed in seeds:
+        rendered = [shot.image for shot in drive.shots(street.sky(), seed, len(real))]
+        parts.append(statistics(rendered))
+        if out is not None:
+            save(out, f"{clip.name}_seed{seed}", real, rendered)
+    ours = FrameStatistics.mean(parts)
     ratio = {key: _starred(value) for key, value in ours.ratio(theirs).items()}
     name = clip.name
     return [
@@ -45,6 +48,11 @@ def compare(clip: Clip, seed: int, out: Path | None) -> list[dict[str, Any]]:
         {"frames": "  rendered", **asdict(ours)},
         {"frames": "  ratio", **ratio},
     ]
+
+
+def statistics(images: list[Image]) -> FrameStatistics:
+    """Of frames in their order, looked at in about LOOKS places."""
+    return measure([scaled_grey(image) for image in images], every=max(1, len(images) // LOOKS))
 
 
 def save(out: Path, name: str, real: list[Image], rendered: list[Image]) -> None:
@@ -67,12 +75,12 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", choices=list(lookalike.STREETS), help="drives; all by default")
     parser.add_argument("--out", type=Path, help="folder for pictures side by side")
     parser.add_argument("--json", type=Path, help="also write the table to this file")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     arguments = parser.parse_args()
     limit_opencv()
     rows: list[dict[str, Any]] = []
     for name in arguments.only or lookalike.STREETS:
-        new = compare(drives.read(arguments.drives / name), arguments.seed, arguments.out)
+        new = compare(drives.read(arguments.drives / name), arguments.seeds, arguments.out)
         print(text_table(new, header=not rows), flush=True)
         rows.extend(new)
     if arguments.json:

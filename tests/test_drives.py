@@ -67,3 +67,18 @@ def test_a_drive_along_a_street_keeps_its_speed() -> None:
     drive = street.drive(Camera(), 25.0, 25.0)
     places = np.array([shot.pose[:2] for shot in drive.shots(street.sky(), 0, 3)])
     assert np.hypot(*np.diff(places, axis=0).T) == pytest.approx([1.0, 1.0])
+
+
+@needs_drives
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["kitti_vo_seq1", "kitti_raw_leadcar", "carnd_highway"])
+def test_rendered_frames_are_within_a_factor_of_two_of_a_dry_drive(name: str) -> None:
+    clip, street = drives.read(DRIVES / name), lookalike.STREETS[name]
+    real = [scaled_grey(image) for image in clip.frames()][:60]
+    drive = street.drive(clip.camera, clip.rate_hz, clip.speed_mps)
+    rendered = [
+        measure([scaled_grey(shot.image) for shot in drive.shots(street.sky(), seed, len(real))], every=5)
+        for seed in range(3)
+    ]
+    ratios = FrameStatistics.mean(rendered).ratio(measure(real, every=5))
+    assert {key: ratio for key, ratio in ratios.items() if not 0.5 <= ratio <= 2.0} == {}

@@ -83,3 +83,8 @@ def test_frames_are_scaled_to_one_width() -> None:
 def test_the_ratio_is_number_by_number() -> None:
     ours, theirs = FrameStatistics(*range(1, 10)), FrameStatistics(*(2 * i for i in range(1, 9)), 0.0)
     assert list(ours.ratio(theirs).values()) == [0.5] * 8 + [np.inf]
+
+
+def test_the_mean_is_number_by_number() -> None:
+    mean = FrameStatistics.mean([FrameStatistics(*range(9)), FrameStatistics(*range(2, 11))])
+    assert mean == FrameStatistics(*(float(i) for i in range(1, 10)))

@@ -5,7 +5,7 @@ numbers of different cameras compare.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 from typing import Any
 
 import cv2
@@ -35,6 +35,11 @@ class FrameStatistics:
     contrast: float  # grey levels, median over the frame of the standard deviation in CONTRAST_PX x CONTRAST_PX
     survive_1: float  # share of the corners that are still followed after one frame
     survive_6: float  # and after FRAMES_ON
+
+    @classmethod
+    def mean(cls, parts: Sequence["FrameStatistics"]) -> "FrameStatistics":
+        """Number by number."""
+        return cls(*np.mean([astuple(part) for part in parts], axis=0).tolist())
 
     def ratio(self, other: "FrameStatistics") -> dict[str, float]:
         """Each number over that of `other`; inf over nothing."""
