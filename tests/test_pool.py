@@ -1,13 +1,22 @@
-"""Worker processes that die, fail, or are left."""
+"""Worker processes that die, hang, fail, or are left."""
 
 import os
 import signal
+import time
 from functools import partial
 from pathlib import Path
 
 import pytest
 
 from vpf_sim.evaluation import pool
+
+
+def minute(_: object) -> float:
+    return 60.0
+
+
+def second(_: object) -> float:
+    return 1.0
 
 
 def square(number: int) -> int:
@@ -33,6 +42,27 @@ def fail(number: int) -> int:
     raise OSError(28, f"no space for {number}")
 
 
+def hang_once(folder: Path, number: int) -> int:
+    mark = folder / "hung"
+    if number == 3 and not mark.exists():
+        mark.write_text("")
+        time.sleep(600.0)
+    return number
+
+
+def hang(number: int) -> int:
+    if number == 3:
+        time.sleep(600.0)
+    return number
+
+
+def stand_still(number: int) -> int:
+    """Stopped as a whole, its own watchdog too."""
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGSTOP)
+    return number
+
+
 def threads(_: int) -> tuple[str | None, int]:
     import cv2
 
@@ -40,32 +70,54 @@ def threads(_: int) -> tuple[str | None, int]:
 
 
 def test_every_task_is_done_once() -> None:
-    done = list(pool.run(square, range(20), workers=2))
+    done = list(pool.run(square, range(20), workers=2, limit_s=minute))
     assert sorted((one.task, one.result) for one in done) == [(n, n * n) for n in range(20)]
     assert {one.attempts for one in done} == {1}
 
 
 def test_a_task_whose_worker_died_is_done_again(tmp_path: Path) -> None:
-    done = {one.task: one for one in pool.run(partial(die_once, tmp_path), range(6), workers=2)}
+    done = {one.task: one for one in pool.run(partial(die_once, tmp_path), range(6), workers=2, limit_s=minute)}
     assert {task: one.result for task, one in done.items()} == {n: n for n in range(6)}
     assert {task for task, one in done.items() if one.attempts == 2} == {3}
 
 
 def test_a_task_that_kills_its_worker_twice_is_given_up_and_no_other() -> None:
-    done = {one.task: one.result for one in pool.run(die, range(6), workers=1)}
-    assert done == {0: 0, 1: 1, 2: 2, 3: None, 4: 4, 5: 5}
+    done = {one.task: one for one in pool.run(die, range(6), workers=1, limit_s=minute)}
+    assert {task: one.result for task, one in done.items()} == {0: 0, 1: 1, 2: 2, 3: None, 4: 4, 5: 5}
+    assert done[3].reason == "lost its worker process (killed by SIGKILL), 2 times of 2\n"
+    assert done[3].attempts == 2
+
+
+def test_a_task_that_hangs_is_ended_and_done_again(tmp_path: Path) -> None:
+    done = {one.task: one for one in pool.run(partial(hang_once, tmp_path), range(6), workers=2, limit_s=second)}
+    assert {task: one.result for task, one in done.items()} == {n: n for n in range(6)}
+    assert done[3].attempts == 2
+
+
+def test_a_task_that_hangs_twice_is_given_up_with_where_it_hung() -> None:
+    done = {one.task: one for one in pool.run(hang, range(5), workers=1, limit_s=second)}
+    assert {task: one.result for task, one in done.items()} == {0: 0, 1: 1, 2: 2, 3: None, 4: 4}
+    assert done[3].reason.startswith("took longer than 1 s, 2 times of 2\nTimeout")
+    assert "test_pool.py" in done[3].reason
+    assert "in hang\n" in done[3].reason
+
+
+def test_a_worker_that_cannot_end_itself_is_killed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "GRACE_S", 5.0)
+    done = {one.task: one.result for one in pool.run(stand_still, range(5), workers=1, limit_s=second)}
+    assert done == {0: 0, 1: 1, 2: 2, 3: None, 4: 4}
 
 
 def test_what_a_worker_raises_ends_all() -> None:
     with pytest.raises(OSError, match="no space for 0"):
-        list(pool.run(fail, range(6), workers=1))
+        list(pool.run(fail, range(6), workers=1, limit_s=minute))
 
 
 def test_workers_have_one_thread_and_the_parents_environment_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
-    assert [one.result for one in pool.run(threads, [0], workers=1)] == [("1", 1)]
+    assert [one.result for one in pool.run(threads, [0], workers=1, limit_s=minute)] == [("1", 1)]
     assert os.environ["OMP_NUM_THREADS"] == "7"
 
 
 def test_no_tasks_need_no_workers() -> None:
-    assert list(pool.run(square, [], workers=2)) == []
+    assert list(pool.run(square, [], workers=2, limit_s=minute)) == []

@@ -9,6 +9,7 @@ from vpf_sim.cli.options import (
     OutOption,
     ResumeOption,
     SeedsOption,
+    TimeoutOption,
     WorkersOption,
     print_json,
 )
@@ -18,6 +19,7 @@ def benchmark(
     seeds: SeedsOption = None,
     driver: DriversOption = None,
     workers: WorkersOption = None,
+    timeout: TimeoutOption = None,
     out: OutOption = None,
     resume: ResumeOption = False,
     mixed: MixedOption = False,
@@ -25,14 +27,14 @@ def benchmark(
 ) -> None:
     """Town04 without and with obstacles, clear and in rain: the paper's method in its variants, and the PID."""
     from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, read_summary
-    from vpf_sim.cli.running import fill, plan_of
+    from vpf_sim.cli.running import Means, fill, plan_of
     from vpf_sim.evaluation.benchmark import plan as benchmark_plan
     from vpf_sim.evaluation.plan import parse_seeds
 
     if seeds is not None:
         parse_seeds(seeds)
     plan = plan_of(out, resume, bool(seeds or driver), lambda: benchmark_plan(seeds, driver or []))
-    path = fill("benchmark", plan, out, resume, mixed, workers)
+    path = fill("benchmark", plan, Means(out, resume, mixed, workers, timeout))
     summary = read_summary(path)
     if json:
         print_json({"out": str(path), "seeds": plan.seeds, **summary})

@@ -54,7 +54,7 @@ def _answer(result: Any, folder: Path, as_json: bool) -> None:
     record, timing = result.record, result.timing
     if "traceback" in timing:
         print(f"vpf-sim: {timing['traceback'].strip().splitlines()[-1]}", file=sys.stderr)
-        print(f"vpf-sim: the traceback is in {folder / 'timing.jsonl'}", file=sys.stderr)
+        print(f"vpf-sim: the traceback is in {folder / 'errors' / (record['id'] + '.txt')}", file=sys.stderr)
     if as_json:
         print_json({**record, "timing": {key: timing[key] for key in ("wall_s", "steps_per_s")}})
         return

@@ -20,6 +20,13 @@ MixedOption = Annotated[bool, typer.Option("--mixed", help="Go on under another 
 SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, half open.", metavar="A:B")]
 WorkersOption = Annotated[int | None, typer.Option("--workers", min=1, help="Worker processes; one a core by default.")]
 
+TimeoutOption = Annotated[
+    float | None,
+    typer.Option(
+        "--timeout", metavar="S", help="Seconds that an episode may take; by its scenario's limit by default."
+    ),
+]
+
 
 def prints_on_stderr() -> redirect_stdout[TextIO]:
     """A context in which a driver may print: stdout is for the command's answer."""

@@ -1,17 +1,50 @@
-"""What `sweep` and `benchmark` share: a run folder filled by workers, with progress, and a way back after Ctrl-C."""
+"""What `sweep` and `benchmark` share: a run folder filled by workers, and a way back after whatever stopped it."""
 
-import sys
+import shlex
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from vpf_sim.cli import invalid_frames
 from vpf_sim.cli.options import prints_on_stderr
+from vpf_sim.cli.progress import progress, say
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.plan import Plan
 
-Record = dict[str, Any]
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.job import Job
+    from vpf_sim.evaluation.pool import Done
+    from vpf_sim.evaluation.run_folder import RunFolder
+    from vpf_sim.evaluation.sweep import Limit, Stored
+
+
+@dataclass(frozen=True, slots=True)
+class Means:
+    """How a plan is to be driven: where to, and by whom."""
+
+    out: Path | None = None
+    resume: bool = False
+    mixed: bool = False
+    workers: int | None = None
+    timeout_s: float | None = None
+    cluster: str | None = None
+
+    def check(self) -> None:
+        """InputError where they do not fit together."""
+        if self.resume and self.out is None:
+            raise InputError("--resume: expected the folder of the run in --out, got none")
+        if self.resume and self.out is not None and not self.out.exists():
+            raise InputError(f"{self.out}: --resume: expected the folder of a run, found nothing")
+        if self.cluster is not None and self.workers is not None:
+            raise InputError("--workers: the cluster's workers drive, expected --workers or --cluster, got both")
+
+    def way_back(self, command: str, folder: Path) -> str:
+        """The command that goes on with the run."""
+        words = ["vpf-sim", command, "--out", str(folder), "--resume"]
+        for option, value in (("--workers", self.workers), ("--cluster", self.cluster), ("--timeout", self.timeout_s)):
+            words += [] if value is None else [option, str(value)]
+        return shlex.join(words + ["--mixed"] * self.mixed)
 
 
 def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan]) -> Plan:
@@ -23,71 +56,37 @@ def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan
     return make()
 
 
-def fill(command: str, plan: Plan, out: Path | None, resume: bool, mixed: bool, workers: int | None) -> Path:
+def fill(command: str, plan: Plan, means: Means) -> Path:
     """Drive what the run folder lacks of the plan, write its summary, and give its path."""
     from vpf_sim.evaluation import run_folder, sweep
     from vpf_sim.evaluation.benchmark import with_paper
     from vpf_sim.evaluation.summary import summarize
 
-    if resume and out is None:
-        raise InputError("--resume: expected the folder of the run in --out, got none")
-    if resume and out is not None and not out.exists():
-        raise InputError(f"{out}: --resume: expected the folder of a run, found nothing")
+    means.check()
+    limit_s = sweep.limits(means.timeout_s)
     with prints_on_stderr():
         asked = run_folder.manifest(command, plan)
-    folder = run_folder.RunFolder(out or run_folder.new_path(command), asked, resume, mixed)
+    folder = run_folder.RunFolder(means.out or run_folder.new_path(command), asked, means.resume, means.mixed)
     jobs = plan.jobs()
     try:
-        with progress(len(jobs), len(folder.done)) as tell:
-            sweep.run(folder, jobs, workers or sweep.default_workers(), tell)
-    except KeyboardInterrupt:
-        _say(f"stopped with {len(folder.done)} of {len(jobs)} episodes stored")
-        _say(f"go on with: vpf-sim {command} --out {folder.path} --resume")
+        with progress(len(jobs), folder) as tell:
+            sweep.store(folder, _drive(folder, jobs, means, limit_s), tell)
+        records = folder.records()
+        with prints_on_stderr():
+            folder.write_json("summary.json", with_paper(summarize(jobs, records)))
+    except (KeyboardInterrupt, OSError, InputError):
+        say(f"stopped with {len(folder.done)} of {len(jobs)} episodes stored")
+        say(f"go on with: {means.way_back(command, folder.path)}")
         raise
     finally:
         folder.close()
-    records = folder.records()
-    with prints_on_stderr():
-        summary = with_paper(summarize(jobs, records))
     invalid_frames.warn(records)
-    folder.write_json("summary.json", summary)
     return folder.path
 
 
-@contextmanager
-def progress(total: int, done: int) -> Iterator[Callable[[Record], None]]:
-    """A function to be told of each record: a bar on a terminal, lines elsewhere; on stderr, for stdout has answers."""
-    if sys.stderr.isatty():
-        with _bar(total, done) as tell:
-            yield tell
-        return
-    count = done
+def _drive(folder: "RunFolder", jobs: "list[Job]", means: Means, limit_s: "Limit") -> "Iterator[Done[Job, Stored]]":
+    """Drive what is missing, on this machine or on a cluster."""
+    from vpf_sim.evaluation import sweep
 
-    def tell_line(record: Record) -> None:
-        nonlocal count
-        count += 1
-        _say(f"{count}/{total} {record['id']} {record['status']}")
-
-    yield tell_line
-
-
-@contextmanager
-def _bar(total: int, done: int) -> Iterator[Callable[[Record], None]]:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
-    failures = 0
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("no episode yet", total=total, completed=done)
-
-        def tell(record: Record) -> None:
-            nonlocal failures
-            failures += record["status"] != "success"
-            bar.update(task, advance=1, description=f"{failures} without success, last {record['id']}")
-
-        yield tell
-
-
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
+    missing = [job for job in jobs if job.id not in folder.done]
+    return sweep.local(folder, missing, means.workers or sweep.default_workers(), limit_s)

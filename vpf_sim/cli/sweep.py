@@ -12,6 +12,7 @@ from vpf_sim.cli.options import (
     OutOption,
     ResumeOption,
     SeedsOption,
+    TimeoutOption,
     WorkersOption,
     print_json,
 )
@@ -33,6 +34,7 @@ def sweep(
     driver: DriversOption = None,
     seeds: SeedsOption = None,
     workers: WorkersOption = None,
+    timeout: TimeoutOption = None,
     out: OutOption = None,
     resume: ResumeOption = False,
     mixed: MixedOption = False,
@@ -40,7 +42,7 @@ def sweep(
 ) -> None:
     """Drive the grid. With --resume and nothing else asked, the grid that the folder was made for."""
     from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, read_summary
-    from vpf_sim.cli.running import fill, plan_of
+    from vpf_sim.cli.running import Means, fill, plan_of
     from vpf_sim.evaluation.plan import Plan, make_plan, parse_seeds, read_plan
 
     given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": seeds}
@@ -52,7 +54,7 @@ def sweep(
         return make_plan({**DEFAULTS, **(read_plan(file) if file else {}), **given}, str(file or "sweep"))
 
     plan = plan_of(out, resume, bool(given or file), make)
-    path = fill("sweep", plan, out, resume, mixed, workers)
+    path = fill("sweep", plan, Means(out, resume, mixed, workers, timeout))
     summary = read_summary(path)
     if json:
         print_json({"out": str(path), **summary})

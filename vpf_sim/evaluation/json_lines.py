@@ -28,10 +28,13 @@ class JsonLines:
         """One line, keys sorted; whole, or not there and OSError."""
         line = json.dumps(row, sort_keys=True, allow_nan=False).encode() + b"\n"
         size = os.fstat(self._file).st_size
-        if os.write(self._file, line) != len(line):
+        try:
+            if os.write(self._file, line) != len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            os.fsync(self._file)
+        except OSError as error:
             os.ftruncate(self._file, size)
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))
-        os.fsync(self._file)
+            raise OSError(error.errno, error.strerror, str(self._path)) from None
 
     def close(self) -> None:
         os.close(self._file)

@@ -56,10 +56,17 @@ class RunFolder:
             raise
 
     def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
-        """Store a finished episode."""
+        """Store a finished episode; the `traceback` of an error goes into a file of its own."""
+        timing = dict(timing)
+        if "traceback" in timing:
+            self._write_error(record["id"], timing.pop("traceback"))
         self._timing.append(timing)
         self._records.append(record)
         self.done.add(record["id"])
+
+    def error_file(self, episode: str) -> Path:
+        """Where the reason of an `error` is."""
+        return self.path / "errors" / f"{episode}.txt"
 
     def records(self) -> list[dict[str, Any]]:
         """All records, sorted by id."""
@@ -91,6 +98,11 @@ class RunFolder:
         with suppress(OSError):  # something of the user's is in it
             self.path.rmdir()
 
+    def _write_error(self, episode: str, reason: str) -> None:
+        path = self.error_file(episode)
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(reason.rstrip() + "\n", "utf-8")
+
     def _make(self) -> None:
         if self.path.exists() and not self.path.is_dir():
             raise InputError(f"{self.path}: expected a folder, got a file")
@@ -104,13 +116,13 @@ class RunFolder:
         stored = read_manifest(self.path)
         for key in ("command", "plan", "scenarios", "weathers"):
             if stored.get(key) != asked[key]:
-                change = _change(stored.get(key), asked[key])
-                raise InputError(f"{self.path}: --resume: {key} changed: {change}; start a new run")
+                what = change(stored.get(key), asked[key])
+                raise InputError(f"{self.path}: --resume: {key} changed: {what}; start a new run")
         if stored["fingerprint"] == asked["fingerprint"]:
             return False
         if not mixed:
-            change = _change(stored["fingerprint"], asked["fingerprint"])
-            raise InputError(f"{self.path}: --resume: fingerprint changed: {change}; --mixed accepts it")
+            what = change(stored["fingerprint"], asked["fingerprint"])
+            raise InputError(f"{self.path}: --resume: fingerprint changed: {what}; --mixed accepts it")
         return True
 
 
@@ -133,11 +145,11 @@ def stored_plan(path: Path) -> Plan:
     return make_plan(read_manifest(path)["plan"], str(path / MANIFEST))
 
 
-def _change(before: Any, after: Any) -> str:
-    """The first difference of two tables, in words."""
+def change(before: Any, after: Any) -> str:
+    """The differences of two tables, in words."""
     if isinstance(before, dict) and isinstance(after, dict):
         keys = [key for key in sorted(before.keys() | after.keys()) if before.get(key) != after.get(key)]
-        return f"{keys[0]}: was {_short(before.get(keys[0]))}, is {_short(after.get(keys[0]))}"
+        return ", ".join(f"{key}: was {_short(before.get(key))}, is {_short(after.get(key))}" for key in keys)
     return f"was {_short(before)}, is {_short(after)}"
 
 

@@ -1,5 +1,7 @@
 """The step table: what happened in an episode, one row a frame; every score is a function of it."""
 
+import errno
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, nan
@@ -80,7 +82,12 @@ def write(table: StepTable, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_suffix(".draft")
     columns = [pa.array(column) for column in table.rows.T]
-    pq.write_table(pa.table(columns, names=list(Step._fields)), draft, compression="zstd")
+    try:
+        pq.write_table(pa.table(columns, names=list(Step._fields)), draft, compression="zstd")
+    except OSError as error:  # pyarrow's tells neither the file nor, in plain words, the reason
+        draft.unlink(missing_ok=True)
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise OSError(error.errno or errno.EIO, reason, str(path)) from None
     draft.replace(path)
 
 

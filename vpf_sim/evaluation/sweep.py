@@ -2,42 +2,71 @@
 
 import os
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from math import isfinite
 from pathlib import Path
 from traceback import format_exc
 from typing import Any
 
+from vpf_sim import scenarios
+from vpf_sim.errors import InputError
 from vpf_sim.evaluation import pool, records, steps
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.run_folder import RunFolder
 
 Stored = tuple[dict[str, Any], dict[str, Any]]  # record, timing
+Limit = Callable[[Job], float]  # s of wall time
+START_S = 60.0  # to load all, and to score
+SLOWEST = 6.0  # times slower than the simulated clock: 10 steps a second
+LONGEST_S = 1e6  # beyond it the clock of a watchdog would not reach
 
 
-def run(folder: RunFolder, jobs: list[Job], workers: int, tell: Callable[[dict[str, Any]], None]) -> None:
-    """Drive what the folder does not have yet; `tell` hears of each record as it is stored."""
-    missing = [job for job in jobs if job.id not in folder.done]
-    results: Iterator[pool.Done[Job, Stored]] = pool.run(
-        partial(drive_and_store, folder.path, folder.mark), missing, workers
-    )
+def local(folder: RunFolder, jobs: Iterable[Job], workers: int, limit_s: Limit) -> Iterator[pool.Done[Job, Stored]]:
+    """Drive on this machine, and store the steps."""
+    return pool.run(partial(drive_and_store, folder.path, folder.mark), jobs, workers, limit_s)
+
+
+def store(folder: RunFolder, results: Iterable[pool.Done[Job, Stored]], tell: Callable[[dict[str, Any]], None]) -> None:
+    """Keep what comes; `tell` hears of each record as it is stored."""
     for done in results:
-        record, timing = done.result or _given_up(done.task, folder.mark)
+        record, timing = done.result or given_up(done.task, folder.mark, done.reason)
         timing |= {"worker": done.worker, "retries": done.attempts - 1}
         folder.add(record, timing)
         tell(record)
 
 
+def limits(timeout_s: float | None) -> Limit:
+    """How long an episode may take: what is asked for, or what the scenario's own limit takes on a slow machine."""
+    if timeout_s is None:
+        return _slow_s
+    if not isfinite(timeout_s) or not 0.0 < timeout_s <= LONGEST_S:
+        raise InputError(f"--timeout: expected seconds, more than 0 and up to {LONGEST_S:.0f}, got {timeout_s:g}")
+    return lambda _: timeout_s
+
+
+def _slow_s(job: Job) -> float:
+    return START_S + SLOWEST * scenarios.load(job.scenario).draw(job.seed).time_limit_s
+
+
 def drive_and_store(folder: Path, mark: str | None, job: Job) -> Stored:
     """Drive one episode, store its steps, and give its record and timing; whatever goes wrong in it is an `error`."""
+    record, timing, table = drive(mark, job)
+    if table is not None:
+        steps.write(table, folder / "steps" / f"{job.id}.parquet")
+    return record, timing
+
+
+def drive(mark: str | None, job: Job) -> tuple[dict[str, Any], dict[str, Any], steps.StepTable | None]:
+    """Drive one episode: record, timing and steps."""
     from vpf_sim.evaluation import episode
 
     try:
         result = episode.run(*job)
     except Exception:
-        return _given_up(job, mark, format_exc())
-    steps.write(result.steps, folder / "steps" / f"{job.id}.parquet")
-    return _marked(result.record, mark), {**result.timing, "host": platform.node(), "process": os.getpid()}
+        return *given_up(job, mark, format_exc()), None
+    timing = {**result.timing, "host": platform.node(), "process": os.getpid()}
+    return marked(result.record, mark), timing, result.steps
 
 
 def default_workers() -> int:
@@ -45,10 +74,11 @@ def default_workers() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _given_up(job: Job, mark: str | None, reason: str = "the worker process died at every attempt") -> Stored:
-    return _marked(records.failed(job), mark), {"id": job.id, "traceback": reason, "host": platform.node()}
+def given_up(job: Job, mark: str | None, reason: str) -> Stored:
+    """What is stored of an episode without a result."""
+    return marked(records.failed(job), mark), {"id": job.id, "traceback": reason, "host": platform.node()}
 
 
-def _marked(record: dict[str, Any], mark: str | None) -> dict[str, Any]:
+def marked(record: dict[str, Any], mark: str | None) -> dict[str, Any]:
     """A record made on another fingerprint than the run's says so."""
     return record if mark is None else {**record, "fingerprint": mark}

@@ -1,0 +1,88 @@
+"""Live progress of many episodes: how far, how fast, how long yet, what failed. On stderr: stdout has the answers."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.run_folder import RunFolder
+
+Record = dict[str, Any]
+
+
+@dataclass(slots=True)
+class Tally:
+    """What is known after each record; `done` were there before."""
+
+    total: int
+    done: int
+    failed: int = 0
+    driven: int = 0  # in this session
+    begun_s: float = field(default_factory=monotonic)
+
+    def count(self, record: Record) -> None:
+        self.done, self.driven = self.done + 1, self.driven + 1
+        self.failed += record["status"] != "success"
+
+    def text(self) -> str:
+        """Failures, rate and time left, of this session: "1 failed, 312 an hour, 0:04:10 left"."""
+        if not self.driven:
+            return "no episode yet"
+        pace_s = (monotonic() - self.begun_s) / self.driven
+        rate = 3600.0 / max(pace_s, 1e-9)
+        return f"{self.failed} failed, {rate:.0f} an hour, {clock((self.total - self.done) * pace_s)} left"
+
+
+def clock(seconds: float) -> str:
+    """Hours, minutes and seconds: "1:02:05"."""
+    minutes, second = divmod(round(seconds), 60)
+    return f"{minutes // 60}:{minutes % 60:02}:{second:02}"
+
+
+@contextmanager
+def progress(total: int, folder: "RunFolder") -> Iterator[Callable[[Record], None]]:
+    """A function to be told of each record: a bar on a terminal, lines elsewhere."""
+    tally = Tally(total, len(folder.done))
+    with _bar(tally) if sys.stderr.isatty() else _lines(tally) as (show, say):
+
+        def tell(record: Record) -> None:
+            tally.count(record)
+            show(record)
+            if record["status"] == "error":
+                say(f"{record['id']}: error, the reason is in {folder.error_file(record['id'])}")
+
+        yield tell
+
+
+Display = tuple[Callable[[Record], None], Callable[[str], None]]
+
+
+@contextmanager
+def _lines(tally: Tally) -> Iterator[Display]:
+    def show(record: Record) -> None:
+        say(f"{tally.done}/{tally.total} {record['id']} {record['status']} ({tally.text()})")
+
+    yield show, say
+
+
+@contextmanager
+def _bar(tally: Tally) -> Iterator[Display]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}", markup=False))
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task(tally.text(), total=tally.total, completed=tally.done)
+
+        def show(record: Record) -> None:
+            bar.update(task, completed=tally.done, description=f"{tally.text()}, last {record['id']}")
+
+        yield show, lambda line: bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+def say(line: str) -> None:
+    """A line on stderr, at once."""
+    print(line, file=sys.stderr, flush=True)
