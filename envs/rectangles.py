@@ -54,19 +54,25 @@ def solid_bodies(ego: RoadObject) -> list[RoadObject]:
     return others + [thing for thing in road.objects if not isinstance(thing, Landmark)]
 
 
-def clearance(ego: RoadObject) -> float:
-    """m from the ego's body to the nearest other; inf without others."""
+def nearest(ego: RoadObject) -> tuple[float, RoadObject | None]:
+    """m from the ego's body to the nearest other, and that body; inf and None without others."""
     x, y = ego.position.tolist()
     bounds = []
     for other in solid_bodies(ego):
         other_x, other_y = other.position.tolist()
         bounds.append((hypot(other_x - x, other_y - y) - (ego.diagonal + other.diagonal) / 2.0, id(other), other))
-    nearest_m = inf
+    nearest_m, body = inf, None
     for bound_m, _, other in sorted(bounds):
         if bound_m > nearest_m:
             break
-        nearest_m = min(nearest_m, distance(ego, other))
-    return nearest_m
+        if (gap_m := distance(ego, other)) < nearest_m:
+            nearest_m, body = gap_m, other
+    return nearest_m, body
+
+
+def clearance(ego: RoadObject) -> float:
+    """m from the ego's body to the nearest other; inf without others."""
+    return nearest(ego)[0]
 
 
 def free_ahead(ego: RoadObject) -> float:

@@ -77,12 +77,13 @@ def test_each_bound(table: StepTable, broken: str | None) -> None:
 
 @pytest.mark.parametrize(("ttc_s", "comfortable"), [(0.95, True), (0.94, False), (np.inf, True)])
 def test_a_time_to_collision_below_its_bound_is_no_comfort(ttc_s: float, comfortable: bool) -> None:
-    assert comfort(drive(5.0, ttc_s=ttc_s))["comfortable"] is comfortable
+    found = comfort(drive(5.0, ttc_s=ttc_s))
+    assert found["comfortable"] is found["ttc_within"] is comfortable
 
 
 def test_an_episode_that_is_too_short_to_filter_has_no_comfort() -> None:
     table = StepTable(drive(5.0).rows[:20])
-    assert comfort(table) == {"comfortable": None, "signals": None, "min_ttc_s": None, "raw_p95": None}
+    assert comfort(table) == dict.fromkeys(("comfortable", "signals", "min_ttc_s", "ttc_within", "raw_p95"))
 
 
 def test_raw_percentiles_see_what_the_filters_hide() -> None:

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from vpf_sim.evaluation import records, steps
 from vpf_sim.evaluation.episode import Outcome, roll_out
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.json_lines import JsonLines, read_lines
-from vpf_sim.evaluation.paired import OwnRun
+from vpf_sim.evaluation.paired import OwnRun, matched
 from vpf_sim.evaluation.run_folder import RunFolder, new_path
 from vpf_sim.evaluation.steps import StepTable
 
@@ -24,7 +25,8 @@ JOB = Job("town04", "clear", "vpf", 7)
 KEYS = {
     *("id", "scenario", "weather", "driver", "seed", "status", "route_completion", "path_mse_m2", "max_lane_offset_m"),
     *("accuracy", "collisions", "collided_with", "min_clearance_m", "driving_score_2_0", "driving_score_2_1"),
-    *("invalid_frame", "comfort", "perception", "steps", "states_sha256", "frames_sha256"),
+    *("invalid_frame", "comfort", "perception", "steps", "states_sha256", "frames_sha256", "chattering"),
+    *("collision_type", "at_fault_collisions"),
 }
 OWN_RUN = OwnRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
 ASKED: dict[str, Any] = {
@@ -39,12 +41,13 @@ ASKED: dict[str, Any] = {
 
 def outcome(driver: Constant, **changes: Any) -> Outcome:
     world = TinyWorld(**changes)
-    return roll_out(world, driver, Constant(0.25, 0.1), seed=7)
+    driven = roll_out(world, driver, Constant(0.25, 0.1), seed=7)
+    return replace(driven, steps=matched(driven.steps, OWN_RUN)) if len(driven.steps) else driven
 
 
 def score(driver: Constant, **changes: Any) -> dict[str, Any]:
     world = TinyWorld()
-    return records.score(JOB, outcome(driver, **changes), world.route, world.route_length_m, OWN_RUN)
+    return records.score(JOB, outcome(driver, **changes), world.route, world.route_length_m)
 
 
 def test_a_record_of_a_drive_that_is_known_in_closed_form() -> None:
@@ -70,16 +73,19 @@ def test_a_record_holds_no_nan_and_survives_json() -> None:
 def test_the_record_of_a_failure_has_the_same_keys() -> None:
     assert records.failed(JOB).keys() == KEYS
     nothing = Outcome("error", StepTable.of([]), None, sha256().hexdigest(), "why")
-    assert records.score(JOB, nothing, np.zeros((2, 2)), 1.0, None) == records.failed(JOB)
+    assert records.score(JOB, nothing, np.zeros((2, 2)), 1.0) == records.failed(JOB)
 
 
 def test_a_collision_costs_its_factor() -> None:
     hit = outcome(Constant(0.5))
-    hit = Outcome("collision", StepTable(hit.steps.rows[:11]), "car", hit.frames_sha256, None)
-    record = records.score(JOB, hit, TinyWorld().route, 10.0, OWN_RUN)
+    near = {"near_speed_mps": np.zeros(11), "near_bearing_rad": np.zeros(11), "near_bumper_m": np.zeros(11)}
+    table = StepTable(hit.steps.rows[:11]).replaced(near)
+    hit = Outcome("collision", table, "car", hit.frames_sha256, None)
+    record = records.score(JOB, hit, TinyWorld().route, 10.0)
     assert (record["collisions"], record["collided_with"], record["route_completion"]) == (1, "car", 0.5)
     assert record["driving_score_2_0"] == pytest.approx(0.5 * 0.60)
     assert record["driving_score_2_1"] == pytest.approx(0.5 / 1.70)
+    assert (record["collision_type"], record["at_fault_collisions"]) == ("stopped_track", 1)
 
 
 @pytest.mark.parametrize("steps_before", [0, 3])

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from traceback import format_exc
 from typing import Any
@@ -15,7 +15,7 @@ from vpf_sim.evaluation import records
 from vpf_sim.evaluation.hashing import FrameHasher
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.log import StepLog
-from vpf_sim.evaluation.paired import pid_without_obstacles
+from vpf_sim.evaluation.paired import matched, pid_without_obstacles
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
 
@@ -48,8 +48,10 @@ def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | No
         job = Job(scenario, weather, driver, seed)
         outcome = roll_out(env, drivers.create(driver), drivers.create("pid"), seed, watch)
         wall_s = perf_counter() - started_s
-        own_run = pid_without_obstacles(env.scenario, seed) if len(outcome.steps) else None
-        record = records.score(job, outcome, env.route, env.route_length_m, own_run)
+        if len(outcome.steps):
+            own_run = pid_without_obstacles(env.scenario, seed)
+            outcome = replace(outcome, steps=matched(outcome.steps, own_run))
+        record = records.score(job, outcome, env.route, env.route_length_m)
     timing = {"id": record["id"], "wall_s": wall_s, "steps_per_s": len(outcome.steps) / wall_s}
     if outcome.traceback:
         timing["traceback"] = outcome.traceback

@@ -1,9 +1,9 @@
 """The book that the episode loop keeps: what was observed, what was commanded, what the truth was."""
 
-from math import nan
+from math import hypot, nan
 from typing import Any
 
-from vpf_sim.envs.rectangles import solid_bodies
+from vpf_sim.envs.rectangles import nearest, solid_bodies
 from vpf_sim.evaluation import surroundings
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.types import Command, Observation, Plan
@@ -20,7 +20,9 @@ class StepLog:
     def observe(self, observation: Observation, info: dict[str, Any], env: Any) -> None:
         """A new row with the state, and what the harness measures of it in the world."""
         ego, network = env.ego, env.road.network
-        others = solid_bodies(ego)
+        others, (_, near) = solid_bodies(ego), nearest(ego)
+        laterals_m = surroundings.corner_laterals(ego, network)
+        in_lane = surroundings.is_in_lane(laterals_m, network)
         true_left_m, true_right_m = surroundings.true_edges(ego, network)
         true_foe_x_px, true_foe_y_px = info.get("foe", NOWHERE_PX)
         self._steps.append(
@@ -34,9 +36,11 @@ class StepLog:
                 route_m=info["route_m"],
                 lane_offset_m=info["lane_offset_m"],
                 clearance_m=info["clearance_m"],
-                ttc_s=surroundings.time_to_collision(ego, others),
+                ttc_s=surroundings.time_to_collision(ego, others, in_lane),
                 passing=float(surroundings.is_passing(ego, others)),
-                outside=float(surroundings.is_outside(ego, network)),
+                outside=float(surroundings.is_outside(laterals_m, network)),
+                in_lane=float(in_lane),
+                **({} if near is None else _nearest(ego, near)),
                 true_foe_x_px=true_foe_x_px,
                 true_foe_y_px=true_foe_y_px,
                 true_left_m=true_left_m,
@@ -56,6 +60,15 @@ class StepLog:
 
     def table(self) -> StepTable:
         return StepTable.of(self._steps)
+
+
+def _nearest(ego: Any, near: Any) -> dict[str, float]:
+    """The columns of the nearest body."""
+    return {
+        "near_bearing_rad": surroundings.bearing_rad(ego, near),
+        "near_bumper_m": surroundings.bumper_gap_m(ego, near),
+        "near_speed_mps": hypot(*near.velocity.tolist()),
+    }
 
 
 def _perceived(plan: Plan) -> dict[str, float]:

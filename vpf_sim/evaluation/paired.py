@@ -10,6 +10,8 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.metrics.accuracy import at_distance
+from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.scenarios import Scenario
 from vpf_sim.types import DriverSetup, Floats, Image, Observation
 
@@ -40,6 +42,15 @@ def pid_without_obstacles(drawn: Scenario, seed: int, rate_hz: float = 60.0) -> 
             rows.append((env.route_m, command.throttle, command.steering))
             env.advance(np.array([command.throttle, command.steering]))
     return OwnRun(*np.array(rows).T)
+
+
+def matched(table: StepTable, own_run: OwnRun) -> StepTable:
+    """The table with what the PID did in its own run at the distance of each row but the last, which has no command."""
+    columns = {}
+    for name in ("throttle", "steering"):
+        own = at_distance(table.route_m, own_run.route_m, getattr(own_run, name))
+        columns[f"paired_{name}"] = np.append(own[:-1], np.nan)
+    return table.replaced(columns)
 
 
 def _observation(env: FourLane, time_s: float) -> Observation:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import clearance, comfort, driving_score, path, perception
-from vpf_sim.evaluation.metrics.accuracy import at_distance, protocol
-from vpf_sim.evaluation.paired import OwnRun
+from vpf_sim.evaluation.metrics import chattering, clearance, collision, comfort, driving_score, path, perception
+from vpf_sim.evaluation.metrics.accuracy import protocol
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Floats
 
@@ -17,10 +16,10 @@ if TYPE_CHECKING:
     from vpf_sim.evaluation.episode import Outcome
 
 
-def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float, own_run: OwnRun | None) -> dict[str, Any]:
+def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float) -> dict[str, Any]:
     """The record. `route` holds waypoints (M, 2) from the start to beyond the goal, at `route_length_m`."""
     table = outcome.steps
-    if len(table) == 0 or own_run is None:
+    if len(table) == 0:
         return failed(job, outcome.status, outcome.invalid_frame)
     hits = [outcome.collided_with] if outcome.collided_with else []
     completion = 1.0 if outcome.status == "success" else path.completion(table.route_m, route_length_m)
@@ -33,13 +32,15 @@ def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float, ow
             "route_completion": completion,
             "path_mse_m2": path.path_mse(table.positions_m, path.shorten(route, route_length_m)),
             "max_lane_offset_m": np.max(np.abs(table.lane_offset_m)),
-            "accuracy": _accuracy(table, own_run),
+            "accuracy": _accuracy(table),
             "collisions": len(hits),
             "collided_with": outcome.collided_with,
+            **_blame(table, hits),
             "min_clearance_m": clearance.min_clearance_m(table.clearance_m),
             "driving_score_2_0": driving_score.driving_score_2_0(completion, hits, off_lane),
             "driving_score_2_1": driving_score.driving_score_2_1(completion, hits, off_lane),
             "comfort": comfort.comfort(table),
+            "chattering": chattering.chattering(table),
             "perception": _perception(table),
             "steps": len(table),
             "states_sha256": sha256(table.states()).hexdigest(),
@@ -52,9 +53,25 @@ def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float, ow
 def failed(job: Job, status: str = "error", invalid_frame: dict[str, Any] | None = None) -> dict[str, Any]:
     """The record of an episode that never began, or whose worker died: nothing to score."""
     scores = dict.fromkeys(
-        ("path_mse_m2", "max_lane_offset_m", "accuracy", "collided_with", "min_clearance_m", "comfort", "perception")
+        (
+            "path_mse_m2",
+            "max_lane_offset_m",
+            "accuracy",
+            "collided_with",
+            "min_clearance_m",
+            "comfort",
+            "chattering",
+            "perception",
+            "collision_type",
+        )
     )
-    none_driven = {"route_completion": 0.0, "driving_score_2_0": 0.0, "driving_score_2_1": 0.0, "collisions": 0}
+    none_driven = {
+        "route_completion": 0.0,
+        "driving_score_2_0": 0.0,
+        "driving_score_2_1": 0.0,
+        "collisions": 0,
+        "at_fault_collisions": 0,
+    }
     hashes = {"steps": 0, "states_sha256": None, "frames_sha256": None}
     return {**_identity(job), "status": status, "invalid_frame": invalid_frame, **scores, **none_driven, **hashes}
 
@@ -74,14 +91,22 @@ def _identity(job: Job) -> dict[str, Any]:
     return {"id": job.id, **job._asdict()}
 
 
-def _accuracy(table: StepTable, own_run: OwnRun) -> dict[str, Any]:
+def _accuracy(table: StepTable) -> dict[str, Any]:
     """Both protocols, over the n states in which a command was given."""
     driven = slice(0, len(table))
-    commands = {"throttle": table.throttle[driven], "steering": table.steering[driven]}
-    asked = {"throttle": table.pid_throttle[driven], "steering": table.pid_steering[driven]}
-    matched = {name: at_distance(table.route_m[driven], own_run.route_m, getattr(own_run, name)) for name in commands}
+    commands, asked, matched = (
+        {name: getattr(table, f"{whose}{name}")[driven] for name in ("throttle", "steering")}
+        for whose in ("", "pid_", "paired_")
+    )
     passing = table.passing[driven] > 0.0
     return {"shadow": protocol(commands, asked, passing), "paired": protocol(commands, matched, passing)}
+
+
+def _blame(table: StepTable, hits: list[str]) -> dict[str, Any]:
+    if not hits:
+        return {"collision_type": None, "at_fault_collisions": 0}
+    kind = collision.collision_type(table)
+    return {"collision_type": kind, "at_fault_collisions": int(collision.is_at_fault(kind, table))}
 
 
 def _perception(table: StepTable) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 import errno
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
@@ -25,12 +25,14 @@ class Step(NamedTuple):
     route_m: float  # driven along the route
     lane_offset_m: float  # from the centre of the ego's lane, + is right
     clearance_m: float  # between the ego's body and the nearest other; inf without bodies
-    ttc_s: float = inf  # until the bodies touch, if all keep their velocities
+    ttc_s: float = inf  # until the ego touches a body ahead, if all keep their velocities
     passing: float = 0.0  # 1 from 25 m before a body to 15 m after it
     throttle: float = nan
     steering: float = nan
     pid_throttle: float = nan  # what the PID would do in this state
     pid_steering: float = nan
+    paired_throttle: float = nan  # what the PID did at this distance in its own run without obstacles
+    paired_steering: float = nan
     foe_x_px: float = nan  # estimated; nan where the driver has no such thing or does not trust it
     foe_y_px: float = nan
     true_foe_x_px: float = nan
@@ -40,6 +42,10 @@ class Step(NamedTuple):
     true_left_m: float = nan
     true_right_m: float = nan
     outside: float = 0.0  # 1 where a corner of the body is beyond the carriageway's edge
+    in_lane: float = 1.0  # 1 where all of its corners are in one lane
+    near_bearing_rad: float = nan  # of the nearest body's centre from the rear axle, off the heading, + is right
+    near_bumper_m: float = nan  # from the front bumper to that body
+    near_speed_mps: float = nan  # of that body
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +73,13 @@ class StepTable:
     def positions_m(self) -> Floats:
         """(n + 1, 2)"""
         return np.column_stack([self.x_m, self.y_m])
+
+    def replaced(self, columns: Mapping[str, Floats]) -> "StepTable":
+        """The same table with other values, one a row, in some columns."""
+        rows = self.rows.copy()
+        for name, values in columns.items():
+            rows[:, Step._fields.index(name)] = values
+        return StepTable(rows)
 
     def states(self) -> bytes:
         """What makes two episodes the same: poses, speeds and commands, bit by bit."""

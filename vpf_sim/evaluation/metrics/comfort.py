@@ -40,7 +40,7 @@ def comfort(table: StepTable) -> dict[str, object]:
     """Least and greatest of each signal with whether it kept its bounds, least TTC, and whether all of them held."""
     signals = nuplan_signals(table.time_s, table.speed_mps, table.yaw_rad, table.yaw_rate_radps)
     if signals is None:
-        return {"comfortable": None, "signals": None, "min_ttc_s": None, "raw_p95": None}
+        return {"comfortable": None, "signals": None, "min_ttc_s": None, "ttc_within": None, "raw_p95": None}
     kept = {name: _kept(signals[name], bound) for name, bound in BOUNDS.items()}
     ttc_s = min_ttc_s(table.ttc_s)
     far = ttc_s is None or ttc_s >= TTC_BOUND_S
@@ -48,6 +48,7 @@ def comfort(table: StepTable) -> dict[str, object]:
         "comfortable": far and all(row["within"] for row in kept.values()),
         "signals": kept,
         "min_ttc_s": ttc_s,
+        "ttc_within": far,
         "raw_p95": raw_percentiles(table),
     }
 
