@@ -157,6 +157,10 @@ def test_the_permutation_test_is_wrong_as_often_as_it_says() -> None:
     assert chances == pytest.approx(np.repeat(np.arange(1, 33) / 32.0, 2))
 
 
+def test_one_pair_tells_nothing() -> None:
+    assert paired_difference(np.array([2.0]), np.array([0.5])) == (1.5, None, 1.0, 1)
+
+
 def test_no_pairs_no_difference() -> None:
     assert paired_difference(np.empty(0), np.empty(0)) is None
     same = paired_difference(np.ones(5), np.ones(5))

@@ -92,6 +92,12 @@ def paired_difference(first: Floats, second: Floats) -> Difference | None:
     if len(first) == 0:
         return None
     difference = np.asarray(first, float) - np.asarray(second, float)
+    return Difference(float(np.mean(difference)), mean_interval(difference), _chance(difference), len(difference))
+
+
+def _chance(difference: Floats) -> float:
+    if len(difference) == 1:
+        return 1.0
     test = stats.permutation_test(
         (difference,),
         np.mean,
@@ -100,7 +106,7 @@ def paired_difference(first: Floats, second: Floats) -> Difference | None:
         n_resamples=RESAMPLES,
         rng=stream(0, "sign flips"),
     )
-    return Difference(float(np.mean(difference)), mean_interval(difference), float(test.pvalue), len(difference))
+    return float(test.pvalue)
 
 
 def paired_shares(first: Bools, second: Bools) -> Difference:
