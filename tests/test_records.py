@@ -14,9 +14,10 @@ from tiny_world import Constant, TinyWorld
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import records, steps
-from vpf_sim.evaluation.episode import Outcome, roll_out
+from vpf_sim.evaluation.episode import roll_out
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.outcome import Outcome
 from vpf_sim.evaluation.paired import OwnRun, matched
 from vpf_sim.evaluation.run_folder import RunFolder, new_path
 from vpf_sim.evaluation.steps import StepTable

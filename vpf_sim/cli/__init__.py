@@ -7,7 +7,20 @@ from typing import Any
 
 import typer
 
-from vpf_sim.cli import benchmark, doctor, drive, drivers, gallery, profile, replay, scenarios, sweep, video, weathers
+from vpf_sim.cli import (
+    benchmark,
+    doctor,
+    drive,
+    drivers,
+    gallery,
+    profile,
+    replay,
+    scenarios,
+    score,
+    sweep,
+    video,
+    weathers,
+)
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import threads
 
@@ -26,6 +39,7 @@ app.command("drive")(drive.drive)
 app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
 app.command("replay")(replay.replay)
+app.command("score")(score.score)
 app.command("video")(video.video)
 app.command("profile")(profile.profile)
 app.command("gallery")(gallery.gallery)

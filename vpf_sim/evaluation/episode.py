@@ -15,23 +15,12 @@ from vpf_sim.evaluation import records
 from vpf_sim.evaluation.hashing import FrameHasher
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.log import StepLog
+from vpf_sim.evaluation.outcome import Outcome
 from vpf_sim.evaluation.paired import matched, pid_without_obstacles
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
 
 Watcher = Callable[[Image, Plan | None], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """How an episode went, before any score."""
-
-    status: str
-    steps: StepTable
-    collided_with: str | None
-    frames_sha256: str
-    traceback: str | None  # of our own or the driver's exception
-    invalid_frame: dict[str, Any] | None = None  # its number, `time_s` and what was wrong with it
 
 
 @dataclass(frozen=True, slots=True)

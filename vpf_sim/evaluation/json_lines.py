@@ -4,6 +4,7 @@ import errno
 import fcntl
 import json
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ class JsonLines:
 
     def append(self, row: dict[str, Any]) -> None:
         """One line, keys sorted; whole, or not there and OSError."""
-        line = json.dumps(row, sort_keys=True, allow_nan=False).encode() + b"\n"
+        line = _line(row)
         size = os.fstat(self._file).st_size
         try:
             if os.write(self._file, line) != len(line):
@@ -35,6 +36,15 @@ class JsonLines:
         except OSError as error:
             os.ftruncate(self._file, size)
             raise OSError(error.errno, error.strerror, str(self._path)) from None
+
+    def rewrite(self, rows: Iterable[dict[str, Any]]) -> None:
+        """Put these rows in the place of all that are there, whole or not at all; nothing can be appended after it."""
+        draft = self._path.with_suffix(".draft")
+        with draft.open("wb") as file:
+            file.writelines(map(_line, rows))
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(self._path)
 
     def close(self) -> None:
         os.close(self._file)
@@ -46,6 +56,10 @@ def read_lines(path: Path) -> list[dict[str, Any]]:
         return []
     whole, _, _ = path.read_bytes().rpartition(b"\n")
     return [_row(path, number, line) for number, line in enumerate(whole.splitlines(), start=1)]
+
+
+def _line(row: dict[str, Any]) -> bytes:
+    return json.dumps(row, sort_keys=True, allow_nan=False).encode() + b"\n"
 
 
 def _row(path: Path, number: int, line: bytes) -> dict[str, Any]:

@@ -2,21 +2,19 @@
 
 from hashlib import sha256
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import chattering, clearance, collision, comfort, driving_score, path, perception
 from vpf_sim.evaluation.metrics.accuracy import protocol
+from vpf_sim.evaluation.outcome import Outcome
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Floats
 
-if TYPE_CHECKING:
-    from vpf_sim.evaluation.episode import Outcome
 
-
-def score(job: Job, outcome: "Outcome", route: Floats, route_length_m: float) -> dict[str, Any]:
+def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> dict[str, Any]:
     """The record. `route` holds waypoints (M, 2) from the start to beyond the goal, at `route_length_m`."""
     table = outcome.steps
     if len(table) == 0:

@@ -64,6 +64,10 @@ class RunFolder:
         self._records.append(record)
         self.done.add(record["id"])
 
+    def replace_records(self, records: list[dict[str, Any]]) -> None:
+        """Put these in the place of all records; nothing can be added after it."""
+        self._records.rewrite(records)
+
     def error_file(self, episode: str) -> Path:
         """Where the reason of an `error` is."""
         return self.path / "errors" / f"{episode}.txt"

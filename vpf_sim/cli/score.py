@@ -1,0 +1,42 @@
+"""`vpf-sim score`: the scores of a run, made again from its steps."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.rescore import Rescored
+
+FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a run.")]
+MOST = 20  # changed records that are listed
+
+
+def score(directory: FolderArgument, json: JsonOption = False) -> None:
+    """Score a run again from its stored steps, without driving, and store what changed."""
+    from vpf_sim.evaluation.rescore import rescore
+
+    with prints_on_stderr():
+        done = rescore(directory)
+    if json:
+        changed = [{"id": name, "keys": keys} for name, keys in sorted(done.changed.items())]
+        print_json({"out": str(directory), "scored": len(done.records), "changed": changed, **done.summary})
+    else:
+        _print(done)
+
+
+def _print(done: "Rescored") -> None:
+    from vpf_sim.cli.results import print_benchmark, print_comparisons, print_rows
+
+    if done.command == "benchmark":
+        print_benchmark(done.summary["rows"], done.seeds)
+    else:
+        print_rows(done.summary["rows"])
+    print_comparisons(done.summary["comparisons"])
+    print(f"\n{len(done.records)} of {done.planned} planned episodes scored again, {len(done.changed)} changed")
+    for name, keys in sorted(done.changed.items())[:MOST]:
+        print(f"  {name}: {', '.join(keys)}")
+    if len(done.changed) > MOST:
+        print(f"  and {len(done.changed) - MOST} more")
