@@ -3,6 +3,7 @@
 import typer
 
 from vpf_sim.cli.options import (
+    ClusterOption,
     DriversOption,
     JsonOption,
     MixedOption,
@@ -20,6 +21,7 @@ def benchmark(
     driver: DriversOption = None,
     workers: WorkersOption = None,
     timeout: TimeoutOption = None,
+    cluster: ClusterOption = None,
     out: OutOption = None,
     resume: ResumeOption = False,
     mixed: MixedOption = False,
@@ -34,7 +36,7 @@ def benchmark(
     if seeds is not None:
         parse_seeds(seeds)
     plan = plan_of(out, resume, bool(seeds or driver), lambda: benchmark_plan(seeds, driver or []))
-    path = fill("benchmark", plan, Means(out, resume, mixed, workers, timeout))
+    path = fill("benchmark", plan, Means(out, resume, mixed, workers, timeout, cluster))
     summary = read_summary(path)
     if json:
         print_json({"out": str(path), "seeds": plan.seeds, **summary})

@@ -20,6 +20,9 @@ MixedOption = Annotated[bool, typer.Option("--mixed", help="Go on under another 
 SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, half open.", metavar="A:B")]
 WorkersOption = Annotated[int | None, typer.Option("--workers", min=1, help="Worker processes; one a core by default.")]
 
+ClusterOption = Annotated[
+    str | None, typer.Option("--cluster", metavar="ADDRESS", help="Let the workers of this Dask scheduler drive.")
+]
 TimeoutOption = Annotated[
     float | None,
     typer.Option(

@@ -1,7 +1,8 @@
 """What `sweep` and `benchmark` share: a run folder filled by workers, and a way back after whatever stopped it."""
 
 import shlex
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,9 +15,7 @@ from vpf_sim.evaluation.plan import Plan
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.job import Job
-    from vpf_sim.evaluation.pool import Done
     from vpf_sim.evaluation.run_folder import RunFolder
-    from vpf_sim.evaluation.sweep import Limit, Stored
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,35 +57,38 @@ def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan
 
 def fill(command: str, plan: Plan, means: Means) -> Path:
     """Drive what the run folder lacks of the plan, write its summary, and give its path."""
-    from vpf_sim.evaluation import run_folder, sweep
-    from vpf_sim.evaluation.benchmark import with_paper
-    from vpf_sim.evaluation.summary import summarize
+    from vpf_sim.evaluation import cluster, run_folder, sweep
 
     means.check()
     limit_s = sweep.limits(means.timeout_s)
     with prints_on_stderr():
         asked = run_folder.manifest(command, plan)
-    folder = run_folder.RunFolder(means.out or run_folder.new_path(command), asked, means.resume, means.mixed)
-    jobs = plan.jobs()
-    try:
-        with progress(len(jobs), folder) as tell:
-            sweep.store(folder, _drive(folder, jobs, means, limit_s), tell)
-        records = folder.records()
-        with prints_on_stderr():
-            folder.write_json("summary.json", with_paper(summarize(jobs, records)))
-    except (KeyboardInterrupt, OSError, InputError):
-        say(f"stopped with {len(folder.done)} of {len(jobs)} episodes stored")
-        say(f"go on with: {means.way_back(command, folder.path)}")
-        raise
-    finally:
-        folder.close()
-    invalid_frames.warn(records)
+    with cluster.connected(means.cluster, asked, means.mixed) as client:
+        folder = run_folder.RunFolder(means.out or run_folder.new_path(command), asked, means.resume, means.mixed)
+        jobs = plan.jobs()
+        missing = [job for job in jobs if job.id not in folder.done]
+        try:
+            if client is None:
+                results = sweep.local(folder, missing, means.workers or sweep.default_workers(), limit_s)
+            else:
+                results = cluster.run(client, folder, missing, limit_s, means.mixed)
+            with closing(results), progress(len(jobs), folder) as tell:
+                sweep.store(folder, results, tell)
+            _summarize(folder, jobs)
+        except (KeyboardInterrupt, OSError, InputError):
+            say(f"stopped with {len(folder.done)} of {len(jobs)} episodes stored")
+            say(f"go on with: {means.way_back(command, folder.path)}")
+            raise
+        finally:
+            folder.close()
     return folder.path
 
 
-def _drive(folder: "RunFolder", jobs: "list[Job]", means: Means, limit_s: "Limit") -> "Iterator[Done[Job, Stored]]":
-    """Drive what is missing, on this machine or on a cluster."""
-    from vpf_sim.evaluation import sweep
+def _summarize(folder: "RunFolder", jobs: "list[Job]") -> None:
+    from vpf_sim.evaluation.benchmark import with_paper
+    from vpf_sim.evaluation.summary import summarize
 
-    missing = [job for job in jobs if job.id not in folder.done]
-    return sweep.local(folder, missing, means.workers or sweep.default_workers(), limit_s)
+    records = folder.records()
+    with prints_on_stderr():
+        folder.write_json("summary.json", with_paper(summarize(jobs, records)))
+    invalid_frames.warn(records)

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from vpf_sim.cli.options import (
+    ClusterOption,
     DriversOption,
     JsonOption,
     MixedOption,
@@ -35,6 +36,7 @@ def sweep(
     seeds: SeedsOption = None,
     workers: WorkersOption = None,
     timeout: TimeoutOption = None,
+    cluster: ClusterOption = None,
     out: OutOption = None,
     resume: ResumeOption = False,
     mixed: MixedOption = False,
@@ -54,7 +56,7 @@ def sweep(
         return make_plan({**DEFAULTS, **(read_plan(file) if file else {}), **given}, str(file or "sweep"))
 
     plan = plan_of(out, resume, bool(given or file), make)
-    path = fill("sweep", plan, Means(out, resume, mixed, workers, timeout))
+    path = fill("sweep", plan, Means(out, resume, mixed, workers, timeout, cluster))
     summary = read_summary(path)
     if json:
         print_json({"out": str(path), **summary})

@@ -5,7 +5,7 @@ import os
 import signal
 import sys
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
@@ -62,7 +62,7 @@ def unlimited(_: object) -> float:
 
 def run(
     work: Callable[[Task], Result], tasks: Iterable[Task], workers: int, limit_s: "Limit[Task]" = unlimited
-) -> Iterator[Done[Task, Result]]:
+) -> Generator[Done[Task, Result], None, None]:
     """Results in the order in which they are ready. Leaving early, or any exception, ends the workers.
 
     `work` must be importable by name. What it raises is raised here and ends all.

@@ -2,7 +2,7 @@
 
 import os
 import platform
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from functools import partial
 from math import isfinite
 from pathlib import Path
@@ -17,12 +17,13 @@ from vpf_sim.evaluation.run_folder import RunFolder
 
 Stored = tuple[dict[str, Any], dict[str, Any]]  # record, timing
 Limit = Callable[[Job], float]  # s of wall time
+Results = Generator[pool.Done[Job, Stored], None, None]
 START_S = 60.0  # to load all, and to score
 SLOWEST = 6.0  # times slower than the simulated clock: 10 steps a second
 LONGEST_S = 1e6  # beyond it the clock of a watchdog would not reach
 
 
-def local(folder: RunFolder, jobs: Iterable[Job], workers: int, limit_s: Limit) -> Iterator[pool.Done[Job, Stored]]:
+def local(folder: RunFolder, jobs: Iterable[Job], workers: int, limit_s: Limit) -> Results:
     """Drive on this machine, and store the steps."""
     return pool.run(partial(drive_and_store, folder.path, folder.mark), jobs, workers, limit_s)
 
