@@ -66,6 +66,13 @@ def test_an_unchanged_run_scores_as_it_did_and_nothing_is_driven(
     assert "4 of 4 planned episodes scored again, 0 changed" in capsys.readouterr().out
 
 
+def test_what_each_stage_took_is_in_the_timing_and_not_in_the_records(run: Path) -> None:
+    stages = read_lines(run / "timing.jsonl")[0]["stages_ms"]
+    assert stages.keys() >= {"world", "render", "render.ground", "physics", "driver", "log"}
+    assert stages["world"] >= stages["render"] > 0.0
+    assert "stages_ms" not in (run / "episodes.jsonl").read_text()
+
+
 def test_every_record_is_made_from_its_steps(run: Path) -> None:
     stored = read_lines(run / "episodes.jsonl")
     assert [record["steps"] > 0 for record in stored] == [True, True, True, False]

@@ -17,7 +17,9 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.log import StepLog
 from vpf_sim.evaluation.outcome import Outcome
 from vpf_sim.evaluation.paired import matched, pid_without_obstacles
+from vpf_sim.evaluation.stages import IN_EPISODES
 from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.evaluation.stopwatch import Stopwatch
 from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
 
 Watcher = Callable[[Image, Plan | None], None]
@@ -32,16 +34,24 @@ class EpisodeResult:
 
 def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None = None) -> EpisodeResult:
     """Drive one episode and score it; `watch` is shown each frame with the driver's plan for it."""
-    started_s = perf_counter()
+    started_s, stopwatch = perf_counter(), Stopwatch()
+
+    def each_step(image: Image, plan: Plan | None) -> None:
+        stopwatch.end_step()
+        if watch is not None:
+            watch(image, plan)
+
     with closing(FourLane(scenario, weather, truth=("foe",))) as env:
         job = Job(scenario, weather, driver, seed)
-        outcome = roll_out(env, drivers.create(driver), drivers.create("pid"), seed, watch)
+        with stopwatch.watching(IN_EPISODES):
+            outcome = roll_out(env, drivers.create(driver), drivers.create("pid"), seed, each_step)
         wall_s = perf_counter() - started_s
         if len(outcome.steps):
             own_run = pid_without_obstacles(env.scenario, seed)
             outcome = replace(outcome, steps=matched(outcome.steps, own_run))
         record = records.score(job, outcome, env.route, env.route_length_m)
-    timing = {"id": record["id"], "wall_s": wall_s, "steps_per_s": len(outcome.steps) / wall_s}
+    steps_per_s = len(outcome.steps) / wall_s
+    timing = {"id": job.id, "wall_s": wall_s, "steps_per_s": steps_per_s, "stages_ms": stopwatch.medians_ms()}
     if outcome.traceback:
         timing["traceback"] = outcome.traceback
     return EpisodeResult(record, outcome.steps, timing)

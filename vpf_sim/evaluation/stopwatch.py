@@ -23,7 +23,7 @@ class Stopwatch:
         try:
             yield
         finally:
-            self._step_ms[name] = self._step_ms.get(name, 0.0) + 1e3 * (perf_counter() - started_s)
+            self._add(name, started_s)
 
     def end_step(self) -> None:
         """The next times are another step's."""
@@ -54,10 +54,16 @@ class Stopwatch:
 
     def _timed(self, function: Callable[..., Any], name: str) -> Callable[..., Any]:
         def timed(*arguments: Any, **named: Any) -> Any:
-            with self.stage(name):
+            started_s = perf_counter()
+            try:
                 return function(*arguments, **named)
+            finally:
+                self._add(name, started_s)
 
         return timed
+
+    def _add(self, name: str, started_s: float) -> None:
+        self._step_ms[name] = self._step_ms.get(name, 0.0) + 1e3 * (perf_counter() - started_s)
 
 
 def _place(path: str) -> tuple[Any, str]:
