@@ -9,6 +9,7 @@ import typer
 
 from vpf_sim.cli import (
     benchmark,
+    check,
     doctor,
     drive,
     drivers,
@@ -41,6 +42,7 @@ app.command("benchmark")(benchmark.benchmark)
 app.command("replay")(replay.replay)
 app.command("score")(score.score)
 app.command("video")(video.video)
+app.command("check")(check.check)
 app.command("profile")(profile.profile)
 app.command("gallery")(gallery.gallery)
 app.command("doctor")(doctor.doctor)

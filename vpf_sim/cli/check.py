@@ -1,0 +1,55 @@
+"""`vpf-sim check`: the gate for CI."""
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vpf_sim.cli.options import JsonOption, print_json
+from vpf_sim.cli.tables import print_table
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.gate import Check
+
+FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
+RulesOption = Annotated[Path, typer.Option("--rules", metavar="FILE", help="What the run must keep, as TOML.")]
+JunitOption = Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write the outcome as JUnit XML.")]
+WORDS = {"passed": "ok", "failed": "FAIL", "skipped": "-"}
+MOST_SEEDS = 10  # to drive again, on the screen; the file and --json have all
+
+
+def check(folder: FolderArgument, rules: RulesOption, junit: JunitOption = None, json: JsonOption = False) -> None:
+    """Hold a stored run to rules; exit code 1 if it breaks any."""
+    from vpf_sim.evaluation import gate
+    from vpf_sim.evaluation.cells import read_run
+    from vpf_sim.evaluation.rules import read_rules
+    from vpf_sim.report.junit import write_junit
+
+    checks = gate.check(read_run(folder), read_rules(rules), rules)
+    if junit is not None:
+        write_junit(checks, junit)
+    failed = [one for one in checks if one.outcome == "failed"]
+    if json:
+        print_json({"ok": not failed, "checks": [_row(one) for one in checks]})
+    else:
+        _print(checks, failed)
+    raise typer.Exit(int(bool(failed)))
+
+
+def _row(check: "Check") -> dict[str, object]:
+    told = {key: getattr(check, key) for key in ("expected", "actual", "outcome", "rerun")}
+    return {**check.cell._asdict(), **told, "seeds": list(check.seeds)}
+
+
+def _print(checks: list["Check"], failed: list["Check"]) -> None:
+    """Every rule, then what to drive again, then the count."""
+    header = ("", "scenario", "weather", "driver", "expected", "actual")
+    print_table(header, [(WORDS[one.outcome], *one.cell, one.expected, one.actual) for one in checks], words=6)
+    for one in failed:
+        print(f"\nFAIL {', '.join(one.cell)}: expected {one.expected}, got {one.actual}")
+        print(f"  again: {one.first(MOST_SEEDS).rerun}")
+        if len(one.seeds) > MOST_SEEDS:
+            print(f"  the {MOST_SEEDS} worst of {len(one.seeds)} seeds; --json has all")
+    counts: Counter[str] = Counter(one.outcome for one in checks)
+    print("\n" + ", ".join(f"{counts[outcome]} {outcome}" for outcome in WORDS))

@@ -1,0 +1,91 @@
+"""The rules of the gate: a TOML file of what a run must keep, each rule for some cells or for all."""
+
+import tomllib
+from collections.abc import Iterator
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from vpf_sim.errors import InputError, wrong_value
+
+Score = Literal["success_rate", "collisions", "path_mse_m2", "clearance_m", "comfortable_share"]
+SCORES: tuple[Score, ...] = get_args(Score)
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class Section(BaseModel):
+    """No key may be misspelt, no value bent to fit."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Rule(Section):
+    """Bounds for the cells that `scenario`, `weather` and `driver` name; "*" and "?" stand for any letters."""
+
+    scenario: str = "*"
+    weather: str = "*"
+    driver: str = "*"
+    success_rate_at_least: Share | None = None
+    collisions_at_most: Annotated[int, Field(ge=0)] | None = None
+    path_mse_m2_at_most: NotNegative | None = None
+    path_mse_m2_upper_at_most: NotNegative | None = None  # the upper end of the mean's 95 % interval
+    clearance_m_at_least: NotNegative | None = None
+    comfortable_share_at_least: Share | None = None
+    no_worse_than: str | None = None  # a run folder, or a summary.json; from where the rules file is
+    scores: list[Score] = list(SCORES)  # that no_worse_than compares
+
+    def bounds(self) -> dict[str, float]:
+        """The bounds that are given, by their keys."""
+        return {key: getattr(self, key) for key in BOUNDS if getattr(self, key) is not None}
+
+
+BOUNDS = tuple(key for key in Rule.model_fields if key.endswith(("_at_least", "_at_most")))
+
+
+class Rules(Section):
+    rules: list[Rule] = []
+
+
+def read_rules(path: Path) -> list[Rule]:
+    """The rules of a file; InputError with a line for each fault."""
+    try:
+        rules = Rules.model_validate(tomllib.loads(path.read_text("utf-8"))).rules
+    except OSError as error:
+        raise InputError(f"{path}: expected a readable rules file, got: {error.strerror}") from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path}: expected TOML, got: {error}") from None
+    except ValidationError as error:
+        faults = error.errors(include_url=False)
+        raise InputError("\n".join(f"{path}: {_line(dict(fault))}" for fault in faults)) from None
+    asks_nothing = list(_empty(rules))
+    if asks_nothing:
+        raise InputError("\n".join(f"{path}: {fault}" for fault in asks_nothing))
+    return rules
+
+
+def _empty(rules: list[Rule]) -> Iterator[str]:
+    """Rules that ask for nothing: a gate that is always open."""
+    if not rules:
+        yield "rules: expected at least one [[rules]], got none"
+    for i, rule in enumerate(rules):
+        if not rule.bounds() and rule.no_worse_than is None:
+            yield f"rules[{i}]: expected a bound, such as {BOUNDS[0]}, or no_worse_than, got none"
+        if "scores" in rule.model_fields_set and (rule.no_worse_than is None or not rule.scores):
+            yield f"rules[{i}].scores: expected some scores, and no_worse_than beside them"
+
+
+def _line(fault: dict[str, Any]) -> str:
+    """What pydantic found, with the key as in the file and the nearest name."""
+    location: tuple[int | str, ...] = fault["loc"]
+    key = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location).removeprefix(".")
+    if fault["type"] == "extra_forbidden":
+        known = list(Rules.model_fields if len(location) == 1 else Rule.model_fields)
+        near = get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
+        return f"{key}: unknown key, " + (f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}")
+    if fault["type"] == "model_type":
+        return f"{key}: expected a table, got {fault['input']!r}"
+    near = get_close_matches(str(fault["input"]), SCORES, n=1, cutoff=0.5) if fault["type"] == "literal_error" else []
+    return f"{key}: {wrong_value(fault['msg'], fault['input'])}" + "".join(f": did you mean '{one}'?" for one in near)
