@@ -94,3 +94,9 @@ def test_seeds_start_at_other_moments() -> None:
     assert wiper(4.0, 1).angle(0.7) == wiper(4.0, 1).angle(0.7)
     starts = {round(turning_point(wiper(4.0, seed)), 2) for seed in range(5)}
     assert len(starts) == 5
+
+
+def test_a_blade_beside_the_picture_changes_nothing() -> None:
+    frame = np.full((480, 640, 3), 90, np.uint8)
+    paint_blade(frame, np.zeros((120, 160), np.uint8))
+    assert np.all(frame == 90)

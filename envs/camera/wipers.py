@@ -105,6 +105,8 @@ class Swath:
 def paint_blade(frame: Image, blade: Image) -> None:
     """Put the blade before the frame, in place."""
     x, y, width, height = cv2.boundingRect(blade)
+    if width == 0:  # at the turning points it may be beside the picture
+        return
     part = blade[y : y + height, x : x + width]
     here = frame[DIVISOR * y : DIVISOR * (y + height), DIVISOR * x : DIVISOR * (x + width)]
     cover = cv2.resize(part, (DIVISOR * width, DIVISOR * height))[: here.shape[0], : here.shape[1]]
