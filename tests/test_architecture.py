@@ -24,6 +24,7 @@ MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenario
 MAY_IMPORT["report"] = MAY_IMPORT["evaluation"] | {"evaluation"}
 MAY_IMPORT["replay"] = MAY_IMPORT["drivers"] | {"drivers", "report"}
 MAY_IMPORT["cli"] = MAY_IMPORT["report"] | {"replay", "report"}
+MAY_IMPORT["testing"] = MAY_IMPORT["evaluation"] | {"evaluation"}
 
 
 def modules() -> list[tuple[str, Path]]:

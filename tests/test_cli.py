@@ -20,7 +20,7 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["drvie"], "No such command 'drvie'. Did you mean 'drive', 'drivers'?"),
+        (["drvie"], "No such command 'drvie'. Did you mean 'drive', 'drivers', 'video'?"),
         (["drive"], "Missing argument 'SCENARIO'."),
         (["drive", "town04", "--sed", "3"], "No such option: --sed (Possible options: --seed)"),
         (["drive", "town05"], "unknown scenario 'town05': did you mean 'town04'?"),
@@ -41,6 +41,8 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
         (["sweep", "missing.toml"], "missing.toml: expected a readable sweep file"),
         (["benchmark", "--seeds", "a:b"], "--seeds: expected A:B with whole numbers"),
         (["benchmark", "--driver", "pdi"], "unknown driver 'pdi': did you mean 'pid'?"),
+        (["check", "gone", "--rules", "rules.toml"], "gone: expected a run folder, got nothing of that name"),
+        (["check", "."], "Missing option '--rules'."),
         (["profile", "town05"], "unknown scenario 'town05': did you mean 'town04'?"),
         (["scenarios", "show", "slalon"], "unknown scenario 'slalon': did you mean 'slalom'?"),
         (["drivers", "show", "pdi"], "unknown driver 'pdi': did you mean 'pid'?"),

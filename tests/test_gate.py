@@ -1,6 +1,7 @@
 """The gate: rules on run folders whose scores are known, and what is said of those that are broken."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from vpf_sim.evaluation import gate
 from vpf_sim.evaluation.cells import read_run
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.rules import BOUNDS, read_rules
+from vpf_sim.evaluation.rules import BOUNDS, Rule, read_rules
 from vpf_sim.evaluation.summary import summarize
 
 PLAN = Plan(("town04", "straight"), ("clear",), ("vpf",), "0:10")
@@ -380,3 +381,27 @@ def test_junit(tmp_path: Path) -> None:
     write_junit([gate.Check(gate.Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
     (failure,) = Xml.fromstring(out.read_bytes()).iter("failure")
     assert '?[31m<&>" ]]> é ?' in str(failure.text)
+
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+def test_the_example_rules_show_every_key() -> None:
+    rules = read_rules(DOCS / "rules.toml")
+    assert {key for rule in rules for key in rule.bounds()} == set(BOUNDS)
+    assert [rule.no_worse_than for rule in rules] == [None, None, "baseline"]
+    assert set(Rule.model_fields) - set(re.findall(r"^(\w+) =", (DOCS / "rules.toml").read_text(), re.M)) == {"driver"}
+
+
+def test_the_commands_of_the_guide_exist(capsys: pytest.CaptureFixture[str]) -> None:
+    commands = re.findall(r"vpf-sim (\w+ .*)", (DOCS / "gate.md").read_text())
+    assert {command.split()[0] for command in commands} == {"sweep", "check"}
+    for command in commands:
+        assert cli.run([*command.split(), "--help"]) == 0, command
+        assert "Usage: vpf-sim" in capsys.readouterr().out
+
+
+def test_every_key_of_the_rules_is_in_the_guide() -> None:
+    assert set(Rule.model_fields) - {"scenario", "weather", "driver"} <= set(
+        re.findall(r"`(\w+)`", (DOCS / "gate.md").read_text())
+    )

@@ -34,18 +34,21 @@ class Check:
 
     @property
     def rerun(self) -> str | None:
-        """The command that drives the seeds again, for a shell."""
-        if not self.seeds:
-            return None
-        scenario, weather, driver = map(quote, self.cell)
-        command = f"vpf-sim drive {scenario} --weather {weather} --driver {driver} --seed"
-        if len(self.seeds) == 1:
-            return f"{command} {self.seeds[0]}"
-        return f"for seed in {' '.join(map(str, self.seeds))}; do {command} $seed; done"
+        """The command that drives the seeds again."""
+        return again(self.cell, self.seeds) if self.seeds else None
 
     def first(self, count: int) -> "Check":
         """The same with so many of the seeds."""
         return replace(self, seeds=self.seeds[:count])
+
+
+def again(cell: Cell, seeds: Sequence[int]) -> str:
+    """A command that drives some seeds of a cell, for a shell."""
+    scenario, weather, driver = map(quote, cell)
+    command = f"vpf-sim drive {scenario} --weather {weather} --driver {driver} --seed"
+    if len(seeds) == 1:
+        return f"{command} {seeds[0]}"
+    return f"for seed in {' '.join(map(str, seeds))}; do {command} $seed; done"
 
 
 def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:

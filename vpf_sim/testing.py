@@ -1,0 +1,61 @@
+"""A pytest plugin: the fixture `drive`, for the tests of a project's own driver.
+
+    def test_my_driver(drive):
+        record = drive("town04", driver="my_package:MyDriver", weather="rain", seed=3)
+        assert record["status"] == "success"
+
+pytest loads this file at every start, so all that it needs is imported at the first drive.
+"""
+
+import sys
+from typing import Any, Protocol
+
+import pytest
+
+
+class Drive(Protocol):
+    """The fixture's type, for annotations."""
+
+    def __call__(
+        self, scenario: str, *, driver: str = "vpf", weather: str = "clear", seed: int = 0
+    ) -> dict[str, Any]: ...
+
+
+@pytest.fixture
+def drive(pytestconfig: pytest.Config) -> Drive:
+    """Drive one episode and give its record, as `vpf-sim drive --json` prints it.
+
+    Drivers are also found in the project's root. An episode that is no success prints the command that drives it again,
+    and a driver's exception its traceback: pytest shows both with a test that fails.
+    """
+
+    def run(scenario: str, *, driver: str = "vpf", weather: str = "clear", seed: int = 0) -> dict[str, Any]:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(sys, "path", [*sys.path, str(pytestconfig.rootpath)])
+            return _run(scenario, weather, driver, seed)
+
+    return run
+
+
+def _run(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
+    """One episode on one thread, as the command line drives it; OpenCV has its threads back behind it."""
+    import cv2
+
+    from vpf_sim.evaluation import episode
+    from vpf_sim.evaluation.gate import Cell, again
+    from vpf_sim.evaluation.threads import limit_opencv
+
+    threads = cv2.getNumThreads()
+    limit_opencv()
+    try:
+        result = episode.run(scenario, weather, driver, seed)
+    finally:
+        cv2.setNumThreads(threads)
+    status = result.record["status"]
+    if status != "success":
+        told = [
+            result.timing.get("traceback", ""),
+            f"{status}; again: {again(Cell(scenario, weather, driver), [seed])}",
+        ]
+        print("\n".join(told), file=sys.stderr)
+    return result.record
