@@ -16,6 +16,7 @@ from vpf_sim.cli import (
     gallery,
     profile,
     replay,
+    report,
     scenarios,
     score,
     sweep,
@@ -41,6 +42,7 @@ app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
 app.command("replay")(replay.replay)
 app.command("score")(score.score)
+app.command("report")(report.report)
 app.command("video")(video.video)
 app.command("check")(check.check)
 app.command("profile")(profile.profile)

@@ -1,15 +1,19 @@
 """A run folder as it lies on the disk, for those who only read it."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation import steps
+from vpf_sim.evaluation.benchmark import with_paper
+from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.json_lines import read_lines
 from vpf_sim.evaluation.run_folder import read_manifest
 from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.evaluation.summary import summarize
 
 Record = dict[str, Any]
 SUMMARY = "summary.json"
@@ -40,23 +44,23 @@ class StoredRun:
         try:
             table = steps.read(path)
         except (OSError, KeyError, ValueError) as error:  # pyarrow's own errors are among them
-            raise InputError(f"{path}: expected a step table, got: {' '.join(str(error).split())[:120]}") from None
+            raise InputError(
+                f"{path}: expected a step table of this version, got: {' '.join(str(error).split())[:120]}"
+            ) from None
         return table if len(table) else None
 
-    def summary(self) -> dict[str, Any]:
-        """The table of the run; a run that was stopped has none yet."""
+    def summary(self, jobs: Sequence[Job]) -> dict[str, Any]:
+        """The table of the run as it is stored, or as far as it has come where it was stopped before its end."""
         path = self.path / SUMMARY
+        if not path.exists():
+            return with_paper(summarize(jobs, self.records.values()))
         try:
             summary = json.loads(path.read_text("utf-8"))
-            assert isinstance(summary["rows"], list)
-        except OSError:
-            remedy = (
-                "finish the run with --resume first" if self.manifest.get("command") != "drive" else "drive has none"
-            )
-            raise InputError(f"{path}: expected the summary of a finished run, found none: {remedy}") from None
-        except (ValueError, KeyError, TypeError, AssertionError):
-            raise InputError(f"{path}: expected a JSON object with rows, got something else") from None
-        return dict(summary)
+        except ValueError:
+            summary = None
+        if not isinstance(summary, dict) or not isinstance(summary.get("rows"), list):
+            raise InputError(f"{path}: expected a JSON object with rows, got something else")
+        return summary
 
 
 def open_run(path: Path) -> StoredRun:

@@ -19,8 +19,8 @@ class Writer:
     row or column: the format has none.
     """
 
-    def __init__(self, path: Path | str, size: tuple[int, int], rate_hz: float) -> None:
-        """`size` is (width, height) px; `rate_hz` frames a second."""
+    def __init__(self, path: Path | str, size: tuple[int, int], rate_hz: float, crf: int = 20) -> None:
+        """`size` is (width, height) px; `rate_hz` frames a second; `crf` x264's quality, more is smaller and worse."""
         self.path = Path(path)
         if self.path.suffix.lower() != ".mp4":
             raise InputError(f"video '{path}': expected a file name that ends in .mp4")
@@ -32,7 +32,7 @@ class Writer:
         except OSError as error:
             raise InputError(f"video '{path}': expected a file that can be written, got: {error.strerror}") from None
         rate = Fraction(rate_hz).limit_denominator(1001)
-        self._stream = self._container.add_stream("libx264", rate=rate, options={"crf": "20", "preset": "veryfast"})
+        self._stream = self._container.add_stream("libx264", rate=rate, options={"crf": str(crf), "preset": "veryfast"})
         self._stream.width, self._stream.height = self._width, self._height
         self._stream.pix_fmt = "yuv420p"
         self._stream.codec_context.thread_count = 1

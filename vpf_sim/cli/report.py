@@ -1,0 +1,39 @@
+"""`vpf-sim report`: what a run came to, as one page."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vpf_sim.cli.options import prints_on_stderr
+from vpf_sim.cli.video import RunArgument
+
+FileOption = Annotated[
+    Path | None, typer.Option("--out", help="The .html to write; by default report.html in the run folder.")
+]
+ClipsOption = Annotated[int, typer.Option("--clips", min=0, max=20, metavar="N", help="How many failures to film.")]
+CLIPS = 4
+
+
+def report(folder: RunArgument, out: FileOption = None, clips: ClipsOption = CLIPS) -> None:
+    """Write a run's report: one file that opens offline, with its tables, charts and films of failures."""
+    print(write(folder, out, clips))
+
+
+def write(folder: Path, out: Path | None = None, clips: int = CLIPS) -> Path:
+    """The page of a run folder; gives where it lies."""
+    from vpf_sim.evaluation.threads import limit_opencv
+    from vpf_sim.report import page
+    from vpf_sim.report.stored_run import open_run
+
+    limit_opencv()
+    path = out or folder / "report.html"
+    run = open_run(folder)
+    with prints_on_stderr():
+        html = page.make(run, clips, lambda line: print(line, file=sys.stderr, flush=True))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(f"{path.name}.draft")
+    draft.write_text(html, "utf-8")
+    draft.replace(path)
+    return path

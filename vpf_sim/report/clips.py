@@ -1,0 +1,86 @@
+"""Short films of how episodes failed, small enough to lie inside a page."""
+
+from base64 import b64encode
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import cv2
+
+from vpf_sim.report import episode_view
+from vpf_sim.report.redraw import redrawing
+from vpf_sim.report.stored_run import Record, StoredRun
+from vpf_sim.report.video import Writer
+from vpf_sim.types import Image
+
+LENGTH_S, RATE_HZ = 6.0, 30.0
+SCALE = 0.75
+CRF = 30
+POSTER_QUALITY = 70  # of JPEG
+
+
+@dataclass(frozen=True, slots=True)
+class Clip:
+    """The end of an episode."""
+
+    episode: str
+    ending: str
+    remarks: tuple[str, ...]
+    video: str  # data URI
+    poster: str  # data URI of its last frame
+    width_px: int
+    height_px: int
+
+
+def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> list[Record]:
+    """Up to `count` episodes without success: of each way to fail and each cell one first, drivers in their order."""
+    order = {driver: number for number, driver in enumerate(drivers)}
+    failed = [record for record in records if record["status"] != "success" and record["steps"] > 0]
+    failed.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
+    rounds: list[tuple[int, int, Record]] = []
+    seen: dict[tuple[str, ...], int] = {}
+    for number, record in enumerate(failed):
+        kind = (record["driver"], record["status"])
+        seen[kind] = seen.get(kind, 0) + 1
+        cell = (*kind, record["scenario"], record["weather"])
+        seen[cell] = seen.get(cell, 0) + 1
+        rounds.append((seen[kind] if seen[cell] > 1 else min(seen[kind], 2), number, record))
+    return [record for *_, record in sorted(rounds, key=lambda item: item[:2])[:count]]
+
+
+def make(run: StoredRun, record: Record) -> Clip:
+    """Live through the episode again and film its end."""
+    drawn = redrawing(run, record["id"], think=True)
+    last = len(drawn.table)
+    first, stride = max(0, last - round(LENGTH_S * drawn.rate_hz)), max(1, round(drawn.rate_hz / RATE_HZ))
+    size = tuple(round(SCALE * side / 2) * 2 for side in episode_view.size_px(drawn.camera))
+    width, height = size
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "clip.mp4"
+        with Writer(path, (width, height), drawn.rate_hz / stride, CRF) as writer:
+            for _, frame in episode_view.frames(drawn, lambda row: row >= first and (last - row) % stride == 0):
+                small: Image = cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
+                writer.write(small)
+        video = path.read_bytes()
+    return Clip(
+        record["id"],
+        episode_view.ending(drawn),
+        tuple(drawn.remarks),
+        _uri("video/mp4", video),
+        _uri("image/jpeg", _jpeg(small)),
+        width,
+        height,
+    )
+
+
+def _jpeg(frame: Image) -> bytes:
+    quality = [cv2.IMWRITE_JPEG_QUALITY, POSTER_QUALITY]
+    done, encoded = cv2.imencode(".jpg", cv2.cvtColor(frame, cv2.COLOR_RGB2BGR), quality)
+    if not done:
+        raise RuntimeError("the poster of a clip could not be encoded")
+    return encoded.tobytes()
+
+
+def _uri(kind: str, content: bytes) -> str:
+    return f"data:{kind};base64,{b64encode(content).decode('ascii')}"

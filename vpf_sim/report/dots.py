@@ -1,0 +1,96 @@
+"""Scores as dots with their intervals: a row a driver, a mark a weather, the paper's value beside."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup
+
+from vpf_sim.report.chart import Axis, Plot, reach, ticks
+
+WIDTH = 360.0
+ROW, HEAD, FOOT, NAMES = 20.0, 20.0, 18.0, 92.0  # px
+APART = 7.0  # between the weathers of a row
+
+
+@dataclass(frozen=True, slots=True)
+class Dot:
+    """A value with what is known of it."""
+
+    scenario: str
+    driver: str
+    weather: int  # which of the run's
+    style: str
+    value: float
+    interval: tuple[float, float] | None
+    grey: bool = False  # of episodes without success
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """What the paper gives for a scenario in a weather."""
+
+    scenario: str
+    weather: int
+    value: float
+
+
+def chart(dots: Sequence[Dot], marks: Sequence[Mark], label: str, ends: tuple[float, float] | None) -> Markup:
+    """`ends` of the axis, or None: as the values say."""
+    rows = list(dict.fromkeys((dot.scenario, dot.driver) for dot in dots))
+    heads = list(dict.fromkeys(dot.scenario for dot in dots))
+    values = (
+        [dot.value for dot in dots] + [end for dot in dots for end in dot.interval or ()] + [m.value for m in marks]
+    )
+    low, high = ends or reach([0.0, *values], 0.1)
+    if ends is None and min(values) >= 0.0:
+        low = 0.0
+    tall = HEAD * len(heads) + ROW * len(rows)
+    plot = Plot(WIDTH, tall + FOOT, Axis(low, high, ticks=ticks(low, high, 5)), Axis(tall, 0.0, ticks=(-1.0,)))
+    plot.margins = (NAMES, 14.0, 0.0, FOOT)
+    _rules(plot, tall)
+    down = 0.0
+    for scenario in heads:
+        plot.text(scenario, 0.0, down + 14.0, "head")
+        top, down = down, down + HEAD
+        for _, driver in (row for row in rows if row[0] == scenario):
+            plot.text(driver, NAMES - 8.0, down + 0.5 * ROW + 3.5, "label", "end")
+            _row(plot, [dot for dot in dots if (dot.scenario, dot.driver) == (scenario, driver)], down + 0.5 * ROW)
+            down += ROW
+        for mark in (mark for mark in marks if mark.scenario == scenario):
+            _mark(plot, mark, top + 6.0, down)
+    return plot.svg(label)
+
+
+def _ends(dots: Sequence[Dot], marks: Sequence[Mark]) -> tuple[float, float]:
+    """Of an axis that shows the successful episodes' values; the others' may lie beyond it."""
+    good = [dot for dot in dots if not dot.grey] or dots
+    values = [dot.value for dot in good] + [end for dot in good for end in dot.interval or ()]
+    low, high = reach([0.0, *values, *(mark.value for mark in marks)], 0.1)
+    return (0.0, high) if min(values) >= 0.0 else (low, high)
+
+
+def _rules(plot: Plot, tall: float) -> None:
+    for value in plot.x.ticks:
+        plot.line(np.array([value, value]), np.array([0.0, tall]), "rule")
+        px = float(plot.place(value, tall)[0])
+        plot.text(f"{value:g}", px, tall + 13.0, "tick", "middle")
+
+
+def _row(plot: Plot, dots: Sequence[Dot], middle: float) -> None:
+    for number, dot in enumerate(sorted(dots, key=lambda dot: dot.weather)):
+        y = middle + APART * (number - 0.5 * (len(dots) - 1))
+        style = "grey" if dot.grey else dot.style
+        if dot.interval is not None:
+            low, high = np.clip(dot.interval, plot.x.low, plot.x.high)
+            plot.line(np.array([low, high]), np.array([y, y]), f"whisker {style}")
+        if dot.grey and dot.value > plot.x.high:
+            plot.text_at(f"{dot.value:.3g} →", plot.x.high, y + 0.2 * ROW, "tick", "end")
+            continue
+        mark, kind = (plot.dot, "mark") if dot.weather == 0 else (plot.diamond, "mark hollow")
+        mark(float(np.clip(dot.value, plot.x.low, plot.x.high)), y, f"{kind} {style}")
+
+
+def _mark(plot: Plot, mark: Mark, top: float, bottom: float) -> None:
+    value = float(np.clip(mark.value, plot.x.low, plot.x.high))
+    plot.line(np.array([value, value]), np.array([top, bottom]), "paper" if mark.weather == 0 else "paper later")

@@ -1,0 +1,99 @@
+"""Where the episodes of a run took place: the road of each scenario, and what stands on it for each seed."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from vpf_sim import scenarios
+from vpf_sim.envs.centre_line import CentreLine
+from vpf_sim.envs.route import Route
+from vpf_sim.scenarios import Scenario
+from vpf_sim.scenarios.kinds import SIZES
+from vpf_sim.types import Floats
+
+MARGIN_M = 12.0  # of road beyond the start and the goal
+EVERY_M = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A body that does not move."""
+
+    corners_m: Floats  # (4, 2) in the world
+    centre_m: tuple[float, float]
+    s_m: float  # along the carriageway
+    route_m: tuple[float, float]  # along the route, from its rear to its front
+    offset_m: tuple[float, float]  # right of the route, its left and its right side
+
+
+@dataclass(frozen=True)
+class Place:
+    """A scenario as its seed draws it."""
+
+    scenario: Scenario
+
+    @cached_property
+    def centre(self) -> CentreLine:
+        return CentreLine(self.scenario.road)
+
+    @cached_property
+    def route(self) -> Route:
+        return Route(self.centre, self.scenario)
+
+    @cached_property
+    def lane_lines_m(self) -> tuple[Floats, ...]:
+        """(M, 2) each, from the left edge of the carriageway to the right, as far as the route needs them."""
+        road = self.scenario.road
+        ends = self.scenario.ego.s_m, self.scenario.goal.s_m
+        s = np.arange(min(ends) - MARGIN_M, max(ends) + MARGIN_M + EVERY_M, EVERY_M)
+        offsets = np.linspace(-road.half_width_m, road.half_width_m, road.lanes + 1)
+        return tuple(self.centre.position(s, offset) for offset in offsets)
+
+    @cached_property
+    def route_line_m(self) -> Floats:
+        """(M, 2) the lane's centre from the start to the goal."""
+        s = np.linspace(self.scenario.ego.s_m, self.scenario.goal.s_m, 120)
+        return self.centre.position(s, self.route.offset_m)
+
+    @property
+    def edges_m(self) -> tuple[float, float]:
+        """The carriageway's edges, right of the route."""
+        half = self.scenario.road.half_width_m
+        return -half - self.route.offset_m, half - self.route.offset_m
+
+    @cached_property
+    def standing(self) -> tuple[Standing, ...]:
+        return tuple(
+            self._standing(number) for number, body in enumerate(self.scenario.bodies) if body.speed_mps == 0.0
+        )
+
+    @property
+    def moving(self) -> int:
+        """How many bodies drive."""
+        return len(self.scenario.bodies) - len(self.standing)
+
+    def _standing(self, number: int) -> Standing:
+        body = self.scenario.bodies[number]
+        size = SIZES[body.kind]
+        lateral = self.scenario.road.lane_offset_m(body.lane) + body.lateral_m
+        x, y = self.centre.position_at(body.s_m, lateral)
+        heading = self.centre.heading_at(body.s_m)
+        along = 0.5 * size.length_m * np.array([np.cos(heading), np.sin(heading)])
+        across = 0.5 * size.width_m * np.array([-np.sin(heading), np.cos(heading)])
+        corners = np.array([(x, y) + i * along + j * across for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))])
+        middle, offset = self.route.progress(body.s_m), lateral - self.route.offset_m
+        half_length, half_width = 0.5 * size.length_m, 0.5 * size.width_m
+        return Standing(
+            corners,
+            (x, y),
+            body.s_m,
+            (middle - half_length, middle + half_length),
+            (offset - half_width, offset + half_width),
+        )
+
+
+def places(scenario: str, seeds: list[int]) -> dict[int, Place]:
+    """A scenario's place for each seed."""
+    undrawn = scenarios.load(scenario)
+    return {seed: Place(undrawn.draw(seed)) for seed in seeds}
