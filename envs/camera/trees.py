@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.nearby import Nearby
 from vpf_sim.envs.camera.painter import Sprite, premultiplied
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.veil import Veil
@@ -19,15 +18,23 @@ from vpf_sim.types import Camera, Floats, Image
 
 ROWS, COLUMNS = 256, 192
 SHAPE = COLUMNS / ROWS
+MARGIN = 2  # empty pixels kept around what is not empty
+SMALLEST_ROWS = 8  # of a reduced picture, about
 NEAREST_M = 4.0
 SAMPLED = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
 NOTHING = (0, 0, 0, 255)
-RANGE_M, FADED_IN_M = 100.0, 72.0  # trees appear at the one and are there at the other
+RANGE_M = 100.0  # trees are drawn up to here
+HEIGHTS_SEEN = 30.0  # and to no more than this many of their kind's heights
+FADED_IN = 0.72  # part of their range at which they are there in full
+AIR_STEP_M = 0.5  # trees fade by steps of this much distance
+FADED_PICTURES = 512  # kept for when they are needed again
 UNVEILED = 0.97  # air that leaves more of a tree's contrast does not show
 NOON = 0.85  # the shading of a crown for which the pictures were mixed
 LOWEST_SUN = 0.1  # sine of the altitude; lower suns cast no longer shadows
 SHADOW_SIDES = 10
 BARK = np.array([70.0, 60.0, 50.0])
+STEP_M = 12.0  # what the camera travels before all trees are looked at again
+Indices = NDArray[np.int64]
 Blob = tuple[float, float, float, float]  # centre x, y and radii, parts of the height; y from the top down
 
 
@@ -80,14 +87,23 @@ KINDS = (
 )
 VARIANTS, BUSHES = len(KINDS), 2
 HEIGHTS_M = tuple(kind.height_m for kind in KINDS)
+RANGES_M = tuple(min(RANGE_M, HEIGHTS_SEEN * kind.height_m) for kind in KINDS)
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """What is not empty of the picture of a tree; lengths are parts of the tree's height."""
+
+    left: float  # from the foot
+    top: float  # from the foot, negative
+    width: float
+    height: float
+    levels: tuple[Image, ...]  # (h, w, 4) colours times opacity, what is seen through; reduced by 2 more each
 
 
 @lru_cache(maxsize=VARIANTS)
-def tree_picture(variant: int) -> tuple[Image, ...]:
-    """Picture `variant` at growing reduction, a factor of 2 each.
-
-    Each is (h, w, 4): colours times opacity, and what it lets through.
-    """
+def tree_picture(variant: int) -> Picture:
+    """The picture of a tree in the light for which it was mixed."""
     rng, kind = stream(0, f"tree {variant}"), KINDS[variant]
     y, x = np.mgrid[0:ROWS, 0:COLUMNS] / float(ROWS)
     coarse, ragged, leaves = (
@@ -111,11 +127,20 @@ def tree_picture(variant: int) -> tuple[Image, ...]:
     colour = np.where((stem & (alpha < 0.5))[..., None], bark, colour)
     alpha = np.maximum(alpha, stem)
     picture = np.dstack([colour * alpha[..., None], 255.0 * (1.0 - alpha)])
-    pictures = [np.clip(np.rint(picture), 0, 255).astype(np.uint8)]
-    while pictures[-1].shape[0] > 8:
-        height, width = pictures[-1].shape[:2]
-        pictures.append(cv2.resize(pictures[-1], (width // 2, height // 2), interpolation=cv2.INTER_AREA))
-    return tuple(pictures)
+    return _cropped(np.clip(np.rint(picture), 0, 255).astype(np.uint8))
+
+
+def _cropped(picture: Image) -> Picture:
+    """The part of a picture (ROWS, COLUMNS, 4) that is not empty, in all its sizes."""
+    rows, columns = (np.flatnonzero((picture[..., 3] < 255).any(axis=axis)) for axis in (1, 0))
+    x0, x1 = max(int(columns[0]) - MARGIN, 0), int(columns[-1]) + 1 + MARGIN
+    y0, y1 = max(int(rows[0]) - MARGIN, 0), int(rows[-1]) + 1 + MARGIN
+    levels = [np.ascontiguousarray(picture[y0:y1, x0:x1])]
+    height, width = levels[0].shape[:2]
+    while levels[-1].shape[0] > SMALLEST_ROWS:
+        size = (max(width >> len(levels), 1), max(height >> len(levels), 1))
+        levels.append(np.asarray(cv2.resize(levels[0], size, interpolation=cv2.INTER_AREA), np.uint8))
+    return Picture((x0 - 0.5 * COLUMNS) / ROWS, y0 / ROWS - 1.0, width / ROWS, height / ROWS, tuple(levels))
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,35 +163,33 @@ class TreeStand:
     def __init__(self, camera: Camera, trees: Trees, light: Light, veil: Veil) -> None:
         tint = (light.sky + 0.5 * light.direct) / NOON
         scale = np.diag([*tint, 1.0])
-        self._pictures = [
-            tuple(np.asarray(cv2.transform(picture, scale), np.uint8) for picture in tree_picture(variant))
-            for variant in range(VARIANTS)
-        ]
-        self._veils = np.linspace(0.0, 1.0, 256)[:, None, None] * light.horizon  # of each opacity
-        self._veil = veil
-        radii = 0.5 * SHAPE * trees.heights_m
-        self._nearby = Nearby(camera, trees.feet_m, radii, np.full(len(radii), RANGE_M))
-        self._heights_m, self._variants = trees.heights_m.tolist(), trees.variants.tolist()
-        self._feet_m = trees.feet_m.tolist()
+        pictures = [tree_picture(variant) for variant in range(VARIANTS)]
+        self._levels = [[np.asarray(cv2.transform(level, scale), np.uint8) for level in p.levels] for p in pictures]
+        self._airs = [_airs(range_m, light, veil) for range_m in RANGES_M]
+        self._faded = lru_cache(FADED_PICTURES)(self._through_air)
+        self._trees = trees
+        self._ranges_m = np.array(RANGES_M)[trees.variants]
+        frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
+        self._frames_m = frames[trees.variants] * trees.heights_m[:, None]
+        self._slope = 0.5 * camera.width_px / camera.fx_px  # of the sides of what the camera sees
+        self._middle = np.full(2, np.inf)
+        self._near: Indices = np.empty(0, np.int64)
 
     def seen(self, view: View) -> list[Sprite]:
         """The trees in view, the farthest first."""
-        (rx, ry, _), (dx, dy, dz), (fx, fy, fz) = view.axes.tolist()
-        x, y, z = view.centre.tolist()
-        found = []
-        for i in self._nearby.in_view(view)[0].tolist():
-            ahead_x, ahead_y = self._feet_m[i][0] - x, self._feet_m[i][1] - y
-            depth = fx * ahead_x + fy * ahead_y - fz * z
-            if NEAREST_M < depth < RANGE_M:
-                foot = (rx * ahead_x + ry * ahead_y, dx * ahead_x + dy * ahead_y - dz * z, depth)
-                found.append((-depth, i, foot))
-        found.sort()
-        air = self._veil.transmission(np.array([-depth for depth, _, _ in found])).tolist()
-        return [
-            sprite
-            for (_, i, foot), left in zip(found, air, strict=True)
-            if (sprite := self._sprite(view.camera, foot, self._heights_m[i], self._variants[i], left)) is not None
-        ]
+        camera, eye = view.camera, view.centre
+        near = self._close(eye[:2])
+        right, down, depth = view.axes[:, :2] @ (self._trees.feet_m[near] - eye[:2]).T - eye[2] * view.axes[:, 2:]
+        left_m, top_m, width_m, height_m = self._frames_m[near].T
+        beside = (right + left_m > self._slope * depth) | (right + left_m + width_m < -self._slope * depth)
+        seen = np.flatnonzero((depth > NEAREST_M) & (depth < self._ranges_m[near]) & ~beside)
+        seen = seen[np.argsort(-depth[seen], kind="stable")]
+        scale = camera.fy_px / depth[seen]
+        rectangles = np.array([right + left_m, down + top_m, width_m, height_m])[:, seen] * scale
+        rectangles[:2] += [[camera.cx_px], [camera.cy_px]]
+        found = zip(self._trees.variants[near[seen]].tolist(), depth[seen].tolist(), rectangles.T.tolist(), strict=True)
+        sprites = [self._sprite(camera, *tree) for tree in found]
+        return [sprite for sprite in sprites if sprite is not None]
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, outlines on the ground of the shades of all stems and lumps of leaves."""
@@ -174,50 +197,65 @@ class TreeStand:
         across = np.array([-lean[1], lean[0]]) / max(float(np.hypot(*lean)), 1e-9)
         circle = 2.0 * np.pi * np.arange(SHADOW_SIDES) / SHADOW_SIDES
         result = []
-        for foot, height, variant in zip(self._feet_m, self._heights_m, self._variants, strict=True):
+        trees = self._trees
+        for foot, height, variant in zip(trees.feet_m, trees.heights_m, trees.variants, strict=True):
             kind = KINDS[variant]
             for x, y, rx, ry in kind.crown:
-                middle = np.array(foot) + height * ((x - 0.5 * SHAPE) * across - (1.0 - y) * lean)
+                middle = foot + height * ((x - 0.5 * SHAPE) * across - (1.0 - y) * lean)
                 along = np.hypot(rx, ry * np.hypot(*lean)) * lean / max(float(np.hypot(*lean)), 1e-9)
                 rim = np.cos(circle)[:, None] * along + rx * np.sin(circle)[:, None] * across
                 result.append(middle + height * rim)
             for x, half in kind.stems:
-                low = np.array(foot) + height * (x - 0.5 * SHAPE) * across
+                low = foot + height * (x - 0.5 * SHAPE) * across
                 high, wide = low - 0.6 * height * lean, height * half * across
                 result.append(np.array([low - wide, low + wide, high + wide, high - wide]))
         return result
 
-    def _sprite(
-        self, camera: Camera, foot: tuple[float, float, float], height_m: float, variant: int, air: float
-    ) -> Sprite | None:
-        """A tree whose foot is at a point in camera axes, of whose contrast the air leaves a part."""
-        right, down, depth = foot
-        tall = camera.fy_px * height_m / depth
-        left = camera.cx_px + camera.fx_px * right / depth - 0.5 * SHAPE * tall
-        top = camera.cy_px + camera.fy_px * down / depth - tall
+    def _close(self, eye: Floats) -> Indices:
+        """The trees that may be in view from anywhere near; looked for anew when the camera has moved on."""
+        if not np.hypot(*(eye - self._middle)) < STEP_M:
+            reach_m = RANGE_M * np.hypot(1.0, self._slope) + STEP_M + self._trees.heights_m
+            self._middle = eye
+            self._near = np.flatnonzero(np.hypot(*(self._trees.feet_m - eye).T) < reach_m)
+        return self._near
+
+    def _sprite(self, camera: Camera, variant: int, depth_m: float, rectangle: list[float]) -> Sprite | None:
+        """A tree whose picture fills a rectangle (left, top, width, height) px; None if that is out of sight."""
+        left, top, width, height = rectangle
         x0, y0 = max(0, floor(left)), max(0, floor(top))
-        x1 = min(camera.width_px, ceil(left + SHAPE * tall) + 1)
-        y1 = min(camera.height_px, ceil(top + tall) + 1)
+        x1, y1 = min(camera.width_px, ceil(left + width)), min(camera.height_px, ceil(top + height))
         if x0 >= x1 or y0 >= y1:
             return None
-        pictures = self._pictures[variant]
-        level = min(max(floor(log2(ROWS / tall)), 0), len(pictures) - 1)
-        scale = tall / (ROWS >> level)
-        finer = 1.0 / scale
-        right_by, down_by = (x0 - left + 0.5) * finer - 0.5, (y0 - top + 0.5) * finer - 0.5
-        source = np.array(((finer, 0.0, right_by), (0.0, finer, down_by)))  # of each pixel
-        picture = cv2.warpAffine(pictures[level], source, (x1 - x0, y1 - y0), flags=SAMPLED, borderValue=NOTHING)
-        colour, through = premultiplied(picture)
-        if air < UNVEILED or depth > FADED_IN_M:
-            opacity = min(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))
-            colour, through = self._faint(colour, through, air, opacity)
-        return Sprite(x0, y0, colour, through, depth)
+        levels = self._levels[variant]
+        level = min(max(floor(log2(levels[0].shape[0] / height)), 0), len(levels) - 1)
+        picture = self._faded(variant, level, int(depth_m / AIR_STEP_M))
+        rows, columns = picture.shape[:2]
+        fine_x, fine_y = columns / width, rows / height
+        right_by, down_by = (x0 - left + 0.5) * fine_x - 0.5, (y0 - top + 0.5) * fine_y - 0.5
+        source = np.array(((fine_x, 0.0, right_by), (0.0, fine_y, down_by)))  # of each pixel
+        sampled = cv2.warpAffine(picture, source, (x1 - x0, y1 - y0), flags=SAMPLED, borderValue=NOTHING)
+        return Sprite(x0, y0, *premultiplied(sampled), depth_m)
 
-    def _faint(self, colour: Image, through: Image, air: float, opacity: float) -> tuple[Image, Image]:
-        """A picture of which the air leaves a part of the contrast, and that is partly seen through."""
-        covered = cv2.bitwise_not(cv2.extractChannel(through, 0))
-        veil = cv2.applyColorMap(covered, np.rint(opacity * (1.0 - air) * self._veils).astype(np.uint8))
-        return (
-            np.asarray(cv2.addWeighted(colour, opacity * air, veil, 1.0, 0.0), np.uint8),
-            np.asarray(cv2.convertScaleAbs(through, alpha=opacity, beta=255.0 * (1.0 - opacity)), np.uint8),
-        )
+    def _through_air(self, variant: int, level: int, step: int) -> Image:
+        """(h, w, 4) a picture as it is seen from a distance."""
+        picture, air = self._levels[variant][level], self._airs[variant][step]
+        return picture if air is None else np.asarray(cv2.transform(picture, air), np.uint8)
+
+
+def _airs(range_m: float, light: Light, veil: Veil) -> list[Floats | None]:
+    """(4, 5) what the air and the distance make of a picture, affine in its channels, by steps; None where nothing.
+
+    Of a pixel that covers a and lets 1 - a through, with colour a c, the air leaves t; the tree's opacity is o: it
+    shows o (t a c + (1 - t) a h) with the horizon's colour h, and lets 1 - o a through.
+    """
+    result: list[Floats | None] = []
+    for step in range(ceil(range_m / AIR_STEP_M)):
+        depth_m = (step + 0.5) * AIR_STEP_M
+        left = float(veil.transmission(np.array(depth_m)))
+        opacity = float(np.clip((range_m - depth_m) / (range_m * (1.0 - FADED_IN)), 0.0, 1.0))
+        veiled = opacity * (1.0 - left) * light.horizon
+        matrix = np.diag([*[opacity * left] * 3, opacity])
+        matrix[:3, 3] = -veiled / 255.0
+        shows = left < UNVEILED or opacity < 1.0
+        result.append(np.column_stack([matrix, [*veiled, 255.0 * (1.0 - opacity)]]) if shows else None)
+    return result
