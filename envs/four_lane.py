@@ -114,6 +114,11 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         """m from the start along the route to where the ego is."""
         return self._path.progress(self.ego.place[0])
 
+    @property
+    def renderer(self) -> cameras.Renderer:
+        """The camera of the episode, for who asks it for truth from time to time."""
+        return self._renderer
+
     def advance(self, command: Floats) -> None:
         """The world's part of a step, for who needs no frame: throttle and steering for one tick of the clock."""
         self.ego.act(self._controls(command))

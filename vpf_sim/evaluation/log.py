@@ -5,6 +5,7 @@ from typing import Any
 
 from vpf_sim.envs.rectangles import nearest, solid_bodies
 from vpf_sim.evaluation import surroundings
+from vpf_sim.evaluation.sight import Sight
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.types import Command, Observation, Plan
 
@@ -16,10 +17,12 @@ class StepLog:
 
     def __init__(self) -> None:
         self._steps: list[Step] = []
+        self._sight = Sight()
 
     def observe(self, observation: Observation, info: dict[str, Any], env: Any) -> None:
         """A new row with the state, and what the harness measures of it in the world."""
         ego, network = env.ego, env.road.network
+        self._sight.observe(observation, env)
         others, (_, near) = solid_bodies(ego), nearest(ego)
         laterals_m = surroundings.corner_laterals(ego, network)
         in_lane = surroundings.is_in_lane(laterals_m, network)
@@ -55,7 +58,7 @@ class StepLog:
             steering=command.steering,
             pid_throttle=pid.throttle,
             pid_steering=pid.steering,
-            **({} if plan is None else _perceived(plan)),
+            **({} if plan is None else _perceived(plan) | self._sight.columns(plan)),
         )
 
     def table(self) -> StepTable:

@@ -113,4 +113,6 @@ def _perception(table: StepTable) -> dict[str, Any]:
     return {
         **perception.foe(table.foe_x_px, table.foe_y_px, table.true_foe_x_px, table.true_foe_y_px),
         **perception.edges(seen, true),
+        **perception.points(table.flow_error_px, table.ttc_error),
+        "objects": perception.objects(table),
     }

@@ -41,6 +41,13 @@ class Step(NamedTuple):
     seen_right_m: float = nan
     true_left_m: float = nan
     true_right_m: float = nan
+    flow_error_px: float = nan  # median end-point error of the flow, and relative error of the times to contact, of
+    ttc_error: float = nan  # the frames that were judged
+    objects_right: float = nan  # reports of the driver in its corridor that have a body there,
+    objects_wrong: float = nan  # that have none,
+    new_wrong_objects: float = nan  # and how many of these were not wrong before
+    met_kind: float = nan  # of a body in the corridor that the front bumper came to
+    met_confirmed_m: float = nan  # from the bumper to that body when it was first reported; nan if it never was
     outside: float = 0.0  # 1 where a corner of the body is beyond the carriageway's edge
     in_lane: float = 1.0  # 1 where all of its corners are in one lane
     near_bearing_rad: float = nan  # of the nearest body's centre from the rear axle, off the heading, + is right

@@ -53,8 +53,27 @@ class TrueMotion:
                 errors[chosen] = np.minimum(errors[chosen], np.hypot(*(displacement_px[chosen] - true_px).T))
         return errors
 
+    def ttc_s(self, points_px: Floats, gap_s: float, truth: Truth) -> Floats:
+        """(N,) s, depth / closing speed of what is seen at points (N, 2); inf where the gap does not close.
+
+        The closing speed is that of the last `gap_s` seconds, one frame.
+        """
+        then, depth = self._earlier(pixels(points_px, self._camera), 1, truth)
+        closed_m = then[:, 2] - depth
+        found: Floats = np.divide(depth * gap_s, closed_m, out=np.full(len(depth), np.inf), where=closed_m > 0.0)
+        return found
+
     def _displacement(self, pixel: NDArray[np.intp], back: int, truth: Truth) -> Floats:
         """(N, 2) px that what is seen at pixels (N, 2) moved in the last `back` frames."""
+        then, _ = self._earlier(pixel, back, truth)
+        displacement: Floats = pixel - self._instants[back].view.pixels(then)
+        return displacement
+
+    def _earlier(self, pixel: NDArray[np.intp], back: int, truth: Truth) -> tuple[Floats, Floats]:
+        """(N, 3) where what is seen at pixels (N, 2) was `back` frames ago, in the camera's axes; (N,) its depth now.
+
+        Of what has no end it is a direction.
+        """
         now, then = self._instants[0], self._instants[back]
         column, row = pixel.T
         depth, instance = truth["depth"][row, column].astype(np.float64), truth["instance"][row, column]
@@ -66,9 +85,8 @@ class TrueMotion:
         for body in np.unique(instance[instance > 0]):
             moved = instance == body
             world[moved] = carried(world[moved], now.bodies[body - 1], then.bodies[body - 1])
-        seen = np.where(endless[:, None], direction @ then.view.axes.T, then.view.camera_axes(world))
-        displacement: Floats = pixel - then.view.pixels(seen)
-        return displacement
+        seen: Floats = np.where(endless[:, None], direction @ then.view.axes.T, then.view.camera_axes(world))
+        return seen, depth
 
 
 def pixels(points_px: Floats, camera: Camera) -> NDArray[np.intp]:

@@ -2,7 +2,13 @@
 
 import numpy as np
 
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.scenarios.kinds import SIZES, BodyKind
 from vpf_sim.types import Floats
+
+KINDS = tuple(SIZES)
+# From bumper to face, in clear weather, what a driver should know by then: all but the small and the flat at 15 m.
+DUE_M: dict[BodyKind, float] = {**dict.fromkeys(KINDS, 15.0), "cone": 10.0, "pallet": 6.0}
 
 
 def foe(x_px: Floats, y_px: Floats, true_x_px: Floats, true_y_px: Floats) -> dict[str, object]:
@@ -27,3 +33,41 @@ def edges(seen_m: Floats, true_m: Floats) -> dict[str, object]:
     if len(error) == 0:
         return {"edge_error_10m_m": None}
     return {"edge_error_10m_m": {"median": float(np.median(error)), "p95": float(np.percentile(error, 95.0))}}
+
+
+def points(flow_error_px: Floats, ttc_error: Floats) -> dict[str, object]:
+    """Medians over the judged frames of the flow's end-point error, px, and of |TTC - true| / true of its points.
+
+    Of the points only those count whose true time to contact is at most 10 s; where none is told the error is 1.
+    """
+    return {"flow_median_error_px": _median(flow_error_px), "ttc_median_error": _median(ttc_error)}
+
+
+def objects(table: StepTable) -> dict[str, object] | None:
+    """The bodies that the ego came to in its corridor and the driver's reports of them; None without any report column.
+
+    met: how many; confirmed: of how many there was a right report before; first_confirmed_m: the median distance, m,
+    from bumper to face, of the first; recall: the share whose first was as early as DUE_M asks, of the met;
+    precision: right reports / all, over all frames; wrong_per_minute: new wrong objects a minute of driving.
+    """
+    reported = np.isfinite(table.objects_right)
+    if not reported.any():
+        return None
+    met = np.isfinite(table.met_kind)
+    kinds, confirmed_m = table.met_kind[met].astype(int), table.met_confirmed_m[met]
+    due_m = np.array([DUE_M[KINDS[kind]] for kind in kinds])
+    right, wrong = np.sum(table.objects_right[reported]), np.sum(table.objects_wrong[reported])
+    minutes = (table.time_s[-1] - table.time_s[0]) / 60.0
+    return {
+        "met": len(kinds),
+        "confirmed": int(np.sum(np.isfinite(confirmed_m))),
+        "first_confirmed_m": _median(confirmed_m),
+        "recall": float(np.mean(confirmed_m >= due_m)) if len(kinds) else None,
+        "precision": float(right / (right + wrong)) if right + wrong else None,
+        "wrong_per_minute": float(np.nansum(table.new_wrong_objects) / minutes) if minutes > 0.0 else None,
+    }
+
+
+def _median(values: Floats) -> float | None:
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if len(finite) else None

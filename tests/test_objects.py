@@ -1,0 +1,143 @@
+"""Reported objects against bodies, on a straight road where every distance is known."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vpf_sim.envs.road import Carriageway
+from vpf_sim.evaluation.metrics import perception
+from vpf_sim.evaluation.metrics.perception import KINDS
+from vpf_sim.evaluation.objects import ObjectBook
+from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.scenarios.parts import Road
+from vpf_sim.types import Obstacles
+
+LENGTH_M = 4.5
+NONE: dict[str, float] = {"objects_right": 0, "objects_wrong": 0, "new_wrong_objects": 0}
+
+
+@pytest.fixture
+def road() -> Any:
+    """A straight along X, its carriageway's centre at y = 0."""
+    straight = Road.model_validate({"start_m": [0.0, 0.0], "segments": [{"kind": "line", "length_m": 300.0}]})
+    return SimpleNamespace(network=Carriageway(straight), vehicles=[], objects=[])
+
+
+def body(road: Any, x: float, y: float, length: float = 5.0, width: float = 2.0, kind: str = "car") -> Any:
+    return SimpleNamespace(
+        position=np.array([x, y]), heading=0.0, LENGTH=length, WIDTH=width, place=(x, y), kind=kind, road=road
+    )
+
+
+def reports(*feet: tuple[float, float], identity: int = 1) -> Obstacles:
+    """Objects 2 m wide whose nearest face is at (forward, right)."""
+    forward, right = np.array(feet, float).reshape(-1, 2).T
+    some = np.ones(len(feet))
+    return Obstacles(forward, right - 1.0, right + 1.0, some, some, np.arange(identity, identity + len(feet)))
+
+
+def columns(book: ObjectBook, road: Any, x: float, reported: Obstacles) -> dict[str, float]:
+    return book.columns(reported, body(road, x, 0.0, LENGTH_M, 1.9), road.network)
+
+
+@pytest.mark.parametrize(
+    ("foot", "right", "wrong"),
+    [
+        ((37.5, 0.0), 1, 0),  # the face of the car at 40 m
+        ((36.1, 0.0), 1, 0),
+        ((35.9, 0.0), 0, 1),  # 1.6 m before it
+        ((43.9, 0.0), 1, 0),
+        ((44.1, 0.0), 0, 1),  # 1.6 m behind it
+        ((40.0, 2.4), 1, 0),
+        ((40.0, -2.6), 0, 1),  # 1.6 m beside it
+        ((20.0, 2.9), 0, 1),
+        ((20.0, 3.1), 0, 0),  # not in the corridor
+        ((2.2, 0.0), 0, 0),  # under the bonnet
+        ((-8.0, 0.0), 0, 0),
+    ],
+)
+def test_a_report_is_right_if_its_foot_is_within_a_metre_and_a_half(
+    road: Any, foot: tuple[float, float], right: int, wrong: int
+) -> None:
+    road.objects.append(body(road, 140.0, 0.0))
+    found = columns(ObjectBook(), road, 100.0, reports(foot))
+    assert (found["objects_right"], found["objects_wrong"], found["new_wrong_objects"]) == (right, wrong, wrong)
+
+
+def test_the_corridor_turns_with_the_road_and_not_with_the_car(road: Any) -> None:
+    ego = body(road, 100.0, 0.0, LENGTH_M, 1.9)
+    ego.heading = 0.3
+    found = ObjectBook().columns(reports((20.0, -20.0 * np.tan(0.3))), ego, road.network)
+    assert found["objects_wrong"] == 1, "straight ahead along the road"
+    assert ObjectBook().columns(reports((20.0, 0.0)), ego, road.network)["objects_wrong"] == 0, "5.9 m to the right"
+
+
+def test_a_wrong_object_is_new_once(road: Any) -> None:
+    book = ObjectBook()
+    seen = [columns(book, road, x, reports((20.0, 0.0), identity=i)) for x, i in ((0.0, 7), (1.0, 7), (2.0, 8))]
+    assert [found["new_wrong_objects"] for found in seen] == [1, 0, 1]
+    assert [found["objects_wrong"] for found in seen] == [1, 1, 1]
+
+
+def test_a_body_is_met_once_with_the_distance_at_which_it_was_first_confirmed(road: Any) -> None:
+    road.objects += [body(road, 140.0, 0.5), body(road, 140.0, -4.0), body(road, 170.1, 0.0, 0.4, 0.4, "cone")]
+    book, met = ObjectBook(), []
+    for x in np.arange(100.0, 180.0, 0.25):
+        seen = reports((137.5 - x, 0.5)) if 118.0 <= x <= 121.0 else reports()
+        found = columns(book, road, x, seen)
+        if np.isfinite(found["met_kind"]):
+            met.append((x, KINDS[int(found["met_kind"])], found["met_confirmed_m"]))
+    gap_m = 140.0 - 118.0 - 0.5 * (5.0 + LENGTH_M)
+    assert met[0] == (135.0, "car", gap_m), "0.25 m before the bumper touches the face's line"
+    assert met[1][:2] == (167.5, "cone")
+    assert np.isnan(met[1][2])
+    assert len(met) == 2, "the car at 4 m aside is not in the corridor"
+
+
+def test_two_that_are_met_at_once_come_one_after_the_other(road: Any) -> None:
+    road.objects += [body(road, 10.0, 1.5, 0.4, 0.4, "cone"), body(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
+    book = ObjectBook()
+    kinds = [columns(book, road, x, reports())["met_kind"] for x in (0.0, 7.6, 7.7, 7.8)]
+    assert [KINDS[int(kind)] for kind in kinds[1:3]] == ["cone", "pallet"]
+    assert np.isnan([kinds[0], kinds[3]]).all()
+
+
+def test_nothing_reported_and_nobody_there(road: Any) -> None:
+    found = columns(ObjectBook(), road, 10.0, reports())
+    assert {key: found[key] for key in NONE} == NONE
+    assert np.isnan([found["met_kind"], found["met_confirmed_m"]]).all()
+
+
+def table(*rows: dict[str, float]) -> StepTable:
+    """One row every 10 s, and the one that ends it."""
+    rows = (*rows, {})
+    return StepTable.of([Step(10.0 * k, *[0.0] * 7, np.inf, **row) for k, row in enumerate(rows)])
+
+
+def test_scores_of_objects() -> None:
+    car, cone = float(KINDS.index("car")), float(KINDS.index("cone"))
+    scores = perception.objects(
+        table(
+            {"objects_right": 3, "objects_wrong": 0, "new_wrong_objects": 0, "met_kind": car, "met_confirmed_m": 15.0},
+            {"objects_right": 3, "objects_wrong": 1, "new_wrong_objects": 1, "met_kind": car, "met_confirmed_m": 14.9},
+            {"objects_right": 0, "objects_wrong": 1, "new_wrong_objects": 0, "met_kind": cone, "met_confirmed_m": 10.1},
+            {"objects_right": 0, "objects_wrong": 0, "new_wrong_objects": 0, "met_kind": cone},
+        )
+    )
+    assert scores == {
+        "met": 4,
+        "confirmed": 3,
+        "first_confirmed_m": 14.9,
+        "recall": 0.5,
+        "precision": 0.75,
+        "wrong_per_minute": pytest.approx(1.5),
+    }
+
+
+def test_a_driver_that_shows_no_plan_has_no_score_of_objects() -> None:
+    assert perception.objects(table({})) is None
+    empty = perception.objects(table({**NONE}))
+    assert empty is not None
+    assert (empty["met"], empty["recall"], empty["precision"], empty["wrong_per_minute"]) == (0, None, None, 0.0)

@@ -1,0 +1,87 @@
+"""Flow and times to contact judged against a wall that a camera drives at: both are known in closed form."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vpf_sim.evaluation.metrics import perception
+from vpf_sim.evaluation.sight import Sight
+from vpf_sim.types import Camera, Floats, Observation
+
+RATE_HZ, STEP_M, DISTANCE_M = 20.0, 0.5, 10.0
+CAMERA = Camera()
+POINTS = np.array([[400.0, 300.0], [100.0, 50.0], [20.0, 460.0]])
+
+
+class Wall:
+    """It fills the frame, DISTANCE_M before the camera whenever it is asked for."""
+
+    bodies: tuple[Any, ...] = ()
+    asked = 0
+
+    def truth(self, names: tuple[str, ...]) -> dict[str, Any]:
+        self.asked += 1
+        shape = (CAMERA.height_px, CAMERA.width_px)
+        truth = {"depth": np.full(shape, DISTANCE_M, np.float32), "instance": np.full(shape, -1, np.int32)}
+        return {name: truth[name] for name in names}
+
+
+def plan(displacement_px: Floats, ttc_s: float, frames: int = 2) -> Any:
+    """What a driver makes of a frame."""
+    gap = np.full(len(POINTS), frames / RATE_HZ)
+    flow = SimpleNamespace(points_px=POINTS, displacement_px=displacement_px, gap_s=gap)
+    obstacles = np.empty(0)
+    seen = SimpleNamespace(flow=flow, ttc_s=np.full(len(POINTS), ttc_s), obstacles=obstacles)
+    return SimpleNamespace(perception=seen)
+
+
+def judged(displacement_px: Floats, ttc_s: float, frames: int = 2) -> dict[str, float]:
+    """The columns of the frame at 2 s, the first that is judged."""
+    network = SimpleNamespace()
+    ego = SimpleNamespace(road=SimpleNamespace(vehicles=[], objects=[]), place=(0.0, 0.0), position=np.zeros(2))
+    ego.heading = 0.0
+    wall = Wall()
+    env = SimpleNamespace(renderer=wall, camera=CAMERA, rate_hz=RATE_HZ, ego=ego, road=SimpleNamespace(network=network))
+    sight = Sight()
+    for k in range(40):
+        observation = Observation(np.zeros((1, 1, 3), np.uint8), k / RATE_HZ, k * STEP_M, 0.0, 0.0, 10.0, 0.0, (0, 0))
+        sight.observe(observation, env)
+        found = sight.columns(plan(displacement_px, ttc_s, frames))
+        assert ("flow_error_px" in found) == (k == 39)
+    assert wall.asked == 1
+    return found
+
+
+def expansion(frames: int) -> Floats:
+    """The true flow: points move away from the principal point as the wall comes nearer."""
+    way_m = frames * STEP_M
+    away: Floats = (POINTS - (CAMERA.cx_px, CAMERA.cy_px)) * way_m / (DISTANCE_M + way_m)
+    return away
+
+
+def test_true_flow_and_true_times_have_no_error() -> None:
+    found = judged(expansion(2), ttc_s=DISTANCE_M / (STEP_M * RATE_HZ))
+    assert found["flow_error_px"] == pytest.approx(0.0, abs=1e-9)
+    assert found["ttc_error"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_errors_are_those_that_were_made() -> None:
+    found = judged(expansion(1) + np.array([30.0, 40.0]), ttc_s=1.25, frames=1)
+    assert found["flow_error_px"] == pytest.approx(50.0, abs=0.2), "the best of nine pixels counts"
+    assert found["ttc_error"] == pytest.approx(0.25)
+
+
+def test_what_was_followed_for_longer_than_the_truth_reaches_is_left_out() -> None:
+    found = judged(expansion(3), ttc_s=np.inf, frames=3)
+    assert np.isnan(found["flow_error_px"])
+    assert found["ttc_error"] == 1.0, "nothing was told"
+
+
+def test_medians_over_the_frames_that_were_judged() -> None:
+    nan = np.nan
+    assert perception.points(np.array([nan, 0.2, nan, 0.4, 0.3]), np.array([nan] * 5)) == {
+        "flow_median_error_px": pytest.approx(0.3),
+        "ttc_median_error": None,
+    }

@@ -1,0 +1,90 @@
+"""The objects that a driver reports, against the bodies that stand or drive there, frame by frame.
+
+The corridor is the strip of the road within CORRIDOR_M of the ego's centre, to both sides, ahead of its front bumper. A
+report is right if its foot, the middle of the face that it says is nearest, is within FOOT_M of a body's outline.
+"""
+
+from collections import deque
+from math import cos, hypot, nan, sin
+from typing import Any
+
+from vpf_sim.envs.rectangles import seen_from, solid_bodies
+from vpf_sim.evaluation.metrics.perception import KINDS
+from vpf_sim.types import Obstacles
+
+CORRIDOR_M = 3.0
+FOOT_M = 1.5
+REACHED_M = 0.3  # a body so near to the bumper, along the road, is met: where it is hit the episode ends
+
+
+class ObjectBook:
+    """Remembers which body was first confirmed where, and which reports were wrong."""
+
+    def __init__(self) -> None:
+        self._confirmed_m: dict[int, float] = {}  # by a body's id: bumper to face
+        self._ahead: set[int] = set()
+        self._wrong: set[int] = set()  # identities of reports
+        self._met: deque[tuple[float, float]] = deque()
+
+    def columns(self, reported: Obstacles, ego: Any, network: Any) -> dict[str, float]:
+        """How many reports in the corridor are right and wrong, how many of the wrong are new, and what body was met.
+
+        `met_kind` is the body's place in KINDS, `met_confirmed_m` where it was first confirmed, nan if never. Of
+        several that are met in one frame the others come in the next.
+        """
+        bodies = solid_bodies(ego)
+        right = wrong = new = 0
+        for index, foot in self._feet(reported, ego, network):
+            owners = [body for body in bodies if _gap_m(body, foot) <= FOOT_M]
+            for body in owners:
+                self._confirmed_m.setdefault(id(body), _ahead_m(ego, body))
+            right += bool(owners)
+            wrong += not owners
+            new += not owners and int(reported.identity[index]) not in self._wrong
+            self._wrong |= set() if owners else {int(reported.identity[index])}
+        self._meet(ego, bodies)
+        kind, confirmed_m = self._met.popleft() if self._met else (nan, nan)
+        return {
+            "objects_right": right,
+            "objects_wrong": wrong,
+            "new_wrong_objects": new,
+            "met_kind": kind,
+            "met_confirmed_m": confirmed_m,
+        }
+
+    def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float]]]:
+        """Which reports are in the corridor, and their feet in the world."""
+        feet = []
+        s, lateral = ego.place
+        x, y = ego.position.tolist()
+        cosine, sine = cos(ego.heading), sin(ego.heading)
+        for index in range(len(reported)):
+            forward = float(reported.forward_m[index])
+            right = 0.5 * float(reported.left_m[index] + reported.right_m[index])
+            foot = (x + cosine * forward - sine * right, y + sine * forward + cosine * right)
+            foot_s, foot_lateral = network.centre.local_at(*foot)
+            if foot_s - s > 0.5 * ego.LENGTH and abs(foot_lateral - lateral) <= CORRIDOR_M:
+                feet.append((index, foot))
+        return feet
+
+    def _meet(self, ego: Any, bodies: list[Any]) -> None:
+        """Note the bodies that the bumper reaches in this frame in the corridor."""
+        for body in bodies:
+            key, ahead_m = id(body), _ahead_m(ego, body)
+            if ahead_m > REACHED_M:
+                self._ahead.add(key)
+            elif key in self._ahead:
+                self._ahead.remove(key)
+                if abs(body.place[1] - ego.place[1]) <= CORRIDOR_M:
+                    self._met.append((float(KINDS.index(body.kind)), self._confirmed_m.get(key, nan)))
+
+
+def _ahead_m(ego: Any, body: Any) -> float:
+    """m along the road from the front bumper to a body's nearest face."""
+    return float(body.place[0] - ego.place[0] - 0.5 * (body.LENGTH + ego.LENGTH))
+
+
+def _gap_m(body: Any, point: tuple[float, float]) -> float:
+    """m from a point to a body's outline, 0 inside."""
+    ((along, right),) = seen_from(body, [point])
+    return hypot(max(abs(along) - 0.5 * body.LENGTH, 0.0), max(abs(right) - 0.5 * body.WIDTH, 0.0))
