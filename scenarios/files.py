@@ -1,7 +1,6 @@
 """Scenarios by name or file, and a clear line for each fault of a wrong file."""
 
 import re
-import tomllib
 from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from vpf_sim import tables
 from vpf_sim.errors import InputError, unknown_name, wrong_value
 from vpf_sim.scenarios import parts
 from vpf_sim.scenarios.random_road import RandomRoad, RandomScenario
@@ -43,21 +43,17 @@ def load(name_or_path: str) -> Scenario | RandomScenario:
     path = Path(name_or_path)
     if path.suffix != ".toml" and not path.is_file():
         raise unknown_name("scenario", name_or_path, names())
-    try:
-        text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise InputError(f"{name_or_path}: expected a readable scenario file, got: {reason}") from None
-    return parse(text, name_or_path)
+    return _checked(tables.read_file(path, "scenario"), name_or_path)
 
 
 def parse(text: str, file: str) -> Scenario | RandomScenario:
     """The scenario that a TOML text describes; `file` is how messages call it."""
+    return _checked(tables.parse(text, file), file)
+
+
+def _checked(content: dict[str, Any], file: str) -> Scenario | RandomScenario:
     try:
-        content = tomllib.loads(text)
         return (RandomScenario if "random" in content else Scenario).model_validate(content)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{file}: expected TOML, got: {error}") from None
     except ValidationError as error:
         faults = _causes([dict(fault) for fault in error.errors(include_url=False)])
         raise InputError("\n".join(line for fault in faults for line in _lines(file, fault))) from None

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
 from importlib.resources import files
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -16,6 +17,25 @@ Config = TypeVar("Config")
 def read(package: str, name: str) -> dict[str, Any]:
     """The TOML file `name` that is installed with `package`."""
     return tomllib.loads(files(package).joinpath(name).read_text())
+
+
+def read_file(path: Path, what: str) -> dict[str, Any]:
+    """The TOML file of a user; `what` is what it should be: "scenario"."""
+    try:
+        return parse(path.read_text("utf-8"), str(path))
+    except (OSError, ValueError) as error:  # ValueError: bytes that are no text, or a name that no file can have
+        reason = error.strerror if isinstance(error, OSError) else "not a text file"
+        raise InputError(f"{path}: expected a readable {what} file, got: {reason}") from None
+
+
+def parse(text: str, file: str) -> dict[str, Any]:
+    """The table that a TOML text describes; `file` is how messages call it."""
+    try:
+        return tomllib.loads(text)
+    except ValueError as error:  # not TOML, or a number of thousands of digits
+        raise InputError(f"{file}: expected TOML, got: {error}") from None
+    except RecursionError:
+        raise InputError(f"{file}: expected TOML, got brackets within brackets without end") from None
 
 
 def build(config: type[Config], table: Mapping[str, Any], where: str) -> Config:

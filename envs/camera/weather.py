@@ -5,12 +5,12 @@ Names, ranges and presets are those of CARLA 0.9.16 (`carla.WeatherParameters`, 
 physical units is in `vpf_sim.envs.camera.atmosphere`.
 """
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from vpf_sim import tables
 from vpf_sim.errors import InputError, unknown_name, wrong_value
 
 
@@ -28,7 +28,9 @@ class Weather(BaseModel):
     wetness: float = Field(default=0.0, ge=0.0, le=100.0)  # of the road's surface
     sun_altitude_angle: float = Field(default=45.0, ge=-90.0, le=90.0)  # deg above the horizon
     sun_azimuth_angle: float = Field(default=215.0, ge=0.0, le=360.0)  # deg, clockwise from the world's X axis
-    droplets: float = Field(default=0.0, ge=0.0, le=100.0)  # on the windshield: as many as rain of this precipitation brings
+    droplets: float = Field(
+        default=0.0, ge=0.0, le=100.0
+    )  # on the windshield: as many as rain of this precipitation brings
     wiper_period_s: float = Field(default=0.0, ge=0.0, le=60.0)  # from sweep to sweep; 0: off
     streak_gain: float = Field(default=1.0, ge=0.0, le=20.0)  # brightness of falling drops; 1: physical
     road_friction: float | None = Field(default=None, ge=0.05, le=2.0)  # None: the tyres never slip, in rain neither
@@ -99,13 +101,7 @@ def load(name_or_path: str) -> Weather:
 
 
 def _read(path: Path) -> Weather:
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise InputError(f"{path}: expected a readable weather file, got: {reason}") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: expected TOML, got: {error}") from None
+    content = tables.read_file(path, "weather")
     base = content.pop("base", "ClearNoon")
     if not isinstance(base, str):
         raise InputError(f"{path}: base: expected the name of a weather, got {base!r}")

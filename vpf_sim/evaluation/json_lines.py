@@ -65,7 +65,7 @@ def _line(row: dict[str, Any]) -> bytes:
 def _row(path: Path, number: int, line: bytes) -> dict[str, Any]:
     try:
         row = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         row = None
     if not isinstance(row, dict):
         raise InputError(f"{path}: line {number}: expected a JSON object, got {line[:40]!r}")

@@ -1,6 +1,5 @@
 """What a sweep is asked to do: a grid of scenarios, weathers, drivers and seeds."""
 
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from hashlib import sha256
@@ -12,6 +11,7 @@ from vpf_sim import tables
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 
+MOST_DIGITS = 18  # of a seed
 MOST_SEEDS = 1_000_000  # of one run: more is a slip of the pen, and would not fit into memory
 
 
@@ -50,8 +50,8 @@ class Plan:
 def parse_seeds(text: str, where: str = "--seeds") -> range:
     """The seeds that "A:B" means: A, A + 1, ..., B - 1."""
     first, colon, last = text.partition(":")
-    if not (colon and first.isdecimal() and last.isdecimal()):
-        raise InputError(f"{where}: expected A:B with whole numbers, such as 1000:1030, got '{text}'")
+    if not (colon and all(number.isdecimal() and len(number) <= MOST_DIGITS for number in (first, last))):
+        raise InputError(f"{where}: expected A:B with whole numbers, such as 1000:1030, got '{text[:60]}'")
     seeds = range(int(first), int(last))
     if not seeds:
         raise InputError(f"{where}: expected A:B with A below B, got '{text}', which holds no seed")
@@ -62,13 +62,7 @@ def parse_seeds(text: str, where: str = "--seeds") -> range:
 
 def read_plan(path: Path) -> dict[str, Any]:
     """The keys that a sweep file gives."""
-    try:
-        table = tomllib.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: expected a readable sweep file, got: {error.strerror}") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{path}: expected TOML, got: {error}") from None
-    return table
+    return tables.read_file(path, "sweep")
 
 
 def make_plan(table: dict[str, Any], where: str) -> Plan:

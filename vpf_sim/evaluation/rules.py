@@ -1,6 +1,5 @@
 """The rules of the gate: a TOML file of what a run must keep, each rule for some cells or for all."""
 
-import tomllib
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from vpf_sim import tables
 from vpf_sim.errors import InputError, wrong_value
 
 Score = Literal["success_rate", "collisions", "path_mse_m2", "clearance_m", "comfortable_share"]
@@ -51,12 +51,9 @@ class Rules(Section):
 
 def read_rules(path: Path) -> list[Rule]:
     """The rules of a file; InputError with a line for each fault."""
+    content = tables.read_file(path, "rules")
     try:
-        rules = Rules.model_validate(tomllib.loads(path.read_text("utf-8"))).rules
-    except OSError as error:
-        raise InputError(f"{path}: expected a readable rules file, got: {error.strerror}") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{path}: expected TOML, got: {error}") from None
+        rules = Rules.model_validate(content).rules
     except ValidationError as error:
         faults = error.errors(include_url=False)
         raise InputError("\n".join(f"{path}: {_line(dict(fault))}" for fault in faults)) from None

@@ -137,7 +137,7 @@ def read_manifest(path: Path) -> dict[str, Any]:
         stored = json.loads(file.read_text("utf-8"))
     except OSError as error:
         raise InputError(f"{file}: expected the manifest of a run, got: {error.strerror}") from None
-    except ValueError:
+    except (ValueError, RecursionError):
         raise InputError(f"{file}: expected JSON, got something else") from None
     if not isinstance(stored, dict) or not all(isinstance(stored.get(key), dict) for key in ("plan", "fingerprint")):
         raise InputError(f"{file}: expected a table for plan and for fingerprint, got something else")
