@@ -161,7 +161,7 @@ def test_on_the_same_seeds_a_small_but_steady_loss_is_found(tmp_path: Path) -> N
     assert found.outcome == "failed"
     assert found.expected == "path_mse_m2 no worse than before"
     assert found.actual.startswith("4.52, was 4.5: +0.0245 [+0.02")
-    assert found.actual.endswith("] on the same 10 seeds")
+    assert found.actual.endswith("] on 10 same seeds")
     assert found.seeds == (9, 8, 7, 6, 5, 4, 3, 2, 1, 0)
 
 

@@ -42,7 +42,8 @@ def _run(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
     import cv2
 
     from vpf_sim.evaluation import episode
-    from vpf_sim.evaluation.gate import Cell, again
+    from vpf_sim.evaluation.cells import Cell
+    from vpf_sim.evaluation.gate import again
     from vpf_sim.evaluation.threads import limit_opencv
 
     threads = cv2.getNumThreads()

@@ -1,13 +1,13 @@
 """A stored run to be no worse than: on the same seeds where there are such, else against its interval."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, PositiveInt, ValidationError
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.cells import FAULTS, Cell, Run, read_run, values_of, worst_first
@@ -18,12 +18,38 @@ SHARES = ("success_rate", "collisions", "comfortable_share")  # of the planned e
 HIGHER_IS_BETTER = ("success_rate", "clearance_m", "comfortable_share")
 
 
+class Intervals(BaseModel):
+    path_mse_m2: tuple[float, float] | None = None
+    min_clearance_m: tuple[float, float] | None = None
+
+
+class Row(BaseModel):
+    """Of a row of a summary what is compared."""
+
+    model_config = ConfigDict(allow_inf_nan=False)
+
+    scenario: str
+    weather: str
+    driver: str
+    episodes: PositiveInt
+    successes: int
+    statuses: dict[str, int]
+    path_mse_m2: float | None
+    min_clearance_m: float | None
+    comfortable_share: float | None
+    intervals: Intervals = Intervals()
+
+
+class Table(BaseModel):
+    rows: list[Row]
+
+
 @dataclass(frozen=True, slots=True)
 class Summary:
     """The table of a run alone, by cell."""
 
     path: Path
-    rows: dict[Cell, dict[str, Any]]
+    rows: dict[Cell, Row]
 
 
 class Before(NamedTuple):
@@ -45,12 +71,12 @@ def read(path: Path) -> Run | Summary:
     if path.suffix != ".json":
         return read_run(path)
     try:
-        rows = json.loads(path.read_text("utf-8"))["rows"]
-        return Summary(path, {Cell(row["scenario"], row["weather"], row["driver"]): row for row in rows})
+        rows = Table.model_validate_json(path.read_text("utf-8")).rows
     except OSError as error:
         raise InputError(f"{path}: expected a readable summary, got: {error.strerror}") from None
-    except (ValueError, KeyError, TypeError):
+    except (UnicodeDecodeError, ValidationError):
         raise InputError(f"{path}: expected the summary.json of a run, got something else") from None
+    return Summary(path, {Cell(row.scenario, row.weather, row.driver): row for row in rows})
 
 
 def before(baseline: Run | Summary, run: Run, cell: Cell, score: Score) -> Before:
@@ -60,7 +86,7 @@ def before(baseline: Run | Summary, run: Run, cell: Cell, score: Score) -> Befor
         known = "; ".join(", ".join(one) for one in cells)
         raise InputError(f"{baseline.path}: expected the cell {', '.join(cell)}, got none; known: {known}")
     if isinstance(baseline, Summary):
-        return _of_row(baseline, cell, score)
+        return _of_row(baseline.rows[cell], score)
     for kind, name in (("scenarios", cell.scenario), ("weathers", cell.weather)):
         if baseline.hashes[kind].get(name) != run.hashes[kind].get(name):
             raise InputError(
@@ -83,7 +109,7 @@ def compare(score: Score, ours: Mapping[int, float], theirs: Before) -> Comparis
     lost = {seed: loss for seed, loss in zip(common, (sign * (then - now)).tolist(), strict=True) if loss > 0.0}
     told = f"{np.mean(now):.3g}, was {np.mean(then):.3g}: {found.difference:+.3g} [{low:+.3g}, {high:+.3g}]"
     worse = max(sign * low, sign * high) < 0.0
-    return Comparison(f"{told} on the same {len(common)} seeds", worse, tuple(worst_first(lost)))
+    return Comparison(f"{told} on {len(common)} same seed" + "s" * (len(common) != 1), worse, tuple(worst_first(lost)))
 
 
 def _unpaired(sign: float, ours: Mapping[int, float], theirs: Before) -> Comparison:
@@ -96,28 +122,23 @@ def _unpaired(sign: float, ours: Mapping[int, float], theirs: Before) -> Compari
     return Comparison(told, sign * (worst - mean) > 0.0, tuple(worst_first(lost)))
 
 
-def _of_row(summary: Summary, cell: Cell, score: Score) -> Before:
-    row = summary.rows[cell]
-    try:
-        if score in SHARES:
-            count, of = _count(row, score), int(row["episodes"])
-            return Before({}, count / of, share_interval(count, of))
-        key = "min_clearance_m" if score == "clearance_m" else score
-        interval = (row.get("intervals") or {}).get(key)
-        return Before({}, row[key], None if interval is None else Interval(*interval))
-    except (KeyError, ValueError, TypeError, AttributeError, ZeroDivisionError):
-        raise InputError(f"{summary.path}: expected the summary.json of a run, got something else") from None
+def _of_row(row: Row, score: Score) -> Before:
+    if score in SHARES:
+        count = _count(row, score)
+        return Before({}, count / row.episodes, share_interval(count, row.episodes))
+    key = "min_clearance_m" if score == "clearance_m" else score
+    ends = getattr(row.intervals, key)
+    return Before({}, getattr(row, key), None if ends is None else Interval(*ends))
 
 
-def _count(row: Mapping[str, Any], score: Score) -> int:
+def _count(row: Row, score: Score) -> int:
     """Of how many episodes a share is, as `value_of` counts them."""
-    successes, statuses = int(row["successes"]), dict(row["statuses"])
     if score == "success_rate":
-        return successes
+        return row.successes
     if score == "comfortable_share":
-        return round((row[score] or 0.0) * successes)
-    missing = int(row["episodes"]) - sum(statuses.values())
-    return missing + sum(int(statuses.get(key, 0)) for key in ("collision", *FAULTS))
+        return round((row.comfortable_share or 0.0) * row.successes)
+    missing = row.episodes - sum(row.statuses.values())
+    return missing + sum(row.statuses.get(status, 0) for status in ("collision", *FAULTS))
 
 
 def _interval(score: Score, values: list[float]) -> Interval | None:
