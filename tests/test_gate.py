@@ -49,35 +49,43 @@ def test_every_bound_of_the_rules_is_judged() -> None:
 
 
 def lost(job: Job) -> dict[str, Any] | None:
-    """Of ten seeds 3 has no record, 5 ended in a collision, 8 in an error; path MSE is seed / 10."""
+    """Of ten seeds 3 has no record, 5 ended in a collision, 8 in an error."""
     ends = {5: {"status": "collision", "collisions": 1}, 8: {"status": "error", "path_mse_m2": None, "comfort": None}}
-    return None if job.seed == 3 else {"path_mse_m2": job.seed / 10.0, **ends.get(job.seed, {})}
+    return None if job.seed == 3 else ends.get(job.seed, {})
+
+
+def spread(job: Job) -> dict[str, Any]:
+    """Of ten seeds 3, 5 and 8 left the road; path MSE is seed / 10."""
+    return {"path_mse_m2": job.seed / 10.0, "status": "off_road" if job.seed in (3, 5, 8) else "success"}
 
 
 @pytest.mark.parametrize(
-    ("bound", "outcome", "actual", "seeds"),
+    ("change", "bound", "outcome", "actual", "seeds"),
     [
-        ("success_rate_at_least = 0.7", "passed", "0.7 over 10 episodes, 1 without a record", ()),
-        ("success_rate_at_least = 0.71", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
-        ("success_rate_at_least = 0.70001", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
-        ("collisions_at_most = 3", "passed", "3 over 10 episodes, 1 without a record", ()),
-        ("collisions_at_most = 2", "failed", "3 over 10 episodes, 1 without a record", (3, 5, 8)),
-        ("comfortable_share_at_least = 0.7", "passed", "0.7 over 10 episodes, 1 without a record", ()),
-        ("comfortable_share_at_least = 0.8", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
-        # the mean of 0, 1, 2, 4, 6, 7, 9 tenths is 29 / 70
-        ("path_mse_m2_at_most = 0.4143", "passed", "0.414 m2 over 7 episodes, 1 without a record", ()),
-        ("path_mse_m2_at_most = 0.414", "failed", "0.4143 m2 over 7 episodes, 1 without a record", (9, 7, 6)),
-        ("clearance_m_at_least = 0.5", "passed", "0.5 m over 7 episodes, 1 without a record", ()),
+        (lost, "success_rate_at_least = 0.7", "passed", "0.7 over 10 episodes, 1 without a record", ()),
+        (lost, "success_rate_at_least = 0.71", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
+        (lost, "success_rate_at_least = 0.70001", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
+        (lost, "collisions_at_most = 3", "passed", "3 over 10 episodes, 1 without a record", ()),
+        (lost, "collisions_at_most = 2", "failed", "3 over 10 episodes, 1 without a record", (3, 5, 8)),
+        (lost, "comfortable_share_at_least = 0.7", "passed", "0.7 over 10 episodes, 1 without a record", ()),
+        (lost, "comfortable_share_at_least = 0.8", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
+        (lost, "path_mse_m2_at_most = 9", "failed", "0.4 m2 over 7 episodes, 1 without a record", (3,)),
         (
-            "clearance_m_at_least = 0.500001",
+            lost,
+            "clearance_m_at_least = 0.6",
             "failed",
             "0.5 m over 7 episodes, 1 without a record",
-            (0, 1, 2, 4, 6, 7, 9),
+            (3, 0, 1, 2, 4, 6, 7, 9),
         ),
+        # the mean of 0, 1, 2, 4, 6, 7, 9 tenths is 29 / 70
+        (spread, "path_mse_m2_at_most = 0.4143", "passed", "0.414 m2 over 7 episodes", ()),
+        (spread, "path_mse_m2_at_most = 0.414", "failed", "0.4143 m2 over 7 episodes", (9, 7, 6)),
+        (spread, "clearance_m_at_least = 0.5", "passed", "0.5 m over 7 episodes", ()),
+        (spread, "clearance_m_at_least = 0.500001", "failed", "0.5 m over 7 episodes", (0, 1, 2, 4, 6, 7, 9)),
     ],
 )
-def test_bounds(bound: str, outcome: str, actual: str, seeds: tuple[int, ...], tmp_path: Path) -> None:
-    assert only(tmp_path, bound, lost) == gate.Check(
+def test_bounds(change: Change, bound: str, outcome: str, actual: str, seeds: tuple[int, ...], tmp_path: Path) -> None:
+    assert only(tmp_path, bound, change) == gate.Check(
         gate.Cell("town04", "clear", "vpf"), bound.replace(" = ", " "), actual, outcome, seeds
     )
 
@@ -95,12 +103,8 @@ def test_the_upper_end_where_all_are_equal_is_their_value(tmp_path: Path) -> Non
 
 
 def test_one_episode_has_no_upper_end_and_is_shown(tmp_path: Path) -> None:
-    found = only(tmp_path, "path_mse_m2_upper_at_most = 9", lambda job: {} if job.seed == 4 else None)
-    assert (found.outcome, found.actual, found.seeds) == (
-        "failed",
-        "no interval over 1 episode, 9 without a record",
-        (4,),
-    )
+    found = only(tmp_path, "path_mse_m2_upper_at_most = 9", lambda job: {} if job.seed == 4 else {"status": "stuck"})
+    assert (found.outcome, found.actual, found.seeds) == ("failed", "no interval over 1 episode", (4,))
 
 
 def test_without_bodies_there_is_no_clearance_to_keep(tmp_path: Path) -> None:
@@ -191,13 +195,13 @@ def test_on_other_seeds_the_baselines_interval_counts(score: str, file: str, tmp
         worse = {"path_mse_m2": 2.0, "min_clearance_m": 0.1}
         return worse if job.seed < 2 else {**worse, "status": "collision", "collisions": 1}
 
-    def spread(job: Job) -> dict[str, Any]:
+    def good(job: Job) -> dict[str, Any]:
         return {"path_mse_m2": 0.4 + 0.01 * job.seed, "min_clearance_m": 0.5 + 0.01 * job.seed}
 
-    found = against(tmp_path / "worse", score, bad, spread, file, seeds="20:30")
+    found = against(tmp_path / "worse", score, bad, good, file, seeds="20:30")
     assert found.outcome == "failed"
     assert found.actual.endswith("on other seeds")
-    assert against(tmp_path / "same", score, spread, spread, file, seeds="0:11").outcome == "passed"
+    assert against(tmp_path / "same", score, good, good, file, seeds="0:11").outcome == "passed"
 
 
 def test_a_baseline_of_another_world_is_refused(tmp_path: Path) -> None:
@@ -220,6 +224,13 @@ def test_what_is_no_summary_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "before" / "summary.json").write_text(text)
     with pytest.raises(InputError, match=r"summary\.json: expected the summary\.json of a run, got something else"):
         checks(tmp_path, AGAINST.format(file="/summary.json", score="collisions"))
+
+
+@pytest.mark.parametrize("score", ["path_mse_m2", "clearance_m"])
+def test_an_episode_without_a_record_is_no_match_for_the_baseline(score: str, tmp_path: Path) -> None:
+    found = against(tmp_path, score, lambda job: None if job.seed == 6 else {}, lambda _: {})
+    assert (found.outcome, found.seeds) == ("failed", (6,))
+    assert found.actual.endswith("on 9 same seeds, 1 without a record")
 
 
 def test_what_there_never_was_cannot_get_worse(tmp_path: Path) -> None:
@@ -311,7 +322,7 @@ def test_a_torn_or_foreign_run_folder_is_one_clear_line(
 
 def test_the_command_says_what_failed_and_how_to_see_it(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     folder, rules = run(tmp_path / "run", lost), tmp_path / "rules.toml"
-    rules.write_text('[[rules]]\nscenario = "town04"\nsuccess_rate_at_least = 0.9\npath_mse_m2_at_most = 0.5')
+    rules.write_text('[[rules]]\nscenario = "town04"\nsuccess_rate_at_least = 0.9\ncollisions_at_most = 3')
     assert cli.run(["check", str(folder), "--rules", str(rules)]) == 1
     said = capsys.readouterr().out
     assert "FAIL town04, clear, vpf: expected success_rate_at_least 0.9, got 0.7 over 10 episodes, 1 without a" in said
@@ -356,7 +367,7 @@ def test_junit(tmp_path: Path) -> None:
     odd = '\x00\x1b[31m<&>" ]]> é \ufffe'
 
     def change(job: Job) -> dict[str, Any] | None:
-        return {"min_clearance_m": None} if job.scenario == "straight" else lost(job)
+        return {"min_clearance_m": None} if job.scenario == "straight" else spread(job)
 
     folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "new" / "out.xml"
     rules.write_text("[[rules]]\nsuccess_rate_at_least = 0.9\nclearance_m_at_least = 0.1")

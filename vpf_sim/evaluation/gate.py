@@ -3,7 +3,7 @@
 The planned episodes are the denominator: one without a record is a failure, in every rule.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -87,10 +87,20 @@ def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
     short = {seed: sign * (good - value) for seed, value in values.items()}
     worst = worst_first(short)
     seeds = [seed for seed in worst if short[seed] > 0.0] or worst[:1]
-    missing = sum(episode is None for episode in episodes.values())
-    actual = ("no interval" if value is None else _number(value, limit) + kind.unit) + f" over {_episodes(values)}"
-    actual += f", {missing} without a record" if missing else ""
-    return Check(cell, expected, actual, "passed" if kept else "failed", () if kept else tuple(seeds))
+    told = "no interval" if value is None else _number(value, limit) + kind.unit
+    actual = f"{told} over {len(values)} episode" + "s" * (len(values) != 1)
+    return _checked(Check(cell, expected, actual, "passed" if kept else "failed", tuple(seeds)), kind.score, episodes)
+
+
+def _checked(check: Check, score: Score, episodes: Episodes) -> Check:
+    """With the episodes that have no record: they count in shares anyway, and break the rules on other scores."""
+    missing = tuple(seed for seed, episode in episodes.items() if episode is None)
+    if missing:
+        check = replace(check, actual=f"{check.actual}, {len(missing)} without a record")
+    if missing and score not in PERFECT:
+        seeds = check.seeds if check.outcome == "failed" else ()
+        check = replace(check, outcome="failed", seeds=tuple(dict.fromkeys([*missing, *seeds])))
+    return check if check.outcome == "failed" else replace(check, seeds=())
 
 
 def _nothing_to_judge(cell: Cell, expected: str, episodes: Episodes) -> Check:
@@ -117,7 +127,8 @@ def _against(before: baseline.Before, score: Score, cell: Cell, episodes: Episod
     if not ours:
         return _nothing_to_judge(cell, expected, episodes)
     found = baseline.compare(score, ours, before)
-    return Check(cell, expected, found.told, "failed" if found.worse else "passed", found.seeds if found.worse else ())
+    judged = Check(cell, expected, found.told, "failed" if found.worse else "passed", found.seeds)
+    return _checked(judged, score, episodes)
 
 
 def _upper(values: Sequence[float]) -> float | None:
@@ -130,12 +141,8 @@ def _upper(values: Sequence[float]) -> float | None:
 
 def _number(value: float, limit: float) -> str:
     """Three digits, or as many as tell the value from the limit."""
-    texts = (f"{value:.{digits}g}" for digits in range(3, 18))
+    texts = (f"{value:.{digits}g}" for digits in range(max(3, len(f"{value:.0f}")), 18))
     return next(text for text in texts if np.sign(float(text) - limit) == np.sign(value - limit))
-
-
-def _episodes(values: Mapping[int, float]) -> str:
-    return f"{len(values)} episode" + "s" * (len(values) != 1)
 
 
 class Kind(NamedTuple):
