@@ -64,4 +64,5 @@ def sweep(
         print_rows(summary["rows"])
         print_comparisons(summary["comparisons"])
         print(f"\nrecords and steps: {path}")
+        print(f"a page of all this: vpf-sim report {path}")
     raise typer.Exit(exit_code(summary))

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from vpf_sim.drivers import describe
-from vpf_sim.report.cells import Order, Row, worded
+from vpf_sim.report.cells import Order, Row, shown, worded
 
 WHAT = {"town04-clean": "without obstacles", "town04": "with obstacles"}
 
@@ -40,7 +40,9 @@ def _where(own: Sequence[Row]) -> str:
     bad = [row for row in own if row["successes"] < row["episodes"]]
     if not bad or len(bad) == len(own) or len(bad) > 4:
         return ""
-    told = (f"{row['successes']} of {row['episodes']} on {row['scenario']} in {row['weather']}" for row in bad)
+    told = (
+        f"{row['successes']} of {row['episodes']} on {shown(row['scenario'])} in {shown(row['weather'])}" for row in bad
+    )
     return f"; {', '.join(told)}, all elsewhere"
 
 

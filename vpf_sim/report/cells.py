@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 Row = dict[str, Any]
@@ -65,6 +66,11 @@ class Group:
     rows: tuple[DriverRow, ...]
 
 
+def shown(name: str) -> str:
+    """A scenario or weather as a page names it: of a file the name without its folder."""
+    return Path(name).stem if name.endswith(".toml") else name
+
+
 def at(row: Row, key: str) -> Any:
     """The value under a dotted key, None where there is none."""
     value: Any = row
@@ -106,7 +112,7 @@ def groups(rows: Sequence[Row], order: "Order") -> list[Group]:
     """The main table."""
     ordered = sorted(rows, key=order.place)
     return [
-        Group(scenario, weather, _paper(found := list(group)), tuple(driver_row(row) for row in found))
+        Group(shown(scenario), shown(weather), _paper(found := list(group)), tuple(driver_row(row) for row in found))
         for (scenario, weather), group in groupby(ordered, key=lambda row: (row["scenario"], row["weather"]))
     ]
 

@@ -39,12 +39,7 @@ def chart(dots: Sequence[Dot], marks: Sequence[Mark], label: str, ends: tuple[fl
     """`ends` of the axis, or None: as the values say."""
     rows = list(dict.fromkeys((dot.scenario, dot.driver) for dot in dots))
     heads = list(dict.fromkeys(dot.scenario for dot in dots))
-    values = (
-        [dot.value for dot in dots] + [end for dot in dots for end in dot.interval or ()] + [m.value for m in marks]
-    )
-    low, high = ends or reach([0.0, *values], 0.1)
-    if ends is None and min(values) >= 0.0:
-        low = 0.0
+    low, high = ends or _ends(dots, marks)
     tall = HEAD * len(heads) + ROW * len(rows)
     plot = Plot(WIDTH, tall + FOOT, Axis(low, high, ticks=ticks(low, high, 5)), Axis(tall, 0.0, ticks=(-1.0,)))
     plot.margins = (NAMES, 14.0, 0.0, FOOT)

@@ -14,7 +14,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.run_folder import stored_plan
 from vpf_sim.report import answer, clips, commands, dots, paths, tables
-from vpf_sim.report.cells import MAIN, Order, Row, at, groups, interval_of
+from vpf_sim.report.cells import MAIN, Order, Row, at, groups, interval_of, shown
 from vpf_sim.report.chart import legend_key
 from vpf_sim.report.paths import Chart, Track
 from vpf_sim.report.places import places
@@ -58,6 +58,7 @@ def make(run: StoredRun, clip_count: int, tell: Tell) -> str:
     records = {key: record for key, record in run.records.items() if key in planned}
     summary = run.summary(jobs)
     rows: list[Row] = summary["rows"]
+    failures = _failures(records, order)
     tell("drawing the paths and commands")
     path_sections, command_sections = _sections(run, order, records)
     chosen = clips.choose(records.values(), order.drivers, clip_count)
@@ -90,7 +91,7 @@ def make(run: StoredRun, clip_count: int, tell: Tell) -> str:
             "compute": tables.compute(run.timing, list(records.values()), order),
             "hosts": sorted({str(time["host"]) for time in run.timing.values() if "host" in time}),
             "clips": [film for film in films if film],
-            "failures": (failures := _failures(records, order))[:MOST_LISTED],
+            "failures": [(record, run.reason(record["id"])) for record in failures[:MOST_LISTED]],
             "unlisted": max(0, len(failures) - MOST_LISTED),
             "fingerprint": run.manifest["fingerprint"],
             "mixed": sorted({str(record["fingerprint"]) for record in records.values() if "fingerprint" in record}),
@@ -103,6 +104,7 @@ def render(content: dict[str, Any]) -> str:
     """The template filled."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.globals["key"] = legend_key
+    environment.filters["shown"] = shown
     folder = files("vpf_sim.report")
     style = Markup(environment.from_string(folder.joinpath("report.css.jinja").read_text("utf-8")).render())
     template = environment.from_string(folder.joinpath("report.html.jinja").read_text("utf-8"))
@@ -122,7 +124,7 @@ def _sections(
         if not tracks:
             continue
         where = places(scenario, seeds)
-        title = f"{scenario}, {weather}"
+        title = f"{shown(scenario)}, {shown(weather)}"
         present = {record["driver"] for record in here}
         drivers = tuple(driver for driver in order.drivers if driver in present)
         drawn.append(Section(title, tuple(paths.charts(where, tracks, title)), drivers))
@@ -169,14 +171,18 @@ def _dot(row: Row, key: str, scale: float, order: Order) -> dots.Dot | None:
     weather = order.weathers.index(row["weather"])
     ends = None if grey else interval_of(row, key)
     scaled = ends and (scale * ends[0], scale * ends[1])
-    return dots.Dot(row["scenario"], row["driver"], weather, order.style(row["driver"]), scale * value, scaled, grey)
+    return dots.Dot(
+        shown(row["scenario"]), row["driver"], weather, order.style(row["driver"]), scale * value, scaled, grey
+    )
 
 
 def _marks(rows: Sequence[Row], order: Order, key: str | None, scale: float) -> list[dots.Mark]:
     if key is None:
         return []
     found = {(row["scenario"], row["weather"]): scale * row["paper"][key] for row in rows if row.get("paper")}
-    return [dots.Mark(scenario, order.weathers.index(weather), value) for (scenario, weather), value in found.items()]
+    return [
+        dots.Mark(shown(scenario), order.weathers.index(weather), value) for (scenario, weather), value in found.items()
+    ]
 
 
 def _clip(run: StoredRun, record: Record, tell: Tell) -> clips.Clip | None:

@@ -89,7 +89,8 @@ def zooms(places: Sequence[Place]) -> list[tuple[float, str]]:
         if not rows or abs(s_m - rows[-1]) > 0.5 * ZOOM_M:
             rows.append(s_m)
     if not rows:
-        return [(0.5 * (ego.s_m + goal.s_m), "the middle of the way")]
+        ahead = 0.5 * ZOOM_M * (1.0 if goal.s_m > ego.s_m else -1.0)
+        return [(ego.s_m + ahead, "the start"), (0.5 * (ego.s_m + goal.s_m), "the middle of the way")]
     names = ("the first obstacle", "the second obstacle", "the third obstacle")
     return [(s_m, names[number] if number < len(names) else "") for number, s_m in enumerate(rows)]
 

@@ -49,6 +49,12 @@ class StoredRun:
             ) from None
         return table if len(table) else None
 
+    def reason(self, episode_id: str) -> str:
+        """The last line of what an episode that ended by an error left behind; empty where there is nothing."""
+        path = self.path / "errors" / f"{episode_id}.txt"
+        lines = path.read_text("utf-8", errors="replace").strip().splitlines() if path.exists() else []
+        return lines[-1] if lines else ""
+
     def summary(self, jobs: Sequence[Job]) -> dict[str, Any]:
         """The table of the run as it is stored, or as far as it has come where it was stopped before its end."""
         path = self.path / SUMMARY

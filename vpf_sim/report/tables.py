@@ -5,16 +5,29 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from vpf_sim.report.cells import NONE, Order, Row, at, interval_of, interval_words, worded
+from vpf_sim.report.cells import NONE, Order, Row, at, interval_of, interval_words, shown, worded
 from vpf_sim.report.stored_run import Record
 
-PERCEPTION = {
-    "foe_median_error_px.distance": ("focus of expansion, median error, px", 2),
-    "foe_share": ("frames with a focus of expansion, %", 0),
-    "edge_error_10m_m.median": ("road edges 10 m ahead, median error, m", 3),
-    "edge_error_10m_m.p95": ("road edges 10 m ahead, p95, m", 3),
+PERCEPTION = {  # key, label, digits, in percent
+    "foe_median_error_px.distance": ("focus of expansion, median error, px", 2, False),
+    "foe_share": ("frames with one, %", 0, True),
+    "edge_error_10m_m.median": ("road edges 10 m ahead, median error, m", 3, False),
+    "edge_error_10m_m.p95": ("road edges, p95, m", 3, False),
+    "flow_median_error_px": ("flow, median error, px", 2, False),
+    "ttc_median_error": ("time to contact, median error, %", 0, True),
+    "objects.first_confirmed_m": ("objects first confirmed at, m", 1, False),
+    "objects.recall": ("objects in time, %", 0, True),
+    "objects.precision": ("reports that are right, %", 1, True),
+    "objects.wrong_per_minute": ("wrong objects a minute", 2, False),
 }
-IN_PERCENT = ("foe_share",)
+STAGES = {  # of a step, as timing.jsonl names them: what each column adds up
+    "camera": ("render",),
+    "flow": ("grey", "flow"),
+    "FOE, TTC, obstacles": ("foe", "ttc", "obstacle_map", "landmarks"),
+    "road edges": ("road",),
+    "plan and control": ("plan", "control"),
+    "physics": ("physics",),
+}
 COMFORT = {  # nuPlan's names and bounds
     "longitudinal_acceleration_mps2": ("longitudinal acceleration", "−4.05 to 2.40 m/s²"),
     "lateral_acceleration_mps2": ("lateral acceleration", "±4.89 m/s²"),
@@ -53,18 +66,21 @@ class Table:
 
 def perception(rows: Sequence[Row], order: Order) -> Table | None:
     """What the drivers that show their plan saw, against the truth; a line a cell, successful episodes."""
-    lines = []
     seen = [row for row in sorted(rows, key=order.place) if at(_scored(row), "perception.foe_median_error_px")]
-    for row in seen:
-        scored = _scored(row)
-        numbers = []
-        for key, (_, digits) in PERCEPTION.items():
-            value, ends = at(scored, f"perception.{key}"), interval_of(row, f"perception.{key}")
-            percent = key in IN_PERCENT
-            numbers.append(Value(worded(value, digits, percent), interval_words(ends, digits, percent), value))
-        lines.append((*_names(row), *numbers))
-    header = ("scenario", "weather", "driver", *(label for label, _ in PERCEPTION.values()))
-    return Table(header, tuple(lines), 3) if lines else None
+    told = [key for key in PERCEPTION if any(at(_scored(row), f"perception.{key}") is not None for row in seen)]
+    lines = tuple((*_names(row), *(_perceived(row, key) for key in told)) for row in seen)
+    header = ("scenario", "weather", "driver", *(PERCEPTION[key][0] for key in told))
+    return Table(header, lines, 3) if lines else None
+
+
+def _perceived(row: Row, key: str) -> Value:
+    """Of a driver that never arrived the mean over all its episodes, in brackets."""
+    _, digits, percent = PERCEPTION[key]
+    value = at(_scored(row), f"perception.{key}")
+    words = worded(value, digits, percent)
+    if value is None or row["successes"]:
+        return Value(words, interval_words(interval_of(row, f"perception.{key}"), digits, percent), value)
+    return Value(f"({words})", value=value)
 
 
 def comfort(records: Sequence[Record], order: Order) -> Table | None:
@@ -82,26 +98,41 @@ def comfort(records: Sequence[Record], order: Order) -> Table | None:
 
 def compute(timing: Mapping[str, dict[str, Any]], records: Sequence[Record], order: Order) -> Table | None:
     """What a clock measured, by driver and weather."""
-    lines = []
-    for driver in order.drivers:
-        for weather in order.weathers:
-            ids = [record["id"] for record in records if (record["driver"], record["weather"]) == (driver, weather)]
-            times = [timing[key] for key in ids if timing.get(key, {}).get("steps_per_s")]
-            if times:
-                rate = median(time["steps_per_s"] for time in times)
-                lines.append(
-                    (
-                        Value(driver),
-                        Value(weather),
-                        Value(worded(rate, 0), value=rate),
-                        Value(worded(rate / REAL_TIME_HZ, 2)),
-                        Value(worded(1e3 / rate, 1)),
-                        Value(worded(median(time["wall_s"] for time in times), 1)),
-                        Value(str(sum(time.get("retries", 0) for time in times))),
-                    )
-                )
-    header = ("driver", "weather", "steps a second", "times real time", "ms a step", "s an episode", "retries")
-    return Table(header, tuple(lines), 2) if lines else None
+    lines = [
+        (Value(driver), Value(shown(weather)), *_rates(times), *_stages(times))
+        for driver in order.drivers
+        for weather in order.weathers
+        if (times := _timed(timing, records, driver, weather))
+    ]
+    staged = [f"{name}, ms" for name in STAGES] if any("stages_ms" in time for time in timing.values()) else []
+    columns = ("steps a second", "times real time", "s an episode", "retries", *staged)
+    lines = [line[: 2 + len(columns)] for line in lines]
+    return Table(("driver", "weather", *columns), tuple(lines), 2) if lines else None
+
+
+def _timed(
+    timing: Mapping[str, dict[str, Any]], records: Sequence[Record], driver: str, weather: str
+) -> list[dict[str, Any]]:
+    ids = [record["id"] for record in records if (record["driver"], record["weather"]) == (driver, weather)]
+    return [timing[key] for key in ids if timing.get(key, {}).get("steps_per_s")]
+
+
+def _rates(times: Sequence[dict[str, Any]]) -> tuple[Value, ...]:
+    rate = median(time["steps_per_s"] for time in times)
+    return (
+        Value(worded(rate, 0), value=rate),
+        Value(worded(rate / REAL_TIME_HZ, 2)),
+        Value(worded(median(time["wall_s"] for time in times), 1)),
+        Value(str(sum(time.get("retries", 0) for time in times))),
+    )
+
+
+def _stages(times: Sequence[dict[str, Any]]) -> Iterator[Value]:
+    """Medians over the episodes of the medians over their steps."""
+    for parts in STAGES.values():
+        found = [[time.get("stages_ms", {}).get(part) for part in parts] for time in times]
+        sums = [sum(value for value in values if value is not None) for values in found if any(values)]
+        yield Value(worded(median(sums), 2) if sums else NONE)
 
 
 def comparisons(found: Sequence[dict[str, Any]], of: str, order: Order) -> Table | None:
@@ -109,8 +140,8 @@ def comparisons(found: Sequence[dict[str, Any]], of: str, order: Order) -> Table
     lines = []
     for one in sorted(found, key=order.place):
         if one["of"] == of:
-            who = Value(f"{one[of]} − {one['minus']}")
-            where = (Value(one["scenario"]), Value(one["driver" if of == "weather" else "weather"]))
+            who = Value(f"{shown(one[of])} − {shown(one['minus'])}")
+            where = (Value(shown(one["scenario"])), Value(shown(one["driver" if of == "weather" else "weather"])))
             lines.append((who, *where, *(_difference(one, key) for key in COMPARED)))
     header = (
         "what",
@@ -147,7 +178,7 @@ def _inside(within: Sequence[bool | None]) -> Value:
 
 
 def _names(row: Row) -> tuple[Value, Value, Value]:
-    return Value(row["scenario"]), Value(row["weather"]), Value(row["driver"])
+    return Value(shown(row["scenario"])), Value(shown(row["weather"])), Value(row["driver"])
 
 
 def _scored(row: Row) -> Row:
@@ -192,4 +223,4 @@ def success_map(jobs: Sequence[Any], records: Mapping[str, Record], order: Order
         for driver in order.drivers:
             found = cells.get((scenario, weather, driver))
             if found:
-                yield MapRow(scenario, weather, driver, order.style(driver), tuple(sorted(found)))
+                yield MapRow(shown(scenario), shown(weather), driver, order.style(driver), tuple(sorted(found)))
