@@ -13,6 +13,7 @@ ScenarioArgument = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name 
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="What the scenario varies, drawn by this seed.")]
 VideoOption = Annotated[Path | None, typer.Option("--video", help="Write an .mp4 with the driver's view drawn in.")]
 WatchOption = Annotated[bool, typer.Option("--watch", help="Show the frames in a window.")]
+RerunOption = Annotated[Path | None, typer.Option("--rerun", help="Write an .rrd recording for the Rerun viewer.")]
 
 
 def drive(
@@ -22,6 +23,7 @@ def drive(
     seed: SeedOption = 0,
     video: VideoOption = None,
     watch: WatchOption = False,
+    rerun: RerunOption = None,
     out: OutOption = None,
     json: JsonOption = False,
 ) -> None:
@@ -35,13 +37,14 @@ def drive(
     plan = Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}")
     with prints_on_stderr():
         asked = run_folder.manifest("drive", plan)
-    with viewers.attached(video, watch) as show, prints_on_stderr():
+    with viewers.attached(video, watch, rerun) as looking, prints_on_stderr():
         folder = run_folder.RunFolder(out or run_folder.new_path("drive"), asked)
         try:
-            result = episode.run(scenario, weather, driver, seed, show)
+            result = episode.run(scenario, weather, driver, seed, looking.show)
         except BaseException:  # Ctrl-C above all
             folder.discard()
             raise
+        looking.finish(result.steps)
     steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
     folder.add(result.record, result.timing)
     folder.close()

@@ -1,0 +1,113 @@
+"""A drive as a recording for the Rerun viewer: frames, flow, fields, the scene from above, and the signals.
+
+`camera/...` is in pixels of the frame, `scene/...` in metres from the vehicle, forward up, `signals/...` over time.
+"""
+
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.geometry import distort
+from vpf_sim.report import field_view
+from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
+from vpf_sim.report.overlay import BODY_LENGTH_M, EDGE, ROAD_AHEAD_M, road_line, ttc_colour
+from vpf_sim.types import Camera, Floats, Image, Plan, VehicleModel
+
+MISSING = "--rerun: expected the Rerun SDK, which is not installed: pip install 'vpf_sim[viewer]'"
+JPEG_QUALITY = 85
+TIME = "time"
+FORCE_M = 5.0  # the length of a force of 1
+FORCES = {"target": TARGET, "obstacle": OBSTACLE, "road": ROAD, "total": REFERENCE}
+
+
+class RerunLog:
+    """A context that writes the file; give it each frame with the plan for it, and at the end the signals."""
+
+    def __init__(self, path: Path, camera: Camera) -> None:
+        self._rr = _rerun()
+        self._camera = camera
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.open("wb").close()  # Rerun would not say which file
+        except OSError as error:
+            raise InputError(f"--rerun: {path}: expected a file that can be written, got: {error.strerror}") from None
+        self._stream = self._rr.RecordingStream("vpf_sim")
+        self._stream.save(path)
+
+    def __enter__(self) -> "RerunLog":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stream.flush()
+        self._stream.disconnect()
+
+    def show(self, time_s: float, frame: Image, plan: Plan | None) -> None:
+        """What there is of one moment: the frame (H, W, 3) RGB, and the plan of a driver that makes one."""
+        self._stream.set_time(TIME, duration=time_s)
+        self._log("camera", self._picture(frame))
+        if plan is not None:
+            self._perceived(plan)
+            self._scene(plan)
+            if plan.extra.get("potential") is not None:
+                self._log("field", self._picture(field_view.draw(plan)))
+
+    def signals(self, time_s: Floats, columns: dict[str, Floats]) -> None:
+        """Values over time, (N,) each; what is no number is left out."""
+        for name, values in columns.items():
+            known = np.isfinite(values)
+            times = self._rr.TimeColumn(TIME, duration=time_s[known])
+            entity = f"signals/{name}"
+            self._stream.send_columns(entity, [times], self._rr.Scalars.columns(scalars=values[known]))
+
+    def way(self, positions_m: Floats) -> None:
+        """Where the vehicle went, (N, 2) m in the world."""
+        self._stream.log("way", self._rr.LineStrips2D([positions_m]), static=True)
+
+    def _log(self, entity: str, what: Any) -> None:
+        self._stream.log(entity, what)
+
+    def _picture(self, frame: Image) -> Any:
+        return self._rr.Image(frame).compress(jpeg_quality=JPEG_QUALITY)
+
+    def _perceived(self, plan: Plan) -> None:
+        """Flow over its window in the colour of its time to contact, focus of expansion, points that stand out."""
+        rr, seen = self._rr, plan.perception
+        now = distort(self._camera, seen.flow.points_px)
+        past = distort(self._camera, seen.flow.points_px - seen.flow.displacement_px)
+        colours = [ttc_colour(float(ttc)) for ttc in seen.ttc_s]
+        self._log("camera/flow", rr.Arrows2D(origins=past, vectors=now - past, colors=colours))
+        self._log("camera/obstacle_map", rr.Points2D(now[seen.obstacle_map.on_obstacle], colors=[OBSTACLE], radii=3.0))
+        foe = np.array([[seen.expansion.x_px, seen.expansion.y_px]])
+        self._log("camera/foe", rr.Points2D(foe[np.isfinite(foe).all(axis=1)], radii=6.0))
+
+    def _scene(self, plan: Plan) -> None:
+        """The road's edges, the bodies and the forces, from above."""
+        rr, road, bodies = self._rr, plan.perception.road, plan.perception.obstacles
+        edges = [_up(road_line(road, side, ROAD_AHEAD_M)) for side in (road.left_m, road.right_m)]
+        self._log("scene/edges", rr.LineStrips2D(edges, colors=[EDGE]))
+        corners = np.stack([bodies.left_m, -bodies.forward_m - BODY_LENGTH_M], axis=1)
+        sizes = np.stack([bodies.right_m - bodies.left_m, np.full(len(bodies), BODY_LENGTH_M)], axis=1)
+        self._log("scene/bodies", rr.Boxes2D(mins=corners, sizes=sizes, colors=[OBSTACLE]))
+        ego = VehicleModel()
+        self._log("scene/ego", rr.Boxes2D(centers=[[0.0, 0.0]], sizes=[[ego.width_m, ego.length_m]]))
+        for name, colour in FORCES.items():
+            arrow = FORCE_M * _up(getattr(plan.force, name)[None])
+            self._log(f"scene/force/{name}", rr.Arrows2D(origins=[[0.0, 0.0]], vectors=arrow, colors=[colour]))
+
+
+def _up(places_m: Floats) -> Floats:
+    """(..., 2) of vehicle axes as the viewer draws: x to the right, y down."""
+    return np.stack([places_m[..., 1], -places_m[..., 0]], axis=-1)
+
+
+def _rerun() -> Any:
+    try:
+        import rerun
+    except ImportError:
+        raise InputError(MISSING) from None
+    return rerun
