@@ -134,6 +134,15 @@ def test_a_permutations_p_is_counted() -> None:
     ] == pytest.approx([2.0 / 8.0, 6.0 / 8.0, 1.0])
 
 
+def test_the_permutation_test_is_scipys() -> None:
+    for count, error in ((7, 1e-12), (30, 0.02)):
+        difference = RANDOM.normal(0.3, 1.0, count)
+        found = paired_difference(difference, np.zeros(count))
+        theirs = stats.permutation_test((difference,), np.mean, permutation_type="samples", rng=RANDOM)
+        assert found is not None
+        assert found.p == pytest.approx(theirs.pvalue, abs=error)
+
+
 def test_pairs_find_what_two_means_do_not() -> None:
     """Seeds differ by 1, the drivers by 0.1 on each of them."""
     seeds = RANDOM.normal(0.0, 1.0, 30)

@@ -113,7 +113,9 @@ def test_a_plan_of_a_table() -> None:
 
 def record(seed: int, status: str, mse: float, throttle: float | None) -> dict[str, Any]:
     accuracy = {"shadow": {"throttle": {"range": throttle}}}
+    hit = int(status == "collision")
     rest = {"max_lane_offset_m": 0.0, "min_clearance_m": mse, "accuracy": accuracy, "perception": {}, "comfort": None}
+    rest |= {"chattering": {"steering": {"direction_changes_per_s": mse}}, "collisions": hit, "at_fault_collisions": 0}
     scores = {"route_completion": 0.5, "driving_score_2_0": 0.5, "driving_score_2_1": 0.25, "path_mse_m2": mse}
     return {"id": f"a.clear.pid.{seed}", "seed": seed, "status": status, **scores, **rest}
 
@@ -126,6 +128,8 @@ def test_means_take_the_successful_episodes_and_all_planned_ones_count() -> None
     assert row["path_mse_m2"] == 2.0
     assert row["least_clearance_m"] == 1.0
     assert row["accuracy"]["shadow"]["throttle"]["range"] == 0.5
+    assert (row["collisions"], row["at_fault_collisions"]) == (1, 0)
+    assert row["chattering"]["steering"]["direction_changes_per_s"] == 2.0
     assert row["unsuccessful"]["path_mse_m2"] == 9.0
     assert row["driving_score_2_1"] == 0.25
     assert row["success_rate"] == 0.5

@@ -69,10 +69,14 @@ def mean_interval(values: Floats) -> Interval | None:
 @lru_cache(maxsize=4)
 def _weights(count: int) -> Floats:
     """(RESAMPLES, n) how much each value counts in each resampled mean of n values; fewer where they would be huge."""
-    resamples = min(RESAMPLES, max(MOST_DRAWS // count, 999))
+    resamples = _resamples(count)
     drawn = stream(count, "bootstrap").integers(0, count, (resamples, count))
     cells = drawn + count * np.arange(resamples)[:, None]
     return np.bincount(cells.ravel(), minlength=resamples * count).reshape(resamples, count) / count
+
+
+def _resamples(count: int) -> int:
+    return min(RESAMPLES, max(MOST_DRAWS // count, 999))
 
 
 def share_interval(count: float, of: int) -> Interval:
@@ -87,7 +91,7 @@ def paired_difference(first: Floats, second: Floats) -> Difference | None:
     """first - second, (n,) scores of the same seeds; p by flipping signs (Fisher, The Design of Experiments, 1935).
 
     If there is no difference, each pair's is as likely with the other sign: p is the share of sign patterns (all of
-    them for n <= 13, else RESAMPLES of them) whose mean is at least as far from 0. It is at least 2 / 2^n.
+    them for n <= 13, else RESAMPLES and the one there is) whose mean is at least as far from 0. It is at least 2 / 2^n.
     """
     if len(first) == 0:
         return None
@@ -96,17 +100,22 @@ def paired_difference(first: Floats, second: Floats) -> Difference | None:
 
 
 def _chance(difference: Floats) -> float:
-    if len(difference) == 1:
-        return 1.0
-    test = stats.permutation_test(
-        (difference,),
-        np.mean,
-        permutation_type="samples",
-        vectorized=True,
-        n_resamples=RESAMPLES,
-        rng=stream(0, "sign flips"),
-    )
-    return float(test.pvalue)
+    """p of the mean of (n,) differences, whose signs are equally likely if there is none."""
+    patterns = _signs(len(difference))
+    shifts = np.abs(patterns @ difference)
+    as_far = int(np.count_nonzero(shifts >= abs(np.sum(difference)) - ROUNDING * np.sum(np.abs(difference))))
+    whole = len(patterns) == 2 ** len(difference)
+    return as_far / len(patterns) if whole else (as_far + 1) / (len(patterns) + 1)
+
+
+@lru_cache(maxsize=4)
+def _signs(count: int) -> Floats:
+    """(m, n) signs of n values, 1 or -1 each: all patterns where they are no more than RESAMPLES, else so many."""
+    if 2**count <= RESAMPLES:
+        bits = np.arange(2**count)[:, None] >> np.arange(count) & 1
+    else:
+        bits = stream(count, "sign flips").integers(0, 2, (_resamples(count), count))
+    return 2.0 * bits - 1.0
 
 
 def paired_shares(first: Bools, second: Bools) -> Difference:
@@ -148,6 +157,7 @@ def seeds_for_share(count: int, of: int, width: float) -> int:
     return _least(fits, start=1)
 
 
+@lru_cache(maxsize=1024)
 def _t(count: int) -> float:
     return float(stats.t.ppf(0.5 + 0.5 * LEVEL, count - 1))
 

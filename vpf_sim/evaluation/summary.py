@@ -17,7 +17,7 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.statistics import mean_interval, seeds_for_mean, seeds_for_share, share_interval
 
 Record = dict[str, Any]
-MEANS = ("path_mse_m2", "max_lane_offset_m", "min_clearance_m", "accuracy", "perception")
+MEANS = ("path_mse_m2", "max_lane_offset_m", "min_clearance_m", "accuracy", "chattering", "perception")
 OF_ALL = ("route_completion", "driving_score_2_0", "driving_score_2_1")
 WIDTHS = {"success_rate": 0.1, "path_mse_m2": 0.1}  # of the intervals whose number of seeds is told
 
@@ -47,6 +47,8 @@ def _row(cell: tuple[str, str, str], found: Sequence[Record | None]) -> dict[str
         "success_rate": len(success) / len(found),
         "statuses": dict(Counter(record["status"] for record in driven)),
         **_scores(success),
+        "collisions": sum(record["collisions"] for record in driven),
+        "at_fault_collisions": sum(record["at_fault_collisions"] for record in driven),
         "least_clearance_m": min(_present(success, "min_clearance_m"), default=None),
         "comfortable_share": mean(_comfortable(success)),
         **{key: mean([record[key] for record in driven]) for key in OF_ALL},
