@@ -1,0 +1,90 @@
+"""A disk without room: nothing that is stored is lost, one line says which file, and the run goes on later.
+
+The limit on the size of files (RLIMIT_FSIZE) makes writes stop short or fail in the kernel, as those on a full disk do.
+"""
+
+import json
+import os
+import resource
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from short_scenario import write_short
+
+from vpf_sim.evaluation import steps
+from vpf_sim.evaluation.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.steps import Step, StepTable
+
+ROOM = 200  # bytes
+
+
+@contextmanager
+def limited(size: int) -> Iterator[None]:
+    """No file of this process may grow beyond `size`."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_a_line_that_does_not_fit_is_not_there_at_all(tmp_path: Path) -> None:
+    lines = JsonLines(tmp_path / "episodes.jsonl")
+    lines.append({"id": "a"})
+    for room in (ROOM, len('{"id": "a"}\n')):  # for half of the line, and for none of it
+        with limited(room), pytest.raises(OSError, match=r"episodes\.jsonl"):
+            lines.append({"id": "b", "more": "x" * ROOM})
+        assert (tmp_path / "episodes.jsonl").read_text() == '{"id": "a"}\n'
+    lines.append({"id": "c"})
+    lines.close()
+    assert read_lines(tmp_path / "episodes.jsonl") == [{"id": "a"}, {"id": "c"}]
+
+
+def test_a_step_table_that_does_not_fit_is_not_there_at_all(tmp_path: Path) -> None:
+    table = StepTable(np.random.default_rng(0).normal(size=(50, len(Step._fields))))
+    path = tmp_path / "steps" / "a.parquet"
+    with limited(ROOM), pytest.raises(OSError, match=r"a\.parquet") as told:
+        steps.write(table, path)
+    assert told.value.strerror == "File too large"
+    assert list(path.parent.iterdir()) == []
+
+
+def sweep(folder: Path, out: Path, *more: str) -> list[str]:
+    grid = ["--scenario", str(folder / "short.toml"), "--driver", "pid", "--driver", "neutral", "--seeds", "0:3"]
+    return [sys.executable, "-m", "vpf_sim.cli", "sweep", *grid, "--workers", "1", "--out", str(out), *more]
+
+
+def contents(out: Path) -> tuple[list[str], Any]:
+    lines = sorted((out / "episodes.jsonl").read_text().splitlines())
+    return lines, json.loads((out / "summary.json").read_text())
+
+
+@pytest.mark.slow
+def test_a_sweep_that_runs_out_of_room_goes_on_later(tmp_path: Path) -> None:
+    write_short(tmp_path)
+    subprocess.run(sweep(tmp_path, tmp_path / "whole"), check=True, capture_output=True)
+    size = (tmp_path / "whole" / "episodes.jsonl").stat().st_size
+    largest = max(path.stat().st_size for path in (tmp_path / "whole" / "steps").iterdir())
+    room = max(size // 2, largest + 1)
+    assert room < size, "the records, not the steps, are what runs out of room"
+    out = tmp_path / "cramped"
+    code = f"import os, resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, {room})); "
+    command = [sys.executable, "-c", code + "os.execv(sys.argv[1], sys.argv[1:])", *sweep(tmp_path, out)]
+    done = subprocess.run(command, capture_output=True, text=True, env=dict(os.environ))
+    lines = done.stderr.splitlines()
+    stored = read_lines(out / "episodes.jsonl")
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert lines[-3] == f"stopped with {len(stored)} of 6 episodes stored"
+    assert lines[-2] == f"go on with: vpf-sim sweep --out {out} --resume --workers 1"
+    assert lines[-1].startswith(f"vpf-sim: {out / 'episodes.jsonl'}: ")
+    assert 0 < len(stored) < 6
+    subprocess.run(sweep(tmp_path, out, "--resume"), check=True, capture_output=True)
+    assert contents(out) == contents(tmp_path / "whole")
