@@ -1,6 +1,7 @@
 """Short films of how episodes failed, small enough to lie inside a page."""
 
 from base64 import b64encode
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,15 +39,16 @@ def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> lis
     order = {driver: number for number, driver in enumerate(drivers)}
     failed = [record for record in records if record["status"] != "success" and record["steps"] > 0]
     failed.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
-    rounds: list[tuple[int, int, Record]] = []
-    seen: dict[tuple[str, ...], int] = {}
+    kinds: Counter[tuple[str, ...]] = Counter()
+    cells: Counter[tuple[str, ...]] = Counter()
+    ranked = []
     for number, record in enumerate(failed):
         kind = (record["driver"], record["status"])
-        seen[kind] = seen.get(kind, 0) + 1
         cell = (*kind, record["scenario"], record["weather"])
-        seen[cell] = seen.get(cell, 0) + 1
-        rounds.append((seen[kind] if seen[cell] > 1 else min(seen[kind], 2), number, record))
-    return [record for *_, record in sorted(rounds, key=lambda item: item[:2])[:count]]
+        ranked.append((0 if kinds[kind] == 0 else 1 + cells[cell], number, record))
+        kinds[kind] += 1
+        cells[cell] += 1
+    return [record for *_, record in sorted(ranked, key=lambda item: item[:2])[:count]]
 
 
 def make(run: StoredRun, record: Record) -> Clip:
