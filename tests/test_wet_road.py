@@ -12,7 +12,7 @@ from vpf_sim.envs.camera.painter import Drawing
 from vpf_sim.envs.camera.painter import drawing as drawing_of
 from vpf_sim.envs.camera.truth import STILL, Drawn
 from vpf_sim.envs.camera.view import View
-from vpf_sim.envs.camera.wet_road import WetRoad
+from vpf_sim.envs.camera.wet_road import EVERY, WetRoad
 from vpf_sim.types import Camera, Image
 
 CAMERAS = {
@@ -147,6 +147,7 @@ def test_hidden_is_where_things_are_mirrored() -> None:
     assert not hidden[: int(foot) - 2, 296:343].any()  # the wall itself
     assert not hidden[:, :288].any()
     assert not hidden[:, 352:].any()
+    road = wet_road(camera, "HardRainNoon")
     road.draw(plain(camera), view, [])
     assert not road.hidden().any()
 
@@ -176,3 +177,14 @@ def test_without_sky_or_without_road_nothing_is_mirrored(camera: Camera) -> None
     road.draw(frame, View.at(camera, EGO, 0.0), [])
     assert np.all(frame == ROAD)
     assert not road.hidden().any()
+
+
+def test_what_drops_shake_follows_within_frames() -> None:
+    camera = Camera()
+    (view, thing), frames = wall(camera, 12.0), [plain(camera) for _ in range(EVERY + 1)]
+    road = wet_road(camera, "HardRainNoon")
+    for k, frame in enumerate(frames):
+        road.draw(frame, view, [thing] if k == 0 else [])
+    foot = int(camera.cy_px + camera.fy_px * 1.4 / 12.0) + 3
+    dark = [frame[foot, 310:330, 0].mean() < frame[foot, 400:420, 0].mean() - 20.0 for frame in frames]
+    assert dark == [True] * EVERY + [False]

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Bools, Camera, Floats, Image
+from vpf_sim.types import Camera, Floats, Image
 
 REFINEMENT = 2  # pixels of the picture to a pixel of the mirror image, each way
 FACES, SPRITES = 18, 5  # only the largest are mirrored
 FADED = 64.0  # of 255; faces that let more through are not mirrored
 BODIES_FIRST = 4.0  # how much more the area of a body's face counts than that of scenery
-LARGE_PX = 60  # area of the rectangle about the smallest thing that is
+LARGE_PX = 150  # area of the rectangle about the smallest thing that is
 SMALLEST_PX = 20.0  # area of the smallest face that is mirrored
 SPRITE_TALL_PX = 30
 FOOT_M = 0.4  # what of a body counts as its foot
@@ -50,17 +50,14 @@ def mirrored_points(view: View, points_px: Floats, planes: Floats) -> tuple[Floa
     `planes` (n, 3) gives each point's inverse depth w = plane . ray. The point is ray / w in camera axes; mirrored
     about the road it is ray / w - 2 z up, where z = camera height + ray . up / w is its height.
     """
-    camera, up = view.camera, view.axes[:, 2]
-    lens = np.array([[camera.fx_px, 0.0, camera.cx_px], [0.0, camera.fy_px, camera.cy_px], [0.0, 0.0, 1.0]])
-    unlens = np.linalg.inv(lens)
-    x, y = points_px.T
-    a, b, c = (planes @ unlens).T
-    inverse_depth = a * x + b * y + c
-    a, b, c = up @ unlens
-    lift = camera.height_m * inverse_depth + (a * x + b * y + c)  # z w
-    across, down, ahead = -2.0 * lens @ up
-    depth = 1.0 + ahead * lift
-    image = np.stack([(x + across * lift) / depth, (y + down * lift) / depth], axis=1)
+    camera, up = view.camera, view.axes[:, 2].tolist()
+    right, down = (points_px[:, 0] - camera.cx_px) / camera.fx_px, (points_px[:, 1] - camera.cy_px) / camera.fy_px
+    inverse_depth = planes[:, 0] * right + planes[:, 1] * down + planes[:, 2]
+    lift = camera.height_m * inverse_depth + up[0] * right + up[1] * down + up[2]  # z w
+    depth = 1.0 - 2.0 * up[2] * lift
+    image = np.empty_like(points_px)
+    image[:, 0] = camera.cx_px + camera.fx_px * (right - 2.0 * up[0] * lift) / depth
+    image[:, 1] = camera.cy_px + camera.fy_px * (down - 2.0 * up[1] * lift) / depth
     return image, lift / inverse_depth
 
 
@@ -77,20 +74,20 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Face
     drawings = [drawing for drawing, _ in things]
     numbers = [len(drawing.planes) for drawing in drawings]
     planes = np.concatenate([drawing.planes for drawing in drawings])
+    colours = np.concatenate([drawing.colours for drawing in drawings])
     first = np.concatenate([drawing.polygons_px[:, :3] for drawing in drawings])
     (ax, ay), (bx, by) = (first[:, 1] - first[:, 0]).T, (first[:, 2] - first[:, 0]).T
     area = np.abs(ax * by - ay * bx)  # of the parallelogram of three vertices
     turned_away = 1.0 + 2.0 * view.camera.height_m * (planes @ view.axes[:, 2]) <= 0.0  # from the mirrored camera
-    area[turned_away | _seen_through(drawings)] = 0.0
+    area[turned_away | (colours[:, 3] > FADED)] = 0.0
     area *= np.repeat([BODIES_FIRST if instance > 0 else 1.0 for _, instance in things], numbers)
     shown = np.flatnonzero(area > SMALLEST_PX)
     if len(shown) > FACES:
         shown = np.sort(shown[np.argpartition(-area[shown], FACES)[:FACES]])
     ends = np.cumsum(numbers)
     owners = np.searchsorted(ends, shown, side="right").tolist()
-    faces = [(drawings[i], k - int(ends[i])) for i, k in zip(owners, shown.tolist(), strict=True)]
-    polygons = [drawing.polygons_px[k] for drawing, k in faces]
-    return _drawn_out(view, polygons, planes[shown], [drawing.colours[k].tolist() for drawing, k in faces], foot_px)
+    polygons = [drawings[i].polygons_px[k] for i, k in zip(owners, (shown - ends[owners]).tolist(), strict=True)]
+    return _drawn_out(view, polygons, planes[shown], colours[shown].tolist(), foot_px)
 
 
 def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
@@ -98,11 +95,6 @@ def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
     if isinstance(drawing, Sprite):
         return False
     return any((x1 - x0) * (y1 - y0) > LARGE_PX for x0, y0, x1, y1 in drawing.boxes)
-
-
-def _seen_through(drawings: list[Drawing]) -> Bools:
-    """(n,) which faces fade out with distance."""
-    return np.asarray(np.concatenate([drawing.colours[:, 3] for drawing in drawings]) > FADED)
 
 
 def _drawn_out(view: View, polygons: list[Floats], planes: Floats, colours: list[list[float]], foot_px: float) -> Faces:

@@ -33,6 +33,7 @@ DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # of its facets
 STONES_MMPH, FILM_MMPH = 8.0, 25.0  # between these rates of rain the film comes to cover the stones
 RIPPLE = 5.0  # rows by which the rings of drops shake the mirror image in puddles, in hard rain
 DARK = 0.3  # how fast the asphalt darkens with the depth of the water, levels of 255 per level of the map
+EVERY = 3  # frames in which the mirror image is drawn anew where drops shake it more than things move in between
 STEEP, STEEPEST = 0.30, 0.41  # sines of the angle under which the mirror image (16 %) begins to be left out, and is
 HIDDEN_SHARE, HIDDEN_LEVELS = 0.25 * 255, 12
 
@@ -46,6 +47,17 @@ class Water:
     standing: Bytes  # 255 in puddles, else 0
 
 
+@dataclass(frozen=True, slots=True)
+class Mirror:
+    """The world upside down, as it was in one frame."""
+
+    view: View
+    drawn: list[Drawn]
+    sky: Bytes  # (rows, columns, 3)
+    sharp: Bytes  # the same with things before it, as puddles show them
+    smeared: Bytes  # as the film shows them
+
+
 class WetRoad:
     """Mirrors sky and things on the road.
 
@@ -57,7 +69,7 @@ class WetRoad:
 
     def __init__(self, camera: Camera, shapes: list[LaneShape], atmosphere: Atmosphere, seed: int) -> None:
         self._size = (camera.height_px, camera.width_px)
-        self._last: tuple[View, list[Drawn], Bytes] | None = None
+        self._last: tuple[Mirror, Water, list[Drawn]] | None = None
         self._top = ground_top(camera)
         self._none = atmosphere.wetness <= 0.0 or not REFINEMENT <= self._top < camera.height_px
         if self._none:
@@ -73,24 +85,32 @@ class WetRoad:
         slope = np.radians(DAMP_SLOPE_DEG + film * (FILM_SLOPE_DEG - DAMP_SLOPE_DEG))
         self._smear = 2 * round(2.0 * camera.fy_px * slope / REFINEMENT) + 1
         standing = covered_table(atmosphere.puddles)
-        above = np.arange(256.0) - water_level(atmosphere.puddles)
-        self._dark_table = np.clip(np.ceil(DARK * above), 0, 255).astype(np.uint8)
+        self._level = water_level(atmosphere.puddles)
         self._share_table = np.maximum(standing, np.rint(share * road_table())).astype(np.uint8)
         self._reflectance = np.rint(255.0 * reflectance(sines) * fading)[: self._rows].astype(np.uint8)
         self._ripple = round(RIPPLE * min(1.0, atmosphere.rain_mmph / FILM_MMPH) / REFINEMENT)
         self._rng = stream(seed, "rain on puddles")
         self._from_row = np.arange(self._rows)
+        self._age = 0  # of the mirror image, in frames
+        size = (self._rows * REFINEMENT, camera.width_px)
+        self._dimming, self._added = np.empty((*size, 3), np.uint8), np.empty((*size, 3), np.uint8)
+        self._left = np.empty(size, np.uint8)
 
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
         """Mirror what is drawn above the horizon and the things that will be drawn, in place."""
         if self._none:
             return
-        sky = self._mirrored_sky(frame)
-        self._last = (view, drawn, sky)
+        self._age += 1
+        if self._last is None or not self._ripple or self._age == EVERY:
+            mirror = self._mirror(view, self._mirrored_sky(frame), drawn)
+            self._age = 0
+        else:
+            mirror = self._last[0]
         if self._ripple:
             self._from_row = self._rng.integers(-self._ripple, self._ripple + 1, self._rows) + np.arange(self._rows)
         water = self._water(view)
-        self._lay(frame, water.through, self._mirrored(view, water, sky, drawn))
+        self._last = (mirror, water, drawn)
+        self._lay(frame, water.through, self._light(mirror, water))
 
     def hidden(self) -> Bools:
         """(H, W) where the last frame shows mirror images of things: they make up a quarter of what is seen, or differ
@@ -98,11 +118,20 @@ class WetRoad:
         mask = np.zeros(self._size, np.uint8)
         if self._last is None:
             return mask.astype(bool)
-        view, drawn, sky = self._last
-        water, white, black = self._water(view), np.full_like(sky, 255), np.zeros_like(sky)
-        of_sky = cv2.subtract(self._mirrored(view, water, white, drawn), self._mirrored(view, water, black, drawn))
-        share = cv2.subtract(self._mirrored(view, water, white, []), of_sky)
-        contrast = cv2.absdiff(self._mirrored(view, water, sky, drawn), self._mirrored(view, water, sky, []))
+        mirror, water, drawn = self._last
+        white, black = np.full_like(mirror.sky, 255), np.zeros_like(mirror.sky)
+        of_sky, of_nothing, with_things, without, all_sky = (
+            self._light(self._mirror(mirror.view, sky, things), water)
+            for sky, things in (
+                (white, mirror.drawn),
+                (black, mirror.drawn),
+                (mirror.sky, mirror.drawn),
+                (mirror.sky, []),
+                (white, []),
+            )
+        )
+        share = cv2.subtract(all_sky, cv2.subtract(of_sky, of_nothing))
+        contrast = cv2.absdiff(with_things, without)
         shown = (np.asarray(share).max(axis=2) > HIDDEN_SHARE) | (np.asarray(contrast).max(axis=2) > HIDDEN_LEVELS)
         below = mask[self._top : self._top + self._rows * REFINEMENT]
         below[:] = shown.repeat(REFINEMENT, axis=0).repeat(REFINEMENT, axis=1)[: len(below)]
@@ -113,32 +142,38 @@ class WetRoad:
     def _water(self, view: View) -> Water:
         """Where there is water."""
         depths = self._depths(view)
-        dark: Any = cv2.LUT(depths, self._dark_table)
+        dark: Any = cv2.addWeighted(depths, DARK, depths, 0.0, -DARK * self._level)
         share: Any = cv2.multiply(cv2.LUT(depths, self._share_table), self._reflectance, scale=1 / 255)
         through: Any = cv2.subtract(cv2.bitwise_not(share), dark)
-        standing: Any = cv2.threshold(dark, 0.0, 255.0, cv2.THRESH_BINARY)[1]
+        standing: Any = cv2.threshold(depths, self._level, 255.0, cv2.THRESH_BINARY)[1]
         return Water(share, through, standing)
 
-    def _mirrored(self, view: View, water: Water, sky: Bytes, drawn: list[Drawn]) -> Bytes:
-        """(rows, columns, 3) the light that the water sends to the camera."""
-        mirror = sky.copy()
+    def _mirror(self, view: View, sky: Bytes, drawn: list[Drawn]) -> Mirror:
+        """Things before the mirrored sky."""
+        sharp = sky.copy()
         for sprite in large_sprites(drawn):
-            paint_sprite(mirror, view, self._top, sprite)
-        paint_faces(mirror, self._top, mirrored_faces(view, drawn, 0.5 * self._smear * REFINEMENT))
-        light: Any = cv2.blur(mirror, (1, self._smear))
+            paint_sprite(sharp, view, self._top, sprite)
+        paint_faces(sharp, self._top, mirrored_faces(view, drawn, 0.5 * self._smear * REFINEMENT))
+        return Mirror(view, drawn, sky, sharp, np.asarray(cv2.blur(sharp, (1, self._smear)), np.uint8))
+
+    def _light(self, mirror: Mirror, water: Water) -> Bytes:
+        """(rows, columns, 3) the light that the water sends to the camera."""
+        sharp, light = mirror.sharp, mirror.smeared.copy()
         if self._ripple:
-            mirror = mirror.take(self._from_row, axis=0, mode="clip")
-        cv2.copyTo(mirror, water.standing, light)
-        cv2.multiply(light, cv2.merge([water.share] * 3), light, scale=1 / 255)
-        return np.asarray(light, np.uint8)
+            sharp = sharp.take(self._from_row, axis=0, mode="clip")
+        cv2.copyTo(sharp, water.standing, light)
+        cv2.multiply(light, cv2.cvtColor(water.share, cv2.COLOR_GRAY2RGB), light, scale=1 / 255)
+        return light
 
     def _lay(self, frame: Image, through: Bytes, light: Bytes) -> None:
         """Dim the road and add what it mirrors."""
         rows = frame[self._top : self._top + self._rows * REFINEMENT]
         size = (frame.shape[1], self._rows * REFINEMENT)
-        left: Any = cv2.cvtColor(cv2.resize(through, size), cv2.COLOR_GRAY2RGB)
-        cv2.multiply(rows, left[: len(rows)], rows, scale=1 / 255)
-        cv2.add(rows, cv2.resize(light, size)[: len(rows)], rows)
+        cv2.resize(through, size, self._left)
+        cv2.cvtColor(self._left, cv2.COLOR_GRAY2RGB, self._dimming)
+        cv2.multiply(rows, self._dimming[: len(rows)], rows, scale=1 / 255)
+        cv2.resize(light, size, self._added)
+        cv2.add(rows, self._added[: len(rows)], rows)
 
     def _mirrored_sky(self, frame: Image) -> Bytes:
         """The sky upside down."""
