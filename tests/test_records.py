@@ -27,7 +27,7 @@ KEYS = {
     *("id", "scenario", "weather", "driver", "seed", "status", "route_completion", "path_mse_m2", "max_lane_offset_m"),
     *("accuracy", "collisions", "collided_with", "min_clearance_m", "driving_score_2_0", "driving_score_2_1"),
     *("invalid_frame", "comfort", "perception", "steps", "states_sha256", "frames_sha256", "chattering"),
-    *("collision_type", "at_fault_collisions"),
+    *("collision_type", "at_fault_collisions", "path_mse_parts_m2"),
 }
 OWN_RUN = OwnRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
 ASKED: dict[str, Any] = {
@@ -64,6 +64,16 @@ def test_a_record_of_a_drive_that_is_known_in_closed_form() -> None:
     assert record["accuracy"]["paired"]["steering"]["mae"] == pytest.approx(0.1)
     assert (record["route_completion"], record["driving_score_2_1"]) == (1.0, 1.0)
     assert (record["collisions"], record["min_clearance_m"], record["invalid_frame"]) == (0, None, None)
+
+
+def test_the_path_is_scored_by_part() -> None:
+    driven = outcome(Constant(1.0, 0.1))
+    table = driven.steps.replaced({"passing": np.arange(11) >= 6})
+    record = records.score(JOB, replace(driven, steps=table), TinyWorld().route, 10.0)
+    offsets = 0.1 * np.arange(11.0)
+    parts = {"clear_of_obstacles": np.mean(offsets[:6] ** 2), "passing": np.mean(offsets[6:] ** 2)}
+    assert record["path_mse_parts_m2"] == pytest.approx(parts)
+    assert record["path_mse_m2"] == pytest.approx((6 * parts["clear_of_obstacles"] + 5 * parts["passing"]) / 11)
 
 
 def test_a_record_holds_no_nan_and_survives_json() -> None:

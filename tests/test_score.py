@@ -16,7 +16,7 @@ from vpf_sim.evaluation import episode, records, rescore, steps
 from vpf_sim.evaluation.benchmark import with_paper
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.json_lines import read_lines
-from vpf_sim.evaluation.metrics import path as path_metric
+from vpf_sim.evaluation.metrics import driving_score
 from vpf_sim.evaluation.plan import Plan
 from vpf_sim.evaluation.run_folder import RunFolder, manifest
 from vpf_sim.evaluation.summary import summarize
@@ -87,14 +87,14 @@ def test_a_changed_formula_is_stored_and_marked_with_the_code_that_made_it(
     run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = read_lines(run / "episodes.jsonl")
-    monkeypatch.setattr(path_metric, "path_mse", lambda *_: 0.25)
+    monkeypatch.setattr(driving_score, "driving_score_2_0", lambda *_: 0.25)
     monkeypatch.setattr(rescore, "fingerprint", lambda: {"source": "newer"})
-    assert set(map(tuple, rescore.rescore(run).changed.values())) == {("path_mse_m2",)}
+    assert set(map(tuple, rescore.rescore(run).changed.values())) == {("driving_score_2_0",)}
     after = read_lines(run / "episodes.jsonl")
     mark = after[0]["fingerprint"]
-    assert after[:3] == [{**record, "path_mse_m2": 0.25, "fingerprint": mark} for record in before[:3]]
+    assert after[:3] == [{**record, "driving_score_2_0": 0.25, "fingerprint": mark} for record in before[:3]]
     assert after[3] == before[3], "nothing was scored, nothing is marked"
-    assert json.loads((run / "summary.json").read_text())["rows"][1]["path_mse_m2"] == 0.25
+    assert json.loads((run / "summary.json").read_text())["rows"][1]["driving_score_2_0"] == 0.25
     assert rescore.rescore(run).changed == {}, "the mark alone is no change"
 
 

@@ -115,6 +115,7 @@ def record(seed: int, status: str, mse: float, throttle: float | None) -> dict[s
     accuracy = {"shadow": {"throttle": {"range": throttle}}}
     hit = int(status == "collision")
     rest = {"max_lane_offset_m": 0.0, "min_clearance_m": mse, "accuracy": accuracy, "perception": {}, "comfort": None}
+    rest |= {"path_mse_parts_m2": {"passing": None, "clear_of_obstacles": mse}}
     rest |= {"chattering": {"steering": {"direction_changes_per_s": mse}}, "collisions": hit, "at_fault_collisions": 0}
     scores = {"route_completion": 0.5, "driving_score_2_0": 0.5, "driving_score_2_1": 0.25, "path_mse_m2": mse}
     return {"id": f"a.clear.pid.{seed}", "seed": seed, "status": status, **scores, **rest}

@@ -28,7 +28,7 @@ def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> d
             "status": outcome.status,
             "invalid_frame": outcome.invalid_frame,
             "route_completion": completion,
-            "path_mse_m2": path.path_mse(table.positions_m, path.shorten(route, route_length_m)),
+            **_path_mse(table, path.shorten(route, route_length_m)),
             "max_lane_offset_m": np.max(np.abs(table.lane_offset_m)),
             "accuracy": _accuracy(table),
             "collisions": len(hits),
@@ -50,26 +50,11 @@ def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> d
 
 def failed(job: Job, status: str = "error", invalid_frame: dict[str, Any] | None = None) -> dict[str, Any]:
     """The record of an episode that never began, or whose worker died: nothing to score."""
-    scores = dict.fromkeys(
-        (
-            "path_mse_m2",
-            "max_lane_offset_m",
-            "accuracy",
-            "collided_with",
-            "min_clearance_m",
-            "comfort",
-            "chattering",
-            "perception",
-            "collision_type",
-        )
-    )
-    none_driven = {
-        "route_completion": 0.0,
-        "driving_score_2_0": 0.0,
-        "driving_score_2_1": 0.0,
-        "collisions": 0,
-        "at_fault_collisions": 0,
-    }
+    of_the_drive = ("path_mse_m2", "path_mse_parts_m2", "max_lane_offset_m", "accuracy", "min_clearance_m")
+    of_the_hands = ("comfort", "chattering", "perception", "collided_with", "collision_type")
+    scores = dict.fromkeys((*of_the_drive, *of_the_hands))
+    none_driven = dict.fromkeys(("route_completion", "driving_score_2_0", "driving_score_2_1"), 0.0)
+    none_driven |= {"collisions": 0, "at_fault_collisions": 0}
     hashes = {"steps": 0, "states_sha256": None, "frames_sha256": None}
     return {**_identity(job), "status": status, "invalid_frame": invalid_frame, **scores, **none_driven, **hashes}
 
@@ -87,6 +72,16 @@ def finite(value: Any) -> Any:
 
 def _identity(job: Job) -> dict[str, Any]:
     return {"id": job.id, **job._asdict()}
+
+
+def _path_mse(table: StepTable, reference: Floats) -> dict[str, Any]:
+    """Whole and in the two parts of the way."""
+    passing = table.passing > 0.0
+    parts = {"clear_of_obstacles": ~passing, "passing": passing}
+    return {
+        "path_mse_m2": path.path_mse(table.positions_m, reference),
+        "path_mse_parts_m2": {part: path.path_mse(table.positions_m[rows], reference) for part, rows in parts.items()},
+    }
 
 
 def _accuracy(table: StepTable) -> dict[str, Any]:

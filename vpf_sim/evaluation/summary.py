@@ -17,7 +17,15 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.statistics import mean_interval, seeds_for_mean, seeds_for_share, share_interval
 
 Record = dict[str, Any]
-MEANS = ("path_mse_m2", "max_lane_offset_m", "min_clearance_m", "accuracy", "chattering", "perception")
+MEANS = (
+    "path_mse_m2",
+    "path_mse_parts_m2",
+    "max_lane_offset_m",
+    "min_clearance_m",
+    "accuracy",
+    "chattering",
+    "perception",
+)
 OF_ALL = ("route_completion", "driving_score_2_0", "driving_score_2_1")
 WIDTHS = {"success_rate": 0.1, "path_mse_m2": 0.1}  # of the intervals whose number of seeds is told
 
