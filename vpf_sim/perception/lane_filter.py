@@ -13,6 +13,9 @@ DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002])
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
 SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
 PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass
+# Sightings further from the prediction than so many standard deviations, plus so much, are of something else.
+GATE, GATE_M = 4.0, 0.15
+NEIGHBOUR_M = 0.12  # and so are those that are further aside than the sightings in both rows beside them
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +53,7 @@ class LaneFilter:
     def correct(self, sightings: Sightings) -> None:
         """Iterated robust least squares with the prediction as prior: sightings far off the lines count for nothing."""
         prior, information = self.state, np.linalg.inv(self.covariance)
-        seen = sightings.seen
+        seen = sightings.seen & self._possible(sightings)
         state, normal = prior, information
         for cut_m in PASSES:
             right, jacobian, reached = lines(state, sightings.offsets_m, sightings.forward_m)
@@ -63,6 +66,17 @@ class LaneFilter:
             gradient = weighted.T @ residual[seen & reached] + information @ (prior - state)
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
+
+    def _possible(self, sightings: Sightings) -> Bools:
+        """(L, R) sightings that the prediction allows: drops, puddles and mirror images are bright in other places."""
+        right, jacobian, _ = lines(self.state, sightings.offsets_m, sightings.forward_m)
+        variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + sightings.variance_m2
+        aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
+        with np.errstate(invalid="ignore"):
+            along = np.abs(np.diff(aside, axis=1)) < NEIGHBOUR_M
+        line = np.pad(along, ((0, 0), (1, 0))) | np.pad(along, ((0, 0), (0, 1)))
+        possible: Bools = line & (np.abs(aside) < GATE * np.sqrt(variance) + GATE_M)
+        return possible
 
     @property
     def sigma_m(self) -> float:

@@ -23,6 +23,9 @@ LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says noth
 LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
 FORGET = 0.85  # of the evidence, kept from one judgement to the next
 LINE_REACH_M = 0.2
+# A lane is left for another that has been likelier for this share of the time it was followed, at most so many
+# judgements: a frame's lines and ground stay in view for seconds, so judgements repeat each other's errors.
+LASTING_SHARE, LASTING_MOST = 0.5, 40
 
 
 @dataclass(slots=True)
@@ -33,6 +36,9 @@ class LaneIndex:
     lane_width_m: float
     log_odds: Floats  # (2 * lanes - 1,) n = -(lanes - 1) .. lanes - 1
     agreement: float | None  # 0 .. 1, how much of the expected lines is seen, lately; None before the first judgement
+    followed: int = 0  # judgements since the lane was taken
+    rival: int = 0  # shift to the lane that is likelier now, 0 none
+    led: int = 0  # judgements in a row in which it was
 
     @classmethod
     def start(cls, lanes: int, lane_width_m: float) -> "LaneIndex":
@@ -60,6 +66,14 @@ class LaneIndex:
                 moved[i] = self.log_odds[i + lanes]
         self.log_odds = moved
         self.agreement = None
+        self.followed = self.rival = self.led = 0
+
+    def is_lasting(self, rival: int) -> bool:
+        """Whether the lane `rival` lanes off, likelier at this judgement (0: none is), has been so for long enough."""
+        self.followed += 1
+        self.led = self.led + 1 if rival == self.rival else 1
+        self.rival = rival
+        return rival != 0 and self.led >= min(LASTING_SHARE * self.followed, LASTING_MOST)
 
     def judge(self, state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye) -> None:
         """Take in one frame."""

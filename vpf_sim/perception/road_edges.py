@@ -17,8 +17,9 @@ RIDGE_REACH_M = 0.25
 SEARCH_REACH_M = 0.5
 AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
-SWITCH_PROBABILITY = 0.97  # of another lane, before the tracked place moves there
+SWITCH_PROBABILITY = 0.97  # of another lane, lasting, before the tracked place moves there
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
+LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is looked for from nothing
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_LOOKS = 0.3, 0.04, 3
 
 
@@ -84,6 +85,7 @@ class RoadEdgeTracker:
         self._visible = cv2.erode(self.view.visible.astype(np.uint8), np.ones((1, margin), np.uint8)) > 0
         self._variance = sighting_variance(camera, self.view.forward_m, config.sigma_m, config.sigma_px)
         self._filter: LaneFilter | None = None
+        self._lost: LaneFilter | None = None  # what was followed last, carried on by the own motion alone
         self._index = LaneIndex.start(config.lanes, config.lane_width_m)
         self._pose: Floats | None = None
         self._frame = -1
@@ -110,9 +112,10 @@ class RoadEdgeTracker:
         return self._report(speed_mps, yaw_rate_radps)
 
     def _predict(self, pose: Floats) -> None:
-        if self._filter is not None and self._pose is not None:
+        followed = self._filter or self._lost
+        if followed is not None and self._pose is not None:
             step = (pose[:2] - self._pose[:2]) @ rotation(self._pose[2])
-            self._filter.predict(np.array([*step, wrap_angle(float(pose[2] - self._pose[2]))]))
+            followed.predict(np.array([*step, wrap_angle(float(pose[2] - self._pose[2]))]))
         self._pose = pose
 
     def _ridges(self, grey: Image, obstacles: Obstacles | None) -> RidgeMap:
@@ -140,27 +143,39 @@ class RoadEdgeTracker:
         found = sight(ridges, self.view, expected, reached, offsets, SEARCH_REACH_M, self._variance)
         enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
         if enough:
+            before = LaneFilter(tracked.state, tracked.covariance)
             tracked.correct(found)
+            if not is_sane(tracked.state):  # mirror images or drops taken for lines: what was known is better
+                tracked.state, tracked.covariance = before.state, before.covariance
+                enough = False
         if not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
-            self._filter = None
-        return enough and self._filter is not None
+            self._filter, self._lost = None, tracked
+            return False
+        return enough
 
     def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
-        """Start from nothing: the road that explains most ridges, in the lane that explains the edges."""
-        lane, place = self.config.lane_width_m, self.config.likely_place_m
+        """The road that explains most ridges: in the lane where the own motion has led since it was lost, or, from
+        nothing, in the one that explains the edges."""
+        lane, lost = self.config.lane_width_m, self._lost if self._is_known(self._lost) else None
+        place = self.config.likely_place_m if lost is None else float(lost.state[0])
         score, (y, heading, curvature) = comb(ridges, self.view, lane)
         if score < self.config.least_comb:
             return
         phase = (self.config.line_offsets_m[0] + y - place + 0.5 * lane) % lane - 0.5 * lane
-        state = np.array([place + phase, heading, *np.full(SIZE - 2, curvature)])
-        self._filter = LaneFilter(state, np.eye(SIZE))
-        self._index = LaneIndex.start(self.config.lanes, lane)
+        found = LaneFilter(np.array([place + phase, heading, *np.full(SIZE - 2, curvature)]), np.eye(SIZE))
         for _ in range(FIRST_LOOKS):
-            self._filter.covariance = initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD)
-            if not self._look(self._filter, ridges):
-                self._filter = None
+            found.covariance = initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD)
+            if not self._look(found, ridges):
+                self._filter, self._lost = None, lost
                 return
-        self._judge(self._filter, image_rgb, ridges, 0.0)
+        if lost is None:
+            self._index = LaneIndex.start(self.config.lanes, lane)
+        self._filter, self._lost = found, None
+        self._judge(found, image_rgb, ridges, 0.0 if lost is None else SWITCH_PROBABILITY)
+
+    def _is_known(self, state: LaneFilter | None) -> bool:
+        """Whether a road that was lost may still tell one lane from the next."""
+        return state is not None and is_sane(state.state) and state.sigma_m < LOST_SHARE * self.config.lane_width_m
 
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap, least: float) -> None:
         """Move to another lane when the edges of the carriageway say so with more than the `least` probability."""
@@ -168,7 +183,7 @@ class RoadEdgeTracker:
         likely = self._index.probabilities(tracked.state[0])
         best = int(np.argmax(likely))
         lanes = int(self._index.shifts[best])
-        if lanes and likely[best] > least:
+        if self._index.is_lasting(lanes if likely[best] > least else 0):
             tracked.state = tracked.state + np.array([lanes * self.config.lane_width_m, *np.zeros(SIZE - 1)])
             self._index.shift(lanes)
 
@@ -176,23 +191,24 @@ class RoadEdgeTracker:
         """The state as edges; its one curvature is the one that puts the road 10 m ahead where the state has it."""
         config = self.config
         half = 0.5 * config.lanes * config.lane_width_m
-        if self._filter is None:
+        tracked = self._filter or self._lost
+        if tracked is None or not self._is_known(tracked):
             place = config.likely_place_m
             curvature = float(np.clip(yaw_rate_radps / max(speed_mps, 1.0), -0.05, 0.05))
             return RoadEdges(-half - place, half - place, 0.0, curvature, config.lane_width_m, 0.0)
-        state = self._filter.state
+        state = tracked.state
         place = float(state[0])
         bend = curvature_ahead(state, AHEAD_M)
         likely = self._index.probabilities(place)[config.lanes - 1]
         lines_seen = float(
             np.clip(((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT), 0.0, 1.0)
         )
-        certain = float(likely) * lines_seen * float(np.exp(-self._filter.sigma_m / 0.3))
+        certain = float(likely) * lines_seen * float(np.exp(-tracked.sigma_m / 0.3)) * (self._filter is not None)
         return RoadEdges(
             left_m=-half - place,
             right_m=half - place,
             heading_rad=float(state[1]),
             curvature_per_m=bend / (1.0 - bend * place),
-            sigma_m=self._filter.sigma_m,
+            sigma_m=tracked.sigma_m,
             confidence=certain,
         )

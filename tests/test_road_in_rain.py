@@ -1,0 +1,63 @@
+"""The carriageway's lane and shape when bright spots, mirror images and blind moments come between."""
+
+import cv2
+import numpy as np
+import pytest
+from road_picture import RoadPicture
+
+from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
+from vpf_sim.perception.lane_index import LASTING_MOST, LaneIndex
+from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road_model import lines
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats
+
+SPEED_MPS, RATE_HZ = 5.55, 20.0
+OFFSETS = RoadEdgeConfig().line_offsets_m
+
+
+def test_bright_spots_do_not_bend_the_road_ahead() -> None:
+    """Near, all lines are seen; far off, a tenth of them, among five times as many spots anywhere within reach."""
+    rng = stream(31, "spots")
+    forward: Floats = np.arange(4.0, 29.0, 0.5)
+    truth = np.array([1.75, 0.0, *np.full(4, 0.005)])
+    tracked = LaneFilter(truth.copy(), initial_covariance(0.05, 0.005))
+    variance = np.full((len(OFFSETS), len(forward)), 0.02**2)
+    bend = []
+    for _ in range(300):
+        tracked.predict(np.array([SPEED_MPS / RATE_HZ, 0.0, SPEED_MPS / RATE_HZ * 0.005 / (1.0 - 0.005 * 1.75)]))
+        expected, _, _ = lines(tracked.state, OFFSETS, forward)
+        right, _, _ = lines(truth, OFFSETS, forward)
+        near = np.broadcast_to(forward < 12.0, right.shape)
+        spot = ~near & (rng.random(right.shape) < 0.5)
+        stretch = np.repeat(rng.random((len(OFFSETS), 10)) < 0.1, 5, axis=1)  # of 2.5 m
+        place = np.where(near | stretch, right, expected + rng.uniform(-0.5, 0.5, right.shape))
+        tracked.correct(Sightings(OFFSETS, forward, place, variance, near | stretch | spot))
+        bend.append(tracked.state[2:].copy())
+    assert np.abs(np.array(bend) - 0.005).max() < 0.03
+
+
+def test_a_lost_road_is_found_again_in_the_lane_in_which_it_was_left() -> None:
+    """Lane 3, then nothing to see, then lines without an end on either side, which fit any lane."""
+    camera = Camera()
+    blank = np.full((camera.height_px, camera.width_px, 3), 100, np.uint8)
+    known, endless = RoadPicture(camera), RoadPicture(camera, half_width_m=14.0)
+    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(lost_sigma_m=0.06), RATE_HZ)
+    for i in range(100):
+        pose = known.pose(i * SPEED_MPS / RATE_HZ, -1.75, 0.0)
+        frame = known.draw(pose, i) if i < 8 else blank if i < 90 else endless.draw(pose, i)
+        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
+        assert edges.right_m == pytest.approx(8.75, abs=0.3)
+        if i == 89:
+            assert edges.confidence == 0.0
+
+
+def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:
+    index = LaneIndex.start(4, 3.5)
+    assert index.is_lasting(2)
+    index = LaneIndex.start(4, 3.5)
+    assert not any(index.is_lasting(0) for _ in range(200))
+    assert not any(index.is_lasting(1) for _ in range(LASTING_MOST - 1))
+    assert not index.is_lasting(2)
+    assert not any(index.is_lasting(1) for _ in range(LASTING_MOST - 1))
+    assert index.is_lasting(1)
