@@ -151,10 +151,10 @@ def other_scenario(run: Path) -> None:
 @pytest.mark.parametrize(
     ("spoil", "sentence"),
     [
-        (cut, "expected the steps of an episode as Parquet, got: "),
+        (cut, "expected a step table of this version, got: "),
         (lambda run: first_steps(run).unlink(), "expected the steps of an episode, found nothing"),
-        (lambda run: first_steps(run).write_text("x"), "expected the steps of an episode as Parquet, got: "),
-        (other_table, 'as Parquet, got: Field "x_m" does not exist in schema'),
+        (lambda run: first_steps(run).write_text("x"), "expected a step table of this version, got: "),
+        (other_table, 'of this version, got: Field "x_m" does not exist in schema'),
         (swap, "of the record, got "),
         (edit(lambda record: record.pop("status")), "key 'status' is missing"),
         (edit(lambda record: record.update(id="x")), "episodes.jsonl: x: expected an episode of the plan"),

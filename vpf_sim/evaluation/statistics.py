@@ -115,7 +115,8 @@ def _signs(count: int) -> Floats:
         bits = np.arange(2**count)[:, None] >> np.arange(count) & 1
     else:
         bits = stream(count, "sign flips").integers(0, 2, (_resamples(count), count))
-    return 2.0 * bits - 1.0
+    signs: Floats = 2.0 * bits.astype(np.float64) - 1.0
+    return signs
 
 
 def paired_shares(first: Bools, second: Bools) -> Difference:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vpf_sim.errors import InputError
 from vpf_sim.types import Floats
 
 
@@ -112,8 +113,15 @@ def write(table: StepTable, path: Path) -> None:
 
 
 def read(path: Path) -> StepTable:
-    """The table that `write` stored."""
+    """The table that `write` stored; InputError where there is none of this version's."""
     import pyarrow.parquet as pq
 
-    stored = pq.read_table(path)
-    return StepTable(np.column_stack([stored[name].to_numpy() for name in Step._fields]))
+    try:
+        stored = pq.read_table(path)
+        columns = [stored[name].to_numpy() for name in Step._fields]
+    except FileNotFoundError:
+        raise InputError(f"{path}: expected the steps of an episode, found nothing") from None
+    except (OSError, ValueError, KeyError) as error:  # pyarrow's own are among them
+        reason = " ".join(str(error.args[0] if error.args else error).split())[:120]
+        raise InputError(f"{path}: expected a step table of this version, got: {reason}") from None
+    return StepTable(np.column_stack(columns))
