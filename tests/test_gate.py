@@ -62,19 +62,61 @@ def spread(job: Job) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("change", "bound", "outcome", "actual", "seeds"),
     [
-        (lost, "success_rate_at_least = 0.7", "passed", "0.7 over 10 episodes, 1 without a record", ()),
-        (lost, "success_rate_at_least = 0.71", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
-        (lost, "success_rate_at_least = 0.70001", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
-        (lost, "collisions_at_most = 3", "passed", "3 over 10 episodes, 1 without a record", ()),
-        (lost, "collisions_at_most = 2", "failed", "3 over 10 episodes, 1 without a record", (3, 5, 8)),
-        (lost, "comfortable_share_at_least = 0.7", "passed", "0.7 over 10 episodes, 1 without a record", ()),
-        (lost, "comfortable_share_at_least = 0.8", "failed", "0.7 over 10 episodes, 1 without a record", (3, 5, 8)),
-        (lost, "path_mse_m2_at_most = 9", "failed", "0.4 m2 over 7 episodes, 1 without a record", (3,)),
+        (
+            lost,
+            "success_rate_at_least = 0.7",
+            "passed",
+            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            (),
+        ),
+        (
+            lost,
+            "success_rate_at_least = 0.71",
+            "failed",
+            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            (3, 5, 8),
+        ),
+        (
+            lost,
+            "success_rate_at_least = 0.70001",
+            "failed",
+            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            (3, 5, 8),
+        ),
+        (lost, "collisions_at_most = 3", "passed", "3 over 10 episodes, 1 without a record, 1 ended by a fault", ()),
+        (
+            lost,
+            "collisions_at_most = 2",
+            "failed",
+            "3 over 10 episodes, 1 without a record, 1 ended by a fault",
+            (3, 5, 8),
+        ),
+        (
+            lost,
+            "comfortable_share_at_least = 0.7",
+            "passed",
+            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            (),
+        ),
+        (
+            lost,
+            "comfortable_share_at_least = 0.8",
+            "failed",
+            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            (3, 5, 8),
+        ),
+        (
+            lost,
+            "path_mse_m2_at_most = 9",
+            "failed",
+            "0.4 m2 over 7 episodes, 1 without a record, 1 ended by a fault",
+            (3,),
+        ),
         (
             lost,
             "clearance_m_at_least = 0.6",
             "failed",
-            "0.5 m over 7 episodes, 1 without a record",
+            "0.5 m over 7 episodes, 1 without a record, 1 ended by a fault",
             (3, 0, 1, 2, 4, 6, 7, 9),
         ),
         # the mean of 0, 1, 2, 4, 6, 7, 9 tenths is 29 / 70
@@ -200,7 +242,7 @@ def test_on_other_seeds_the_baselines_interval_counts(score: str, file: str, tmp
 
     found = against(tmp_path / "worse", score, bad, good, file, seeds="20:30")
     assert found.outcome == "failed"
-    assert found.actual.endswith("on other seeds")
+    assert found.actual.endswith("in the summary" if file else "on other seeds")
     assert against(tmp_path / "same", score, good, good, file, seeds="0:11").outcome == "passed"
 
 

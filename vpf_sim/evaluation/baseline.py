@@ -118,7 +118,8 @@ def _unpaired(sign: float, ours: Mapping[int, float], theirs: Before) -> Compari
     low, high = theirs.interval or (theirs.mean, theirs.mean)
     worst = low if sign > 0.0 else high
     lost = {seed: sign * (worst - value) for seed, value in ours.items() if sign * (worst - value) > 0.0}
-    told = f"{mean:.3g}, was {theirs.mean:.3g} [{low:.3g}, {high:.3g}] on other seeds"
+    where = "on other seeds" if theirs.by_seed else "in the summary"
+    told = f"{mean:.3g}, was {theirs.mean:.3g} [{low:.3g}, {high:.3g}] {where}"
     return Comparison(told, sign * (worst - mean) > 0.0, tuple(worst_first(lost)))
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation import baseline
-from vpf_sim.evaluation.cells import Cell, Episodes, Run, values_of, worst_first
+from vpf_sim.evaluation.cells import FAULTS, Cell, Episodes, Run, values_of, worst_first
 from vpf_sim.evaluation.rules import Rule, Score
 from vpf_sim.evaluation.statistics import mean_interval
 
@@ -93,10 +93,14 @@ def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
 
 
 def _checked(check: Check, score: Score, episodes: Episodes) -> Check:
-    """With the episodes that have no record: they count in shares anyway, and break the rules on other scores."""
+    """With the episodes that were not driven to an end told.
+
+    Those without a record count in shares anyway, and break the rules on other scores.
+    """
     missing = tuple(seed for seed, episode in episodes.items() if episode is None)
-    if missing:
-        check = replace(check, actual=f"{check.actual}, {len(missing)} without a record")
+    faults = sum(episode is not None and episode.status in FAULTS for episode in episodes.values())
+    told = ((len(missing), "without a record"), (faults, "ended by a fault"))
+    check = replace(check, actual=", ".join([check.actual, *(f"{count} {what}" for count, what in told if count)]))
     if missing and score not in PERFECT:
         seeds = check.seeds if check.outcome == "failed" else ()
         check = replace(check, outcome="failed", seeds=tuple(dict.fromkeys([*missing, *seeds])))
