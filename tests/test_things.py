@@ -26,8 +26,9 @@ def rectangle(x0: float, y0: float, x1: float, y1: float, grey: float, depth_m: 
 
 
 def sprite(x: int, y: int, size: int, grey: int) -> Sprite:
-    shape = (size, size, 3)
-    return Sprite(x, y, np.full(shape, grey, np.uint8), np.zeros(shape, np.uint8), 10.0)
+    picture = np.full((size, size, 4), grey, np.uint8)
+    picture[..., 3] = 0
+    return Sprite(x, y, picture, 10.0)
 
 
 def canvas(grey: int = 40) -> Image:

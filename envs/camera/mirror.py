@@ -122,8 +122,8 @@ def paint_faces(canvas: Image, top: int, faces: Faces) -> None:
 def large_sprites(drawn: list[Drawn]) -> list[Sprite]:
     """The largest upright pictures, in their order."""
     sprites = [thing.drawing for thing in drawn if isinstance(thing.drawing, Sprite)]
-    tall = [sprite for sprite in sprites if sprite.through.shape[0] >= SPRITE_TALL_PX]
-    largest = sorted(tall, key=lambda sprite: -sprite.through.shape[0])[:SPRITES]
+    tall = [sprite for sprite in sprites if sprite.picture.shape[0] >= SPRITE_TALL_PX]
+    largest = sorted(tall, key=lambda sprite: -sprite.picture.shape[0])[:SPRITES]
     return [sprite for sprite in tall if any(sprite is other for other in largest)]
 
 
@@ -131,7 +131,7 @@ def paint_sprite(canvas: Image, view: View, top: int, sprite: Sprite) -> None:
     """Draw an upright picture upside down below its foot."""
     camera = view.camera
     foot = horizon_row(camera) + camera.fy_px * camera.height_m / sprite.depth_m
-    tall, wide = sprite.through.shape[:2]
+    tall, wide = sprite.picture.shape[:2]
     size = (max(1, wide // REFINEMENT), max(1, tall // REFINEMENT))
     y = round((2.0 * foot - (sprite.y + tall) - top) / REFINEMENT)
     x = sprite.x // REFINEMENT

@@ -8,7 +8,7 @@ exact coverage and the picture beneath stays as it was where nothing is drawn.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from math import cos, sin
 
 import cv2
 import numpy as np
@@ -57,9 +57,24 @@ class Sprite:
 
     x: int
     y: int
-    colour: Image  # (h, w, 3) colours times opacity
-    through: Image  # (h, w, 3) what is seen through it, of 255
+    picture: Image  # (h, w, 4) colours times opacity, and what is seen through, of 255
     depth_m: float
+
+    @property
+    def colour(self) -> Image:
+        """(h, w, 3) colours times opacity."""
+        return np.asarray(cv2.cvtColor(self.picture, cv2.COLOR_BGRA2BGR), np.uint8)
+
+    @property
+    def through(self) -> Image:
+        """(h, w, 3) what is seen through, of 255."""
+        return np.asarray(cv2.cvtColor(cv2.extractChannel(self.picture, 3), cv2.COLOR_GRAY2BGR), np.uint8)
+
+    @property
+    def box(self) -> Box:
+        """x0, y0, x1, y1 of its pixels."""
+        height, width = self.picture.shape[:2]
+        return self.x, self.y, self.x + width, self.y + height
 
 
 @dataclass(slots=True)
@@ -83,7 +98,7 @@ def drawing(view: View, faces: Floats, colours: Floats, planes: Floats, firsts: 
     points, each = fixed.reshape(-1, 2), firsts * fixed.shape[1]
     limits = np.array([view.camera.width_px, view.camera.height_px])
     low, high = np.minimum.reduceat(points, each) // SUBPIXELS, np.maximum.reduceat(points, each) // SUBPIXELS + 1
-    boxes = np.column_stack([np.maximum(low, 0), np.minimum(high, limits)]).tolist()
+    boxes = np.concatenate([np.maximum(low, 0), np.minimum(high, limits)], axis=1).tolist()
     return Drawing(polygons, fixed, colours, planes, [*firsts.tolist(), len(faces)], boxes)
 
 
@@ -115,25 +130,21 @@ def paint(frame: Image, drawn: list[Drawing | Sprite]) -> None:
 
 def paint_sprite(frame: Image, sprite: Sprite) -> None:
     """Draw an upright picture over the picture."""
-    height, width = sprite.through.shape[:2]
-    region = frame[sprite.y : sprite.y + height, sprite.x : sprite.x + width]
+    x0, y0, x1, y1 = sprite.box
+    region = frame[y0:y1, x0:x1]
     cv2.multiply(region, sprite.through, region, scale=1 / 255)
     cv2.add(region, sprite.colour, region)
 
 
-def premultiplied(picture: NDArray[np.integer[Any] | np.floating[Any]]) -> tuple[Image, Image]:
-    """(h, w, 3) colours times opacity and what is seen through, of a picture (h, w, 4) that holds both."""
-    through = cv2.cvtColor(cv2.extractChannel(picture, 3), cv2.COLOR_GRAY2BGR)
-    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGRA2BGR), np.uint8), np.asarray(through, np.uint8)
-
-
 def _painted_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[_Layer]:
     """Draw the layers that a sprite covers; those that still wait."""
-    height, width = sprite.through.shape[:2]
+    if not waiting:
+        return waiting
+    a0, b0, a1, b1 = sprite.box
     left = []
     for layer in waiting:
         x0, y0, x1, y1 = layer.box
-        if x0 < sprite.x + width and sprite.x < x1 and y0 < sprite.y + height and sprite.y < y1:
+        if x0 < a1 and a0 < x1 and y0 < b1 and b0 < y1:
             paint_sprite(frame, _rasterised(layer))
         else:
             left.append(layer)
@@ -193,7 +204,7 @@ def _rasterised(layer: _Layer) -> Sprite:
     while len(canvas) > height:
         half = (canvas.shape[1] // 2, canvas.shape[0] // 2)
         canvas = np.asarray(cv2.resize(canvas, half, interpolation=cv2.INTER_AREA), np.uint8)
-    return Sprite(x0, y0, *premultiplied(canvas), 0.0)
+    return Sprite(x0, y0, canvas, 0.0)
 
 
 def bounding_box(polygons: Floats, shape: tuple[int, ...]) -> Box | None:
@@ -207,7 +218,14 @@ def bounding_box(polygons: Floats, shape: tuple[int, ...]) -> Box | None:
 
 def footprint(pose: Floats, length: float, width: float) -> Floats:
     """(4, 2) m, the corners of a body at a pose (x, y, heading)."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    corners = 0.5 * np.array([[-length, -width], [-length, width], [length, width], [length, -width]])
-    turned: Floats = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
-    return turned
+    x, y, heading = pose.tolist()
+    ahead_x, ahead_y = 0.5 * length * cos(heading), 0.5 * length * sin(heading)
+    right_x, right_y = -0.5 * width * sin(heading), 0.5 * width * cos(heading)
+    return np.array(
+        [
+            (x - ahead_x - right_x, y - ahead_y - right_y),
+            (x - ahead_x + right_x, y - ahead_y + right_y),
+            (x + ahead_x + right_x, y + ahead_y + right_y),
+            (x + ahead_x - right_x, y + ahead_y - right_y),
+        ]
+    )

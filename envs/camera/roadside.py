@@ -62,13 +62,13 @@ class Roadside:
     def seen(self, view: View) -> tuple[Drawing | None, list[float]]:
         """The faces in view, the farthest thing first, and the depth of each, m."""
         group, axes, eye = self._close(view), view.axes, view.centre
-        ahead = (group.middles_m @ axes[2, :2] - float(axes[2, :2] @ eye[:2]))[group.owner]
+        ahead = (group.middles_m @ axes[2, :2] - float(axes[2, :2] @ eye[:2])).take(group.owner)
         away = group.normals @ eye - group.offsets_m
-        shown = np.flatnonzero((away > 1e-6) & (ahead >= group.from_m) & (ahead < group.until_m))
+        shown = ((away > 1e-6) & (ahead >= group.from_m) & (ahead < group.until_m)).nonzero()[0]
         if not len(shown):
             return None, []
         shown = shown[np.argsort(-ahead[shown], kind="stable")]
-        points = ((group.faces_m[shown].reshape(-1, 3) - eye) @ axes.T).reshape(-1, VERTICES, 3)
+        points = ((group.faces_m.take(shown, axis=0).reshape(-1, 3) - eye) @ axes.T).reshape(-1, VERTICES, 3)
         if ahead[shown[-1]] < self._widest_m:
             inside = self._may_show(points)
             shown, points = shown[inside], points[inside]
@@ -77,9 +77,11 @@ class Roadside:
         depth, owner = ahead[shown], group.owner[shown]
         starts = np.ones(len(owner), bool)
         np.not_equal(owner[1:], owner[:-1], out=starts[1:])
-        firsts = np.flatnonzero(starts)
-        planes = group.normals[shown] @ axes.T / -away[shown, None]
-        colours = self._air.colours(group.colours[shown], depth, np.minimum(1.0, FULL - depth * group.fading[shown]))
+        firsts = starts.nonzero()[0]
+        planes = group.normals.take(shown, axis=0) @ axes.T / -away[shown, None]
+        colours = self._air.colours(
+            group.colours.take(shown, axis=0), depth, np.minimum(1.0, FULL - depth * group.fading[shown])
+        )
         return drawing(view, points, colours, planes, firsts), depth[firsts].tolist()
 
     def shadow_polygons(self, light: Light) -> list[Floats]:

@@ -1,5 +1,7 @@
 """A body as the camera sees it: its mesh at a pose, in the light and through the air."""
 
+from math import cos, sin
+
 import numpy as np
 
 from vpf_sim.envs.camera.air import Air, contrasts
@@ -30,18 +32,19 @@ class Solid:
     def seen(self, view: View, pose: Floats) -> Drawing | None:
         """The visible faces at a pose (x, y, heading); None if there are none."""
         mesh = self._mesh
-        c, s = np.cos(pose[2]), np.sin(pose[2])
+        x, y, heading = pose.tolist()
+        c, s = cos(heading), sin(heading)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        eye = (view.centre - (pose[0], pose[1], 0.0)) @ turn  # in body axes
+        eye = (view.centre - np.array([x, y, 0.0])) @ turn  # in body axes
         axes = view.axes @ turn
         depth = float(-axes[2] @ eye)
         away = mesh.normals @ eye - self._offsets_m  # how far the eye is before each face's plane
         visible_m = VISIBLE_PX * max(depth - 2.0, 0.0) / view.camera.fx_px
-        shown = np.flatnonzero((away > 1e-6) & (mesh.thickness_m >= visible_m))
+        shown = ((away > 1e-6) & (mesh.thickness_m >= visible_m)).nonzero()[0]
         if len(mesh.centres_m) > 1:
-            distance = np.linalg.norm(mesh.centres_m - eye, axis=1)
-            shown = shown[np.argsort(-distance[mesh.parts[shown]], kind="stable")]
-        faces = mesh.faces_m[shown]
+            nearness = -((mesh.centres_m - eye) ** 2).sum(axis=1)
+            shown = shown[np.argsort(nearness[mesh.parts[shown]], kind="stable")]
+        faces = mesh.faces_m.take(shown, axis=0)
         points = ((faces.reshape(-1, 3) - eye) @ axes.T).reshape(faces.shape)
         if depth < self._reach_m + NEAR_M:
             ahead = (points[..., 2] > NEAR_M).any(axis=1)
@@ -50,7 +53,7 @@ class Solid:
             return None
         planes = mesh.normals[shown] @ axes.T / -away[shown, None]
         opacity = np.array([min(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))])
-        colours = self._air.colours(self._lit(float(pose[2]), turn)[shown], np.array([max(depth, 0.0)]), opacity)
+        colours = self._air.colours(self._lit(heading, turn)[shown], np.array([max(depth, 0.0)]), opacity)
         return drawing(view, points, colours, planes, ONE)
 
     def _lit(self, heading: float, turn: Floats) -> Floats:

@@ -113,9 +113,9 @@ class Spray:
         opacity *= min(1.0, (depth - NEAREST_M) / NEAREST_M)
         place = np.array([[wide / SIZE, 0.0, left - x0], [0.0, tall / SIZE, top - y0]])
         alpha = cv2.warpAffine(puff_picture(variant), place, (x1 - x0, y1 - y0))
-        colour = cv2.merge([cv2.convertScaleAbs(alpha, alpha=opacity / 255.0 * c) for c in self._colour.tolist()])
-        through = cv2.merge([cv2.convertScaleAbs(alpha, alpha=-opacity, beta=255.0)] * 3)
-        return Puff(x0, y0, np.asarray(colour, np.uint8), np.asarray(through, np.uint8), depth)
+        colours = [cv2.convertScaleAbs(alpha, alpha=opacity / 255.0 * c) for c in self._colour.tolist()]
+        picture = cv2.merge([*colours, cv2.convertScaleAbs(alpha, alpha=-opacity, beta=255.0)])
+        return Puff(x0, y0, np.asarray(picture, np.uint8), depth)
 
 
 def _nearness(thing: Drawn) -> float:

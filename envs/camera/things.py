@@ -10,7 +10,7 @@ from vpf_sim.envs.camera.bodies import HEIGHTS_M, body_mesh
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.occlusion import far_to_near
-from vpf_sim.envs.camera.painter import Drawing, footprint, paint
+from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
 from vpf_sim.envs.camera.scenery import Scenery
 from vpf_sim.envs.camera.shadows import Shadow
 from vpf_sim.envs.camera.solid import RANGE_M, Solid
@@ -55,18 +55,22 @@ class Things:
 
     def seen(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
         """All that is in view, the farthest first, as it lies in the picture."""
-        sprites = self._scenery.trees_seen(now.view)
+        trees = self._scenery.trees_seen(now.view)
         scenery, depths = self._scenery.seen(now.view)
+        covering = _covering(trees, scenery, depths)
         drawn: list[Drawn] = []
         first = tree = 0
         self._order, nearest = bodies_in_view(now)
         for i, behind in [*zip(self._order, nearest, strict=True), (None, -1.0)]:
-            while tree < len(sprites) and sprites[tree].depth_m > behind:
-                first = _until(drawn, scenery, depths, first, sprites[tree].depth_m)
-                drawn.append(Drawn(sprites[tree], -1, STILL))
+            while tree < len(trees) and trees[tree].depth_m > behind:
+                if covering[tree]:
+                    first = _until(drawn, scenery, depths, first, trees[tree].depth_m)
+                drawn.append(Drawn(trees[tree], -1, STILL))
                 tree += 1
-            first = _until(drawn, scenery, depths, first, behind)
-            if i is not None and (body := self._body(now, before, i)) is not None:
+            body = None if i is None else self._body(now, before, i)
+            if i is None or body is not None:
+                first = _until(drawn, scenery, depths, first, behind)
+            if body is not None:
                 drawn.append(body)
         return drawn
 
@@ -99,6 +103,17 @@ class Things:
         return self._shapes[id(body)]
 
 
+def _covering(trees: list[Sprite], scenery: Drawing | None, depths: list[float]) -> list[bool]:
+    """Which trees may cover things of the scenery; those need not be drawn before the others."""
+    if not trees or scenery is None:
+        return [False] * len(trees)
+    places = np.array([(*tree.box, tree.depth_m) for tree in trees])
+    x0, y0, x1, y1 = np.array(scenery.boxes).T
+    left, top, right, bottom, depth = places[..., None].swapaxes(0, 1)
+    over = (left < x1) & (x0 < right) & (top < y1) & (y0 < bottom) & (depth < depths)
+    return list(over.any(axis=1).tolist())
+
+
 def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], first: int, behind: float) -> int:
     """Add the things of the scenery from `first` on that lie farther than `behind`; the first that does not."""
     last = first
@@ -127,7 +142,7 @@ def bodies_in_view(now: Snapshot) -> tuple[list[int], list[float]]:
 def _may_show(now: Snapshot, body: RoadObject) -> bool:
     """Whether a body or its shadow may be in the picture, by its place alone."""
     view = now.view
-    x, y, _ = (now.poses[id(body)] - (view.centre[0], view.centre[1], 0.0)).tolist()
+    x, y, _ = (now.poses[id(body)] - view.centre).tolist()
     c, s = cos(view.yaw_rad), sin(view.yaw_rad)
     ahead, aside = c * x + s * y, c * y - s * x
     length, width, height = body_size(body)

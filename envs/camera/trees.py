@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.painter import Sprite, premultiplied
+from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
@@ -157,6 +157,25 @@ def _heights(kind: Kind, y: Floats) -> Floats:
     return np.array([(y - by) / ry for _, by, _, ry in kind.crown])
 
 
+@dataclass(frozen=True, slots=True)
+class _Near:
+    """Trees, and where their pictures lie from their feet."""
+
+    variants: Indices
+    ranges_m: Floats  # (n,) up to which they are drawn
+    feet_m: Floats  # (2, n) world
+    left_m: Floats  # (n,)
+    top_m: Floats
+    width_m: Floats
+    height_m: Floats
+
+    @classmethod
+    def of(cls, trees: Trees, frames_m: Floats, index: Indices) -> "_Near":
+        variants = trees.variants[index]
+        feet_m = np.ascontiguousarray(trees.feet_m[index].T)
+        return cls(variants, np.array(RANGES_M)[variants], feet_m, *np.ascontiguousarray(frames_m[index].T))
+
+
 class TreeStand:
     """The trees of a road in one light, seen through one air."""
 
@@ -168,26 +187,26 @@ class TreeStand:
         self._airs = [_airs(range_m, light, veil) for range_m in RANGES_M]
         self._faded = lru_cache(FADED_PICTURES)(self._through_air)
         self._trees = trees
-        self._ranges_m = np.array(RANGES_M)[trees.variants]
         frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
         self._frames_m = frames[trees.variants] * trees.heights_m[:, None]
         self._slope = 0.5 * camera.width_px / camera.fx_px  # of the sides of what the camera sees
         self._middle = np.full(2, np.inf)
-        self._near: Indices = np.empty(0, np.int64)
+        self._near = _Near.of(trees, self._frames_m, np.empty(0, np.int64))
 
     def seen(self, view: View) -> list[Sprite]:
         """The trees in view, the farthest first."""
-        camera, eye = view.camera, view.centre
+        camera, eye, axes = view.camera, view.centre, view.axes
         near = self._close(eye[:2])
-        right, down, depth = view.axes[:, :2] @ (self._trees.feet_m[near] - eye[:2]).T - eye[2] * view.axes[:, 2:]
-        left_m, top_m, width_m, height_m = self._frames_m[near].T
-        beside = (right + left_m > self._slope * depth) | (right + left_m + width_m < -self._slope * depth)
-        seen = np.flatnonzero((depth > NEAREST_M) & (depth < self._ranges_m[near]) & ~beside)
-        seen = seen[np.argsort(-depth[seen], kind="stable")]
-        scale = camera.fy_px / depth[seen]
-        rectangles = np.array([right + left_m, down + top_m, width_m, height_m])[:, seen] * scale
-        rectangles[:2] += [[camera.cx_px], [camera.cy_px]]
-        found = zip(self._trees.variants[near[seen]].tolist(), depth[seen].tolist(), rectangles.T.tolist(), strict=True)
+        right, down, depth = axes[:, :2] @ near.feet_m - (axes @ eye)[:, None]
+        left = right + near.left_m
+        wide = self._slope * depth
+        shown = (depth > NEAREST_M) & (depth < near.ranges_m) & (left < wide) & (left + near.width_m > -wide)
+        index = shown.nonzero()[0]
+        index = index[np.argsort(-depth[index], kind="stable")]
+        far = depth[index]
+        places = np.array([left, down + near.top_m, near.width_m, near.height_m]).take(index, axis=1)
+        places *= camera.fy_px / far
+        found = zip(near.variants[index].tolist(), far.tolist(), places.T.tolist(), strict=True)
         sprites = [self._sprite(camera, *tree) for tree in found]
         return [sprite for sprite in sprites if sprite is not None]
 
@@ -211,17 +230,19 @@ class TreeStand:
                 result.append(np.array([low - wide, low + wide, high + wide, high - wide]))
         return result
 
-    def _close(self, eye: Floats) -> Indices:
+    def _close(self, eye: Floats) -> "_Near":
         """The trees that may be in view from anywhere near; looked for anew when the camera has moved on."""
-        if not np.hypot(*(eye - self._middle)) < STEP_M:
+        if not np.hypot(*(eye - self._middle).tolist()) < STEP_M:
             reach_m = RANGE_M * np.hypot(1.0, self._slope) + STEP_M + self._trees.heights_m
-            self._middle = eye
-            self._near = np.flatnonzero(np.hypot(*(self._trees.feet_m - eye).T) < reach_m)
+            close = np.hypot(*(self._trees.feet_m - eye).T) < reach_m
+            self._middle, self._near = eye, _Near.of(self._trees, self._frames_m, np.flatnonzero(close))
         return self._near
 
-    def _sprite(self, camera: Camera, variant: int, depth_m: float, rectangle: list[float]) -> Sprite | None:
-        """A tree whose picture fills a rectangle (left, top, width, height) px; None if that is out of sight."""
-        left, top, width, height = rectangle
+    def _sprite(self, camera: Camera, variant: int, depth_m: float, place: list[float]) -> Sprite | None:
+        """A tree whose picture fills a rectangle (left, top, width, height) px from the optical axis; None if that is
+        out of sight."""
+        left, top, width, height = place
+        left, top = left + camera.cx_px, top + camera.cy_px
         x0, y0 = max(0, floor(left)), max(0, floor(top))
         x1, y1 = min(camera.width_px, ceil(left + width)), min(camera.height_px, ceil(top + height))
         if x0 >= x1 or y0 >= y1:
@@ -234,7 +255,7 @@ class TreeStand:
         right_by, down_by = (x0 - left + 0.5) * fine_x - 0.5, (y0 - top + 0.5) * fine_y - 0.5
         source = np.array(((fine_x, 0.0, right_by), (0.0, fine_y, down_by)))  # of each pixel
         sampled = cv2.warpAffine(picture, source, (x1 - x0, y1 - y0), flags=SAMPLED, borderValue=NOTHING)
-        return Sprite(x0, y0, *premultiplied(sampled), depth_m)
+        return Sprite(x0, y0, np.asarray(sampled, np.uint8), depth_m)
 
     def _through_air(self, variant: int, level: int, step: int) -> Image:
         """(h, w, 4) a picture as it is seen from a distance."""
