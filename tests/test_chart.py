@@ -132,7 +132,7 @@ def drive(place: Place, offset_m: float) -> StepTable:
 def test_a_path_is_drawn_over_the_road_at_its_offset() -> None:
     found = places("town04-clean", [7, 8])
     place = found[7]
-    track = Track(7, "d0", False, drive(place, 1.75))
+    track = Track(7, "d0", False, drive(place, 0.75))
     svgs = {chart.caption: str(chart.svg) for chart in paths.charts(found, [track], "a test")}
     assert len(svgs) == 4
     (zoomed,) = (svg for caption, svg in svgs.items() if caption.startswith("Zoom 2"))
@@ -140,7 +140,7 @@ def test_a_path_is_drawn_over_the_road_at_its_offset() -> None:
     (centre,) = paths_of(zoomed, "centre")
     middle_px = 0.5 * paths.WIDTH
     apart_px = np.interp(middle_px, *path.T) - np.interp(middle_px, *centre.T)
-    assert apart_px == pytest.approx(1.75 * paths.WIDTH / paths.ZOOM_M, abs=0.5), "to scale, and right is down"
+    assert apart_px == pytest.approx(0.75 * paths.WIDTH / paths.ZOOM_M, abs=0.5), "to scale, and right is down"
     (unrolled,) = (svg for caption, svg in svgs.items() if caption.startswith("Offset"))
     assert unrolled.count("×") == 1, "where it failed"
     (flat,) = paths_of(unrolled, "path d0")

@@ -11,6 +11,9 @@ from vpf_sim.report.chart import Axis, Plot, reach, ticks
 WIDTH = 360.0
 ROW, HEAD, FOOT, NAMES = 20.0, 20.0, 18.0, 92.0  # px
 APART = 7.0  # between the weathers of a row
+FAR_OUT = 46.0  # px between the numbers of marks that are beyond the axis
+MARKS = ((False, False), (True, True), (False, True), (True, False))  # of each weather: a diamond? hollow?
+SIGNS = "●◇○◆"  # the same in words
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,10 +83,12 @@ def _row(plot: Plot, dots: Sequence[Dot], middle: float) -> None:
             low, high = np.clip(dot.interval, plot.x.low, plot.x.high)
             plot.line(np.array([low, high]), np.array([y, y]), f"whisker {style}")
         if dot.grey and dot.value > plot.x.high:
-            plot.text_at(f"{dot.value:.3g} →", plot.x.high, y + 0.2 * ROW, "tick", "end")
+            right = float(plot.place(plot.x.high, y)[0]) - FAR_OUT * (len(dots) - 1 - number)
+            plot.text(f"{dot.value:.3g} →", right, middle + 3.5, "tick", "end")
             continue
-        mark, kind = (plot.dot, "mark") if dot.weather == 0 else (plot.diamond, "mark hollow")
-        mark(float(np.clip(dot.value, plot.x.low, plot.x.high)), y, f"{kind} {style}")
+        turned, hollow = MARKS[dot.weather % len(MARKS)]
+        mark = plot.diamond if turned else plot.dot
+        mark(float(np.clip(dot.value, plot.x.low, plot.x.high)), y, f"mark{' hollow' if hollow else ''} {style}")
 
 
 def _mark(plot: Plot, mark: Mark, top: float, bottom: float) -> None:

@@ -84,6 +84,7 @@ def make(run: StoredRun, clip_count: int, tell: Tell) -> str:
             "map": list(tables.success_map(jobs, records, order)),
             "signs": _signs(jobs, records),
             "sign_of": tables.SIGNS,
+            "marks": dots.SIGNS,
             "weather_differences": tables.comparisons(summary.get("comparisons") or [], "weather", order),
             "driver_differences": tables.comparisons(summary.get("comparisons") or [], "driver", order),
             "perception": tables.perception(rows, order),

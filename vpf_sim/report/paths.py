@@ -123,12 +123,7 @@ def zoom(place: Place, places: Sequence[Place], tracks: Sequence[Track], s_m: fl
 def offsets(places: Mapping[int, Place], tracks: Sequence[Track], title: str) -> Markup:
     """The offset from the lane's centre over the distance driven; left is up, as the driver sees it."""
     first = places[min(places)]
-    found = [track.table.lane_offset_m for track in tracks]
-    sides = [side for place in places.values() for body in place.standing for side in body.offset_m]
-    left, right = reach(
-        [*(float(value) for offset in found for value in (offset.min(), offset.max())), *sides, 0.0], 2.0
-    )
-    left, right = max(left, -12.0), min(right, 12.0)
+    left, right = _sides(places, tracks)
     plot = Plot(
         WIDTH,
         200.0,
@@ -147,10 +142,18 @@ def offsets(places: Mapping[int, Place], tracks: Sequence[Track], title: str) ->
             plot.line(x, np.clip(y, left, right), "body", closed=True)
     for track in tracks:
         x, y = thinned(track.table.route_m, track.table.lane_offset_m, 90)
-        plot.line(x, y, f"path {track.style}")
+        plot.line(x, np.where((y >= left) & (y <= right), y, np.nan), f"path {track.style}")
         if not track.good:
             _cross(plot, float(track.table.route_m[-1]), float(track.table.lane_offset_m[-1]), track.style)
     return plot.svg(f"{title}: offset from the lane's centre over distance")
+
+
+def _sides(places: Mapping[int, Place], tracks: Sequence[Track]) -> tuple[float, float]:
+    """The least and the greatest offset to show: all of bodies and of good drives; of others what lies between."""
+    found = [track.table.lane_offset_m for track in tracks if track.good] or [np.zeros(1)]
+    bodies = [side for place in places.values() for body in place.standing for side in body.offset_m]
+    left, right = reach([0.0, *bodies, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
+    return max(left, -12.0), min(right, 12.0)
 
 
 def _offset_caption(places: Mapping[int, Place]) -> str:
