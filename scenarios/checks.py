@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from vpf_sim.scenarios.kinds import EGO_SIZE, MOVING, SIZES, Size
-from vpf_sim.scenarios.parts import Body, Ego, Goal, Road, Vary
+from vpf_sim.scenarios.parts import FASTEST_MPS, MOST_ROAD_M, Body, Ego, Goal, Road, Vary
 
 
 def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[Body], vary: Vary) -> Iterator[str]:
@@ -20,6 +20,8 @@ def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[Body], vary: Vary)
 
 def _road_faults(road: Road) -> Iterator[str]:
     """Lanes inside a bend tighter than half the carriageway would cross."""
+    if road.length_m > MOST_ROAD_M:
+        yield f"road.segments: expected at most {MOST_ROAD_M:g} m in all, got {road.length_m:g}"
     for i, segment in enumerate(road.segments):
         name = {"arc": "radius_m", "clothoid": "end_radius_m"}.get(segment.kind, "")
         radius = getattr(segment, name, None)
@@ -38,6 +40,10 @@ def _vary_faults(ego: Ego, bodies: Sequence[Body], vary: Vary) -> Iterator[str]:
         parts: Sequence[Ego | Body] = [ego] if group == "ego" else bodies
         if field == "speed_mps" and any(part.speed_mps + low < 0.0 for part in parts):
             yield f'vary."{key}": expected speeds that stay at or above 0, got a change of {low:g}'
+        if field == "speed_mps" and any(part.speed_mps + high > FASTEST_MPS for part in parts):
+            yield f'vary."{key}": expected speeds that stay at or below {FASTEST_MPS:g}, got a change of {high:g}'
+        if field == "heading_deg" and max(-low, high) > 360.0:
+            yield f'vary."{key}": expected degrees from -360 to 360, got [{low:g}, {high:g}]'
 
 
 def _goal_faults(road: Road, ego: Ego, goal: Goal, vary: Vary) -> Iterator[str]:

@@ -10,7 +10,17 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
 
 from vpf_sim.scenarios.kinds import BodyKind
 
+MOST_ROAD_M = 20_000.0  # of one scenario; its lanes, paint and trees are built before the first frame
+FASTEST_MPS = 60.0  # that an observation can hold, as are the next two
+FARTHEST_M = 8e4  # of the road's start from the origin
+LONGEST_S = 1e5
+
 Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML knows lists only
+Place = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
+Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
+Speed = Annotated[float, Field(ge=0.0, le=FASTEST_MPS)]
+Lanes = Annotated[int, Field(ge=1, le=20)]
+LaneWidth = Annotated[float, Field(gt=0.0, le=20.0)]
 
 
 class Section(BaseModel):
@@ -42,10 +52,10 @@ Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
 
 
 class Road(Section):
-    lanes: PositiveInt = 4
-    lane_width_m: PositiveFloat = 3.5
-    start_m: Interval = (0.0, 0.0)
-    heading_deg: float = 0.0
+    lanes: Lanes = 4
+    lane_width_m: LaneWidth = 3.5
+    start_m: Annotated[tuple[Place, Place], Field(strict=False)] = (0.0, 0.0)
+    heading_deg: Degrees = 0.0
     segments: Annotated[tuple[Segment, ...], Field(strict=False, min_length=1)]
 
     @property
@@ -65,9 +75,9 @@ class Ego(Section):
     lane: PositiveInt = 2
     s_m: float = 5.0
     lateral_m: float = 0.0  # + is right
-    heading_deg: float = 0.0  # to the road
-    speed_mps: Annotated[float, Field(ge=0.0, le=60.0)] = 5.55
-    speed_reference_mps: PositiveFloat = 5.55
+    heading_deg: Degrees = 0.0  # to the road
+    speed_mps: Speed = 5.55
+    speed_reference_mps: Annotated[float, Field(gt=0.0, le=FASTEST_MPS)] = 5.55
 
 
 class Goal(Section):
@@ -80,11 +90,11 @@ class Body(Section):
     s_m: float
     lane: PositiveInt
     lateral_m: float = 0.0  # + is right
-    speed_mps: Annotated[float, Field(ge=0.0)] = 0.0  # > 0: traffic
+    speed_mps: Speed = 0.0  # > 0: traffic
 
 
 class Limits(Section):
-    time_s: PositiveFloat
+    time_s: Annotated[float, Field(gt=0.0, le=LONGEST_S)]
 
 
 VaryKey = Literal[

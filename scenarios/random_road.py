@@ -4,10 +4,27 @@ from collections.abc import Iterator
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+from pydantic import Field, PositiveFloat, model_validator
 
 from vpf_sim.scenarios.kinds import SIZES, BodyKind
-from vpf_sim.scenarios.parts import Arc, Body, Clothoid, Ego, Goal, Interval, Limits, Line, Road, Section, Segment, Vary
+from vpf_sim.scenarios.parts import (
+    MOST_ROAD_M,
+    Arc,
+    Body,
+    Clothoid,
+    Degrees,
+    Ego,
+    Goal,
+    Interval,
+    Lanes,
+    LaneWidth,
+    Limits,
+    Line,
+    Road,
+    Section,
+    Segment,
+    Vary,
+)
 from vpf_sim.scenarios.schema import Scenario, drawn
 from vpf_sim.seeding import stream
 
@@ -17,6 +34,9 @@ MOST_TURN_RAD = np.radians(80.0)  # from the first heading: the road never meets
 FIRST_LINE_M, LINE_M, ARC_M, CLOTHOID_M = (30.0, 60.0), (20.0, 60.0), (20.0, 70.0), (15.0, 30.0)
 SIDE_GAP_M = 0.3  # between two bodies of a row
 TRIES = 40  # places tried for each body
+Length = Annotated[float, Field(gt=0.0, le=MOST_ROAD_M / 2.0)]
+Rows = Annotated[int, Field(ge=0, le=200)]
+RowBodies = Annotated[int, Field(ge=1, le=20)]
 
 
 class Span(NamedTuple):
@@ -36,13 +56,13 @@ class RandomRoad(Section):
     the row before, the first from the ego's lane.
     """
 
-    lanes: PositiveInt = 4
-    lane_width_m: PositiveFloat = 3.5
-    length_m: Interval = (250.0, 400.0)  # of the route
-    heading_deg: Interval = (-180.0, 180.0)
+    lanes: Lanes = 4
+    lane_width_m: LaneWidth = 3.5
+    length_m: Annotated[tuple[Length, Length], Field(strict=False)] = (250.0, 400.0)  # of the route
+    heading_deg: Annotated[tuple[Degrees, Degrees], Field(strict=False)] = (-180.0, 180.0)
     radius_m: Interval = (80.0, 400.0)  # of bends, to either side
-    rows: Annotated[tuple[NonNegativeInt, NonNegativeInt], Field(strict=False)] = (0, 4)
-    row_bodies: Annotated[tuple[PositiveInt, PositiveInt], Field(strict=False)] = (1, 3)
+    rows: Annotated[tuple[Rows, Rows], Field(strict=False)] = (0, 4)
+    row_bodies: Annotated[tuple[RowBodies, RowBodies], Field(strict=False)] = (1, 3)
     first_row_m: PositiveFloat = 50.0  # from the ego at least
     row_spacing_m: PositiveFloat = 40.0  # from the last body of a row to the first of the next at least
     free_gap_m: PositiveFloat = 3.5
