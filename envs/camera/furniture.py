@@ -5,7 +5,7 @@ Their fronts face back along x, towards whoever drives up to them; every face ha
 
 from functools import lru_cache
 
-from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box
+from vpf_sim.envs.camera.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
 from vpf_sim.envs.camera.signs import direction_board, lane_arrow
 
 STEEL: Colour = (158, 163, 168)
@@ -14,6 +14,7 @@ WHITE: Colour = (232, 233, 230)
 BLACK: Colour = (34, 34, 36)
 ORANGE: Colour = (236, 150, 40)
 NEAR_M = 22.0  # up to here things are drawn with all their faces
+FAR_M = 60.0  # and gantries up to here
 LAMP_HEIGHT_M, LAMP_ARM_M = 9.0, 1.8
 CLEARANCE_M = 5.6  # under a gantry's boards
 TRUSS_M = (6.3, 7.2)  # heights between which its beams lie
@@ -27,10 +28,15 @@ def shade_of(colour: Colour, factor: float) -> Colour:
 def _post() -> Mesh:
     """A delineator: a white post with a slanting black band and a reflector."""
     b = MeshBuilder()
+    band = [(0.0, 0.64), (0.0, 0.9), (1.0, 0.84), (1.0, 0.58)]
+    b.drawn_m = (0.0, NEAR_M)
     panels = box(b, (-0.05, -0.06, 0.0), (0.05, 0.06, 1.0), WHITE)
     for name in ("rear", "left", "right"):
-        b.shape(panels[name], [(0.0, 0.64), (0.0, 0.9), (1.0, 0.84), (1.0, 0.58)], BLACK)
+        b.shape(panels[name], band, BLACK)
     b.detail(panels["rear"], (0.3, 0.66), (0.7, 0.82), (216, 206, 176))
+    b.drawn_m = (NEAR_M, 1e3)
+    b.whole(panels["rear"], WHITE)
+    b.shape(panels["rear"], band, BLACK)
     return b.build()
 
 
@@ -40,9 +46,9 @@ def rail(length: float) -> Mesh:
     b = MeshBuilder()
     half = 0.5 * length
     for x in (-0.66 * half, 0.0, 0.66 * half):
-        b.drawn_m = (0.0, NEAR_M)
+        b.drawn_m = (0.0, 0.6 * NEAR_M)
         box(b, (x - 0.06, -0.05, 0.0), (x + 0.06, 0.05, 0.68), shade_of(STEEL, 0.7))
-        b.drawn_m = (NEAR_M, 50.0)
+        b.drawn_m = (0.6 * NEAR_M, 50.0)
         b.whole([(x, -0.06, 0.0), (x, 0.06, 0.0), (x, 0.06, 0.68), (x, -0.06, 0.68)], shade_of(STEEL, 0.7))
     b.drawn_m = (NEAR_M, 1e3)
     _band(b, half, 0.45, 0.76, shade_of(STEEL, 0.92))
@@ -120,8 +126,14 @@ def gantry(width: float, lane_middles_m: list[float], seed: int) -> tuple[Mesh, 
 
 def _gantry_leg(y: float) -> Mesh:
     b = MeshBuilder()
-    box(b, (-0.3, y - 0.35, 0.0), (0.3, y + 0.35, 0.8), (150, 149, 146))
-    box(b, (-0.18, y - 0.18, 0.8), (0.18, y + 0.18, TRUSS_M[1]), DARK_STEEL)
+    foot = ((-0.3, y - 0.35, 0.0), (0.3, y + 0.35, 0.8), (150.0, 149.0, 146.0))
+    leg = ((-0.18, y - 0.18, 0.8), (0.18, y + 0.18, TRUSS_M[1]), DARK_STEEL)
+    for low, high, colour in (foot, leg):
+        b.drawn_m = (0.0, FAR_M)
+        panels = box(b, low, high, colour)
+        b.drawn_m = (FAR_M, 1e3)
+        b.whole(panels["rear"], colour)
+        b.whole(panels["front"], colour)
     return b.build()
 
 
@@ -129,6 +141,11 @@ def _truss(b: MeshBuilder, half: float) -> None:
     """Two beams and the bars between them."""
     low, high = TRUSS_M
     for bottom, top, factor in ((low, low + 0.16, 0.9), (high - 0.16, high, 1.0)):
+        b.drawn_m = (FAR_M, 1e3)
+        panels = box_panels((-0.14, -half, bottom), (0.14, half, top))
+        for name in ("rear", "front"):
+            b.whole(panels[name], shade_of(STEEL, factor))
+        b.drawn_m = (0.0, FAR_M)
         box(b, (-0.14, -half, bottom), (0.14, half, top), shade_of(STEEL, factor))
         under: list[Point] = [
             (-0.14, half, bottom),
@@ -137,7 +154,7 @@ def _truss(b: MeshBuilder, half: float) -> None:
             (0.14, half, bottom),
         ]
         b.whole(under, shade_of(STEEL, 0.5))
-    b.drawn_m = (0.0, 60.0)
+    b.drawn_m = (0.0, 0.9 * FAR_M)
     count = max(2, round(half / 0.9))
     for i in range(count):
         y0, y1 = (-half + 2.0 * half * (i + k) / count for k in (0.0, 1.0))

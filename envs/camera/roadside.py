@@ -87,7 +87,7 @@ class Roadside:
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, outlines on the ground whose union lies in the shade of all that stands there."""
         group = self._all
-        coarse = (group.until_m > COARSE_M) & (np.abs(group.normals @ light.sun) > EDGE_ON)
+        coarse = (group.until_m >= COARSE_M) & (np.abs(group.normals @ light.sun) > EDGE_ON)
         faces = group.faces_m[coarse]
         cast = faces[..., :2] - faces[..., 2:] * (light.sun[:2] / max(light.sun[2], LOWEST_SUN))
         return list(cast)

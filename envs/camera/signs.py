@@ -14,6 +14,7 @@ GREEN: Colour = (18, 104, 66)
 YELLOW: Colour = (240, 200, 40)
 POLE: Colour = (132, 136, 140)
 BACK: Colour = (120, 124, 128)
+POLES_M = 30.0  # beyond, poles have no sides
 FAR_M = 45.0  # beyond, only the plain shape of a sign is drawn
 
 # The seven strokes of a digit: top, upper left, upper right, middle, lower left, lower right, bottom.
@@ -46,7 +47,13 @@ def _facing(y: float, half: float, low: float, height: float, x: float = -0.02) 
 
 
 def _pole(b: MeshBuilder, height: float, y: float = 0.0) -> None:
-    box(b, (0.0, y - 0.035, 0.0), (0.07, y + 0.035, height), POLE)
+    kept = b.drawn_m
+    b.drawn_m = (0.0, POLES_M)
+    panels = box(b, (0.0, y - 0.035, 0.0), (0.07, y + 0.035, height), POLE)
+    b.drawn_m = (POLES_M, kept[1])
+    for name in ("rear", "front"):
+        b.whole(panels[name], POLE)
+    b.drawn_m = kept
 
 
 def _number(b: MeshBuilder, panel: list[Point], digits: Sequence[int], colour: Colour) -> None:
