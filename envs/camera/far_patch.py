@@ -15,8 +15,8 @@ from vpf_sim.envs.camera.raster import Raster
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Camera, Floats, Image
 
-STEP, SIDESTEP, TURN_RAD = 0.3, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
-KEPT, LIMIT = 0.55, 0.7  # a place is kept while the camera is nearer to it than this, and at most, in steps
+STEP, SIDESTEP, TURN_RAD = 0.38, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
+KEPT, LIMIT = 0.55, 0.7  # a place is kept while the camera is nearer to it than this, and the patient at most, in steps
 GOLDEN = 0.618  # the grids of places of the levels are shifted by it, so that few are left in the same frame
 ROWS = 1.25  # of texels per row of pixels
 
@@ -60,7 +60,8 @@ class FarPatch:
     def _is_near(self, view: View, limit: float) -> bool:
         turns, ahead, right = self._place
         steps, sidesteps = self._steps(view, turns)
-        return max(abs(view.yaw_rad / TURN_RAD - turns), abs(steps - ahead), abs(sidesteps - right)) < limit
+        aside = max(abs(view.yaw_rad / TURN_RAD - turns), abs(sidesteps - right))
+        return max(aside, steps - ahead) < limit and ahead - steps < KEPT
 
     def _steps(self, view: View, turns: float) -> tuple[float, float]:
         """How far ahead and to the right the camera is, along a heading."""
@@ -75,7 +76,7 @@ class FarPatch:
         """(2,) and (2,) the least and the largest pixel that a level shows, from all poses that keep a place."""
         camera = self._camera
         found = []
-        for turn, ahead, right in product((-LIMIT * TURN_RAD, LIMIT * TURN_RAD), (-LIMIT, LIMIT), (-LIMIT, LIMIT)):
+        for turn, ahead, right in product((-LIMIT * TURN_RAD, LIMIT * TURN_RAD), (-KEPT, LIMIT), (-LIMIT, LIMIT)):
             c, s = cos(turn), sin(turn)
             points = level.corners_m @ np.array([[c, s], [-s, c]])
             points += (ahead * self._step, right * self._sidestep)

@@ -37,15 +37,15 @@ class Grain:
     def draw(self, raster: Raster) -> Image:
         """(rows, columns) about 128."""
         tile = grain_tile("ground", shortest=3.0, slope=0.2)
-        fine, coarse = (self._averaged(raster, i, tile, raster.columns // 2) for i in (0, 1))
+        fine, coarse = (self._averaged(raster, i, tile, raster.columns // 2 ** (i + 1)) for i in (0, 1))
+        coarse = np.asarray(cv2.resize(coarse, fine.shape[::-1]), np.uint8)
         grain = cv2.addWeighted(fine, SHARES[0], coarse, SHARES[1], 128.0 * (1.0 - sum(SHARES)))
         return np.asarray(cv2.resize(grain, (raster.columns, raster.rows)), np.uint8)
 
     def blotches(self, raster: Raster) -> Image:
-        """(rows, columns) about 128: larger differences, of metres."""
+        """(rows, columns / 8) about 128: larger differences, of metres."""
         tile = grain_tile("blotches", shortest=3.0, slope=1.0)
-        blotches = self._averaged(raster, 2, tile, raster.columns // 8)
-        return np.asarray(cv2.resize(blotches, (raster.columns, raster.rows)), np.uint8)
+        return self._averaged(raster, 2, tile, raster.columns // 8)
 
     def _averaged(self, raster: Raster, index: int, tile: Image, columns: int) -> Image:
         """(rows, columns) of one size of noise, each texel the mean of a few samples along it."""

@@ -69,11 +69,14 @@ def _fade(rows: Image, over: Image, weights: Image) -> None:
 def _painted(surface: Surface, grain: Grain, gain: Floats, raster: Raster) -> Image:
     """(rows, columns) palette values of a raster, with their grain."""
     smooth = surface.paint(raster)
-    steps = np.subtract(grain.draw(raster), 128, dtype=np.float32)
-    steps *= gain
-    cv2.multiply(steps, cv2.LUT(smooth, grain_strength()), steps)
-    blotches = np.subtract(grain.blotches(raster), 128, dtype=np.float32)
-    steps += cv2.multiply(blotches, cv2.LUT(smooth, blotch_strength()), blotches)
     shortest, longest = GRAINY_M
-    steps *= np.clip((longest - raster.lengths()) / (longest - shortest), 0.0, 1.0).astype(np.float32)
-    return np.asarray(cv2.add(smooth, steps, smooth, dtype=cv2.CV_8U), np.uint8)
+    shown = np.clip((longest - raster.lengths()) / (longest - shortest), 0.0, 1.0).astype(np.float32)
+    steps = np.subtract(grain.draw(raster), 128, dtype=np.float32)
+    steps *= gain * shown
+    cv2.multiply(steps, cv2.LUT(smooth, grain_strength()), steps)
+    blotches = grain.blotches(raster)
+    places = cv2.resize(smooth, blotches.shape[::-1], interpolation=cv2.INTER_NEAREST)
+    strength = cv2.LUT(places, blotch_strength()) * shown
+    blotches = np.rint((blotches - np.float32(128.0)) * strength + np.float32(128.0)).astype(np.uint8)
+    smooth = np.asarray(cv2.addWeighted(smooth, 1.0, cv2.resize(blotches, smooth.shape[::-1]), 1.0, -128.0), np.uint8)
+    return np.asarray(cv2.add(smooth, steps, dtype=cv2.CV_8U), np.uint8)

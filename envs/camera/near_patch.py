@@ -17,7 +17,7 @@ from vpf_sim.types import Floats, Image
 
 TURN_RAD = pi / 26  # between headings of lattices
 KEPT = 0.6  # a heading is kept while the camera's is nearer than this, in turns
-STEP, SIDESTEP = 0.7, 0.15  # how far a patch goes at a time, in the level's nearest depth
+STEP, SIDESTEP = 1.2, 0.15  # how far a patch goes at a time, in the level's nearest depth
 
 
 @dataclass(frozen=True, slots=True)
