@@ -86,6 +86,19 @@ def test_an_interval_is_a_function_of_its_values_alone() -> None:
     assert mean_interval(2.0 * values + 1.0) == pytest.approx((2.0 * low + 1.0, 2.0 * high + 1.0))
 
 
+@pytest.mark.parametrize("scale", [1e-200, 1e-9, 1e9, 1e150])
+def test_an_interval_scales_with_its_values(scale: float) -> None:
+    values = RANDOM.exponential(1.0, 12)
+    low, high = mean_interval(values) or (0.0, 0.0)
+    assert mean_interval(scale * values) == pytest.approx((scale * low, scale * high), rel=1e-6, abs=0.0)
+
+
+@pytest.mark.parametrize("count", [2, 3, 5, 30, 300])
+def test_one_outlier_is_no_trouble(count: int) -> None:
+    low, high = mean_interval(np.arange(count) == 0) or (1.0, 0.0)
+    assert 0.0 <= low < 1.0 / count < high <= 1.0
+
+
 def test_values_without_spread_have_no_interval() -> None:
     assert mean_interval(np.array([3.0])) is None
     assert mean_interval(np.full(30, 1.0)) is None

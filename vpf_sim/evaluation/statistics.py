@@ -56,14 +56,16 @@ def mean_interval(values: Floats) -> Interval | None:
     values = np.asarray(values, float)
     if len(values) < 2 or np.ptp(values) == 0.0:
         return None
-    deviation = values - np.mean(values)
+    mean, spread = np.mean(values), np.ptp(values)
+    deviation = (values - mean) / spread
     shifts = _weights(len(values)) @ deviation  # of the resampled means from the mean
-    equal = np.abs(shifts) < ROUNDING * np.ptp(values)
+    equal = np.abs(shifts) < ROUNDING
     z0 = special.ndtri(np.mean((shifts < 0.0) & ~equal) + 0.5 * np.mean(equal))
     a = np.sum(deviation**3) / (6.0 * np.sum(deviation**2) ** 1.5)
     z = z0 + _expanded_z(len(values)) * np.array([-1.0, 1.0])
-    low, high = np.mean(values) + np.quantile(shifts, special.ndtr(z0 + z / (1.0 - a * z)))
-    return Interval(float(low), float(high))
+    ends = mean + spread * np.quantile(shifts, special.ndtr(z0 + z / (1.0 - a * z)))
+    low, high = np.clip(ends, np.min(values), np.max(values)).tolist()
+    return Interval(low, high)
 
 
 @lru_cache(maxsize=4)
