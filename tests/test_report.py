@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -141,6 +142,33 @@ def test_a_run_that_was_stopped_is_told_as_far_as_it_came(run: Path, tmp_path: P
     assert "1 of 8 episodes" in html
     assert "1 not driven" in html
     assert "missing (7)" in html
+
+
+def test_what_a_changed_or_lost_scenario_would_show_is_left_out(run: Path, tmp_path: Path) -> None:
+    manifest = json.loads((run / "manifest.json").read_text())
+    opened, barred = manifest["plan"]["scenario"]
+    gone = str(tmp_path / "gone.toml")
+    text = {
+        name: (run / name).read_text() for name in ("manifest.json", "episodes.jsonl", "summary.json", "timing.jsonl")
+    }
+    shutil.copytree(run / "steps", tmp_path / "steps")
+    for name, content in text.items():
+        (tmp_path / name).write_text(content.replace(opened, gone))
+    plan = Plan((gone, barred), ("clear",), ("vpf", "pid"), "3:5")
+    renamed = dict(zip(sorted(open_run(run).records), sorted(job.id for job in plan.jobs()), strict=True))
+    for name, other in renamed.items():
+        (tmp_path / "episodes.jsonl").write_text((tmp_path / "episodes.jsonl").read_text().replace(name, other))
+        (tmp_path / "steps" / f"{name}.parquet").rename(tmp_path / "steps" / f"{other}.parquet")
+    html = page.make(open_run(tmp_path), 0, lambda _: None)
+    assert f"gone, clear: {gone}: " in html
+    assert "<h3>barred, clear</h3>" in html
+    manifest["scenarios"][barred] = "another"
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+    (tmp_path / "episodes.jsonl").write_text(text["episodes.jsonl"])
+    (tmp_path / "summary.json").write_text(text["summary.json"])
+    html = page.make(open_run(tmp_path), 0, lambda _: None)
+    assert "barred, clear: the scenario has changed since the run" in html
+    assert "<dd>barred: no longer what the run was made with</dd>" in html
 
 
 def test_files_that_are_no_run_are_told_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -30,6 +30,15 @@ class Body:
     width_m: float
     kind: str
 
+    @property
+    def corners_m(self) -> Floats:
+        """(4, 2) in order round the body."""
+        cosine, sine = np.cos(self.heading_rad), np.sin(self.heading_rad)
+        along = 0.5 * self.length_m * np.array([cosine, sine])
+        across = 0.5 * self.width_m * np.array([-sine, cosine])
+        centre = np.array([self.x_m, self.y_m])
+        return np.stack([centre + i * along + j * across for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))])
+
 
 @dataclass(frozen=True, slots=True)
 class Scene:
@@ -107,11 +116,7 @@ def _dashes(line_px: Floats) -> list[Floats]:
 
 
 def _rectangle(canvas: Canvas, view: _View, body: Body, colour: Colour) -> None:
-    cosine, sine = np.cos(body.heading_rad), np.sin(body.heading_rad)
-    along = 0.5 * body.length_m * np.array([cosine, sine])
-    across = 0.5 * body.width_m * np.array([-sine, cosine])
-    centre = np.array([body.x_m, body.y_m])
-    corners = view.place(np.stack([centre + i * along + j * across for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))]))
+    corners = view.place(body.corners_m)
     canvas.fill([corners], colour, 1.0)
     canvas.lines([corners], INK, 1, closed=True)
 

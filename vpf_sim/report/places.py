@@ -8,6 +8,7 @@ import numpy as np
 from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.envs.route import Route
+from vpf_sim.report.from_above import Body
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.kinds import SIZES
 from vpf_sim.types import Floats
@@ -79,13 +80,11 @@ class Place:
         lateral = self.scenario.road.lane_offset_m(body.lane) + body.lateral_m
         x, y = self.centre.position_at(body.s_m, lateral)
         heading = self.centre.heading_at(body.s_m)
-        along = 0.5 * size.length_m * np.array([np.cos(heading), np.sin(heading)])
-        across = 0.5 * size.width_m * np.array([-np.sin(heading), np.cos(heading)])
-        corners = np.array([(x, y) + i * along + j * across for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))])
+        drawn = Body(x, y, heading, size.length_m, size.width_m, body.kind)
         middle, offset = self.route.progress(body.s_m), lateral - self.route.offset_m
         half_length, half_width = 0.5 * size.length_m, 0.5 * size.width_m
         return Standing(
-            corners,
+            drawn.corners_m,
             (x, y),
             body.s_m,
             (middle - half_length, middle + half_length),

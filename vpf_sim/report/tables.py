@@ -1,10 +1,12 @@
 """The tables beside the main one: what was perceived, how comfortable it was, what it cost, what differs by pairs."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
+from vpf_sim.evaluation.job import Job
 from vpf_sim.report.cells import NONE, Order, Row, at, interval_of, interval_words, shown, worded
 from vpf_sim.report.stored_run import Record
 
@@ -209,7 +211,13 @@ SIGNS = {
 }
 
 
-def success_map(jobs: Sequence[Any], records: Mapping[str, Record], order: Order) -> Iterator[MapRow]:
+def signs(jobs: Sequence[Job], records: Mapping[str, Record]) -> list[tuple[str, str, int]]:
+    """(status, sign, how often) of what is on the success map."""
+    counts = Counter(records[job.id]["status"] if job.id in records else "missing" for job in jobs)
+    return [(status, sign, counts[status]) for status, sign in SIGNS.items() if status in counts]
+
+
+def success_map(jobs: Sequence[Job], records: Mapping[str, Record], order: Order) -> Iterator[MapRow]:
     """A row a cell and driver, a mark a planned seed."""
     cells: dict[tuple[str, str, str], list[tuple[int, str, str]]] = {}
     for job in jobs:

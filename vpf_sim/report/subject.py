@@ -1,0 +1,61 @@
+"""What a report is about: a run with its plan, its records and its summary, read once."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.plan import Plan
+from vpf_sim.evaluation.run_folder import stored_plan
+from vpf_sim.report.cells import Order, Row
+from vpf_sim.report.stored_run import Record, StoredRun
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A run, as far as it has come."""
+
+    run: StoredRun
+    plan: Plan
+    jobs: list[Job]
+    order: Order
+    records: dict[str, Record]  # of the plan, by id
+    summary: dict[str, Any]
+
+    @classmethod
+    def of(cls, run: StoredRun) -> "Subject":
+        """The subject that a run folder holds."""
+        plan = stored_plan(run.path)
+        jobs = plan.jobs()
+        records = {job.id: run.records[job.id] for job in jobs if job.id in run.records}
+        return cls(run, plan, jobs, Order(plan.scenario, plan.weather, plan.driver), records, run.summary(jobs))
+
+    @property
+    def command(self) -> str:
+        return str(self.run.manifest.get("command", "sweep"))
+
+    @property
+    def rows(self) -> list[Row]:
+        """Of the summary, in the order in which they were asked for."""
+        return sorted(self.summary["rows"], key=self.order.place)
+
+    def at(self, scenario: str, weather: str) -> list[Record]:
+        """The records of a scenario in a weather, driver by driver."""
+        found = [
+            record for record in self.records.values() if (record["scenario"], record["weather"]) == (scenario, weather)
+        ]
+        return sorted(found, key=lambda record: (*self.order.place(record), record["seed"]))
+
+    def failures(self) -> list[Record]:
+        """The records without success."""
+        failed = [record for record in self.records.values() if record["status"] != "success"]
+        return sorted(failed, key=lambda record: (*self.order.place(record), record["seed"]))
+
+    def changed(self) -> set[str]:
+        """Scenarios and weathers that no longer say what they said in the run."""
+        try:
+            now = self.plan.check()
+        except InputError:  # one is not to be had here, or a driver; what needs it will say so
+            return set()
+        before = {kind: self.run.manifest.get(kind) or {} for kind in now}
+        return {name for kind in now for name, told in now[kind].items() if before[kind].get(name, told) != told}
