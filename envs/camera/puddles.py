@@ -77,8 +77,8 @@ class Puddles:
         corner = first * CELL_M
         depths = np.zeros((CELLS, CELLS), np.uint8)
         for left, right in self._surfaces:
-            for polygon in _stretches(left, right, middle):
-                cv2.fillPoly(depths, [_fixed(polygon, corner)], ROAD, cv2.LINE_8, SHIFT)
+            for polygon in _fixed(_stretches(left, right, middle), corner):
+                cv2.fillPoly(depths, [polygon], ROAD, cv2.LINE_8, SHIFT)
         tracks = [_fixed(track, corner) for track in self._tracks]
         cv2.polylines(depths, tracks, False, RUT, 3, cv2.LINE_8, SHIFT)
         near = np.abs(self._middles - middle).max(axis=1) < 0.5 * CELLS * CELL_M + 10.0
@@ -89,8 +89,8 @@ class Puddles:
         y, x = (first[::-1] + self._grain_from[::-1]) % TILE
         grain = grain_tile("water", shortest=4.0, slope=1.1)[y : y + CELLS, x : x + CELLS]
         rough = cv2.addWeighted(depths, 1.0, grain, ROUGH, -ROUGH * 128.0)
-        road = depths > 0
-        depths = np.where(road, np.maximum(rough, ROAD - 20), 0).astype(np.uint8)
+        road = cv2.threshold(depths, 0.0, 255.0, cv2.THRESH_BINARY)[1]
+        depths = np.asarray(cv2.bitwise_and(np.maximum(rough, ROAD - 20), road), np.uint8)
         return Raster(np.asarray(cv2.GaussianBlur(depths, (5, 5), 0.0), np.uint8), corner)
 
 
@@ -135,11 +135,11 @@ def _outlines(shape: LaneShape, rng: np.random.Generator) -> Floats:
     return np.asarray(left + share[..., None] * (right - left))
 
 
-def _stretches(left: Floats, right: Floats, middle: Floats) -> list[Floats]:
-    """Quadrilaterals of the strip between two edges that lie about a place."""
+def _stretches(left: Floats, right: Floats, middle: Floats) -> Floats:
+    """(n, 4, 2) quadrilaterals of the strip between two edges that lie about a place."""
     centres = 0.25 * (left[:-1] + left[1:] + right[:-1] + right[1:])
     near = np.flatnonzero(np.abs(centres - middle).max(axis=1) < 0.5 * CELLS * CELL_M + 10.0)
-    return [np.array([left[i], left[i + 1], right[i + 1], right[i]]) for i in near]
+    return np.stack([left[near], left[near + 1], right[near + 1], right[near]], axis=1)
 
 
 def _fixed(points: Floats, corner: Floats) -> NDArray[np.int32]:
