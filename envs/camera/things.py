@@ -1,7 +1,7 @@
 """What stands up from the ground, bodies and scenery: what of it is in view, and painting it, the farthest first."""
 
 from dataclasses import dataclass
-from math import cos, sin
+from math import asin, atan2, cos, hypot, pi, remainder, sin
 
 import numpy as np
 from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
@@ -130,13 +130,44 @@ def bodies_in_view(now: Snapshot) -> tuple[list[int], list[float]]:
     What lies in front of the body that is farther away comes later, whatever their depths.
     """
     ahead = [i for i, body in enumerate(now.bodies) if not isinstance(body, Landmark) and _may_show(now, body)]
-    if not ahead:
-        return [], []
-    eye, axis = now.view.centre[:2], now.view.axes[2, :2]
-    corners = np.array([_footprint(now, i) for i in ahead])
-    order = far_to_near(corners, eye) if len(ahead) > 1 else [0]
-    nearest = ((corners - eye) @ axis).min(axis=1).tolist()
-    return [ahead[k] for k in order], [nearest[k] for k in order]
+    discs = [_disc(now, i) for i in ahead]
+    order = sorted(range(len(ahead)), key=lambda k: -discs[k].distance_m)
+    if any(_unclear(discs[j], discs[k]) for n, j in enumerate(order) for k in order[n + 1 :]):
+        order = far_to_near(np.array([_footprint(now, i) for i in ahead]), now.view.centre[:2])
+    return [ahead[k] for k in order], [discs[k].nearest_m for k in order]
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """The circle around a body's footprint, as seen from the camera."""
+
+    distance_m: float
+    bearing_rad: float
+    radius_m: float
+    nearest_m: float  # depth of the body's nearest corner
+
+
+def _disc(now: Snapshot, index: int) -> Disc:
+    body, view = now.bodies[index], now.view
+    x, y, heading = now.poses[id(body)].tolist()
+    eye_x, eye_y, _ = view.centre.tolist()
+    axis_x, axis_y, _ = view.axes[2].tolist()
+    x, y = x - eye_x, y - eye_y
+    length, width, _ = body_size(body)
+    c, s = cos(heading), sin(heading)
+    depth = axis_x * x + axis_y * y
+    half = 0.5 * length * abs(axis_x * c + axis_y * s) + 0.5 * width * abs(axis_y * c - axis_x * s)
+    return Disc(hypot(x, y), atan2(y, x), 0.5 * hypot(length, width), depth - half)
+
+
+def _unclear(farther: Disc, nearer: Disc) -> bool:
+    """Whether distance alone does not tell which of two bodies covers the other."""
+    if farther.distance_m - farther.radius_m >= nearer.distance_m + nearer.radius_m:
+        return False
+    if nearer.distance_m <= nearer.radius_m or farther.distance_m <= farther.radius_m:
+        return True
+    apart = abs(remainder(farther.bearing_rad - nearer.bearing_rad, 2.0 * pi))
+    return apart < sum(asin(disc.radius_m / disc.distance_m) for disc in (farther, nearer))
 
 
 def _may_show(now: Snapshot, body: RoadObject) -> bool:
