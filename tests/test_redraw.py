@@ -164,6 +164,17 @@ def test_it_lies_in_the_run_folder_by_default(driven: Path, name: str, monkeypat
     assert (driven / "videos" / f"{name}.mp4").exists()
 
 
+def test_half_a_film_is_none(driven: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(drawn: Redrawing) -> Iterator[tuple[int, Any]]:
+        yield 0, np.zeros((720, 960, 3), np.uint8)
+        assert (tmp_path / "mine.mp4").exists()
+        raise KeyboardInterrupt(drawn)
+
+    monkeypatch.setattr(episode_view, "frames", broken)
+    assert cli.run(["video", str(driven), "--id", name, "--no-overlay", "--out", str(tmp_path / "mine.mp4")]) == 130
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_wrong_use_is_told_in_a_line(run: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
     (run / "steps" / f"{name}.parquet").rename(run / "steps" / "other.parquet")
     cases = (

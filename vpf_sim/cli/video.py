@@ -2,11 +2,15 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vpf_sim.cli.options import prints_on_stderr
+from vpf_sim.errors import InputError
+
+if TYPE_CHECKING:
+    from vpf_sim.report.redraw import Redrawing
 
 RunArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 IdOption = Annotated[str, typer.Option("--id", help="Which episode, such as town04.clear.vpf.1003.")]
@@ -21,23 +25,35 @@ FileOption = Annotated[
 def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out: FileOption = None) -> None:  # noqa: A002
     """Draw an episode again, from its steps and seed: the camera, the road from above, the signals."""
     from vpf_sim.evaluation.threads import limit_opencv
-    from vpf_sim.report import episode_view
     from vpf_sim.report.redraw import redrawing
     from vpf_sim.report.stored_run import open_run
-    from vpf_sim.report.video import Writer
 
     limit_opencv()
     run = open_run(folder)
     with prints_on_stderr():
         drawn = redrawing(run, id, overlay)
         path = out or folder / "videos" / f"{id}.mp4"
+        _film(drawn, path)
+    for remark in drawn.remarks:
+        print(f"vpf-sim: {id}: {remark}", file=sys.stderr)
+    print(path)
+
+
+def _film(drawn: "Redrawing", path: Path) -> None:
+    """All frames into a file; half a film is none, so what was begun is removed if anything goes wrong."""
+    from vpf_sim.report import episode_view
+    from vpf_sim.report.video import Writer
+
+    try:
         with Writer(path, episode_view.size_px(drawn.camera), drawn.rate_hz) as writer:
             for index, frame in episode_view.frames(drawn):
                 writer.write(frame)
                 _tell(index + 1, len(drawn.table) + 1)
-    for remark in drawn.remarks:
-        print(f"vpf-sim: {id}: {remark}", file=sys.stderr)
-    print(path)
+    except InputError:  # nothing was begun
+        raise
+    except BaseException:  # Ctrl-C above all
+        path.unlink(missing_ok=True)
+        raise
 
 
 def _tell(done: int, total: int) -> None:

@@ -17,7 +17,7 @@ from vpf_sim.types import Image
 
 LENGTH_S, RATE_HZ = 6.0, 30.0
 SCALE = 0.75
-CRF = 30
+CRF = 27  # of x264: about half a megabyte a clip
 POSTER_QUALITY = 70  # of JPEG
 
 
