@@ -47,6 +47,7 @@ def commands(kind: str, path: Path, run: Path) -> list[list[str]]:
             ["sweep", "--out", str(path)],
             ["check", str(path), "--rules", str(run / "rules.toml")],
             ["score", str(path)],
+            ["report", str(path)],
             ["video", str(path), "--id", "a"],
         ],
     }[kind]

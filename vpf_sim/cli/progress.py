@@ -21,7 +21,7 @@ class Tally:
     done: int
     failed: int = 0
     driven: int = 0  # in this session
-    begun_s: float = field(default_factory=monotonic)
+    begun_s: float = field(default_factory=lambda: monotonic())
 
     def count(self, record: Record) -> None:
         self.done, self.driven = self.done + 1, self.driven + 1

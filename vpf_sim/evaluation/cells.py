@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from vpf_sim.errors import InputError, wrong_value
 from vpf_sim.evaluation.json_lines import read_lines
 from vpf_sim.evaluation.rules import Score
-from vpf_sim.evaluation.run_folder import MANIFEST, read_manifest, stored_plan
+from vpf_sim.evaluation.run_folder import read_manifest, stored_plan
 
 FAULTS = ("error", "invalid_frame")  # these episodes were not driven to an end
 
@@ -59,9 +59,7 @@ def read_run(path: Path) -> Run:
     if not path.is_dir():
         raise InputError(f"{path}: expected a run folder, got {'a file' if path.exists() else 'nothing of that name'}")
     manifest, jobs = read_manifest(path), stored_plan(path).jobs()
-    hashes = {key: manifest.get(key) for key in ("scenarios", "weathers")}
-    if not all(isinstance(table, dict) for table in hashes.values()):
-        raise InputError(f"{path / MANIFEST}: expected a table for scenarios and for weathers, got something else")
+    hashes = {key: manifest[key] for key in ("scenarios", "weathers")}
     lines = path / "episodes.jsonl"
     found = {episode.id: episode for episode in (_episode(lines, row) for row in read_lines(lines))}
     cells: dict[Cell, dict[int, Episode | None]] = {}

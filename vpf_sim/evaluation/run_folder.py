@@ -10,10 +10,14 @@ from typing import Any
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.plan import Plan, make_plan
+from vpf_sim.evaluation.records import failed
 
 MANIFEST = "manifest.json"
+IDENTITY = {"id": str, "scenario": str, "weather": str, "driver": str, "seed": int, "status": str}
+NO_JOB = Job("", "", "", 0)
 
 
 def new_path(command: str) -> Path:
@@ -74,11 +78,7 @@ class RunFolder:
 
     def records(self) -> list[dict[str, Any]]:
         """All records, sorted by id."""
-        path = self.path / "episodes.jsonl"
-        records = read_lines(path)
-        if not all("id" in record for record in records):
-            raise InputError(f"{path}: expected a record with an id on each line, got a line without")
-        return sorted(records, key=lambda record: str(record["id"]))
+        return read_records(self.path)
 
     def write_json(self, name: str, value: dict[str, Any]) -> None:
         """A file of the folder, keys sorted, whole or not at all."""
@@ -130,6 +130,23 @@ class RunFolder:
         return True
 
 
+def read_records(path: Path) -> list[dict[str, Any]]:
+    """The records of a run folder, sorted by id, each checked to be one."""
+    file = path / "episodes.jsonl"
+    records = read_lines(file)
+    for record in records:
+        if "id" not in record:
+            raise InputError(f"{file}: expected a record with an id on each line, got a line without")
+        where = f"{file}: {_short(record['id'])}"
+        for key in failed(NO_JOB):
+            if key not in record:
+                raise InputError(f"{where}: key '{key}' is missing")
+        for key, kind in IDENTITY.items():
+            if not isinstance(record[key], kind):
+                raise InputError(f"{where}: {key}: expected {kind.__name__}, got {_short(record[key])}")
+    return sorted(records, key=lambda record: str(record["id"]))
+
+
 def read_manifest(path: Path) -> dict[str, Any]:
     """The manifest of a run folder, checked to be one."""
     file = path / MANIFEST
@@ -139,8 +156,9 @@ def read_manifest(path: Path) -> dict[str, Any]:
         raise InputError(f"{file}: expected the manifest of a run, got: {error.strerror}") from None
     except (ValueError, RecursionError):
         raise InputError(f"{file}: expected JSON, got something else") from None
-    if not isinstance(stored, dict) or not all(isinstance(stored.get(key), dict) for key in ("plan", "fingerprint")):
-        raise InputError(f"{file}: expected a table for plan and for fingerprint, got something else")
+    for keys in (("plan", "fingerprint"), ("scenarios", "weathers")):
+        if not isinstance(stored, dict) or not all(isinstance(stored.get(key), dict) for key in keys):
+            raise InputError(f"{file}: expected a table for {keys[0]} and for {keys[1]}, got something else")
     return stored
 
 

@@ -11,7 +11,7 @@ from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.benchmark import with_paper
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.json_lines import read_lines
-from vpf_sim.evaluation.run_folder import read_manifest
+from vpf_sim.evaluation.run_folder import read_manifest, read_records
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.summary import summarize
 
@@ -69,6 +69,6 @@ def open_run(path: Path) -> StoredRun:
     if not path.is_dir():
         raise InputError(f"{path}: expected a run folder, got {'a file' if path.exists() else 'nothing of that name'}")
     manifest = read_manifest(path)
-    records = {str(row["id"]): row for row in read_lines(path / "episodes.jsonl") if "id" in row}
+    records = {row["id"]: row for row in read_records(path)}
     timing = {str(row["id"]): row for row in read_lines(path / "timing.jsonl") if "id" in row}
-    return StoredRun(path, manifest, dict(sorted(records.items())), timing)
+    return StoredRun(path, manifest, records, timing)
