@@ -107,7 +107,7 @@ def test_an_episode_that_hangs_on_a_cluster_is_given_up(tmp_path: Path, schedule
     (reason,) = (out / "errors").iterdir()
     assert "took longer than 2 s" in reason.read_text()
     assert f"the reason is in {reason}" in done.stderr
-    assert "in act" in (tmp_path / "dask.log").read_text(), "the worker's log tells where it hung"
+    assert "Timeout (0:00:02)!" in (tmp_path / "dask.log").read_text(), "the worker's log tells where it hung"
 
 
 @pytest.mark.slow
