@@ -43,7 +43,7 @@ def half_level_crossing(profile, rising):
 @pytest.fixture
 def unworn(monkeypatch):
     """Markings without missing pieces, whose edges are exactly where the paint was laid."""
-    monkeypatch.setattr("vpf_sim.envs.camera.paint.flakes", lambda *_: np.empty((0, 4, 2)))
+    monkeypatch.setattr("vpf_sim.envs.camera.ground.paint.flakes", lambda *_: np.empty((0, 4, 2)))
 
 
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)

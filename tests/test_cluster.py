@@ -37,19 +37,25 @@ def worker(address: str, cwd: Path, name: str = "a", threads: str = "1") -> Any:
     return dask("worker", address, "--nthreads", threads, "--no-nanny", "--no-dashboard", "--name", name, cwd=cwd)
 
 
-@pytest.fixture
-def scheduler(tmp_path: Path) -> Iterator[str]:
-    """The address of a scheduler that has no worker yet."""
+@contextmanager
+def scheduling(tmp_path: Path) -> Iterator[tuple[str, "subprocess.Popen[bytes]"]]:
+    """The address of a scheduler that has no worker yet, and its process."""
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
     file = tmp_path / "scheduler.json"
     arguments = ("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file))
-    with dask(*arguments, cwd=tmp_path):
+    with dask(*arguments, cwd=tmp_path) as child:
         give_up = time.monotonic() + 60.0
         while not file.exists():
             assert time.monotonic() < give_up, (tmp_path / "dask.log").read_text()
             time.sleep(0.05)
         time.sleep(0.1)
-        yield str(json.loads(file.read_text())["address"])
+        yield str(json.loads(file.read_text())["address"]), child
+
+
+@pytest.fixture
+def scheduler(tmp_path: Path) -> Iterator[str]:
+    with scheduling(tmp_path) as (address, _):
+        yield address
 
 
 def sweep(folder: Path, out: Path, *more: str) -> list[str]:
@@ -80,6 +86,24 @@ def test_a_cluster_that_loses_a_worker_makes_the_same_records(tmp_path: Path, sc
     assert driving.returncode == 0, said
     assert contents(out) == contents(tmp_path / "local")
     assert {row["worker"] for row in read_lines(out / "timing.jsonl")} == {"a", "b"}
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_lost_is_told_with_the_way_back(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with scheduling(tmp_path) as (address, child), worker(address, tmp_path):
+        driving = subprocess.Popen(sweep(tmp_path, out, "--cluster", address), stderr=subprocess.PIPE, text=True)
+        while not read_lines(out / "episodes.jsonl"):
+            assert driving.poll() is None, driving.communicate()[1]
+            time.sleep(0.02)
+        child.kill()
+        said = driving.communicate()[1]
+    assert driving.returncode == 2
+    assert "Traceback" not in said
+    *_, stopped, back, reason = said.splitlines()
+    assert stopped == f"stopped with {len(read_lines(out / 'episodes.jsonl'))} of 8 episodes stored"
+    assert back == f"go on with: vpf-sim sweep --out {out} --resume --cluster {address}"
+    assert reason.startswith("vpf-sim: --cluster: lost the scheduler")
 
 
 HANGING = """

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from vpf_sim.envs.camera.droplets import Droplets
-from vpf_sim.envs.camera.drops import DROP
-from vpf_sim.envs.camera.impacts import FOOTPRINT, Impacts
-from vpf_sim.envs.camera.pane import RAKE_RAD, Pane
-from vpf_sim.envs.camera.planes import Planes
-from vpf_sim.envs.camera.wipers import Wiper
+from vpf_sim.envs.camera.glass.droplets import Droplets
+from vpf_sim.envs.camera.glass.drops import DROP
+from vpf_sim.envs.camera.glass.impacts import FOOTPRINT, Impacts
+from vpf_sim.envs.camera.glass.pane import RAKE_RAD, Pane
+from vpf_sim.envs.camera.glass.planes import Planes
+from vpf_sim.envs.camera.glass.wipers import Wiper
 from vpf_sim.types import Camera
 
 CAMERA = Camera()

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from vpf_sim.envs.camera import weather
-from vpf_sim.envs.camera.drops import DROP
-from vpf_sim.envs.camera.glass import Glass
+from vpf_sim.envs.camera.glass.drops import DROP
+from vpf_sim.envs.camera.glass.glass import Glass
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.things import Snapshot
+from vpf_sim.envs.camera.things.things import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Image
 

@@ -9,18 +9,18 @@ from highway_env.road.road import Road
 from highway_scenes import bent_road, on_bend, straight_road
 
 from vpf_sim.envs.camera import weather
-from vpf_sim.envs.camera.gains import GRADIENT, even_gains
-from vpf_sim.envs.camera.grain import Grain
-from vpf_sim.envs.camera.ground import Ground
+from vpf_sim.envs.camera.ground.gains import GRADIENT, even_gains
+from vpf_sim.envs.camera.ground.grain import Grain
+from vpf_sim.envs.camera.ground.ground import Ground
+from vpf_sim.envs.camera.ground.levels import RANGE_M, levels
+from vpf_sim.envs.camera.ground.paint import ASPHALT, GRASS, LINE, Batch
+from vpf_sim.envs.camera.ground.palette import RAMP, ground_table
+from vpf_sim.envs.camera.ground.patches import patch_of, sample
+from vpf_sim.envs.camera.ground.raster import Raster
+from vpf_sim.envs.camera.ground.surface import Polygons, Surface
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import lane_shapes
-from vpf_sim.envs.camera.levels import RANGE_M, levels
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.paint import ASPHALT, GRASS, LINE, Batch
-from vpf_sim.envs.camera.palette import RAMP, ground_table
-from vpf_sim.envs.camera.patches import patch_of, sample
-from vpf_sim.envs.camera.raster import Raster
-from vpf_sim.envs.camera.surface import Polygons, Surface
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 

@@ -7,7 +7,7 @@ from highway_scenes import WIDTH_M, bent_road, straight_road
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.layout import lane_shapes
-from vpf_sim.envs.camera.puddles import CELL_M, CELLS, ROAD, Puddles, Raster, covered_table
+from vpf_sim.envs.camera.rain.puddles import CELL_M, CELLS, ROAD, Puddles, Raster, covered_table
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats
 

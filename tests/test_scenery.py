@@ -11,16 +11,16 @@ from scipy.spatial import cKDTree
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
-from vpf_sim.envs.camera.furniture import CLEARANCE_M, LAMP_HEIGHT_M, LAMP_POST, POST, gantry
 from vpf_sim.envs.camera.layout import LaneShape, lane_shapes
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.roadside import Roadside, Standing
-from vpf_sim.envs.camera.scenery import Scenery
-from vpf_sim.envs.camera.signs import SIGNS
-from vpf_sim.envs.camera.trees import RANGE_M as TREE_RANGE_M
-from vpf_sim.envs.camera.trees import Trees, TreeStand
+from vpf_sim.envs.camera.things.furniture import CLEARANCE_M, LAMP_HEIGHT_M, LAMP_POST, POST, gantry
+from vpf_sim.envs.camera.things.roadside import Roadside, Standing
+from vpf_sim.envs.camera.things.scenery import Scenery
+from vpf_sim.envs.camera.things.signs import SIGNS
+from vpf_sim.envs.camera.things.trees import RANGE_M as TREE_RANGE_M
+from vpf_sim.envs.camera.things.trees import Trees, TreeStand
+from vpf_sim.envs.camera.things.verge import Verge
 from vpf_sim.envs.camera.veil import Veil
-from vpf_sim.envs.camera.verge import Verge
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.road import build_road
 from vpf_sim.types import Camera, Floats

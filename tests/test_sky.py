@@ -8,9 +8,9 @@ import pytest
 
 from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
-from vpf_sim.envs.camera.cylinder import Cylinder
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.sky import Sky
+from vpf_sim.envs.camera.sky.cylinder import Cylinder
+from vpf_sim.envs.camera.sky.sky import Sky
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 

@@ -8,8 +8,8 @@ from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.spray import Puff, Spray
-from vpf_sim.envs.camera.things import Snapshot, Things
+from vpf_sim.envs.camera.rain.spray import Puff, Spray
+from vpf_sim.envs.camera.things.things import Snapshot, Things
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View

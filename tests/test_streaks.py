@@ -9,8 +9,8 @@ from highway_scenes import add_ego, straight_road
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.shower import NEAREST_M, drops_per_m3_mm, fall_speed_mps
-from vpf_sim.envs.camera.streaks import Streaks, add, exposure_s
+from vpf_sim.envs.camera.rain.shower import NEAREST_M, drops_per_m3_mm, fall_speed_mps
+from vpf_sim.envs.camera.rain.streaks import Streaks, add, exposure_s
 from vpf_sim.types import Camera, Floats, Image
 
 CAMERA = Camera()

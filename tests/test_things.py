@@ -7,8 +7,8 @@ import pytest
 from highway_scenes import add_body, add_ego, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
-from vpf_sim.envs.camera.painter import Drawing, Sprite, drawing, paint
-from vpf_sim.envs.camera.solid import FADED_IN_M, RANGE_M
+from vpf_sim.envs.camera.things.painter import Drawing, Sprite, drawing, paint
+from vpf_sim.envs.camera.things.solid import FADED_IN_M, RANGE_M
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 

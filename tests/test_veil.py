@@ -5,8 +5,8 @@ import pytest
 
 from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
-from vpf_sim.envs.camera.hills import HILLS
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.sky.hills import HILLS
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.types import Camera, Floats, Image

@@ -7,12 +7,12 @@ from highway_scenes import WIDTH_M, add_body, add_ego, straight_road
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.layout import lane_shapes
-from vpf_sim.envs.camera.mirror import horizon_row, mirrored_faces, mirrored_points, reflectance
-from vpf_sim.envs.camera.painter import Drawing
-from vpf_sim.envs.camera.painter import drawing as drawing_of
+from vpf_sim.envs.camera.rain.mirror import horizon_row, mirrored_faces, mirrored_points, reflectance
+from vpf_sim.envs.camera.rain.wet_road import EVERY, WetRoad
+from vpf_sim.envs.camera.things.painter import Drawing
+from vpf_sim.envs.camera.things.painter import drawing as drawing_of
 from vpf_sim.envs.camera.truth import STILL, Drawn
 from vpf_sim.envs.camera.view import View
-from vpf_sim.envs.camera.wet_road import EVERY, WetRoad
 from vpf_sim.types import Camera, Image
 
 CAMERAS = {
@@ -82,7 +82,7 @@ def test_what_faces_up_is_not_mirrored() -> None:
 
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
 def test_a_wall_is_mirrored_down_to_its_mirrored_top(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vpf_sim.envs.camera.wet_road.FILM_SLOPE_DEG", 0.0)  # flat water
+    monkeypatch.setattr("vpf_sim.envs.camera.rain.wet_road.FILM_SLOPE_DEG", 0.0)  # flat water
     view, thing = wall(camera, 12.0)
     frame = plain(camera)
     wet_road(camera, "HardRainNoon").draw(frame, view, [thing])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from vpf_sim.envs.camera.pane import Pane
+from vpf_sim.envs.camera.glass.pane import Pane
+from vpf_sim.envs.camera.glass.wipers import RADII_M, SWEEP_RAD, Wiper, paint_blade
 from vpf_sim.envs.camera.weather import FAST_WIPER_S, INTERVAL_WIPER_S, SLOW_WIPER_S
-from vpf_sim.envs.camera.wipers import RADII_M, SWEEP_RAD, Wiper, paint_blade
 from vpf_sim.types import Camera
 
 PANE = Pane.of(Camera())

@@ -8,22 +8,22 @@ from highway_env.vehicle.objects import RoadObject
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
-from vpf_sim.envs.camera.glass import Glass
-from vpf_sim.envs.camera.ground import Ground
+from vpf_sim.envs.camera.glass.glass import Glass
+from vpf_sim.envs.camera.ground.ground import Ground
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.lens import Lens
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.rain.spray import Spray
+from vpf_sim.envs.camera.rain.streaks import Streaks
+from vpf_sim.envs.camera.rain.wet_road import WetRoad
 from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.envs.camera.sensor import Sensor
-from vpf_sim.envs.camera.sky import Sky
-from vpf_sim.envs.camera.spray import Spray
-from vpf_sim.envs.camera.streaks import Streaks
-from vpf_sim.envs.camera.things import Snapshot, Things
+from vpf_sim.envs.camera.sky.sky import Sky
+from vpf_sim.envs.camera.things.things import Snapshot, Things
 from vpf_sim.envs.camera.truth import Drawn, Moment, truth
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
-from vpf_sim.envs.camera.wet_road import WetRoad
 from vpf_sim.types import Floats, Image
 
 

@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
-from vpf_sim.envs.camera.hills import HILLS
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.sky.hills import HILLS
 from vpf_sim.types import Camera, Floats, Image
 
 LEAST_LEVELS = 1.0  # what changes by less is left as it is

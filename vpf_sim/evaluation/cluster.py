@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
+from logging import CRITICAL, getLogger
 from typing import Any
 
 from vpf_sim.errors import InputError
@@ -62,6 +63,9 @@ def connected(address: str | None, asked: Asked, mixed: bool) -> Iterator[Any]:
         client = _distributed().Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(f"--cluster: expected a Dask scheduler at {address}, got: {error}") from None
+    getLogger("distributed.client").setLevel(
+        CRITICAL
+    )  # the loss of the scheduler is told below, without its tracebacks
     with client:
         if not client.nthreads():
             print(f"waiting for the first worker of {address}", file=sys.stderr, flush=True)

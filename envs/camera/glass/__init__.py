@@ -1,0 +1,1 @@
+"""Water on the windshield, and the wiper."""

@@ -1,0 +1,80 @@
+"""The water before the picture, row pair by row pair: how much of each pixel it covers and what it shows there."""
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.glass.stamps import REACH, Stamp, packed
+from vpf_sim.types import Camera, Image
+
+NONE: Any = None  # for arguments of OpenCV that its stubs want to be arrays
+FILM_DIVISOR, SCENE_DIVISOR = 4, 8  # how much smaller than the frame the pictures are that film and drops show
+ROWS = 2  # of the picture that share one of the planes: doubling rows costs nothing, doubling columns does
+Box = tuple[int, int, int, int]  # x0, y0, x1, y1 on the planes
+
+
+class Planes:
+    """Persistent; only what is stamped, moved or wiped changes.
+
+    `alpha` (h, w) 0..255 and `source` (h, w, 2) x, y, where each pixel looks: straight through, into a blurred picture
+    of `film` (height, width); or, in a drop, into those of `scene` (height, width) below it, one for each shade.
+    """
+
+    def __init__(self, camera: Camera) -> None:
+        self.shape = (-(-camera.height_px // ROWS), camera.width_px)
+        self.film, self.scene = (
+            (-(-camera.height_px // divisor), -(-camera.width_px // divisor))
+            for divisor in (FILM_DIVISOR, SCENE_DIVISOR)
+        )
+        y, x = (np.arange(size) * small // size for size, small in zip(self.shape, self.film, strict=True))
+        self._through = packed(*np.meshgrid(x, y))
+        self._packed = self._through.copy()
+        self.source: NDArray[np.int16] = self._packed.view(np.int16).reshape(*self.shape, 2)
+        self.alpha: Image = np.zeros(self.shape, np.uint8)
+        self._anchors_x = _anchors(self.shape[1], self.scene[1], 0)
+        self._anchors_y = _anchors(self.shape[0], self.scene[0], self.film[0])
+
+    @property
+    def whole(self) -> Box:
+        """All of it."""
+        return 0, 0, self.shape[1], self.shape[0]
+
+    def put(self, stamp: Stamp, x: int, y: int, box: Box) -> None:
+        """A drop with its middle at (x, y), as far as it lies in `box`; the thicker of two drops is seen."""
+        height, width = stamp.alpha.shape
+        left, top = x - width // 2, y - height // 2
+        x0, y0, x1, y1 = max(left, box[0]), max(top, box[1]), min(left + width, box[2]), min(top + height, box[3])
+        if x0 >= x1 or y0 >= y1:
+            return
+        alpha, source = stamp.alpha, stamp.source
+        if (x1 - x0, y1 - y0) != (width, height):
+            own = np.s_[y0 - top : y1 - top, x0 - left : x1 - left]
+            alpha, source = alpha[own], source[own]
+        here = self.alpha[y0:y1, x0:x1]
+        source = source + (
+            self._anchors_x[min(max(x, 0), self.shape[1] - 1)]
+            + self._anchors_y[min(max(y, 0), self.shape[0] - 1)] * 65536
+        )
+        cv2.copyTo(source, cv2.compare(alpha, here, cv2.CMP_GT), self._packed[y0:y1, x0:x1])
+        cv2.max(alpha, here, here)
+
+    def clear(self, box: Box) -> None:
+        """Leave no water in a box."""
+        x0, y0, x1, y1 = box
+        self.alpha[y0:y1, x0:x1] = 0
+        self._packed[y0:y1, x0:x1] = self._through[y0:y1, x0:x1]
+
+    def wipe(self, mask: Image) -> None:
+        """Leave no water where a (h, w) mask is 255."""
+        cv2.subtract(self.alpha, mask, self.alpha)
+        cv2.copyTo(self._through, mask, self._packed)
+
+
+def _anchors(size: int, small: int, first: int) -> list[int]:
+    """For each place along the planes, what the middle of a drop there shows: part of the way from the middle of the
+    scene to what is behind the drop."""
+    place = (1.0 - REACH) * np.linspace(-1.0, 1.0, size)
+    anchors: list[int] = (first + (small - 1) / 2 * (1.0 + place)).astype(int).tolist()
+    return anchors

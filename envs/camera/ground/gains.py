@@ -1,0 +1,50 @@
+"""How strong the grain must be at each distance for an even picture.
+
+Where the gradient grows from row to row, Lucas-Kanade follows the rows at the sharper end of its window, which move at
+another speed.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from vpf_sim.envs.camera.ground.grain import Grain
+from vpf_sim.envs.camera.ground.levels import Level, levels
+from vpf_sim.envs.camera.ground.patches import patch_of, sample
+from vpf_sim.envs.camera.view import View
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Image
+
+GRADIENT = 2.7  # rms difference between neighbouring pixels of a row, in steps of the palette
+VIEWS = 6
+
+
+@lru_cache(maxsize=4)
+def even_gains(camera: Camera) -> tuple[Floats, ...]:
+    """For each level what its grain is multiplied by, to have the same gradient from pixel to pixel of every row.
+
+    Measured on a few views: one factor for all of a lattice, (rows, 1) for the picture of a far level.
+    """
+    return tuple(_gain(camera, level) for level in levels(camera))
+
+
+def _gain(camera: Camera, level: Level) -> Floats:
+    patch = patch_of(camera, level, Grain(level, 0).draw)
+    energies = []
+    for place in stream(0, "grain gains").uniform(-500.0, 500.0, (VIEWS, 2)):
+        view = View.at(camera, place, 0.0)
+        patch.follow(view, patient=False)
+        if not level.steep:
+            energies.append(_energy(patch.pixels))
+            continue
+        for band in level.bands:
+            rows = np.empty((band.last - band.first, camera.width_px), np.uint8)
+            sample(patch, band, view.ground_homography(), rows)
+            energies.append(np.mean(_energy(rows), keepdims=True))
+    gradient = np.sqrt(np.mean(energies, axis=0))
+    return np.asarray(GRADIENT / gaussian_filter1d(gradient, 1.5)[:, None], np.float32)
+
+
+def _energy(rows: Image) -> Floats:
+    return np.asarray(np.mean(np.diff(rows.astype(np.float32), axis=1) ** 2, axis=1))

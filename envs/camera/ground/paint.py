@@ -1,0 +1,138 @@
+"""What is painted on the ground: carriageway, shoulders, patches, markings, as polygons of palette values.
+
+All of it is flat and never moves, so it is cut into polygons of a few shapes once, when the road is new.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.ground.wear import (
+    FLAKE_RANGE_M,
+    WEAR_RANGE_M,
+    coarse_wear,
+    fine_wear,
+    flakes,
+    tracks,
+)
+from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
+from vpf_sim.seeding import stream
+from vpf_sim.types import Floats
+
+# Values of the palette: one ramp from grass over gravel and asphalt to paint, so that an edge blended in palette values
+# looks like an edge blended in colour.
+GRASS, GRAVEL, ASPHALT, LINE = 45, 98, 150, 222
+
+LINE_WIDTH_M = 0.15
+FADED = 8  # typical loss of a stripe's brightness, in the palette
+PAVED_SHOULDER_M = 0.5
+GRAVEL_SHOULDER_M = 1.3
+RAGGED_STEP_M, RAGGED_RANGE_M = 0.7, 28.0
+CHUNK, CHUNK_M = 10, 20.0  # stretches between samples in one polygon at most, and their length
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Polygons of one number of vertices; those of one strip follow each other and do not overlap."""
+
+    polygons_m: Floats  # (n, V, 2) world; a strip's polygon goes up its left edge and down its right edge
+    values: NDArray[np.int64]  # (n,) of the palette
+    strips: NDArray[np.int64]  # (n,) which strip each belongs to
+    thin: bool  # lines, whose width must be kept to a fraction of a pixel
+    range_m: float = inf  # levels that begin farther ahead do not show it
+
+    @property
+    def centres_m(self) -> Floats:
+        return np.asarray(self.polygons_m.mean(axis=1))
+
+    @property
+    def radii_m(self) -> Floats:
+        offset: Floats = self.polygons_m - self.polygons_m.mean(axis=1, keepdims=True)
+        return np.asarray(np.linalg.norm(offset, axis=2).max(axis=1))
+
+
+def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
+    """All that is painted on the ground, in the order in which it is laid."""
+    rng = stream(seed, "asphalt")
+    marks = lines(shapes)
+    outer = outer_edges(shapes)
+    beside_m = PAVED_SHOULDER_M + GRAVEL_SHOULDER_M
+    far_shoulders = [(edge.at(-0.3), edge.at(beside_m), GRAVEL) for edge in outer]
+    shoulders = [_ragged(edge, beside_m, 0.28, GRAVEL, rng) for edge in outer]
+    paved = [(edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer]
+    surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
+    solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
+    striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line) for line in marks if line.striped)])
+    polished = [(left, right, ASPHALT + tone) for left, right, tone in tracks(shapes)]
+    coarse, coarse_tones = coarse_wear(shapes, rng)
+    fine, fine_tones = fine_wear(shapes, rng)
+    paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
+    batches = [
+        _strips(far_shoulders, thin=False),
+        _strips(shoulders, thin=False, range_m=RAGGED_RANGE_M),
+        _strips(paved + surfaces, thin=False),
+        _strips(polished, thin=False, range_m=WEAR_RANGE_M),
+        _separate(coarse, ASPHALT + coarse_tones, thin=False, range_m=WEAR_RANGE_M),
+        _separate(fine, ASPHALT + fine_tones, thin=True, range_m=WEAR_RANGE_M),
+        _strips([(a, b, LINE) for a, b in solid], thin=True),
+        _separate(striped, paint, thin=True),
+        _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
+    ]
+    return [batch for batch in batches if len(batch.values)]
+
+
+def _ragged(
+    edge: Edge, wide_m: float, rough_m: float, value: int, rng: np.random.Generator
+) -> tuple[Floats, Floats, int]:
+    """The two sides of a shoulder, from inside the lane to an outline that wavers, as grass and gravel leave it."""
+    fine = edge.resampled(RAGGED_STEP_M)
+    outline = wide_m + rough_m * np.clip(rng.standard_normal(len(fine.points_m)), -2.0, 2.0)
+    return fine.at(-0.3), fine.at(outline[:, None]), value
+
+
+def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
+    """The two edges of a line along a polyline."""
+    direction = np.gradient(line.points_m, axis=0)
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    right = 0.5 * width_m * np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    return line.points_m - right, line.points_m + right
+
+
+def _stripe_polygons(line: Line) -> Floats:
+    """(n, 6, 2) one polygon a stripe: up its left edge, down its right edge."""
+    span = stripes(line)
+    s = np.stack([span[:, 0], span.mean(axis=1), span[:, 1]], axis=1)
+    left, right = (interpolated(s, line.s_m, edge) for edge in _ribbon(line, LINE_WIDTH_M))
+    return np.concatenate([left, right[:, ::-1]], axis=1)
+
+
+def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: float = inf) -> Batch:
+    """Single polygons, sorted by value: those of one value are drawn together."""
+    order = np.argsort(values, kind="stable")
+    return Batch(polygons[order], values[order], values[order], thin, range_m)
+
+
+def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float = inf) -> Batch:
+    """Strips between two edges, cut into polygons that are neither long nor of many stretches."""
+    polygons, values, owners = [], [], []
+    for owner, (left, right, value) in enumerate(strips):
+        for first, last in pairwise(_cuts(left)):
+            index = np.minimum(np.arange(first, first + CHUNK + 1), last)
+            polygons.append(np.concatenate([left[index], right[index[::-1]]]))
+            values.append(value)
+            owners.append(owner)
+    shape = (len(polygons), 2 * CHUNK + 2, 2)
+    return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin, range_m)
+
+
+def _cuts(points: Floats) -> list[int]:
+    """Indices at which a polyline (M, 2) is cut, its ends included."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    cuts = [0]
+    for i in range(1, len(points)):
+        if i == len(points) - 1 or i - cuts[-1] == CHUNK or along[i + 1] - along[cuts[-1]] > CHUNK_M:
+            cuts.append(i)
+    return cuts

@@ -1,0 +1,34 @@
+"""The rasters of the levels of the ground, and the rows of the picture that are taken from them."""
+
+from collections.abc import Callable
+
+import cv2
+
+from vpf_sim.envs.camera.ground.far_patch import FarPatch
+from vpf_sim.envs.camera.ground.levels import Band, Level
+from vpf_sim.envs.camera.ground.near_patch import NearPatch
+from vpf_sim.envs.camera.ground.paint import GRASS
+from vpf_sim.envs.camera.ground.raster import Raster
+from vpf_sim.types import Camera, Floats, Image
+
+WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+
+Patch = NearPatch | FarPatch
+
+
+def patch_of(camera: Camera, level: Level, paint: Callable[[Raster], Image]) -> Patch:
+    """The patch of a level, which `paint` fills."""
+    return NearPatch(level, paint) if level.steep else FarPatch(camera, level, paint)
+
+
+def sample(patch: Patch, band: Band, to_world: Floats, target: Image) -> None:
+    """Take the rows of a band from a patch; `to_world` leads from pixels of the picture to the ground."""
+    matrix = patch.from_world @ to_world @ band.sampling
+    if band.fineness == 1:
+        cv2.warpPerspective(patch.pixels, matrix, target.shape[::-1], target, WARP, cv2.BORDER_CONSTANT, GRASS)
+        return
+    size = (target.shape[1], band.fineness * len(target))
+    rows = cv2.warpPerspective(patch.pixels, matrix, size, flags=WARP, borderValue=GRASS)
+    while len(rows) > 2 * len(target):
+        rows = cv2.addWeighted(rows[0::2], 0.5, rows[1::2], 0.5, 0.0)
+    cv2.addWeighted(rows[0::2], 0.5, rows[1::2], 0.5, 0.0, target)

@@ -1,0 +1,148 @@
+"""The painted ground on a raster, one channel of palette values.
+
+Polygons are filled without anti-aliasing on a canvas several times as fine as the raster and averaged down, which gives
+every edge its exact coverage.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.ground.paint import GRASS, Batch
+from vpf_sim.envs.camera.ground.raster import Raster
+from vpf_sim.envs.camera.view import NEAR_M, clip_near
+from vpf_sim.types import Bools, Floats, Image
+
+SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
+STEP_M = 12.0  # what the raster travels before all polygons are looked at again
+
+Indices = NDArray[np.int64]
+
+
+class Polygons:
+    """All polygons of a road in the order in which they are laid, their vertices in one array."""
+
+    def __init__(self, batches: list[Batch]) -> None:
+        self.points_m = np.concatenate([batch.polygons_m.reshape(-1, 2) for batch in batches])
+        self.across_m = np.concatenate([_across(batch).reshape(-1, 2) for batch in batches])
+        self.along_m = np.concatenate([_along(batch).reshape(-1, 2) for batch in batches])
+        self.thin = np.concatenate([np.full(batch.polygons_m[..., 0].size, batch.thin) for batch in batches])
+        self.counts = np.concatenate([np.full(len(b.values), b.polygons_m.shape[1]) for b in batches])
+        self.starts = np.concatenate([[0], np.cumsum(self.counts)[:-1]])
+        self.values = np.concatenate([batch.values for batch in batches])
+        self.centres_m = np.concatenate([batch.centres_m for batch in batches])
+        self.radii_m = np.concatenate([batch.radii_m for batch in batches])
+        self.ranges_m = np.concatenate([np.full(len(batch.values), batch.range_m) for batch in batches])
+        strips = np.concatenate([batch.strips for batch in batches])
+        owner = np.repeat(np.arange(len(batches)), [len(batch.values) for batch in batches])
+        self.runs = np.cumsum(np.diff(strips, prepend=-1).astype(bool) | np.diff(owner, prepend=-1).astype(bool))
+
+
+class Surface:
+    """Draws what is painted on the ground, for rasters that lie near each other, seen from a depth of `near_m` on."""
+
+    def __init__(self, polygons: Polygons, near_m: float, fine: tuple[int, int]) -> None:
+        self._polygons = polygons
+        self._fine = fine  # pixels of the canvas per texel, across and along
+        self._shown = np.flatnonzero(polygons.ranges_m > near_m)
+        self._close = self._shown[:0]
+        self._discs_m = (polygons.centres_m[:0], polygons.radii_m[:0])
+        self._middle = np.full(2, np.inf)
+        self._reach_m = 0.0
+
+    def paint(self, raster: Raster) -> Image:
+        """(rows, columns) palette values."""
+        fine_x, fine_y = self._fine
+        canvas = np.full((fine_y * raster.rows, fine_x * raster.columns), GRASS, np.uint8)
+        seen = self._seen(raster)
+        if len(seen):
+            self._fill(canvas, seen, raster.finer(fine_x, fine_y))
+        while len(canvas) > fine_x * raster.rows:
+            canvas = np.asarray(cv2.addWeighted(canvas[0::2], 0.5, canvas[1::2], 0.5, 0.0), np.uint8)
+        return np.asarray(cv2.resize(canvas, (raster.columns, raster.rows), interpolation=cv2.INTER_AREA), np.uint8)
+
+    def _seen(self, raster: Raster) -> Indices:
+        """Which polygons may touch a raster."""
+        outline = raster.outline()
+        middle = outline.mean(axis=0)
+        reach = float(np.hypot(*(outline - middle).T).max())
+        if not np.hypot(*(middle - self._middle)) + reach <= self._reach_m:
+            self._middle, self._reach_m = middle, reach + STEP_M
+            away = np.hypot(*(self._polygons.centres_m[self._shown] - middle).T)
+            self._close = self._shown[away - self._polygons.radii_m[self._shown] < self._reach_m]
+            self._discs_m = (self._polygons.centres_m[self._close], self._polygons.radii_m[self._close])
+        sides = np.roll(outline, -1, axis=0) - outline
+        normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.hypot(*sides.T)[:, None]
+        normals *= np.sign(np.sum((outline - middle) * normals, axis=1))[:, None]  # outward
+        centres_m, radii_m = self._discs_m
+        outside = normals @ centres_m.T - np.sum(outline * normals, axis=1)[:, None]
+        return np.asarray(self._close[outside.max(axis=0) < radii_m])
+
+    def _fill(self, canvas: Image, seen: Indices, matrix: Floats) -> None:
+        """Fill polygons, those of one strip in one call."""
+        counts = self._polygons.counts[seen]
+        ends = np.cumsum(counts)
+        starts = ends - counts
+        vertices = np.repeat(self._polygons.starts[seen] - starts, counts) + np.arange(ends[-1])
+        corners = self._narrowed(vertices, matrix)
+        fixed = _fixed(corners)
+        polygons = [fixed[a:b] for a, b in zip(starts.tolist(), ends.tolist(), strict=True)]
+        ahead = corners[:, 2] > NEAR_M
+        cut = np.flatnonzero(~np.logical_and.reduceat(ahead, starts))
+        if len(cut):
+            padded = starts[cut, None] + np.minimum(np.arange(counts.max()), counts[cut, None] - 1)
+            for index, polygon in zip(cut.tolist(), _clipped(corners[padded], ahead[padded]), strict=True):
+                polygons[index] = polygon
+        last = [*(np.flatnonzero(np.diff(self._polygons.runs[seen])) + 1).tolist(), len(seen)]
+        first = 0
+        for end, value in zip(last, self._polygons.values[seen[np.array(last) - 1]].tolist(), strict=True):
+            cv2.fillPoly(canvas, polygons[first:end], value, cv2.LINE_8, SHIFT)
+            first = end
+
+    def _narrowed(self, vertices: Indices, matrix: Floats) -> Floats:
+        """(P, 3) vertices in homogeneous coordinates of the canvas, strips narrowed by what OpenCV's filling adds on
+        either side: half a pixel, counted along the axis that the edge is steeper against."""
+        points = _homogeneous(self._polygons.points_m[vertices], matrix)
+        thin = np.flatnonzero(self._polygons.thin[vertices] & (points[:, 2] > NEAR_M))
+        if len(thin):
+            index, here = vertices[thin], points[thin]
+            pixels = here[:, :2] / here[:, 2:]
+            across, along = (
+                (vector @ matrix[:, :2].T)[:, :2] - (vector @ matrix[2, :2])[:, None] * pixels
+                for vector in (self._polygons.across_m[index], self._polygons.along_m[index])
+            )  # on the canvas, times the depth
+            turned = np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
+            share = 0.5 * here[:, 2] * np.abs(along).max(axis=1) / np.maximum(turned, 1e-9)
+            inward = np.minimum(share, 0.45)[:, None] * self._polygons.across_m[index]
+            points[thin] += inward @ matrix[:, :2].T
+        return points
+
+
+def _homogeneous(points: Floats, matrix: Floats) -> Floats:
+    return np.asarray(points @ matrix[:, :2].T + matrix[:, 2])
+
+
+def _fixed(corners: Floats) -> NDArray[np.int32]:
+    """(..., 2) pixels of homogeneous corners in OpenCV's fixed point."""
+    scale = 2.0**SHIFT / np.maximum(corners[..., 2:], NEAR_M)
+    return np.rint(corners[..., :2] * scale).astype(np.int32)
+
+
+def _clipped(polygons: Floats, inside: Bools) -> NDArray[np.int32]:
+    """(n, 2 V, 2) what of polygons (n, V, 3) lies beyond the near plane; a point off the canvas where nothing does."""
+    beyond = inside.any(axis=1)
+    fixed = np.full((len(polygons), 2 * polygons.shape[1], 2), -(9 << SHIFT), np.int32)
+    fixed[beyond] = _fixed(clip_near(polygons[beyond], inside[beyond]))
+    return fixed
+
+
+def _across(batch: Batch) -> Floats:
+    """(n, V, 2) m from each vertex of a strip to the one beside it, 0 for other polygons."""
+    return batch.polygons_m[:, ::-1] - batch.polygons_m if batch.thin else np.zeros_like(batch.polygons_m)
+
+
+def _along(batch: Batch) -> Floats:
+    """(n, V, 2) m along the side of a strip at each vertex."""
+    half = batch.polygons_m.shape[1] // 2
+    sides = (batch.polygons_m[:, :half], batch.polygons_m[:, half:])
+    return np.concatenate([np.gradient(side, axis=1) for side in sides], axis=1)

@@ -1,0 +1,1 @@
+"""Water outside: falling, on the road, thrown up."""

@@ -1,0 +1,204 @@
+"""The wet road, a mirror at grazing angles: sharp in puddles, smeared along the line of sight elsewhere."""
+
+from dataclasses import dataclass
+from math import ceil
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.horizon import ground_top
+from vpf_sim.envs.camera.layout import LaneShape
+from vpf_sim.envs.camera.rain.mirror import (
+    REFINEMENT,
+    erase,
+    large_sprites,
+    mirrored_faces,
+    paint_faces,
+    paint_sprite,
+    reflectance,
+)
+from vpf_sim.envs.camera.rain.puddles import Puddles, covered_table, road_table, water_level
+from vpf_sim.envs.camera.truth import Drawn
+from vpf_sim.envs.camera.view import View
+from vpf_sim.seeding import stream
+from vpf_sim.types import Bools, Camera, Image
+
+Bytes = NDArray[np.uint8]
+
+DAMP_SHARE, FILM_SHARE = 0.35, 0.9  # of a damp road's and a flooded road's surface that mirrors
+DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # of its facets
+STONES_MMPH, FILM_MMPH = 8.0, 25.0  # between these rates of rain the film comes to cover the stones
+RIPPLE = 5.0  # rows by which the rings of drops shake the mirror image in puddles, in hard rain
+DARK = 0.3  # how fast the asphalt darkens with the depth of the water, levels of 255 per level of the map
+EVERY = 3  # frames in which the mirror image is drawn anew where drops shake it more than things move in between
+STEEP, STEEPEST = 0.30, 0.41  # sines of the angle under which the mirror image (16 %) begins to be left out, and is
+HIDDEN_SHARE, HIDDEN_LEVELS = 0.25 * 255, 12
+
+
+@dataclass(frozen=True, slots=True)
+class Water:
+    """Where there is water in one frame, (rows, columns) each of the canvas."""
+
+    share: Bytes  # of the light that is mirrored, of 255
+    through: Bytes  # of the road's own light that is left, of 255
+    standing: Bytes  # 255 in puddles, else 0
+
+
+@dataclass(frozen=True, slots=True)
+class Mirror:
+    """The world upside down, as it was in one frame."""
+
+    view: View
+    drawn: list[Drawn]
+    sky: Bytes  # (rows, columns, 3)
+    sharp: Bytes  # the same with things before it, as puddles show them
+    smeared: Bytes  # as the film shows them
+
+
+class WetRoad:
+    """Mirrors sky and things on the road.
+
+    The share that is mirrored is Fresnel's for flat water (n = 1.333) times the share of the road that is covered.
+    Below about 10 mm/h the stones of the asphalt poke through the film, from 25 mm/h on it is one film (Gallaway et al.
+    1971, TTI report 138-5). A facet tilted by s moves the mirror image of what is far by 2 f s up or down, and hardly
+    sideways. The sky of the picture is all that can be mirrored: a camera that sees none of it sees a dull road.
+    """
+
+    def __init__(self, camera: Camera, shapes: list[LaneShape], atmosphere: Atmosphere, seed: int) -> None:
+        self._size = (camera.height_px, camera.width_px)
+        self._last: tuple[Mirror, Water, list[Drawn]] | None = None
+        self._top = ground_top(camera)
+        self._none = atmosphere.wetness <= 0.0 or not REFINEMENT <= self._top < camera.height_px
+        if self._none:
+            return
+        self._camera = camera
+        self._columns = camera.width_px // REFINEMENT
+        sines = self._sines(ceil((camera.height_px - self._top) / REFINEMENT))
+        fading = np.clip((sines - STEEPEST) / (STEEP - STEEPEST), 0.0, 1.0)
+        self._rows = int((fading.max(axis=1) > 0.0).sum())
+        self._puddles = Puddles(shapes, seed)
+        film = float(np.clip((atmosphere.rain_mmph - STONES_MMPH) / (FILM_MMPH - STONES_MMPH), 0.0, 1.0))
+        share = min(1.0, 2.0 * atmosphere.wetness) * (DAMP_SHARE + film * (FILM_SHARE - DAMP_SHARE))
+        slope = np.radians(DAMP_SLOPE_DEG + film * (FILM_SLOPE_DEG - DAMP_SLOPE_DEG))
+        self._smear = 2 * round(2.0 * camera.fy_px * slope / REFINEMENT) + 1
+        standing = covered_table(atmosphere.puddles)
+        self._level = water_level(atmosphere.puddles)
+        self._share_table = np.maximum(standing, np.rint(share * road_table())).astype(np.uint8)
+        self._reflectance = np.rint(255.0 * reflectance(sines) * fading)[: self._rows].astype(np.uint8)
+        self._ripple = round(RIPPLE * min(1.0, atmosphere.rain_mmph / FILM_MMPH) / REFINEMENT)
+        self._rng = stream(seed, "rain on puddles")
+        self._from_row = np.arange(self._rows)
+        self._age = 0  # of the mirror image, in frames
+        size = (self._rows * REFINEMENT, camera.width_px)
+        self._dimming, self._added = np.empty((*size, 3), np.uint8), np.empty((*size, 3), np.uint8)
+        self._left = np.empty(size, np.uint8)
+
+    def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
+        """Mirror what is drawn above the horizon and the things that will be drawn, in place."""
+        if self._none:
+            return
+        self._age += 1
+        if self._last is None or not self._ripple or self._age == EVERY:
+            mirror = self._mirror(view, self._mirrored_sky(frame), drawn)
+            self._age = 0
+        else:
+            mirror = self._last[0]
+        if self._ripple:
+            self._from_row = self._rng.integers(-self._ripple, self._ripple + 1, self._rows) + np.arange(self._rows)
+        water = self._water(view)
+        self._last = (mirror, water, drawn)
+        self._lay(frame, water.through, self._light(mirror, water))
+
+    def hidden(self) -> Bools:
+        """(H, W) where the last frame shows mirror images of things: they make up a quarter of what is seen, or differ
+        by 12 grey levels from the mirrored sky."""
+        mask = np.zeros(self._size, np.uint8)
+        if self._last is None:
+            return mask.astype(bool)
+        mirror, water, drawn = self._last
+        white, black = np.full_like(mirror.sky, 255), np.zeros_like(mirror.sky)
+        of_sky, of_nothing, with_things, without, all_sky = (
+            self._light(self._mirror(mirror.view, sky, things), water)
+            for sky, things in (
+                (white, mirror.drawn),
+                (black, mirror.drawn),
+                (mirror.sky, mirror.drawn),
+                (mirror.sky, []),
+                (white, []),
+            )
+        )
+        share = cv2.subtract(all_sky, cv2.subtract(of_sky, of_nothing))
+        contrast = cv2.absdiff(with_things, without)
+        shown = (np.asarray(share).max(axis=2) > HIDDEN_SHARE) | (np.asarray(contrast).max(axis=2) > HIDDEN_LEVELS)
+        below = mask[self._top : self._top + self._rows * REFINEMENT]
+        below[:] = shown.repeat(REFINEMENT, axis=0).repeat(REFINEMENT, axis=1)[: len(below)]
+        for thing in drawn:
+            erase(mask, thing.drawing)
+        return mask.astype(bool)
+
+    def _water(self, view: View) -> Water:
+        """Where there is water."""
+        depths = self._depths(view)
+        dark: Any = cv2.addWeighted(depths, DARK, depths, 0.0, -DARK * self._level)
+        share: Any = cv2.multiply(cv2.LUT(depths, self._share_table), self._reflectance, scale=1 / 255)
+        through: Any = cv2.subtract(cv2.bitwise_not(share), dark)
+        standing: Any = cv2.threshold(depths, self._level, 255.0, cv2.THRESH_BINARY)[1]
+        return Water(share, through, standing)
+
+    def _mirror(self, view: View, sky: Bytes, drawn: list[Drawn]) -> Mirror:
+        """Things before the mirrored sky."""
+        sharp = sky.copy()
+        for sprite in large_sprites(drawn):
+            paint_sprite(sharp, view, self._top, sprite)
+        paint_faces(sharp, self._top, mirrored_faces(view, drawn, 0.5 * self._smear * REFINEMENT))
+        return Mirror(view, drawn, sky, sharp, np.asarray(cv2.blur(sharp, (1, self._smear)), np.uint8))
+
+    def _light(self, mirror: Mirror, water: Water) -> Bytes:
+        """(rows, columns, 3) the light that the water sends to the camera."""
+        sharp, light = mirror.sharp, mirror.smeared.copy()
+        if self._ripple:
+            sharp = sharp.take(self._from_row, axis=0, mode="clip")
+        cv2.copyTo(sharp, water.standing, light)
+        cv2.multiply(light, cv2.cvtColor(water.share, cv2.COLOR_GRAY2RGB), light, scale=1 / 255)
+        return light
+
+    def _lay(self, frame: Image, through: Bytes, light: Bytes) -> None:
+        """Dim the road and add what it mirrors."""
+        rows = frame[self._top : self._top + self._rows * REFINEMENT]
+        size = (frame.shape[1], self._rows * REFINEMENT)
+        cv2.resize(through, size, self._left)
+        cv2.cvtColor(self._left, cv2.COLOR_GRAY2RGB, self._dimming)
+        cv2.multiply(rows, self._dimming[: len(rows)], rows, scale=1 / 255)
+        cv2.resize(light, size, self._added)
+        cv2.add(rows, self._added[: len(rows)], rows)
+
+    def _mirrored_sky(self, frame: Image) -> Bytes:
+        """The sky upside down."""
+        tall = min(self._rows, self._top // REFINEMENT)
+        above = frame[self._top - tall * REFINEMENT : self._top]
+        sky = cv2.flip(cv2.resize(above, (self._columns, tall), interpolation=cv2.INTER_AREA), 0)
+        if tall < self._rows:
+            sky = cv2.copyMakeBorder(sky, 0, self._rows - tall, 0, 0, cv2.BORDER_REPLICATE)
+        return np.asarray(sky, np.uint8)
+
+    def _depths(self, view: View) -> Bytes:
+        """(rows, columns) the depth of the puddles' map at each pixel of the canvas."""
+        raster = self._puddles.raster(view)
+        centre = 0.5 * (REFINEMENT - 1)
+        pixels = np.array([[REFINEMENT, 0.0, centre], [0.0, REFINEMENT, centre + self._top], [0.0, 0.0, 1.0]])
+        matrix = raster.from_world() @ view.ground_homography() @ pixels
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        size = (self._columns, self._rows)
+        return np.asarray(cv2.warpPerspective(raster.depths, matrix, size, flags=flags), np.uint8)
+
+    def _sines(self, rows: int) -> NDArray[np.float64]:
+        """(rows, columns) sine of the angle between ray and road."""
+        camera = self._camera
+        x = ((np.arange(self._columns) + 0.5) * REFINEMENT - 0.5 - camera.cx_px) / camera.fx_px
+        y = ((np.arange(rows) + 0.5) * REFINEMENT - 0.5 + self._top - camera.cy_px) / camera.fy_px
+        right, down = np.meshgrid(x, y)
+        fall = down * np.cos(camera.pitch_rad) + np.sin(camera.pitch_rad)
+        return np.asarray(fall / np.sqrt(right**2 + down**2 + 1.0))

@@ -1,0 +1,1 @@
+"""What stands up from the ground: bodies, furniture of the road, trees."""

@@ -1,0 +1,157 @@
+"""The faces of all that stands along a road, and those of them that are in view."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.things.air import Air, contrasts
+from vpf_sim.envs.camera.things.mesh import Mesh
+from vpf_sim.envs.camera.things.painter import Drawing, drawing
+from vpf_sim.envs.camera.veil import Veil
+from vpf_sim.envs.camera.view import NEAR_M, View
+from vpf_sim.types import Bools, Camera, Floats
+
+VERTICES = 4  # of every face
+VISIBLE_PX = 0.5  # faces thinner than this are not drawn
+CELL_M, SECTORS = 6.0, 36  # the same faces are looked at as long as the camera stays in a cell and heads for a sector
+FADING = 0.15  # the last part of its range, in which a thing fades out
+FULL = 1.0 / FADING
+COARSE_M = 60.0  # faces that are drawn up to here cast shadows
+EDGE_ON = 0.05  # but for those that the sun's rays only graze
+LOWEST_SUN = 0.1  # sine of the altitude; lower suns cast no longer shadows
+
+Standing = tuple[Mesh, Floats, float]  # its pose (x, y, heading), and the distance in m up to which it is drawn
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Things and their faces, in world axes; the faces of a thing lie together, in painter's order."""
+
+    middles_m: Floats  # (k, 2)
+    radii_m: Floats  # (k,)
+    owner: Indices  # (F,) the thing that a face belongs to
+    faces_m: Floats  # (F, VERTICES, 3)
+    normals: Floats  # (F, 3)
+    offsets_m: Floats  # (F,) of the faces' planes
+    colours: Floats  # (F, 4) contrasts in the light
+    from_m: Floats  # (F,) distances ahead of the thing between which the face is drawn
+    until_m: Floats  # (F,)
+    fading: Floats  # (F,) 1/m, how fast the thing's opacity falls with the distance, in the last part of its range
+
+    def only(self, things: Bools, faces: Bools) -> "Group":
+        """Some of the faces of some of the things."""
+        kept = np.flatnonzero(faces & things[self.owner])
+        owner = (np.cumsum(things) - 1)[self.owner[kept]]
+        arrays = (self.faces_m, self.normals, self.offsets_m, self.colours, self.from_m, self.until_m, self.fading)
+        return Group(self.middles_m[things], self.radii_m[things], owner, *(array[kept] for array in arrays))
+
+
+class Roadside:
+    """All that stands along one road, ready to be drawn."""
+
+    def __init__(self, camera: Camera, things: list[Standing], light: Light, veil: Veil) -> None:
+        self._slope = 0.5 * camera.width_px / camera.fx_px  # of the sides of what the camera sees
+        self._air = Air(light, veil)
+        self._all = self._near = _group(things, light, camera)
+        self._widest_m = float(self._all.radii_m.max(initial=0.0)) + NEAR_M
+        self._place: tuple[int, int, int] | None = None
+
+    def seen(self, view: View) -> tuple[Drawing | None, list[float]]:
+        """The faces in view, the farthest thing first, and the depth of each, m."""
+        group, axes, eye = self._close(view), view.axes, view.centre
+        ahead = (group.middles_m @ axes[2, :2] - float(axes[2, :2] @ eye[:2])).take(group.owner)
+        away = group.normals @ eye - group.offsets_m
+        shown = ((away > 1e-6) & (ahead >= group.from_m) & (ahead < group.until_m)).nonzero()[0]
+        if not len(shown):
+            return None, []
+        shown = shown[np.argsort(-ahead[shown], kind="stable")]
+        points = ((group.faces_m.take(shown, axis=0).reshape(-1, 3) - eye) @ axes.T).reshape(-1, VERTICES, 3)
+        if ahead[shown[-1]] < self._widest_m:
+            inside = self._may_show(points)
+            shown, points = shown[inside], points[inside]
+            if not len(shown):
+                return None, []
+        depth, owner = ahead[shown], group.owner[shown]
+        starts = np.ones(len(owner), bool)
+        np.not_equal(owner[1:], owner[:-1], out=starts[1:])
+        firsts = starts.nonzero()[0]
+        planes = group.normals.take(shown, axis=0) @ axes.T / -away[shown, None]
+        colours = self._air.colours(
+            group.colours.take(shown, axis=0), depth, np.minimum(1.0, FULL - depth * group.fading[shown])
+        )
+        return drawing(view, points, colours, planes, firsts), depth[firsts].tolist()
+
+    def shadow_polygons(self, light: Light) -> list[Floats]:
+        """(n, 2) m, outlines on the ground whose union lies in the shade of all that stands there."""
+        group = self._all
+        coarse = (group.until_m >= COARSE_M) & (np.abs(group.normals @ light.sun) > EDGE_ON)
+        faces = group.faces_m[coarse]
+        cast = faces[..., :2] - faces[..., 2:] * (light.sun[:2] / max(light.sun[2], LOWEST_SUN))
+        return list(cast)
+
+    def _may_show(self, points: Floats) -> Bools:
+        """Which faces (n, VERTICES, 3), in camera axes, are neither behind the near plane nor beside the picture."""
+        right, depth = points[..., 0], points[..., 2]
+        wide = self._slope * depth
+        beside = (right > wide).all(axis=1) | (right < -wide).all(axis=1)
+        return np.asarray(~beside & (depth.max(axis=1) > NEAR_M))
+
+    def _close(self, view: View) -> Group:
+        """What may be in view from anywhere in the camera's cell, heading anywhere in its sector."""
+        sector = int(np.floor(view.yaw_rad / (2.0 * np.pi) * SECTORS))
+        x, y = (int(np.floor(place / CELL_M)) for place in view.centre[:2])
+        if self._place != (x, y, sector):
+            self._place = (x, y, sector)
+            middle, yaw = CELL_M * (np.array([x, y]) + 0.5), 2.0 * np.pi * (sector + 0.5) / SECTORS
+            self._near = _may_be_seen(self._all, middle, yaw, self._slope)
+        return self._near
+
+
+def _may_be_seen(group: Group, middle: Floats, yaw: float, slope: float) -> Group:
+    """What may be in view from within a cell around `middle`, heading for a sector around `yaw`."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    ahead, aside = ((group.middles_m - middle) @ np.array([[c, -s], [s, c]])).T
+    spare = CELL_M + group.radii_m
+    half = np.arctan(slope) + np.pi / SECTORS
+    things = (ahead > -spare) & (np.abs(aside) < np.tan(half) * (ahead + spare) + spare)
+    distance = np.hypot(ahead, aside)[group.owner]
+    faces = (group.until_m > np.cos(half) * distance - CELL_M) & (group.from_m < distance + CELL_M)
+    return group.only(things, faces)
+
+
+def _group(things: list[Standing], light: Light, camera: Camera) -> Group:
+    """Faces of meshes at their places."""
+    poses = np.array([pose for _, pose, _ in things]).reshape(-1, 3)
+    meshes = [mesh for mesh, _, _ in things]
+    counts = np.array([len(mesh.faces_m) for mesh in meshes], np.int64)
+    owner = np.repeat(np.arange(len(things)), counts)
+    c, s = np.cos(poses[owner, 2]), np.sin(poses[owner, 2])
+    zero, one = np.zeros(len(owner)), np.ones(len(owner))
+    turns = np.stack([c, -s, zero, s, c, zero, zero, zero, one], axis=1).reshape(-1, 3, 3)
+    places = np.column_stack([poses[owner, :2], zero])
+
+    def joined(name: str, *shape: int) -> Floats:
+        return np.concatenate([np.empty((0, *shape)), *(getattr(mesh, name) for mesh in meshes)])
+
+    faces = np.concatenate([np.empty((0, VERTICES, 3)), *(mesh.faces_m[:, :VERTICES] for mesh in meshes)])
+    faces = np.einsum("fij,fvj->fvi", turns, faces) + places[:, None]
+    normals = np.einsum("fij,fj->fi", turns, joined("normals", 3))
+    facing = np.maximum(0.0, normals @ light.sun)[:, None]
+    shading = np.where(joined("lit")[:, None] > 0.0, light.sky + light.direct * facing, 1.0)
+    ranges_m = np.array([range_m for _, _, range_m in things], float)[owner]
+    thinnest = joined("thickness_m") * camera.fx_px / VISIBLE_PX
+    return Group(
+        middles_m=poses[:, :2],
+        radii_m=np.array([mesh.reach_m for mesh in meshes]),
+        owner=owner,
+        faces_m=faces,
+        normals=normals,
+        offsets_m=np.einsum("fi,fi->f", normals, faces[:, 0]),
+        colours=contrasts(np.minimum(255.0, joined("colours", 3) * shading), light),
+        from_m=joined("from_m"),
+        until_m=np.minimum(np.minimum(joined("until_m"), thinnest), ranges_m),
+        fading=1.0 / (FADING * ranges_m),
+    )

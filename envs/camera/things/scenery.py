@@ -1,0 +1,58 @@
+"""What stands beside the road and never moves, placed by a seed: its furniture, trees and bushes."""
+
+import numpy as np
+
+from vpf_sim.envs.camera.layout import LaneShape
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.things.painter import Drawing, Sprite
+from vpf_sim.envs.camera.things.roadside import Roadside
+from vpf_sim.envs.camera.things.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees, TreeStand
+from vpf_sim.envs.camera.things.verge import STATION_M, Verge
+from vpf_sim.envs.camera.veil import Veil
+from vpf_sim.envs.camera.view import View
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats
+
+TREE_EVERY = 2  # stations, on either side
+TREE_SHARE, BUSH_SHARE = 0.8, 0.3
+TREE_FREE_M = 4.0  # around a tree's foot
+
+
+class Scenery:
+    """What stands beside a road and never moves."""
+
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, veil: Veil, seed: int) -> None:
+        verge = Verge(shapes)
+        self._trees = TreeStand(camera, _planted(verge, stream(seed, "trees")), light, veil)
+        self._roadside = Roadside(camera, verge.furnished(stream(seed, "scenery")), light, veil)
+
+    def seen(self, view: View) -> tuple[Drawing | None, list[float]]:
+        """The faces in view, the farthest thing first, and the depth of each, m."""
+        return self._roadside.seen(view)
+
+    def trees_seen(self, view: View) -> list[Sprite]:
+        """The trees in view, the farthest first."""
+        return self._trees.seen(view)
+
+    def shadow_polygons(self, light: Light) -> list[Floats]:
+        """(n, 2) m, outlines on the ground whose union lies in the shade of furniture, trees and bushes."""
+        return [*self._roadside.shadow_polygons(light), *self._trees.shadow_polygons(light)]
+
+
+def _planted(verge: Verge, rng: np.random.Generator) -> Trees:
+    """Trees some 6 to 32 m outside the edges, the more the nearer."""
+    feet = [np.empty((0, 2))]
+    for side in verge.sides:
+        base, out = side.points_m[::TREE_EVERY], side.outward[::TREE_EVERY]
+        reach = 5.5 + 26.0 * rng.random(len(base)) ** 1.6
+        place = base + reach[:, None] * out + rng.uniform(-STATION_M, STATION_M, (len(base), 2))
+        feet.append(place[verge.clear(place, TREE_FREE_M) & (rng.random(len(base)) < TREE_SHARE)])
+    all_feet = np.concatenate(feet)
+    bushes = rng.random(len(all_feet)) < BUSH_SHARE
+    variants = np.where(
+        bushes,
+        rng.integers(VARIANTS - BUSHES, VARIANTS, len(all_feet)),
+        rng.integers(0, VARIANTS - BUSHES, len(all_feet)),
+    )
+    tall = np.array(HEIGHTS_M)[variants] * rng.uniform(0.75, 1.25, len(all_feet))
+    return Trees(all_feet, tall, variants)

@@ -1,0 +1,196 @@
+"""What stands up from the ground, bodies and scenery: what of it is in view, and painting it, the farthest first."""
+
+from dataclasses import dataclass
+from math import asin, atan2, cos, hypot, pi, remainder, sin
+
+import numpy as np
+from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
+
+from vpf_sim.envs.camera.layout import LaneShape
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.things.bodies import HEIGHTS_M, body_mesh
+from vpf_sim.envs.camera.things.occlusion import far_to_near
+from vpf_sim.envs.camera.things.painter import Drawing, Sprite, footprint, paint
+from vpf_sim.envs.camera.things.scenery import Scenery
+from vpf_sim.envs.camera.things.shadows import Shadow
+from vpf_sim.envs.camera.things.solid import RANGE_M, Solid
+from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
+from vpf_sim.envs.camera.veil import Veil
+from vpf_sim.envs.camera.view import View
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Image
+
+SHADOW_REACH = 4.0  # length of the longest shadows, in heights
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """What moved, at one frame."""
+
+    view: View
+    time_s: float
+    bodies: list[RoadObject]  # all but the one that carries the camera
+    poses: dict[int, Floats]  # (x, y, heading) of each body, by its id
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A body as it is drawn; the body is kept with it, so that its id stays its own."""
+
+    body: RoadObject
+    solid: Solid
+    shadow: Shadow
+
+
+class Things:
+    """The bodies and the scenery of one road."""
+
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, veil: Veil, seed: int) -> None:
+        self._seed = seed
+        self._light = light
+        self._veil = veil
+        self._scenery = Scenery(camera, shapes, light, veil, seed)
+        self._shapes: dict[int, Shape] = {}
+        self._order: list[int] = []
+
+    def seen(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
+        """All that is in view, the farthest first, as it lies in the picture."""
+        trees = self._scenery.trees_seen(now.view)
+        scenery, depths = self._scenery.seen(now.view)
+        covering = _covering(trees, scenery, depths)
+        drawn: list[Drawn] = []
+        first = tree = 0
+        self._order, nearest = bodies_in_view(now)
+        for i, behind in [*zip(self._order, nearest, strict=True), (None, -1.0)]:
+            while tree < len(trees) and trees[tree].depth_m > behind:
+                if covering[tree]:
+                    first = _until(drawn, scenery, depths, first, trees[tree].depth_m)
+                drawn.append(Drawn(trees[tree], -1, STILL))
+                tree += 1
+            body = None if i is None else self._body(now, before, i)
+            if i is None or body is not None:
+                first = _until(drawn, scenery, depths, first, behind)
+            if body is not None:
+                drawn.append(body)
+        return drawn
+
+    def paint(self, frame: Image, drawn: list[Drawn]) -> None:
+        """Draw things over the picture, in their order."""
+        paint(frame, [thing.drawing for thing in drawn])
+
+    def paint_shadows(self, frame: Image, now: Snapshot) -> None:
+        """Darken the ground where bodies keep the light off; of those found by `seen`."""
+        for i in self._order:
+            body = now.bodies[i]
+            self._of(body).shadow.paint(frame, now.view, now.poses[id(body)])
+
+    def _body(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
+        """A body's faces in the picture and how it moved; None if none of them is seen."""
+        body = now.bodies[index]
+        pose = now.poses[id(body)]
+        earlier = before.poses.get(id(body), pose)
+        motion = STILL if np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
+        drawing = self._of(body).solid.seen(now.view, pose)
+        return None if drawing is None else Drawn(drawing, index + 1, motion)
+
+    def _of(self, body: RoadObject) -> Shape:
+        """What is known of a body."""
+        if id(body) not in self._shapes:
+            rng = stream(self._seed, f"body {len(self._shapes)}")
+            size = body_size(body)
+            solid = Solid(body_mesh(_kind(body), size, rng), self._light, self._veil)
+            self._shapes[id(body)] = Shape(body, solid, Shadow(size, self._light))
+        return self._shapes[id(body)]
+
+
+def _covering(trees: list[Sprite], scenery: Drawing | None, depths: list[float]) -> list[bool]:
+    """Which trees may cover things of the scenery; those need not be drawn before the others."""
+    if not trees or scenery is None:
+        return [False] * len(trees)
+    places = np.array([(*tree.box, tree.depth_m) for tree in trees])
+    x0, y0, x1, y1 = np.array(scenery.boxes).T
+    left, top, right, bottom, depth = places[..., None].swapaxes(0, 1)
+    over = (left < x1) & (x0 < right) & (top < y1) & (y0 < bottom) & (depth < depths)
+    return list(over.any(axis=1).tolist())
+
+
+def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], first: int, behind: float) -> int:
+    """Add the things of the scenery from `first` on that lie farther than `behind`; the first that does not."""
+    last = first
+    while last < len(depths) and depths[last] > behind:
+        last += 1
+    if scenery is not None and last > first:
+        drawn.append(Drawn(scenery.part(first, last), -1, STILL))
+    return last
+
+
+def bodies_in_view(now: Snapshot) -> tuple[list[int], list[float]]:
+    """Indices of the bodies that may be in the picture, the farthest first, and the depth of each one's nearest corner.
+
+    What lies in front of the body that is farther away comes later, whatever their depths.
+    """
+    ahead = [i for i, body in enumerate(now.bodies) if not isinstance(body, Landmark) and _may_show(now, body)]
+    discs = [_disc(now, i) for i in ahead]
+    order = sorted(range(len(ahead)), key=lambda k: -discs[k].distance_m)
+    if any(_unclear(discs[j], discs[k]) for n, j in enumerate(order) for k in order[n + 1 :]):
+        order = far_to_near(np.array([_footprint(now, i) for i in ahead]), now.view.centre[:2])
+    return [ahead[k] for k in order], [discs[k].nearest_m for k in order]
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """The circle around a body's footprint, as seen from the camera."""
+
+    distance_m: float
+    bearing_rad: float
+    radius_m: float
+    nearest_m: float  # depth of the body's nearest corner
+
+
+def _disc(now: Snapshot, index: int) -> Disc:
+    body, view = now.bodies[index], now.view
+    x, y, heading = now.poses[id(body)].tolist()
+    eye_x, eye_y, _ = view.centre.tolist()
+    axis_x, axis_y, _ = view.axes[2].tolist()
+    x, y = x - eye_x, y - eye_y
+    length, width, _ = body_size(body)
+    c, s = cos(heading), sin(heading)
+    depth = axis_x * x + axis_y * y
+    half = 0.5 * length * abs(axis_x * c + axis_y * s) + 0.5 * width * abs(axis_y * c - axis_x * s)
+    return Disc(hypot(x, y), atan2(y, x), 0.5 * hypot(length, width), depth - half)
+
+
+def _unclear(farther: Disc, nearer: Disc) -> bool:
+    """Whether distance alone does not tell which of two bodies covers the other."""
+    if farther.distance_m - farther.radius_m >= nearer.distance_m + nearer.radius_m:
+        return False
+    if nearer.distance_m <= nearer.radius_m or farther.distance_m <= farther.radius_m:
+        return True
+    apart = abs(remainder(farther.bearing_rad - nearer.bearing_rad, 2.0 * pi))
+    return apart < sum(asin(disc.radius_m / disc.distance_m) for disc in (farther, nearer))
+
+
+def _may_show(now: Snapshot, body: RoadObject) -> bool:
+    """Whether a body or its shadow may be in the picture, by its place alone."""
+    view = now.view
+    x, y, _ = (now.poses[id(body)] - view.centre).tolist()
+    c, s = cos(view.yaw_rad), sin(view.yaw_rad)
+    ahead, aside = c * x + s * y, c * y - s * x
+    length, width, height = body_size(body)
+    reach = length + width + SHADOW_REACH * height
+    slope = 0.5 * view.camera.width_px / view.camera.fx_px
+    return bool(-reach < ahead < RANGE_M and abs(aside) < slope * (ahead + reach) + reach)
+
+
+def body_size(body: RoadObject) -> tuple[float, float, float]:
+    """(length, width, height) m."""
+    return (float(body.LENGTH), float(body.WIDTH), float(getattr(body, "HEIGHT", HEIGHTS_M[_kind(body)])))
+
+
+def _footprint(now: Snapshot, index: int) -> Floats:
+    body = now.bodies[index]
+    return footprint(now.poses[id(body)], *body_size(body)[:2])
+
+
+def _kind(body: RoadObject) -> str:
+    return str(getattr(body, "kind", "barrier" if isinstance(body, Obstacle) else "car"))

@@ -1,0 +1,282 @@
+"""Pictures of trees and bushes, made from noise; drawn as upright pictures that face the camera."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import ceil, floor, log2
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.texture import noise
+from vpf_sim.envs.camera.things.painter import Sprite
+from vpf_sim.envs.camera.veil import Veil
+from vpf_sim.envs.camera.view import View
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Image
+
+ROWS, COLUMNS = 256, 192
+SHAPE = COLUMNS / ROWS
+MARGIN = 2  # empty pixels kept around what is not empty
+SMALLEST_ROWS = 8  # of a reduced picture, about
+NEAREST_M = 4.0
+SAMPLED = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+NOTHING = (0, 0, 0, 255)
+RANGE_M = 100.0  # trees are drawn up to here
+HEIGHTS_SEEN = 30.0  # and to no more than this many of their kind's heights
+FADED_IN = 0.72  # part of their range at which they are there in full
+AIR_STEP_M = 0.5  # trees fade by steps of this much distance
+FADED_PICTURES = 512  # kept for when they are needed again
+UNVEILED = 0.97  # air that leaves more of a tree's contrast does not show
+NOON = 0.85  # the shading of a crown for which the pictures were mixed
+LOWEST_SUN = 0.1  # sine of the altitude; lower suns cast no longer shadows
+SHADOW_SIDES = 10
+BARK = np.array([70.0, 60.0, 50.0])
+STEP_M = 12.0  # what the camera travels before all trees are looked at again
+Indices = NDArray[np.int64]
+Blob = tuple[float, float, float, float]  # centre x, y and radii, parts of the height; y from the top down
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of tree or bush."""
+
+    height_m: float
+    crown: tuple[Blob, ...]
+    stems: tuple[tuple[float, float], ...]  # (x, half width) of each, parts of the height
+    hue: tuple[float, float, float]  # RGB of a leaf in full light
+    gaps: float  # how ragged the crown is
+
+
+KINDS = (
+    Kind(
+        9.5,
+        ((0.37, 0.30, 0.25, 0.24), (0.2, 0.44, 0.17, 0.16), (0.54, 0.43, 0.18, 0.18)),
+        ((0.37, 0.022),),
+        (78, 100, 48),
+        0.3,
+    ),
+    Kind(
+        8.0,
+        ((0.37, 0.25, 0.19, 0.22), (0.33, 0.5, 0.25, 0.22), (0.45, 0.4, 0.22, 0.2)),
+        ((0.38, 0.02),),
+        (92, 106, 50),
+        0.36,
+    ),
+    Kind(12.5, ((0.37, 0.36, 0.1, 0.35), (0.38, 0.62, 0.12, 0.25)), ((0.37, 0.016),), (66, 90, 46), 0.22),  # poplar
+    Kind(
+        11.0,
+        ((0.37, 0.2, 0.1, 0.2), (0.37, 0.42, 0.17, 0.2), (0.37, 0.68, 0.24, 0.22)),
+        ((0.37, 0.016),),
+        (46, 70, 48),
+        0.3,
+    ),
+    Kind(  # a clump of three
+        10.0,
+        ((0.2, 0.42, 0.17, 0.24), (0.42, 0.3, 0.18, 0.26), (0.58, 0.5, 0.15, 0.22), (0.4, 0.62, 0.2, 0.16)),
+        ((0.2, 0.014), (0.42, 0.018), (0.58, 0.013)),
+        (74, 94, 46),
+        0.32,
+    ),
+    Kind(
+        7.0, ((0.3, 0.32, 0.2, 0.26), (0.47, 0.4, 0.2, 0.24)), ((0.33, 0.012), (0.41, 0.012)), (104, 114, 58), 0.42
+    ),  # birches
+    Kind(2.4, ((0.37, 0.62, 0.33, 0.36), (0.2, 0.76, 0.18, 0.23), (0.56, 0.74, 0.17, 0.24)), (), (76, 96, 46), 0.3),
+    Kind(1.6, ((0.2, 0.7, 0.2, 0.28), (0.48, 0.62, 0.24, 0.36), (0.6, 0.8, 0.14, 0.18)), (), (98, 104, 56), 0.4),
+)
+VARIANTS, BUSHES = len(KINDS), 2
+HEIGHTS_M = tuple(kind.height_m for kind in KINDS)
+RANGES_M = tuple(min(RANGE_M, HEIGHTS_SEEN * kind.height_m) for kind in KINDS)
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """What is not empty of the picture of a tree; lengths are parts of the tree's height."""
+
+    left: float  # from the foot
+    top: float  # from the foot, negative
+    width: float
+    height: float
+    levels: tuple[Image, ...]  # (h, w, 4) colours times opacity, what is seen through; reduced by 2 more each
+
+
+@lru_cache(maxsize=VARIANTS)
+def tree_picture(variant: int) -> Picture:
+    """The picture of a tree in the light for which it was mixed."""
+    rng, kind = stream(0, f"tree {variant}"), KINDS[variant]
+    y, x = np.mgrid[0:ROWS, 0:COLUMNS] / float(ROWS)
+    coarse, ragged, leaves = (
+        noise((ROWS, COLUMNS), rng, *spectrum) for spectrum in ((16.0, 1.2), (5.0, 0.8), (2.5, 0.2))
+    )
+    edges = np.array([1.0 - np.hypot((x - bx) / rx, (y - by) / ry) for bx, by, rx, ry in kind.crown])
+    depth = edges.max(axis=0)
+    alpha = np.clip((depth + kind.gaps * (0.5 * coarse + 0.3 * ragged + 0.2 * leaves) - 0.04) * 11.0, 0.0, 1.0)
+    alpha *= np.clip((0.99 - y) * 40.0, 0.0, 1.0)
+    # each lump of leaves is bright above and dark below, as the light from the sky falls
+    lump = np.take_along_axis(_heights(kind, y), edges.argmax(axis=0)[None], axis=0)[0]
+    bulge = 0.72 - 0.42 * lump - 0.25 * (x - 0.37) - 0.25 * np.clip(y - 0.4, 0.0, 1.0)
+    bulge = np.clip(bulge + 0.16 * coarse + 0.2 * ragged + 0.16 * leaves, 0.16, 1.45)
+    warm = np.array([0.10, 0.06, -0.04]) * np.clip(0.6 * coarse, -1.0, 1.0)[..., None]
+    colour = np.array(kind.hue) * bulge[..., None] * (1.0 + warm)
+    stem = np.zeros(y.shape, bool)
+    for place, half in kind.stems:
+        bend = place + 0.008 * np.sin(11.0 * y + 7.0 * place)
+        stem |= (np.abs(x - bend) < half * (0.55 + 0.7 * y)) & (y > 0.35) & (y < 0.99)
+    bark = BARK * np.clip(0.9 + 0.25 * leaves - 5.0 * (x - 0.37), 0.4, 1.4)[..., None]
+    colour = np.where((stem & (alpha < 0.5))[..., None], bark, colour)
+    alpha = np.maximum(alpha, stem)
+    picture = np.dstack([colour * alpha[..., None], 255.0 * (1.0 - alpha)])
+    return _cropped(np.clip(np.rint(picture), 0, 255).astype(np.uint8))
+
+
+def _cropped(picture: Image) -> Picture:
+    """The part of a picture (ROWS, COLUMNS, 4) that is not empty, in all its sizes."""
+    rows, columns = (np.flatnonzero((picture[..., 3] < 255).any(axis=axis)) for axis in (1, 0))
+    x0, x1 = max(int(columns[0]) - MARGIN, 0), int(columns[-1]) + 1 + MARGIN
+    y0, y1 = max(int(rows[0]) - MARGIN, 0), int(rows[-1]) + 1 + MARGIN
+    levels = [np.ascontiguousarray(picture[y0:y1, x0:x1])]
+    height, width = levels[0].shape[:2]
+    while levels[-1].shape[0] > SMALLEST_ROWS:
+        size = (max(width >> len(levels), 1), max(height >> len(levels), 1))
+        levels.append(np.asarray(cv2.resize(levels[0], size, interpolation=cv2.INTER_AREA), np.uint8))
+    return Picture((x0 - 0.5 * COLUMNS) / ROWS, y0 / ROWS - 1.0, width / ROWS, height / ROWS, tuple(levels))
+
+
+@dataclass(frozen=True, slots=True)
+class Trees:
+    """All trees of a road."""
+
+    feet_m: Floats  # (T, 2) world
+    heights_m: Floats  # (T,)
+    variants: NDArray[np.int64]  # (T,)
+
+
+def _heights(kind: Kind, y: Floats) -> Floats:
+    """(blobs, ...) where rows lie in each lump of a crown: -1 at its top, +1 at its bottom."""
+    return np.array([(y - by) / ry for _, by, _, ry in kind.crown])
+
+
+@dataclass(frozen=True, slots=True)
+class _Near:
+    """Trees, and where their pictures lie from their feet."""
+
+    variants: Indices
+    ranges_m: Floats  # (n,) up to which they are drawn
+    feet_m: Floats  # (2, n) world
+    left_m: Floats  # (n,)
+    top_m: Floats
+    width_m: Floats
+    height_m: Floats
+
+    @classmethod
+    def of(cls, trees: Trees, frames_m: Floats, index: Indices) -> "_Near":
+        variants = trees.variants[index]
+        feet_m = np.ascontiguousarray(trees.feet_m[index].T)
+        return cls(variants, np.array(RANGES_M)[variants], feet_m, *np.ascontiguousarray(frames_m[index].T))
+
+
+class TreeStand:
+    """The trees of a road in one light, seen through one air."""
+
+    def __init__(self, camera: Camera, trees: Trees, light: Light, veil: Veil) -> None:
+        tint = (light.sky + 0.5 * light.direct) / NOON
+        scale = np.diag([*tint, 1.0])
+        pictures = [tree_picture(variant) for variant in range(VARIANTS)]
+        self._levels = [[np.asarray(cv2.transform(level, scale), np.uint8) for level in p.levels] for p in pictures]
+        self._airs = [_airs(range_m, light, veil) for range_m in RANGES_M]
+        self._faded = lru_cache(FADED_PICTURES)(self._through_air)
+        self._trees = trees
+        frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
+        self._frames_m = frames[trees.variants] * trees.heights_m[:, None]
+        self._slope = 0.5 * camera.width_px / camera.fx_px  # of the sides of what the camera sees
+        self._middle = np.full(2, np.inf)
+        self._near = _Near.of(trees, self._frames_m, np.empty(0, np.int64))
+
+    def seen(self, view: View) -> list[Sprite]:
+        """The trees in view, the farthest first."""
+        camera, eye, axes = view.camera, view.centre, view.axes
+        near = self._close(eye[:2])
+        right, down, depth = axes[:, :2] @ near.feet_m - (axes @ eye)[:, None]
+        left = right + near.left_m
+        wide = self._slope * depth
+        shown = (depth > NEAREST_M) & (depth < near.ranges_m) & (left < wide) & (left + near.width_m > -wide)
+        index = shown.nonzero()[0]
+        index = index[np.argsort(-depth[index], kind="stable")]
+        far = depth[index]
+        places = np.array([left, down + near.top_m, near.width_m, near.height_m]).take(index, axis=1)
+        places *= camera.fy_px / far
+        found = zip(near.variants[index].tolist(), far.tolist(), places.T.tolist(), strict=True)
+        sprites = [self._sprite(camera, *tree) for tree in found]
+        return [sprite for sprite in sprites if sprite is not None]
+
+    def shadow_polygons(self, light: Light) -> list[Floats]:
+        """(n, 2) m, outlines on the ground of the shades of all stems and lumps of leaves."""
+        lean = light.sun[:2] / max(float(light.sun[2]), LOWEST_SUN)
+        across = np.array([-lean[1], lean[0]]) / max(float(np.hypot(*lean)), 1e-9)
+        circle = 2.0 * np.pi * np.arange(SHADOW_SIDES) / SHADOW_SIDES
+        result = []
+        trees = self._trees
+        for foot, height, variant in zip(trees.feet_m, trees.heights_m, trees.variants, strict=True):
+            kind = KINDS[variant]
+            for x, y, rx, ry in kind.crown:
+                middle = foot + height * ((x - 0.5 * SHAPE) * across - (1.0 - y) * lean)
+                along = np.hypot(rx, ry * np.hypot(*lean)) * lean / max(float(np.hypot(*lean)), 1e-9)
+                rim = np.cos(circle)[:, None] * along + rx * np.sin(circle)[:, None] * across
+                result.append(middle + height * rim)
+            for x, half in kind.stems:
+                low = foot + height * (x - 0.5 * SHAPE) * across
+                high, wide = low - 0.6 * height * lean, height * half * across
+                result.append(np.array([low - wide, low + wide, high + wide, high - wide]))
+        return result
+
+    def _close(self, eye: Floats) -> "_Near":
+        """The trees that may be in view from anywhere near; looked for anew when the camera has moved on."""
+        if not np.hypot(*(eye - self._middle).tolist()) < STEP_M:
+            reach_m = RANGE_M * np.hypot(1.0, self._slope) + STEP_M + self._trees.heights_m
+            close = np.hypot(*(self._trees.feet_m - eye).T) < reach_m
+            self._middle, self._near = eye, _Near.of(self._trees, self._frames_m, np.flatnonzero(close))
+        return self._near
+
+    def _sprite(self, camera: Camera, variant: int, depth_m: float, place: list[float]) -> Sprite | None:
+        """A tree whose picture fills a rectangle (left, top, width, height) px from the optical axis; None if that is
+        out of sight."""
+        left, top, width, height = place
+        left, top = left + camera.cx_px, top + camera.cy_px
+        x0, y0 = max(0, floor(left)), max(0, floor(top))
+        x1, y1 = min(camera.width_px, ceil(left + width)), min(camera.height_px, ceil(top + height))
+        if x0 >= x1 or y0 >= y1:
+            return None
+        levels = self._levels[variant]
+        level = min(max(floor(log2(levels[0].shape[0] / height)), 0), len(levels) - 1)
+        picture = self._faded(variant, level, int(depth_m / AIR_STEP_M))
+        rows, columns = picture.shape[:2]
+        fine_x, fine_y = columns / width, rows / height
+        right_by, down_by = (x0 - left + 0.5) * fine_x - 0.5, (y0 - top + 0.5) * fine_y - 0.5
+        source = np.array(((fine_x, 0.0, right_by), (0.0, fine_y, down_by)))  # of each pixel
+        sampled = cv2.warpAffine(picture, source, (x1 - x0, y1 - y0), flags=SAMPLED, borderValue=NOTHING)
+        return Sprite(x0, y0, np.asarray(sampled, np.uint8), depth_m)
+
+    def _through_air(self, variant: int, level: int, step: int) -> Image:
+        """(h, w, 4) a picture as it is seen from a distance."""
+        picture, air = self._levels[variant][level], self._airs[variant][step]
+        return picture if air is None else np.asarray(cv2.transform(picture, air), np.uint8)
+
+
+def _airs(range_m: float, light: Light, veil: Veil) -> list[Floats | None]:
+    """(4, 5) what the air and the distance make of a picture, affine in its channels, by steps; None where nothing.
+
+    Of a pixel that covers a and lets 1 - a through, with colour a c, the air leaves t; the tree's opacity is o: it
+    shows o (t a c + (1 - t) a h) with the horizon's colour h, and lets 1 - o a through.
+    """
+    result: list[Floats | None] = []
+    for step in range(ceil(range_m / AIR_STEP_M)):
+        depth_m = (step + 0.5) * AIR_STEP_M
+        left = float(veil.transmission(np.array(depth_m)))
+        opacity = float(np.clip((range_m - depth_m) / (range_m * (1.0 - FADED_IN)), 0.0, 1.0))
+        veiled = opacity * (1.0 - left) * light.horizon
+        matrix = np.diag([*[opacity * left] * 3, opacity])
+        matrix[:3, 3] = -veiled / 255.0
+        shows = left < UNVEILED or opacity < 1.0
+        result.append(np.column_stack([matrix, [*veiled, 255.0 * (1.0 - opacity)]]) if shows else None)
+    return result

@@ -1,0 +1,169 @@
+"""Where posts, guard rails, signs, lamp posts and gantries stand: along the outer edges of a road, by a seed."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from vpf_sim.envs.camera.layout import Edge, LaneShape, outer_edges
+from vpf_sim.envs.camera.things.furniture import LAMP_POST, POST, gantry, rail
+from vpf_sim.envs.camera.things.roadside import Standing
+from vpf_sim.envs.camera.things.signs import SIGNS, chevron
+from vpf_sim.types import Bools, Floats
+
+STATION_M = 4.0  # edges are sampled that finely
+POST_EVERY, POST_OFFSET_M = 6, 1.3  # stations
+RAIL_EVERY, RAIL_OFFSET_M = 3, 1.7
+SIGN_EVERY, SIGN_OFFSET_M = 16, 2.6
+LAMP_EVERY, LAMP_OFFSET_M = 10, 2.4
+LIT_SHARE = 0.5  # of the roads have lamp posts
+GANTRY_EVERY, GANTRY_OFFSET_M = 60, 2.0
+WIDEST_M = 40.0  # no gantry spans more
+CHEVRON_EVERY, BEND_M = 8, 250.0  # bends of a smaller radius are marked
+POST_RANGE_M, RAIL_RANGE_M, SIGN_RANGE_M, TALL_RANGE_M = 100.0, 110.0, 130.0, 200.0
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """An outer edge of the road at its stations."""
+
+    points_m: Floats  # (n, 2)
+    outward: Floats  # (n, 2) unit
+    heading: Floats  # (n,) rad, of the lane beside it
+    to_right: bool  # whether outward is to the right of the lane
+    curvature: Floats  # (n,) 1/m, + bends to the right
+
+    def pose(self, index: int, offset_m: float, turn: float = 0.0) -> Floats:
+        """(x, y, heading) of what stands outside the edge and faces whoever comes along the lane."""
+        return np.array([*(self.points_m[index] + offset_m * self.outward[index]), self.heading[index] + turn])
+
+
+class Verge:
+    """The strips of ground beside a road."""
+
+    def __init__(self, shapes: list[LaneShape]) -> None:
+        self._lanes = cKDTree(np.concatenate([_dense(shape) for shape in shapes]))
+        self._half = max(0.5 * shape.width_m for shape in shapes)
+        self._middles = [_dense(shape) for shape in shapes]
+        self.sides = [_side(edge.points_m, edge.outward) for edge in map(_stations, outer_edges(shapes))]
+
+    def clear(self, points: Floats, margin_m: float) -> Bools:
+        """Which points are at least `margin_m` away from every lane."""
+        distance, _ = self._lanes.query(points)
+        return np.asarray(distance > self._half + margin_m - 0.3)
+
+    def furnished(self, rng: np.random.Generator) -> list[Standing]:
+        """All that stands there."""
+        lit, things = rng.random() < LIT_SHARE, []
+        for side in self.sides:
+            railed = _railed(len(side.points_m), rng)
+            things += [*self._posts(side, railed), *self._rails(side, railed), *self._signs(side, rng)]
+            if lit and side.to_right:
+                things += self._lamps(side, int(rng.integers(LAMP_EVERY)))
+            if side.to_right:
+                things += self._gantries(side, rng)
+        return things
+
+    def _every(self, side: Side, first: int, step: int, offset_m: float) -> Iterator[int]:
+        """Stations at which something may stand at an offset."""
+        free = self.clear(side.points_m + offset_m * side.outward, offset_m)
+        return iter([i for i in range(first, len(side.points_m), step) if free[i]])
+
+    def _posts(self, side: Side, railed: Bools) -> Iterator[Standing]:
+        for i in self._every(side, 0, POST_EVERY, POST_OFFSET_M):
+            if not railed[i]:
+                yield POST, side.pose(i, POST_OFFSET_M), POST_RANGE_M
+
+    def _rails(self, side: Side, railed: Bools) -> Iterator[Standing]:
+        places = side.points_m + RAIL_OFFSET_M * side.outward
+        standing = railed & self.clear(places, RAIL_OFFSET_M)
+        for i in range(0, len(places) - RAIL_EVERY, RAIL_EVERY):
+            if standing[i : i + RAIL_EVERY + 1].all():
+                start, end = places[i], places[i + RAIL_EVERY]
+                along = end - start
+                pose = np.array([*(0.5 * (start + end)), np.arctan2(along[1], along[0])])
+                yield rail(round(float(np.hypot(*along)), 2)), pose, RAIL_RANGE_M
+
+    def _signs(self, side: Side, rng: np.random.Generator) -> Iterator[Standing]:
+        for i in self._every(side, int(rng.integers(4, SIGN_EVERY)), SIGN_EVERY, SIGN_OFFSET_M):
+            if side.to_right or rng.random() < 0.3:
+                yield SIGNS[int(rng.integers(len(SIGNS)))], side.pose(i, SIGN_OFFSET_M), SIGN_RANGE_M
+        for i in self._every(side, 2, CHEVRON_EVERY, POST_OFFSET_M):
+            bends = float(side.curvature[i])
+            if abs(bends) > 1.0 / BEND_M and (bends < 0.0) == side.to_right and rng.random() < 0.3:
+                yield chevron(3, not side.to_right), side.pose(i, SIGN_OFFSET_M), SIGN_RANGE_M
+
+    def _lamps(self, side: Side, first: int) -> Iterator[Standing]:
+        for i in self._every(side, first, LAMP_EVERY, LAMP_OFFSET_M):
+            for mesh in LAMP_POST:
+                yield mesh, side.pose(i, LAMP_OFFSET_M), TALL_RANGE_M
+
+    def _gantries(self, side: Side, rng: np.random.Generator) -> Iterator[Standing]:
+        """Over the whole road, where the opposite edge lies straight across."""
+        for i in range(int(rng.integers(10, GANTRY_EVERY)), len(side.points_m), GANTRY_EVERY):
+            across = -side.outward[i]
+            start = side.points_m[i] + GANTRY_OFFSET_M * side.outward[i]
+            width = self._width(side.points_m[i], across)
+            if width is None:
+                continue
+            span = width + 2.0 * GANTRY_OFFSET_M
+            if self.clear(np.array([start, start + span * across]), GANTRY_OFFSET_M - 0.2).all():
+                middle = start + 0.5 * span * across
+                lanes = self._lanes_across(side.points_m[i], across, width)
+                pose = np.array([*middle, side.heading[i]])
+                for mesh in gantry(span, [0.5 * width - y for y in lanes], int(rng.integers(9))):
+                    yield mesh, pose, TALL_RANGE_M
+
+    def _width(self, point: Floats, across: Floats) -> float | None:
+        """How far the opposite edge is straight across, m."""
+        for other in self.sides:
+            relative = other.points_m - point
+            along, aside = relative @ across, relative @ (-across[1], across[0])
+            k = int(np.argmin(np.abs(aside)))
+            if abs(aside[k]) < STATION_M and 5.0 < along[k] < WIDEST_M and other.outward[k] @ across > 0.9:
+                return float(along[k])
+        return None
+
+    def _lanes_across(self, point: Floats, across: Floats, width: float) -> list[float]:
+        """How far across from an edge the middles of the lanes lie, m."""
+        result = []
+        for middle in self._middles:
+            relative = middle - point
+            along, aside = relative @ across, np.abs(relative @ (-across[1], across[0]))
+            k = int(np.argmin(aside))
+            if aside[k] < STATION_M and 0.0 < along[k] < width:
+                result.append(float(along[k]))
+        return sorted(result)
+
+
+def _stations(edge: Edge) -> Edge:
+    return edge.resampled(STATION_M)
+
+
+def _side(points: Floats, outward: Floats) -> Side:
+    along = np.gradient(points, axis=0)
+    heading = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+    to_right = bool(np.mean(along[:, 0] * outward[:, 1] - along[:, 1] * outward[:, 0]) > 0.0)
+    return Side(points, outward, heading, to_right, np.gradient(heading) / STATION_M)
+
+
+def _dense(shape: LaneShape) -> Floats:
+    """Points on the middle of a lane, at most 2 m apart."""
+    middle = 0.5 * (shape.left_m + shape.right_m)
+    steps = np.linalg.norm(np.diff(middle, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    s = np.arange(0.0, along[-1], 2.0)
+    between = np.stack([np.interp(s, along, middle[:, i]) for i in range(2)], axis=1)
+    return np.concatenate([middle, between])
+
+
+def _railed(count: int, rng: np.random.Generator) -> Bools:
+    """Which stations have a guard rail: stretches of 40 to 160 m, about a third of the way."""
+    flags = np.zeros(count, bool)
+    i = int(rng.integers(0, 40))
+    while i < count:
+        length = int(rng.integers(10, 40))
+        flags[i : i + length] = True
+        i += length + int(rng.integers(20, 70))
+    return flags
