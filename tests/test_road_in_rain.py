@@ -52,6 +52,22 @@ def test_a_lost_road_is_found_again_in_the_lane_in_which_it_was_left() -> None:
             assert edges.confidence == 0.0
 
 
+@pytest.mark.parametrize("lane", [1, 2, 4])
+def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> None:
+    """Half of the rows of the frame, in strips, show the road without its lines but the left edge's."""
+    camera = Camera()
+    like = (106, 106, 107)  # the verge as the asphalt: the lines alone tell
+    whole, bare = RoadPicture(camera, verge=like), RoadPicture(camera, verge=like, lane_width_m=100.0)
+    hidden = np.repeat(stream(32, "water").random((20, 96)) < 0.5, 5, axis=1)
+    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
+    place = 7.0 - 3.5 * (lane - 0.5)
+    for i in range(9):
+        pose = whole.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
+        frame = np.where(hidden[i][:, None, None], bare.draw(pose, i), whole.draw(pose, i))
+        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
+    assert edges.right_m == pytest.approx(7.0 - place, abs=0.3)
+
+
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:
     index = LaneIndex.start(4, 3.5)
     assert index.is_lasting(2)

@@ -17,6 +17,8 @@ from vpf_sim.types import Bools, Floats, Image
 SOLID, DASHED, NONE = 0, 1, 2
 # Share of the length on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
 SHARES = np.array([[0.92, 0.12], [0.34, 0.12], [0.02, 0.06]])
+# How much of its marks a road shows: wear, drops on the glass and bright water hide them on all lines alike.
+PRESENCES = np.array([1.0, 0.75, 0.55])
 SURPRISE = float(np.log(0.03))  # the least that one line can say, natural logarithm
 HIDDEN = float(np.log(0.15))  # the least that a line can say by not being seen: something may stand before it
 LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says nothing
@@ -96,15 +98,16 @@ class LaneIndex:
         found = sight(ridges, view, right, visible, places, LINE_REACH_M, np.zeros(len(view.forward_m)))
         length = visible @ view.length_m
         share = (found.seen @ view.length_m) / np.maximum(length, 1e-9)
-        says = -0.5 * ((share[:, None] - SHARES[:, 0]) / SHARES[:, 1]) ** 2 - np.log(SHARES[:, 1] / SHARES[:, 1].max())
+        mean, sigma = PRESENCES[:, None] * SHARES[:, 0], SHARES[:, 1]
+        says = -0.5 * ((share[:, None, None] - mean) / sigma) ** 2 - np.log(sigma / sigma.max())
         least: Floats = np.asarray(np.where(share < 0.1, HIDDEN, SURPRISE), np.float64)
-        says = np.maximum(says - says.max(axis=1, keepdims=True), least[:, None])
-        says = np.where((length >= LEAST_LENGTH_M)[:, None], says, 0.0)
+        says = np.maximum(says - says.max(axis=(1, 2), keepdims=True), least[:, None, None])
+        says = np.where((length >= LEAST_LENGTH_M)[:, None, None], says, 0.0)
         self._compare(share, length >= LEAST_LENGTH_M)
         kinds = np.array(
             [[self._kind(j + int(n)) for j in range(-self.lanes, 2 * self.lanes + 1)] for n in self.shifts]
         )
-        return np.asarray(says[np.arange(len(places)), kinds].sum(axis=1))
+        return np.asarray(says[np.arange(len(places)), :, kinds].sum(axis=1).max(axis=1))
 
     def _compare(self, share: Floats, known: Bools) -> None:
         """Note how much of the lines of the tracked hypothesis is seen."""

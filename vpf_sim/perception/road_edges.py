@@ -108,7 +108,7 @@ class RoadEdgeTracker:
         elif self._filter is not None and look:
             ridges = self._ridges(grey, obstacles)
             if self._look(self._filter, ridges) and judge:
-                self._judge(self._filter, image_rgb, ridges, SWITCH_PROBABILITY)
+                self._judge(self._filter, image_rgb, ridges)
         return self._report(speed_mps, yaw_rate_radps)
 
     def _predict(self, pose: Floats) -> None:
@@ -171,19 +171,19 @@ class RoadEdgeTracker:
         if lost is None:
             self._index = LaneIndex.start(self.config.lanes, lane)
         self._filter, self._lost = found, None
-        self._judge(found, image_rgb, ridges, 0.0 if lost is None else SWITCH_PROBABILITY)
+        self._judge(found, image_rgb, ridges)
 
     def _is_known(self, state: LaneFilter | None) -> bool:
         """Whether a road that was lost may still tell one lane from the next."""
         return state is not None and is_sane(state.state) and state.sigma_m < LOST_SHARE * self.config.lane_width_m
 
-    def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap, least: float) -> None:
-        """Move to another lane when the edges of the carriageway say so with more than the `least` probability."""
+    def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
+        """Move to another lane when the edges of the carriageway say so beyond doubt, and go on to."""
         self._index.judge(tracked.state, ridges, self.view, self._colour_view.warp(image_rgb), self._colour_view)
         likely = self._index.probabilities(tracked.state[0])
         best = int(np.argmax(likely))
         lanes = int(self._index.shifts[best])
-        if self._index.is_lasting(lanes if likely[best] > least else 0):
+        if self._index.is_lasting(lanes if likely[best] > SWITCH_PROBABILITY else 0):
             tracked.state = tracked.state + np.array([lanes * self.config.lane_width_m, *np.zeros(SIZE - 1)])
             self._index.shift(lanes)
 
