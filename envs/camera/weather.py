@@ -28,9 +28,7 @@ class Weather(BaseModel):
     wetness: float = Field(default=0.0, ge=0.0, le=100.0)  # of the road's surface
     sun_altitude_angle: float = Field(default=45.0, ge=-90.0, le=90.0)  # deg above the horizon
     sun_azimuth_angle: float = Field(default=215.0, ge=0.0, le=360.0)  # deg, clockwise from the world's X axis
-    droplets: float = Field(
-        default=0.0, ge=0.0, le=100.0
-    )  # on the windshield: as many as rain of this precipitation brings
+    droplets: float = Field(default=0.0, ge=0.0, le=100.0)  # on the windshield: what rain of this precipitation brings
     wiper_period_s: float = Field(default=0.0, ge=0.0, le=60.0)  # from sweep to sweep; 0: off
     streak_gain: float = Field(default=1.0, ge=0.0, le=20.0)  # brightness of falling drops; 1: physical
     road_friction: float | None = Field(default=None, ge=0.05, le=2.0)  # None: the tyres never slip, in rain neither

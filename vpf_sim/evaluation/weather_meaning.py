@@ -42,7 +42,7 @@ def factors(weather: Weather) -> tuple[tuple[str, str, str], ...]:
         "wetness": "of the road between the puddles",
         "sun_altitude_angle": "degrees above the horizon",
         "sun_azimuth_angle": "degrees clockwise from the world's X axis",
-        "droplets": "% of the drops that the rain brings to the glass",
+        "droplets": "on the glass: as many as rain of such a precipitation brings",
         "wiper_period_s": f"{found['wiper_cycles_per_min']:.0f} cycles a minute" if weather.wiper_period_s else "off",
         "streak_gain": "times the brightness that falling drops have",
         "road_friction": "the tyres never slip" if friction is None else "grip of the tyres",
