@@ -147,14 +147,19 @@ class ObstacleMap:
 
 @dataclass(frozen=True, slots=True)
 class Obstacles:
-    """K bodies believed to stand ahead, in vehicle axes: nearest face, side edges, time to contact."""
+    """K bodies believed to be on the road, in vehicle axes: nearest face, side edges, time to contact."""
 
     forward_m: Floats  # (K,) nearest face, from the pose
     left_m: Floats  # (K,) lateral position of the left side, + is right
     right_m: Floats  # (K,) of the right side
     sigma_m: Floats  # (K,) standard deviation of forward_m
     ttc_s: Floats  # (K,) inf where the gap does not close
-    identity: NDArray[np.int64]  # (K,)
+    identity: NDArray[np.int64]  # (K,) negative where it moves
+    speed_mps: Floats = field(default_factory=lambda: np.empty(0))  # (K,) along the road; left out, all stand
+
+    def __post_init__(self) -> None:
+        if len(self.speed_mps) != len(self.forward_m):
+            object.__setattr__(self, "speed_mps", np.zeros(len(self.forward_m)))
 
     def __len__(self) -> int:
         return len(self.forward_m)

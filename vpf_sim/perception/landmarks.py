@@ -75,6 +75,18 @@ def carriageway_offsets(forward_m: Floats, road: RoadEdges) -> tuple[Floats, Flo
     return edge(road.left_m), edge(road.right_m)
 
 
+def near_edge_line(camera: Camera, points_px: Floats, road: RoadEdges, inside_m: float, outside_m: float) -> Bools:
+    """(N,) pixels whose place on the flat road is on the painted edge or the verge beside it.
+
+    Lucas-Kanade slides along these lines in the very direction of the epipolar line, so no residual tells.
+    """
+    place = ground_from_pixels(camera, points_px)
+    left, right = carriageway_offsets(place[:, 0], road)
+    aside = np.maximum(left - place[:, 1], place[:, 1] - right)  # how far outside the carriageway
+    near: Bools = (aside > -inside_m) & (aside < outside_m)
+    return near
+
+
 def connected(linked: Bools) -> Integers:
     """(N,) which connected part each node of a symmetric graph (N, N) belongs to, counted from 0."""
     label = np.arange(len(linked))
@@ -108,12 +120,29 @@ class LandmarkTracker:
         self._marks = Marks.none()
         self._next_body = 0
 
-    def update(self, flow: Flow, road: RoadEdges, speed_mps: float, time_s: float) -> Obstacles:
-        """The bodies ahead after this frame, in the axes of the vehicle at `flow.pose`."""
-        points = triangulate(
-            flow, self.camera, self.config.window_px, flow.age_frames / self.rate_hz, self.config.noise
-        )
+    def triangulate(self, flow: Flow) -> Triangulation:
+        """The points of the flow, as if all of them stood."""
+        age_s = flow.age_frames / self.rate_hz
+        return triangulate(flow, self.camera, self.config.window_px, age_s, self.config.noise)
+
+    def update(
+        self,
+        flow: Flow,
+        road: RoadEdges,
+        speed_mps: float,
+        time_s: float,
+        points: Triangulation | None = None,
+        moving: Bools | None = None,
+    ) -> Obstacles:
+        """The standing bodies ahead after this frame, in the axes of the vehicle at `flow.pose`.
+
+        `points` are of `triangulate`; those which are of bodies that `moving` (N,) are no landmarks.
+        """
+        points = self.triangulate(flow) if points is None else points
         above = self._above(flow, points, road)
+        if moving is not None and moving.any():
+            above &= ~moving
+            self._marks.keep(~np.isin(self._marks.identity, flow.identity[moving]))
         seen = self._sightings(flow, points, above)
         self._marks.record(seen, flow.identity[self._on_road(points)], self._rules, time_s)
         self._forget(flow)
@@ -135,7 +164,10 @@ class LandmarkTracker:
         left, right = carriageway_offsets(self.camera.forward_m + depth[chosen], road)
         aside = points.right_m[chosen]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
-        chosen = chosen[inside & self._is_clear_of_lines(flow.points_px[chosen], road)]
+        sliding = near_edge_line(
+            self.camera, flow.points_px[chosen], road, self.config.edge_line_m, self.config.verge_m
+        )
+        chosen = chosen[inside & ~sliding]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
             confirmed[chosen] = self._moves_so_now(flow, points, chosen)
@@ -155,17 +187,6 @@ class LandmarkTracker:
         length = np.hypot(*flow.displacement_px[chosen].T)
         confirmed: Bools = error < self.config.recent_px + self.config.recent_ratio * length
         return confirmed
-
-    def _is_clear_of_lines(self, points_px: Floats, road: RoadEdges) -> Bools:
-        """(N,) pixels whose place on the flat road is not on the painted edge or the verge beside it.
-
-        Lucas-Kanade slides along these lines in the very direction of the epipolar line, so no residual tells.
-        """
-        place = ground_from_pixels(self.camera, points_px)
-        left, right = carriageway_offsets(place[:, 0], road)
-        aside = np.maximum(left - place[:, 1], place[:, 1] - right)  # how far outside the carriageway
-        clear: Bools = ~((aside > -self.config.edge_line_m) & (aside < self.config.verge_m))
-        return clear
 
     def _on_road(self, points: Triangulation) -> Bools:
         """(N,) points that lie on the road beyond doubt: the only evidence that clears a landmark."""

@@ -31,6 +31,8 @@ class Triangulation:
     right_m: Floats  # (N,) of the vehicle's axis
     chi2: Floats  # (N,) with the best depth
     chi2_ground: Floats  # (N,) with the depth that the flat road has there; inf above the horizon
+    inverse_per_m: Floats  # (N,) inverse depth, fitted for itself: what seems far off has none but noise
+    inverse_sigma_per_m: Floats  # (N,)
 
 
 def information(flow: Flow, window_px: int, age_s: Floats, noise: NoiseModel) -> Floats:
@@ -69,10 +71,12 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
     a = focal * (q[:, :2] - first * q[:, 2:])
     b = focal * (first * t[:, 2:] - t[:, :2])
     weight = information(flow, window_px, age_s, noise)
-    curvature = _product(a, weight, a)
+    curvature, mixed, bend = _product(a, weight, a), _product(a, weight, b), _product(b, weight, b)
     with np.errstate(divide="ignore", invalid="ignore"):
-        depth = np.where(curvature > 1e-12, _product(a, weight, b) / curvature, np.nan)
+        depth = np.where(curvature > 1e-12, mixed / curvature, np.nan)
         sigma = np.abs(depth * q[:, 2] + t[:, 2]) / np.sqrt(curvature)
+        inverse = np.where(bend > 1e-12, mixed / bend, np.nan)  # of a = b w
+        inverse_sigma = np.abs(q[:, 2] + t[:, 2] * inverse) / np.sqrt(bend)
 
     def chi2(depth_m: Floats) -> tuple[Floats, Floats]:
         """(N,) of the tracks given depths, and (N,) those depths in the first camera."""
@@ -92,6 +96,8 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
         right_m=depth * ray[:, 0],
         chi2=chi2(depth)[0],
         chi2_ground=_on_road(camera, down, chi2),
+        inverse_per_m=inverse,
+        inverse_sigma_per_m=inverse_sigma,
     )
 
 

@@ -4,7 +4,7 @@
 road edges give the transformation; nothing of a map enters.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -29,6 +29,11 @@ class LaneObstacles:
     along_m: Floats  # (K,) nearest face, from the pose
     left_m: Floats  # (K,) y of the left side
     right_m: Floats  # (K,) y of the right side
+    speed_mps: Floats = field(default_factory=lambda: np.empty(0))  # (K,) along the road; left out, all stand
+
+    def __post_init__(self) -> None:
+        if len(self.speed_mps) != len(self.along_m):
+            object.__setattr__(self, "speed_mps", np.zeros(len(self.along_m)))
 
     def __len__(self) -> int:
         return len(self.along_m)
@@ -48,4 +53,4 @@ def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     across = cosine * middle - sine * obstacles.forward_m
     y = lane.y_m + across - 0.5 * lane.curvature_per_m * along**2
     half = 0.5 * (obstacles.right_m - obstacles.left_m)
-    return LaneObstacles(along, y - half, y + half)
+    return LaneObstacles(along, y - half, y + half, obstacles.speed_mps)

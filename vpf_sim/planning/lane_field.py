@@ -23,6 +23,7 @@ from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.types import Floats, VehicleModel
 
 TIE = 1e-9
+CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,10 @@ class LaneFieldConfig:
     clearance_m: float  # c
     visible_m: float  # from here on a body counts, bumper to face
     full_m: float  # and from here on in full
-    body_length_m: float  # a body counts until our rear is this far past its face
+    body_length_m: float  # a body counts until our rear is this far past its face,
+    moving_length_m: float  # one that moves until so far
+    slower_mps: float  # than the reference speed is a body that moves and is overtaken
+    beside_m: float  # others count only nearer than this: they are followed
     memory_height: float  # for leaving the surroundings of the last minimum
     memory_m: float  # how far these reach
     latch_m: float  # side latch of bodies nearer than this
@@ -82,8 +86,9 @@ class LanePotential:
 class LaneField:
     """Composes the field of each frame and finds its minimum; remembers the last one."""
 
-    def __init__(self, config: LaneFieldConfig, vehicle: VehicleModel) -> None:
+    def __init__(self, config: LaneFieldConfig, vehicle: VehicleModel, speed_reference_mps: float) -> None:
         self._config = config
+        self._speed_reference_mps = speed_reference_mps
         self._half_width_m = 0.5 * vehicle.width_m
         self._half_length_m = 0.5 * vehicle.length_m
         half = np.arange(1, round(config.reach_m / config.spacing_m) + 1) * config.spacing_m
@@ -109,12 +114,16 @@ class LaneField:
         return obstacles.along_m - self._half_length_m
 
     def present(self, obstacles: LaneObstacles) -> Floats:
-        """(K,) 0 .. 1, the weight w of each body by its distance; 0 once it has been passed."""
+        """(K,) 0 .. 1, the weight w of each body by its distance; 0 once it has been passed, or runs away."""
         config = self._config
         gap = self.bumper(obstacles)
         weight = np.clip((config.visible_m - gap) / (config.visible_m - config.full_m), 0.0, 1.0)
-        passed = obstacles.along_m + config.body_length_m < -self._half_length_m
-        return np.where(passed, 0.0, weight)
+        faster = obstacles.speed_mps - self._speed_reference_mps
+        runs = (faster > -config.slower_mps) & (gap > config.beside_m)
+        length = np.where(obstacles.speed_mps > 0.0, config.moving_length_m, config.body_length_m)
+        catches_up = np.maximum(faster, 0.0) * CATCH_UP_S
+        passed = obstacles.along_m + length + catches_up < -self._half_length_m
+        return np.where(passed | runs, 0.0, weight)
 
     def _road(self, lane: Lane) -> Floats:
         config = self._config

@@ -23,6 +23,7 @@ from vpf_sim.types import Reference, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift, see `_glide`
 SHORTEST_S = 0.8  # of a shift
+SLOWEST_CLOSING_MPS = 0.5
 REACTION_S = 0.3  # until the steering shows across the lane
 
 
@@ -42,6 +43,7 @@ class LaneReferenceConfig:
     bend_acceleration_mps2: float  # lateral, limits the speed in bends
     brake_mps2: float  # of a stop before a blocked road
     standoff_m: float  # free road kept when stopping
+    time_gap_s: float  # kept besides to a body that moves
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
@@ -86,7 +88,8 @@ class LaneReference:
             return np.inf
         way = field.bumper(obstacles)
         hit = (field.overlap(obstacles, self.y_m, clearance) > 0.0) & (way > 0.0)
-        return float(np.min(way, where=hit, initial=np.inf)) / max(speed_mps, 1.0)
+        closing = np.maximum(max(speed_mps, 1.0) - obstacles.speed_mps, SLOWEST_CLOSING_MPS)
+        return float(np.min(way / closing, where=hit, initial=np.inf))
 
     def _glide(self, minimum_m: float, time_s: float, speed_mps: float) -> None:
         """Move y_r towards the minimum with the least jerk that is there in T, T receding.
@@ -135,12 +138,16 @@ class LaneReference:
         if not len(obstacles):
             return limit
         way = field.bumper(obstacles)
-        present = (field.present(obstacles) > 0.0) & (way > 0.0)
+        moves = obstacles.speed_mps > 0.0
+        present = ((field.present(obstacles) > 0.0) | moves) & (way > 0.0)
         clearance = config.minimum_clearance_m
         blocked = present & (field.overlap(obstacles, minimum_m, clearance) > 0.0)
-        stop = np.sqrt(2.0 * config.brake_mps2 * np.maximum(way - config.standoff_m, 0.0))
+        spare = way - config.standoff_m - config.time_gap_s * obstacles.speed_mps
+        follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + way), 0.0, 1.0)
+        stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
         limit = float(np.min(stop, where=blocked, initial=limit))
         # A body that the minimum avoids, but y_r not yet: be there only when the shift is done.
         shift = np.maximum(field.overlap(obstacles, self.y_m, clearance), 0.0)
         time_s = np.sqrt(PEAK_ACCELERATION * shift / config.acceleration_mps2) + REACTION_S
-        return float(np.min(way / time_s, where=present & ~blocked & (shift > 0.0), initial=limit))
+        there = obstacles.speed_mps + way / time_s
+        return float(np.min(there, where=present & ~blocked & (shift > 0.0), initial=limit))

@@ -5,12 +5,13 @@ import numpy as np
 from vpf_sim.perception import contact, expansion, obstacles
 from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
+from vpf_sim.perception.movers import MoverTracker, together
 from vpf_sim.perception.road_edges import RoadEdgeTracker
 from vpf_sim.planning.gradient_line import GradientLine
 from vpf_sim.planning.valley import Valley
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
-from vpf_sim.types import DriverSetup, Observation, Obstacles, Perception, Plan
+from vpf_sim.types import DriverSetup, Flow, Observation, Obstacles, Perception, Plan, RoadEdges
 
 
 class Planner:
@@ -23,6 +24,7 @@ class Planner:
         self._flow = FlowTracker(camera, variant.flow, rate_hz)
         self._road = RoadEdgeTracker(camera, variant.road_edges, rate_hz)
         self._landmarks = LandmarkTracker(camera, variant.landmarks, rate_hz) if variant.landmarks else None
+        self._movers = MoverTracker(camera, variant.movers, rate_hz) if variant.movers else None
         self._random = stream(setup.seed, "focus of expansion")
         self._bodies = _nothing()
         self._way = _way(setup, variant)
@@ -43,8 +45,20 @@ class Planner:
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         road = self._road.update(observation.image, image, pose, *motion, self._bodies)
         if self._landmarks is not None:
-            self._bodies = self._landmarks.update(flow, road, observation.speed_mps, observation.time_s)
+            self._bodies = self._find_bodies(self._landmarks, flow, road, observation)
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road)
+
+    def _find_bodies(
+        self, landmarks: LandmarkTracker, flow: Flow, road: RoadEdges, observation: Observation
+    ) -> Obstacles:
+        """Those that stand, and those that move."""
+        speed_mps, time_s = observation.speed_mps, observation.time_s
+        if self._movers is None:
+            return landmarks.update(flow, road, speed_mps, time_s)
+        points = landmarks.triangulate(flow)
+        moving = self._movers.update(flow, points, road, time_s)
+        standing = landmarks.update(flow, road, speed_mps, time_s, points, moving)
+        return together(standing, self._movers.obstacles(flow.pose, speed_mps)) if self._movers.movers else standing
 
     def plan(self, perception: Perception, observation: Observation) -> Plan:
         """Target, obstacle and road field, their sum, heading and speed reference."""

@@ -22,7 +22,7 @@ class Valley:
 
     def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
         self._preferred_right_m = config.field.preferred_right_m
-        self._field = LaneField(config.field, setup.vehicle)
+        self._field = LaneField(config.field, setup.vehicle, setup.speed_reference_mps)
         self._reference = LaneReference(config.reference, setup.vehicle, setup.speed_reference_mps, setup.rate_hz)
 
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:

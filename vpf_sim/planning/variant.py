@@ -9,6 +9,7 @@ from vpf_sim.perception.contact import ContactConfig
 from vpf_sim.perception.expansion import ExpansionConfig
 from vpf_sim.perception.flow import FlowConfig
 from vpf_sim.perception.landmarks import LandmarkConfig
+from vpf_sim.perception.movers import MoverConfig
 from vpf_sim.perception.obstacles import ObstacleMapConfig
 from vpf_sim.perception.road_edges import RoadEdgeConfig
 from vpf_sim.planning.gradient_line import GradientLineConfig
@@ -27,6 +28,7 @@ class Variant:
     obstacle_map: ObstacleMapConfig
     road_edges: RoadEdgeConfig
     landmarks: LandmarkConfig | None = None  # without it, no bodies: only the obstacle map
+    movers: MoverConfig | None = None  # without it, all bodies stand
     gradient_line: GradientLineConfig | None = None
     valley: ValleyConfig | None = None
 
@@ -35,6 +37,8 @@ class Variant:
             raise ValueError("expected exactly one of [gradient_line] and [valley]")
         if self.valley is not None and self.landmarks is None:
             raise ValueError("[valley] needs [landmarks]: it goes by the bodies on the road")
+        if self.movers is not None and self.landmarks is None:
+            raise ValueError("[movers] needs [landmarks]: it sees what these cannot be")
 
 
 def names() -> list[str]:

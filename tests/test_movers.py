@@ -1,0 +1,179 @@
+"""Bodies that move, from simulated tracks: boxes on wheels at known places and speeds beside what stands."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
+
+from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
+from vpf_sim.perception.movers import MoverConfig, MoverTracker, appear, together
+from vpf_sim.planning import variant
+from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.lane_reference import LaneReference
+from vpf_sim.seeding import stream
+from vpf_sim.types import Floats, Obstacles, VehicleModel
+
+ROBUST = variant.load("robust").valley
+assert ROBUST is not None
+LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
+
+
+def vehicle(forward_m: float, right_m: float, count: int = 16, width_m: float = 1.8) -> Floats:
+    """The rear of a car: points on it, and the two places where its tyres meet the road."""
+    rng = stream(31, f"vehicle {forward_m} {right_m}")
+    across = right_m + width_m * np.linspace(-0.5, 0.5, count)
+    rear = np.column_stack([np.full(count, forward_m), across, rng.uniform(0.2, 1.4, count)])
+    feet = [[forward_m, right_m + side * 0.5 * width_m, 0.0] for side in (-1.0, 1.0)]
+    return np.concatenate([feet, rear])
+
+
+class Traffic(Drive):
+    """A drive along the x axis among points that move along it at a speed each."""
+
+    def __init__(self, scene_m: Floats, speed_mps: Floats, noise_px: float = 0.05) -> None:
+        super().__init__(scene_m, noise_px)
+        self.start, self.speed = scene_m, speed_mps
+
+    def flow(self, frame: int):  # type: ignore[no-untyped-def]
+        self.scene = self.start.copy()
+        self.scene[:, 0] += self.speed * frame / RATE_HZ
+        return super().flow(frame)
+
+
+class Seen:
+    """Movers and landmarks together, as the planner has them."""
+
+    def __init__(self) -> None:
+        self.movers = MoverTracker(CAMERA, MoverConfig(), RATE_HZ)
+        self.landmarks = LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
+
+    def run(self, drive: Drive, frames: range) -> list[Obstacles]:
+        found = []
+        for frame in frames:
+            flow, time_s = drive.flow(frame), frame / RATE_HZ
+            points = self.landmarks.triangulate(flow)
+            moving = self.movers.update(flow, points, drive.road, time_s)
+            standing = self.landmarks.update(flow, drive.road, SPEED_MPS, time_s, points, moving)
+            found.append(together(standing, self.movers.obstacles(flow.pose, SPEED_MPS)))
+        return found
+
+
+def traffic(*bodies: tuple[Floats, float], noise_px: float = 0.05) -> Traffic:
+    road = road_points(400)
+    parts = [*bodies, (road[road[:, 1] < -4.5], 0.0)]  # where no body hides it
+    speeds = np.concatenate([np.full(len(points), speed) for points, speed in parts])
+    return Traffic(np.concatenate([points for points, _ in parts]), speeds, noise_px)
+
+
+@pytest.mark.parametrize("speed_mps", [3.0, 5.5, 9.0])
+def test_a_body_that_moves_has_the_inverse_depth_of_its_closing_speed(speed_mps: float) -> None:
+    drive = traffic((vehicle(20.0, 1.0), speed_mps), noise_px=0.0)
+    for frame in range(40):
+        flow = drive.flow(frame)
+    points = LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ).triangulate(flow)
+    seen = appear(flow, points, CAMERA, RATE_HZ, MoverConfig())
+    mine = flow.identity < 18
+    depth = 20.0 + (speed_mps - SPEED_MPS) * 39 / RATE_HZ - CAMERA.forward_m
+    assert seen.inverse_per_m[mine] == pytest.approx((1.0 - speed_mps / SPEED_MPS) / depth, abs=1e-6)
+    assert seen.own_mps[mine] == pytest.approx(SPEED_MPS, abs=1e-6)
+    assert seen.moves[flow.identity < 2].all()
+    assert not seen.moves[~mine].any()
+
+
+@pytest.mark.parametrize(("start_m", "speed_mps", "seconds"), [(30.0, 3.0, 5.0), (16.0, 5.55, 3.0), (9.0, 9.0, 2.5)])
+def test_a_lead_car_is_found_at_its_place_with_its_speed(start_m: float, speed_mps: float, seconds: float) -> None:
+    drive = traffic((vehicle(start_m, 0.4), speed_mps))
+    found = Seen().run(drive, range(round(seconds * RATE_HZ)))
+    last = found[-1]
+    assert len(last) == 1
+    assert last.identity[0] < 0
+    true_m = start_m + (speed_mps - SPEED_MPS) * (len(found) - 1) / RATE_HZ
+    assert last.forward_m[0] == pytest.approx(true_m, rel=0.06)
+    assert last.speed_mps[0] == pytest.approx(speed_mps, abs=0.6)
+    assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.5, 1.3), abs=0.35)
+    closing = SPEED_MPS - last.speed_mps[0]
+    assert last.ttc_s[0] == pytest.approx(last.forward_m[0] / closing if closing > 0.0 else np.inf)
+    assert {int(name) for bodies in found for name in bodies.identity} == {-1}
+
+
+def test_a_lead_car_is_found_far_off_before_it_seems_to_stand() -> None:
+    drive = traffic((vehicle(30.0, 0.0), 3.0))
+    found = Seen().run(drive, range(round(5.0 * RATE_HZ)))
+    first = next(k for k, bodies in enumerate(found) if len(bodies))
+    assert 30.0 + (3.0 - SPEED_MPS) * first / RATE_HZ > 20.0
+    assert all((bodies.identity < 0).all() for bodies in found)
+
+
+def test_what_stands_does_not_move() -> None:
+    drive = traffic((body(45.0, -3.0, 1.8, 1.4, 12), 0.0), (body(50.0, 0.5, 1.0, 1.0, 8), 0.0), noise_px=0.1)
+    found = Seen().run(drive, range(400))
+    assert all((bodies.identity >= 0).all() for bodies in found)
+    assert len(found[-1]) == 2
+    assert not found[-1].speed_mps.any()
+
+
+def test_a_body_in_the_mirror_of_a_wet_road_does_not_move() -> None:
+    """The mirror image of a standing car is seen as points below the road, at the car's distance."""
+    rear = body(45.0, 0.0, 1.8, 1.4, 14)
+    mirror = rear * [1.0, 1.0, -1.0]
+    found = Seen().run(traffic((rear, 0.0), (mirror, 0.0)), range(420))
+    assert all((bodies.identity >= 0).all() for bodies in found)
+    assert found[-1].forward_m == pytest.approx([45.0 - SPEED_MPS * 419 / RATE_HZ], abs=0.4)
+
+
+def test_a_standing_cone_beside_a_moving_car_is_still_found() -> None:
+    cone = [[33.0, 2.6, height] for height in (0.4, 0.5, 0.6)]
+    found = Seen().run(traffic((vehicle(14.0, 0.0), 4.5), (np.array(cone), 0.0)), range(240))
+    assert sorted(np.sign(found[-1].identity + 0.5)) == [-1.0, 1.0]
+
+
+def test_a_body_is_predicted_while_it_is_passed_and_then_forgotten() -> None:
+    drive = traffic((vehicle(14.0, 3.2), 3.0))
+    found = Seen().run(drive, range(round(18.0 * RATE_HZ)))
+    beside = round((14.0 + 2.0) / (SPEED_MPS - 3.0) * RATE_HZ)  # its face is 2 m behind us
+    assert len(found[beside]) == 1
+    assert found[beside].forward_m[0] == pytest.approx(-2.0, abs=1.5)
+    assert np.isinf(found[beside].ttc_s[0])
+    assert not len(found[-1])
+
+
+def obstacle(along_m: float, y_m: float, speed_mps: float) -> LaneObstacles:
+    return LaneObstacles(*(np.array([value]) for value in (along_m, y_m - 0.9, y_m + 0.9, speed_mps)))
+
+
+def field() -> LaneField:
+    return LaneField(ROBUST.field, VehicleModel(), SPEED_MPS)
+
+
+def test_a_slow_lead_is_overtaken_and_one_that_runs_away_is_not() -> None:
+    assert abs(field().update(LANE, obstacle(12.0, 0.3, 3.0)).minimum_m) > 1.5
+    for speed_mps in (5.5, 9.0):
+        assert field().update(LANE, obstacle(12.0, 0.3, speed_mps)).minimum_m == pytest.approx(0.0, abs=0.05)
+
+
+def test_nobody_is_cut_off() -> None:
+    """We drive in the lane to the left and would go back; the body is beside, behind and passed, behind and faster."""
+    left = replace(LANE, y_m=-3.5)
+    for along_m, speed_mps, free in ((-4.0, 3.0, False), (-10.0, 3.0, True), (-20.0, 9.0, False), (6.0, 9.0, False)):
+        watch = field()
+        watch._last_m = -3.5
+        assert (watch.update(left, obstacle(along_m, 0.0, speed_mps)).minimum_m > -1.0) == free
+
+
+@pytest.mark.parametrize("speed_mps", [2.0, 4.0])
+def test_a_body_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -> None:
+    """v_d is the body's speed where the gap is what is kept, less nearer by, more farther off; 0 behind what stands."""
+    config = ROBUST.reference
+    kept = 0.5 * VehicleModel().length_m + config.standoff_m + config.time_gap_s * speed_mps
+
+    def wanted(along_m: float, body_mps: float) -> float:
+        way, watch = LaneReference(config, VehicleModel(), SPEED_MPS, RATE_HZ), field()
+        return way.update(LANE, obstacle(along_m, 0.0, body_mps), watch, 0.0, 0.0, SPEED_MPS).speed_mps
+
+    assert wanted(kept, speed_mps) == pytest.approx(speed_mps, abs=1e-6)
+    assert wanted(kept - 1.0, speed_mps) < speed_mps - 0.1
+    assert speed_mps < wanted(kept + 1.0, speed_mps) <= SPEED_MPS
+    assert wanted(0.5 * VehicleModel().length_m + config.standoff_m, 0.0) == 0.0
+    assert wanted(60.0, speed_mps) == SPEED_MPS
