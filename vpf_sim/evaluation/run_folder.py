@@ -151,7 +151,7 @@ def read_manifest(path: Path) -> dict[str, Any]:
     """The manifest of a run folder, checked to be one."""
     file = path / MANIFEST
     try:
-        stored = json.loads(file.read_text("utf-8"))
+        stored: Any = json.loads(file.read_text("utf-8"))
     except OSError as error:
         raise InputError(f"{file}: expected the manifest of a run, got: {error.strerror}") from None
     except (ValueError, RecursionError):
@@ -159,7 +159,8 @@ def read_manifest(path: Path) -> dict[str, Any]:
     for keys in (("plan", "fingerprint"), ("scenarios", "weathers")):
         if not isinstance(stored, dict) or not all(isinstance(stored.get(key), dict) for key in keys):
             raise InputError(f"{file}: expected a table for {keys[0]} and for {keys[1]}, got something else")
-    return stored
+    checked: dict[str, Any] = stored
+    return checked
 
 
 def stored_plan(path: Path) -> Plan:
