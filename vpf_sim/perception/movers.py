@@ -40,7 +40,8 @@ class MoverConfig:
     share_sigma: float = 0.08  # standard deviation of 1 - v_b / v, plus
     share_ratio: float = 0.2  # this share of it
     face_quantile: float = 0.7  # of the apparent inverse depths of a body's points: its face is nearest
-    follow_m: float = 3.5  # nearer than this a body reaches beyond the picture, and is predicted
+    follow_m: float = 3.5  # nearer than this a body reaches beyond the picture, and is predicted,
+    follow_bearing: float = 0.8  # as beyond this tangent
     side_quantile: float = 0.08  # of its points, that make its sides
     link_m: float = 1.3  # points of a body are nearer to each other
     length_m: float = 4.5  # of a body
@@ -49,7 +50,7 @@ class MoverConfig:
     hits_s: float = 0.25  # a body is believed after so long
     gap_s: float = 0.3  # one not yet believed may be lost for so long
     lost_s: float = 1.0  # and one believed, where it should be seen
-    vague_m: float = 6.0  # standard deviation of the distance, and
+    vague_m: float = 12.0  # standard deviation of the distance, and
     behind_m: float = 25.0  # where it is forgotten
     edge_line_m: float = 0.4  # points whose foot lies so near the edge line inside,
     verge_m: float = 1.8  # and so near outside, found no body
@@ -143,8 +144,10 @@ class MoverTracker:
         ahead = min(max(mover.place(flow.pose)[0], -self.config.behind_m), self.config.far_m)
         mover.predict(dt_s, flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead)
         members, within = self._members(mover, seen, flow.pose)
-        depth = mover.place(flow.pose)[0] - self.camera.forward_m
-        sight = self._measure(seen, members, depth) if depth > self.config.follow_m else None
+        forward, right = mover.place(flow.pose)
+        depth = forward - self.camera.forward_m
+        whole = depth > self.config.follow_m and abs(right) < self.config.follow_bearing * depth
+        sight = self._measure(seen, members, depth) if whole else None
         if sight is not None and sight.top_m > self.config.least_height_m:
             mover.update(sight, flow.pose, self._time_s, dt_s)
         elif not seen.agrees.any():  # we stand: nothing can be told of it
@@ -252,7 +255,7 @@ class MoverTracker:
             if mover.identity is None:
                 return unseen < config.gap_s and forward > config.near_m
             depth = forward - self.camera.forward_m
-            visible = config.near_m < depth < 0.8 * config.far_m and abs(right) < 0.8 * depth
+            visible = config.follow_m < depth < 0.8 * config.far_m and abs(right) < config.follow_bearing * depth
             known = -config.behind_m < forward < 2.0 * config.far_m and mover.sigma_m < config.vague_m
             return known and not (visible and unseen > config.lost_s)
 
