@@ -12,6 +12,7 @@ from vpf_sim.types import Bools, Floats
 DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002])
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
 SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
+TIGHTEST = 0.025  # 1/m, curvature of a carriageway
 PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass
 # Sightings further from the prediction than so many standard deviations, plus so much, are of something else.
 GATE, GATE_M = 4.0, 0.15
@@ -87,4 +88,4 @@ class LaneFilter:
 def is_sane(state: Floats) -> bool:
     """Whether the model can still draw this road."""
     finite = state.shape == (SIZE,) and bool(np.all(np.isfinite(state)))
-    return finite and abs(state[1]) < 1.0 and bool(np.all(np.abs(state[2:]) < 0.05))
+    return finite and abs(state[1]) < 1.0 and bool(np.all(np.abs(state[2:]) < TIGHTEST))

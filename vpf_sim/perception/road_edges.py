@@ -1,13 +1,13 @@
 """The edges of the carriageway, from the camera: painted lines found, fitted and followed; no map."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
-from vpf_sim.perception.lane_filter import LaneFilter, initial_covariance, is_sane
+from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
 from vpf_sim.perception.line_search import CENTROID_M, RidgeMap, comb, noise_threshold, sight, sighting_variance
 from vpf_sim.perception.road_model import SIZE, curvature_ahead, lines
@@ -19,6 +19,7 @@ AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
 SWITCH_PROBABILITY = 0.97  # of another lane, lasting, before the tracked place moves there
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
+NEAR_M = 14.0  # of a look whose far part makes no sense
 LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is looked for from nothing
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_LOOKS = 0.3, 0.04, 3
 
@@ -143,15 +144,21 @@ class RoadEdgeTracker:
         found = sight(ridges, self.view, expected, reached, offsets, SEARCH_REACH_M, self._variance)
         enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
         if enough:
-            before = LaneFilter(tracked.state, tracked.covariance)
-            tracked.correct(found)
-            if not is_sane(tracked.state):  # mirror images or drops taken for lines: what was known is better
-                tracked.state, tracked.covariance = before.state, before.covariance
-                enough = False
+            enough = self._correct(tracked, found)
         if not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
             self._filter, self._lost = None, tracked
             return False
         return enough
+
+    def _correct(self, tracked: LaneFilter, found: Sightings) -> bool:
+        """Take in a look, or its near part where far mirror images or drops were taken for lines; whether it served."""
+        known = (tracked.state, tracked.covariance)
+        for reach_m in (np.inf, NEAR_M):
+            tracked.correct(replace(found, seen=found.seen & (found.forward_m < reach_m)))
+            if is_sane(tracked.state):
+                return True
+            tracked.state, tracked.covariance = known
+        return False
 
     def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
         """The road that explains most ridges: in the lane where the own motion has led since it was lost, or, from
