@@ -1,7 +1,7 @@
 """Pictures of trees and bushes, made from noise; drawn as upright pictures that face the camera."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import ceil, floor, log2
 
 import cv2
@@ -185,7 +185,8 @@ class TreeStand:
         pictures = [tree_picture(variant) for variant in range(VARIANTS)]
         self._levels = [[np.asarray(cv2.transform(level, scale), np.uint8) for level in p.levels] for p in pictures]
         self._airs = [_airs(range_m, light, veil) for range_m in RANGES_M]
-        self._faded = lru_cache(FADED_PICTURES)(self._through_air)
+        # of a function that does not hold the stand: a cycle would keep the pictures of past episodes
+        self._faded = lru_cache(FADED_PICTURES)(partial(_through_air, self._levels, self._airs))
         self._trees = trees
         frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
         self._frames_m = frames[trees.variants] * trees.heights_m[:, None]
@@ -257,10 +258,13 @@ class TreeStand:
         sampled = cv2.warpAffine(picture, source, (x1 - x0, y1 - y0), flags=SAMPLED, borderValue=NOTHING)
         return Sprite(x0, y0, np.asarray(sampled, np.uint8), depth_m)
 
-    def _through_air(self, variant: int, level: int, step: int) -> Image:
-        """(h, w, 4) a picture as it is seen from a distance."""
-        picture, air = self._levels[variant][level], self._airs[variant][step]
-        return picture if air is None else np.asarray(cv2.transform(picture, air), np.uint8)
+
+def _through_air(
+    levels: list[list[Image]], airs: list[list[Floats | None]], variant: int, level: int, step: int
+) -> Image:
+    """(h, w, 4) a picture as it is seen from a distance."""
+    picture, air = levels[variant][level], airs[variant][step]
+    return picture if air is None else np.asarray(cv2.transform(picture, air), np.uint8)
 
 
 def _airs(range_m: float, light: Light, veil: Veil) -> list[Floats | None]:
