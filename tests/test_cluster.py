@@ -120,7 +120,7 @@ class Hanging:
 def test_an_episode_that_hangs_on_a_cluster_is_given_up(tmp_path: Path, scheduler: str) -> None:
     (tmp_path / "mine.py").write_text(HANGING)
     out = tmp_path / "out"
-    asked = ["--driver", "mine:Hanging", "--seeds", "0:1", "--timeout", "2", "--out", str(out), "--cluster", scheduler]
+    asked = ["--driver", "mine:Hanging", "--seeds", "0:1", "--timeout", "15", "--out", str(out), "--cluster", scheduler]
     command = [sys.executable, "-m", "vpf_sim.cli", "sweep", "--scenario", str(write_short(tmp_path)), *asked]
     nannied = ("worker", scheduler, "--nthreads", "1", "--no-dashboard")
     with dask(*nannied, cwd=tmp_path):
@@ -129,9 +129,9 @@ def test_an_episode_that_hangs_on_a_cluster_is_given_up(tmp_path: Path, schedule
     (record,) = read_lines(out / "episodes.jsonl")
     assert record["status"] == "error"
     (reason,) = (out / "errors").iterdir()
-    assert "took longer than 2 s" in reason.read_text()
+    assert "took longer than 15 s" in reason.read_text()
     assert f"the reason is in {reason}" in done.stderr
-    assert "Timeout (0:00:02)!" in (tmp_path / "dask.log").read_text(), "the worker's log tells where it hung"
+    assert "in act" in (tmp_path / "dask.log").read_text(), "the worker's log tells where it hung"
 
 
 @pytest.mark.slow
