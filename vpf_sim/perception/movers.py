@@ -229,7 +229,7 @@ class MoverTracker:
             for other in kept:
                 ahead, aside = np.subtract((forward, right), other.place(pose))
                 alike = abs(mover.speed_mps - other.speed_mps) < 1.5
-                if alike and ahead < config.length_m + 1.0 and abs(aside) < other.half_m + 0.5 * mover.half_m:
+                if alike and ahead < config.length_m + 1.0 and abs(aside) < other.half_m + mover.half_m + 0.2:
                     names = [name for name in (mover.identity, other.identity) if name is not None]
                     other.identity = min(names, default=None)
                     other.hits = max(other.hits, mover.hits)
