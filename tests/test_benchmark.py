@@ -139,7 +139,7 @@ def test_a_run_that_goes_on_drives_what_it_was_made_for(
 ) -> None:
     grid = {"scenario": ["town04"], "weather": ["rain"], "driver": ["pid"]}
     if stored:
-        manifest = {"plan": {**grid, "seeds": "5:9"}, "fingerprint": {}}
+        manifest = {"plan": {**grid, "seeds": "5:9"}, "fingerprint": {}, "scenarios": {}, "weathers": {}}
         (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     plan = plan_of(tmp_path, resume, asked, lambda: benchmark.plan("0:1", ["pid"]))
     assert plan.seeds == seeds

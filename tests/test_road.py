@@ -21,7 +21,7 @@ BENDS = Road(
         Clothoid(kind="clothoid", length_m=35.0),
     ),
 )
-ROADS = [scenarios.load(name).road for name in scenarios.names()]
+ROADS = [scenarios.load(name).draw(0).road for name in scenarios.names()]
 
 
 def places(road: Road) -> tuple[np.ndarray, np.ndarray]:
@@ -43,7 +43,7 @@ def test_position_and_local_are_inverse_to_each_other(road: Road) -> None:
 
 @pytest.mark.parametrize("name", scenarios.names())
 def test_position_and_local_coordinates_of_lanes_are_inverse_to_each_other(name: str) -> None:
-    scenario = scenarios.load(name)
+    scenario = scenarios.load(name).draw(0)
     s, lateral = places(scenario.road)
     for lane in build_road(scenario, np.random.default_rng(0)).network.lanes_list():
         back = np.array([lane.local_coordinates(lane.position(*place)) for place in zip(s, lateral, strict=True)])
