@@ -7,11 +7,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from vpf_sim.evaluation import episode
 from vpf_sim.report import field_view, overlay
+from vpf_sim.report.pictures import jpeg, sheet
 from vpf_sim.types import Camera, Image, Plan
 
 SEED = 1003
@@ -50,11 +50,9 @@ def main() -> None:
         overlay.draw(*near, camera),
         field_view.draw(near[1]),
     ]
-    rows = [np.hstack(pictures[i : i + 2]) for i in range(0, len(pictures), 2)]
     target = Path(sys.argv[1])
     target.parent.mkdir(parents=True, exist_ok=True)
-    picture = cv2.cvtColor(np.vstack(rows), cv2.COLOR_RGB2BGR)
-    cv2.imwrite(str(target), picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    target.write_bytes(jpeg(sheet(pictures, 2), QUALITY))
 
 
 if __name__ == "__main__":

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+import rain_layer
 
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.evaluation import rain_layer
 
 HARD = weathers.load("HardRainNoon")
 FALLING = HARD.model_copy(update={"droplets": 0.0, "wiper_period_s": 0.0})

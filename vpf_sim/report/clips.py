@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 import cv2
 
 from vpf_sim.report import episode_view
+from vpf_sim.report.pictures import jpeg
 from vpf_sim.report.redraw import redrawing
 from vpf_sim.report.stored_run import Record, StoredRun
 from vpf_sim.report.video import Writer
@@ -70,18 +71,10 @@ def make(run: StoredRun, record: Record) -> Clip:
         episode_view.ending(drawn),
         tuple(drawn.remarks),
         _uri("video/mp4", video),
-        _uri("image/jpeg", _jpeg(small)),
+        _uri("image/jpeg", jpeg(small, POSTER_QUALITY)),
         width,
         height,
     )
-
-
-def _jpeg(frame: Image) -> bytes:
-    quality = [cv2.IMWRITE_JPEG_QUALITY, POSTER_QUALITY]
-    done, encoded = cv2.imencode(".jpg", cv2.cvtColor(frame, cv2.COLOR_RGB2BGR), quality)
-    if not done:
-        raise RuntimeError("the poster of a clip could not be encoded")
-    return encoded.tobytes()
 
 
 def _uri(kind: str, content: bytes) -> str:

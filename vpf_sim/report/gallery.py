@@ -8,7 +8,6 @@ from functools import partial
 from importlib.resources import files
 from pathlib import Path
 
-import cv2
 from jinja2 import Environment, StrictUndefined
 
 from vpf_sim.envs.camera import Weather
@@ -16,6 +15,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation import pool
 from vpf_sim.evaluation.poses import POSES, SEED, Pose, video_drive
 from vpf_sim.evaluation.weather_meaning import aliases, factors, in_words
+from vpf_sim.report.pictures import jpeg
 from vpf_sim.report.video import Writer
 from vpf_sim.types import Image
 
@@ -93,10 +93,7 @@ def picture(pose: Pose, weather: Weather) -> Image:
 
 def _write_picture(path: Path, image: Image) -> None:
     path.parent.mkdir(exist_ok=True)
-    done, encoded = cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
-    if not done:
-        raise RuntimeError(f"{path}: the picture could not be encoded")
-    path.write_bytes(encoded.tobytes())
+    path.write_bytes(jpeg(image, QUALITY))
 
 
 def _write_video(path: Path, weather: Weather) -> None:

@@ -1,0 +1,23 @@
+"""Pictures side by side, and as JPEG."""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from vpf_sim.types import Image
+
+
+def jpeg(image: Image, quality: int) -> bytes:
+    """An RGB picture (H, W, 3) as a JPEG file; quality 0 to 100."""
+    options = [cv2.IMWRITE_JPEG_QUALITY, quality]
+    done, encoded = cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), options)
+    if not done:
+        raise RuntimeError("the picture could not be encoded")
+    return encoded.tobytes()
+
+
+def sheet(pictures: Sequence[Image], columns: int) -> Image:
+    """Pictures of one size in rows of so many."""
+    rows = [np.hstack(pictures[i : i + columns]) for i in range(0, len(pictures), columns)]
+    return np.vstack(rows)
