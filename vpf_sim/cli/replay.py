@@ -25,12 +25,12 @@ def replay(
     from vpf_sim.errors import InputError
     from vpf_sim.evaluation import run_folder
     from vpf_sim.evaluation.threads import limit_opencv
-    from vpf_sim.replay import kitti, open_loop
+    from vpf_sim.replay import open_loop, readers
 
     limit_opencv()
     with prints_on_stderr():
         drivers.create(driver)
-    recordings = _named_apart([kitti.read(folder) for folder in drive])
+    recordings = _named_apart([readers.read(folder) for folder in drive])
     folder = _new(out) if out else run_folder.new_path("replay")
     entries = []
     for recording in recordings:

@@ -50,7 +50,11 @@ def read(folder: Path) -> Clip:
 def _kitti_odometry(folder: Path) -> Clip:
     recording = kitti.read(folder)
     speed = float(np.median(recording.speed_mps))
-    return Clip(recording.name, recording.camera, recording.rate_hz, speed, recording.frames, recording.derived)
+
+    def frames() -> Iterator[Image]:
+        return (frame.image for frame in recording.frames() if frame.image is not None)
+
+    return Clip(recording.name, recording.camera, recording.rate_hz, speed, frames, recording.derived)
 
 
 def _kitti_raw(folder: Path) -> Clip:

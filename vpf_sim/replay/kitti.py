@@ -9,14 +9,21 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.replay import camera_motion
-from vpf_sim.replay.recording import Recording
+from vpf_sim.replay.recording import Frame, Origin, Recording
 from vpf_sim.types import Camera, Floats, Image
 
 # Folders of images that are looked for, and which projection of calib.txt is theirs.
 IMAGE_FOLDERS = {"image": 0, "image_0": 0, "image_1": 1, "image_2": 2, "image_3": 3}
+LAYOUT = "KITTI odometry"
+EXPECTED = "image_0/ (or image_2/, image/), calib.txt, poses.txt, times.txt"
 SUFFIXES = (".png", ".jpg", ".jpeg")
 RATE_HZ = 10.0  # KITTI's cameras
 HEIGHT_M = 1.65  # of KITTI's cameras above the road
+
+
+def recognises(folder: Path) -> bool:
+    """Whether it has a folder of images, a calibration or poses by KITTI's names."""
+    return any((folder / name).is_dir() for name in IMAGE_FOLDERS) or (folder / "poses.txt").exists()
 
 
 def read(folder: Path | str) -> Recording:
@@ -28,7 +35,7 @@ def read(folder: Path | str) -> Recording:
         )
     files, row = _images(folder)
     camera_to_world = _poses(folder / "poses.txt", len(files))
-    times, derived = _times(folder / "times.txt", len(files))
+    times, times_origin = _times(folder / "times.txt", len(files))
     camera = _camera(folder / "calib.txt", row, _decode(files[0]))
     directions = camera_motion.directions(camera_to_world)
     camera = replace(camera, pitch_rad=camera_motion.mounted_pitch(directions))
@@ -38,13 +45,23 @@ def read(folder: Path | str) -> Recording:
     poses = camera_motion.planar(camera_motion.extended(camera_to_world, len(files)))
     return Recording(
         name=folder.resolve().name,
+        layout=LAYOUT,
         camera=camera,
         times_s=times,
         poses=poses,
         speed_mps=_speed(poses, times),
         yaw_rate_radps=np.gradient(poses[:, 2], times),
         foe_px=foe,
-        derived=(*derived, "speed_mps", "yaw_rate_radps", "camera.pitch_rad", "camera.height_m"),
+        origins={
+            "camera": Origin(
+                "recorded", "calib.txt; pitch derived from the poses; 1.65 m above the road, of KITTI's car"
+            ),
+            "times_s": times_origin,
+            "poses": Origin("recorded", "poses.txt"),
+            "speed_mps": Origin("derived", "from the poses"),
+            "yaw_rate_radps": Origin("derived", "from the poses"),
+            "foe_px": Origin("derived", "from the poses"),
+        },
         frames=lambda: _frames(files, (camera.height_px, camera.width_px)),
     )
 
@@ -73,13 +90,13 @@ def _decode(file: Path) -> Image:
     return cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
 
 
-def _frames(files: list[Path], size: tuple[int, int]) -> Iterator[Image]:
-    for file in files:
+def _frames(files: list[Path], size: tuple[int, int]) -> Iterator[Frame]:
+    for index, file in enumerate(files):
         frame = _decode(file)
         if frame.shape[:2] != size:
             expected, actual = (f"{width} x {height}" for height, width in (size, frame.shape[:2]))
             raise InputError(f"{file}: expected an image of {expected} px like the first, got {actual}")
-        yield frame
+        yield Frame(index, frame)
 
 
 def _numbers(file: Path, what: str) -> list[list[float]]:
@@ -132,10 +149,10 @@ def _poses(file: Path, images: int) -> Floats:
     return poses
 
 
-def _times(file: Path, images: int) -> tuple[Floats, tuple[str, ...]]:
-    """(N,) s, and what had to be assumed."""
+def _times(file: Path, images: int) -> tuple[Floats, Origin]:
+    """(N,) s."""
     if not file.exists():
-        return np.arange(images) / RATE_HZ, ("times_s",)
+        return np.arange(images) / RATE_HZ, Origin("assumed", f"{RATE_HZ:g} Hz, of KITTI's cameras")
     rows = _numbers(file, "the time of each image")
     times = np.array([values[0] for values in rows])
     if len(times) != images:
@@ -144,7 +161,7 @@ def _times(file: Path, images: int) -> tuple[Floats, tuple[str, ...]]:
     if len(late):
         i = int(late[0])
         raise InputError(f"{file}: row {i + 2}: expected a time after {times[i]:g} s, got {times[i + 1]:g} s")
-    return times, ()
+    return times, Origin("recorded", "times.txt")
 
 
 def _speed(poses: Floats, times_s: Floats) -> Floats:

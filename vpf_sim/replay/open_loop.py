@@ -59,7 +59,7 @@ def run(recording: Recording, driver_name: str, out: Path, progress: Progress = 
     ):
         rows = csv.writer(table)
         rows.writerow(COLUMNS)
-        for k, frame in enumerate(recording.frames()):
+        for k, frame in ((frame.index, frame.image) for frame in recording.frames() if frame.image is not None):
             command = drivers.command_of(driver, _observation(recording, k, frame))
             plan = drivers.trace_of(driver)
             if plan is not None:

@@ -1,26 +1,78 @@
-"""A recorded drive, whatever format it came in: frames, times, camera, motion, and what is known of the truth."""
+"""A recorded drive, whatever its layout: frames, times, camera, motion, commands, and what is known of the truth.
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+Axes of the vehicle: X forward, Y right, yaw clockwise. Every reader turns its source's signs and units into these.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, Protocol
 
 import numpy as np
 
 from vpf_sim.types import Camera, Floats, Image
 
+Kind = Literal["recorded", "derived", "assumed", "absent"]
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a signal comes from."""
+
+    kind: Kind
+    how: str = ""  # from which file and column, from what it is computed, or what is taken for granted
+
+    def __str__(self) -> str:
+        return f"{self.kind}: {self.how}" if self.how else self.kind
+
+
+ABSENT = Origin("absent")
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """The picture number `index` of a recording, or why there is none: the drive goes on after a gap."""
+
+    index: int
+    image: Image | None  # (H, W, 3) RGB
+    fault: str = ""  # one line; empty where there is an image
+
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """N frames and what was recorded with them. The pose is the camera's place in vehicle axes (X forward, Y right)."""
+    """N frames and what is known at each; nan where a signal is unknown. `origins` has an entry for every signal.
+
+    The pose is the camera's place, with the heading of the vehicle. Frames are as `camera` describes them: whatever
+    else the lens or the mounting did (tangential distortion, yaw, roll) is removed from them.
+    """
 
     name: str
+    layout: str  # such as "KITTI odometry"
     camera: Camera
     times_s: Floats  # (N,) ascending
-    poses: Floats  # (N, 3) x m, y m, yaw rad; yaw is the direction of the optical axis
+    poses: Floats  # (N, 3) x m, y m, yaw rad
     speed_mps: Floats  # (N,)
     yaw_rate_radps: Floats  # (N,) + turns right
-    foe_px: Floats  # (N, 2) truth of the motion from the frame before, in the axes half way between; nan where unknown
-    derived: tuple[str, ...]  # which of these were not recorded but computed, and from what
-    frames: Callable[[], Iterator[Image]]  # (H, W, 3) RGB each, from the first
+    frames: Callable[[], Iterator[Frame]]  # from the first, decoded as they are asked for; N of them, gaps included
+    origins: Mapping[str, Origin]  # by the names of the signals, and "camera"
+    foe_px: Floats = field(default_factory=lambda: np.empty(0))  # (N, 2) truth, of the motion from the frame before,
+    # in the axes half way between, in undistorted pixels
+    steering_rad: Floats = field(default_factory=lambda: np.empty(0))  # (N,) of the road wheels, + is right
+    throttle: Floats = field(default_factory=lambda: np.empty(0))  # (N,) -1 .. 1, negative brakes
+    obstacle: Floats = field(default_factory=lambda: np.empty(0))  # (N,) 1 where labelled as in the way, else 0
+    lead_gap_m: Floats = field(default_factory=lambda: np.empty(0))  # (N,) from the camera to the body ahead
+    weather: str = ""  # as the recording names it; empty where it does not
+    notes: tuple[str, ...] = ()  # gaps and assumptions, a line each
+    no_images: str = ""  # why there are none, and what can be done; then `frames` raises it as an InputError
+
+    def __post_init__(self) -> None:
+        for name in ("steering_rad", "throttle", "obstacle", "lead_gap_m"):
+            if not len(getattr(self, name)):
+                object.__setattr__(self, name, np.full(len(self.times_s), np.nan))
+        if not len(self.foe_px):
+            object.__setattr__(self, "foe_px", np.full((len(self.times_s), 2), np.nan))
+        unsaid = {name: ABSENT for name in SIGNALS if name not in self.origins}
+        object.__setattr__(self, "origins", {**self.origins, **unsaid})
 
     def __len__(self) -> int:
         return len(self.times_s)
@@ -29,3 +81,35 @@ class Recording:
     def rate_hz(self) -> float:
         """Frames a second, by the median of the intervals."""
         return 1.0 / float(np.median(np.diff(self.times_s)))
+
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """The signals that were not recorded but computed or assumed."""
+        return tuple(name for name, origin in self.origins.items() if origin.kind in ("derived", "assumed"))
+
+
+SIGNALS = (
+    "camera",
+    "times_s",
+    "poses",
+    "speed_mps",
+    "yaw_rate_radps",
+    "foe_px",
+    "steering_rad",
+    "throttle",
+    "obstacle",
+    "lead_gap_m",
+)
+
+
+class Reader(Protocol):
+    """One layout of recordings; a module of `vpf_sim.replay.readers` is one."""
+
+    LAYOUT: str  # its name
+    EXPECTED: str  # the files it is known by
+
+    def recognises(self, folder: Path) -> bool:
+        """Whether the content of the folder is of this layout, complete or not."""
+
+    def read(self, folder: Path) -> Recording:
+        """The recording; what is wrong with it is an InputError of one line."""
