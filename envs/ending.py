@@ -22,9 +22,12 @@ FRAME_MOVED_M = 0.02
 
 
 class Ending:
-    """Judges every step of one episode; `invalid_frame` is the first frame that was none."""
+    """Judges every step of one episode; `invalid_frame` is the first frame that was none. Where no frames are taken,
+    all of them are None."""
 
-    def __init__(self, scenario: Scenario, rate_hz: float, ego: Ego, frame: Image, shape: tuple[int, ...]) -> None:
+    def __init__(
+        self, scenario: Scenario, rate_hz: float, ego: Ego, frame: Image | None, shape: tuple[int, ...]
+    ) -> None:
         """`frame` is that of the reset, `shape` that which every frame must have."""
         self._scenario = scenario
         self._rate_hz = rate_hz
@@ -41,7 +44,7 @@ class Ending:
     def status_at_reset(self) -> Status:
         return "running" if self.invalid_frame is None else "invalid_frame"
 
-    def status(self, ego: Ego, frame: Image) -> Status:
+    def status(self, ego: Ego, frame: Image | None) -> Status:
         """The status after one more step; called once a step."""
         self._steps += 1
         self._slow_steps = self._slow_steps + 1 if ego.speed < STUCK_MPS else 0
@@ -72,8 +75,8 @@ class Ending:
         self._last_position = ego.position
         return hypot(x - last_x, y - last_y) > FRAME_MOVED_M
 
-    def _check(self, frame: Image, last: Image | None = None) -> None:
-        fault = fault_of(frame, self._shape, last)
+    def _check(self, frame: Image | None, last: Image | None = None) -> None:
+        fault = None if frame is None else fault_of(frame, self._shape, last)
         if fault is not None and self.invalid_frame is None:
             self.invalid_frame = InvalidFrame(self._steps, self._steps / self._rate_hz, fault)
 

@@ -45,6 +45,9 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     body, `collided_with`, and the arrays that `truth` names; where a frame was none also `invalid_frame`: its number,
     `time_s` and `fault`. Success, collision and off_road terminate; timeout, stuck and invalid_frame truncate.
 
+    Without `frames` nothing is rendered, for a driver that looks at none: there is no `image`, no frame to be invalid,
+    and all else is the same.
+
     `scenario` and `weather` are names of the catalogs, paths of TOML files, or what their `load` returns. After a reset
     `scenario` is the one drawn for the seed, and `road`, `ego`, `route` and `goal_m` are those of the episode.
     """
@@ -66,6 +69,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         truth: Sequence[str] = (),
         rate_hz: float = 60.0,
         rig: Rig | None = None,
+        frames: bool = True,
     ) -> None:
         self.rig = rig or Rig()
         self.camera = self.rig.camera
@@ -74,12 +78,15 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.metadata = {**self.metadata, "render_fps": round(rate_hz)}
         self.render_mode = _checked_name("render mode", render_mode, self.metadata["render_modes"])
         self._truth = tuple(str(_checked_name("truth", name, TRUTHS)) for name in truth)
+        self._takes_frames = frames
+        if not frames and (self.render_mode or self._truth):
+            raise InputError("frames: expected them to be taken for a render mode or for truth, got False")
         self._undrawn = scenarios.load(scenario) if isinstance(scenario, str) else scenario
         self.scenario = self._undrawn.draw(0)
         self.weather = weathers.load(weather) if isinstance(weather, str) else weather
         self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self.observation_space = _observation_space(self.camera)
+        self.observation_space = _observation_space(self.camera if frames else None)
         self._window: Window | None = None
 
     def reset(
@@ -90,10 +97,10 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.episode_seed = int(self.np_random.integers(2**31)) if seed is None else seed
         self.scenario = self._undrawn.draw(self.episode_seed)
         self._build_world()
-        self._renderer = cameras.Renderer(self.road, self.rig, self.weather, self.episode_seed)
+        self._renderer = self._new_renderer() if self._takes_frames else None
         self._steps, self._route_m = 0, self._path.progress(self.ego.place[0])
         self._action = np.zeros(2)
-        self._frame = self._renderer.render(self.ego, 0.0)
+        self._frame = self._taken()
         shape = (self.camera.height_px, self.camera.width_px, 3)
         self._ending = Ending(self.scenario, self.rate_hz, self.ego, self._frame, shape)
         self._show()
@@ -103,7 +110,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         """Apply throttle and steering for one tick of the clock."""
         command = _checked_action(action)
         self.advance(command)
-        self._frame = self._renderer.render(self.ego, self._steps / self.rate_hz)
+        self._frame = self._taken()
         status = self._ending.status(self.ego, self._frame)
         reward = self._reward(command, status)
         self._show()
@@ -115,8 +122,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         return self._path.progress(self.ego.place[0])
 
     @property
-    def renderer(self) -> cameras.Renderer:
-        """The camera of the episode, for who asks it for truth from time to time."""
+    def renderer(self) -> cameras.Renderer | None:
+        """The camera of the episode, for who asks it for truth from time to time; None where no frames are taken."""
         return self._renderer
 
     def advance(self, command: Floats) -> None:
@@ -128,12 +135,19 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def render(self) -> Image | None:
         """The frame last taken, for `rgb_array`; the window of `human` is drawn by reset and step."""
-        return self._frame.copy() if self.render_mode == "rgb_array" else None
+        return self._frame.copy() if self.render_mode == "rgb_array" and self._frame is not None else None
 
     def close(self) -> None:
         if self._window is not None:
             self._window.close()
             self._window = None
+
+    def _new_renderer(self) -> cameras.Renderer:
+        return cameras.Renderer(self.road, self.rig, self.weather, self.episode_seed)
+
+    def _taken(self) -> Image | None:
+        """What the camera sees now: the renderer makes a fresh array each time."""
+        return None if self._renderer is None else self._renderer.render(self.ego, self._steps / self.rate_hz)
 
     def _build_world(self) -> None:
         """The road, its bodies and the ego car."""
@@ -168,7 +182,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         yaw_rate = min(max(ego.yaw_rate_radps, -YAW_RATE_LIMIT_RADPS), YAW_RATE_LIMIT_RADPS)
         yaw = -wrap_angle(-ego.heading)  # in (-pi, pi]
         return {
-            "image": self._frame,  # the renderer makes a fresh array each time
+            **({} if self._frame is None else {"image": self._frame}),
             "ego": np.array([*ego.position.tolist(), yaw, ego.speed, yaw_rate]),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
@@ -182,7 +196,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
             **({"invalid_frame": asdict(self._ending.invalid_frame)} if self._ending.invalid_frame else {}),
-            **(self._renderer.truth(self._truth) if self._truth else {}),
+            **(self._renderer.truth(self._truth) if self._renderer and self._truth else {}),
         }
 
     def _collided_with(self) -> str:
@@ -191,17 +205,18 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         return str(hit.kind)
 
     def _show(self) -> None:
-        if self.render_mode == "human":
+        if self.render_mode == "human" and self._frame is not None:
             self._window = self._window or Window(self.camera.width_px, self.camera.height_px, self.rate_hz)
             self._window.show(self._frame)
 
 
-def _observation_space(camera: Camera) -> Any:
+def _observation_space(camera: Camera | None) -> Any:
     low = np.array([-FARTHEST_M, -FARTHEST_M, -np.pi, 0.0, -YAW_RATE_LIMIT_RADPS])
     high = np.array([FARTHEST_M, FARTHEST_M, np.pi, MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS])
+    shape = None if camera is None else (camera.height_px, camera.width_px, 3)
     return spaces.Dict(
         {
-            "image": spaces.Box(0, 255, (camera.height_px, camera.width_px, 3), np.uint8),
+            **({} if shape is None else {"image": spaces.Box(0, 255, shape, np.uint8)}),
             "ego": spaces.Box(low, high, dtype=np.float64),
             "goal": spaces.Box(-FARTHEST_M, FARTHEST_M, (2,), np.float64),
             "time": spaces.Box(0.0, LONGEST_S, (1,), np.float64),

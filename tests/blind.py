@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.envs.ending import Ending
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.evaluation.episode import setup_for
+from vpf_sim.evaluation.episode import NO_FRAME, setup_for
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Floats, Observation
 
@@ -20,20 +20,19 @@ class Drive(NamedTuple):
 
 
 def drive_blind(scenario: str, name: str, seed: int) -> Drive:
-    """From reset to end. The judge is shown noise of its own, which is no invalid frame."""
-    frames = np.random.Generator(np.random.PCG64(0)).integers(0, 255, (2, 480, 640, 3), np.uint8)
-    with closing(FourLane(scenario)) as env:
+    """From reset to end."""
+    with closing(FourLane(scenario, frames=False)) as env:
         env.reset(seed=seed)
         driver = drivers.create(name)
         driver.reset(setup_for(driver, env, seed))
-        ending = Ending(env.scenario, env.rate_hz, env.ego, frames[0], frames[0].shape)
+        ending = Ending(env.scenario, env.rate_hz, env.ego, None, ())
         status, rows = "running", []
         while status == "running":
             ego, time_s = env.ego, len(rows) / env.rate_hz
             state = (*ego.position.tolist(), -wrap_angle(-ego.heading), ego.speed, ego.yaw_rate_radps)
-            command = drivers.command_of(driver, Observation(frames[0], time_s, *state, env.goal_m))
+            command = drivers.command_of(driver, Observation(NO_FRAME, time_s, *state, env.goal_m))
             rows.append((env.ego.place[1] - env.scenario.road.lane_offset_m(env.scenario.ego.lane), command.steering))
             env.advance(np.array([command.throttle, command.steering]))
-            status = ending.status(env.ego, frames[len(rows) % 2])
+            status = ending.status(env.ego, None)
     offset_m, steering = np.array(rows).T
     return Drive(status, offset_m, steering)

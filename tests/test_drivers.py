@@ -62,6 +62,12 @@ def test_the_registry_and_its_descriptions() -> None:
         assert drivers.create(row.name).privileged == row.privileged
 
 
+def test_only_the_fields_drivers_look_at_the_frames(module: str) -> None:
+    seeing = [name for name in drivers.names() if drivers.sees(drivers.create(name))]
+    assert seeing == ["vpf", "vpf-paper", "vpf-literal"]
+    assert drivers.sees(drivers.create(f"{module}:Own")), "who does not say is shown them"
+
+
 def test_naming_the_drivers_loads_none_of_them() -> None:
     heavy = "{'highway_env', 'cv2', 'scipy', 'pandas', 'pydantic'}"
     code = f"import sys; from vpf_sim import drivers; drivers.describe(); print(sorted({heavy} & set(sys.modules)))"

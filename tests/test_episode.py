@@ -77,6 +77,14 @@ def test_the_hash_of_the_frames_is_that_of_all_their_bytes_in_order() -> None:
     assert outcome.frames_sha256 == sha256(frames).hexdigest()
 
 
+class Blind(Constant):
+    sees = False
+
+
+def test_the_hash_of_the_frames_is_none_for_who_is_shown_none() -> None:
+    assert roll_out(TinyWorld(), Blind(), Constant(), seed=3).frames_sha256 is None
+
+
 def test_equal_episodes_have_equal_states_and_others_do_not() -> None:
     def states(steering: float) -> bytes:
         return roll_out(TinyWorld(), Constant(1.0, steering), Constant(), seed=0).steps.states()

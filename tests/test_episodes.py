@@ -6,10 +6,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from short_scenario import write_short
 
 from vpf_sim.evaluation import episode
 from vpf_sim.evaluation.json_lines import read_lines
+from vpf_sim.types import Image
 
 CLEAN = ("town04-clean", "straight", "curve-left", "curve-right", "heading-30")
 PAPER_MSE_M2 = {"town04-clean": 0.42, "town04": 0.74}
@@ -27,6 +30,19 @@ def test_the_pid_follows_its_route(scenario: str) -> None:
     assert record["accuracy"]["shadow"]["steering"]["mae"] == 0.0
     assert record["accuracy"]["paired"]["steering"]["mae"] == pytest.approx(0.0, abs=1e-9)
     assert record["comfort"]["comfortable"]
+
+
+@pytest.mark.parametrize("driver", ["pid", "pure-pursuit", "stanley", "idm", "neutral"])
+def test_who_looks_at_no_frame_drives_the_same_without(driver: str, tmp_path: Path) -> None:
+    job = (str(write_short(tmp_path)), "rain", driver, 5)
+    frames: list[Image] = []
+    alone, watched = episode.run(*job), episode.run(*job, watch=lambda image, _: frames.append(image))
+    assert alone.record == watched.record
+    assert alone.record["frames_sha256"] is None
+    assert np.array_equal(alone.steps.rows, watched.steps.rows, equal_nan=True)
+    assert [frame.shape for frame in frames] == (len(alone.steps)) * [(480, 640, 3)]
+    assert "render" in watched.timing["stages_ms"]
+    assert "render" not in alone.timing["stages_ms"]
 
 
 def test_the_pid_is_blind_to_obstacles() -> None:

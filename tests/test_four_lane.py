@@ -310,6 +310,21 @@ def test_twenty_frames_a_second_is_the_other_clock() -> None:
     assert (env.metadata["render_fps"], FourLane.metadata["render_fps"]) == (20, 60)
 
 
+def test_without_frames_all_but_the_image_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    seeing, blind = FourLane("town04", rig=SMALL), FourLane("town04", rig=SMALL, frames=False)
+    check_env(blind, skip_render_check=True)
+    observed, info = seeing.reset(seed=3)
+    monkeypatch.setattr("vpf_sim.envs.camera.Renderer", None)
+    unseen, told = blind.reset(seed=3)
+    for command in (*20 * [FULL_AHEAD], *20 * [np.array([0.2, 0.3])]):
+        assert observed.keys() == {*unseen, "image"}
+        assert all(np.array_equal(observed[key], unseen[key]) for key in unseen)
+        assert info == told
+        (observed, *judged, info), (unseen, *also, told) = seeing.step(command), blind.step(command)
+        assert judged == also
+    assert blind.renderer is None
+
+
 @pytest.mark.parametrize(
     ("options", "line"),
     [
@@ -318,6 +333,10 @@ def test_twenty_frames_a_second_is_the_other_clock() -> None:
         ({"truth": ("dept",)}, "unknown truth 'dept': did you mean 'depth'?"),
         ({"render_mode": "rgb_arry"}, "unknown render mode 'rgb_arry': did you mean 'rgb_array'?"),
         ({"rate_hz": 30.0}, "rate_hz: expected 60 or 20, got 30"),
+        *(
+            ({"frames": False, **wish}, "frames: expected them to be taken for a render mode or for truth, got False")
+            for wish in ({"truth": ("foe",)}, {"render_mode": "rgb_array"})
+        ),
     ],
 )
 def test_wrong_options_are_one_clear_line(options: dict[str, Any], line: str) -> None:

@@ -48,6 +48,7 @@ class RouteDriver:
     """A controller that follows the route at the reference speed. It knows no obstacles."""
 
     privileged: Privilege = "route"
+    sees = False
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -69,6 +70,7 @@ class IdmDriver:
     """highway-env's own driver. It is told all that is on the road, and needs no camera."""
 
     privileged: Privilege = "world"
+    sees = False
 
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.controllers.idm import Idm, load_gains
@@ -89,6 +91,7 @@ class NeutralDriver:
     """Touches nothing: the trivial driver."""
 
     privileged: Privilege = "none"
+    sees = False
 
     def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002
         from vpf_sim.controllers.neutral import Neutral
@@ -199,6 +202,11 @@ def command_of(driver: Driver, observation: Observation) -> Command:
         raise ValueError(f"driver: expected finite throttle and steering, got {command}")
     throttle, steering = np.clip(values, -1.0, 1.0).tolist()
     return Command(throttle, steering)
+
+
+def sees(driver: Driver) -> bool:
+    """Whether a driver looks at the frames: all do but those that say `sees = False`."""
+    return bool(getattr(driver, "sees", True))
 
 
 def trace_of(driver: Driver) -> Plan | None:

@@ -74,7 +74,7 @@ class DriverSetup:
 class Observation:
     """What a driver sees at one moment."""
 
-    image: Image  # (H, W, 3) RGB
+    image: Image  # (H, W, 3) RGB; (0, 0, 3) for a driver that looks at no frame
     time_s: float
     x_m: float
     y_m: float
@@ -93,7 +93,7 @@ class Command:
 
 
 class Driver(Protocol):
-    """What is under test."""
+    """What is under test. One that also declares `sees = False` looks at no frame, and is shown none."""
 
     privileged: Privilege
 

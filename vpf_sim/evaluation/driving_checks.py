@@ -103,7 +103,7 @@ def short_episode(seed: int) -> Run:
         outcome = roll_out(env, drivers.create(DRIVER), drivers.create("pid"), seed)
         wall_s = perf_counter() - started_s
     table = outcome.steps
-    return Run(outcome.status, sha256(table.states()).hexdigest(), outcome.frames_sha256, len(table), wall_s)
+    return Run(outcome.status, sha256(table.states()).hexdigest(), outcome.frames_sha256 or "", len(table), wall_s)
 
 
 def in_fresh_process(seed: int) -> Run:

@@ -23,6 +23,7 @@ from vpf_sim.evaluation.stopwatch import Stopwatch
 from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
 
 Watcher = Callable[[Image, Plan | None], None]
+NO_FRAME: Image = np.empty((0, 0, 3), np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,18 +34,23 @@ class EpisodeResult:
 
 
 def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None = None) -> EpisodeResult:
-    """Drive one episode and score it; `watch` is shown each frame with the driver's plan for it."""
+    """Drive one episode and score it; `watch` is shown each frame with the driver's plan for it.
+
+    No frames are taken of an episode whose driver does not look at them and that nobody watches.
+    """
     started_s, stopwatch = perf_counter(), Stopwatch()
+    tested = drivers.create(driver)
+    truth, frames = (("foe",), True) if drivers.sees(tested) else ((), watch is not None)
 
     def each_step(image: Image, plan: Plan | None) -> None:
         stopwatch.end_step()
         if watch is not None:
             watch(image, plan)
 
-    with closing(FourLane(scenario, weather, truth=("foe",))) as env:
+    with closing(FourLane(scenario, weather, truth=truth, frames=frames)) as env:
         job = Job(scenario, weather, driver, seed)
         with stopwatch.watching(IN_EPISODES):
-            outcome = roll_out(env, drivers.create(driver), drivers.create("pid"), seed, each_step)
+            outcome = roll_out(env, tested, drivers.create("pid"), seed, each_step)
         wall_s = perf_counter() - started_s
         if len(outcome.steps):
             own_run = pid_without_obstacles(env.scenario, seed)
@@ -69,7 +75,8 @@ def roll_out(env: Any, driver: Driver, shadow: Driver, seed: int, watch: Watcher
             ended = info["status"] != "running"
             while not ended:
                 observation = read(observed)
-                frames.add(observation.image)
+                if drivers.sees(driver):
+                    frames.add(observation.image)
                 log.observe(observation, info, env)
                 command = drivers.command_of(driver, observation)
                 log.act(command, shadow.act(observation), plan := drivers.trace_of(driver))
@@ -105,4 +112,5 @@ def read(observed: dict[str, Any]) -> Observation:
     goal_x_m, goal_y_m = observed["goal"].tolist()
     time_s = float(observed["time"][0])
     goal_m = (goal_x_m, goal_y_m)
-    return Observation(observed["image"], time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m)
+    image = observed.get("image", NO_FRAME)
+    return Observation(image, time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m)

@@ -13,6 +13,7 @@ class FrameHasher:
 
     def __init__(self) -> None:
         self._digest = sha256()
+        self._frames = 0
         self._queue: SimpleQueue[Image | None] = SimpleQueue()
         self._thread = Thread(target=self._work, name="frame hasher", daemon=True)
 
@@ -29,10 +30,12 @@ class FrameHasher:
     def add(self, frame: Image) -> None:
         """Queue a frame, and make it read-only, for it is read later."""
         frame.flags.writeable = False
+        self._frames += 1
         self._queue.put(frame)
 
-    def hexdigest(self) -> str:
-        return self._digest.hexdigest()
+    def hexdigest(self) -> str | None:
+        """None where there was no frame."""
+        return self._digest.hexdigest() if self._frames else None
 
     def _work(self) -> None:
         while (frame := self._queue.get()) is not None:

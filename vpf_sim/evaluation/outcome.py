@@ -13,6 +13,6 @@ class Outcome:
     status: str
     steps: StepTable
     collided_with: str | None
-    frames_sha256: str
+    frames_sha256: str | None  # None: the driver was shown no frame
     traceback: str | None = None  # of our own or the driver's exception
     invalid_frame: dict[str, Any] | None = None  # its number, `time_s` and what was wrong with it

@@ -1,6 +1,6 @@
 """The PID's own run, for the paired protocol: the same scenario and seed with the obstacles removed.
 
-The PID looks at no frame, so none is rendered after the first, and the run costs a fraction of a second.
+The PID looks at no frame, so none is rendered, and the run costs a fraction of a second.
 """
 
 from contextlib import closing
@@ -15,7 +15,7 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.scenarios import Scenario
 from vpf_sim.types import DriverSetup, Floats, Image, Observation
 
-NO_IMAGE: Image = np.zeros((1, 1, 3), np.uint8)
+NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
 
 
 class OwnRun(NamedTuple):
@@ -28,7 +28,7 @@ class OwnRun(NamedTuple):
 
 def pid_without_obstacles(drawn: Scenario, seed: int, rate_hz: float = 60.0) -> OwnRun:
     """Drive the PID to the goal, or for as long as the scenario allows."""
-    with closing(FourLane(drawn.model_copy(update={"bodies": ()}), rate_hz=rate_hz)) as env:
+    with closing(FourLane(drawn.model_copy(update={"bodies": ()}), rate_hz=rate_hz, frames=False)) as env:
         env.reset(seed=seed)
         pid = drivers.create("pid")
         pid.reset(
