@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from math import copysign, exp, pi
 
 from vpf_sim import tables
+from vpf_sim.errors import unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Observation, Reference, VehicleModel
 
@@ -44,8 +45,10 @@ class Gains:
 
 def load_gains(name: str) -> Gains:
     """The set [gtsmc.`name`] of gains.toml."""
-    table = tables.read("vpf_sim.controllers", "gains.toml")["gtsmc"][name]
-    return tables.build(Gains, table, f"gains.toml: [gtsmc.{name}]")
+    sets = tables.read("vpf_sim.controllers", "gains.toml")["gtsmc"]
+    if name not in sets:
+        raise unknown_name("gains", name, sets)
+    return tables.build(Gains, sets[name], f"gains.toml: [gtsmc.{name}]")
 
 
 def relay(s: float, layer: float) -> float:

@@ -6,16 +6,20 @@ Naming the drivers loads none of them: planners and controllers are imported whe
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import cast, get_args
+from typing import TYPE_CHECKING, cast, get_args
 
 import numpy as np
 
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.types import Command, Driver, DriverSetup, Floats, Observation, Plan, Privilege
 
+if TYPE_CHECKING:
+    from vpf_sim.controllers.gtsmc import Gains
+    from vpf_sim.planning.variant import Variant
+
 
 class FieldDriver:
-    """The Visual Potential Field planner in one of its variants, with the sliding mode controller of the same name."""
+    """The Visual Potential Field planner in a variant by name or file, with the sliding mode controller it names."""
 
     privileged: Privilege = "none"
 
@@ -24,7 +28,7 @@ class FieldDriver:
         from vpf_sim.planning import variant as variants
 
         self._variant = variants.load(variant)
-        self._gains = load_gains(variant)
+        self._gains = load_gains(self._variant.gains)
         self._plan: Plan | None = None
 
     def reset(self, setup: DriverSetup) -> None:
@@ -42,6 +46,16 @@ class FieldDriver:
     def trace(self) -> Plan | None:
         """The plan of the last step, for overlays and scores."""
         return self._plan
+
+    @property
+    def variant(self) -> "Variant":
+        """The configuration of its planner."""
+        return self._variant
+
+    @property
+    def gains(self) -> "Gains":
+        """Those of its controller."""
+        return self._gains
 
 
 class RouteDriver:
@@ -135,6 +149,9 @@ def _with_speed(steer: Callable[[Observation], float], setup: DriverSetup) -> Ca
 _FOLLOWERS = {"pid": _pid, "pure-pursuit": _pure_pursuit, "stanley": _stanley}
 
 
+FIELD = "vpf@"  # before the name or file of a variant
+
+
 @dataclass(frozen=True, slots=True)
 class Description:
     """A row of the drivers' table."""
@@ -180,11 +197,25 @@ def names() -> list[str]:
 
 def describe() -> list[Description]:
     """What each registered driver is and what it is told beyond its camera."""
-    return [Description(name, entry.privileged, entry.summary) for name, entry in _REGISTRY.items()]
+    return [description(name) for name in _REGISTRY]
+
+
+def description(name: str) -> Description:
+    """What a driver of that name is: one of the registry, or the field in a variant of its own."""
+    if name.startswith(FIELD):
+        from vpf_sim.planning import variant
+
+        own, driver = name.removeprefix(FIELD), create(name)
+        return Description(name, driver.privileged, variant.ablation().get(own, f"the potential field, variant {own}"))
+    if name not in _REGISTRY:
+        raise unknown_name("driver", name, _REGISTRY)
+    return Description(name, _REGISTRY[name].privileged, _REGISTRY[name].summary)
 
 
 def create(name: str) -> Driver:
-    """A new driver by its registered name, or of a user's own class "package.module:Class"."""
+    """A new driver: a registered name, "vpf@VARIANT" (its name or file), or a user's own "package.module:Class"."""
+    if name.startswith(FIELD):
+        return FieldDriver(name.removeprefix(FIELD))
     if ":" in name:
         return _load(name)
     if name not in _REGISTRY:

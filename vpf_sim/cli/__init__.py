@@ -8,6 +8,7 @@ from typing import Any
 import typer
 
 from vpf_sim.cli import (
+    ablate,
     benchmark,
     check,
     doctor,
@@ -26,7 +27,7 @@ from vpf_sim.cli import (
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import threads
 
-SIMULATING = ("drive", "sweep", "benchmark", "replay", "profile", "gallery", "doctor", "video", "report")
+SIMULATING = ("drive", "sweep", "benchmark", "ablate", "replay", "profile", "gallery", "doctor", "video", "report")
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
 
 app = typer.Typer(
@@ -40,6 +41,7 @@ app = typer.Typer(
 app.command("drive")(drive.drive)
 app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
+app.command("ablate")(ablate.ablate)
 app.command("replay")(replay.replay)
 app.command("score")(score.score)
 app.command("report")(report.report)

@@ -25,12 +25,8 @@ def list_drivers(json: JsonOption = False) -> None:
 def show(name: str) -> None:
     """One driver, as JSON."""
     from vpf_sim import drivers
-    from vpf_sim.errors import unknown_name
 
-    described = {one.name: one for one in drivers.describe()}
-    if name not in described:
-        raise unknown_name("driver", name, described)
-    one = described[name]
+    one = drivers.description(name)
     print_json({"name": one.name, "privileged": one.privileged, "summary": one.summary})
 
 

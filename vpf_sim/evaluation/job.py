@@ -21,7 +21,7 @@ class Job(NamedTuple):
 
 def _slug(name: str) -> str:
     """A plain name as it is; of a path the last part, told apart from others by a hash."""
-    if re.fullmatch(r"[\w-]+", name):
+    if re.fullmatch(r"[\w@-]+", name):
         return name
     last = re.split(r"[/\\:]", name.removesuffix(".toml"))[-1]
     return f"{re.sub(r'[^A-Za-z0-9_-]', '_', last)}-{sha256(name.encode()).hexdigest()[:8]}"

@@ -82,13 +82,7 @@ class RunFolder:
 
     def write_json(self, name: str, value: dict[str, Any]) -> None:
         """A file of the folder, keys sorted, whole or not at all."""
-        draft = self.path / f"{name}.draft"
-        with draft.open("w") as file:
-            json.dump(value, file, indent=2, sort_keys=True, allow_nan=False)
-            file.write("\n")
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(self.path / name)
+        write_json(self.path / name, value)
 
     def close(self) -> None:
         self._records.close()
@@ -128,6 +122,17 @@ class RunFolder:
             what = change(stored["fingerprint"], asked["fingerprint"])
             raise InputError(f"{self.path}: --resume: fingerprint changed: {what}; --mixed accepts it")
         return True
+
+
+def write_json(path: Path, value: dict[str, Any]) -> None:
+    """A file, keys sorted, whole or not at all."""
+    draft = path.with_name(f"{path.name}.draft")
+    with draft.open("w") as file:
+        json.dump(value, file, indent=2, sort_keys=True, allow_nan=False)
+        file.write("\n")
+        file.flush()
+        os.fsync(file.fileno())
+    draft.replace(path)
 
 
 def read_records(path: Path) -> list[dict[str, Any]]:

@@ -9,10 +9,14 @@ A bicycle's centre of mass moves at yaw + slip, and d psi / dt = v sin(slip) / l
 lag of l_r / v: l_r / v d psi / dt = chi - psi. The heading reference is the desired course through that very lag, exact
 for the steering that follows it. It carries the slip of a bend (l_r / R) and the lever arm of a swerve, and its rate
 (chi_d - psi_d) v / l_r needs no differentiation (METHOD A13, A17).
+
+What that and the speed by what is ahead are worth is seen without them: with `motion = "direct"` y_r is the minimum
+itself and psi_d the course, and with `speed = "constant"` v_d stays the reference speed, as in the paper.
 """
 
 from dataclasses import dataclass
 from math import asin, exp, sqrt
+from typing import Literal
 
 import numpy as np
 
@@ -44,10 +48,12 @@ class LaneReferenceConfig:
     brake_mps2: float  # of a stop before a blocked road
     standoff_m: float  # free road kept when stopping
     time_gap_s: float  # kept besides to a body that moves
+    motion: Literal["direct", "least_jerk"] = "least_jerk"
+    speed: Literal["constant", "ahead"] = "ahead"
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
-            if not getattr(self, name) > 0.0:
+            if name not in ("motion", "speed") and not getattr(self, name) > 0.0:
                 raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
@@ -74,9 +80,11 @@ class LaneReference:
         if self.y_m is None:
             self._rate_mps = 0.0
             self.y_m = lane.y_m
-        time_s = self._time_left(obstacles, field, speed_mps)
-        self._glide(minimum_m, time_s, speed_mps)
-        self.y_m = min(max(self.y_m, lane.y_m - self._config.lead_m), lane.y_m + self._config.lead_m)
+        if self._config.motion == "direct":
+            self.y_m = minimum_m
+        else:
+            self._glide(minimum_m, self._time_left(obstacles, field, speed_mps), speed_mps)
+            self.y_m = min(max(self.y_m, lane.y_m - self._config.lead_m), lane.y_m + self._config.lead_m)
         heading, rate = self._heading(lane, yaw_rad, speed_mps)
         return Reference(heading, self._speed(lane, obstacles, field, minimum_m), rate)
 
@@ -112,14 +120,16 @@ class LaneReference:
         self._rate_mps += self._acceleration_mps2 * dt
         self.y_m += self._rate_mps * dt
 
-    def _heading(self, lane: Lane, yaw_rad: float, speed_mps: float) -> tuple[float, float]:
-        """psi_d rad and its rate rad/s."""
+    def _heading(self, lane: Lane, yaw_rad: float, speed_mps: float) -> tuple[float, float | None]:
+        """psi_d rad and its rate rad/s, if it is known."""
         config = self._config
         assert self.y_m is not None
         pull = config.correction_per_s * (self.y_m - lane.y_m)
         across = self._rate_mps + min(max(pull, -config.correction_mps), config.correction_mps)
         ratio = min(max(across / max(speed_mps, 1.0), -config.speed_ratio), config.speed_ratio)
         course = yaw_rad + lane.heading_rad + asin(ratio)
+        if config.motion == "direct":
+            return wrap_angle(course), None
         if self._heading_rad is None:
             self._heading_rad = yaw_rad
         share = 1.0 - exp(-speed_mps * self._dt_s / self._vehicle.l_r_m)
@@ -132,6 +142,8 @@ class LaneReference:
         config = self._config
         assert self.y_m is not None
         limit = self._speed_reference_mps
+        if config.speed == "constant":
+            return limit
         bend = abs(lane.curvature_per_m)
         if bend > 0.0:
             limit = min(limit, sqrt(config.bend_acceleration_mps2 / bend))

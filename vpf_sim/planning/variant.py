@@ -1,10 +1,16 @@
-"""A variant of the method: the configuration of every stage, read from one TOML file in variants/."""
+"""A variant of the method: the configuration of every stage, read from a TOML file in variants/, or from a user's own.
+
+Between `paper` and `robust` lie the steps of the ablation (`vpf_sim.planning.changes`), each by its name. A file of
+one's own says with `base` which of these it starts from, and then only what it changes.
+"""
 
 from dataclasses import dataclass
 from importlib.resources import files
+from pathlib import Path
+from typing import Any
 
 from vpf_sim import tables
-from vpf_sim.errors import unknown_name
+from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.contact import ContactConfig
 from vpf_sim.perception.expansion import ExpansionConfig
 from vpf_sim.perception.flow import FlowConfig
@@ -12,16 +18,19 @@ from vpf_sim.perception.landmarks import LandmarkConfig
 from vpf_sim.perception.movers import MoverConfig
 from vpf_sim.perception.obstacles import ObstacleMapConfig
 from vpf_sim.perception.road_edges import RoadEdgeConfig
+from vpf_sim.planning.changes import steps
 from vpf_sim.planning.gradient_line import GradientLineConfig
 from vpf_sim.planning.valley import ValleyConfig
 
 PACKAGE = "vpf_sim.planning.variants"
+BASE = "robust"  # of a user's file that names none
 
 
 @dataclass(frozen=True, slots=True)
 class Variant:
     """One section a stage. The way through the field is the paper's `gradient_line` or the `valley`, never both."""
 
+    gains: str  # of the controller, a set [gtsmc.NAME] of controllers/gains.toml
     flow: FlowConfig
     expansion: ExpansionConfig
     contact: ContactConfig
@@ -47,7 +56,43 @@ def names() -> list[str]:
 
 
 def load(name: str) -> Variant:
-    """The variant of that name."""
-    if name not in names():
-        raise unknown_name("variant", name, names())
-    return tables.build(Variant, tables.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
+    """The variant or step of that name, or of that TOML file."""
+    if name.endswith(".toml"):
+        return tables.build(Variant, _own(Path(name)), name)
+    return tables.build(Variant, _table(name), f"{name}.toml")
+
+
+def ablation() -> dict[str, str]:
+    """What each step from `paper` to `robust` changes, by its name, in order."""
+    return {name: summary for name, (summary, _) in _steps().items()}
+
+
+def _table(name: str) -> dict[str, Any]:
+    if name in names():
+        return tables.read(PACKAGE, f"{name}.toml")
+    between = _steps()
+    if name in between:
+        return between[name][1]
+    raise unknown_name("variant", name, [*names(), *between])
+
+
+def _steps() -> dict[str, tuple[str, dict[str, Any]]]:
+    return steps(tables.read(PACKAGE, "paper.toml"), tables.read(PACKAGE, "robust.toml"))
+
+
+def _own(path: Path) -> dict[str, Any]:
+    """A user's file laid over the variant that it starts from."""
+    own = tables.read_file(path, "variant")
+    base = own.pop("base", BASE)
+    if not isinstance(base, str) or base.endswith(".toml"):
+        raise InputError(f"{path}: base: expected the name of a variant, got {base!r}")
+    return _laid_over(_table(base), own)
+
+
+def _laid_over(table: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Sections key by key; "none" takes a whole section away."""
+    both = {
+        key: _laid_over(table[key], value) if isinstance(value, dict) and isinstance(table.get(key), dict) else value
+        for key, value in own.items()
+    }
+    return {**table, **both}

@@ -1,0 +1,119 @@
+"""From the variant `paper` to the variant `robust`, one change at a time: the steps of the ablation.
+
+Each step is a variant of its own: all changes up to its own are made, those after it are not. The order is one in
+which every step runs. What cannot stand alone goes together: the valley has its own target, obstacle and road field and
+goes by the bodies on the road, so landmarks and the three potentials come in with it at once.
+"""
+
+from collections.abc import Mapping
+from copy import deepcopy
+from dataclasses import dataclass, field
+from typing import Any
+
+Table = dict[str, Any]  # of a variant's file
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What a step takes over from `robust`: whole sections or single keys; `held` has keys that a later step takes."""
+
+    name: str
+    summary: str
+    takes: tuple[str, ...]
+    held: Mapping[str, object] = field(default_factory=dict)
+
+
+CHANGES = (
+    Change(
+        "flow",
+        "flow: a budget of features spread over the road and topped up, checked forward and backward",
+        ("flow",),
+    ),
+    Change(
+        "expansion",
+        "focus of expansion: derotated, RANSAC and reweighting; time to contact by the expansion of clusters",
+        ("expansion", "contact"),
+    ),
+    Change(
+        "obstacle-test",
+        "obstacle map: absolute test against the noise instead of Otsu",
+        ("obstacle_map.method",),
+    ),
+    Change(
+        "boundary-layer",
+        "controller: boundary layers instead of sign, and the gains that go with them",
+        ("gains",),
+    ),
+    Change(
+        "valley",
+        "fields: landmarks, and the lowest place across the lane instead of the force at the vehicle",
+        ("landmarks", "valley", "gradient_line", "obstacle_map"),
+        {
+            "valley.field.memory_height": 0.0,
+            "valley.field.latch_height": 0.0,
+            "valley.field.beside_height": 0.0,
+            "valley.reference.motion": "direct",
+            "valley.reference.speed": "constant",
+        },
+    ),
+    Change(
+        "memory",
+        "decisions are kept: leaving the last minimum or changing the side of a near body costs",
+        ("valley.field.memory_height", "valley.field.latch_height", "valley.field.beside_height"),
+    ),
+    Change(
+        "least-jerk",
+        "reference: glides to the minimum with least jerk, through the lag of the vehicle, its rate known",
+        ("valley.reference.motion",),
+    ),
+    Change(
+        "speed",
+        "speed by what is ahead: bends, bodies that are not cleared in time, a stop where no side is free",
+        ("valley.reference.speed",),
+    ),
+    Change(
+        "road",
+        "road: how the carriageway's edges are found and followed",
+        ("road_edges",),
+    ),
+    Change(
+        "movers",
+        "moving bodies told from standing ones: overtaken or followed",
+        ("movers",),
+    ),
+)
+
+
+def steps(paper: Table, robust: Table) -> dict[str, tuple[str, Table]]:
+    """Summary and table of each step by its name, in order; a change of which both variants think alike is none."""
+    made: dict[str, tuple[str, Table]] = {}
+    table = paper
+    for change in CHANGES:
+        after = deepcopy(table)
+        for path in change.takes:
+            _put(after, path, _at(robust, path))
+        for path, value in change.held.items():
+            _put(after, path, value)
+        if after != table:
+            made[change.name] = (change.summary, after)
+        table = after
+    return made
+
+
+def _at(table: Table, path: str) -> Any:
+    """What stands at "section.key"; None where nothing does."""
+    value: Any = table
+    for key in path.split("."):
+        value = value.get(key) if isinstance(value, dict) else None
+    return deepcopy(value)
+
+
+def _put(table: Table, path: str, value: Any) -> None:
+    """Put a value, or with None nothing, at "section.key"."""
+    *sections, last = path.split(".")
+    for section in sections:
+        table = table.setdefault(section, {})
+    if value is None:
+        table.pop(last, None)
+    else:
+        table[last] = value
