@@ -96,6 +96,15 @@ def test_a_body_is_met_once_with_the_distance_at_which_it_was_first_confirmed(ro
     assert len(met) == 2, "the car at 4 m aside is not in the corridor"
 
 
+def test_a_body_seen_from_the_next_lane_is_confirmed_before_the_ego_turns_to_it(road: Any) -> None:
+    road.objects.append(body(road, 40.0, 4.0))
+    book = ObjectBook()
+    far = book.columns(reports((37.5 - 10.0, 4.0)), body(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
+    assert (far["objects_right"], far["objects_wrong"]) == (0, 0), "4 m aside it is not in the corridor"
+    met = [book.columns(reports(), body(road, x, 2.0, LENGTH_M, 1.9), road.network) for x in (30.0, 35.2)]
+    assert met[-1]["met_confirmed_m"] == 40.0 - 10.0 - 0.5 * (5.0 + LENGTH_M)
+
+
 def test_two_that_are_met_at_once_come_one_after_the_other(road: Any) -> None:
     road.objects += [body(road, 10.0, 1.5, 0.4, 0.4, "cone"), body(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
     book = ObjectBook()

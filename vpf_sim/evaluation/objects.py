@@ -1,7 +1,9 @@
 """The objects that a driver reports, against the bodies that stand or drive there, frame by frame.
 
 The corridor is the strip of the road within CORRIDOR_M of the ego's centre, to both sides, ahead of its front bumper. A
-report is right if its foot, the middle of the face that it says is nearest, is within FOOT_M of a body's outline.
+report is right if its foot, the middle of the face that it says is nearest, is within FOOT_M of a body's outline. Only
+reports in the corridor are counted; but a body is confirmed by the first that is right, wherever the ego then was across
+the road, for it may turn into the corridor later.
 """
 
 from collections import deque
@@ -34,10 +36,12 @@ class ObjectBook:
         """
         bodies = solid_bodies(ego)
         right = wrong = new = 0
-        for index, foot in self._feet(reported, ego, network):
+        for index, foot, in_corridor in self._feet(reported, ego, network):
             owners = [body for body in bodies if _gap_m(body, foot) <= FOOT_M]
             for body in owners:
                 self._confirmed_m.setdefault(id(body), _ahead_m(ego, body))
+            if not in_corridor:
+                continue
             right += bool(owners)
             wrong += not owners
             new += not owners and int(reported.identity[index]) not in self._wrong
@@ -52,8 +56,8 @@ class ObjectBook:
             "met_confirmed_m": confirmed_m,
         }
 
-    def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float]]]:
-        """Which reports are in the corridor, and their feet in the world."""
+    def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float], bool]]:
+        """Which reports are ahead, their feet in the world, and whether these are in the corridor."""
         feet = []
         s, lateral = ego.place
         x, y = ego.position.tolist()
@@ -63,8 +67,8 @@ class ObjectBook:
             right = 0.5 * float(reported.left_m[index] + reported.right_m[index])
             foot = (x + cosine * forward - sine * right, y + sine * forward + cosine * right)
             foot_s, foot_lateral = network.centre.local_at(*foot)
-            if foot_s - s > 0.5 * ego.LENGTH and abs(foot_lateral - lateral) <= CORRIDOR_M:
-                feet.append((index, foot))
+            if foot_s - s > 0.5 * ego.LENGTH:
+                feet.append((index, foot, abs(foot_lateral - lateral) <= CORRIDOR_M))
         return feet
 
     def _meet(self, ego: Any, bodies: list[Any]) -> None:
