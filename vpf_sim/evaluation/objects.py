@@ -2,8 +2,8 @@
 
 The corridor is the strip of the road within CORRIDOR_M of the ego's centre, to both sides, ahead of its front bumper. A
 report is right if its foot, the middle of the face that it says is nearest, is within FOOT_M of a body's outline. Only
-reports in the corridor are counted; but a body is confirmed by the first that is right, wherever the ego was then: it may
-turn into the body's way later.
+reports in the corridor are counted; but a body is confirmed by the first that is right, wherever the ego was then: it
+may turn into the body's way later.
 """
 
 from collections import deque
