@@ -22,7 +22,7 @@ MAY_IMPORT = {
 }
 MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenarios"}
 MAY_IMPORT["report"] = MAY_IMPORT["evaluation"] | {"evaluation"}
-MAY_IMPORT["replay"] = MAY_IMPORT["drivers"] | {"drivers", "report"}
+MAY_IMPORT["replay"] = MAY_IMPORT["report"] | {"report"}
 MAY_IMPORT["cli"] = MAY_IMPORT["report"] | {"replay", "report"}
 MAY_IMPORT["testing"] = MAY_IMPORT["evaluation"] | {"evaluation"}
 

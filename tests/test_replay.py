@@ -1,6 +1,5 @@
 """Recorded drives: a generated street whose motion is known, the shared recording, and drives that are broken."""
 
-import csv
 import json
 import os
 from collections.abc import Callable
@@ -14,7 +13,7 @@ import recorded_street as street
 
 from vpf_sim import cli
 from vpf_sim.errors import InputError
-from vpf_sim.replay import camera_motion, kitti, open_loop
+from vpf_sim.replay import camera_motion, frame_table, kitti, open_loop
 from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Camera, Command, DriverSetup, Floats, Observation
 
@@ -67,7 +66,7 @@ def test_the_truth_is_the_direction_of_motion_at_the_frame(drive: Path) -> None:
 
 
 def test_a_drive_is_replayed_with_its_error_table_and_video(drive: Path, tmp_path: Path) -> None:
-    entry = open_loop.run(kitti.read(drive), "vpf", tmp_path)
+    entry, _ = open_loop.run(kitti.read(drive), "vpf", tmp_path)
     assert entry["frames"] == FRAMES
     assert entry["accuracy"] is None
     assert "speed_mps" in entry["derived"]
@@ -75,20 +74,17 @@ def test_a_drive_is_replayed_with_its_error_table_and_video(drive: Path, tmp_pat
         # Half the turn of an interval would be 3.7 px, a whole one 7.5 px.
         assert entry["foe_median_error_px"][axis] < 2.5
         assert entry["foe_median_error_own_derotation_px"][axis] < 5.0
-    with (tmp_path / "bend.csv").open() as table:
-        rows = list(csv.DictReader(table))
-    assert len(rows) == FRAMES
-    assert all(-1.0 <= float(row["steering"]) <= 1.0 for row in rows)
-    with av.open(str(tmp_path / "bend.mp4")) as video:
+    table = frame_table.read(tmp_path / "frames" / "bend.parquet")
+    assert len(table) == FRAMES
+    assert np.abs(table.steering).max() <= 1.0
+    with av.open(str(tmp_path / "videos" / "bend.mp4")) as video:
         assert sum(1 for _ in video.decode(video=0)) == FRAMES
 
 
 def test_a_baseline_on_a_route_follows_the_way_that_was_driven(drive: Path, tmp_path: Path) -> None:
-    entry = open_loop.run(kitti.read(drive), "pid", tmp_path)
+    entry, _ = open_loop.run(kitti.read(drive), "pid", tmp_path)
     assert entry["foe_median_error_px"] is None  # it looks at nothing
-    with (tmp_path / "bend.csv").open() as table:
-        steering = [float(row["steering"]) for row in csv.DictReader(table)]
-    assert np.median(steering) > 0.0  # the bend goes right
+    assert np.median(frame_table.read(tmp_path / "frames" / "bend.parquet").steering) > 0.0  # the bend goes right
 
 
 def test_the_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,8 +92,9 @@ def test_the_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys:
     assert code == 0
     answer = json.loads(capsys.readouterr().out)
     assert [entry["name"] for entry in answer["drives"]] == ["bend", "bend-2"]
-    written = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert written == ["bend-2.csv", "bend-2.mp4", "bend.csv", "bend.mp4"]
+    for folder, suffix in (("frames", "parquet"), ("videos", "mp4")):
+        written = sorted(path.name for path in (tmp_path / "out" / folder).iterdir())
+        assert written == [f"bend-2.{suffix}", f"bend.{suffix}"]
 
 
 class Clumsy:
@@ -122,9 +119,9 @@ def test_a_driver_that_fails_is_an_error_of_the_drive(
     code = cli.run(["replay", str(drive), "--driver", driver, "--out", str(tmp_path / "out"), "--json"])
     said = capsys.readouterr()
     assert code == 1
-    assert json.loads(said.out) == {"drives": []}
+    assert json.loads(said.out)["drives"] == []
     assert said.err == "vpf-sim: bend: error: RuntimeError: no idea\n"
-    assert not list(tmp_path.glob("out/*"))
+    assert not list(tmp_path.glob("out/*/*")), "no half of a table or film is left behind"
 
 
 def test_the_way_goes_on_where_the_last_pose_is_missing() -> None:
@@ -203,7 +200,7 @@ def test_a_broken_drive_is_one_clear_line(
     assert said.out == ""
     assert sentence in said.err
     assert said.err.count("\n") == 1
-    assert not list(tmp_path.glob("out/*")), "no half of a table or video is left behind"
+    assert not list(tmp_path.glob("out/*/*")), "no half of a table or film is left behind"
 
 
 def test_no_folder_and_a_full_folder_are_refused(
@@ -238,7 +235,7 @@ def test_the_shared_drive_agrees_with_its_labels(shared_drive: Recording) -> Non
 
 
 def test_the_shared_drive_has_its_focus_of_expansion(shared_drive: Recording, tmp_path: Path) -> None:
-    entry = open_loop.run(shared_drive, "vpf", tmp_path)
+    entry, _ = open_loop.run(shared_drive, "vpf", tmp_path)
     assert entry["foe_median_error_px"]["x"] <= 3.0
     assert entry["foe_median_error_px"]["y"] <= 3.5
     assert entry["foe_median_error_own_derotation_px"]["x"] <= 4.0

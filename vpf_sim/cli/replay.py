@@ -8,65 +8,116 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriverOption, JsonOption, OutOption, print_json, prints_on_stderr
-from vpf_sim.cli.tables import number, print_table
+from vpf_sim.cli import replay_tables
+from vpf_sim.cli.options import DriverOption, JsonOption, MixedOption, OutOption, ResumeOption, print_json
+from vpf_sim.cli.options import prints_on_stderr as drivers_speak
+from vpf_sim.errors import InputError
 
 if TYPE_CHECKING:
     from vpf_sim.replay.recording import Recording
+    from vpf_sim.replay.replay_folder import ReplayFolder
 
-DrivesArgument = Annotated[list[Path], typer.Argument(metavar="DRIVE", help="Folders in KITTI's odometry layout.")]
+DrivesArgument = Annotated[
+    list[Path], typer.Argument(metavar="DRIVE", help="Folders of recordings; docs/own-drives.md tells the layouts.")
+]
 
 
 def replay(
-    drive: DrivesArgument, driver: DriverOption = "vpf", out: OutOption = None, json: JsonOption = False
+    drive: DrivesArgument,
+    driver: DriverOption = "vpf",
+    out: OutOption = None,
+    resume: ResumeOption = False,
+    mixed: MixedOption = False,
+    json: JsonOption = False,
 ) -> None:
-    """Run a driver over recorded drives, open loop: what it sees against the truth; exit code 1 on its error."""
+    """Run a driver over recorded drives, open loop: its commands beside the human's, what it sees beside the truth.
+
+    Exit code 1 on an error of the driver, 2 on a recording that cannot be used; the others are still done.
+    """
     from vpf_sim import drivers
-    from vpf_sim.errors import InputError
     from vpf_sim.evaluation import run_folder
     from vpf_sim.evaluation.threads import limit_opencv
-    from vpf_sim.replay import open_loop, readers
+    from vpf_sim.replay.replay_folder import ReplayFolder
 
     limit_opencv()
-    with prints_on_stderr():
+    with drivers_speak():
         drivers.create(driver)
-    recordings = _named_apart([readers.read(folder) for folder in drive])
-    folder = _new(out) if out else run_folder.new_path("replay")
-    entries = []
-    for recording in recordings:
+    recordings, refused = _read(drive)
+    folder = ReplayFolder(
+        out or run_folder.new_path("replay"),
+        driver,
+        {name: str(path) for name, (path, _) in recordings.items()},
+        resume,
+        mixed,
+    )
+    try:
+        code = max(refused, _replay_all(folder, driver, [recording for _, recording in recordings.values()]))
+        summary = folder.summarize()
+        if folder.done or code != 2:  # a wrong input alone has no answer
+            _answer(folder, summary, json)
+    finally:
+        folder.close()
+    raise typer.Exit(code)
+
+
+def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
+    """The recordings by name, and 2 if one cannot be read: it is told, and fatal only if there is no other."""
+    from vpf_sim.replay import readers
+
+    found: list[tuple[Path, Recording]] = []
+    faults: list[InputError] = []
+    for path in paths:
         try:
-            with prints_on_stderr():
-                entries.append(open_loop.run(recording, driver, folder, _tell(recording.name)))
-        except (InputError, OSError):
-            raise
-        except Exception as error:  # the driver's own; the other drives are still worth their time
-            print(f"vpf-sim: {recording.name}: error: {type(error).__name__}: {error}", file=sys.stderr)
-    if json:
-        print_json({"drives": entries})
-    else:
-        _print(entries)
-        print(f"\nvideos and commands: {folder}")
-    raise typer.Exit(0 if len(entries) == len(recordings) else 1)
+            found.append((path, readers.read(path)))
+        except InputError as error:
+            faults.append(error)
+    if not found:
+        raise InputError("\n".join(str(fault) for fault in faults))
+    for fault in faults:
+        _tell_fault(str(fault))
+    return _named_apart(found), 2 if faults else 0
 
 
-def _named_apart(recordings: "list[Recording]") -> "list[Recording]":
+def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":
     """Drives of the same name get a number, so that each has files of its own."""
     names: Counter[str] = Counter()
-    result = []
-    for recording in recordings:
+    result = {}
+    for path, recording in found:
         names[recording.name] += 1
         number = names[recording.name]
-        result.append(replace(recording, name=f"{recording.name}-{number}") if number > 1 else recording)
+        name = f"{recording.name}-{number}" if number > 1 else recording.name
+        result[name] = (path, replace(recording, name=name))
     return result
 
 
-def _new(path: Path) -> Path:
-    from vpf_sim.errors import InputError
+def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording]") -> int:
+    """One drive after the other; the worst exit code."""
+    code = 0
+    for recording in recordings:
+        if recording.name not in folder.done:
+            code = max(code, _replay_one(folder, driver, recording))
+    return code
 
-    if path.exists() and (not path.is_dir() or any(path.iterdir())):
-        raise InputError(f"{path}: expected an empty or new folder for --out, got other files")
-    path.mkdir(parents=True, exist_ok=True)
-    return path
+
+def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording") -> int:
+    from vpf_sim.replay import open_loop
+
+    try:
+        with drivers_speak():
+            folder.add(*open_loop.run(recording, driver, folder.path, _tell(recording.name)))
+    except InputError as error:
+        _tell_fault(str(error))
+        return 2
+    except OSError:
+        raise
+    except Exception as error:  # the driver's own; the other drives are still worth their time
+        _tell_fault(f"{recording.name}: error: {type(error).__name__}: {error}")
+        return 1
+    return 0
+
+
+def _tell_fault(words: str) -> None:
+    print(f"vpf-sim: {words}", file=sys.stderr)
 
 
 def _tell(name: str) -> Any:
@@ -77,13 +128,10 @@ def _tell(name: str) -> Any:
     return tell
 
 
-def _print(drives: list[dict[str, Any]]) -> None:
-    rows = []
-    for entry in drives:
-        errors = [entry[key] or {} for key in ("foe_median_error_px", "foe_median_error_own_derotation_px")]
-        cells = [number(error.get(axis), 1) for error in errors for axis in ("x", "y")]
-        rows.append([entry["name"], str(entry["frames"]), *cells])
-    print_table(("drive", "frames", "FOE x px", "FOE y px", "own x px", "own y px"), rows)
-    print("\nmedian error of the focus of expansion: recorded rotation removed; own derotation, from the flow alone")
-    for entry in drives:
-        print(f"{entry['name']}: derived: {', '.join(entry['derived'])}; throttle and steering: no recording")
+def _answer(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> None:
+    records, timing = folder.records(), folder.timing()
+    if as_json:
+        print_json({"out": str(folder.path), "drives": records, "timing": timing, **summary})
+    else:
+        replay_tables.print_all(records, timing, summary)
+        print(f"\nfilms, frames and records: {folder.path}")

@@ -1,10 +1,11 @@
 """A driver on a recorded drive: it sees the frames and says what it would do, and nobody does it."""
 
-import csv
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
+from time import perf_counter, thread_time
 from typing import Any
 
 import numpy as np
@@ -13,129 +14,244 @@ from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.perception.flow import grey
 from vpf_sim.planning import variant
-from vpf_sim.replay.own_derotation import OwnDerotation
+from vpf_sim.replay import frame_table, scores
+from vpf_sim.replay.film import Film
+from vpf_sim.replay.frame_table import FrameRow, FrameTable
+from vpf_sim.replay.model_vehicle import Interval
+from vpf_sim.replay.obstacles_ahead import is_in_the_way, lead_ttc_s
+from vpf_sim.replay.own_derotation import OwnDerotation, OwnMotion
+from vpf_sim.replay.pilot import Decision, Pilot, pilot
 from vpf_sim.replay.recording import Recording
-from vpf_sim.report import overlay
-from vpf_sim.report.video import Writer
-from vpf_sim.types import Command, Driver, DriverSetup, Expansion, Floats, Image, Observation, Plan, VehicleModel
+from vpf_sim.replay.segments import Segment, goal_words, route, segments
+from vpf_sim.types import Command, Driver, DriverSetup, Image, Observation, VehicleModel
 
-OWN_VARIANT = "robust"  # whose flow serves where a driver has none of its own
-BEYOND_M = 40.0  # of route behind the last pose
-COLUMNS = ("frame", "time_s", "speed_mps", "throttle", "steering", "foe_x_px", "foe_y_px", "foe_confidence")
+OWN_VARIANT = "robust"  # whose flow serves for what is told of no rotation
+NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
+FRAMES, VIDEOS = "frames", "videos"  # folders of the run
 
 Progress = Callable[[int, int], None]
 
 
 @dataclass(slots=True)
-class Errors:
-    """Errors of the focus of expansion, frame by frame."""
+class Clock:
+    """What a clock measured, ms a frame: of CPU time, so that a busy machine tells the same."""
 
-    rows: list[Floats] = field(default_factory=list)
+    driver_ms: list[float] = field(default_factory=list)
+    reading_ms: list[float] = field(default_factory=list)
+    began_s: float = field(default_factory=perf_counter)
 
-    def add(self, seen: Expansion, truth_px: Floats) -> None:
-        if seen.confidence > 0.0 and np.all(np.isfinite(truth_px)):
-            self.rows.append(np.array([seen.x_px, seen.y_px]) - truth_px)
+    def entry(self, recording: Recording) -> dict[str, Any]:
+        """The drive's line of timing.jsonl; real_time is how often faster than the recording the driver is."""
+        period_ms = 1e3 / recording.rate_hz
+        driver, reading = (float(np.median(times)) if times else nan for times in (self.driver_ms, self.reading_ms))
+        worst = float(np.percentile(self.driver_ms, 95.0)) if self.driver_ms else nan
+        entry = {
+            "driver_ms": driver,
+            "driver_p95_ms": worst,
+            "reading_ms": reading,
+            "period_ms": period_ms,
+            "real_time": period_ms / (driver + reading),
+            "wall_s": perf_counter() - self.began_s,
+        }
+        return {"name": recording.name, **{key: scores.rounded(value) for key, value in entry.items()}}
 
-    def median(self) -> dict[str, float] | None:
-        """Of the absolute errors, px; None without a frame that has both."""
-        if not self.rows:
-            return None
-        x, y = np.median(np.abs(self.rows), axis=0)
-        return {"x": round(float(x), 3), "y": round(float(y), 3)}
 
-
-def run(recording: Recording, driver_name: str, out: Path, progress: Progress = lambda *_: None) -> dict[str, Any]:
-    """Drive along, write `<name>.mp4` and `<name>.csv` into `out`, and give the drive's entry of the answer."""
+def run(
+    recording: Recording, driver_name: str, out: Path, progress: Progress = lambda *_: None
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Drive along; write frames/NAME.parquet and videos/NAME.mp4 into `out`; the drive's record and its timing."""
     driver = drivers.create(driver_name)
-    driver.reset(_setup(recording, driver))
-    own = OwnDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz)
-    recorded_errors, own_errors = Errors(), Errors()
-    camera = recording.camera
-    with (
-        _draft(out / f"{recording.name}.csv") as csv_path,
-        _draft(out / f"{recording.name}.mp4") as video_path,
-        csv_path.open("w", newline="") as table,
-        Writer(video_path, (camera.width_px, camera.height_px), recording.rate_hz) as video,
-    ):
-        rows = csv.writer(table)
-        rows.writerow(COLUMNS)
-        for k, frame in ((frame.index, frame.image) for frame in recording.frames() if frame.image is not None):
-            command = drivers.command_of(driver, _observation(recording, k, frame))
-            plan = drivers.trace_of(driver)
-            if plan is not None:
-                recorded_errors.add(plan.perception.expansion, recording.foe_px[k])
-            own_errors.add(own.update(grey(frame), _step_m(recording, k)), recording.foe_px[k])
-            rows.writerow(_row(recording, k, command, plan))
-            video.write(frame if plan is None else overlay.draw(frame, plan, camera))
-            progress(k + 1, len(recording))
-    return {
-        "name": recording.name,
-        "frames": len(recording),
-        "foe_median_error_px": recorded_errors.median(),
-        "foe_median_error_own_derotation_px": own_errors.median(),
-        "accuracy": None,  # KITTI's layout records no throttle and no steering
-        "derived": list(recording.derived),
-    }
+    if recording.no_images and drivers.sees(driver):
+        raise InputError(f"{recording.name}: {recording.no_images}")
+    asked = pilot(driver, _setup(recording, driver))
+    clock = Clock()
+    with ExitStack() as stack:
+        film = None
+        if not recording.no_images:
+            film = stack.enter_context(_filming(recording, out / VIDEOS / f"{recording.name}.mp4"))
+        rows = list(_rows(recording, asked, film, clock, progress))
+        table = FrameTable.of(rows)
+        frame_table.write(table, out / FRAMES / f"{recording.name}.parquet")
+    return _record(recording, driver_name, asked, table), clock.entry(recording)
 
 
 @contextmanager
-def _draft(path: Path) -> Iterator[Path]:
-    """Another name to write under: at the end the file gets its own, or is removed if anything went wrong."""
+def _filming(recording: Recording, path: Path) -> Iterator[Film]:
+    """Under another name until all is well: then the file gets its own."""
     draft = path.with_name(f"{path.stem}.draft{path.suffix}")
     try:
-        yield draft
+        with Film(draft, recording.camera, recording.rate_hz) as film:
+            yield film
         draft.replace(path)
     finally:
         draft.unlink(missing_ok=True)
 
 
+def _rows(
+    recording: Recording, asked: Pilot, film: Film | None, clock: Clock, progress: Progress
+) -> Iterator[FrameRow]:
+    parts = iter(segments(recording))
+    own = OwnDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz)
+    segment, number, moved_m = Segment(0, 0, (0.0, 0.0), 0.0), -1, 0.0
+    last = Decision(Command(0.0, 0.0))
+    for k, image in _images(recording, clock):
+        if k == segment.stop:
+            segment, number = next(parts), number + 1
+            asked.begin(segment)
+        moved_m += _step_m(recording, k)
+        row = _recorded(recording, k, number)
+        if image is not None:
+            began = thread_time()
+            decision = asked.decide(_observation(recording, k, image, segment), _interval(recording, k))
+            clock.driver_ms.append(1e3 * (thread_time() - began))
+            last = decision
+            row = row._replace(image=1.0, **_seen(decision, recording, k))
+            if image.size:
+                row = row._replace(**_own(own.update(grey(image), moved_m)))
+                moved_m = 0.0
+        row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
+        if film is not None:
+            film.write(image, last, row)
+        progress(k + 1, len(recording))
+        yield row
+
+
+def _images(recording: Recording, clock: Clock) -> Iterator[tuple[int, Image | None]]:
+    """Every frame with its number, None for a gap; frames without a picture where the recording has none at all."""
+    if recording.no_images:
+        yield from ((k, NO_IMAGE) for k in range(len(recording)))
+        return
+    frames = recording.frames()
+    for k in range(len(recording)):
+        began = thread_time()
+        frame = next(frames, None)
+        clock.reading_ms.append(1e3 * (thread_time() - began))
+        yield k, frame.image if frame is not None else None
+
+
 def _setup(recording: Recording, driver: Driver) -> DriverSetup:
-    """The goal is the last pose, the speed to keep that of the start, as in the paper."""
+    """The goal is that of the last segment, the speed to keep that of the start, as in the paper."""
     if driver.privileged == "world":
         raise InputError(f"{recording.name}: the driver asks for the world, a recording has none")
+    parts = segments(recording)
     return DriverSetup(
         camera=recording.camera,
         vehicle=VehicleModel(),
         rate_hz=recording.rate_hz,
-        speed_reference_mps=float(recording.speed_mps[0]),
-        goal_m=(float(recording.poses[-1, 0]), float(recording.poses[-1, 1])),
+        speed_reference_mps=parts[0].speed_mps,
+        goal_m=parts[-1].goal_m,
         seed=0,
-        route=_route(recording.poses) if driver.privileged == "route" else None,
+        route=route(recording.poses) if driver.privileged == "route" else None,
     )
 
 
-def _route(poses: Floats) -> Floats:
-    """(M, 2) m, 1 m apart, along the way that was driven and straight on."""
-    heading = poses[-1, 2]
-    beyond = poses[-1, :2] + BEYOND_M * np.array([np.cos(heading), np.sin(heading)])
-    points = np.vstack([poses[:, :2], beyond])
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    stations = np.arange(0.0, along[-1], 1.0)
-    return np.stack([np.interp(stations, along, points[:, i]) for i in range(2)], axis=1)
-
-
-def _observation(recording: Recording, k: int, frame: Image) -> Observation:
+def _observation(recording: Recording, k: int, image: Image, segment: Segment) -> Observation:
     x, y, yaw = (float(value) for value in recording.poses[k])
     return Observation(
-        image=frame,
+        image=image,
         time_s=float(recording.times_s[k]),
         x_m=x,
         y_m=y,
         yaw_rad=yaw,
         speed_mps=float(recording.speed_mps[k]),
         yaw_rate_radps=float(recording.yaw_rate_radps[k]),
-        goal_m=(float(recording.poses[-1, 0]), float(recording.poses[-1, 1])),
+        goal_m=segment.goal_m,
     )
+
+
+def _interval(recording: Recording, k: int) -> Interval:
+    """To the next frame; the last is taken to go on as the one before it."""
+    before, after = (k, k + 1) if k + 1 < len(recording) else (k - 1, k)
+    poses, times = recording.poses, recording.times_s
+    return Interval(poses[before], poses[after], float(times[after] - times[before]))
 
 
 def _step_m(recording: Recording, k: int) -> float:
     return 0.0 if k == 0 else float(np.hypot(*(recording.poses[k, :2] - recording.poses[k - 1, :2])))
 
 
-def _row(recording: Recording, k: int, command: Command, plan: Plan | None) -> list[Any]:
-    foe: tuple[Any, ...] = ("", "", "")
-    if plan is not None:
-        seen = plan.perception.expansion
-        foe = (f"{seen.x_px:.2f}", f"{seen.y_px:.2f}", f"{seen.confidence:.3f}")
-    motion = (f"{recording.times_s[k]:.3f}", f"{recording.speed_mps[k]:.3f}")
-    return [k, *motion, f"{command.throttle:.4f}", f"{command.steering:.4f}", *foe]
+def _recorded(recording: Recording, k: int, segment: int) -> FrameRow:
+    return FrameRow(
+        frame=k,
+        time_s=recording.times_s[k],
+        segment=segment,
+        image=0.0,
+        speed_mps=recording.speed_mps[k],
+        yaw_rate_radps=recording.yaw_rate_radps[k],
+        recorded_throttle=recording.throttle[k],
+        recorded_steering=np.clip(recording.steering_rad[k] / VehicleModel().steering_limit_rad, -1.0, 1.0),
+        obstacle_labelled=recording.obstacle[k],
+        lead_gap_m=recording.lead_gap_m[k],
+        true_foe_x_px=recording.foe_px[k, 0],
+        true_foe_y_px=recording.foe_px[k, 1],
+    )
+
+
+def _seen(decision: Decision, recording: Recording, k: int) -> dict[str, float]:
+    """The columns of what a driver shows of its perception."""
+    if decision.plan is None:
+        return {}
+    seen = decision.plan.perception
+    usable = seen.expansion.confidence > 0.0
+    return {
+        "road_found": nan if decision.road_found is None else float(decision.road_found),
+        "road_confidence": seen.road.confidence,
+        "obstacle_seen": float(is_in_the_way(seen)),
+        "bodies": len(seen.obstacles),
+        "foe_x_px": seen.expansion.x_px if usable else nan,
+        "foe_y_px": seen.expansion.y_px if usable else nan,
+        "foe_confidence": seen.expansion.confidence,
+        "ttc_s": lead_ttc_s(seen, recording.camera, float(recording.lead_gap_m[k])),
+    }
+
+
+def _own(motion: OwnMotion) -> dict[str, float]:
+    usable = motion.expansion.confidence > 0.0
+    return {
+        "own_foe_x_px": motion.expansion.x_px if usable else nan,
+        "own_foe_y_px": motion.expansion.y_px if usable else nan,
+        "flow_yaw_rate_radps": motion.yaw_rate_radps,
+        "speed_scale": motion.speed_scale,
+    }
+
+
+def _added(recording: Recording) -> str | None:
+    """What was added to the pictures that the camera did not see; such a drive stands in no recorded cell."""
+    origin = recording.origins.get("weather")
+    return origin.how if origin is not None and origin.kind != "recorded" else None
+
+
+def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTable) -> dict[str, Any]:
+    """All that is told of a drive; a function of the recording, the driver and the code."""
+    camera = recording.camera
+    labelled = bool(np.isfinite(recording.obstacle).any())
+    return {
+        "name": recording.name,
+        "driver": driver_name,
+        "layout": recording.layout,
+        "weather": recording.weather,
+        "added": _added(recording),
+        "frames": len(recording),
+        "gaps": int(np.count_nonzero(table.image == 0.0)),
+        "rate_hz": scores.rounded(recording.rate_hz),
+        "foe_median_error_px": scores.foe_error(table, "foe"),
+        "foe_median_error_own_derotation_px": scores.foe_error(table, "own_foe"),
+        "accuracy": scores.accuracies(table, recording.rate_hz),
+        "perception": scores.perception(table, recording),
+        "signal_checks": scores.signal_checks(recording),
+        "derived": list(recording.derived),
+        "origins": {name: {"kind": origin.kind, "how": origin.how} for name, origin in recording.origins.items()},
+        "obstacles_by": "label" if labelled else "own detection" if np.isfinite(table.obstacle_seen).any() else None,
+        "goal": goal_words(recording),
+        "protocol": asked.protocol,
+        "segments": int(table.segment[-1]) + 1,
+        "restarts": asked.restarts,
+        "camera": {
+            "width_px": camera.width_px,
+            "height_px": camera.height_px,
+            "focal_px": scores.rounded(camera.fx_px),
+            "height_m": scores.rounded(camera.height_m),
+        },
+        "notes": list(recording.notes),
+        "no_images": recording.no_images or None,
+    }

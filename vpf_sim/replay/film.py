@@ -1,0 +1,90 @@
+"""The film of a replayed drive: what the driver saw and wanted, and below it its commands beside the recorded ones."""
+
+from collections import deque
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from vpf_sim.replay.frame_table import FrameRow
+from vpf_sim.replay.pilot import Decision
+from vpf_sim.report import overlay
+from vpf_sim.report.canvas import Canvas
+from vpf_sim.report.signals import LINE, PAPER, PID, RULE, SOFT, write
+from vpf_sim.report.video import Writer
+from vpf_sim.types import Camera, Floats, Image
+
+STRIP_PX = 84  # height of the strip of commands
+SHOWN_S = 10.0
+FIELD = (32, 37, 44)
+LEAST = 0.25  # of an axis of commands, to both sides
+
+
+class Film:
+    """Writes one frame after the other, as an .mp4 that browsers play."""
+
+    def __init__(self, path: Path, camera: Camera, rate_hz: float) -> None:
+        self._camera = camera
+        self._size = (camera.width_px - camera.width_px % 2, camera.height_px + STRIP_PX)
+        self._past: deque[FrameRow] = deque(maxlen=max(2, round(SHOWN_S * rate_hz)))
+        self._blank: Image = np.full((camera.height_px, camera.width_px, 3), PAPER, np.uint8)
+        self._writer = Writer(path, self._size, rate_hz)
+
+    def write(self, image: Image | None, decision: Decision, row: FrameRow) -> None:
+        """A frame with what was made of it; a gap is an empty picture that says so."""
+        self._past.append(row)
+        if image is None:
+            picture = self._blank.copy()
+            self._say(picture, "no frame: the last prediction holds")
+        elif decision.plan is None:
+            picture = image.copy()
+        else:
+            picture = overlay.draw(image, decision.plan, self._camera)
+            if decision.road_found is False:
+                self._say(picture, "no road found: straight ahead assumed")
+        self._writer.write(np.vstack([picture, self._strip(picture.shape[1])]))
+
+    def _say(self, picture: Image, words: str) -> None:
+        canvas = Canvas(picture, self._camera)
+        canvas.text(words, 12 * canvas.unit, 64 * canvas.unit, size=0.42)
+
+    def _strip(self, width_px: int) -> Image:
+        """(STRIP_PX, width, 3) the last seconds of throttle and steering: predicted, and recorded where known."""
+        canvas = Canvas(np.full((STRIP_PX, width_px, 3), PAPER, np.uint8), Camera(width_px, STRIP_PX))
+        half = width_px // 2
+        for left, name in ((8, "throttle"), (half + 8, "steering")):
+            predicted = np.array([getattr(row, name) for row in self._past])
+            recorded = np.array([getattr(row, f"recorded_{name}") for row in self._past])
+            self._curves(canvas, (left, left + half - 16), predicted, recorded)
+            write(canvas, name, left, 15, SOFT, 0.4)
+            write(canvas, _reading(predicted[-1]), left + 74, 15, LINE, 0.4)
+            write(canvas, f"human {_reading(recorded[-1])}", left + 134, 15, PID, 0.4)
+        return canvas.frame
+
+    def _curves(self, canvas: Canvas, reach: tuple[int, int], predicted: Floats, recorded: Floats) -> None:
+        left, right = reach
+        top, bottom = 22, STRIP_PX - 6
+        canvas.fill([np.array([(left, top), (right, top), (right, bottom), (left, bottom)], float)], FIELD, 1.0)
+        middle = 0.5 * (top + bottom)
+        canvas.lines([np.array([(left, middle), (right, middle)], float)], RULE, 1)
+        both = np.concatenate([predicted, recorded])
+        most = max(LEAST, float(np.max(np.abs(both[np.isfinite(both)]), initial=0.0)))
+        x = right - (right - left) * np.arange(len(predicted))[::-1] / ((self._past.maxlen or 2) - 1)
+        for values, colour in ((recorded, PID), (predicted, LINE)):
+            there = np.isfinite(values)
+            y = middle - 0.5 * (bottom - top) * values / most
+            canvas.lines([np.stack([x, y], axis=1)[there]], colour, 1.5)
+        write(canvas, f"+-{most:.2f}", left + 3, top + 11, SOFT, 0.32)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._writer.close()
+
+
+def _reading(value: float) -> str:
+    return f"{round(float(value), 2) + 0.0:+.2f}" if np.isfinite(value) else "--"

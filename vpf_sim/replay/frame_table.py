@@ -1,0 +1,91 @@
+"""The frame table: what was recorded, predicted and seen at each frame of a replayed drive; scores are made from it."""
+
+from math import nan
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.types import Floats
+
+
+class FrameRow(NamedTuple):
+    """One frame. nan where something is unknown, 1 and 0 for yes and no; what is seen comes from the frame alone."""
+
+    frame: float
+    time_s: float
+    segment: float  # counted from 0
+    image: float  # 0: a gap, nothing was seen and the last prediction holds
+    speed_mps: float
+    yaw_rate_radps: float
+    recorded_throttle: float
+    recorded_steering: float  # road wheels / 40 deg, + is right
+    obstacle_labelled: float
+    lead_gap_m: float
+    throttle: float = nan  # predicted
+    steering: float = nan
+    road_found: float = nan
+    road_confidence: float = nan
+    obstacle_seen: float = nan  # a body that the driver believes to stand in the way
+    bodies: float = nan
+    foe_x_px: float = nan  # the recorded rotation removed; nan where it is not to be used
+    foe_y_px: float = nan
+    foe_confidence: float = nan
+    own_foe_x_px: float = nan  # told of no rotation
+    own_foe_y_px: float = nan
+    true_foe_x_px: float = nan
+    true_foe_y_px: float = nan
+    flow_yaw_rate_radps: float = nan  # from the flow alone
+    speed_scale: float = nan  # speed by the flow of the road ahead and the camera's height / recorded speed
+    ttc_s: float = nan  # to the body ahead where `lead_gap_m` has it; inf where its image does not grow
+
+
+class FrameTable:
+    """The rows as an array (N, columns); `table.steering` is the (N,) column so called."""
+
+    def __init__(self, rows: Floats) -> None:
+        self.rows = rows
+
+    @classmethod
+    def of(cls, rows: list[FrameRow]) -> "FrameTable":
+        return cls(np.array(rows, dtype=float).reshape(-1, len(FrameRow._fields)))
+
+    def __getattr__(self, name: str) -> Floats:
+        if name not in FrameRow._fields:
+            raise AttributeError(f"the frame table has no column '{name}'")
+        column: Floats = self.rows[:, FrameRow._fields.index(name)]
+        return column
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+def write(table: FrameTable, path: Path) -> None:
+    """A Parquet file, whole or not at all."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_suffix(".draft")
+    columns = pa.table([pa.array(column) for column in table.rows.T], names=list(FrameRow._fields))
+    try:
+        pq.write_table(columns, draft, compression="zstd")
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def read(path: Path) -> FrameTable:
+    """The table that `write` stored; InputError where there is none of this version's."""
+    import pyarrow.parquet as pq
+
+    try:
+        stored = pq.read_table(path)
+        columns = [stored[name].to_numpy() for name in FrameRow._fields]
+    except FileNotFoundError:
+        raise InputError(f"{path}: expected the frames of a replayed drive, found nothing") from None
+    except (OSError, ValueError, KeyError) as error:  # pyarrow's own are among them
+        reason = " ".join(str(error.args[0] if error.args else error).split())[:120]
+        raise InputError(f"{path}: expected a frame table of this version, got: {reason}") from None
+    return FrameTable(np.column_stack(columns))

@@ -1,0 +1,101 @@
+"""The vehicle that a driver steers in open loop: a bicycle that starts with the recording and then goes its own way.
+
+Nobody does what the driver says, so its steering, an integrator in the loop, would run into its limit. As in the paper
+("the initial speed for the vehicle model is set according to the information provided by the dataset") a model carries
+it out: it begins each segment at the recorded place and speed. It stays abreast of the camera: across the recorded path
+it moves as its steering says, over the distance that the recording covers; its speed is its own.
+"""
+
+from dataclasses import dataclass
+from math import atan, ceil, cos, sin, tan
+
+import numpy as np
+
+from vpf_sim.controllers.gtsmc import Gains, Gtsmc
+from vpf_sim.geometry import wrap_angle
+from vpf_sim.types import Command, Floats, Observation, Reference, VehicleModel
+
+LEAST_RATE_HZ = 60.0  # of the controller, the rate that it was designed for; cameras may be slower
+FURTHEST_M, FURTHEST_RAD = 3.5, 0.35  # from the recorded path, beyond which the picture is no longer the model's
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """What the recording does from one frame to the next: poses (3,) x, y, yaw at both, and its length."""
+
+    before: Floats
+    after: Floats
+    seconds: float
+
+
+class ModelVehicle:
+    """A kinematic bicycle (METHOD A16) and the controller that drives it, seen from the recorded path."""
+
+    def __init__(self, gains: Gains, vehicle: VehicleModel, rate_hz: float) -> None:
+        self._vehicle = vehicle
+        self._rate_hz = rate_hz * ceil(LEAST_RATE_HZ / rate_hz)
+        self._lateral = Gtsmc(gains, vehicle, self._rate_hz)
+        self._longitudinal = Gtsmc(gains, vehicle, self._rate_hz)
+        self.restart(0.0)
+
+    def restart(self, speed_mps: float) -> None:
+        """Back to the recorded place, at this speed; the wheels stay as they are."""
+        self.right_m = 0.0  # of the recorded place
+        self.turn_rad = 0.0  # its yaw minus the recorded
+        self.speed_mps = speed_mps
+
+    @property
+    def is_far(self) -> bool:
+        """Whether it has left the surroundings that the camera shows it from."""
+        return abs(self.right_m) > FURTHEST_M or abs(self.turn_rad) > FURTHEST_RAD
+
+    def pose(self, recorded: Floats) -> Floats:
+        """(3,) where it is while the recording is at a pose (3,)."""
+        x, y, yaw = recorded
+        place = np.array([x - self.right_m * sin(yaw), y + self.right_m * cos(yaw)])
+        return np.array([*place, wrap_angle(yaw + self.turn_rad)])
+
+    def drive(self, reference: Reference, at: Observation, interval: Interval) -> Command:
+        """Follow a reference, given for the observation `at`, until the next frame: the mean of the commands."""
+        count = max(1, round(interval.seconds * self._rate_hz))
+        step_s = interval.seconds / count
+        distance_m = float(np.hypot(*(interval.after - interval.before)[:2])) / count
+        turned_rad = wrap_angle(float(interval.after[2] - interval.before[2])) / count
+        commands = []
+        for i in range(count):
+            recorded_yaw = float(interval.before[2]) + i * turned_rad
+            wanted = _later(reference, i * step_s)
+            commands.append(self._command(wanted, at, recorded_yaw + self.turn_rad, distance_m / step_s))
+            self._move(commands[-1], distance_m, turned_rad, step_s)
+        throttle, steering = np.mean([(command.throttle, command.steering) for command in commands], axis=0)
+        return Command(float(throttle), float(steering))
+
+    def _command(self, wanted: Reference, at: Observation, yaw_rad: float, pace_mps: float) -> Command:
+        """Steering at the recording's pace, along which it moves; throttle at its own speed."""
+
+        def seen(speed_mps: float) -> Observation:
+            turn = speed_mps * sin(self._slip_rad()) / self._vehicle.l_r_m
+            return Observation(at.image, at.time_s, at.x_m, at.y_m, wrap_angle(yaw_rad), speed_mps, turn, at.goal_m)
+
+        steering = self._lateral.command(seen(pace_mps), wanted).steering
+        return Command(self._longitudinal.command(seen(self.speed_mps), wanted).throttle, steering)
+
+    def _slip_rad(self) -> float:
+        vehicle = self._vehicle
+        return atan(vehicle.l_r_m / vehicle.wheelbase_m * tan(self._lateral.steering_rad))
+
+    def _move(self, command: Command, distance_m: float, turned_rad: float, step_s: float) -> None:
+        slip, vehicle = self._slip_rad(), self._vehicle
+        own_turn = distance_m * sin(slip) / vehicle.l_r_m
+        self.right_m += distance_m * sin(self.turn_rad + slip + 0.5 * (own_turn - turned_rad))
+        self.turn_rad += own_turn - turned_rad
+        full = vehicle.full_throttle_mps2 if command.throttle > 0.0 else vehicle.full_brake_mps2
+        self.speed_mps = max(0.0, self.speed_mps + command.throttle * full * step_s)
+
+
+def _later(reference: Reference, seconds: float) -> Reference:
+    """The reference a while after its frame: its heading goes on at the rate it has."""
+    rate = reference.heading_rate_radps
+    if rate is None:
+        return reference
+    return Reference(wrap_angle(reference.heading_rad + rate * seconds), reference.speed_mps, rate)

@@ -1,0 +1,70 @@
+"""Bodies in the way, as the driver sees them, and the time to contact with the one that the lidar has."""
+
+from math import inf, nan
+
+import numpy as np
+
+from vpf_sim.geometry import project
+from vpf_sim.types import Bools, Camera, Floats, Perception
+
+REACH_M = 25.0  # of a body that counts, from the pose
+HALF_CORRIDOR_M = 2.0  # about the way along the lane
+LASTING_S = 1.0  # a part with obstacles shows one in half of the frames about it
+HALF_BODY_M, LOW_M, HIGH_M = 0.8, 0.3, 1.3  # of the body ahead: where its image is looked at
+LEAST_POINTS = 3
+
+
+def is_in_the_way(seen: Perception) -> bool:
+    """Whether a body is believed to stand in the corridor along the lane, at most REACH_M ahead."""
+    bodies, road = seen.obstacles, seen.road
+    way = bodies.forward_m * np.sin(road.heading_rad) + 0.5 * road.curvature_per_m * bodies.forward_m**2
+    beside = np.maximum(bodies.left_m - way, way - bodies.right_m)
+    return bool(np.any((bodies.forward_m > 0.0) & (bodies.forward_m < REACH_M) & (beside < HALF_CORRIDOR_M)))
+
+
+def lasting(seen: Floats, rate_hz: float) -> Floats:
+    """(N,) 1 where a body was seen in half of the frames of the LASTING_S about it, else 0; nan where nothing looks."""
+    if not np.isfinite(seen).any():
+        return np.full(len(seen), nan)
+    width = 2 * round(0.5 * LASTING_S * rate_hz) + 1
+    window = np.ones(min(width, 2 * len(seen) - 1))
+    known = np.isfinite(seen)
+    share = np.convolve(np.where(known, seen, 0.0), window, "same") / np.maximum(
+        np.convolve(known.astype(float), window, "same"), 1.0
+    )
+    return (share >= 0.5).astype(float)
+
+
+def lead_ttc_s(seen: Perception, camera: Camera, gap_m: float) -> float:
+    """s, the median over the points on a body `gap_m` straight ahead; nan where fewer than 3 are tracked on it."""
+    if not np.isfinite(gap_m):
+        return nan
+    ttc = seen.ttc_s[_on_body(seen.flow.points_px, camera, gap_m)]
+    ttc = ttc[~np.isnan(ttc)]
+    return float(np.median(ttc)) if len(ttc) >= LEAST_POINTS else nan
+
+
+def _on_body(points_px: Floats, camera: Camera, gap_m: float) -> Bools:
+    forward = camera.forward_m + gap_m
+    corners = np.array([(forward, -HALF_BODY_M, LOW_M), (forward, HALF_BODY_M, HIGH_M)])
+    (left, bottom), (right, top) = project(camera, corners)
+    x, y = points_px.T
+    inside: Bools = (x > left) & (x < right) & (y > top) & (y < bottom)
+    return inside
+
+
+def closing_mps(gap_m: Floats, times_s: Floats, window_s: float = 1.0) -> Floats:
+    """(N,) m/s at which a gap closes, by a straight line through the half second before and after; nan without one."""
+    result = np.full(len(gap_m), nan)
+    known = np.isfinite(gap_m)
+    for k in np.flatnonzero(known):
+        near = known & (np.abs(times_s - times_s[k]) <= 0.5 * window_s + 1e-9)
+        if np.count_nonzero(near) >= 4:
+            result[k] = -np.polyfit(times_s[near] - times_s[k], gap_m[near], 1)[0]
+    return result
+
+
+def true_ttc_s(gap_m: Floats, closing: Floats) -> Floats:
+    """(N,) s; inf where the gap does not close, nan where it is unknown."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(np.isfinite(closing), np.where(closing > 0.0, gap_m / closing, inf), nan)

@@ -1,0 +1,56 @@
+"""The lane that a recorded car drives in: what of the road a driver on someone else's recording can be held to.
+
+The driver's own road has four lanes with a verge and a preferred lane (`perception.road_edges`). A real road has other
+lanes, and the human has chosen one. Of what the camera finds, only where the lines lie beside the car is used: the lane
+nearest to the car is the one to keep to. Where no road is found, it is taken to lie straight ahead of the car.
+"""
+
+from dataclasses import replace
+from math import sin
+
+import numpy as np
+
+from vpf_sim.types import Floats, Obstacles, RoadEdges
+
+LEAST_CONFIDENCE = 0.3  # below which the road is not believed
+FASTEST_ACROSS_MPS = 1.5  # of a car in its lane or on its way to the next: more is a road that was mistaken
+
+
+def is_found(road: RoadEdges, speed_mps: float) -> bool:
+    """Whether these edges can be those of the road that the car drives on."""
+    return road.confidence >= LEAST_CONFIDENCE and abs(speed_mps * sin(road.heading_rad)) <= FASTEST_ACROSS_MPS
+
+
+def present_lane(road: RoadEdges, found: bool, lane_width_m: float, preferred_right_m: float) -> RoadEdges:
+    """Edges that put the preferred place into the middle of the lane nearest to the car; straight ahead if none is."""
+    width = road.right_m - road.left_m
+    if not found:
+        right = preferred_right_m
+        return replace(road, left_m=right - width, right_m=right, heading_rad=0.0, curvature_per_m=0.0, confidence=0.0)
+    place = road.right_m - preferred_right_m  # of the preferred lane's middle, right of the pose
+    middle = (place + 0.5 * lane_width_m) % lane_width_m - 0.5 * lane_width_m
+    right = middle + preferred_right_m
+    return replace(road, left_m=right - width, right_m=right)
+
+
+def seen_from(road: RoadEdges, right_m: float, turn_rad: float) -> RoadEdges:
+    """The edges from a vehicle `right_m` right of the pose and turned by `turn_rad`."""
+    return replace(
+        road,
+        left_m=road.left_m - right_m,
+        right_m=road.right_m - right_m,
+        heading_rad=road.heading_rad - turn_rad,
+    )
+
+
+def bodies_seen_from(bodies: Obstacles, right_m: float, turn_rad: float) -> Obstacles:
+    """The bodies from a vehicle `right_m` right of the pose and turned by `turn_rad`; their faces stay across."""
+
+    def turned(forward: Floats, right: Floats) -> tuple[Floats, Floats]:
+        cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
+        return cosine * forward + sine * right, cosine * right - sine * forward
+
+    middle = 0.5 * (bodies.left_m + bodies.right_m) - right_m
+    half = 0.5 * (bodies.right_m - bodies.left_m)
+    forward, across = turned(bodies.forward_m, middle)
+    return replace(bodies, forward_m=forward, left_m=across - half, right_m=across + half)

@@ -1,0 +1,172 @@
+"""How right a driver was on a recording: its commands beside the human's, and what it saw beside the truth."""
+
+from typing import Any
+
+import numpy as np
+
+from vpf_sim.evaluation.metrics.accuracy import Accuracy, accuracy
+from vpf_sim.replay.frame_table import FrameTable
+from vpf_sim.replay.obstacles_ahead import closing_mps, lasting, true_ttc_s
+from vpf_sim.replay.recording import Recording
+from vpf_sim.types import Bools, Floats
+
+PARTS = ("clear_of_obstacles", "with_obstacles")
+SIGNALS = ("throttle", "steering")
+LEAST_CLOSING_MPS = 0.5  # of a gap whose time to contact is compared
+STANDING_MPS = 0.3  # of the car and of the gap: nothing approaches
+ALARM_S = 4.0  # a time to contact that calls for the brake
+DIGITS = 6  # of stored scores
+
+
+def accuracies(table: FrameTable, rate_hz: float) -> dict[str, Any] | None:
+    """Of throttle and steering, whole and in parts with and without obstacles; None where neither is known.
+
+    Beside the driver's stands `idle`, the accuracy of touching nothing: what of it is the road's and not the driver's.
+    """
+    recorded = {"throttle": table.recorded_throttle, "steering": table.recorded_steering}
+    known = {name: np.isfinite(values) & np.isfinite(getattr(table, name)) for name, values in recorded.items()}
+    if not any(there.any() for there in known.values()):
+        return None
+    parts = part_masks(table, rate_hz)
+
+    def scores(mask: Bools | None, idle: bool) -> dict[str, Accuracy | None]:
+        return {
+            name: None if mask is None else _accuracy(table, name, recorded[name], known[name] & mask, idle)
+            for name in SIGNALS
+        }
+
+    whole = np.ones(len(table), np.bool_)
+    masks = {"whole": whole, **parts}
+    return {
+        **scores(whole, False),
+        **{part: scores(parts[part], False) for part in PARTS},
+        "frames": {name: None if mask is None else int(mask.sum()) for name, mask in masks.items()},
+        "idle": {**scores(whole, True), **{part: scores(parts[part], True) for part in PARTS}},
+    }
+
+
+def part_masks(table: FrameTable, rate_hz: float) -> dict[str, Bools | None]:
+    """Which frames are in which part: by the labels where there are any, or else by the driver's own detection."""
+    labelled = np.isfinite(table.obstacle_labelled).any()
+    flags = table.obstacle_labelled if labelled else lasting(table.obstacle_seen, rate_hz)
+    if not np.isfinite(flags).any():
+        return dict.fromkeys(PARTS)
+    return {PARTS[0]: flags == 0.0, PARTS[1]: flags == 1.0}
+
+
+def _accuracy(table: FrameTable, name: str, recorded: Floats, mask: Bools, idle: bool) -> Accuracy | None:
+    predicted = np.zeros(len(table)) if idle else getattr(table, name)
+    there = recorded[np.isfinite(recorded)]
+    span = float(np.ptp(there)) if len(there) else 0.0
+    scored = accuracy(predicted[mask], recorded[mask], span)
+    return scored and {key: rounded(value) for key, value in scored.items()}
+
+
+def perception(table: FrameTable, recording: Recording) -> dict[str, Any]:
+    """What the flow says of the own motion and of the body ahead, beside the truth where the recording has it."""
+    told_rate = recording.origins["yaw_rate_radps"].kind in ("recorded", "derived")
+    told_speed = recording.origins["speed_mps"].kind in ("recorded", "derived")
+    return {
+        "foe": foe(table),
+        "yaw_rate_median_error_radps": rounded(
+            _median(np.abs(table.flow_yaw_rate_radps - table.yaw_rate_radps)) if told_rate else None
+        ),
+        "speed_scale": _spread(table.speed_scale) if told_speed else None,
+        "ttc": time_to_contact(table),
+        "road_found_share": rounded(_mean(table.road_found)),
+    }
+
+
+def foe(table: FrameTable) -> dict[str, Any]:
+    """How often it was there, of the frames after the first that moved, and how far it spread: quartiles' range, px."""
+    looked = (table.image == 1.0) & (table.frame > 0.0) & (table.speed_mps > STANDING_MPS)
+    given = looked & np.isfinite(table.foe_x_px)
+    spread = {axis: _range(values[given]) for axis, values in (("x", table.foe_x_px), ("y", table.foe_y_px))}
+    return {
+        "share": rounded(float(given.sum() / looked.sum())) if looked.any() and table_sees(table) else None,
+        "interquartile_range_px": spread if given.any() else None,
+    }
+
+
+def table_sees(table: FrameTable) -> bool:
+    """Whether a driver told of a focus of expansion, wherever it was."""
+    return bool(np.isfinite(table.foe_confidence).any())
+
+
+def foe_error(table: FrameTable, which: str) -> dict[str, float] | None:
+    """px, medians of the absolute errors in x and y of `foe` or `own_foe`; None without a frame that has both."""
+    pairs = (("x", "true_foe_x_px"), ("y", "true_foe_y_px"))
+    errors = {axis: getattr(table, f"{which}_{axis}_px") - getattr(table, truth) for axis, truth in pairs}
+    medians = {axis: _median(np.abs(values)) for axis, values in errors.items()}
+    return (
+        None if None in medians.values() else {axis: round(float(value or 0.0), 3) for axis, value in medians.items()}
+    )
+
+
+def time_to_contact(table: FrameTable) -> dict[str, Any] | None:
+    """Against the gap to the body ahead; None where the recording has none.
+
+    median_error: |TTC - true| / true where the gap closes by more than 0.5 m/s, over the frames that have a TTC;
+    within_25_percent and seen: their shares. false_alarms: the share of frames with less than 4 s while both stand.
+    """
+    if not np.isfinite(table.lead_gap_m).any():
+        return None
+    closing = closing_mps(table.lead_gap_m, table.time_s)
+    true = true_ttc_s(table.lead_gap_m, closing)
+    near = (closing > LEAST_CLOSING_MPS) & (table.image == 1.0)
+    given = near & np.isfinite(table.ttc_s)
+    error = np.abs(table.ttc_s - true)[given] / true[given]
+    still = (np.abs(closing) < STANDING_MPS) & (table.speed_mps < STANDING_MPS) & (table.image == 1.0)
+    return {
+        "frames": int(near.sum()),
+        "seen": rounded(float(given.sum() / near.sum())) if near.any() else None,
+        "median_error": rounded(_median(error)),
+        "within_25_percent": rounded(float(np.mean(error <= 0.25))) if len(error) else None,
+        "standing_frames": int(still.sum()),
+        "false_alarms": rounded(float(np.mean(table.ttc_s[still] < ALARM_S))) if still.any() else None,
+    }
+
+
+def signal_checks(recording: Recording) -> dict[str, Any]:
+    """Whether signals that were measured apart agree, by physics: yaw rate = v tan(delta) / L, a wheelbase of 2.7 m.
+
+    gain is the slope through 0 of the yaw rate over v tan(delta) / L: 1 where ratio, wheelbase and signs are right
+    and the tyres do not slip; < 0 where a sign is wrong.
+    """
+    kinds = {name: recording.origins[name] for name in ("speed_mps", "yaw_rate_radps", "steering_rad", "throttle")}
+    result: dict[str, Any] = {"origins": {name: str(origin) for name, origin in kinds.items()}}
+    bent = recording.speed_mps * np.tan(recording.steering_rad) / WHEELBASE_M
+    known = np.isfinite(bent) & np.isfinite(recording.yaw_rate_radps)
+    if kinds["steering_rad"].kind != "recorded" or np.count_nonzero(known) < 3 or np.ptp(bent[known]) <= 0.0:
+        return {**result, "yaw_rate": None}
+    x, y = bent[known], recording.yaw_rate_radps[known]
+    correlation = float(np.corrcoef(x, y)[0, 1]) if np.ptp(y) > 0.0 else None
+    return {**result, "yaw_rate": {"gain": rounded(float(x @ y / (x @ x))), "correlation": rounded(correlation)}}
+
+
+WHEELBASE_M = 2.7
+
+
+def rounded(value: float | None) -> float | None:
+    """With DIGITS decimals; None for what is not finite."""
+    return None if value is None or not np.isfinite(value) else round(value, DIGITS) + 0.0
+
+
+def _median(values: Floats) -> float | None:
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if len(finite) else None
+
+
+def _mean(values: Floats) -> float | None:
+    finite = values[np.isfinite(values)]
+    return float(np.mean(finite)) if len(finite) else None
+
+
+def _range(values: Floats) -> float | None:
+    return rounded(float(np.subtract(*np.percentile(values, [75.0, 25.0])))) if len(values) else None
+
+
+def _spread(values: Floats) -> dict[str, float | None] | None:
+    """Median and quartiles' range."""
+    finite = values[np.isfinite(values)]
+    return {"median": rounded(_median(finite)), "interquartile_range": _range(finite)} if len(finite) else None
