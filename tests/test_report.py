@@ -126,7 +126,12 @@ def test_failures_are_named_marked_and_filmed(run: Path, written: Path) -> None:
     failed = [key for key, record in open_run(run).records.items() if record["status"] != "success"]
     assert 2 <= len(failed) < 8
     for name in failed:
-        assert f"<code>{name}</code>" in html
+        cell, _, seed = name.rpartition(".")
+        file, weather, driver = cell.split(".")
+        scenario = file.rpartition("-")[0]
+        told = rf'<th scope="row">{scenario}, {weather}, {driver}</th><td[^>]*>2 × collision with a barrier</td>'
+        assert re.search(rf"{told}<td[^>]*>3, 4</td>", html), name
+        assert seed in ("3", "4")
         assert f'title="{name}: collision with a barrier' in html
     (video,) = re.findall(r'<video [^>]*src="(data:video/mp4;base64,[^"]{1000,})"', html)
     assert len(video) < 3_000_000
@@ -209,7 +214,11 @@ def test_the_answer_says_who_arrived_and_what_the_paper_has() -> None:
         row("vpf", "town04", 4, 0.4283, paper=paper),
         row("vpf", "town04-clean", 5, 0.001),
     ]
-    first, second, third = answer.sentences(rows, ORDER)
+    first, second, third = answer.sentences("benchmark", rows, ORDER)
+    assert first.startswith("Not always: vpf, ")
+    assert answer.sentences("benchmark", [row("vpf", "town04", 5)], ORDER)[0].startswith("Yes: vpf, ")
+    assert answer.sentences("benchmark", [row("vpf", "town04", 0)], ORDER)[0].startswith("No: vpf, ")
+    assert answer.sentences("sweep", rows, ORDER)[0].startswith("vpf, "), "which driver arrives is no yes or no"
     assert first.endswith("9 of 10 episodes reached the goal; 4 of 5 on town04 in clear, all elsewhere.")
     assert second.endswith("5 of 10 episodes reached the goal; 0 of 5 on town04 in clear, all elsewhere.")
     assert third.startswith("Path MSE of vpf, m²: 0.428 (clear, with obstacles; paper 0.74).")

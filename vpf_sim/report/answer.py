@@ -18,15 +18,29 @@ def question(command: str, order: Order) -> str:
     return "Which driver arrives, and how well does each drive?"
 
 
-def sentences(rows: Sequence[Row], order: Order) -> list[str]:
-    """Who arrived, and how the first driver compares with the paper."""
-    return [*(_arrivals(driver, rows) for driver in order.drivers), *_against_paper(rows, order)]
+def sentences(command: str, rows: Sequence[Row], order: Order) -> list[str]:
+    """Yes or no where the question asks it, who arrived, and how the first driver compares with the paper."""
+    first, *others = (_arrivals(driver, rows) for driver in order.drivers)
+    asked = command == "benchmark" or not others
+    return [_verdict(order.drivers[0], rows) + first if asked else first, *others, *_against_paper(rows, order)]
+
+
+def _verdict(driver: str, rows: Sequence[Row]) -> str:
+    """The shortest answer to whether a driver arrives."""
+    arrived, planned = _counts(driver, rows)
+    return "Yes: " if arrived == planned else "Not always: " if arrived else "No: "
+
+
+def _counts(driver: str, rows: Sequence[Row]) -> tuple[int, int]:
+    """Episodes that reached the goal, and that were planned."""
+    own = [row for row in rows if row["driver"] == driver]
+    return sum(row["successes"] for row in own), sum(row["episodes"] for row in own)
 
 
 def _arrivals(driver: str, rows: Sequence[Row]) -> str:
     own = [row for row in rows if row["driver"] == driver]
-    arrived, planned = sum(row["successes"] for row in own), sum(row["episodes"] for row in own)
-    told = f" ({words})" if (words := _summary(driver)) else ""
+    arrived, planned = _counts(driver, rows)
+    told = f", {words}" if (words := _summary(driver)) else ""
     return f"{driver}{told}: {arrived} of {planned} episodes reached the goal{_where(own)}."
 
 

@@ -11,6 +11,7 @@ from markupsafe import Markup
 from vpf_sim.types import Floats
 
 LEFT, RIGHT, TOP, BOTTOM = 42.0, 10.0, 10.0, 32.0  # margins of a plot, px
+TICK = 30.0  # px between ticks of an upright axis, about
 POINTS = 260  # of a line, after thinning
 
 
@@ -81,7 +82,7 @@ class Plot:
             px = float(self.place(value, self.y.low)[0])
             self._rule(px, top, px, self.height - bottom)
             self.text(plain(value), px, self.height - bottom + 13.0, "tick", "middle")
-        for value in self.y.ticks or ticks(self.y.low, self.y.high, 4):
+        for value in self.y.ticks or ticks(self.y.low, self.y.high, max(4, int((self.height - top - bottom) / TICK))):
             py = float(self.place(self.x.low, value)[1])
             self._rule(left, py, self.width - right, py)
             self.text(plain(value), left - 5.0, py + 3.5, "tick", "end")

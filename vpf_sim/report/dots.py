@@ -50,13 +50,14 @@ def chart(dots: Sequence[Dot], marks: Sequence[Mark], label: str, ends: tuple[fl
     down = 0.0
     for scenario in heads:
         plot.text(scenario, 0.0, down + 14.0, "head")
-        top, down = down, down + HEAD
-        for _, driver in (row for row in rows if row[0] == scenario):
+        here = [driver for place, driver in rows if place == scenario]
+        for mark in (mark for mark in marks if mark.scenario == scenario):
+            _mark(plot, mark, down + 6.0, down + HEAD + ROW * len(here))
+        down += HEAD
+        for driver in here:
             plot.text(driver, NAMES - 8.0, down + 0.5 * ROW + 3.5, "label", "end")
             _row(plot, [dot for dot in dots if (dot.scenario, dot.driver) == (scenario, driver)], down + 0.5 * ROW)
             down += ROW
-        for mark in (mark for mark in marks if mark.scenario == scenario):
-            _mark(plot, mark, top + 6.0, down)
     return plot.svg(label)
 
 

@@ -8,14 +8,14 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from vpf_sim.errors import InputError
-from vpf_sim.report import answer, cells, clips, dots, figures, tables
+from vpf_sim.report import accuracy, answer, cells, clips, dots, failures, figures, success_map, tables
 from vpf_sim.report.cells import shown
 from vpf_sim.report.chart import legend_key
 from vpf_sim.report.clips import Clip
 from vpf_sim.report.stored_run import StoredRun
 from vpf_sim.report.subject import Subject
 
-MOST_LISTED = 40  # failures
+MOST_LISTED = 40  # ways of failing
 Tell = Callable[[str], None]
 
 
@@ -45,7 +45,7 @@ def _asked(subject: Subject) -> dict[str, Any]:
         "plan": subject.plan,
         "order": subject.order,
         "question": answer.question(subject.command, subject.order),
-        "answers": answer.sentences(subject.rows, subject.order),
+        "answers": answer.sentences(subject.command, subject.rows, subject.order),
         "driven": len(subject.records),
         "planned": len(subject.jobs),
         "folder": str(subject.run.path),
@@ -72,12 +72,16 @@ def _tables(subject: Subject) -> dict[str, Any]:
         "columns": cells.MAIN,
         "groups": cells.groups(rows, order),
         "has_paper": any(row.get("paper") for row in rows),
-        "map": list(tables.success_map(subject.jobs, subject.records, order)),
-        "signs": tables.signs(subject.jobs, subject.records),
-        "sign_of": tables.SIGNS,
+        "accuracies": [(name, accuracy.by_definition(rows, order, name)) for name in accuracy.SIGNALS],
+        "parts": accuracy.by_part(rows, order),
+        "map": list(success_map.rows(subject.jobs, subject.records, order)),
+        "signs": success_map.signs(subject.jobs, subject.records),
+        "sign_of": success_map.SIGNS,
         "weather_differences": tables.comparisons(compared, "weather", order),
         "driver_differences": tables.comparisons(compared, "driver", order),
-        "perception": tables.perception(rows, order),
+        "seeds_needed": tables.seeds_needed(rows, order),
+        "perception": tables.perception(rows, order, tables.PERCEPTION),
+        "objects": tables.perception(rows, order, tables.OBJECTS),
         "comfort": tables.comfort(records, order),
         "compute": tables.compute(subject.run.timing, records, order),
         "hosts": sorted({str(time["host"]) for time in subject.run.timing.values() if "host" in time}),
@@ -85,10 +89,10 @@ def _tables(subject: Subject) -> dict[str, Any]:
 
 
 def _failures(subject: Subject) -> dict[str, Any]:
-    failed = subject.failures()
+    found = failures.endings(subject.failures(), subject.run.reason)
     return {
-        "failures": [(record, subject.run.reason(record["id"])) for record in failed[:MOST_LISTED]],
-        "unlisted": max(0, len(failed) - MOST_LISTED),
+        "failures": [(ending, failures.ranges(ending.seeds)) for ending in found[:MOST_LISTED]],
+        "unlisted": sum(len(ending.seeds) for ending in found[MOST_LISTED:]),
     }
 
 

@@ -1,22 +1,24 @@
 """The tables beside the main one: what was perceived, how comfortable it was, what it cost, what differs by pairs."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.summary import WIDTHS
 from vpf_sim.report.cells import NONE, Order, Row, at, interval_of, interval_words, shown, worded
 from vpf_sim.report.stored_run import Record
 
-PERCEPTION = {  # key, label, digits, in percent
+Labels = dict[str, tuple[str, int, bool]]  # key: label, digits, in percent
+PERCEPTION: Labels = {
     "foe_median_error_px.distance": ("focus of expansion, median error, px", 2, False),
     "foe_share": ("frames with one, %", 0, True),
     "edge_error_10m_m.median": ("road edges 10 m ahead, median error, m", 3, False),
     "edge_error_10m_m.p95": ("road edges, p95, m", 3, False),
     "flow_median_error_px": ("flow, median error, px", 2, False),
     "ttc_median_error": ("time to contact, median error, %", 0, True),
+}
+OBJECTS: Labels = {
     "objects.first_confirmed_m": ("objects first confirmed at, m", 1, False),
     "objects.recall": ("objects in time, %", 0, True),
     "objects.precision": ("reports that are right, %", 1, True),
@@ -39,6 +41,7 @@ COMFORT = {  # nuPlan's names and bounds
     "yaw_acceleration_radps2": ("yaw acceleration", "±1.93 rad/s²"),
 }
 REAL_TIME_HZ = 60.0
+MOST_DIGITS = 7  # of a difference
 COMPARED = {
     "success_rate": ("success", 0, True),
     "path_mse_m2": ("path MSE, m²", 3, False),
@@ -66,23 +69,43 @@ class Table:
     names: int  # how many columns are names
 
 
-def perception(rows: Sequence[Row], order: Order) -> Table | None:
-    """What the drivers that show their plan saw, against the truth; a line a cell, successful episodes."""
-    seen = [row for row in sorted(rows, key=order.place) if at(_scored(row), "perception.foe_median_error_px")]
-    told = [key for key in PERCEPTION if any(at(_scored(row), f"perception.{key}") is not None for row in seen)]
-    lines = tuple((*_names(row), *(_perceived(row, key) for key in told)) for row in seen)
-    header = ("scenario", "weather", "driver", *(PERCEPTION[key][0] for key in told))
+def perception(rows: Sequence[Row], order: Order, labels: Labels) -> Table | None:
+    """What the drivers that show their plan saw, against the truth; a line a cell that has any of it."""
+    shown_plan = [row for row in sorted(rows, key=order.place) if _perceived(row, "foe_median_error_px")]
+    seen = [row for row in shown_plan if any(_perceived(row, key) is not None for key in labels)]
+    told = [key for key in labels if any(_perceived(row, key) is not None for row in seen)]
+    lines = tuple((*names(row), *(score(row, f"perception.{key}", *labels[key][1:]) for key in told)) for row in seen)
+    header = ("scenario", "weather", "driver", *(labels[key][0] for key in told))
     return Table(header, lines, 3) if lines else None
 
 
-def _perceived(row: Row, key: str) -> Value:
-    """Of a driver that never arrived the mean over all its episodes, in brackets."""
-    _, digits, percent = PERCEPTION[key]
-    value = at(_scored(row), f"perception.{key}")
+def _perceived(row: Row, key: str) -> Any:
+    return at(scored(row), f"perception.{key}")
+
+
+def score(row: Row, key: str, digits: int, percent: bool) -> Value:
+    """The mean of the successful episodes with its interval; where none was, that of the others, in brackets."""
+    value = at(scored(row), key)
     words = worded(value, digits, percent)
     if value is None or row["successes"]:
-        return Value(words, interval_words(interval_of(row, f"perception.{key}"), digits, percent), value)
+        return Value(words, interval_words(interval_of(row, key), digits, percent), value)
     return Value(f"({words})", value=value)
+
+
+def seeds_needed(rows: Sequence[Row], order: Order) -> Table | None:
+    """How many seeds would make the intervals of WIDTHS, a line a cell."""
+    told = [row for row in sorted(rows, key=order.place) if row.get("seeds_needed")]
+    lines = tuple((*names(row), Value(str(row["episodes"])), *_needed(row)) for row in told)
+    success = f"for success within {100.0 * WIDTHS['success_rate']:g} points"
+    path_mse = f"for path MSE within {WIDTHS['path_mse_m2']:g} m² (seeds that arrive)"
+    header = ("scenario", "weather", "driver", "seeds so far", success, path_mse)
+    return Table(header, lines, 3) if lines else None
+
+
+def _needed(row: Row) -> Iterator[Value]:
+    for key in ("success_rate", "path_mse_m2"):
+        count = row["seeds_needed"].get(key)
+        yield Value(NONE if count is None else str(count), value=count)
 
 
 def comfort(records: Sequence[Record], order: Order) -> Table | None:
@@ -161,11 +184,18 @@ def _difference(one: dict[str, Any], key: str) -> Value:
     if not told:
         return Value(NONE)
     value = float(told["difference"])
+    digits = _digits(value, digits, percent)
     sign = "+" if float(f"{100.0 * value if percent else value:.{digits}f}") > 0.0 else ""
     ends = told.get("interval")
     beside = [interval_words((ends[0], ends[1]), digits, percent)] if ends else []
     beside.append(f"p {_probability(told['p'])}, n {told['pairs']}")
     return Value(sign + worded(value, digits, percent), "\n".join(beside), value)
+
+
+def _digits(value: float, digits: int, percent: bool) -> int:
+    """More decimals for a difference that would read as none: a small one may well be sure."""
+    size = 100.0 * abs(value) if percent else abs(value)
+    return next((more for more in range(digits, MOST_DIGITS) if round(size, more) > 0.0 or size == 0.0), digits)
 
 
 def _probability(p: float) -> str:
@@ -179,56 +209,12 @@ def _inside(within: Sequence[bool | None]) -> Value:
     return Value(worded(sum(there) / len(there), 0, True) + " %", f"{sum(there)} of {len(there)}")
 
 
-def _names(row: Row) -> tuple[Value, Value, Value]:
+def names(row: Row) -> tuple[Value, Value, Value]:
+    """The cell, as the first columns of a table."""
     return Value(shown(row["scenario"])), Value(shown(row["weather"])), Value(row["driver"])
 
 
-def _scored(row: Row) -> Row:
-    scored: Row = row if row["successes"] else row.get("unsuccessful") or {}
-    return scored
-
-
-@dataclass(frozen=True, slots=True)
-class MapRow:
-    """Of the success map: how each seed ended."""
-
-    scenario: str
-    weather: str
-    driver: str
-    style: str
-    cells: tuple[tuple[int, str, str], ...]  # seed, status, title
-
-
-SIGNS = {
-    "success": "✓",
-    "collision": "✕",
-    "off_road": "⇲",
-    "timeout": "◷",
-    "stuck": "■",
-    "invalid_frame": "▦",
-    "error": "!",
-    "missing": "·",
-}
-
-
-def signs(jobs: Sequence[Job], records: Mapping[str, Record]) -> list[tuple[str, str, int]]:
-    """(status, sign, how often) of what is on the success map."""
-    counts = Counter(records[job.id]["status"] if job.id in records else "missing" for job in jobs)
-    return [(status, sign, counts[status]) for status, sign in SIGNS.items() if status in counts]
-
-
-def success_map(jobs: Sequence[Job], records: Mapping[str, Record], order: Order) -> Iterator[MapRow]:
-    """A row a cell and driver, a mark a planned seed."""
-    cells: dict[tuple[str, str, str], list[tuple[int, str, str]]] = {}
-    for job in jobs:
-        record = records.get(job.id)
-        status = record["status"] if record else "missing"
-        hit = f" with a {record['collided_with']}" if record and record.get("collided_with") else ""
-        came = f", {100.0 * record['route_completion']:.0f} % of the way" if record else ""
-        title = f"{job.id}: {status.replace('_', ' ')}{hit}{came}"
-        cells.setdefault((job.scenario, job.weather, job.driver), []).append((job.seed, status, title))
-    for scenario, weather in order.cells():
-        for driver in order.drivers:
-            found = cells.get((scenario, weather, driver))
-            if found:
-                yield MapRow(shown(scenario), shown(weather), driver, order.style(driver), tuple(sorted(found)))
+def scored(row: Row) -> Row:
+    """Where a row's scores stand: the successful episodes', or the others' where none was."""
+    found: Row = row if row["successes"] else row.get("unsuccessful") or {}
+    return found
