@@ -143,6 +143,60 @@ def test_a_standing_car_knows_no_focus() -> None:
         assert (found.x_px, found.y_px, found.confidence) == (CAMERA.cx_px, CAMERA.cy_px, 0.0)
 
 
+def stuck_to_the_glass(flow: Flow, count: int) -> Flow:
+    """The flow with `count` points more that do not move at all."""
+    spots = stream(3, "glass").uniform([0.0, 0.0], [640.0, 480.0], (count, 2))
+    more = {
+        "points_px": spots, "displacement_px": np.zeros((count, 2)), "gap_s": np.full(count, 0.1),
+        "past_pose": np.tile(flow.past_pose[0], (count, 1)), "identity": 1000 + np.arange(count), "first_px": spots,
+        "first_pose": np.tile(flow.past_pose[0], (count, 1)), "age_frames": np.full(count, 6),
+        "structure": np.tile(100.0 * np.eye(2), (count, 1, 1)), "stuck": np.ones(count, np.bool_),
+    }  # fmt: skip
+    fields = {name: np.concatenate([getattr(flow, name), values]) for name, values in more.items()}
+    return Flow(pose=flow.pose, **fields)
+
+
+def test_points_on_the_glass_leave_the_focus_in_place_and_take_confidence() -> None:
+    clean, config = flow_on_circle(1e9, 0.1), ExpansionConfig()
+    seen = estimate(clean, CAMERA, config, stream(0, "foe"))
+    wet = estimate(stuck_to_the_glass(clean, 300), CAMERA, config, stream(0, "foe"))
+    assert (wet.x_px, wet.y_px) == pytest.approx((seen.x_px, seen.y_px))
+    assert wet.confidence == pytest.approx(0.5 * seen.confidence, rel=0.1)
+    assert not wet.inliers[300:].any()
+
+
+def test_without_motion_the_last_focus_is_held_and_less_and_less_sure() -> None:
+    flow, config = flow_on_circle(100.0, 0.1), ExpansionConfig()
+    seen = estimate(flow, CAMERA, config, stream(0, "foe"))
+    still = Flow(*(np.zeros((300, 2)) if name == "displacement_px" else getattr(flow, name) for name in Flow.__slots__))
+    still = Flow(*(still.pose[None].repeat(300, 0) if n == "past_pose" else getattr(still, n) for n in Flow.__slots__))
+    held = estimate(still, CAMERA, config, stream(0, "foe"), seen)
+    later = estimate(still, CAMERA, config, stream(0, "foe"), held)
+    assert (held.x_px, held.y_px, held.confidence) == (seen.x_px, seen.y_px, 0.0)
+    assert later.covariance_px2[0, 0] > held.covariance_px2[0, 0] > seen.covariance_px2[0, 0]
+
+
+def test_the_last_focus_helps_where_the_flow_is_poor() -> None:
+    config, errors = ExpansionConfig(), []
+    last = estimate(flow_on_circle(1e9, 0.02), CAMERA, config, stream(0, "foe"))
+    flow = flow_on_circle(1e9, 0.5, 0.4)
+    for before in (None, last):
+        found = [estimate(flow, CAMERA, config, stream(k, "foe"), before) for k in range(5)]
+        errors.append(np.median([abs(one.x_px - CAMERA.cx_px) for one in found]))
+    assert errors[1] < errors[0]
+
+
+def test_the_covariance_says_how_large_the_errors_are() -> None:
+    """95 % of the errors of normal noise, with outliers or without, within 2.5 standard deviations."""
+    within = []
+    for k in range(60):
+        share = 0.4 * (k % 2)
+        found = estimate(flow_on_circle(1e9 + k, 0.1, share), CAMERA, ExpansionConfig(), stream(k, "foe"))
+        error = np.array([found.x_px - CAMERA.cx_px, found.y_px - CAMERA.cy_px])
+        within.append(np.all(np.abs(error) < 2.5 * np.sqrt(np.diag(found.covariance_px2))))
+    assert np.mean(within) > 0.9
+
+
 def test_the_same_stream_gives_the_same_focus() -> None:
     flow = flow_on_circle(80.0, 0.2, 0.3)
     first, second = (estimate(flow, CAMERA, ExpansionConfig(), stream(7, "foe")) for _ in range(2))

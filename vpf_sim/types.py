@@ -119,6 +119,11 @@ class Flow:
     first_pose: Floats  # (N, 3) of the vehicle then
     age_frames: NDArray[np.int64]  # (N,) frames since then
     structure: Floats  # (N, 2, 2) mean structure tensor of the window about the point, grey levels^2 / px^2
+    stuck: Bools = field(default_factory=lambda: np.empty(0, np.bool_))  # (N,) on the glass; left out, none is
+
+    def __post_init__(self) -> None:
+        if len(self.stuck) != len(self.points_px):
+            object.__setattr__(self, "stuck", np.zeros(len(self.points_px), np.bool_))
 
     def __len__(self) -> int:
         return len(self.points_px)

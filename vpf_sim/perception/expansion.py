@@ -1,23 +1,16 @@
 """The focus of expansion (FOE): the image of the direction in which the camera moves (paper, section III-A)."""
 
 from dataclasses import dataclass
-from math import sqrt
-from typing import Any, Literal
+from math import inf, sqrt
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vpf_sim.geometry import rotation_flow
-from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow
+from vpf_sim.perception.focus_fit import Prior, fit
+from vpf_sim.types import Camera, Expansion, Floats, Flow
 
-Reals = NDArray[np.floating[Any]]
-
-HYPOTHESES = 96
-FINALISTS = 16  # of them, that all voters judge
-SAMPLE = 128  # points that vote in RANSAC
-ITERATIONS = 6  # of the reweighting, at most
-SETTLED_PX = 0.05  # a step of the reweighting after which another is not worth while
-LEAST = 8  # moving points without which there is no FOE
+SHARP_RAD = 0.016  # standard deviation of the FOE's direction at which it is half as useful as an exact one
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +20,18 @@ class ExpansionConfig:
     tolerance_ratio: float = 0.03  # this share of its length; over n chained steps it grows with sqrt(n)
     min_flow_px: float = 1.7  # shorter motions do not vote: the far road creeps towards the pixel grid
     rotation_sd_radps: tuple[float, float, float] = (0.03, 0.001, 0.03)  # usual unmeasured pitch, yaw and roll rate
+    # How far a vehicle usually moves off the direction straight ahead, given its camera's pitch: to the side, up or
+    # down. inf, inf: nothing is known of where the camera looks.
+    direction_sd_rad: tuple[float, float] = (0.09, 0.005)
+    drift_sd_rad: float = 0.013  # change of that direction within a second, as a random walk
 
     def __post_init__(self) -> None:
         if self.method not in ("as_printed", "least_squares", "robust"):
             raise ValueError(f"method: expected as_printed, least_squares or robust, got '{self.method}'")
         if min(self.tolerance_px, self.tolerance_ratio, self.min_flow_px) <= 0.0:
             raise ValueError("tolerance_px, tolerance_ratio, min_flow_px: expected > 0")
+        if min(*self.direction_sd_rad, self.drift_sd_rad) <= 0.0:
+            raise ValueError("direction_sd_rad, drift_sd_rad: expected > 0")
 
 
 def lines(points_px: Floats, flow_px: Floats) -> tuple[Floats, Floats]:
@@ -87,173 +86,92 @@ def chord_shift(flow: Flow, camera: Camera) -> Floats:
     return shift
 
 
-def _across(points_px: Reals, flow_px: Reals, foe_px: Reals) -> Reals:
-    """(H, N) px, flow across the direction away from each of the FOEs (H, 2); inf where it points inward."""
-    x, y = points_px[:, 0] - foe_px[:, :1], points_px[:, 1] - foe_px[:, 1:]
-    u, v = np.ascontiguousarray(flow_px.T)
-    across: Reals = np.abs(u * y - v * x) / (np.sqrt(x * x + y * y) + 1e-9)
-    across[u * x + v * y <= 0.0] = np.inf
-    return across
+def estimate(
+    flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random.Generator, before: Expansion | None = None
+) -> Expansion:
+    """The FOE of one frame; `before` is that of the frame before, which the robust method goes on from.
 
-
-def _ransac(points_px: Floats, flow_px: Floats, tolerance_px: Floats, rng: np.random.Generator) -> Floats | None:
-    """(2,) px, the intersection of two flow lines that most points agree with; all hypotheses at once."""
-    if len(points_px) > SAMPLE:
-        chosen = rng.choice(len(points_px), SAMPLE, replace=False)
-        points_px, flow_px, tolerance_px = points_px[chosen], flow_px[chosen], tolerance_px[chosen]
-    a, b = lines(points_px, flow_px)
-    first, second = rng.integers(0, len(a), (2, HYPOTHESES))
-    determinant = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
-    length = np.hypot(a[:, 0], a[:, 1])
-    parallel = np.abs(determinant) < 0.05 * length[first] * length[second] + 1e-12
-    determinant = np.where(parallel, 1.0, determinant)
-    x = (b[first] * a[second, 1] - b[second] * a[first, 1]) / determinant
-    y = (a[first, 0] * b[second] - a[second, 0] * b[first]) / determinant
-    foes = np.stack([x, y], axis=1)[~parallel]
-    if not len(foes):
-        return None
-    # Exact enough to count votes; a quarter of the points tells which hypotheses all of them should judge.
-    p, v, tolerance = (values.astype(np.float32) for values in (points_px, flow_px, tolerance_px))
-    for part, left in ((slice(None, None, 4), FINALISTS), (slice(None), 1)):
-        votes = np.maximum(1.0 - _across(p[part], v[part], foes.astype(np.float32)) / tolerance[part], 0.0).sum(axis=1)
-        foes = foes[np.argsort(-votes, kind="stable")[:left]]
-    best: Floats = foes[0]
-    return best
-
-
-def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
-    """(N, 2, 3) px per rad/s: motion of the image under a slow turn about the camera's x, y and z axes in each window.
-
-    To first order and up to sign (Longuet-Higgins and Prazdny 1980); the turns it measures are small and unknown.
+    Without enough motion it is the last one with a covariance that grows, or the point straight ahead, and its
+    confidence is 0. The confidence of the robust FOE is the share of moving points that agree, less where the
+    covariance is large; points that are stuck to the glass count among those that do not agree.
     """
-    x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
-    y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
-    motion = np.empty((len(x), 2, 3))
-    motion[:, 0, 0], motion[:, 0, 1], motion[:, 0, 2] = x * y, 1.0 + x * x, -y
-    motion[:, 1, 0], motion[:, 1, 1], motion[:, 1, 2] = 1.0 + y * y, x * y, x
-    motion *= np.array([[camera.fx_px], [camera.fy_px]])
-    motion *= gap_s[:, None, None]
-    return motion
-
-
-@dataclass(frozen=True, slots=True)
-class Fit:
-    foe_px: Floats  # (2,)
-    covariance_px2: Floats  # (2, 2)
-    inliers: Bools  # (N,)
-
-
-def robust(
-    points_px: Floats,
-    flow_px: Floats,
-    gap_s: Floats,
-    steps: Floats,
-    camera: Camera,
-    config: ExpansionConfig,
-    rng: np.random.Generator,
-) -> Fit | None:
-    """The FOE of a derotated flow by RANSAC and then reweighted least squares; None where the flow fixes none.
-
-    A row of A x = b has the noise of the flow times the distance from the FOE, so rows weigh by its inverse, and by
-    Tukey's biweight of the flow across the radial direction. Pitch, roll and what the yaw rate's sensor misses turn
-    the picture too; these rates are fitted along, held near zero by their usual size. `steps` (N,) is the number of
-    frames that each displacement was chained over.
-    """
-    length = np.hypot(flow_px[:, 0], flow_px[:, 1])
-    tolerance = np.sqrt(steps) * (config.tolerance_px + config.tolerance_ratio * length / steps)
-    usable = length > config.min_flow_px
-    p, v, limit = points_px[usable], flow_px[usable], tolerance[usable]
-    if len(p) < LEAST:
-        return None
-    start = _ransac(p, v, limit, rng)
-    if start is None:
-        return None
-    turn = _tilt_flow(camera, p, gap_s[usable])
-    fitted = _reweighted(p, v, limit, turn, start, config)
-    if fitted is None:
-        return None
-    state, covariance = fitted
-    inliers = np.zeros(len(usable), np.bool_)
-    inliers[usable] = _across(p, v - turn @ state[2:], state[None, :2])[0] < limit
-    return Fit(state[:2], covariance, inliers)
-
-
-def _reweighted(
-    points_px: Floats, flow_px: Floats, limit_px: Floats, turn: Floats, start_px: Floats, config: ExpansionConfig
-) -> tuple[Floats, Floats] | None:
-    """(5,) FOE px and pitch, yaw and roll rates rad/s, and the FOE's (2, 2) covariance px^2; None if it has none."""
-    prior = np.array([0.0, 0.0, *(1.0 / max(sd, 1e-9) ** 2 for sd in config.rotation_sd_radps)])
-    state = np.array([*start_px, 0.0, 0.0, 0.0])
-    for _ in range(ITERATIONS):
-        weight, slope, across = _linearise(points_px, flow_px - turn @ state[2:], turn, state[:2], limit_px)
-        weighted = (slope * weight[:, None]).T
-        normal = weighted @ slope
-        determinant = normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2
-        if np.count_nonzero(weight) < LEAST or determinant < 1e-12:
-            return None
-        normal.flat[::6] += prior
-        step = np.linalg.solve(normal, weighted @ across + prior * state)
-        state = state - step
-        if abs(step[0]) + abs(step[1]) < SETTLED_PX:
-            break
-    return state, np.asarray(np.linalg.inv(normal)[:2, :2], np.float64)
-
-
-def _linearise(
-    points_px: Floats, flow_px: Floats, turn: Floats, foe_px: Floats, limit_px: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Weights (N,), slopes (N, 5) and values (N,) px of the flow across the radial direction, at a FOE and rates."""
-    x, y = points_px[:, 0] - foe_px[0], points_px[:, 1] - foe_px[1]
-    u, v = flow_px[:, 0], flow_px[:, 1]
-    nearness = 1.0 / (np.sqrt(x * x + y * y) + 5.0)
-    x, y = x * nearness, y * nearness
-    across = u * y - v * x
-    # The tolerance is some three standard deviations of the flow.
-    size = across / limit_px
-    size *= size
-    weight = np.maximum(1.0 - 0.25 * size, 0.0) * (3.0 / limit_px)
-    weight *= weight
-    weight[u * x + v * y <= 0.0] = 0.0
-    slope = np.empty((len(across), 5))
-    slope[:, 0], slope[:, 1] = v * nearness, -u * nearness
-    slope[:, 2:] = turn[:, 1] * x[:, None] - turn[:, 0] * y[:, None]
-    return weight, slope, across
-
-
-def estimate(flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random.Generator) -> Expansion:
-    """The FOE of one frame. Without enough motion it is the principal point, with confidence 0."""
     moving = np.hypot(flow.displacement_px[:, 0], flow.displacement_px[:, 1]) > 1e-9
+    if config.method == "robust":
+        return _robust(flow, camera, config, rng, before)
     if np.count_nonzero(moving) < 2:
         return _unknown(camera, len(flow))
-    if config.method != "robust":
-        solve = least_squares if config.method == "least_squares" else as_printed
-        x, y = solve(flow.points_px[moving], flow.displacement_px[moving])
-        if not (np.isfinite(x) and np.isfinite(y)):
-            return _unknown(camera, len(flow))
-        return Expansion(float(x), float(y), np.full((2, 2), np.nan), moving, 1.0)
-    derotated = derotate(flow, camera)
-    shift = chord_shift(flow, camera)
-    # Moving a line by the shift moves its intersection with the others from the chord's image to the present FOE.
-    points = flow.points_px.copy()
-    points[:, 0] += shift
-    fit = robust(points, derotated, flow.gap_s, _steps(flow), camera, config, rng)
-    if fit is None:
+    solve = least_squares if config.method == "least_squares" else as_printed
+    x, y = solve(flow.points_px[moving], flow.displacement_px[moving])
+    if not (np.isfinite(x) and np.isfinite(y)):
         return _unknown(camera, len(flow))
-    voters = int(np.count_nonzero(np.hypot(derotated[:, 0], derotated[:, 1]) > config.min_flow_px))
-    share = float(np.count_nonzero(fit.inliers)) / max(1, voters)
-    sharp = 1.0 / (1.0 + sqrt(fit.covariance_px2[0, 0] + fit.covariance_px2[1, 1]) / 5.0)
-    x, y = (float(value) for value in fit.foe_px)
-    return Expansion(x, y, fit.covariance_px2, fit.inliers, min(1.0, share * sharp))
+    return Expansion(float(x), float(y), np.full((2, 2), np.nan), moving, 1.0)
 
 
-def _steps(flow: Flow) -> Floats:
-    """(N,) frames that each window was chained over: the youngest points are no older than their windows."""
+def _robust(
+    flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random.Generator, before: Expansion | None
+) -> Expansion:
+    rate_hz = _rate_hz(flow)
+    if rate_hz == inf:
+        return _held(before, camera, config, rate_hz, len(flow))
+    derotated = derotate(flow, camera)
+    points = flow.points_px.copy()
+    # Moving a line by the shift moves its intersection with the others from the chord's image to the present FOE.
+    points[:, 0] += chord_shift(flow, camera)
+    steps = np.maximum(flow.gap_s * rate_hz, 1.0)
+    length = np.hypot(derotated[:, 0], derotated[:, 1])
+    voters = np.flatnonzero((length > config.min_flow_px) & ~flow.stuck)
+    tolerance = np.sqrt(steps) * (config.tolerance_px + config.tolerance_ratio * length / steps)
+    prior = _prior(camera, config, before, rate_hz)
+    found = fit(points[voters], derotated[voters], flow.gap_s[voters], tolerance[voters], camera, prior, rng)
+    if found is None:
+        return _held(before, camera, config, rate_hz, len(flow))
+    inliers = np.zeros(len(flow), np.bool_)
+    inliers[voters] = found.inliers
+    share = float(np.count_nonzero(found.inliers)) / (len(voters) + np.count_nonzero(flow.stuck))
+    spread_rad = sqrt(found.covariance_px2[0, 0] + found.covariance_px2[1, 1]) / camera.fx_px
+    x, y = (float(value) for value in found.foe_px)
+    return Expansion(x, y, found.covariance_px2, inliers, min(1.0, share / (1.0 + spread_rad / SHARP_RAD)))
+
+
+def _prior(camera: Camera, config: ExpansionConfig, before: Expansion | None, rate_hz: float) -> Prior:
+    """The usual direction and rates of a vehicle, and where the FOE was a frame ago."""
+    ahead = _straight_ahead(camera)
+    information = np.zeros((5, 5))
+    sides = np.array(config.direction_sd_rad) * [camera.fx_px, camera.fy_px]
+    information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in config.rotation_sd_radps)]
+    if before is None or not np.all(np.isfinite(before.covariance_px2)):
+        return Prior(np.array([*ahead, 0.0, 0.0, 0.0]), information, None)
+    known = np.linalg.inv(_drifted(before.covariance_px2, camera, config, rate_hz))
+    last = np.array([before.x_px, before.y_px])
+    pull = information[:2, :2] @ ahead + known @ last
+    information[:2, :2] += known
+    return Prior(np.array([*np.linalg.solve(information[:2, :2], pull), 0.0, 0.0, 0.0]), information, last)
+
+
+def _drifted(covariance_px2: Floats, camera: Camera, config: ExpansionConfig, rate_hz: float) -> Floats:
+    """(2, 2) px^2, a frame later."""
+    later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * np.eye(2)
+    return later
+
+
+def _rate_hz(flow: Flow) -> float:
+    """Frames a second: the youngest points are no older than their windows. inf without a point that was followed."""
     young = flow.gap_s > 0.0
-    rate_hz = np.min(flow.age_frames[young] / flow.gap_s[young], initial=np.inf)
-    steps: Floats = np.maximum(flow.gap_s * rate_hz, 1.0)
-    return steps
+    return float(np.min(flow.age_frames[young] / flow.gap_s[young], initial=inf))
+
+
+def _straight_ahead(camera: Camera) -> Floats:
+    """(2,) px, the horizon above the car's own way."""
+    return np.array([camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)])
+
+
+def _held(before: Expansion | None, camera: Camera, config: ExpansionConfig, rate_hz: float, count: int) -> Expansion:
+    if before is None:
+        return _unknown(camera, count)
+    covariance = _drifted(before.covariance_px2, camera, config, rate_hz)
+    return Expansion(before.x_px, before.y_px, covariance, np.zeros(count, np.bool_), 0.0)
 
 
 def _unknown(camera: Camera, count: int) -> Expansion:
-    horizon = camera.cy_px - camera.fy_px * float(np.tan(camera.pitch_rad))
-    return Expansion(camera.cx_px, horizon, np.full((2, 2), np.inf), np.zeros(count, np.bool_), 0.0)
+    x, y = (float(value) for value in _straight_ahead(camera))
+    return Expansion(x, y, np.full((2, 2), np.inf), np.zeros(count, np.bool_), 0.0)

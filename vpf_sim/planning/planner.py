@@ -11,7 +11,7 @@ from vpf_sim.planning.gradient_line import GradientLine
 from vpf_sim.planning.valley import Valley
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
-from vpf_sim.types import DriverSetup, Flow, Observation, Obstacles, Perception, Plan, RoadEdges
+from vpf_sim.types import DriverSetup, Expansion, Flow, Observation, Obstacles, Perception, Plan, RoadEdges
 
 
 class Planner:
@@ -26,6 +26,7 @@ class Planner:
         self._landmarks = LandmarkTracker(camera, variant.landmarks, rate_hz) if variant.landmarks else None
         self._movers = MoverTracker(camera, variant.movers, rate_hz) if variant.movers else None
         self._random = stream(setup.seed, "focus of expansion")
+        self._foe: Expansion | None = None
         self._bodies = _nothing()
         self._way = _way(setup, variant)
 
@@ -38,7 +39,8 @@ class Planner:
         image = grey(observation.image)
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         flow = self._flow.update(image, pose)
-        foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random)
+        foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe)
+        self._foe = foe
         obstacle_map = obstacles.detect(flow, self._camera, self._variant.obstacle_map)
         labels = obstacles.cluster_labels(obstacle_map, flow)
         ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels)

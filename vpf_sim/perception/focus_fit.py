@@ -1,0 +1,184 @@
+"""The fit of the focus of expansion to derotated flow: RANSAC where it is needed, then reweighted least squares."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.types import Bools, Camera, Floats
+
+Reals = NDArray[np.floating[Any]]
+
+HYPOTHESES = 96
+FINALISTS = 16  # of them, that all voters judge
+SAMPLE = 128  # points that vote in RANSAC
+ITERATIONS = 6  # of the reweighting, at most
+SETTLED_PX = 0.05  # a step of the reweighting after which another is not worth while
+LEAST = 8  # moving points without which there is no FOE
+MOST = 0.55  # share of the votes with which an expected FOE stands without a search: no other can have as many
+NEAR_PX = 5.0  # from the FOE the radial direction is not known well
+BIWEIGHT = 1.3  # what Tukey's biweight takes from the mean square of normal errors, within 3 sd
+
+
+@dataclass(frozen=True, slots=True)
+class Prior:
+    """What is known before the flow is looked at, of the state: FOE px, and pitch, yaw and roll rate rad/s."""
+
+    state: Floats  # (5,)
+    information: Floats  # (5, 5) inverse of the covariance; 0 where nothing is known
+    expected_px: Floats | None  # (2,) where the FOE was a moment ago
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    foe_px: Floats  # (2,)
+    covariance_px2: Floats  # (2, 2)
+    inliers: Bools  # (N,)
+
+
+def fit(
+    points_px: Floats,
+    flow_px: Floats,
+    gap_s: Floats,
+    tolerance_px: Floats,
+    camera: Camera,
+    prior: Prior,
+    rng: np.random.Generator,
+) -> Fit | None:
+    """The FOE of N points with derotated flow over `gap_s` (N,); None where the flow fixes none.
+
+    A row of A x = b has the noise of the flow times the distance from the FOE, so rows weigh by its inverse, and by
+    Tukey's biweight of the flow across the radial direction, against `tolerance_px` (N,). Pitch, roll and what the yaw
+    rate's sensor misses turn the picture too; these rates are fitted along, held near zero by the prior.
+    """
+    if len(points_px) < LEAST:
+        return None
+    start = _start(points_px, flow_px, tolerance_px, prior.expected_px, rng)
+    if start is None:
+        return None
+    turn = _tilt_flow(camera, points_px, gap_s)
+    solved = _reweighted(points_px, flow_px, tolerance_px, turn, start, prior)
+    if solved is None:
+        return None
+    state, covariance = solved
+    x, y, u, v = _columns(points_px, flow_px - (turn @ state[2:]).T, state[:2])
+    inliers = (np.abs(u * y - v * x) < tolerance_px * np.sqrt(x * x + y * y)) & (u * x + v * y > 0.0)
+    # Those that disagree have not all been told apart from those that do: the fewer agree, the less is sure.
+    share = max(float(np.count_nonzero(inliers)) / len(inliers), 0.05)
+    return Fit(state[:2], covariance / share**2, inliers)
+
+
+def _columns(points_px: Floats, flow_px: Floats, foe_px: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """(N,) each: x and y from the FOE, and the flow u, v."""
+    return points_px[:, 0] - foe_px[0], points_px[:, 1] - foe_px[1], flow_px[:, 0], flow_px[:, 1]
+
+
+def _start(
+    points_px: Floats, flow_px: Floats, tolerance_px: Floats, expected_px: Floats | None, rng: np.random.Generator
+) -> Floats | None:
+    """(2,) px: the expected FOE while most points agree with it, otherwise the one that most agree with."""
+    p, v, tolerance = (values.astype(np.float32) for values in (points_px, flow_px, tolerance_px))
+    if expected_px is None:
+        return _searched(p, v, tolerance, None, rng)
+    votes = _votes(p, v, tolerance, expected_px[None].astype(np.float32))
+    if votes[0] > MOST * len(p):
+        return expected_px
+    return _searched(p, v, tolerance, expected_px, rng)
+
+
+def _votes(points_px: Reals, flow_px: Reals, tolerance_px: Reals, foes_px: Reals) -> Reals:
+    """(H,) how many points agree with each FOE (H, 2), in part by how well."""
+    x, y = points_px[:, 0] - foes_px[:, :1], points_px[:, 1] - foes_px[:, 1:]
+    u, v = np.ascontiguousarray(flow_px.T)
+    across = np.abs(u * y - v * x) / (np.sqrt(x * x + y * y) + 1e-9)
+    agreement = np.maximum(1.0 - across / tolerance_px, 0.0)
+    agreement[u * x + v * y <= 0.0] = 0.0
+    votes: Reals = agreement.sum(axis=1)
+    return votes
+
+
+def _searched(
+    points_px: Reals, flow_px: Reals, tolerance_px: Reals, expected_px: Floats | None, rng: np.random.Generator
+) -> Floats | None:
+    """(2,) px, the intersection of two flow lines that most points agree with; all hypotheses at once."""
+    if len(points_px) > SAMPLE:
+        chosen = rng.choice(len(points_px), SAMPLE, replace=False)
+        points_px, flow_px, tolerance_px = points_px[chosen], flow_px[chosen], tolerance_px[chosen]
+    foes = _intersections(points_px, flow_px, rng)
+    if expected_px is not None:
+        foes = np.concatenate([expected_px[None].astype(np.float32), foes])
+    if not len(foes):
+        return None
+    # A quarter of the points tells which hypotheses all of them should judge.
+    for part, left in ((slice(None, None, 4), FINALISTS), (slice(None), 1)):
+        votes = _votes(points_px[part], flow_px[part], tolerance_px[part], foes)
+        foes = foes[np.argsort(-votes, kind="stable")[:left]]
+    return np.asarray(foes[0], np.float64)
+
+
+def _intersections(points_px: Reals, flow_px: Reals, rng: np.random.Generator) -> Reals:
+    """(H, 2) px where the flow lines of random pairs of points meet."""
+    first, second = rng.integers(0, len(points_px), (2, HYPOTHESES))
+    x, y, u, v = points_px[:, 0], points_px[:, 1], flow_px[:, 0], flow_px[:, 1]
+    b, length = x * v - y * u, np.hypot(u, v)
+    determinant = u[first] * v[second] - v[first] * u[second]
+    parallel = np.abs(determinant) < 0.05 * length[first] * length[second] + 1e-12
+    determinant[parallel] = 1.0
+    foe_x = (b[second] * u[first] - b[first] * u[second]) / determinant
+    foe_y = (v[first] * b[second] - v[second] * b[first]) / determinant
+    return np.stack([foe_x, foe_y], axis=1)[~parallel]
+
+
+def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
+    """(2, N, 3) px per rad/s: motion of the image under a slow turn about the camera's x, y and z axes in each window.
+
+    To first order and up to sign (Longuet-Higgins and Prazdny 1980); the turns it measures are small and unknown.
+    """
+    x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
+    y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
+    along_x, along_y = camera.fx_px * gap_s, camera.fy_px * gap_s
+    motion = np.empty((2, len(x), 3))
+    motion[0, :, 0], motion[0, :, 1], motion[0, :, 2] = along_x * x * y, along_x * (1.0 + x * x), -along_x * y
+    motion[1, :, 0], motion[1, :, 1], motion[1, :, 2] = along_y * (1.0 + y * y), along_y * x * y, along_y * x
+    return motion
+
+
+def _reweighted(
+    points_px: Floats, flow_px: Floats, tolerance_px: Floats, turn: Floats, start_px: Floats, prior: Prior
+) -> tuple[Floats, Floats] | None:
+    """(5,) FOE px and pitch, yaw and roll rates rad/s, and the FOE's (2, 2) covariance px^2; None if it has none."""
+    state = np.array([*start_px, 0.0, 0.0, 0.0])
+    for _ in range(ITERATIONS):
+        weight, slope, across = _linearised(points_px, flow_px - (turn @ state[2:]).T, turn, state[:2], tolerance_px)
+        weighted = (slope * weight[:, None]).T
+        normal = weighted @ slope
+        if np.count_nonzero(weight) < LEAST or normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2 < 1e-12:
+            return None
+        normal += prior.information
+        step = np.linalg.solve(normal, weighted @ across + prior.information @ (state - prior.state))
+        state = state - step
+        if abs(step[0]) + abs(step[1]) < SETTLED_PX:
+            break
+    spread = BIWEIGHT * float(weight @ (across * across)) / np.count_nonzero(weight)
+    return state, np.asarray(np.linalg.inv(normal)[:2, :2], np.float64) * max(1.0, spread)
+
+
+def _linearised(
+    points_px: Floats, flow_px: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Weights (N,), slopes (N, 5) and values (N,) px of the flow across the radial direction, at a FOE and rates."""
+    x, y, u, v = _columns(points_px, flow_px, foe_px)
+    nearness = 1.0 / (np.sqrt(x * x + y * y) + NEAR_PX)
+    x, y = x * nearness, y * nearness
+    across = u * y - v * x
+    # The tolerance is some three standard deviations of the flow.
+    size = across / tolerance_px
+    size *= size
+    weight = np.maximum(1.0 - 0.25 * size, 0.0) * (3.0 / tolerance_px)
+    weight *= weight
+    weight[u * x + v * y <= 0.0] = 0.0
+    slope = np.empty((len(across), 5))
+    slope[:, 0], slope[:, 1] = v * nearness, -u * nearness
+    slope[:, 2:] = turn[1] * x[:, None] - turn[0] * y[:, None]
+    return weight, slope, across
