@@ -28,7 +28,7 @@ class Planner:
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
         self._bodies = _nothing()
-        self._way = _way(setup, variant)
+        self._way = way(setup, variant)
 
     def step(self, observation: Observation) -> Plan:
         """Perceive, then plan."""
@@ -68,7 +68,7 @@ class Planner:
         return Plan(perception, force, reference, extra)
 
 
-def _way(setup: DriverSetup, variant: Variant) -> GradientLine | Valley:
+def way(setup: DriverSetup, variant: Variant) -> GradientLine | Valley:
     """How the variant goes through its field."""
     if variant.valley is not None:
         return Valley(setup, variant.valley)
