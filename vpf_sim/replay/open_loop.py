@@ -57,7 +57,7 @@ class Clock:
 
 
 def run(
-    recording: Recording, driver_name: str, out: Path, progress: Progress = lambda *_: None
+    recording: Recording, driver_name: str, out: Path, progress: Progress = lambda *_: None, filmed: bool = True
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Drive along; write frames/NAME.parquet and videos/NAME.mp4 into `out`; the drive's record and its timing."""
     driver = drivers.create(driver_name)
@@ -67,7 +67,7 @@ def run(
     clock = Clock()
     with ExitStack() as stack:
         film = None
-        if not recording.no_images:
+        if filmed and not recording.no_images:
             film = stack.enter_context(_filming(recording, out / VIDEOS / f"{recording.name}.mp4"))
         rows = list(_rows(recording, asked, film, clock, progress))
         table = FrameTable.of(rows)

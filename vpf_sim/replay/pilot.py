@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
 from vpf_sim.drivers import FieldDriver
-from vpf_sim.planning.planner import Planner
+from vpf_sim.planning.planner import Planner, way
 from vpf_sim.planning.variant import Variant
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
 from vpf_sim.replay.present_lane import bodies_seen_from, is_found, present_lane, seen_from
@@ -73,20 +73,23 @@ class FieldPilot:
         self._setup = setup
         self._variant = variant
         self._eyes = Planner(setup, variant)
-        self._way = self._eyes
+        self._way = way(setup, variant)
+        self._lane: RoadEdges | None = None
         self._model = ModelVehicle(gains, setup.vehicle, setup.rate_hz)
         self.restarts = 0
 
     def begin(self, segment: Segment) -> None:
-        setup = replace(self._setup, goal_m=segment.goal_m, speed_reference_mps=segment.speed_mps)
-        self._way = Planner(setup, self._variant)  # its eyes stay closed
+        self._setup = replace(self._setup, goal_m=segment.goal_m, speed_reference_mps=segment.speed_mps)
+        self._way = way(self._setup, self._variant)
         self._model.restart(segment.speed_mps)
 
     def decide(self, observation: Observation, interval: Interval) -> Decision:
         seen = self._eyes.perceive(observation)
         found = is_found(seen.road, observation.speed_mps)
         lane = present_lane(seen.road, found, self._variant.road_edges.lane_width_m, self._preferred_right_m)
-        plan = self._way.plan(self._from_model(seen, lane), self._at_model(observation))
+        self._follow(lane)
+        from_model = self._from_model(seen, lane)
+        plan = Plan(from_model, *self._way.step(from_model, self._at_model(observation)))
         command = self._model.drive(plan.reference, observation, interval)
         if self._model.is_far:
             self.restarts += 1
@@ -100,6 +103,15 @@ class FieldPilot:
             return valley.field.preferred_right_m
         assert line is not None  # Variant has checked
         return line.road_field.preferred_right_m
+
+    def _follow(self, lane: RoadEdges) -> None:
+        """Begin anew from the present place where it is suddenly another lane that is followed."""
+        last, self._lane = self._lane, lane
+        if last is None:
+            return
+        found = (last.confidence > 0.0) != (lane.confidence > 0.0)
+        if found or abs(lane.right_m - last.right_m) > 0.5 * self._variant.road_edges.lane_width_m:
+            self._way = way(self._setup, self._variant)
 
     def _from_model(self, seen: Perception, lane: RoadEdges) -> Perception:
         right, turn = self._model.right_m, self._model.turn_rad

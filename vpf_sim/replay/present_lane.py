@@ -13,7 +13,7 @@ import numpy as np
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 LEAST_CONFIDENCE = 0.3  # below which the road is not believed
-FASTEST_ACROSS_MPS = 1.5  # of a car in its lane or on its way to the next: more is a road that was mistaken
+FASTEST_ACROSS_MPS = 1.0  # of a car in its lane or on its way to the next: more is a road that was mistaken
 
 
 def is_found(road: RoadEdges, speed_mps: float) -> bool:

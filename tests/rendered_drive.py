@@ -1,0 +1,73 @@
+"""Recordings that we rendered ourselves: a camera on a known path along a road of ours, so that all truth is known."""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from vpf_sim.envs.camera import Rig
+from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.evaluation.scripted import Path, ScriptedDrive
+from vpf_sim.replay.recording import Frame, Origin, Recording
+from vpf_sim.scenarios import Scenario
+from vpf_sim.types import Camera, Floats, Image, VehicleModel
+
+RATE_HZ, SPEED_MPS, START_M, FRAMES = 15.0, 8.0, 20.0, 36
+RECORDED = ("camera", "times_s", "poses", "speed_mps", "yaw_rate_radps", "steering_rad", "throttle")
+CAMERA = Camera(forward_m=0.0, height_m=1.4)
+WHEELBASE_M = VehicleModel().wheelbase_m
+
+
+def scenario(radius_m: float, bodies: tuple[dict[str, Any], ...] = ()) -> Scenario:
+    """Four lanes in a bend, + right, or straight where the radius is infinite."""
+    arc = {"kind": "arc", "length_m": 120.0, "radius_m": radius_m}
+    line = {"kind": "line", "length_m": 120.0}
+    return Scenario.model_validate(
+        {
+            "schema": 1,
+            "road": {"lanes": 4, "lane_width_m": 3.5, "segments": [arc if np.isfinite(radius_m) else line]},
+            "goal": {"s_m": 110.0},
+            "bodies": list(bodies),
+        }
+    )
+
+
+@cache
+def shots(radius_m: float, lane: int, right_m: float, body_s_m: float | None) -> tuple[tuple[Image, ...], Floats]:
+    """The pictures of a drive `right_m` right of the middle of a lane, and its poses (N, 3)."""
+    bodies = () if body_s_m is None else ({"kind": "car", "s_m": body_s_m, "lane": lane},)
+    road = scenario(radius_m, bodies)
+    offset = road.road.lane_offset_m(lane) + right_m
+    drive = ScriptedDrive(road, Path(START_M, SPEED_MPS, lambda _: offset), Rig(CAMERA), RATE_HZ)
+    taken = list(drive.shots(weathers.load("clear"), 1, FRAMES))
+    return tuple(shot.image for shot in taken), np.array([shot.pose for shot in taken])
+
+
+def recording(
+    radius_m: float, lane: int = 2, right_m: float = 0.0, body_s_m: float | None = None, **changes: Any
+) -> Recording:
+    """All of it recorded, as a car drove that knows its steering."""
+    images, poses = shots(radius_m, lane, right_m, body_s_m)
+    steps_m = np.hypot(*np.diff(poses[:, :2], axis=0).T)
+    rate = np.gradient(np.unwrap(poses[:, 2]), 1.0 / RATE_HZ)
+    speed = np.full(FRAMES, steps_m.mean() * RATE_HZ)
+
+    def pictures() -> Iterator[Frame]:
+        return (Frame(k, image) for k, image in enumerate(images))
+
+    values: dict[str, Any] = {
+        "name": "rendered",
+        "layout": "rendered",
+        "camera": CAMERA,
+        "times_s": np.arange(FRAMES) / RATE_HZ,
+        "poses": poses,
+        "speed_mps": speed,
+        "yaw_rate_radps": rate,
+        "frames": pictures,
+        "origins": dict.fromkeys(RECORDED, Origin("recorded", "rendered")),
+        "steering_rad": np.arctan(WHEELBASE_M * rate / speed),
+        "throttle": np.zeros(FRAMES),
+        "weather": "cloudy",
+    }
+    return Recording(**{**values, **changes})

@@ -1,0 +1,120 @@
+"""A driver on recordings that we rendered: what it predicts, against what is known."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rendered_drive as rendered
+
+from vpf_sim.replay import frame_table, open_loop
+from vpf_sim.replay.frame_table import FrameTable
+from vpf_sim.replay.recording import ABSENT, Frame, Recording
+from vpf_sim.types import VehicleModel
+
+STEADY = 16  # frame from which on the model vehicle has found into a bend
+BEND_M = 100.0
+KNOWN = float(np.arctan(VehicleModel().wheelbase_m / BEND_M) / VehicleModel().steering_limit_rad)  # 0.039
+
+
+def replayed(recording: Recording, out: Path, driver: str = "vpf") -> tuple[dict[str, Any], FrameTable]:
+    record, _ = open_loop.run(recording, driver, out, filmed=False)
+    return record, frame_table.read(out / "frames" / "rendered.parquet")
+
+
+@pytest.fixture(scope="module")
+def bend(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], FrameTable]:
+    """The bend to the right."""
+    return replayed(rendered.recording(BEND_M), tmp_path_factory.mktemp("bend"))
+
+
+def test_the_steering_of_a_bend_is_predicted(bend: tuple[dict[str, Any], FrameTable]) -> None:
+    _, table = bend
+    assert np.mean(table.road_found[STEADY:]) > 0.9
+    assert np.median(table.steering[STEADY:]) == pytest.approx(KNOWN, abs=0.008)
+    assert np.abs(table.throttle).max() < 0.02  # at the speed it began with
+
+
+def test_so_is_that_of_a_bend_to_the_left(tmp_path: Path) -> None:
+    _, table = replayed(rendered.recording(-BEND_M), tmp_path)
+    assert np.median(table.steering[STEADY:]) == pytest.approx(-KNOWN, abs=0.008)
+
+
+def test_the_lane_that_is_driven_in_is_the_one_to_keep_to(tmp_path: Path) -> None:
+    """Not the second from the right, which the driver prefers. The human drives 0.5 m right of the middle: the model
+    vehicle steers there and then straight on, where the driver alone would go on steering."""
+    _, table = replayed(rendered.recording(np.inf, lane=3, right_m=0.5), tmp_path)
+    assert table.steering.min() < -0.005
+    assert np.abs(table.steering).max() < 0.05
+    assert np.abs(table.steering[-4:]).max() < 0.015
+
+
+def test_the_scores_stand_beside_those_of_touching_nothing(bend: tuple[dict[str, Any], FrameTable]) -> None:
+    record, _ = bend
+    scores = record["accuracy"]
+    assert scores["steering"]["range"] > scores["idle"]["steering"]["range"] > 0.97
+    assert scores["steering"]["tolerance"] == scores["throttle"]["tolerance"] == 1.0
+    count = rendered.FRAMES
+    assert scores["frames"] == {"whole": count, "clear_of_obstacles": count, "with_obstacles": 0}
+    assert scores["with_obstacles"] == {"throttle": None, "steering": None}
+    assert record["goal"] == "the last pose of each segment"
+    assert record["signal_checks"]["yaw_rate"]["gain"] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_what_the_flow_says_of_the_own_motion_is_right(bend: tuple[dict[str, Any], FrameTable]) -> None:
+    record, _ = bend
+    seen = record["perception"]
+    assert seen["speed_scale"]["median"] == pytest.approx(1.0, abs=0.05)
+    assert seen["yaw_rate_median_error_radps"] < 0.01  # of 0.08
+    assert seen["foe"]["share"] > 0.95
+
+
+def test_a_car_in_the_lane_is_a_part_with_obstacles(tmp_path: Path) -> None:
+    _, table = replayed(rendered.recording(np.inf, body_s_m=48.0), tmp_path)
+    assert table.obstacle_seen[:3].max() == 0.0
+    assert table.obstacle_seen[-10:].mean() > 0.8
+    assert np.abs(table.steering[-10:]).max() > 0.02 or table.throttle[-10:].min() < 0.0, "it must do something"
+
+
+def test_labels_go_before_the_own_detection(tmp_path: Path) -> None:
+    labels = np.zeros(rendered.FRAMES)
+    labels[10:30] = 1.0
+    record, _ = replayed(rendered.recording(np.inf, obstacle=labels), tmp_path, "neutral")
+    assert record["obstacles_by"] == "label"
+    assert record["segments"] == 3
+    assert record["accuracy"]["frames"] == {"whole": 36, "clear_of_obstacles": 16, "with_obstacles": 20}
+
+
+def test_gaps_hold_the_prediction_and_are_told(bend: tuple[dict[str, Any], FrameTable], tmp_path: Path) -> None:
+    whole = rendered.recording(BEND_M)
+    missing = (24, 25, 26)
+    gaps = replace(
+        whole, frames=lambda: (Frame(f.index, None, "lost") if f.index in missing else f for f in whole.frames())
+    )
+    record, table = replayed(gaps, tmp_path)
+    assert record["gaps"] == 3
+    assert table.image[[23, 24, 27]].tolist() == [1.0, 0.0, 1.0]
+    assert table.steering[:24].tolist() == bend[1].steering[:24].tolist()
+    assert table.steering[24] == table.steering[23]
+    assert np.isnan(table.foe_x_px[25])
+    assert np.abs(table.steering[27:] - KNOWN).max() < 0.02
+
+
+def test_without_a_road_it_says_so_and_goes_straight_ahead(tmp_path: Path) -> None:
+    whole = rendered.recording(np.inf)
+    grey = replace(
+        whole,
+        frames=lambda: (Frame(f.index, np.full_like(f.image, 120)) for f in whole.frames() if f.image is not None),
+    )
+    record, table = replayed(grey, tmp_path)
+    assert record["perception"]["road_found_share"] == 0.0
+    assert np.abs(table.steering).max() < 2e-3
+    assert record["perception"]["foe"]["share"] == 0.0
+
+
+def test_without_poses_the_goal_is_ahead(tmp_path: Path) -> None:
+    known = rendered.recording(np.inf)
+    lost = replace(known, origins={**known.origins, "poses": ABSENT})
+    record, _ = replayed(lost, tmp_path, "neutral")
+    assert record["goal"] == "100 m ahead on the present course at the start of each segment"
