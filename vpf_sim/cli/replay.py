@@ -104,7 +104,8 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording") -> 
 
     try:
         with drivers_speak():
-            folder.add(*open_loop.run(recording, driver, folder.path, _tell(recording.name)))
+            record, timing = open_loop.run(recording, driver, folder.path, _tell(recording.name))
+            folder.add(record, timing)
     except InputError as error:
         _tell_fault(str(error))
         return 2
@@ -113,6 +114,9 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording") -> 
     except Exception as error:  # the driver's own; the other drives are still worth their time
         _tell_fault(f"{recording.name}: error: {type(error).__name__}: {error}")
         return 1
+    if not record["driven"]:
+        _tell_fault(recording.no_images)
+        return 2
     return 0
 
 

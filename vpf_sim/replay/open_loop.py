@@ -59,17 +59,19 @@ class Clock:
 def run(
     recording: Recording, driver_name: str, out: Path, progress: Progress = lambda *_: None, filmed: bool = True
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Drive along; write frames/NAME.parquet and videos/NAME.mp4 into `out`; the drive's record and its timing."""
+    """Drive along; write frames/NAME.parquet and videos/NAME.mp4 into `out`; the drive's record and its timing.
+
+    Where pictures are missing that the driver needs, only the signals are stored and checked.
+    """
     driver = drivers.create(driver_name)
-    if recording.no_images and drivers.sees(driver):
-        raise InputError(f"{recording.name}: {recording.no_images}")
     asked = pilot(driver, _setup(recording, driver))
     clock = Clock()
     with ExitStack() as stack:
         film = None
         if filmed and not recording.no_images:
             film = stack.enter_context(_filming(recording, out / VIDEOS / f"{recording.name}.mp4"))
-        rows = list(_rows(recording, asked, film, clock, progress))
+        can_drive = not recording.no_images or not drivers.sees(driver)
+        rows = list(_rows(recording, asked if can_drive else None, film, clock, progress))
         table = FrameTable.of(rows)
         frame_table.write(table, out / FRAMES / f"{recording.name}.parquet")
     return _record(recording, driver_name, asked, table), clock.entry(recording)
@@ -88,19 +90,21 @@ def _filming(recording: Recording, path: Path) -> Iterator[Film]:
 
 
 def _rows(
-    recording: Recording, asked: Pilot, film: Film | None, clock: Clock, progress: Progress
+    recording: Recording, asked: Pilot | None, film: Film | None, clock: Clock, progress: Progress
 ) -> Iterator[FrameRow]:
+    """One a frame; nobody is asked where pictures are missing that the driver needs."""
     parts = iter(segments(recording))
     own = OwnDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz)
     segment, number, moved_m = Segment(0, 0, (0.0, 0.0), 0.0), -1, 0.0
-    last = Decision(Command(0.0, 0.0))
+    last = Decision(Command(0.0, 0.0) if asked else Command(nan, nan))
     for k, image in _images(recording, clock):
         if k == segment.stop:
             segment, number = next(parts), number + 1
-            asked.begin(segment)
+            if asked is not None:
+                asked.begin(segment)
         moved_m += _step_m(recording, k)
         row = _recorded(recording, k, number)
-        if image is not None:
+        if image is not None and asked is not None:
             began = thread_time()
             decision = asked.decide(_observation(recording, k, image, segment), _interval(recording, k))
             clock.driver_ms.append(1e3 * (thread_time() - began))
@@ -253,5 +257,6 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
             "height_m": scores.rounded(camera.height_m),
         },
         "notes": list(recording.notes),
+        "driven": bool(np.isfinite(table.throttle).any()),
         "no_images": recording.no_images or None,
     }
