@@ -163,6 +163,35 @@ def test_the_same_frames_give_the_same_flow() -> None:
     assert first.displacement_px.tobytes() == second.displacement_px.tobytes()
 
 
+def test_corners_on_the_glass_are_told_from_those_that_move_and_take_no_place() -> None:
+    """A picture that moves down by 3 px a frame, as a car 0.1 m on at 1.4 m may see it; spots that stay."""
+    picture, rng = texture("behind glass"), stream(12, "spots")
+    spots = rng.uniform([60.0, 300.0], [580.0, 400.0], (30, 2))
+    tracker, counts = FlowTracker(CAMERA, ROBUST, 30.0), []
+    for k in range(20):
+        frame = moved(picture, 0.0, 3.0 * k)
+        for x, y in spots:
+            cv2.circle(frame, (int(x), int(y)), 6, 255, -1)
+        flow = tracker.update(frame, np.array([0.15 * k, 0.0, 0.0]))
+        counts.append(np.count_nonzero(~flow.stuck))
+    distance = np.min(np.hypot(*(flow.points_px[:, None] - spots).T), axis=0)
+    followed = np.abs(np.hypot(*flow.displacement_px.T)) > 3.0
+    assert np.count_nonzero(flow.stuck) > 10
+    assert np.all(distance[flow.stuck] < 15.0)  # radius of a spot, half a window and the corner between
+    assert not np.any(flow.stuck & followed)
+    assert counts[-1] > 0.8 * ROBUST.points
+
+
+def test_no_corners_are_taken_where_the_picture_is_hidden() -> None:
+    hidden = np.zeros((480, 640), np.uint8)
+    hidden[:, 200:400] = 255
+    tracker = FlowTracker(CAMERA, FlowConfig(), 60.0)
+    for _ in range(2):
+        flow = tracker.update(moved(texture("hidden"), 0.0, 0.0), np.zeros(3), hidden)
+    assert len(flow) > 100
+    assert not np.any((flow.points_px[:, 0] > 200) & (flow.points_px[:, 0] < 399))
+
+
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match="window_px: expected an odd number >= 3, got 10"):
         FlowConfig(window_px=10)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vpf_sim.geometry import undistort
 from vpf_sim.perception.ground import ground_flow
+from vpf_sim.perception.stuck import stuck
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
 FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
@@ -109,20 +110,20 @@ class _Tracks:
     next_px: Floats  # (N, 2) the sighting that will replace the first
     next_pose: Floats  # (N, 3)
     next_age: NDArray[np.int64]  # (N,) frames since then
+    stuck: Bools  # (N,) as of the last look
 
     def __len__(self) -> int:
         return len(self.age)
 
     def keep(self, chosen: Bools) -> None:
-        self.trail = self.trail[:, chosen]
-        self.age, self.identity = self.age[chosen], self.identity[chosen]
-        self.first_px, self.first_pose = self.first_px[chosen], self.first_pose[chosen]
-        self.structure = self.structure[chosen]
-        self.next_px, self.next_pose, self.next_age = (
-            self.next_px[chosen],
-            self.next_pose[chosen],
-            self.next_age[chosen],
-        )
+        if chosen.all():
+            return
+        rows = np.flatnonzero(chosen)
+        self.trail = self.trail.take(rows, axis=1)
+        self.age, self.identity, self.stuck = self.age[rows], self.identity[rows], self.stuck[rows]
+        self.first_px, self.first_pose = self.first_px[rows], self.first_pose[rows]
+        self.structure = self.structure[rows]
+        self.next_px, self.next_pose, self.next_age = self.next_px[rows], self.next_pose[rows], self.next_age[rows]
 
     def renew_anchor(self, frames: int, pose: Floats) -> None:
         """Where the next sighting is `frames` old, it becomes the first, and the present one the next."""
@@ -148,13 +149,15 @@ class _Tracks:
         self.next_px = np.concatenate([self.next_px, points_px])
         self.next_pose = np.concatenate([self.next_pose, np.broadcast_to(pose, (count, 3))])
         self.next_age = np.concatenate([self.next_age, np.zeros(count, np.int64)])
+        self.stuck = np.concatenate([self.stuck, np.zeros(count, np.bool_)])
 
 
 class FlowTracker:
     """Follows corners frame by frame and reports each one's motion over the window (METHOD 0.7, A4).
 
     Corners are topped up, not recomputed: each band is searched once a period, beside the points already followed.
-    Points known to lie on the road do not count against the band's share, so that new ones are looked for elsewhere.
+    Points known to lie on the road do not count against the band's share, so that new ones are looked for elsewhere;
+    nor do points that are stuck to the glass. These are followed on and reported as such.
     """
 
     def __init__(self, camera: Camera, config: FlowConfig, rate_hz: float) -> None:
@@ -173,18 +176,24 @@ class FlowTracker:
         self._frame = 0
         none, pixels, poses = np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 3))
         trail = np.empty((self._window_frames + 1, 0, 2))
-        self._tracks = _Tracks(trail, none, none, pixels, poses, np.empty((0, 2, 2)), pixels, poses, none)
+        no_bools = np.empty(0, np.bool_)
+        self._tracks = _Tracks(trail, none, none, pixels, poses, np.empty((0, 2, 2)), pixels, poses, none, no_bools)
 
-    def update(self, image: Image, pose: Floats) -> Flow:
-        """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels."""
+    def update(self, image: Image, pose: Floats, hidden: Image | None = None) -> Flow:
+        """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels.
+
+        No corners are looked for where `hidden` (H, W) is not 0.
+        """
         self._poses = np.concatenate([pose[None], self._poses[: self._window_frames]])
         if self._previous is not None and len(self._tracks):
             self._follow(self._previous, image)
         if self._anchor_frames is not None:
             self._tracks.renew_anchor(self._anchor_frames, pose)
+        if self._frame % self._period_frames == 0:
+            self._look_for_stuck(pose)
         flow = self._report(pose)
         self._weigh_again(image)
-        self._top_up(image, pose)
+        self._top_up(image, pose, hidden)
         self._previous = image
         self._frame += 1
         return flow
@@ -233,8 +242,7 @@ class FlowTracker:
         tracks = self._tracks
         tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
         tracks.age, tracks.next_age = tracks.age + 1, tracks.next_age + 1
-        if not good.all():
-            tracks.keep(good)
+        tracks.keep(good)
 
     def _report(self, pose: Floats) -> Flow:
         tracks = self._tracks
@@ -254,7 +262,14 @@ class FlowTracker:
             first_pose=tracks.first_pose,
             age_frames=tracks.age,
             structure=tracks.structure,
+            stuck=tracks.stuck,
         )
+
+    def _look_for_stuck(self, pose: Floats) -> None:
+        """A point's first sighting in the undistorted frame is near enough to that in the frame as it is."""
+        tracks = self._tracks
+        if len(tracks):
+            tracks.stuck = stuck(self.camera, tracks.trail[0], tracks.first_px, tracks.first_pose, pose)
 
     def _weigh_again(self, image: Image) -> None:
         """Look at a part of the windows in every frame: what was a corner from afar may be an edge from near.
@@ -274,8 +289,7 @@ class FlowTracker:
         tracks.structure[due] = inverse(mean) - FAINT
         keep = np.ones(len(tracks), np.bool_)
         keep[due] = self._is_corner(tensor)
-        if not keep.all():
-            tracks.keep(keep)
+        tracks.keep(keep)
 
     @property
     def _guarded(self) -> bool:
@@ -288,7 +302,7 @@ class FlowTracker:
         corner: Bools = (small >= self.config.texture_floor) & (small >= self.config.corner_ratio * large)
         return corner
 
-    def _top_up(self, image: Image, pose: Floats) -> None:
+    def _top_up(self, image: Image, pose: Floats, hidden: Image | None) -> None:
         """Search the bands whose turn it is; at the start all of them."""
         for index, (rows, quota) in enumerate(self._bands):
             turn = (self._frame - index * self._period_frames // len(self._bands)) % self._period_frames == 0
@@ -297,9 +311,9 @@ class FlowTracker:
             self._drop_settled(rows, quota)
             points = self._tracks.trail[0]
             inside = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
-            wanted = quota - np.count_nonzero(inside)
+            wanted = quota - np.count_nonzero(inside & ~self._tracks.stuck)
             if wanted >= max(1, quota // 20):
-                self._add(self._corners(image, rows, points[inside], int(wanted)), image, pose)
+                self._add(self._corners(image, rows, points[inside], int(wanted), hidden), image, pose)
 
     def _drop_settled(self, rows: slice, quota: int) -> None:
         """Long-lived points of the road make room for new ones: half of the band's share at most."""
@@ -318,7 +332,7 @@ class FlowTracker:
         keep[settled[:excess]] = False  # the oldest first
         tracks.keep(keep)
 
-    def _corners(self, image: Image, rows: slice, taken_px: Floats, count: int) -> Floats:
+    def _corners(self, image: Image, rows: slice, taken_px: Floats, count: int, hidden: Image | None) -> Floats:
         config = self.config
         strip = image[rows]
         mask = np.full(strip.shape, 255, np.uint8)
@@ -327,6 +341,8 @@ class FlowTracker:
         mask[lines, columns] = 0
         size = 2 * round(config.min_distance_px) + 1
         mask = cv2.erode(mask, np.ones((size, size), np.uint8)).astype(np.uint8, copy=False)
+        if hidden is not None:
+            mask[hidden[rows] != 0] = 0
         found = cv2.goodFeaturesToTrack(
             strip, count, config.quality, config.min_distance_px, mask=mask, blockSize=config.block_px
         )

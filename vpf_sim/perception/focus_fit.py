@@ -17,6 +17,7 @@ ITERATIONS = 6  # of the reweighting, at most
 SETTLED_PX = 0.05  # a step of the reweighting after which another is not worth while
 LEAST = 8  # moving points without which there is no FOE
 MOST = 0.55  # share of the votes with which an expected FOE stands without a search: no other can have as many
+PRIOR_SHARE = 0.25  # of the votes, that the prior can outweigh at most
 NEAR_PX = 5.0  # from the FOE the radial direction is not known well
 BIWEIGHT = 1.3  # what Tukey's biweight takes from the mean square of normal errors, within 3 sd
 
@@ -27,7 +28,7 @@ class Prior:
 
     state: Floats  # (5,)
     information: Floats  # (5, 5) inverse of the covariance; 0 where nothing is known
-    expected_px: Floats | None  # (2,) where the FOE was a moment ago
+    expected_px: Floats | None  # (2,) where the FOE was a moment ago; `information` says how surely it still is
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,7 @@ def fit(
     """
     if len(points_px) < LEAST:
         return None
-    start = _start(points_px, flow_px, tolerance_px, prior.expected_px, rng)
+    start = _start(points_px, flow_px, tolerance_px, prior, rng)
     if start is None:
         return None
     turn = _tilt_flow(camera, points_px, gap_s)
@@ -75,16 +76,15 @@ def _columns(points_px: Floats, flow_px: Floats, foe_px: Floats) -> tuple[Floats
 
 
 def _start(
-    points_px: Floats, flow_px: Floats, tolerance_px: Floats, expected_px: Floats | None, rng: np.random.Generator
+    points_px: Floats, flow_px: Floats, tolerance_px: Floats, prior: Prior, rng: np.random.Generator
 ) -> Floats | None:
     """(2,) px: the expected FOE while most points agree with it, otherwise the one that most agree with."""
     p, v, tolerance = (values.astype(np.float32) for values in (points_px, flow_px, tolerance_px))
-    if expected_px is None:
-        return _searched(p, v, tolerance, None, rng)
-    votes = _votes(p, v, tolerance, expected_px[None].astype(np.float32))
-    if votes[0] > MOST * len(p):
-        return expected_px
-    return _searched(p, v, tolerance, expected_px, rng)
+    if prior.expected_px is not None:
+        votes = _votes(p, v, tolerance, prior.expected_px[None].astype(np.float32))
+        if votes[0] > MOST * len(p):
+            return prior.expected_px
+    return _searched(p, v, tolerance, prior, rng)
 
 
 def _votes(points_px: Reals, flow_px: Reals, tolerance_px: Reals, foes_px: Reals) -> Reals:
@@ -99,21 +99,29 @@ def _votes(points_px: Reals, flow_px: Reals, tolerance_px: Reals, foes_px: Reals
 
 
 def _searched(
-    points_px: Reals, flow_px: Reals, tolerance_px: Reals, expected_px: Floats | None, rng: np.random.Generator
+    points_px: Reals, flow_px: Reals, tolerance_px: Reals, prior: Prior, rng: np.random.Generator
 ) -> Floats | None:
-    """(2,) px, the intersection of two flow lines that most points agree with; all hypotheses at once."""
+    """(2,) px, the intersection of two flow lines that most points agree with; all hypotheses at once.
+
+    The log likelihood of the prior counts like votes, up to a share of all: with few points that agree, it decides.
+    """
     if len(points_px) > SAMPLE:
         chosen = rng.choice(len(points_px), SAMPLE, replace=False)
         points_px, flow_px, tolerance_px = points_px[chosen], flow_px[chosen], tolerance_px[chosen]
     foes = _intersections(points_px, flow_px, rng)
-    if expected_px is not None:
-        foes = np.concatenate([expected_px[None].astype(np.float32), foes])
+    if prior.expected_px is not None:
+        foes = np.concatenate([prior.expected_px[None], foes])
     if not len(foes):
         return None
+    away = foes - prior.state[:2]
+    unlikely = 0.5 * np.sum(away @ prior.information[:2, :2] * away, axis=1)
     # A quarter of the points tells which hypotheses all of them should judge.
     for part, left in ((slice(None, None, 4), FINALISTS), (slice(None), 1)):
-        votes = _votes(points_px[part], flow_px[part], tolerance_px[part], foes)
-        foes = foes[np.argsort(-votes, kind="stable")[:left]]
+        count = len(points_px[part])
+        score = _votes(points_px[part], flow_px[part], tolerance_px[part], foes.astype(np.float32))
+        score = score - np.minimum(unlikely * count / len(points_px), PRIOR_SHARE * count)
+        best = np.argsort(-score, kind="stable")[:left]
+        foes, unlikely = foes[best], unlikely[best]
     return np.asarray(foes[0], np.float64)
 
 
@@ -127,7 +135,8 @@ def _intersections(points_px: Reals, flow_px: Reals, rng: np.random.Generator) -
     determinant[parallel] = 1.0
     foe_x = (b[second] * u[first] - b[first] * u[second]) / determinant
     foe_y = (v[first] * b[second] - v[second] * b[first]) / determinant
-    return np.stack([foe_x, foe_y], axis=1)[~parallel]
+    foes: Reals = np.stack([foe_x, foe_y], axis=1)[~parallel]
+    return foes
 
 
 def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
