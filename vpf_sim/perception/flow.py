@@ -13,6 +13,7 @@ from vpf_sim.perception.ground import ground_flow
 from vpf_sim.perception.stuck import stuck
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
+LOOSE_PX = 1.0  # a point that moved so far within a window is not stuck any more
 FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
 
 
@@ -262,7 +263,7 @@ class FlowTracker:
             first_pose=tracks.first_pose,
             age_frames=tracks.age,
             structure=tracks.structure,
-            stuck=tracks.stuck,
+            stuck=tracks.stuck & np.all(np.abs(now - past) < LOOSE_PX, axis=1),
         )
 
     def _look_for_stuck(self, pose: Floats) -> None:
