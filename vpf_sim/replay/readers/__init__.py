@@ -1,17 +1,25 @@
 """The layouts in which recordings come, and which one a folder has."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import kitti
+from vpf_sim.replay import kitti, video_file
+from vpf_sim.replay.readers import comma2k19, general, kitti_raw, lidar_labels, radiate, udacity
 from vpf_sim.replay.recording import Reader, Recording
 
-READERS: tuple[Reader, ...] = (kitti,)  # the first that recognises a folder reads it
+# The first that recognises a folder reads it: the plainest layouts come last.
+READERS: tuple[Reader, ...] = (general, comma2k19, kitti_raw, radiate, udacity, lidar_labels, kitti)
 
 
 def read(folder: Path | str) -> Recording:
-    """The recording in `folder`, its layout told by its content; what is wrong with it is an InputError of one line."""
+    """The recording in `folder`, its layout told by its content; what is wrong with it is an InputError of one line.
+
+    A video, or a folder with nothing else in it, is read too: then all about the camera is assumed or found on the way.
+    """
     folder = Path(folder)
+    if folder.is_file() and folder.suffix.lower() in video_file.SUFFIXES:
+        return general.read_video(folder)
     if not folder.is_dir():
         raise InputError(
             f"{folder}: expected the folder of a drive, found {'a file' if folder.exists() else 'nothing'}"
@@ -19,6 +27,9 @@ def read(folder: Path | str) -> Recording:
     for reader in READERS:
         if reader.recognises(folder):
             return reader.read(folder)
+    videos = [path for path in folder.iterdir() if path.suffix.lower() in video_file.SUFFIXES]
+    if len(videos) == 1:
+        return replace(general.read_video(videos[0]), name=folder.resolve().name)
     found = ", ".join(sorted(path.name for path in folder.iterdir())[:8]) or "nothing"
     expected = "; or ".join(f"{reader.LAYOUT}: {reader.EXPECTED}" for reader in READERS)
     raise InputError(f"{folder}: found {found}; expected one of {expected}")

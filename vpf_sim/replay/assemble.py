@@ -1,0 +1,218 @@
+"""From what a source recorded to a whole recording: calibrated, gaps told, what is missing derived where it can be."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import cv2
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.replay import calibrate, camera_motion, derived, series
+from vpf_sim.replay.recording import Frame, Kind, Origin, Recording
+from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduction, rotation
+from vpf_sim.types import Camera, Floats, Image
+
+WHEELBASE_M = 2.7  # of a usual car
+CAMERA_AHEAD_M = 1.5  # of the rear axle, behind the windscreen of a usual car
+HEIGHT_M = 1.4  # above the road
+FIELD_OF_VIEW_RAD = float(np.radians(60.0))  # across, of a camera of which nothing is known
+COURSE_WINDOW_S = 1.0
+REPEAT_GREY_LEVELS = 0.02  # mean difference below which a picture is the one before once more
+REPEAT_LEAST_SPEED_MPS = 1.0
+
+
+@dataclass(slots=True)
+class Source:
+    """What was recorded, in our axes and units, at the times of the N frames; a signal left out is unknown."""
+
+    name: str
+    layout: str
+    times_s: Floats
+    frames: Callable[[], Iterator[Frame]]  # as recorded
+    lens: Lens
+    mounting: Mounting | None = None  # None: to be found on the way
+    height_m: float = HEIGHT_M  # of the camera, where the mounting is not known
+    wheelbase_m: float = WHEELBASE_M
+    camera_ahead_m: float = CAMERA_AHEAD_M
+    signals: dict[str, Floats] = field(default_factory=dict)
+    origins: dict[str, Origin] = field(default_factory=dict)
+    acceleration_mps2: Floats | None = None
+    directions_m: Floats | None = None  # (N - 1, 3) the camera's motion in its own axes, where poses in space are known
+    heading_recorded: bool = True  # else that of the poses is their course, too rough to tell a yaw rate from
+    weather: str = ""
+    notes: list[str] = field(default_factory=list)
+    no_images: str = ""
+
+    def put(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> None:
+        """A signal with where it comes from; nothing if no value is known."""
+        if np.isfinite(values).any():
+            self.signals[name] = values
+            self.origins[name] = Origin(kind, how)
+
+
+def assumed_lens(width_px: int, height_px: int, field_of_view_rad: float = FIELD_OF_VIEW_RAD) -> Lens:
+    """An undistorted camera with its axis in the middle."""
+    focal = float(0.5 * width_px / np.tan(0.5 * field_of_view_rad))
+    return Lens(width_px, height_px, focal, focal, 0.5 * (width_px - 1), 0.5 * (height_px - 1))
+
+
+def recording(source: Source) -> Recording:
+    """All that is known or follows; a drive without speed, or images to tell it from, is an InputError."""
+    if "poses" in source.signals:
+        source.signals["poses"] = _without_gaps(source, "poses", "pose")
+    _motion_from_poses(source)
+    own = _looked_at(source)
+    if own is not None:
+        _motion_from_pictures(source, own)
+    _yaw_rate_at_last(source)
+    for name, what in (("speed_mps", "speed"), ("yaw_rate_radps", "yaw rate")):
+        if name not in source.signals:
+            raise InputError(f"{source.name}: expected a {what}, or poses or pictures to tell it from; found none")
+        source.signals[name] = _without_gaps(source, name, what)
+    _commands(source)
+    if "poses" not in source.signals:
+        speed, rate = source.signals["speed_mps"], source.signals["yaw_rate_radps"]
+        way = derived.travelled(source.times_s, speed, rate, source.camera_ahead_m)
+        source.put("poses", way, "from speed and yaw rate: dead reckoning", "derived")
+    return _finished(source)
+
+
+def _motion_from_poses(source: Source) -> None:
+    if "poses" not in source.signals:
+        return
+    poses = source.signals["poses"]
+    if "speed_mps" not in source.signals:
+        source.put("speed_mps", derived.speed(source.times_s, poses), "from the poses", "derived")
+    if "yaw_rate_radps" not in source.signals and source.heading_recorded:
+        source.put("yaw_rate_radps", derived.yaw_rate(source.times_s, poses), "from the poses", "derived")
+
+
+def _looked_at(source: Source) -> calibrate.OwnWay | None:
+    """What the pictures say, if they are asked; a mounting that is not known is found in them."""
+    asked = source.mounting is None or not {"speed_mps", "yaw_rate_radps"} <= set(source.signals)
+    if source.mounting is None and source.no_images:
+        source.mounting = Mounting(height_m=source.height_m)
+        asked = False
+    if not asked or source.no_images:
+        return None
+    told = [source.signals.get(name) for name in ("speed_mps", "yaw_rate_radps")]
+    height_m = source.mounting.height_m if source.mounting else source.height_m
+    camera, handed_on = rectified(source.lens, Mounting(height_m=height_m))
+    own = calibrate.look(rectified_frames(source.frames(), handed_on), camera, source.times_s, told[0], told[1])
+    if source.mounting is None:
+        source.mounting = own.mounting
+        _tell_mounting(source, own)
+    return own
+
+
+def _tell_mounting(source: Source, own: calibrate.OwnWay) -> None:
+    said = source.origins.get("camera", Origin("recorded"))
+    if own.looks < calibrate.LEAST_LOOKS:
+        how = "taken to look straight ahead and level: the drive never went straight for long enough to tell"
+    else:
+        pitch, yaw = np.degrees([own.mounting.pitch_rad, own.mounting.yaw_rad])
+        how = f"looks {pitch:.2f} deg down and {yaw:.2f} deg right, by the focus of expansion of {own.looks} frames"
+    source.origins["camera"] = Origin(said.kind, "; ".join(part for part in (said.how, how) if part))
+
+
+def _motion_from_pictures(source: Source, own: calibrate.OwnWay) -> None:
+    if "speed_mps" not in source.signals:
+        how = f"from the road's flow, for a camera {source.height_m:g} m above it"
+        source.put("speed_mps", own.speed_mps, how, "derived")
+    if "yaw_rate_radps" not in source.signals:
+        source.put("yaw_rate_radps", own.yaw_rate_radps, "from the flow", "derived")
+
+
+def _yaw_rate_at_last(source: Source) -> None:
+    """By the course over ground, or by the kinematic bicycle: speed x tan(steering) / wheelbase."""
+    if "yaw_rate_radps" in source.signals:
+        return
+    if "poses" in source.signals:
+        rate = derived.slope(source.times_s, np.unwrap(source.signals["poses"][:, 2]), COURSE_WINDOW_S)
+        source.put("yaw_rate_radps", rate, "from the course over ground", "derived")
+    elif {"speed_mps", "steering_rad"} <= set(source.signals):
+        rate = source.signals["speed_mps"] * np.tan(source.signals["steering_rad"]) / source.wheelbase_m
+        source.put("yaw_rate_radps", rate, "from speed and steering: the kinematic bicycle", "derived")
+
+
+def _commands(source: Source) -> None:
+    """Steering and throttle as the motion has them, where they were not recorded."""
+    speed, rate = source.signals["speed_mps"], source.signals["yaw_rate_radps"]
+    if "steering_rad" not in source.signals:
+        angle = derived.steering(speed, rate, source.wheelbase_m)
+        how = f"from speed and yaw rate: the kinematic bicycle of {source.wheelbase_m:g} m wheelbase"
+        source.put("steering_rad", angle, how, "derived")
+    if "throttle" not in source.signals:
+        acceleration, how = source.acceleration_mps2, "the recorded acceleration"
+        if acceleration is None:
+            acceleration, how = derived.slope(source.times_s, speed), "the speed's slope over 0.5 s"
+        scale = "full throttle 3 m/s2, full brake 6 m/s2"
+        source.put("throttle", derived.throttle(acceleration), f"from {how}; {scale}", "derived")
+
+
+def _without_gaps(source: Source, name: str, what: str) -> Floats:
+    """What the driver needs at every frame is interpolated, and that is told."""
+    values = source.signals[name]
+    if values.ndim == 2:
+        parts = [series.filled(values[:, i]) for i in range(values.shape[1])]
+        result, missing = np.stack([part for part, _ in parts], axis=1), parts[0][1]
+    else:
+        result, missing = series.filled(values)
+    if missing.any():
+        source.notes.append(f"{what}: {np.count_nonzero(missing)} of {len(missing)} values missing, interpolated")
+    return result
+
+
+def _finished(source: Source) -> Recording:
+    assert source.mounting is not None
+    camera, handed_on = rectified(source.lens, source.mounting)
+    if reduction(source.lens.width_px) > 1:
+        source.notes.append(f"frames reduced to {camera.width_px} x {camera.height_px} px")
+    foe = _truth(source, camera)
+    if foe is not None:
+        source.origins["foe_px"] = Origin("derived", "from the poses")
+    speed = source.signals["speed_mps"]
+
+    def frames() -> Iterator[Frame]:
+        if source.no_images:
+            raise InputError(source.no_images)
+        return rectified_frames(_without_repeats(source.frames(), speed), handed_on)
+
+    names = ("poses", "speed_mps", "yaw_rate_radps", "steering_rad", "throttle", "obstacle", "lead_gap_m")
+    return Recording(
+        name=source.name,
+        layout=source.layout,
+        camera=camera,
+        times_s=source.times_s,
+        frames=frames,
+        origins=source.origins,
+        weather=source.weather,
+        notes=tuple(source.notes),
+        no_images=source.no_images,
+        foe_px=np.empty(0) if foe is None else foe,
+        **{name: source.signals[name] for name in names if name in source.signals},
+    )
+
+
+def _truth(source: Source, camera: Camera) -> Floats | None:
+    """(N, 2) px of the rectified frames: row k + 1 is the motion from k to k + 1, in the axes half way between."""
+    if source.directions_m is None or source.mounting is None:
+        return None
+    straight = rotation(replace(source.mounting, yaw_rad=0.0, roll_rad=0.0)).T @ rotation(source.mounting)
+    result = np.full((len(source.times_s), 2), np.nan)
+    result[1:] = camera_motion.expansion(camera, source.directions_m @ straight.T)
+    return result
+
+
+def _without_repeats(frames: Iterator[Frame], speed_mps: Floats) -> Iterator[Frame]:
+    """A picture that comes twice while the car moves is a gap: it would say that the car stands."""
+    before: Image | None = None
+    for frame in frames:
+        if frame.image is None:
+            yield frame
+            continue
+        small = frame.image[::4, ::4, 1]
+        moving = speed_mps[frame.index] > REPEAT_LEAST_SPEED_MPS
+        same = before is not None and moving and float(cv2.absdiff(small, before).mean()) < REPEAT_GREY_LEVELS
+        before = small.copy()
+        yield replace(frame, image=None, fault="the picture of the frame before once more") if same else frame

@@ -1,0 +1,138 @@
+"""A camera whose mounting is not known, calibrated on the way: by the focus of expansion while the car drives straight.
+
+Where speed and yaw rate were not recorded either, they too follow from the flow: the turn of the picture, and how fast
+the road comes nearer, which fixes the speed as far as the camera's height is known.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vpf_sim.perception import expansion
+from vpf_sim.perception.flow import FlowTracker, grey
+from vpf_sim.planning import variant
+from vpf_sim.replay import own_derotation, road_speed
+from vpf_sim.replay.recording import Frame
+from vpf_sim.replay.rectify import Mounting, mounting_seeing
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Flow
+
+VARIANT = "robust"  # whose flow is used
+ROUNDS = 3  # the turn needs the mounting, the mounting the turn
+ENOUGH = 200  # looks straight ahead after which more change nothing
+LEAST_LOOKS = 5
+STRAIGHT_RADPS, LEAST_SPEED_MPS, SHARP_RAD = 0.03, 2.0, 0.03  # a look tells if its focus is as sharp as this
+ASSUMED_SPEED_MPS = 10.0  # of the first look, where none is recorded: the flow's scale only
+
+
+@dataclass(frozen=True, slots=True)
+class OwnWay:
+    """What the pictures say. Arrays are (N,), nan where nothing was found."""
+
+    mounting: Mounting
+    looks: int  # straight ahead
+    spread_px: tuple[float, float]  # half the distance between the quartiles of the focus of expansion, x and y
+    speed_mps: Floats
+    yaw_rate_radps: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    index: int
+    flow: Flow
+    yaw_rate_radps: float  # as told; nan where it is not
+
+
+def look(
+    frames: Iterator[Frame],
+    camera: Camera,
+    times_s: Floats,
+    speed_mps: Floats | None,
+    yaw_rate_radps: Floats | None,
+) -> OwnWay:
+    """Watch the drive, all of it if speed or yaw rate (N,) are asked for, else until enough was seen.
+
+    `camera` is taken to look straight ahead and level; its height is believed.
+    """
+    looks = list(_looks(frames, camera, times_s, speed_mps, yaw_rate_radps))
+    mounting, seen = Mounting(height_m=camera.height_m), np.empty((0, 2))
+    for _ in range(ROUNDS):
+        seen = _straight_ahead(looks, camera, mounting)
+        if len(seen) < LEAST_LOOKS:
+            break
+        mounting = _mounted(camera, np.median(seen, axis=0))
+    spread = np.subtract(*np.percentile(seen, [75, 25], axis=0)) / 2.0 if len(seen) else np.full(2, np.nan)
+    return OwnWay(mounting, len(seen), (float(spread[0]), float(spread[1])), *_motion(looks, camera, mounting, times_s))
+
+
+def _looks(
+    frames: Iterator[Frame], camera: Camera, times_s: Floats, speed_mps: Floats | None, yaw_rate_radps: Floats | None
+) -> Iterator[_Look]:
+    rate_hz = 1.0 / float(np.median(np.diff(times_s)))
+    tracker = FlowTracker(camera, variant.load(VARIANT).flow, rate_hz)
+    speed = np.full(len(times_s), ASSUMED_SPEED_MPS) if speed_mps is None else speed_mps
+    along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times_s))])
+    found = 0
+    for frame in frames:
+        if frame.image is None:
+            continue
+        flow = tracker.update(grey(frame.image), np.array([along[frame.index], 0.0, 0.0]))
+        rate = float("nan") if yaw_rate_radps is None else float(yaw_rate_radps[frame.index])
+        if speed[frame.index] < LEAST_SPEED_MPS or not len(flow):
+            continue
+        yield _Look(frame.index, flow, rate)
+        found += speed_mps is not None and abs(rate) < STRAIGHT_RADPS
+        if found >= ENOUGH:
+            return
+
+
+def _straight_ahead(looks: list[_Look], camera: Camera, mounting: Mounting) -> Floats:
+    """(M, 2) px, the focus of expansion of the looks while the car went straight."""
+    config = variant.load(VARIANT).expansion
+    pitch, _, roll = config.rotation_sd_radps
+    # Nothing is known of where the camera looks; a yaw rate from the flow is as rough as the pitch rate is.
+    told = replace(config, direction_sd_rad=(np.inf, np.inf))
+    rough = replace(told, rotation_sd_radps=(pitch, pitch, roll))
+    random = stream(0, "mounting")
+    seen = []
+    for one in looks:
+        rate = _rate(one, camera, mounting)
+        if abs(rate) < STRAIGHT_RADPS:
+            known = told if np.isfinite(one.yaw_rate_radps) else rough
+            found = expansion.estimate(own_derotation.turning(one.flow, rate), camera, known, random)
+            if found.confidence > 0.0 and np.sqrt(found.covariance_px2.trace()) < SHARP_RAD * camera.fx_px:
+                seen.append((found.x_px, found.y_px))
+    return np.reshape(np.array(seen), (-1, 2))
+
+
+def _rate(one: _Look, camera: Camera, mounting: Mounting) -> float:
+    """rad/s, as told, or by the flow away from where the mounting puts straight ahead."""
+    if np.isfinite(one.yaw_rate_radps):
+        return one.yaw_rate_radps
+    ahead = camera.cx_px - camera.fx_px * np.tan(mounting.yaw_rad) / np.cos(mounting.pitch_rad)
+    return own_derotation.yaw_rate(one.flow, replace(camera, cx_px=ahead, pitch_rad=mounting.pitch_rad))
+
+
+def _mounted(camera: Camera, foe_px: Floats) -> Mounting:
+    """The camera that sees the way of the car there. Its roll is taken to be none."""
+    right, down = (foe_px[0] - camera.cx_px) / camera.fx_px, (foe_px[1] - camera.cy_px) / camera.fy_px
+    return mounting_seeing(np.array([right, down, 1.0]), camera.height_m)
+
+
+def _motion(looks: list[_Look], camera: Camera, mounting: Mounting, times_s: Floats) -> tuple[Floats, Floats]:
+    """(N,) speed m/s and yaw rate rad/s by the flow; nan where no road was tracked."""
+    rate, voted = np.full(len(times_s), np.nan), []
+    for one in looks:
+        rate[one.index] = _rate(one, camera, mounting)
+        flow = own_derotation.turning(one.flow, rate[one.index])
+        voted.append((float(times_s[one.index]), road_speed.votes(flow, camera, mounting)))
+    return road_speed.speed(times_s, voted), _steadied(rate)
+
+
+def _steadied(values: Floats) -> Floats:
+    """(N,) medians of five: a frame of few points may give any turn."""
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(values, 2, constant_values=np.nan), 5)
+    result, known = values.copy(), np.isfinite(around).any(axis=1)
+    result[known] = np.nanmedian(around[known], axis=1)
+    return result

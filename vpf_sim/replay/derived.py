@@ -1,0 +1,61 @@
+"""Signals that follow from others by physics. Axes: X forward, Y right, yaw clockwise."""
+
+import numpy as np
+
+from vpf_sim.types import Floats, VehicleModel
+
+LEAST_SPEED_MPS = 1.0  # below which a curvature is noise
+SLOPE_WINDOW_S = 0.5  # over which an acceleration is taken
+
+
+def slope(times_s: Floats, values: Floats, window_s: float = SLOPE_WINDOW_S) -> Floats:
+    """(N,) derivative of values (N,): the least-squares line over a window about each time, at least three samples.
+
+    For evenly spaced times this is the filter of Savitzky and Golay, Anal. Chem. 36, 1964, of degree 1.
+    """
+    first = np.searchsorted(times_s, times_s - 0.5 * window_s - 1e-9)
+    last = np.searchsorted(times_s, times_s + 0.5 * window_s + 1e-9)
+    count, index = len(times_s), np.arange(len(times_s))
+    first, last = np.minimum(first, np.maximum(index - 1, 0)), np.maximum(last, np.minimum(index + 2, count))
+    time = times_s - times_s.mean()
+    sums = [np.concatenate([[0.0], np.cumsum(part)]) for part in (time, values, time * values, time * time)]
+    t, v, tv, tt = (part[last] - part[first] for part in sums)
+    n = last - first
+    result: Floats = (n * tv - t * v) / (n * tt - t * t)
+    return result
+
+
+def speed(times_s: Floats, poses: Floats) -> Floats:
+    """(N,) m/s from poses (N, 3)."""
+    velocity = np.gradient(poses[:, :2], times_s, axis=0)
+    return np.asarray(np.hypot(velocity[:, 0], velocity[:, 1]))
+
+
+def yaw_rate(times_s: Floats, poses: Floats) -> Floats:
+    """(N,) rad/s, + right, from poses (N, 3)."""
+    return np.asarray(np.gradient(np.unwrap(poses[:, 2]), times_s))
+
+
+def travelled(times_s: Floats, speed_mps: Floats, yaw_rate_radps: Floats, ahead_m: float = 0.0) -> Floats:
+    """(N, 3) poses, from the origin along X: the rear axle goes where the vehicle heads, the camera is ahead of it."""
+    step_s = np.diff(times_s)
+    turned = np.concatenate([[0.0], np.cumsum(0.5 * (yaw_rate_radps[1:] + yaw_rate_radps[:-1]) * step_s)])
+    step_m = 0.5 * (speed_mps[1:] + speed_mps[:-1]) * step_s
+    middle = 0.5 * (turned[1:] + turned[:-1])
+    axle = [np.concatenate([[0.0], np.cumsum(step_m * part)]) for part in (np.cos(middle), np.sin(middle))]
+    camera = [axle[0] + ahead_m * (np.cos(turned) - 1.0), axle[1] + ahead_m * np.sin(turned)]
+    return np.stack([*camera, turned], axis=1)
+
+
+def steering(speed_mps: Floats, yaw_rate_radps: Floats, wheelbase_m: float) -> Floats:
+    """(N,) rad, + right: tan(steering) = wheelbase x yaw rate / speed, the kinematic bicycle; nan below 1 m/s."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        angle = np.arctan(wheelbase_m * yaw_rate_radps / speed_mps)
+    return np.where(speed_mps >= LEAST_SPEED_MPS, angle, np.nan)
+
+
+def throttle(acceleration_mps2: Floats, vehicle: VehicleModel | None = None) -> Floats:
+    """(N,) -1 .. 1: acceleration over the full scale of the throttle or, below zero, of the brake."""
+    car = vehicle or VehicleModel()
+    full = np.where(acceleration_mps2 >= 0.0, car.full_throttle_mps2, car.full_brake_mps2)
+    return np.asarray(np.clip(acceleration_mps2 / full, -1.0, 1.0))

@@ -1,0 +1,86 @@
+"""drive.toml: what someone tells of a recording of their own. docs/recordings.md explains each key."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from vpf_sim.replay.assemble import CAMERA_AHEAD_M, WHEELBASE_M
+
+Sided = Literal["steering", "yaw_rate", "yaw", "y"]
+
+
+@dataclass(frozen=True, slots=True)
+class CameraKeys:
+    """Angles: pitch + looks down, yaw + looks right, roll + clockwise; left out they are found on the way."""
+
+    fx_px: float | None = None
+    fy_px: float | None = None  # left out: as fx_px
+    cx_px: float | None = None  # left out: the middle
+    cy_px: float | None = None
+    field_of_view_deg: float | None = None  # across, instead of fx_px
+    distortion: tuple[float, ...] = ()
+    model: Literal["pinhole", "fisheye"] = "pinhole"
+    height_m: float | None = None
+    pitch_deg: float | None = None
+    yaw_deg: float | None = None
+    roll_deg: float | None = None
+    ahead_of_rear_axle_m: float = CAMERA_AHEAD_M
+
+    def __post_init__(self) -> None:
+        if self.fx_px is not None and self.field_of_view_deg is not None:
+            raise ValueError("fx_px, field_of_view_deg: expected one of them, got both")
+        if self.field_of_view_deg is not None and not 10.0 <= self.field_of_view_deg <= 170.0:
+            raise ValueError(f"field_of_view_deg: expected 10 to 170, got {self.field_of_view_deg:g}")
+        for name in ("fx_px", "fy_px", "height_m"):
+            value = getattr(self, name)
+            if value is not None and value <= 0.0:
+                raise ValueError(f"{name}: expected > 0, got {value:g}")
+        if self.model == "fisheye" and len(self.distortion) != 4:
+            raise ValueError(f"distortion: expected the 4 numbers of a fisheye, got {len(self.distortion)}")
+        if self.model == "pinhole" and len(self.distortion) not in (0, 1, 2, 4, 5, 8):
+            raise ValueError(f"distortion: expected 2, 4, 5 or 8 numbers, got {len(self.distortion)}")
+        angles = [angle is None for angle in (self.pitch_deg, self.yaw_deg)]
+        if any(angles) and not all(angles):
+            raise ValueError("pitch_deg, yaw_deg: expected both or neither")
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleKeys:
+    """The recorded car; its full scales stay those of the driver's model."""
+
+    wheelbase_m: float = WHEELBASE_M
+    steering_ratio: float | None = None  # steering wheel over road wheels
+
+    def __post_init__(self) -> None:
+        if self.wheelbase_m <= 0.0 or (self.steering_ratio is not None and self.steering_ratio <= 0.0):
+            raise ValueError("wheelbase_m, steering_ratio: expected > 0")
+
+
+@dataclass(frozen=True, slots=True)
+class SignalKeys:
+    """The table of signals. `columns` says how those are called whose names are not ours."""
+
+    file: str = "signals.csv"
+    offset_s: float = 0.0  # added to the table's times: the first frame is at 0
+    left_is_positive: tuple[Sided, ...] = ()
+    columns: tuple[tuple[str, str], ...] = ()  # (our name, the table's name)
+
+
+@dataclass(frozen=True, slots=True)
+class DriveFile:
+    """The whole file."""
+
+    schema: Literal[1]
+    frames: str = ""  # a video or a folder of pictures; left out, the only one there is
+    name: str = ""
+    weather: str = ""
+    rate_hz: float | None = None  # of pictures without times
+    speed_mps: float | None = None  # if it was held, and no table has it
+    camera: CameraKeys = field(default_factory=CameraKeys)
+    vehicle: VehicleKeys = field(default_factory=VehicleKeys)
+    signals: SignalKeys | None = None  # left out: signals.csv, if there is one
+
+    def __post_init__(self) -> None:
+        if self.rate_hz is not None and self.rate_hz <= 0.0:
+            raise ValueError(f"rate_hz: expected > 0, got {self.rate_hz:g}")
+        if self.speed_mps is not None and self.speed_mps < 0.0:
+            raise ValueError(f"speed_mps: expected >= 0, got {self.speed_mps:g}")

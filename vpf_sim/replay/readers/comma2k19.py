@@ -1,0 +1,174 @@
+"""Reader of a segment of comma2k19 (Schafer et al., arXiv:1812.05752, README of commaai/comma2k19).
+
+video.hevc, 20 Hz, 1164 x 874 px; processed_log/<CAN, IMU, GNSS>/<signal>/{t, value} and global_pose/frame_*, NumPy
+arrays whatever their suffix; times in seconds since the device's boot. CAN speed in m/s, steering wheel in degrees, +
+left, as is the radar's side; poses of the camera in ECEF, quaternions of [forward, right, down].
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.replay import assemble, camera_motion, series, video_file
+from vpf_sim.replay.recording import Origin, Recording
+from vpf_sim.replay.rectify import Lens, mounting_seeing
+from vpf_sim.types import Floats
+
+LAYOUT = "comma2k19 segment"
+EXPECTED = "video.hevc, processed_log/, global_pose/"
+LENS = Lens(1164, 874, 910.0, 910.0, 582.0, 437.0)  # of the EON, by the project's own transformations
+HEIGHT_M = 1.22  # of the EON above the road, likewise
+# Steering wheel over road wheel, and wheelbase, of the two cars as in openpilot; the radar's addresses tell which.
+CARS = {"Toyota RAV4": (16.88, 2.65), "Honda Civic": (15.38, 2.70)}
+HONDA_FIRST_ADDRESS = 0x400
+ACROSS_M, RADAR_GAP_S = 1.5, 0.2  # a body that is so near to our course is ahead of us; a radar's cycle and more
+RIGHT_DOWN_FORWARD = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # of [forward, right, down]
+
+
+def recognises(folder: Path) -> bool:
+    return (folder / "processed_log").is_dir() or (folder / "global_pose").is_dir() or len(_segments(folder)) > 0
+
+
+def read(folder: Path) -> Recording:
+    if not (folder / "processed_log").is_dir() and not (folder / "global_pose").is_dir():
+        folder = _only_segment(folder)
+    log = folder / "processed_log" / "CAN"
+    stamps = series.ascending(_named(folder / "global_pose", "frame_times"), _pose_array(folder, "frame_times"))
+    source, stamps = _with_video(folder, stamps)
+    count = len(stamps)
+    orientation, velocity = (_pose_array(folder, f"frame_{name}")[:count] for name in ("orientations", "velocities"))
+    _poses(source, _pose_array(folder, "frame_positions")[:count], orientation, velocity)
+    speed = _signal(log, ("car_speed", "speed"), stamps)
+    wheel = _signal(log, ("steering_angle",), stamps)
+    car = _radar(source, log, stamps)
+    ratio, source.wheelbase_m = CARS[car]
+    if speed is not None:
+        source.put("speed_mps", speed, "CAN speed")
+    if wheel is not None:
+        how = f"CAN steering wheel over {ratio:g}, the ratio of a {car}"
+        source.put("steering_rad", -np.radians(wheel) / ratio, how)
+    return assemble.recording(source)
+
+
+def _segments(folder: Path) -> list[Path]:
+    return sorted(path.parent for path in folder.glob("*/global_pose"))
+
+
+def _only_segment(folder: Path) -> Path:
+    segments = _segments(folder)
+    if len(segments) > 1:
+        names = ", ".join(path.name for path in segments[:8])
+        raise InputError(f"{folder}: expected one segment of comma2k19, found {len(segments)}: name one of {names}")
+    return segments[0]
+
+
+def _named(folder: Path, name: str) -> Path:
+    """The array's file, with or without .npy: the archives have none, copies often do."""
+    return folder / f"{name}.npy" if (folder / f"{name}.npy").exists() else folder / name
+
+
+def _pose_array(folder: Path, name: str) -> Floats:
+    return series.array(_named(folder / "global_pose", name), f"the {name} of comma2k19")
+
+
+def _with_video(folder: Path, stamps: Floats) -> tuple[assemble.Source, Floats]:
+    """What there is to look at, and the frames' times on the device's clock."""
+    path = folder / "video.hevc"
+    name = folder.resolve().name
+    if path.exists():
+        video = video_file.read(path, stamps)
+        stamps = stamps[: len(video.times_s)]
+        lens, frames, notes, missing = _lens(path, video), video.frames, list(video.notes), ""
+    else:
+        lens, notes = LENS, []
+        missing = (
+            f"{folder}: no pictures: video.hevc is missing, get it from the data set's chunks; "
+            f"the signals of {len(stamps)} frames are there, so the recording can be listed and plotted, not driven"
+        )
+        frames = lambda: iter(())  # noqa: E731
+    source = assemble.Source(
+        name, LAYOUT, stamps - stamps[0], frames, lens, camera_ahead_m=assemble.CAMERA_AHEAD_M, notes=notes
+    )
+    source.no_images = missing
+    source.origins["times_s"] = Origin("recorded", "global_pose/frame_times")
+    return source, stamps
+
+
+def _lens(path: Path, video: video_file.Video) -> Lens:
+    if (video.width_px, video.height_px) != (LENS.width_px, LENS.height_px):
+        expected = f"{LENS.width_px} x {LENS.height_px}"
+        raise InputError(f"{path}: expected the EON's {expected} px, got {video.width_px} x {video.height_px}")
+    return LENS
+
+
+def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velocity_mps: Floats) -> None:
+    """Way, mounting and the truth of the focus of expansion."""
+    turn = _matrices(quaternion) @ RIGHT_DOWN_FORWARD.T  # from the camera's axes to ECEF
+    level = _level(position_m[0])  # from ECEF to (east, down, north), x right, y down, z forward of a map
+    poses = np.concatenate([level @ turn, ((position_m - position_m[0]) @ level.T)[:, :, None]], axis=2)
+    moved = np.einsum("nji,nj->ni", turn, velocity_mps)  # in the camera's axes
+    total = moved[np.linalg.norm(velocity_mps, axis=1) > 1.0].sum(axis=0)
+    if not np.linalg.norm(total):
+        return  # it stood: the pictures may tell
+    source.mounting = mounting_seeing(total, HEIGHT_M)
+    pitch, yaw = np.degrees([source.mounting.pitch_rad, source.mounting.yaw_rad])
+    said = f"looks {pitch:.2f} deg down and {yaw:.2f} deg right, by the poses"
+    source.origins["camera"] = Origin("assumed", f"f = 910 px, centre and height 1.22 m of the EON; {said}")
+    way = camera_motion.planar(poses)
+    way[:, 2] -= source.mounting.yaw_rad
+    source.put("poses", way, "global_pose")
+    source.put("yaw_rate_radps", np.gradient(way[:, 2], source.times_s), "from global_pose", "derived")
+    source.directions_m = camera_motion.directions(poses)
+
+
+def _matrices(quaternion: Floats) -> Floats:
+    """(N, 3, 3) of Hamilton quaternions (N, 4), w first; as recorded they take [forward, right, down] to ECEF."""
+    w, x, y, z = (quaternion / np.linalg.norm(quaternion, axis=1)[:, None]).T
+    rows = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def _level(position_m: Floats) -> Floats:
+    """(3, 3) from ECEF to east, down, north at a place; down by the ellipsoid of WGS84."""
+    up = position_m / np.array([6378137.0, 6378137.0, 6356752.3142]) ** 2
+    up = up / np.linalg.norm(up)
+    east = np.cross([0.0, 0.0, 1.0], up)
+    east = east / np.linalg.norm(east)
+    return np.stack([east, -up, np.cross(up, east)])
+
+
+def _signal(log: Path, names: tuple[str, ...], stamps: Floats) -> Floats | None:
+    """(N,) at the frames' times; None where it was not recorded. The archives' names differ from the README's."""
+    for name in names:
+        if (log / name).is_dir():
+            sampled = series.array(_named(log / name, "t"), f"the times of {name}")
+            values = series.array(_named(log / name, "value"), f"the values of {name}")
+            if len(sampled) != len(values):
+                raise InputError(
+                    f"{log / name}: expected as many times as values, got {len(sampled)} and {len(values)}"
+                )
+            order = np.argsort(sampled, kind="stable")
+            return series.at(stamps, sampled[order], values.reshape(len(values), -1)[order, 0])
+    return None
+
+
+def _radar(source: assemble.Source, log: Path, stamps: Floats) -> str:
+    """The gap to the nearest body on our course, and which car's radar this is."""
+    if not (log / "radar").is_dir():
+        source.notes.append("no radar, which would tell the car: taken to be a Toyota RAV4")
+        return "Toyota RAV4"
+    sampled = series.array(_named(log / "radar", "t"), "the times of the radar")
+    values = series.array(_named(log / "radar", "value"), "the values of the radar")
+    rows = (np.abs(values[:, 1]) < ACROSS_M) & (values[:, 0] > 0.0)
+    gap = np.full(len(stamps), np.inf)
+    nearest = np.clip(np.searchsorted(0.5 * (stamps[1:] + stamps[:-1]), sampled[rows]), 0, len(stamps) - 1)
+    close = np.abs(stamps[nearest] - sampled[rows]) < RADAR_GAP_S
+    np.minimum.at(gap, nearest[close], values[rows, 0][close])
+    gap = np.where(np.isinf(gap), np.nan, gap)
+    source.put("lead_gap_m", gap, f"radar, nearest body within {ACROSS_M:g} m of straight ahead, from the bumper")
+    return "Honda Civic" if np.median(values[:, 5]) >= HONDA_FIRST_ADDRESS else "Toyota RAV4"

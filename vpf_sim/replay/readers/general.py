@@ -1,0 +1,154 @@
+"""Reader of anyone's recording: a video or a folder of pictures, drive.toml, and a table (docs/recordings.md)."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from vpf_sim import tables
+from vpf_sim.errors import InputError
+from vpf_sim.replay import assemble, image_files, video_file
+from vpf_sim.replay.drive_file import CameraKeys, DriveFile, SignalKeys
+from vpf_sim.replay.readers import general_signals
+from vpf_sim.replay.recording import Frame, Origin, Recording
+from vpf_sim.replay.rectify import Lens, Mounting
+from vpf_sim.types import Floats
+
+LAYOUT = "video or pictures with drive.toml"
+EXPECTED = "drive.toml and a video or a folder of pictures, signals.csv beside them if there is one"
+FILE = "drive.toml"
+FOLDERS = ("image", "images", "frames")
+
+
+@dataclass(frozen=True, slots=True)
+class _Pictures:
+    """What there is to look at, before it is looked at."""
+
+    size: tuple[int, int]
+    times_s: Floats
+    how: Origin  # the times are known
+    frames: Callable[[], Iterator[Frame]]
+    names: tuple[str, ...]  # of the pictures; none of a video
+    notes: tuple[str, ...]
+
+
+def recognises(folder: Path) -> bool:
+    return (folder / FILE).exists()
+
+
+def read(folder: Path) -> Recording:
+    """The recording that drive.toml describes."""
+    table = tables.read_file(folder / FILE, "drive")
+    columns = table.get("signals", {}).get("columns") if isinstance(table.get("signals"), dict) else None
+    if isinstance(columns, dict):
+        table["signals"]["columns"] = [[ours, theirs] for ours, theirs in columns.items()]
+    drive = tables.build(DriveFile, table, str(folder / FILE))
+    return _recording(folder, drive, _pictures(folder, drive))
+
+
+def read_video(path: Path) -> Recording:
+    """A video of which nothing else is known."""
+    drive = DriveFile(schema=1, frames=path.name)
+    return replace(_recording(path.parent, drive, _video(path, drive)), name=path.stem)
+
+
+def _recording(folder: Path, drive: DriveFile, pictures: _Pictures) -> Recording:
+    keys = drive.camera
+    source = assemble.Source(
+        name=drive.name or folder.resolve().name,
+        layout=LAYOUT,
+        times_s=pictures.times_s,
+        frames=pictures.frames,
+        lens=_lens(keys, pictures.size),
+        mounting=_mounting(keys),
+        height_m=keys.height_m or assemble.HEIGHT_M,
+        wheelbase_m=drive.vehicle.wheelbase_m,
+        camera_ahead_m=keys.ahead_of_rear_axle_m,
+        weather=drive.weather,
+        notes=list(pictures.notes),
+    )
+    source.origins["camera"] = _camera_origin(keys, source.lens)
+    source.origins["times_s"] = pictures.how
+    signals = drive.signals or SignalKeys()
+    if drive.signals is not None or (folder / signals.file).exists():
+        general_signals.put(source, folder / signals.file, signals, drive.vehicle, pictures.names)
+    if drive.speed_mps is not None and "speed_mps" not in source.signals:
+        held = np.full(len(source.times_s), drive.speed_mps)
+        source.put("speed_mps", held, f"{FILE}: speed_mps, held throughout", "assumed")
+    return assemble.recording(source)
+
+
+def _pictures(folder: Path, drive: DriveFile) -> _Pictures:
+    if drive.frames:
+        path = folder / drive.frames
+        if path.is_dir():
+            return _images(path, drive)
+        if not path.exists():
+            raise InputError(f"{folder / FILE}: frames: expected a video or a folder of pictures, found no '{path}'")
+        return _video(path, drive)
+    videos = sorted(path for path in folder.iterdir() if path.suffix.lower() in video_file.SUFFIXES)
+    places = [folder / name for name in FOLDERS if (folder / name).is_dir()]
+    found = [path.name for path in [*videos, *places]]
+    if len(found) != 1:
+        listed = ", ".join(found) or "none"
+        raise InputError(
+            f"{folder / FILE}: frames is left out: expected one video or folder of pictures, found {listed}"
+        )
+    return _images(places[0], drive) if places else _video(videos[0], drive)
+
+
+def _images(folder: Path, drive: DriveFile) -> _Pictures:
+    files = image_files.listed(folder)
+    size = image_files.size(files)
+    names = tuple(file.name for file in files)
+    times = general_signals.frame_times(folder.parent, drive.signals or SignalKeys(), names)
+    how = Origin("recorded", "the table's rows of the pictures")
+    if times is None:
+        if drive.rate_hz is None:
+            place = folder.parent / FILE
+            raise InputError(f"{place}: pictures have no times: expected rate_hz, or a table with 'file' and 'time_s'")
+        times, how = np.arange(len(files)) / drive.rate_hz, Origin("recorded", f"{FILE}: rate_hz")
+    return _Pictures(size, times - times[0], how, lambda: image_files.frames(files), names, ())
+
+
+def _video(path: Path, drive: DriveFile) -> _Pictures:
+    video = video_file.read(path, None if drive.rate_hz is None else video_file.evenly(path, drive.rate_hz))
+    how = Origin("recorded", f"{path.name}" if drive.rate_hz is None else f"{FILE}: rate_hz")
+    return _Pictures((video.width_px, video.height_px), video.times_s, how, video.frames, (), video.notes)
+
+
+def _lens(keys: CameraKeys, size: tuple[int, int]) -> Lens:
+    width, height = size
+    across = assemble.FIELD_OF_VIEW_RAD if keys.field_of_view_deg is None else float(np.radians(keys.field_of_view_deg))
+    lens = assemble.assumed_lens(width, height, across)
+    fx = lens.fx_px if keys.fx_px is None else keys.fx_px
+    return replace(
+        lens,
+        fx_px=fx,
+        fy_px=fx if keys.fy_px is None else keys.fy_px,
+        cx_px=lens.cx_px if keys.cx_px is None else keys.cx_px,
+        cy_px=lens.cy_px if keys.cy_px is None else keys.cy_px,
+        distortion=keys.distortion,
+        model=keys.model,
+    )
+
+
+def _mounting(keys: CameraKeys) -> Mounting | None:
+    """None: to be found on the way."""
+    if keys.pitch_deg is None or keys.yaw_deg is None:
+        return None
+    pitch, yaw, roll = np.radians([keys.pitch_deg, keys.yaw_deg, keys.roll_deg or 0.0]).tolist()
+    return Mounting(pitch, yaw, roll, keys.height_m or assemble.HEIGHT_M)
+
+
+def _camera_origin(keys: CameraKeys, lens: Lens) -> Origin:
+    """What of the camera was told and what is taken for granted."""
+    assumed = []
+    if keys.fx_px is None and keys.field_of_view_deg is None:
+        assumed.append(f"field of view {np.degrees(assemble.FIELD_OF_VIEW_RAD):.0f} deg across")
+    if keys.height_m is None:
+        assumed.append(f"{assemble.HEIGHT_M:g} m above the road")
+    if assumed:
+        return Origin("assumed", f"{' and '.join(assumed)} assumed; f = {lens.fx_px:.0f} px")
+    return Origin("recorded", f"{FILE}; f = {lens.fx_px:.0f} px")

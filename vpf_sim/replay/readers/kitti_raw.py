@@ -1,0 +1,174 @@
+"""Reader of a drive of KITTI's raw data (Geiger et al., Int. J. Robot. Res. 32, 2013; readme of its development kit).
+
+<date>/<date>_drive_<n>_sync/: image_02/data/*.png, image_02/timestamps.txt, oxts/data/*.txt, oxts/timestamps.txt,
+tracklet_labels.xml; the calibration in <date>/. The unit of GPS and inertial sensors has forward, left, up: its turn
+about up and its heading are + left, counter-clockwise. `_extract` drives are not rectified: their lens is taken out.
+"""
+
+import xml.etree.ElementTree as ElementTree
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.replay import assemble, image_files, places, series
+from vpf_sim.replay.recording import Origin, Recording
+from vpf_sim.replay.rectify import Lens, Mounting, mounting_of
+from vpf_sim.types import Floats
+
+LAYOUT = "KITTI raw"
+EXPECTED = "image_02/data/, oxts/data/, and calib_cam_to_cam.txt there or one folder up"
+CAMERAS = ("image_02", "image_00", "image_03", "image_01")
+HEIGHT_M = 1.65  # of the cameras above the road
+WHEELBASE_M = 2.71  # Volkswagen Passat B6
+CAMERA_AHEAD_M = 1.68  # of the rear axle
+FIELDS = 30  # of a line of oxts; of them, by dataformat.txt:
+LATITUDE, LONGITUDE, YAW, FORWARD_MPS, FORWARD_MPS2, UP_RADPS = 0, 1, 5, 8, 14, 22
+FORWARD_LEFT_UP = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])  # to right, down, forward
+ACROSS_M, REACH_M = 1.8, 40.0  # what is nearer than this to our course is in the way
+
+
+def recognises(folder: Path) -> bool:
+    return (folder / "oxts").is_dir() or any((folder / name / "data").is_dir() for name in CAMERAS)
+
+
+def read(folder: Path) -> Recording:
+    """A `_sync` or `_extract` drive; the calibration lies in it or one folder up."""
+    camera = next((name for name in CAMERAS if (folder / name / "data").is_dir()), None)
+    if camera is None:
+        raise InputError(f"{folder}: expected pictures in one of {', '.join(f'{name}/data/' for name in CAMERAS)}")
+    files = image_files.listed(folder / camera / "data")
+    size = image_files.size(files)
+    clock_s = _stamps(folder / camera / "timestamps.txt", len(files))
+    lens, rectify_turn = _lens(folder, camera[-2:], size)
+    source = assemble.Source(
+        name=folder.resolve().name,
+        layout=LAYOUT,
+        times_s=clock_s - clock_s[0],
+        frames=lambda: image_files.frames(files),
+        lens=lens,
+        mounting=_mounting(folder, rectify_turn),
+        height_m=HEIGHT_M,
+        wheelbase_m=WHEELBASE_M,
+        camera_ahead_m=CAMERA_AHEAD_M,
+    )
+    source.origins["camera"] = Origin("recorded", "calib_cam_to_cam.txt; 1.65 m above the road, of KITTI's car")
+    source.origins["times_s"] = Origin("recorded", f"{camera}/timestamps.txt")
+    _motion(source, folder / "oxts", clock_s)
+    _labels(source, folder / "tracklet_labels.xml")
+    return assemble.recording(source)
+
+
+def _stamps(file: Path, count: int) -> Floats:
+    """(N,) s since 1970, UTC; written to the nanosecond."""
+    rows = [line for line in series.lines(file, "the time of each frame") if line.strip()]
+    if len(rows) != count:
+        raise InputError(f"{file}: expected {count} rows for {count} files, got {len(rows)}")
+    times = []
+    for number, row in enumerate(rows, 1):
+        try:
+            whole, _, fraction = row.strip().partition(".")
+            times.append(datetime.fromisoformat(f"{whole}+00:00").timestamp() + float(f"0.{fraction or 0}"))
+        except ValueError:
+            raise InputError(
+                f"{file}: line {number}: expected a time like 2011-09-26 13:02:25.594360375, got '{row[:40]}'"
+            ) from None
+    return series.ascending(file, np.array(times))
+
+
+def _calibration(folder: Path, name: str) -> dict[str, Floats] | None:
+    """The arrays of a calibration file by key; None if there is no such file."""
+    file = next((place / name for place in (folder, folder.resolve().parent) if (place / name).exists()), None)
+    if file is None:
+        return None
+    found = {}
+    for line in series.lines(file, "KITTI's calibration"):
+        key, _, values = line.partition(":")
+        try:
+            found[key.strip()] = np.array([float(word) for word in values.split()])
+        except ValueError:
+            continue  # the date of the calibration
+    return found
+
+
+def _lens(folder: Path, number: str, size: tuple[int, int]) -> tuple[Lens, Floats]:
+    """The camera of pictures of this size, rectified or not, and (3, 3) what rectification turned it by."""
+    values = _calibration(folder, "calib_cam_to_cam.txt")
+    if values is None:
+        raise InputError(f"{folder}: expected calib_cam_to_cam.txt in it or one folder up, found none")
+    keys = [f"{name}_{number}" for name in ("S", "K", "D", "S_rect", "P_rect")]
+    missing = [key for key in [*keys, f"R_rect_{number}", "R_rect_00"] if key not in values]
+    if missing:
+        raise InputError(f"{folder}: calib_cam_to_cam.txt: expected {', '.join(missing)}, found no such row")
+    raw, matrix, distortion, rectified, projection = (values[key] for key in keys)
+    if size == tuple(rectified.astype(int)):
+        pinhole = projection.reshape(3, 4)
+        return _pinhole(size, pinhole), values["R_rect_00"].reshape(3, 3)
+    if size == tuple(raw.astype(int)):
+        return _pinhole(size, matrix.reshape(3, 3), tuple(distortion)), np.eye(3)
+    expected = " or ".join(f"{part[0]:.0f} x {part[1]:.0f}" for part in (rectified, raw))
+    raise InputError(f"{folder}: expected images of {expected} px by calib_cam_to_cam.txt, got {size[0]} x {size[1]}")
+
+
+def _pinhole(size: tuple[int, int], matrix: Floats, distortion: tuple[float, ...] = ()) -> Lens:
+    fx, fy, cx, cy = (float(matrix[i]) for i in ((0, 0), (1, 1), (0, 2), (1, 2)))
+    return Lens(*size, fx, fy, cx, cy, tuple(float(value) for value in distortion))
+
+
+def _mounting(folder: Path, rectify_turn: Floats) -> Mounting | None:
+    """How the camera sits on the inertial unit, by the chain unit to lidar to camera; None where a link is missing."""
+    lidar, unit = (_calibration(folder, f"calib_{name}.txt") for name in ("velo_to_cam", "imu_to_velo"))
+    if lidar is None or unit is None or "R" not in lidar or "R" not in unit:
+        return None
+    unit_to_camera = rectify_turn @ lidar["R"].reshape(3, 3) @ unit["R"].reshape(3, 3)
+    return mounting_of(FORWARD_LEFT_UP @ unit_to_camera.T, HEIGHT_M)
+
+
+def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
+    """Speed, yaw rate, acceleration and way by the unit; an `_extract` drive has it ten times as often as pictures."""
+    if not folder.is_dir():
+        source.notes.append("no oxts/: no motion was recorded")
+        return
+    files = sorted((folder / "data").glob("*.txt"))
+    sampled = _stamps(folder / "timestamps.txt", len(files))
+    rows = np.array([_row(file) for file in files])
+    told = {"speed_mps": rows[:, FORWARD_MPS], "yaw_rate_radps": -rows[:, UP_RADPS]}
+    names = {"speed_mps": "vf", "yaw_rate_radps": "wu, its sign turned"}
+    for name, values in told.items():
+        source.put(name, series.at(clock_s, sampled, values), f"oxts {names[name]}")
+    source.acceleration_mps2 = series.filled(series.at(clock_s, sampled, rows[:, FORWARD_MPS2]))[0]
+    flat = places.north_east(rows[:, LATITUDE], rows[:, LONGITUDE])
+    way = places.way(flat, 0.5 * np.pi - rows[:, YAW])
+    source.put("poses", np.stack([series.at(clock_s, sampled, part) for part in way.T], axis=1), "oxts lat, lon, yaw")
+
+
+def _row(file: Path) -> list[float]:
+    try:
+        values = [float(word) for word in series.lines(file, "a line of oxts")[0].split()]
+    except (ValueError, IndexError):
+        raise InputError(f"{file}: expected a line of {FIELDS} numbers, got other text") from None
+    if len(values) < FIELDS - 5:  # the last five are about the reception; some drives lack them
+        raise InputError(f"{file}: expected {FIELDS} numbers, got {len(values)}")
+    return values[: FIELDS - 5]
+
+
+def _labels(source: assemble.Source, file: Path) -> None:
+    """Which frames have a labelled body in the way, and the gap to the nearest; places are the lidar's, left is +."""
+    if not file.exists():
+        return
+    count = len(source.times_s)
+    gap = np.full(count, np.inf)
+    try:
+        root = ElementTree.parse(file).getroot()
+        for body in root.iterfind("./tracklets/item"):
+            length, first = float(body.findtext("l", "0")), int(body.findtext("first_frame", "0"))
+            for step, pose in enumerate(body.iterfind("./poses/item")):
+                ahead, left = (float(pose.findtext(key, "nan")) for key in ("tx", "ty"))
+                if first + step < count and 0.0 < ahead < REACH_M and abs(left) < ACROSS_M:
+                    gap[first + step] = min(gap[first + step], ahead - 0.5 * length)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise InputError(f"{file}: expected KITTI's tracklets, cannot be read: {error}") from None
+    where = f"tracklet_labels.xml, within {ACROSS_M:g} m of straight ahead and {REACH_M:g} m"
+    source.put("obstacle", np.isfinite(gap).astype(float), where)
+    source.put("lead_gap_m", np.where(np.isfinite(gap), gap, np.nan), where)
