@@ -4,21 +4,28 @@ Lateral, with psi_e = psi - psi_d, the steering actuator as an integrator:
 
     s_r = c_r psi_e + d psi_e / dt,    d delta / dt = u = -u_0 sign(s_r),    |delta| <= delta_0.
 
-Longitudinal: s_l = c_l v - v_d, a = -a_0 sign(s_l). With a boundary layer, sign(s) becomes clip(s / layer, -1, 1).
+Longitudinal: s_l = c_l v - v_d, a = -a_0 sign(s_l). With a boundary layer, sign(s) becomes clip(s / layer, -1, 1). The
+law of second order (`super_twisting`) stands in the place of the lateral sign.
 
-Since d s_r / dt = (v / L) u + (what the reference does), the manifold is reached only while u_0 v / L exceeds the
-latter, and at standstill the steering has no authority at all: there it is held.
+Since d s_r / dt = (v / L) u + phi, phi = c_r d psi_e / dt - d^2 psi_d / dt^2, the manifold is reached only while the
+authority u_0 v / L exceeds |phi|, and at standstill the steering has no authority at all: there it is held. Along a
+road whose curvature changes at k' a metre phi is k' v^2, which grows faster with the speed than the authority: where it
+is too much, the gains `robust` slow down, to v times authority / |phi|, at which it holds.
 """
 
 from dataclasses import dataclass
 from math import copysign, exp, pi
+from typing import Literal
 
 from vpf_sim import tables
+from vpf_sim.controllers.super_twisting import SuperTwisting
 from vpf_sim.errors import unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Observation, Reference, VehicleModel
 
 STANDSTILL_MPS = 0.1
+SLOWEST_MPS = 2.0  # to slow down further for the reaching condition would take the authority itself
+DEMAND_FILTER_HZ = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +40,9 @@ class Gains:
     a0_mps2: float  # a_0 when speeding up
     brake_a0_mps2: float  # a_0 when slowing down
     speed_boundary_mps: float  # of s_l; 0 is the printed sign function
+    lateral_law: Literal["first_order", "super_twisting"] = "first_order"
+    disturbance_radps3: float = 0.0  # D of the super-twisting law: how fast what disturbs s_r may change
+    slows_to_reach: bool = False  # where the reaching condition does not hold
 
     def __post_init__(self) -> None:
         for key in ("c_r_per_s", "u0_radps", "c_l", "a0_mps2", "brake_a0_mps2"):
@@ -41,6 +51,22 @@ class Gains:
         for key in ("boundary_layer_radps", "reference_filter_hz", "speed_boundary_mps"):
             if not getattr(self, key) >= 0.0:
                 raise ValueError(f"{key}: expected >= 0, got {getattr(self, key)}")
+        if (self.lateral_law == "super_twisting") != (self.disturbance_radps3 > 0.0):
+            raise ValueError(
+                f"disturbance_radps3: expected > 0 with super_twisting alone, got {self.disturbance_radps3}"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Reaching:
+    """Whether the manifold can be reached: the condition of a sliding mode."""
+
+    authority_radps2: float  # u_0 v / L
+    demand_radps2: float  # |phi|, low-passed
+
+    @property
+    def holds(self) -> bool:
+        return self.demand_radps2 <= self.authority_radps2
 
 
 def load_gains(name: str) -> Gains:
@@ -72,11 +98,16 @@ class Gtsmc:
         self.steering_rad = 0.0
         self._last_heading_rad: float | None = None
         self._heading_rate_radps = 0.0
+        self._last_rate_radps: float | None = None
+        self._phi_radps2 = 0.0
+        self.reaching = Reaching(0.0, 0.0)
+        twists = self._gains.lateral_law == "super_twisting"
+        self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if twists else None
 
     def command(self, observation: Observation, reference: Reference) -> Command:
         """One step of 1 / rate_hz."""
         steering = self._steer(observation, reference)
-        throttle = self._accelerate(observation.speed_mps, reference.speed_mps)
+        throttle = self._accelerate(observation.speed_mps, self._speed(observation.speed_mps, reference.speed_mps))
         return Command(throttle, steering / self._vehicle.steering_limit_rad)
 
     def manifold(self, observation: Observation, reference: Reference, heading_rate_radps: float) -> float:
@@ -87,12 +118,38 @@ class Gtsmc:
     def _steer(self, observation: Observation, reference: Reference) -> float:
         """The angle of the actuator after one step, rad; clamping the integrator itself is its anti-windup."""
         rate = self._reference_rate(reference)
+        authority = observation.speed_mps / self._vehicle.wheelbase_m
+        self._check(observation, rate, authority)
         if observation.speed_mps > STANDSTILL_MPS:
-            s_r = self.manifold(observation, reference, rate)
-            step = -self._gains.u0_radps * relay(s_r, self._gains.boundary_layer_radps) * self._dt_s
+            step = self._rate(self.manifold(observation, reference, rate), authority) * self._dt_s
             limit = self._vehicle.steering_limit_rad
             self.steering_rad = max(-limit, min(limit, self.steering_rad + step))
         return self.steering_rad
+
+    def _rate(self, s_r: float, authority_per_s: float) -> float:
+        """u, rad/s."""
+        if self._twisting is not None:
+            return self._twisting.rate(s_r, authority_per_s, self._gains.u0_radps)
+        return -self._gains.u0_radps * relay(s_r, self._gains.boundary_layer_radps)
+
+    def _check(self, observation: Observation, rate_radps: float, authority_per_s: float) -> None:
+        """The reaching condition; d^2 psi_d / dt^2 is differentiated, so phi is low-passed."""
+        last, self._last_rate_radps = self._last_rate_radps, rate_radps
+        second = 0.0 if last is None else (rate_radps - last) / self._dt_s
+        phi = self._gains.c_r_per_s * (observation.yaw_rate_radps - rate_radps) - second
+        self._phi_radps2 += self._share(DEMAND_FILTER_HZ) * (phi - self._phi_radps2)
+        self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._phi_radps2))
+
+    def _speed(self, speed_mps: float, reference_mps: float) -> float:
+        """v_d, less where the manifold could not be reached."""
+        if not self._gains.slows_to_reach or self.reaching.holds:
+            return reference_mps
+        slower = speed_mps * self.reaching.authority_radps2 / self.reaching.demand_radps2
+        return min(reference_mps, max(slower, SLOWEST_MPS))
+
+    def _share(self, cutoff_hz: float) -> float:
+        """Of a new value in a low-pass of first order; all of it without one."""
+        return 1.0 - exp(-2.0 * pi * cutoff_hz * self._dt_s) if cutoff_hz > 0.0 else 1.0
 
     def _reference_rate(self, reference: Reference) -> float:
         """d psi_d / dt: as given, or differentiated and low-passed."""
@@ -100,9 +157,7 @@ class Gtsmc:
         if reference.heading_rate_radps is not None:
             return reference.heading_rate_radps
         raw = 0.0 if last is None else wrap_angle(reference.heading_rad - last) / self._dt_s
-        cutoff = self._gains.reference_filter_hz
-        share = 1.0 - exp(-2.0 * pi * cutoff * self._dt_s) if cutoff > 0.0 else 1.0
-        self._heading_rate_radps += share * (raw - self._heading_rate_radps)
+        self._heading_rate_radps += self._share(self._gains.reference_filter_hz) * (raw - self._heading_rate_radps)
         return self._heading_rate_radps
 
     def _accelerate(self, speed_mps: float, reference_mps: float) -> float:

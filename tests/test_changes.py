@@ -1,5 +1,6 @@
 """From `paper` to `robust` one change at a time: the steps, and variants of one's own laid over them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,12 @@ def test_each_step_can_be_built_and_is_a_driver() -> None:
         assert isinstance(variant.load(name), Variant)
         assert drivers.create(f"vpf@{name}").privileged == "none"
         assert drivers.description(f"vpf@{name}").summary == STEPS[name][0]
+
+
+def test_the_super_twisting_variant_is_robust_with_other_gains() -> None:
+    twisting, robust = variant.load("super-twisting"), variant.load("robust")
+    assert (twisting.gains, robust.gains) == ("super-twisting", "robust")
+    assert replace(twisting, gains="robust") == robust
 
 
 def test_a_change_that_changes_nothing_is_no_step() -> None:

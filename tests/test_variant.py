@@ -12,7 +12,7 @@ from vpf_sim.planning.variant import PACKAGE, Variant
 
 
 def test_all_variants_load() -> None:
-    assert variant.names() == ["literal", "paper", "robust"]
+    assert variant.names() == ["literal", "paper", "robust", "super-twisting"]
     for name in variant.names():
         assert isinstance(variant.load(name), Variant)
 

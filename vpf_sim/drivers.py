@@ -4,7 +4,7 @@ Naming the drivers loads none of them: planners and controllers are imported whe
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, cast, get_args
 
@@ -40,8 +40,10 @@ class FieldDriver:
         self._plan = None
 
     def act(self, observation: Observation) -> Command:
-        self._plan = self._planner.step(observation)
-        return self._controller.command(observation, self._plan.reference)
+        plan = self._planner.step(observation)
+        command = self._controller.command(observation, plan.reference)
+        self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
+        return command
 
     def trace(self) -> Plan | None:
         """The plan of the last step, for overlays and scores."""

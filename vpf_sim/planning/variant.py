@@ -1,7 +1,8 @@
 """A variant of the method: the configuration of every stage, read from a TOML file in variants/, or from a user's own.
 
-Between `paper` and `robust` lie the steps of the ablation (`vpf_sim.planning.changes`), each by its name. A file of
-one's own says with `base` which of these it starts from, and then only what it changes.
+Between `paper` and `robust` lie the steps of the ablation (`vpf_sim.planning.changes`), each by its name. A file may
+say with `base` which of these it starts from, and then only what it changes; one's own starts from `robust` if it does
+not.
 """
 
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from vpf_sim.planning.gradient_line import GradientLineConfig
 from vpf_sim.planning.valley import ValleyConfig
 
 PACKAGE = "vpf_sim.planning.variants"
-BASE = "robust"  # of a user's file that names none
+BASE = "robust"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +58,10 @@ def names() -> list[str]:
 
 def load(name: str) -> Variant:
     """The variant or step of that name, or of that TOML file."""
-    if name.endswith(".toml"):
-        return tables.build(Variant, _own(Path(name)), name)
-    return tables.build(Variant, _table(name), f"{name}.toml")
+    if not name.endswith(".toml"):
+        return tables.build(Variant, _table(name), f"{name}.toml")
+    own = {"base": BASE, **tables.read_file(Path(name), "variant")}
+    return tables.build(Variant, _whole(own, name), name)
 
 
 def ablation() -> dict[str, str]:
@@ -69,7 +71,7 @@ def ablation() -> dict[str, str]:
 
 def _table(name: str) -> dict[str, Any]:
     if name in names():
-        return tables.read(PACKAGE, f"{name}.toml")
+        return _whole(tables.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
     between = _steps()
     if name in between:
         return between[name][1]
@@ -80,12 +82,13 @@ def _steps() -> dict[str, tuple[str, dict[str, Any]]]:
     return steps(tables.read(PACKAGE, "paper.toml"), tables.read(PACKAGE, "robust.toml"))
 
 
-def _own(path: Path) -> dict[str, Any]:
-    """A user's file laid over the variant that it starts from."""
-    own = tables.read_file(path, "variant")
-    base = own.pop("base", BASE)
+def _whole(own: dict[str, Any], file: str) -> dict[str, Any]:
+    """A file's table laid over that of the variant that it starts from."""
+    if "base" not in own:
+        return own
+    base = own.pop("base")
     if not isinstance(base, str) or base.endswith(".toml"):
-        raise InputError(f"{path}: base: expected the name of a variant, got {base!r}")
+        raise InputError(f"{file}: base: expected the name of a variant, got {base!r}")
     return _laid_over(_table(base), own)
 
 

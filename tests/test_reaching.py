@@ -1,0 +1,74 @@
+"""The reaching condition of the sliding mode against the speed, on roads whose curvature changes fast."""
+
+from dataclasses import replace
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from bicycle import Bicycle
+
+from vpf_sim.controllers.gtsmc import Gains, Gtsmc, load_gains
+from vpf_sim.types import Reference, VehicleModel
+
+CAR = VehicleModel()
+ROBUST = load_gains("robust")
+LARGEST_PER_M, PERIOD_M = 0.05, 10.0  # of a curvature K sin(2 pi s / period)
+CHANGE_PER_M2 = 2.0 * pi * LARGEST_PER_M / PERIOD_M  # k'
+HOLDS_UP_TO_MPS = ROBUST.u0_radps / CAR.wheelbase_m / CHANGE_PER_M2  # u_0 v / L = k' v^2
+
+
+def wave(gains: Gains, speed_mps: float, time_s: float = 12.0) -> tuple[list[float], list[float], list[bool]]:
+    """Speeds, |s_r| and whether the condition held, of a car on the road at that reference speed."""
+    car, hands, way_m = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0
+    speeds, off, held = [], [], []
+    for _ in range(round(60.0 * time_s)):
+        phase = 2.0 * pi * way_m / PERIOD_M
+        psi_d, rate = LARGEST_PER_M * PERIOD_M / (2.0 * pi) * (1.0 - cos(phase)), LARGEST_PER_M * sin(phase)
+        reference = Reference(psi_d, speed_mps, rate * car.speed_mps)
+        off.append(abs(hands.manifold(car.observe(), reference, rate * car.speed_mps)))
+        car.step(hands.command(car.observe(), reference))
+        held.append(hands.reaching.holds)
+        speeds.append(car.speed_mps)
+        way_m += car.speed_mps / 60.0
+    return speeds[240:], off[240:], held[240:]
+
+
+def test_authority_and_demand_are_those_of_the_closed_form() -> None:
+    """A curvature that grows at k' a metre: phi = -k' v^2, after the low-pass."""
+    hands, change = Gtsmc(ROBUST, CAR, 60.0), 0.01
+    for step in range(120):
+        rate = change * 5.55**2 * step / 60.0
+        car = Bicycle(yaw_rad=0.0)
+        car.yaw_rate_radps = rate
+        hands.command(car.observe(), Reference(0.0, 5.55, rate))
+    assert hands.reaching.authority_radps2 == pytest.approx(0.65 * 5.55 / 2.7)
+    assert hands.reaching.demand_radps2 == pytest.approx(change * 5.55**2, rel=0.01)
+    assert hands.reaching.holds
+
+
+def test_where_it_holds_the_speed_is_kept() -> None:
+    assert 7.65 < HOLDS_UP_TO_MPS < 7.67
+    speeds, off, held = wave(ROBUST, 0.75 * HOLDS_UP_TO_MPS)
+    assert np.mean(held) > 0.98
+    assert min(speeds) > 0.97 * 0.75 * HOLDS_UP_TO_MPS
+    assert max(off) < 1.5 * ROBUST.boundary_layer_radps
+
+
+def test_where_it_cannot_hold_the_car_slows_down_until_it_does() -> None:
+    fast = 1.6 * HOLDS_UP_TO_MPS
+    speeds, off, held = wave(ROBUST, fast)
+    careless, far_off, _ = wave(replace(ROBUST, slows_to_reach=False), fast)
+    assert min(careless) > 0.98 * fast
+    assert max(far_off) > 3.0 * ROBUST.boundary_layer_radps
+    assert max(speeds) < 1.25 * HOLDS_UP_TO_MPS
+    assert np.mean(held) > 0.6
+    assert max(off) < 0.6 * max(far_off)
+
+
+def test_at_low_speed_it_is_not_slowed_down_further() -> None:
+    """The authority falls with the speed: a demand that does not would bring the car to stand."""
+    car, hands = Bicycle(speed_mps=0.5), Gtsmc(ROBUST, CAR, 60.0)
+    for step in range(300):
+        noise = 0.5 * sin(2.0 * pi * step / 60.0)
+        car.step(hands.command(car.observe(), Reference(0.0, 5.55, noise)))
+    assert car.speed_mps > 1.9
