@@ -13,7 +13,7 @@ import recorded_street as street
 
 from vpf_sim import cli
 from vpf_sim.errors import InputError
-from vpf_sim.replay import camera_motion, frame_table, kitti, open_loop
+from vpf_sim.replay import camera_motion, frame_table, open_loop, readers
 from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Camera, Command, DriverSetup, Floats, Observation
 
@@ -42,7 +42,7 @@ def copy(drive: Path, tmp_path: Path) -> Path:
 
 
 def test_the_recording_has_the_motion_that_was_driven(drive: Path) -> None:
-    recording = kitti.read(drive)
+    recording = readers.read(drive)
     assert (recording.name, len(recording), recording.rate_hz) == ("bend", FRAMES, pytest.approx(10.0))
     assert recording.speed_mps == pytest.approx(np.full(FRAMES, SPEED_MPS), rel=1e-3)
     assert recording.yaw_rate_radps == pytest.approx(np.full(FRAMES, YAW_RATE), rel=1e-3)
@@ -57,7 +57,7 @@ def test_the_recording_has_the_motion_that_was_driven(drive: Path) -> None:
 
 
 def test_the_truth_is_the_direction_of_motion_at_the_frame(drive: Path) -> None:
-    recording = kitti.read(drive)
+    recording = readers.read(drive)
     # Steady turning: at each frame the camera moves along its own vertical plane, up by the mounting pitch.
     assert np.nanmax(np.abs(recording.foe_px[:, 0] - street.CENTRE[0])) < 0.1
     assert np.nanmedian(recording.foe_px[:, 1]) == pytest.approx(street.CENTRE[1] - 300.0 * np.tan(0.03), abs=0.3)
@@ -66,9 +66,10 @@ def test_the_truth_is_the_direction_of_motion_at_the_frame(drive: Path) -> None:
 
 
 def test_a_drive_is_replayed_with_its_error_table_and_video(drive: Path, tmp_path: Path) -> None:
-    entry, _ = open_loop.run(kitti.read(drive), "vpf", tmp_path)
+    entry, _ = open_loop.run(readers.read(drive), "vpf", tmp_path)
     assert entry["frames"] == FRAMES
-    assert entry["accuracy"] is None
+    assert set(entry["accuracy"]) >= {"throttle", "steering"}  # against those derived from the poses
+    assert {"throttle", "steering_rad"} <= set(entry["derived"])
     assert "speed_mps" in entry["derived"]
     for axis in ("x", "y"):
         # Half the turn of an interval would be 3.7 px, a whole one 7.5 px.
@@ -82,7 +83,7 @@ def test_a_drive_is_replayed_with_its_error_table_and_video(drive: Path, tmp_pat
 
 
 def test_a_baseline_on_a_route_follows_the_way_that_was_driven(drive: Path, tmp_path: Path) -> None:
-    entry, _ = open_loop.run(kitti.read(drive), "pid", tmp_path)
+    entry, _ = open_loop.run(readers.read(drive), "pid", tmp_path)
     assert entry["foe_median_error_px"] is None  # it looks at nothing
     assert np.median(frame_table.read(tmp_path / "frames" / "bend.parquet").steering) > 0.0  # the bend goes right
 
@@ -207,7 +208,7 @@ def test_no_folder_and_a_full_folder_are_refused(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(InputError, match="nowhere: expected the folder of a drive, found nothing"):
-        kitti.read(tmp_path / "nowhere")
+        readers.read(tmp_path / "nowhere")
     (tmp_path / "note.txt").write_text("mine")
     assert cli.run(["replay", str(drive), "--out", str(tmp_path)]) == 2
     assert "expected an empty or new folder for --out" in capsys.readouterr().err
@@ -217,7 +218,7 @@ def test_no_folder_and_a_full_folder_are_refused(
 def shared_drive() -> Recording:
     if "VPF_SIM_SHARED" not in os.environ:
         pytest.skip("VPF_SIM_SHARED is not set: it names the folder that has drives/")
-    return kitti.read(Path(os.environ["VPF_SIM_SHARED"]) / "drives" / "kitti_vo_seq1")
+    return readers.read(Path(os.environ["VPF_SIM_SHARED"]) / "drives" / "kitti_vo_seq1")
 
 
 def test_the_shared_drive_agrees_with_its_labels(shared_drive: Recording) -> None:

@@ -200,7 +200,7 @@ def _truth(source: Source, camera: Camera) -> Floats | None:
         return None
     straight = rotation(replace(source.mounting, yaw_rad=0.0, roll_rad=0.0)).T @ rotation(source.mounting)
     result = np.full((len(source.times_s), 2), np.nan)
-    result[1:] = camera_motion.expansion(camera, source.directions_m @ straight.T)
+    result[1 : 1 + len(source.directions_m)] = camera_motion.expansion(camera, source.directions_m @ straight.T)
     return result
 
 

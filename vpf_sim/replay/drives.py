@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import kitti
+from vpf_sim.replay import readers
 from vpf_sim.types import Camera, Image
 
 KITTI_HEIGHT_M = 1.65
@@ -48,7 +48,7 @@ def read(folder: Path) -> Clip:
 
 
 def _kitti_odometry(folder: Path) -> Clip:
-    recording = kitti.read(folder)
+    recording = readers.read(folder)
     speed = float(np.median(recording.speed_mps))
 
     def frames() -> Iterator[Image]:

@@ -4,12 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import kitti, video_file
-from vpf_sim.replay.readers import comma2k19, general, kitti_raw, lidar_labels, radiate, udacity
+from vpf_sim.replay import video_file
+from vpf_sim.replay.readers import comma2k19, general, kitti_odometry, kitti_raw, lidar_labels, radiate, udacity
 from vpf_sim.replay.recording import Reader, Recording
 
 # The first that recognises a folder reads it: the plainest layouts come last.
-READERS: tuple[Reader, ...] = (general, comma2k19, kitti_raw, radiate, udacity, lidar_labels, kitti)
+READERS: tuple[Reader, ...] = (general, comma2k19, kitti_raw, radiate, udacity, lidar_labels, kitti_odometry)
 
 
 def read(folder: Path | str) -> Recording:
