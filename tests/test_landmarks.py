@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import project, vehicle_from_world, wrap_angle
-from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker, _at_least, carriageway_offsets
+from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker, carriageway_offsets
+from vpf_sim.perception.outlines import Seen, at_least, nearest_extent
 from vpf_sim.perception.triangulation import NoiseModel, information, triangulate
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
@@ -229,7 +230,7 @@ def test_what_lies_before_the_face_is_moved_along_its_line_of_sight() -> None:
     turn, corner = -0.3, np.array([12.0, 3.0])
     placed = vehicle_from_world(np.stack([corner * 2.0 / 3.0, corner]), np.array([0.0, 0.0, turn]))
     sight = np.arctan2(corner[1], corner[0]) - turn
-    across = _at_least(np.full(2, placed[1, 0]), placed, np.full(2, sight))
+    across = at_least(np.full(2, placed[1, 0]), placed, np.full(2, sight))
     assert across == pytest.approx([placed[1, 1]] * 2)
 
 
@@ -279,3 +280,18 @@ def test_the_edges_of_the_carriageway_follow_heading_and_curvature() -> None:
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match=r"expected 0 < near < far, got 30\.0, 28\.0"):
         LandmarkConfig(near_m=30.0)
+
+
+def test_a_face_is_not_told_too_near_by_the_worst_of_its_points() -> None:
+    """200 bodies of 8 points each, known to 1.2 m; behind the second half stand points 3 m farther, known better."""
+    rng, count = stream(25, "faces"), 200
+    forward = np.concatenate([rng.normal(20.0, 1.2, 8 * count), rng.normal(23.0, 0.2, 2 * count // 2)])
+    label = np.concatenate([np.repeat(np.arange(count), 8), np.repeat(np.arange(count // 2, count), 2)])
+    sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.2)])
+    some = np.zeros_like(forward)
+    face, face_sigma = nearest_extent(Seen(np.column_stack([forward, some]), sigma, some, some), label, count)
+    alone = face[: count // 2] - 20.0
+    assert np.mean(alone) == pytest.approx(0.0, abs=0.3)
+    assert np.std(alone) < 0.8
+    assert np.all(face_sigma < 0.9)
+    assert np.percentile(face[count // 2 :], 75) < 23.1

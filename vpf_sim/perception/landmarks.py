@@ -1,12 +1,14 @@
 """Bodies on the road: followed points that stand above it, kept in the world until the car has passed them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.ground import past_image
+from vpf_sim.perception.low import LowConfig, is_low, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
+from vpf_sim.perception.outlines import Seen, from_here, joined, nearest_extent, none, sides, widened
 from vpf_sim.perception.triangulation import NoiseModel, Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
@@ -15,6 +17,7 @@ from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 class LandmarkConfig:
     """When a point counts as standing above the road, and how many of them make a body."""
 
+    update_period_s: float = 0.05  # between judgements of the points
     window_px: int = 11  # of the flow, for the noise of a track
     grey_levels: float = 5.0  # noise of a track, see NoiseModel
     floor_px: float = 0.1
@@ -46,9 +49,9 @@ class LandmarkConfig:
     foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there
     link_right_m: float = 1.0  # points nearer than this belong to one body
     link_forward_m: float = 2.0
-    sharp_m: float = 0.3  # points with a smaller sigma of the depth count for the face, or those near the best
-    sharp_side_m: float = 0.12  # and with a smaller sigma across, for the sides
+    sharp_side_m: float = 0.12  # points with a smaller sigma across count for the sides, or those near the best
     behind_m: float = 11.0  # where a body is forgotten
+    low: LowConfig = field(default_factory=LowConfig)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
@@ -109,8 +112,12 @@ class LandmarkTracker:
         self.camera = camera
         self.config = config
         self.rate_hz = rate_hz
+        self._period_frames = max(1, round(config.update_period_s * rate_hz))
+        self._frame = -1
+        self._seen = none()
+        self._seen_from: Floats = np.zeros(3)
         self._rules = Rules(
-            rate_hz=rate_hz,
+            rate_hz=rate_hz / self._period_frames,
             hits=self._frames(config.hits_s),
             most_hits=2 * self._frames(config.single_hits_s),
             share=config.hits_share,
@@ -138,15 +145,25 @@ class LandmarkTracker:
 
         `points` are of `triangulate`; those which are of bodies that `moving` (N,) are no landmarks.
         """
+        self._frame += 1
+        if self._frame % self._period_frames == 0:
+            self._judge(flow, road, time_s, points, moving)
+            self._seen, self._seen_from = self._bodies(flow.pose), flow.pose
+        return from_here(self._seen, self._seen_from, flow.pose, speed_mps)
+
+    def _judge(
+        self, flow: Flow, road: RoadEdges, time_s: float, points: Triangulation | None, moving: Bools | None
+    ) -> None:
+        """Count what the points of this frame tell."""
         points = self.triangulate(flow) if points is None else points
         above = self._above(flow, points, road)
+        low = self._low(flow, points, road) & ~above
         if moving is not None and moving.any():
-            above &= ~moving
+            above, low = above & ~moving, low & ~moving
             self._marks.keep(~np.isin(self._marks.identity, flow.identity[moving]))
-        seen = self._sightings(flow, points, above)
-        self._marks.record(seen, flow.identity[self._on_road(points)], self._rules, time_s)
+        seen = self._sightings(flow, points, above | low, low)
+        self._marks.record(seen, flow.identity[self._on_road(flow, points)], self._rules, time_s)
         self._forget(flow)
-        return self._bodies(flow.pose, speed_mps)
 
     def _above(self, flow: Flow, points: Triangulation, road: RoadEdges) -> Bools:
         """(N,) points that stand above the carriageway beyond doubt."""
@@ -173,6 +190,18 @@ class LandmarkTracker:
             confirmed[chosen] = self._moves_so_now(flow, points, chosen)
         return confirmed
 
+    def _low(self, flow: Flow, points: Triangulation, road: RoadEdges) -> Bools:
+        """(N,) points that seem to stand a hand's breadth above the carriageway, off its lines."""
+        low = is_low(points, flow.age_frames / self.rate_hz, self.config.low)
+        chosen = np.flatnonzero(low)
+        foot = ground_from_pixels(self.camera, flow.points_px[chosen])
+        edges = carriageway_offsets(foot[:, 0], road)
+        chosen = chosen[off_lines(self.camera, flow.points_px[chosen], edges, self.config.low)]
+        confirmed = np.zeros(len(flow), np.bool_)
+        if len(chosen):
+            confirmed[chosen] = self._moves_so_now(flow, points, chosen)
+        return confirmed
+
     def _moves_so_now(self, flow: Flow, points: Triangulation, chosen: Integers) -> Bools:
         """Which of the chosen points moved in the last window as the place found from the whole track does.
 
@@ -188,14 +217,16 @@ class LandmarkTracker:
         confirmed: Bools = error < self.config.recent_px + self.config.recent_ratio * length
         return confirmed
 
-    def _on_road(self, points: Triangulation) -> Bools:
+    def _on_road(self, flow: Flow, points: Triangulation) -> Bools:
         """(N,) points that lie on the road beyond doubt: the only evidence that clears a landmark."""
+        low = np.isin(flow.identity, self._marks.identity[self._marks.low])
+        least = np.where(low, self.config.low.min_height_m, self.config.min_height_m)
         with np.errstate(invalid="ignore"):
             return (points.chi2_ground < self.config.chi2_limit) & (
-                points.height_m + 2.0 * points.height_sigma_m < self.config.min_height_m
+                points.height_m + 2.0 * points.height_sigma_m < least
             )
 
-    def _sightings(self, flow: Flow, points: Triangulation, above: Bools) -> Sightings:
+    def _sightings(self, flow: Flow, points: Triangulation, above: Bools, low: Bools) -> Sightings:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
         below = (flow.points_px[above, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
@@ -203,7 +234,20 @@ class LandmarkTracker:
         sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
         bearing = points.right_m[above] / depth
         sight = flow.pose[2] + np.arctan(bearing)
-        return Sightings(flow.identity[above], place, sigma, sigma * np.abs(bearing), sight, depth, height, founding)
+        margin = points.chi2_ground[above] - points.chi2[above]
+        side_sigma = sigma * np.abs(bearing)
+        return Sightings(
+            flow.identity[above],
+            place,
+            sigma,
+            side_sigma,
+            sight,
+            depth,
+            height,
+            founding & ~low[above],
+            low[above],
+            margin,
+        )
 
     def _forget(self, flow: Flow) -> None:
         marks = self._marks
@@ -216,19 +260,22 @@ class LandmarkTracker:
             marks.keep(wanted)
 
     def _frames(self, time_s: float) -> int:
-        return max(2, round(time_s * self.rate_hz))
+        return max(2, round(time_s * self.rate_hz / self._period_frames))
 
-    def _bodies(self, pose: Floats, speed_mps: float) -> Obstacles:
+    def _bodies(self, pose: Floats) -> Obstacles:
+        """Those of points well above the road, then those of low points that are not beside one of these."""
+        tall = self._tall_bodies(pose)
+        low = self._low_bodies(pose)
+        return joined(tall, low, self.config.low.beside_m) if len(low) else tall
+
+    def _tall_bodies(self, pose: Floats) -> Obstacles:
         marks, config = self._marks, self.config
-        believed = np.flatnonzero(marks.believed)
+        believed = np.flatnonzero(marks.believed & ~marks.low)
+        if not len(believed):
+            return none()
         place = vehicle_from_world(marks.place_m[believed], pose)
         sigma = marks.sigma_m[believed]
-        if not len(believed):
-            return _none()
-        gap = np.abs(place[:, None] - place[None])
-        reach = np.maximum(config.link_forward_m, 2.5 * np.hypot(sigma[:, None], sigma[None]))
-        linked = (gap[..., 1] < config.link_right_m) & (gap[..., 0] < reach)
-        label = connected(linked)
+        label = _clusters(place, sigma, config.link_right_m, config.link_forward_m)
         count = int(label.max()) + 1
         single = (
             (marks.hits[believed] >= self._frames(config.single_hits_s))
@@ -241,7 +288,20 @@ class LandmarkTracker:
         support = np.bincount(label, minlength=count)
         founders = np.bincount(label, marks.founding[believed], count)
         confirmed = (founders >= 2) | ((founders >= 1) & (support >= 3)) | (np.bincount(label, single, count) > 0)
-        return self._describe(believed, label, confirmed, place, sigma, pose[2], speed_mps)
+        return self._describe(believed, label, confirmed, place, sigma, pose[2])
+
+    def _low_bodies(self, pose: Floats) -> Obstacles:
+        marks, config = self._marks, self.config.low
+        believed = np.flatnonzero(marks.believed & marks.low)
+        if not len(believed):
+            return none()
+        place = vehicle_from_world(marks.place_m[believed], pose)
+        sigma = marks.sigma_m[believed]
+        label = _clusters(place, sigma, config.link_right_m, config.link_forward_m)
+        count = int(label.max()) + 1
+        margin = np.bincount(label, np.minimum(marks.margin[believed], config.most_margin), count)
+        confirmed = (np.bincount(label, minlength=count) >= config.least_points) & (margin > config.least_margin)
+        return widened(self._describe(believed, label, confirmed, place, sigma, pose[2]), config.least_width_m)
 
     def _describe(
         self,
@@ -251,7 +311,6 @@ class LandmarkTracker:
         place: Floats,
         sigma: Floats,
         yaw_rad: float,
-        speed_mps: float,
     ) -> Obstacles:
         count = len(confirmed)
         body = np.full(count, np.iinfo(np.int64).max)
@@ -261,44 +320,16 @@ class LandmarkTracker:
         body[fresh] = self._next_body + np.arange(len(fresh))
         self._next_body += len(fresh)
         self._marks.body[believed] = np.where(confirmed[label], body[label], known)
-        # A poor point would stretch the body. Ahead of the car, one of poor depth still tells a side well.
-        known_well = _known_well(sigma, self.config.sharp_m, label, count)
-        member = label[known_well]
-        face = np.full(count, np.inf)
-        np.minimum.at(face, member, place[known_well, 0])
-        sides = np.flatnonzero(_known_well(self._marks.side_sigma_m[believed], self.config.sharp_side_m, label, count))
-        across = _at_least(face[label[sides]], place[sides], self._marks.sight_rad[believed[sides]] - yaw_rad)
-        left, right = np.full(count, np.inf), np.full(count, -np.inf)
-        np.minimum.at(left, label[sides], across)
-        np.maximum.at(right, label[sides], across)
-        weight = 1.0 / np.maximum(sigma[known_well], 0.02) ** 2
-        face_sigma = 1.0 / np.sqrt(np.bincount(member, weight, count))
-        closing = max(speed_mps, 0.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ttc = np.where((face > 0.0) & (closing > 0.0), face / closing, np.inf)
+        marks = self._marks
+        seen = Seen(place, sigma, marks.side_sigma_m[believed], marks.sight_rad[believed] - yaw_rad)
+        face, face_sigma = nearest_extent(seen, label, count)
+        left, right = sides(seen, label, face, self.config.sharp_side_m)
         c = confirmed
-        return Obstacles(face[c], left[c], right[c], face_sigma[c], ttc[c], body[c])
+        return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 
 
-def _known_well(sigma_m: Floats, sharp_m: float, label: Integers, count: int) -> Bools:
-    """(M,) points that count for the extent of their body: the sharp, and those not much worse than its sharpest."""
-    sharpest = np.full(count, np.inf)
-    np.minimum.at(sharpest, label, sigma_m)
-    well: Bools = sigma_m <= np.maximum(sharp_m, 2.0 * sharpest[label])
-    return well
-
-
-def _at_least(forward_m: Floats, place_m: Floats, sight_rad: Floats) -> Floats:
-    """(M,) m across, where points (M, 2) in vehicle axes lie when those nearer than `forward_m` are moved up to it.
-
-    Nothing of a body lies before its face, and a place errs along the line of sight (to the right of ahead by
-    `sight_rad`) in which the point was seen, not across it; the car may have turned since.
-    """
-    lacking = np.maximum(forward_m - place_m[:, 0], 0.0)
-    across: Floats = place_m[:, 1] + lacking * np.tan(sight_rad)
-    return across
-
-
-def _none() -> Obstacles:
-    empty = np.empty(0)
-    return Obstacles(empty, empty, empty, empty, empty, np.empty(0, np.int64))
+def _clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float) -> Integers:
+    """(M,) the body that each of M points belongs to, those near each other to one."""
+    gap = np.abs(place_m[:, None] - place_m[None])
+    reach = np.maximum(forward_m, 2.5 * np.hypot(sigma_m[:, None], sigma_m[None]))
+    return connected((gap[..., 1] < right_m) & (gap[..., 0] < reach))

@@ -22,6 +22,8 @@ class Sightings:
     depth_m: Floats  # (M,) from the camera
     height_m: Floats  # (M,) above the road
     founding: Bools  # (M,) may found a body, not only support one
+    low: Bools  # (M,) near the road, see `perception.low`
+    margin: Floats  # (M,) by how much chi2 is worse with the road
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +36,7 @@ class Rules:
     share: float
     steady_m: float  # largest change of place, plus
     steady_ratio: float  # this share of the depth
+    better: float = 0.7  # share of its sigma below which a sighting may move a point that is believed
 
 
 @dataclass(slots=True)
@@ -50,6 +53,8 @@ class Marks:
     depth_m: Floats  # (M,)
     height_m: Floats  # (M,)
     founding: Bools  # (M,)
+    low: Bools  # (M,)
+    margin: Floats  # (M,) the largest so far
     steady_m: Floats  # (M, 2) the place that later hits must confirm
     steady_sigma_m: Floats  # (M,)
     believed: Bools  # (M,)
@@ -59,7 +64,10 @@ class Marks:
     def none(cls) -> "Marks":
         number, truth = np.empty(0), np.empty(0, np.bool_)
         return cls.of(
-            Sightings(np.empty(0, np.int64), np.empty((0, 2)), number, number, number, number, number, truth), 0.0
+            Sightings(
+                np.empty(0, np.int64), np.empty((0, 2)), number, number, number, number, number, truth, truth, number
+            ),
+            0.0,
         )
 
     @classmethod
@@ -76,6 +84,8 @@ class Marks:
             depth_m=seen.depth_m,
             height_m=seen.height_m,
             founding=seen.founding,
+            low=seen.low,
+            margin=seen.margin,
             steady_m=seen.place_m,
             steady_sigma_m=seen.sigma_m,
             believed=np.zeros(count, np.bool_),
@@ -94,8 +104,12 @@ class Marks:
         row, column = self._matches(seen.identity)  # rows are of the table, columns of `seen`
         moved = np.hypot(*(seen.place_m[column] - self.steady_m[row]).T)
         still = moved < rules.steady_m + rules.steady_ratio * seen.depth_m[column]
-        self._confirm(row[still], seen, column[still])
-        # What moves in the world is no landmark: one not believed yet starts again, one believed keeps its place.
+        # What moves in the world is no landmark: one not believed yet starts again, one believed keeps its place,
+        # unless that was poorly known and is now seen better.
+        poor = self.sigma_m[row]
+        better = self.believed[row] & ~still & (seen.sigma_m[column] < rules.better * poor) & (moved < 3.0 * poor)
+        self._confirm(row[still | better], seen, column[still | better])
+        self._settle(row[better], seen, column[better])
         again = ~still & ~self.believed[row]
         self._restart(row[again], seen, column[again], time_s)
         cleared, _ = self._matches(on_road)
@@ -118,19 +132,22 @@ class Marks:
         self.hits[row] += 1
         self._place(row, seen, column)
         sharper = seen.sigma_m[column] < 0.5 * self.steady_sigma_m[row]
-        self.steady_m[row[sharper]] = seen.place_m[column[sharper]]
-        self.steady_sigma_m[row[sharper]] = seen.sigma_m[column[sharper]]
+        self._settle(row[sharper], seen, column[sharper])
 
     def _restart(self, row: Integers, seen: Sightings, column: Integers, time_s: float) -> None:
         self.hits[row], self.since_s[row] = 1, time_s
         self._place(row, seen, column)
+        self._settle(row, seen, column)
+
+    def _settle(self, row: Integers, seen: Sightings, column: Integers) -> None:
         self.steady_m[row], self.steady_sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
 
     def _place(self, row: Integers, seen: Sightings, column: Integers) -> None:
         self.place_m[row], self.sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
         self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
         self.side_sigma_m[row], self.sight_rad[row] = seen.side_sigma_m[column], seen.sight_rad[column]
-        self.founding[row] = seen.founding[column]
+        self.founding[row], self.low[row] = seen.founding[column], seen.low[column]
+        self.margin[row] = np.maximum(self.margin[row], seen.margin[column])
 
     def _append(self, seen: Sightings, new: Bools, time_s: float) -> None:
         fresh = Marks.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)), time_s)

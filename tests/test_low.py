@@ -1,0 +1,85 @@
+"""Low bodies from simulated tracks: a pallet is found in time, what lies on the road or on its lines is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
+
+from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
+from vpf_sim.perception.low import LowConfig, off_lines
+from vpf_sim.types import Floats, Obstacles
+
+BUMPER_M = 2.25  # ahead of the pose
+FACE_M = 45.0
+
+
+def pallet(right_m: float, height_m: float = 0.15) -> Floats:
+    """Corners of boards on a pallet of 1.2 x 0.8 m, and of its feet."""
+    top = [[FACE_M + x, right_m + y, height_m] for x in (0.0, 0.6, 1.2) for y in (-0.4, 0.4)]
+    feet = [[FACE_M, right_m + y, 0.0] for y in (-0.4, 0.4)]
+    return np.array(top + feet)
+
+
+def approach(scene: Floats, noise_px: float = 0.1, curvature_per_m: float = 0.0) -> list[Obstacles]:
+    """What is told of the scene on the way to 3 m before the pallet's face."""
+    drive = Drive(np.concatenate([scene, road_points(200, curvature_per_m)]), noise_px, curvature_per_m)
+    frames = round((FACE_M - BUMPER_M - 3.0) / SPEED_MPS * RATE_HZ)
+    return drive.run(LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ), range(frames))
+
+
+def first_gap_m(found: list[Obstacles]) -> float:
+    """From bumper to face when the first body is told; -inf if none."""
+    first = next((k for k, bodies in enumerate(found) if len(bodies)), None)
+    return -np.inf if first is None else FACE_M - BUMPER_M - first * SPEED_MPS / RATE_HZ
+
+
+@pytest.mark.parametrize("right_m", [-3.4, -0.3, 0.6, 3.2])
+def test_a_pallet_is_told_in_time_and_where_it_is(right_m: float) -> None:
+    found = approach(pallet(right_m))
+    assert first_gap_m(found) > 6.0
+    assert len(found[-1]) == 1
+    assert found[-1].forward_m[0] == pytest.approx(BUMPER_M + 3.0, abs=0.3)
+    assert (found[-1].left_m[0], found[-1].right_m[0]) == pytest.approx((right_m - 0.4, right_m + 0.4), abs=0.15)
+
+
+@pytest.mark.parametrize("height_m", [0.0, -0.15, -0.5])
+def test_what_is_painted_or_mirrored_is_no_pallet(height_m: float) -> None:
+    assert first_gap_m(approach(pallet(0.3, height_m))) == -np.inf
+
+
+def test_points_on_a_line_are_not_trusted() -> None:
+    """The ends of a dash, which slide along it and seem to stand."""
+    scene = pallet(0.0)
+    scene[:, 1] = 1.75 + 0.1 * scene[:, 1]  # the line right of the ego's lane
+    assert first_gap_m(approach(scene)) == -np.inf
+
+
+def test_one_point_is_not_enough() -> None:
+    assert first_gap_m(approach(pallet(0.3)[:1])) == -np.inf
+
+
+def test_the_low_points_of_a_taller_body_are_of_it() -> None:
+    feet = np.array([[FACE_M, y, 0.1] for y in (-0.3, 0.3, 0.9)])
+    found = approach(np.concatenate([body(FACE_M, 0.3, 1.8, 1.4, 10), feet]))
+    assert {len(bodies) for bodies in found[-100:]} == {1}
+
+
+def test_the_lines_are_where_the_edges_put_them() -> None:
+    config = replace(LowConfig(), line_px=0.0)
+    right = np.array([-8.8, -8.6, -5.25, -5.0, -1.6, 0.0, 1.6, 3.5, 4.9])
+    depth = 10.0
+    pixels = np.column_stack(
+        [CAMERA.cx_px + CAMERA.fx_px * right / depth, np.full(9, CAMERA.cy_px + CAMERA.fy_px * 1.4 / depth)]
+    )
+    edges = (np.full(9, -8.75), np.full(9, 5.25))
+    assert off_lines(CAMERA, pixels, edges, config).tolist() == [
+        False, False, False, True, False, True, False, True, False,
+    ]  # fmt: skip
+
+
+def test_nonsense_is_refused_with_what_was_given() -> None:
+    with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 14\.0"):
+        LowConfig(near_m=20.0)
+    with pytest.raises(ValueError, match=r"expected 0 < min < max, got 0\.3, 0\.25"):
+        LowConfig(min_height_m=0.3)

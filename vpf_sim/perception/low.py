@@ -1,0 +1,70 @@
+"""Points a hand's breadth above the road, of pallets, planks, tyres: it takes several to be sure of their height."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.geometry import ground_from_pixels
+from vpf_sim.perception.triangulation import Triangulation
+from vpf_sim.types import Bools, Camera, Floats
+
+
+@dataclass(frozen=True, slots=True)
+class LowConfig:
+    """When a point counts as low, and how many of them make a body."""
+
+    near_m: float = 3.0  # range of depth in which points are judged
+    far_m: float = 14.0
+    min_age_s: float = 0.15
+    min_height_m: float = 0.05
+    max_height_m: float = 0.25
+    sigma_height_m: float = 0.04  # largest
+    chi2_limit: float = 9.0  # of a point against its own depth
+    chi2_margin: float = 12.0  # by which the road must fit worse
+    lane_width_m: float = 3.5  # lines are painted so far apart between the edges
+    line_m: float = 0.2  # points whose foot on the road lies so near a line are not trusted: ends of dashes slide
+    line_px: float = 4.0  # besides, half of the flow's window
+    edge_m: float = 0.4  # the same of the edge lines
+    link_right_m: float = 0.9  # points nearer than this belong to one body
+    link_forward_m: float = 1.4
+    least_points: int = 2
+    least_margin: float = 60.0  # sum over the points of a body, of which one adds
+    most_margin: float = 100.0  # at most this
+    least_width_m: float = 0.6  # a body is told no narrower
+    beside_m: float = 0.8  # points so near a taller body are of it
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.near_m < self.far_m:
+            raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
+        if not 0.0 < self.min_height_m < self.max_height_m:
+            raise ValueError(
+                f"min_height_m, max_height_m: expected 0 < min < max, got {self.min_height_m}, {self.max_height_m}"
+            )
+        if self.lane_width_m <= 1.0:
+            raise ValueError(f"lane_width_m: expected > 1, got {self.lane_width_m}")
+
+
+def is_low(points: Triangulation, age_s: Floats, config: LowConfig) -> Bools:
+    """(N,) points that stand too low to be told one by one, by their own tracks."""
+    with np.errstate(invalid="ignore"):
+        low = (points.depth_m > config.near_m) & (points.depth_m < config.far_m) & (age_s >= config.min_age_s)
+        low &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
+        low &= (points.height_m > config.min_height_m) & (points.height_m < config.max_height_m)
+        low &= points.height_sigma_m < config.sigma_height_m
+    return low
+
+
+def off_lines(camera: Camera, points_px: Floats, edges: tuple[Floats, Floats], config: LowConfig) -> Bools:
+    """(N,) pixels whose place on the flat road is within the carriageway and on no painted line.
+
+    `edges` are of the carriageway at that place, (N,) left and right, vehicle axes.
+    """
+    foot = ground_from_pixels(camera, points_px)
+    left, right = edges
+    lanes = np.maximum(np.rint((right - left) / config.lane_width_m), 1.0)
+    across = (foot[:, 1] - left) / (right - left) * lanes
+    aside = np.abs(across - np.rint(across)) * config.lane_width_m
+    halo = config.line_px * (foot[:, 0] - camera.forward_m) / camera.fx_px
+    is_edge = (np.rint(across) <= 0.0) | (np.rint(across) >= lanes)
+    off: Bools = (across > 0.0) & (across < lanes) & (aside > np.where(is_edge, config.edge_m, config.line_m) + halo)
+    return off

@@ -1,0 +1,106 @@
+"""Where a body begins and how wide it is, from points of it that are known more or less well."""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.marks import Integers
+from vpf_sim.types import Bools, Floats, Obstacles
+
+LEAST_SIGMA_M = 0.05  # no point of a body tells its face better
+FACE_DEPTH_M = 0.2  # a face is no plane
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """M points of bodies, in vehicle axes."""
+
+    place_m: Floats  # (M, 2)
+    sigma_m: Floats  # (M,) of the depth
+    side_sigma_m: Floats  # (M,) of the place across
+    sight_rad: Floats  # (M,) to the right of ahead, the direction in which a point was seen, and its place may err
+
+
+def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float) -> Obstacles:
+    """Bodies seen from a pose short before, in the axes of the vehicle now, with their time to contact."""
+    middle = 0.5 * (bodies.left_m + bodies.right_m)
+    place = np.stack([bodies.forward_m, middle], axis=1)
+    place = vehicle_from_world(world_from_vehicle(place, seen_from), pose)
+    face, aside, closing = place[:, 0], place[:, 1] - middle, max(speed_mps, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ttc = np.where((face > 0.0) & (closing > 0.0), face / closing, np.inf)
+    return replace(bodies, forward_m=face, left_m=bodies.left_m + aside, right_m=bodies.right_m + aside, ttc_s=ttc)
+
+
+def widened(bodies: Obstacles, width_m: float) -> Obstacles:
+    """The bodies at least so wide, about their middle."""
+    lacking = 0.5 * np.maximum(width_m - (bodies.right_m - bodies.left_m), 0.0)
+    return replace(bodies, left_m=bodies.left_m - lacking, right_m=bodies.right_m + lacking)
+
+
+def joined(tall: Obstacles, low: Obstacles, beside_m: float) -> Obstacles:
+    """Both, without the low ones beside or under a tall one."""
+    apart = np.maximum(tall.left_m[None] - low.right_m[:, None], low.left_m[:, None] - tall.right_m[None])
+    along = np.abs(low.forward_m[:, None] - tall.forward_m[None])
+    own = ~np.any((apart < beside_m) & (along < 2.0), axis=1)
+    columns = {one.name: getattr(low, one.name)[own] for one in fields(low)}
+    return Obstacles(**{name: np.concatenate([getattr(tall, name), column]) for name, column in columns.items()})
+
+
+def nearest_extent(seen: Seen, label: Integers, count: int) -> tuple[Floats, Floats]:
+    """(K,) m, where each of `count` bodies begins, and its standard deviation; `label` (M,) tells whose a point is.
+
+    Most points of a body that is seen from behind lie on its face, so the nearest is the one that errs most. The mean
+    counts, by their weights, of those that agree with the one that is surely nearest.
+    """
+    forward, sigma = seen.place_m[:, 0], np.maximum(seen.sigma_m, LEAST_SIGMA_M)
+    latest = np.full(count, np.inf)
+    np.minimum.at(latest, label, forward + sigma)
+    leading = np.flatnonzero(forward + sigma <= latest[label])
+    face, spread = np.zeros(count), np.zeros(count)
+    face[label[leading]], spread[label[leading]] = forward[leading], sigma[leading]
+    for reach in (2.0 * np.hypot(sigma, spread[label]), 1.5 * sigma):
+        agrees = np.abs(forward - face[label]) <= reach + FACE_DEPTH_M
+        weight = np.where(agrees, sigma**-2, 0.0)
+        total = np.bincount(label, weight, count)
+        face = np.where(total > 0.0, np.bincount(label, weight * forward, count) / np.maximum(total, 1e-9), face)
+    return face, 1.0 / np.sqrt(np.maximum(total, 1e-6))
+
+
+def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[Floats, Floats]:
+    """(K,) m, where the left and the right side of each body is, from its points that are known well across.
+
+    Ahead of the car a point of poor depth still tells a side well; a poor one to the side would stretch the body.
+    """
+    count = len(face_m)
+    well = np.flatnonzero(_known_well(seen.side_sigma_m, sharp_m, label, count))
+    across = at_least(face_m[label[well]], seen.place_m[well], seen.sight_rad[well])
+    left, right = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(left, label[well], across)
+    np.maximum.at(right, label[well], across)
+    return left, right
+
+
+def _known_well(sigma_m: Floats, sharp_m: float, label: Integers, count: int) -> Bools:
+    """(M,) points that count for the extent of their body: the sharp, and those not much worse than its sharpest."""
+    sharpest = np.full(count, np.inf)
+    np.minimum.at(sharpest, label, sigma_m)
+    well: Bools = sigma_m <= np.maximum(sharp_m, 2.0 * sharpest[label])
+    return well
+
+
+def at_least(forward_m: Floats, place_m: Floats, sight_rad: Floats) -> Floats:
+    """(M,) m across, where points (M, 2) in vehicle axes lie when those nearer than `forward_m` are moved up to it.
+
+    Nothing of a body lies before its face, and a place errs along the line of sight (to the right of ahead by
+    `sight_rad`) in which the point was seen, not across it; the car may have turned since.
+    """
+    lacking = np.maximum(forward_m - place_m[:, 0], 0.0)
+    across: Floats = place_m[:, 1] + lacking * np.tan(sight_rad)
+    return across
+
+
+def none() -> Obstacles:
+    empty = np.empty(0)
+    return Obstacles(empty, empty, empty, empty, empty, np.empty(0, np.int64))
