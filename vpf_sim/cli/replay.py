@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vpf_sim.cli import replay_tables
 from vpf_sim.cli.options import DriverOption, JsonOption, MixedOption, OutOption, ResumeOption, print_json
 from vpf_sim.cli.options import prints_on_stderr as drivers_speak
 from vpf_sim.errors import InputError
@@ -22,12 +21,16 @@ DrivesArgument = Annotated[
 ]
 
 
+VideoOption = Annotated[bool, typer.Option("--video/--no-video", help="Film each drive, with what the driver saw.")]
+
+
 def replay(
     drive: DrivesArgument,
     driver: DriverOption = "vpf",
     out: OutOption = None,
     resume: ResumeOption = False,
     mixed: MixedOption = False,
+    video: VideoOption = True,
     json: JsonOption = False,
 ) -> None:
     """Run a driver over recorded drives, open loop: its commands beside the human's, what it sees beside the truth.
@@ -51,7 +54,7 @@ def replay(
         mixed,
     )
     try:
-        code = max(refused, _replay_all(folder, driver, [recording for _, recording in recordings.values()]))
+        code = max(refused, _replay_all(folder, driver, [recording for _, recording in recordings.values()], video))
         summary = folder.summarize()
         if folder.done or code != 2:  # a wrong input alone has no answer
             _answer(folder, summary, json)
@@ -90,21 +93,21 @@ def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path
     return result
 
 
-def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording]") -> int:
+def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording]", video: bool) -> int:
     """One drive after the other; the worst exit code."""
     code = 0
     for recording in recordings:
         if recording.name not in folder.done:
-            code = max(code, _replay_one(folder, driver, recording))
+            code = max(code, _replay_one(folder, driver, recording, video))
     return code
 
 
-def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording") -> int:
+def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", video: bool) -> int:
     from vpf_sim.replay import open_loop
 
     try:
         with drivers_speak():
-            record, timing = open_loop.run(recording, driver, folder.path, _tell(recording.name))
+            record, timing = open_loop.run(recording, driver, folder.path, _tell(recording.name), video)
             folder.add(record, timing)
     except InputError as error:
         _tell_fault(str(error))
@@ -133,9 +136,14 @@ def _tell(name: str) -> Any:
 
 
 def _answer(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> None:
+    from vpf_sim.cli import replay_tables
+    from vpf_sim.replay import page
+    from vpf_sim.replay.tables import tables
+
     records, timing = folder.records(), folder.timing()
+    path = page.write(folder.path, records, timing, summary)
     if as_json:
-        print_json({"out": str(folder.path), "drives": records, "timing": timing, **summary})
+        print_json({"out": str(folder.path), "report": str(path), "drives": records, "timing": timing, **summary})
     else:
-        replay_tables.print_all(records, timing, summary)
-        print(f"\nfilms, frames and records: {folder.path}")
+        replay_tables.print_all(tables(records, timing, summary))
+        print(f"\nplots and films: {path}\nframes and records: {folder.path}")

@@ -37,7 +37,7 @@ class FrameRow(NamedTuple):
     true_foe_x_px: float = nan
     true_foe_y_px: float = nan
     flow_yaw_rate_radps: float = nan  # from the flow alone
-    speed_scale: float = nan  # speed by the flow of the road ahead and the camera's height / recorded speed
+    flow_speed_mps: float = nan  # by the flow of the road ahead and the camera's height above it
     ttc_s: float = nan  # to the body ahead where `lead_gap_m` has it; inf where its image does not grow
 
 
@@ -56,6 +56,12 @@ class FrameTable:
             raise AttributeError(f"the frame table has no column '{name}'")
         column: Floats = self.rows[:, FrameRow._fields.index(name)]
         return column
+
+    def replaced(self, name: str, values: Floats) -> "FrameTable":
+        """The same table with other values (N,) in a column."""
+        rows = self.rows.copy()
+        rows[:, FrameRow._fields.index(name)] = values
+        return FrameTable(rows)
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -14,7 +14,7 @@ from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.perception.flow import grey
 from vpf_sim.planning import variant
-from vpf_sim.replay import frame_table, scores
+from vpf_sim.replay import frame_table, road_speed, scores
 from vpf_sim.replay.film import Film
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.model_vehicle import Interval
@@ -23,7 +23,7 @@ from vpf_sim.replay.own_derotation import OwnDerotation, OwnMotion
 from vpf_sim.replay.pilot import Decision, Pilot, pilot
 from vpf_sim.replay.recording import Recording
 from vpf_sim.replay.segments import Segment, goal_words, route, segments
-from vpf_sim.types import Command, Driver, DriverSetup, Image, Observation, VehicleModel
+from vpf_sim.types import Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
 OWN_VARIANT = "robust"  # whose flow serves for what is told of no rotation
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
@@ -71,8 +71,9 @@ def run(
         if filmed and not recording.no_images:
             film = stack.enter_context(_filming(recording, out / VIDEOS / f"{recording.name}.mp4"))
         can_drive = not recording.no_images or not drivers.sees(driver)
-        rows = list(_rows(recording, asked if can_drive else None, film, clock, progress))
-        table = FrameTable.of(rows)
+        voted: list[tuple[float, Floats]] = []
+        rows = list(_rows(recording, asked if can_drive else None, film, clock, voted, progress))
+        table = FrameTable.of(rows).replaced("flow_speed_mps", road_speed.speed(recording.times_s, voted))
         frame_table.write(table, out / FRAMES / f"{recording.name}.parquet")
     return _record(recording, driver_name, asked, table), clock.entry(recording)
 
@@ -90,7 +91,12 @@ def _filming(recording: Recording, path: Path) -> Iterator[Film]:
 
 
 def _rows(
-    recording: Recording, asked: Pilot | None, film: Film | None, clock: Clock, progress: Progress
+    recording: Recording,
+    asked: Pilot | None,
+    film: Film | None,
+    clock: Clock,
+    voted: list[tuple[float, Floats]],
+    progress: Progress,
 ) -> Iterator[FrameRow]:
     """One a frame; nobody is asked where pictures are missing that the driver needs."""
     parts = iter(segments(recording))
@@ -111,8 +117,9 @@ def _rows(
             last = decision
             row = row._replace(image=1.0, **_seen(decision, recording, k))
             if image.size:
-                row = row._replace(**_own(own.update(grey(image), moved_m)))
-                moved_m = 0.0
+                motion = own.update(grey(image), moved_m)
+                voted.append((row.time_s, motion.speed_votes))
+                row, moved_m = row._replace(**_own(motion)), 0.0
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
         if film is not None:
             film.write(image, last, row)
@@ -215,7 +222,6 @@ def _own(motion: OwnMotion) -> dict[str, float]:
         "own_foe_x_px": motion.expansion.x_px if usable else nan,
         "own_foe_y_px": motion.expansion.y_px if usable else nan,
         "flow_yaw_rate_radps": motion.yaw_rate_radps,
-        "speed_scale": motion.speed_scale,
     }
 
 

@@ -5,18 +5,17 @@ from math import nan
 
 import numpy as np
 
-from vpf_sim.geometry import ground_from_pixels, rotation_flow
+from vpf_sim.geometry import rotation_flow
 from vpf_sim.perception import expansion
 from vpf_sim.perception.flow import FlowTracker
-from vpf_sim.perception.ground import ground_flow
 from vpf_sim.planning.variant import Variant
+from vpf_sim.replay import road_speed
+from vpf_sim.replay.rectify import Mounting
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
 
 PASSES = 3
 PROBE_RAD = 1e-3  # a small turn, for the derivative of the flow by it
-ROAD_NEAR_M, ROAD_FAR_M, ROAD_HALF_M = 3.0, 20.0, 2.5  # of the road ahead that tells the speed, from the camera
-LEAST_FLOW_PX, LEAST_POINTS = 1.0, 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +24,7 @@ class OwnMotion:
 
     expansion: Expansion
     yaw_rate_radps: float  # + turns right; nan without flow
-    speed_scale: float  # of the speed that was told; nan where no road is tracked
+    speed_votes: Floats  # (M, 2) m/s and weight, of the points that may lie on the road (`road_speed`)
 
 
 class OwnDerotation:
@@ -42,6 +41,7 @@ class OwnDerotation:
         self._config = replace(variant.expansion, rotation_sd_radps=(pitch, pitch, roll))
         self._tracker = FlowTracker(camera, variant.flow, rate_hz)
         self._random = stream(0, "focus of expansion without rotation")
+        self._mounting = Mounting(height_m=camera.height_m, pitch_rad=camera.pitch_rad)
         self._along_m = 0.0
 
     def update(self, grey: Image, moved_m: float) -> OwnMotion:
@@ -51,7 +51,7 @@ class OwnDerotation:
         rate = yaw_rate(flow, self._camera) if len(flow) else nan
         straightened = turning(flow, rate if len(flow) else 0.0)
         seen = expansion.estimate(straightened, self._camera, self._config, self._random)
-        return OwnMotion(seen, rate, speed_scale(straightened, self._camera))
+        return OwnMotion(seen, rate, road_speed.votes(straightened, self._camera, self._mounting))
 
 
 def yaw_rate(flow: Flow, camera: Camera) -> float:
@@ -68,31 +68,6 @@ def yaw_rate(flow: Flow, camera: Camera) -> float:
         left = np.sum(expansion.derotate(turning(flow, rate), camera) * across, axis=1)
         rate += _weighted_median(left / np.where(turned == 0.0, 1.0, turned), np.abs(turned))
     return rate
-
-
-def speed_scale(flow: Flow, camera: Camera) -> float:
-    """How far the road ahead came nearer, of how far it would have at the poses told: the median ratio.
-
-    A point of the road Z ahead was at Z + d before and moved by (p - p_FOE) d / (Z + d) (METHOD C2), which gives d.
-    The scale is that of the camera's height: a camera 10 % higher than told sees the road come nearer by 10 % less.
-    """
-    there = flow.gap_s > 0.0
-    points = flow.points_px[there]
-    place = ground_from_pixels(camera, points)
-    ahead = place[:, 0] - camera.forward_m
-    with np.errstate(invalid="ignore"):
-        road = (ahead > ROAD_NEAR_M) & (ahead < ROAD_FAR_M) & (np.abs(place[:, 1]) < ROAD_HALF_M)
-    if np.count_nonzero(road) < LEAST_POINTS:
-        return nan
-    past = flow.past_pose[there][road]
-    told = ground_flow(camera, points[road], past, flow.pose)
-    length = np.hypot(*told.T)
-    if np.median(length) < LEAST_FLOW_PX:
-        return nan
-    moved = np.hypot(*(flow.pose[:2] - past[:, :2]).T)
-    share = moved / (ahead[road] + moved)  # d / (Z + d), as told
-    seen = share * np.sum(flow.displacement_px[there][road] * told, axis=1) / length**2
-    return float(np.median(ahead[road] * seen / (1.0 - np.minimum(seen, 0.9)) / moved))
 
 
 def turning(flow: Flow, rate_radps: float) -> Flow:

@@ -46,7 +46,7 @@ def rows(records: Sequence[dict[str, Any]]) -> list[Row]:
     for group in sorted(groups, key=_order):
         drives = [record for record in scored if _group(record) == group]
         found += [_row(group, part, drives) for part in _parts(drives)]
-    return found
+    return [row for row in found if row["frames"] or row["paper"]]
 
 
 def _group(record: dict[str, Any]) -> tuple[str, str, str, str]:

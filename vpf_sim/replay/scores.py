@@ -14,6 +14,7 @@ PARTS = ("clear_of_obstacles", "with_obstacles")
 SIGNALS = ("throttle", "steering")
 LEAST_CLOSING_MPS = 0.5  # of a gap whose time to contact is compared
 STANDING_MPS = 0.3  # of the car and of the gap: nothing approaches
+LEAST_SPEED_MPS = 2.0  # of a speed that is compared
 ALARM_S = 4.0  # a time to contact that calls for the brake
 DIGITS = 6  # of stored scores
 
@@ -71,7 +72,7 @@ def perception(table: FrameTable, recording: Recording) -> dict[str, Any]:
         "yaw_rate_median_error_radps": rounded(
             _median(np.abs(table.flow_yaw_rate_radps - table.yaw_rate_radps)) if told_rate else None
         ),
-        "speed_scale": _spread(table.speed_scale) if told_speed else None,
+        "speed_scale": _spread(_ratio(table)) if told_speed else None,
         "ttc": time_to_contact(table),
         "road_found_share": rounded(_mean(table.road_found)),
     }
@@ -130,8 +131,9 @@ def time_to_contact(table: FrameTable) -> dict[str, Any] | None:
 def signal_checks(recording: Recording) -> dict[str, Any]:
     """Whether signals that were measured apart agree, by physics: yaw rate = v tan(delta) / L, a wheelbase of 2.7 m.
 
-    gain is the slope through 0 of the yaw rate over v tan(delta) / L: 1 where ratio, wheelbase and signs are right
-    and the tyres do not slip; < 0 where a sign is wrong.
+    gain is the slope through 0 of the yaw rate over v tan(delta) / L: 1 where ratio, wheelbase and signs are right and
+    no tyre slips, < 0 where a sign is wrong. A car that understeers turns by 1 / (1 + (v / v_c)^2) of it, with a
+    characteristic speed v_c of some 25 m/s (Rajamani, Vehicle Dynamics and Control, 2012, ch. 3).
     """
     kinds = {name: recording.origins[name] for name in ("speed_mps", "yaw_rate_radps", "steering_rad", "throttle")}
     result: dict[str, Any] = {"origins": {name: str(origin) for name, origin in kinds.items()}}
@@ -164,6 +166,12 @@ def _mean(values: Floats) -> float | None:
 
 def _range(values: Floats) -> float | None:
     return rounded(float(np.subtract(*np.percentile(values, [75.0, 25.0])))) if len(values) else None
+
+
+def _ratio(table: FrameTable) -> Floats:
+    """(N,) speed by the flow / recorded, where the car moves."""
+    moving = table.speed_mps > LEAST_SPEED_MPS
+    return np.where(moving, table.flow_speed_mps, np.nan) / np.where(moving, table.speed_mps, 1.0)
 
 
 def _spread(values: Floats) -> dict[str, float | None] | None:
