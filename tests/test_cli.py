@@ -37,6 +37,10 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
         (["sweep", "--workers", "0"], "Invalid value for '--workers'"),
         (["sweep", "--resume"], "--resume: expected the folder of the run in --out, got none"),
         (["sweep", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
+        (
+            ["sweep", "--resume", "--out", "."],
+            ".: --resume: expected the manifest.json of a run, found none; say what is",
+        ),
         (["benchmark", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
         (["sweep", "missing.toml"], "missing.toml: expected a readable sweep file"),
         (["benchmark", "--seeds", "a:b"], "--seeds: expected A:B with whole numbers"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from vpf_sim.evaluation import fingerprint as module
-from vpf_sim.evaluation.fingerprint import PACKAGES, fingerprint, hash_of_files, source
+from vpf_sim.evaluation.fingerprint import PACKAGES, fingerprint, hash_of_files, own_code, source
 
 ROOT = Path(__file__).parents[1]
 
@@ -65,3 +65,28 @@ def test_all_packages_are_in_the_fingerprint(monkeypatch: pytest.MonkeyPatch) ->
 def test_the_hash_is_in_the_fingerprint() -> None:
     assert fingerprint()["source"] == source()
     assert re.fullmatch("[0-9a-f]{64}", source())
+
+
+def test_a_users_own_driver_is_hashed_with_its_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "hashed_package").mkdir()
+    for name in ("__init__.py", "driver.py", "gains.toml"):
+        (tmp_path / "hashed_package" / name).write_text("")
+    (tmp_path / "hashed_module.py").write_text("")
+    names = ("hashed_package.driver:Mine", "hashed_module:Mine")
+    before = [own_code(name) for name in names]
+    (tmp_path / "hashed_package" / "gains.toml").write_text("gain = 2.0")
+    (tmp_path / "hashed_module.py").write_text("# edited")
+    assert [own_code(name) for name in names] == before, "this process may have loaded them as they were"
+    module._code_of.cache_clear()
+    after = [own_code(name) for name in names]
+    assert all(one not in (None, other) for one, other in zip(after, before, strict=True))
+
+
+def test_a_variants_file_is_hashed_and_a_registered_driver_is_in_the_source(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "paper"\n')
+    before = own_code(f"vpf@{path}")
+    path.write_text('base = "robust"\n')
+    assert own_code(f"vpf@{path}") not in (None, before)
+    assert own_code("vpf") is None

@@ -162,6 +162,17 @@ def test_a_folder_with_records_needs_resume(tmp_path: Path) -> None:
         RunFolder(tmp_path / "file", ASKED)
 
 
+def test_a_run_that_was_killed_before_its_manifest_leaves_its_folder_free(tmp_path: Path) -> None:
+    for name in ("episodes.jsonl", "timing.jsonl", "manifest.json.draft"):
+        (tmp_path / name).write_text("")
+    RunFolder(tmp_path, ASKED).close()
+    assert json.loads((tmp_path / "manifest.json").read_text()) == ASKED
+    (tmp_path / "manifest.json").unlink()
+    (tmp_path / "episodes.jsonl").write_text('{"id": "somebody else\'s"}\n')
+    with pytest.raises(InputError, match="got other files"):
+        RunFolder(tmp_path, ASKED)
+
+
 def test_a_resumed_folder_knows_what_is_done(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path, ASKED)
     folder.add(records.failed(JOB), {"id": JOB.id})
@@ -176,6 +187,7 @@ def test_a_resumed_folder_knows_what_is_done(tmp_path: Path) -> None:
     [
         ("command", "benchmark", 'command changed: was "sweep", is "benchmark"'),
         ("plan", {**ASKED["plan"], "seeds": "0:6"}, 'plan changed: seeds: was "0:5", is "0:6"'),
+        ("drivers", {"mine:Own": "new"}, 'drivers changed: was null, is {"mine:Own": "new"}'),
         ("scenarios", {"town04": "xyz"}, 'scenarios changed: town04: was "abc", is "xyz"'),
         (
             "fingerprint",

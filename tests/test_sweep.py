@@ -13,10 +13,13 @@ import numpy as np
 import pytest
 from short_scenario import write_short
 
+from vpf_sim.errors import InputError
 from vpf_sim.evaluation.json_lines import read_lines
 from vpf_sim.evaluation.plan import Plan, make_plan
+from vpf_sim.evaluation.run_folder import manifest
 from vpf_sim.evaluation.statistics import seeds_for_mean, seeds_for_share, share_interval
 from vpf_sim.evaluation.summary import mean, summarize
+from vpf_sim.evaluation.sweep import changes, drive_and_store
 
 DRIVERS = ("pid", "neutral")
 SEEDS = "0:3"
@@ -98,6 +101,20 @@ def test_ctrl_c_stops_and_says_how_to_go_on(folder: Path, undisturbed: Path) -> 
     done = subprocess.run(go_on, check=True, capture_output=True, text=True)
     assert contents(out) == contents(undisturbed)
     assert json.loads(done.stdout)["rows"] == json.loads((out / "summary.json").read_text())["rows"]
+
+
+def test_what_changes_while_a_sweep_runs_stops_it(tmp_path: Path) -> None:
+    path = write_short(tmp_path)
+    plan = Plan((str(path),), ("clear",), ("pid",), "0:1")
+    asked, (job,) = manifest("sweep", plan), plan.jobs()
+    assert list(changes(asked, job)) == []
+    other = {**asked, "fingerprint": {**asked["fingerprint"], "source": "as it was"}}
+    with pytest.raises(InputError, match="source: changed while the sweep was running"):
+        drive_and_store(tmp_path, None, other, job)
+    path.write_text(path.read_text().replace("11.0", "12.0"))
+    with pytest.raises(InputError, match=r"short\.toml: changed while the sweep was running"):
+        drive_and_store(tmp_path, None, asked, job)
+    assert not (tmp_path / "steps").exists()
 
 
 def test_a_plan_is_its_grid_seed_by_seed() -> None:

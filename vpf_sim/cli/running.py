@@ -50,9 +50,11 @@ def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan
     """The plan that `make` gives; of a run that goes on without anything else asked, the one it was made for."""
     from vpf_sim.evaluation.run_folder import MANIFEST, stored_plan
 
-    if resume and not asked and out is not None and (out / MANIFEST).exists():
-        return stored_plan(out)
-    return make()
+    if not resume or asked or out is None or not out.exists():
+        return make()
+    if not (out / MANIFEST).exists():
+        raise InputError(f"{out}: --resume: expected the {MANIFEST} of a run, found none; say what is to be driven")
+    return stored_plan(out)
 
 
 def fill(command: str, plan: Plan, means: Means) -> Path:

@@ -133,9 +133,8 @@ def _drive(
 
 
 def _check_inputs(worker: str, job: Job, asked: Asked) -> None:
-    """InputError where the scenario or weather of that name says something else to this worker."""
-    found = Plan((job.scenario,), (job.weather,), (job.driver,), f"{job.seed}:{job.seed + 1}").check()
-    for key, hashes in found.items():
+    """InputError where the scenario, weather or driver of that name says something else to this worker."""
+    for kind, hashes in Plan.of(job).check().items():
         for name, value in hashes.items():
-            if asked[key][name] != value:
+            if asked.get(kind, {}).get(name) != value:
                 raise InputError(f"--cluster: worker {worker}: {name}: expected the file as it is here, got another")

@@ -37,6 +37,28 @@ def source() -> str:
     return hash_of_files({package.replace(".", "/"): _folder(package) for package in PACKAGES})
 
 
+def own_code(driver: str) -> str | None:
+    """SHA-256 of what a driver of the user's own is made of; None for those that `source` covers.
+
+    Of "package.module:Class" it is all code of the outermost package, of a variant's file what it says.
+    """
+    from vpf_sim.drivers import FIELD
+    from vpf_sim.planning import variant
+
+    if driver.startswith(FIELD):
+        return sha256(repr(variant.load(driver.removeprefix(FIELD))).encode()).hexdigest()
+    return _code_of(driver.partition(":")[0].partition(".")[0]) if ":" in driver else None
+
+
+@cache
+def _code_of(package: str) -> str | None:
+    """The hash of a package or module as it was when this process first asked; None of one that is no file."""
+    spec = find_spec(package)
+    if spec is not None and spec.submodule_search_locations:
+        return hash_of_files({f"{package}/{i}": Path(at) for i, at in enumerate(spec.submodule_search_locations)})
+    return sha256(Path(spec.origin).read_bytes()).hexdigest() if spec is not None and spec.origin else None
+
+
 def hash_of_files(folders: dict[str, Path]) -> str:
     """SHA-256 over the names and contents of all code and configuration below `folders`, which go by other names."""
     found = {

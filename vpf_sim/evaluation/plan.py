@@ -35,16 +35,29 @@ class Plan:
         return list(dict.fromkeys(Job(scenario, weather, driver, seed) for seed, scenario, weather, driver in grid))
 
     def check(self) -> dict[str, dict[str, str]]:
-        """Hashes of what the scenarios and weathers say; InputError on a name or file that is none."""
-        from vpf_sim import drivers, scenarios
-        from vpf_sim.envs.camera import weather
+        """The hashes, once every driver has been made; InputError on a name or file that is none."""
+        from vpf_sim import drivers
 
         for name in self.driver:
             drivers.create(name)
+        return self.hashes()
+
+    def hashes(self) -> dict[str, dict[str, str]]:
+        """Of what the scenarios and weathers say, and of the code of drivers that are not ours."""
+        from vpf_sim import scenarios
+        from vpf_sim.envs.camera import weather
+        from vpf_sim.evaluation.fingerprint import own_code
+
         return {
             "scenarios": {name: _hash(scenarios.load(name)) for name in self.scenario},
             "weathers": {name: _hash(weather.load(name)) for name in self.weather},
+            "drivers": {name: code for name in self.driver if (code := own_code(name)) is not None},
         }
+
+    @classmethod
+    def of(cls, job: Job) -> "Plan":
+        """The plan of one episode."""
+        return cls((job.scenario,), (job.weather,), (job.driver,), f"{job.seed}:{job.seed + 1}")
 
 
 def parse_seeds(text: str, where: str = "--seeds") -> range:

@@ -16,6 +16,7 @@ from vpf_sim.evaluation.plan import Plan, make_plan
 from vpf_sim.evaluation.records import failed
 
 MANIFEST = "manifest.json"
+LINES = ("episodes.jsonl", "timing.jsonl")
 IDENTITY = {"id": str, "scenario": str, "weather": str, "driver": str, "seed": int, "status": str}
 NO_JOB = Job("", "", "", 0)
 
@@ -33,7 +34,7 @@ def new_path(command: str) -> Path:
 
 
 def manifest(command: str, plan: Plan) -> dict[str, Any]:
-    """What was asked, where, and of which scenarios and weathers."""
+    """What was asked, where, and of which scenarios, weathers and drivers."""
     return {"schema": 1, "command": command, "plan": asdict(plan), "fingerprint": fingerprint(), **plan.check()}
 
 
@@ -44,13 +45,14 @@ class RunFolder:
         self.path = path
         self.mark: str | None = None  # the fingerprint's digest, where records are made on another than the manifest's
         asked = json.loads(json.dumps(asked))
+        self.asked: dict[str, Any] = asked
         new = not resume or not (path / MANIFEST).exists()
         if new:
             self._make()
         elif self._continue(asked, mixed):
             self.mark = digest(asked["fingerprint"])
-        self._records = JsonLines(path / "episodes.jsonl")  # from here on the folder is locked
-        self._timing = JsonLines(path / "timing.jsonl")
+        self._records = JsonLines(path / LINES[0])  # from here on the folder is locked
+        self._timing = JsonLines(path / LINES[1])
         if new:
             self.write_json(MANIFEST, asked)
         try:
@@ -90,7 +92,7 @@ class RunFolder:
 
     def discard(self) -> None:
         """Remove the folder of a run that stored nothing."""
-        for name in (MANIFEST, "episodes.jsonl", "timing.jsonl"):
+        for name in (MANIFEST, *LINES):
             (self.path / name).unlink()
         self.close()
         with suppress(OSError):  # something of the user's is in it
@@ -104,7 +106,7 @@ class RunFolder:
     def _make(self) -> None:
         if self.path.exists() and not self.path.is_dir():
             raise InputError(f"{self.path}: expected a folder, got a file")
-        if self.path.exists() and any(self.path.iterdir()):
+        if self.path.exists() and not all(map(_is_unwritten, self.path.iterdir())):
             remedy = "choose another --out, or --resume what is there" if (self.path / MANIFEST).exists() else ""
             raise InputError(f"{self.path}: expected an empty or new run folder, {remedy or 'got other files'}")
         self.path.mkdir(parents=True, exist_ok=True)
@@ -112,9 +114,9 @@ class RunFolder:
     def _continue(self, asked: dict[str, Any], mixed: bool) -> bool:
         """Check that the same is asked; whether the fingerprint is another, which only `mixed` allows."""
         stored = read_manifest(self.path)
-        for key in ("command", "plan", "scenarios", "weathers"):
-            if stored.get(key) != asked[key]:
-                what = change(stored.get(key), asked[key])
+        for key in ("command", "plan", "scenarios", "weathers", "drivers"):
+            if (stored.get(key) or None) != (asked.get(key) or None):
+                what = change(stored.get(key), asked.get(key))
                 raise InputError(f"{self.path}: --resume: {key} changed: {what}; start a new run")
         if stored["fingerprint"] == asked["fingerprint"]:
             return False
@@ -122,6 +124,11 @@ class RunFolder:
             what = change(stored["fingerprint"], asked["fingerprint"])
             raise InputError(f"{self.path}: --resume: fingerprint changed: {what}; --mixed accepts it")
         return True
+
+
+def _is_unwritten(path: Path) -> bool:
+    """Whether a run that was killed before its manifest was there could have left this."""
+    return path.name == f"{MANIFEST}.draft" or (path.name in LINES and path.is_file() and path.stat().st_size == 0)
 
 
 def write_json(path: Path, value: dict[str, Any]) -> None:

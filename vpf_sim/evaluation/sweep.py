@@ -2,7 +2,7 @@
 
 import os
 import platform
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from functools import partial
 from math import isfinite
 from pathlib import Path
@@ -12,7 +12,9 @@ from typing import Any
 from vpf_sim import scenarios
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import pool, records, steps
+from vpf_sim.evaluation.fingerprint import fingerprint
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.plan import Plan
 from vpf_sim.evaluation.run_folder import RunFolder
 
 Stored = tuple[dict[str, Any], dict[str, Any]]  # record, timing
@@ -25,7 +27,7 @@ LONGEST_S = 1e6  # beyond it the clock of a watchdog would not reach
 
 def local(folder: RunFolder, jobs: Iterable[Job], workers: int, limit_s: Limit) -> Results:
     """Drive on this machine, and store the steps."""
-    return pool.run(partial(drive_and_store, folder.path, folder.mark), jobs, workers, limit_s)
+    return pool.run(partial(drive_and_store, folder.path, folder.mark, folder.asked), jobs, workers, limit_s)
 
 
 def store(folder: RunFolder, results: Iterable[pool.Done[Job, Stored]], tell: Callable[[dict[str, Any]], None]) -> None:
@@ -50,12 +52,27 @@ def _slow_s(job: Job) -> float:
     return START_S + SLOWEST * scenarios.load(job.scenario).draw(job.seed).time_limit_s
 
 
-def drive_and_store(folder: Path, mark: str | None, job: Job) -> Stored:
-    """Drive one episode, store its steps, and give its record and timing; whatever goes wrong in it is an `error`."""
+def drive_and_store(folder: Path, mark: str | None, asked: dict[str, Any], job: Job) -> Stored:
+    """Drive one episode, store its steps, and give its record and timing; whatever goes wrong in it is an `error`.
+
+    InputError if anything is no longer as it was when the sweep was asked for: files may be edited meanwhile, and a
+    worker that is started in the place of one that died reads the code as it is then.
+    """
+    changed = [*changes(asked, job)]
+    if changed:
+        raise InputError(f"{', '.join(changed)}: changed while the sweep was running")
     record, timing, table = drive(mark, job)
     if table is not None:
         steps.write(table, folder / "steps" / f"{job.id}.parquet")
     return record, timing
+
+
+def changes(asked: Mapping[str, Any], job: Job) -> Iterator[str]:
+    """What an episode depends on that says something else here than in the manifest."""
+    own = fingerprint()
+    yield from (key for key in own if own[key] != asked["fingerprint"].get(key))
+    for kind, hashes in Plan.of(job).hashes().items():
+        yield from (name for name, value in hashes.items() if asked.get(kind, {}).get(name) != value)
 
 
 def drive(mark: str | None, job: Job) -> tuple[dict[str, Any], dict[str, Any], steps.StepTable | None]:
