@@ -59,7 +59,7 @@ def assumed_lens(width_px: int, height_px: int, field_of_view_rad: float = FIELD
 def recording(source: Source) -> Recording:
     """All that is known or follows; a drive without speed, or images to tell it from, is an InputError."""
     if "poses" in source.signals:
-        source.signals["poses"] = _without_gaps(source, "poses", "pose")
+        source.signals["poses"] = derived.from_start(_without_gaps(source, "poses", "pose"))
     _motion_from_poses(source)
     own = _looked_at(source)
     if own is not None:

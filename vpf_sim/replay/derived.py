@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.types import Floats, VehicleModel
 
 LEAST_SPEED_MPS = 1.0  # below which a curvature is noise
@@ -11,18 +12,33 @@ SLOPE_WINDOW_S = 0.5  # over which an acceleration is taken
 def slope(times_s: Floats, values: Floats, window_s: float = SLOPE_WINDOW_S) -> Floats:
     """(N,) derivative of values (N,): the least-squares line over a window about each time, at least three samples.
 
-    For evenly spaced times this is the filter of Savitzky and Golay, Anal. Chem. 36, 1964, of degree 1.
+    For evenly spaced times this is the filter of Savitzky and Golay, Anal. Chem. 36, 1964, of degree 1. A line has the
+    slope of the middle of its samples; at the ends, where that is not the time asked for, it is moved on linearly.
     """
     first = np.searchsorted(times_s, times_s - 0.5 * window_s - 1e-9)
     last = np.searchsorted(times_s, times_s + 0.5 * window_s + 1e-9)
     count, index = len(times_s), np.arange(len(times_s))
-    first, last = np.minimum(first, np.maximum(index - 1, 0)), np.maximum(last, np.minimum(index + 2, count))
+    first = np.maximum(np.minimum(first, np.minimum(index - 1, count - 3)), 0)
+    last = np.minimum(np.maximum(last, np.maximum(index + 2, 3)), count)
     time = times_s - times_s.mean()
     sums = [np.concatenate([[0.0], np.cumsum(part)]) for part in (time, values, time * values, time * time)]
     t, v, tv, tt = (part[last] - part[first] for part in sums)
     n = last - first
-    result: Floats = (n * tv - t * v) / (n * tt - t * t)
-    return result
+    lines: Floats = (n * tv - t * v) / (n * tt - t * t)
+    return lines + (time - t / n) * _change(t / n, lines)
+
+
+def _change(times_s: Floats, values: Floats) -> Floats:
+    """(N,) derivative by the neighbours; 0 between equal times."""
+    step = np.gradient(times_s) if len(times_s) > 1 else np.zeros(1)
+    change = np.gradient(values) if len(values) > 1 else np.zeros(1)
+    return np.asarray(np.divide(change, step, out=np.zeros_like(change), where=step > 1e-9))
+
+
+def from_start(poses: Floats) -> Floats:
+    """(N, 3) poses as seen from the first."""
+    relative = vehicle_from_world(poses[:, :2], poses[0])
+    return np.column_stack([relative, poses[:, 2] - poses[0, 2]])
 
 
 def speed(times_s: Floats, poses: Floats) -> Floats:

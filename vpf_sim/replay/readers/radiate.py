@@ -33,6 +33,7 @@ LEFT_CAMERA = {  # of the development kit, config/default-calib.yaml
     "p1": 0.0,
     "p2": 0.0,
 }
+SIZE = (672, 376)
 HEIGHT_M = 1.6  # of the camera above the road, about: it is not recorded
 RADAR_CENTRE_PX, RADAR_M_PER_PX = 576.0, 0.17361
 ACROSS_M, REACH_M = 1.8, 40.0
@@ -122,12 +123,18 @@ def _after(times_s: Floats) -> Bools:
 def _lens(file: Path, size: tuple[int, int]) -> Lens:
     """The left camera, by the file if there is one."""
     value = dict(LEFT_CAMERA)
+    expected = SIZE
     if file.exists():
         text = "\n".join(series.lines(file, "RADIATE's calibration")).partition("left_cam_calib:")[2]
         rows = re.findall(r"^\s+(\w+):\s*(-?[\d.]+(?:e[+-]?\d+)?)\s*$", text.partition("_cam_calib:")[0], re.MULTILINE)
         value = {key: float(number) for key, number in rows}
         if missing := [key for key in LEFT_CAMERA if key not in value]:
             raise InputError(f"{file}: left_cam_calib: expected numbers {', '.join(missing)}, found none")
+        if found := re.search(r"^\s+res:\s*\[(\d+),\s*(\d+)\]", text.partition("_cam_calib:")[0], re.MULTILINE):
+            expected = (int(found[1]), int(found[2]))
+    if size != expected:
+        wanted, actual = (f"{width} x {height}" for width, height in (expected, size))
+        raise InputError(f"{file.parent}: expected images of {wanted} px, those of the calibration, got {actual}")
     fx, fy, cx, cy = (value[key] for key in ("fx", "fy", "cx", "cy"))
     distortion = tuple(value[key] for key in ("k1", "k2", "p1", "p2", "k3"))
     return Lens(*size, fx, fy, cx, cy, distortion if any(distortion[2:]) else distortion[:2])
