@@ -21,6 +21,7 @@ from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
 from vpf_sim.envs.rectangles import clearance, distance, solid_bodies
 from vpf_sim.envs.road import build_road
 from vpf_sim.envs.route import Route
+from vpf_sim.envs.sensors import Sensors
 from vpf_sim.envs.window import Window
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.geometry import wrap_angle
@@ -43,7 +44,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     x squared change of action, less 5 on collision or off_road, plus 5 on success. `info`: `status` ("running" until
     the end), `route_m`, `lane_offset_m` from the centre of the ego's lane (+ is right), `clearance_m` to the nearest
     body, `collided_with`, and the arrays that `truth` names; where a frame was none also `invalid_frame`: its number,
-    `time_s` and `fault`. Success, collision and off_road terminate; timeout, stuck and invalid_frame truncate.
+    `time_s` and `fault`; where the scenario's sensors err also `ego`, the true state. Success, collision and off_road
+    terminate; timeout, stuck and invalid_frame truncate.
 
     Without `frames` nothing is rendered, for a driver that looks at none: there is no `image`, no frame to be invalid,
     and all else is the same.
@@ -98,6 +100,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.scenario = self._undrawn.draw(self.episode_seed)
         self._build_world()
         self._renderer = self._new_renderer() if self._takes_frames else None
+        self._sensors = Sensors(self.scenario.ego.sensors, self.camera, self.rate_hz, self.episode_seed)
         self._steps, self._route_m = 0, self._path.progress(self.ego.place[0])
         self._action = np.zeros(2)
         self._frame = self._taken()
@@ -147,7 +150,9 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def _taken(self) -> Image | None:
         """What the camera sees now: the renderer makes a fresh array each time."""
-        return None if self._renderer is None else self._renderer.render(self.ego, self._steps / self.rate_hz)
+        if self._renderer is None:
+            return None
+        return self._sensors.frame(self._renderer.render(self.ego, self._steps / self.rate_hz))
 
     def _build_world(self) -> None:
         """The road, its bodies and the ego car."""
@@ -178,15 +183,19 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         return (self._route_m - before_m) / 10.0 - 0.01 * float(change @ change) + end
 
     def _observation(self) -> EnvObservation:
-        ego = self.ego
-        yaw_rate = min(max(ego.yaw_rate_radps, -YAW_RATE_LIMIT_RADPS), YAW_RATE_LIMIT_RADPS)
-        yaw = -wrap_angle(-ego.heading)  # in (-pi, pi]
+        measured = self._sensors.read(self._state())
         return {
             **({} if self._frame is None else {"image": self._frame}),
-            "ego": np.array([*ego.position.tolist(), yaw, ego.speed, yaw_rate]),
+            "ego": np.clip(measured, *_ego_bounds()),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
         }
+
+    def _state(self) -> Floats:
+        """(5,) x, y, yaw in (-pi, pi], speed, yaw rate: the truth."""
+        ego = self.ego
+        yaw_rate = min(max(ego.yaw_rate_radps, -YAW_RATE_LIMIT_RADPS), YAW_RATE_LIMIT_RADPS)
+        return np.array([*ego.position.tolist(), -wrap_angle(-ego.heading), ego.speed, yaw_rate])
 
     def _info(self, status: Status) -> dict[str, Any]:
         return {
@@ -195,6 +204,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "lane_offset_m": self.ego.place[1] - self._path.offset_m,
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
+            **({} if self._sensors.are_exact else {"ego": self._state()}),
             **({"invalid_frame": asdict(self._ending.invalid_frame)} if self._ending.invalid_frame else {}),
             **(self._renderer.truth(self._truth) if self._renderer and self._truth else {}),
         }
@@ -210,9 +220,14 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             self._window.show(self._frame)
 
 
-def _observation_space(camera: Camera | None) -> Any:
-    low = np.array([-FARTHEST_M, -FARTHEST_M, -np.pi, 0.0, -YAW_RATE_LIMIT_RADPS])
+def _ego_bounds() -> tuple[Floats, Floats]:
+    """Least and greatest of the five values."""
     high = np.array([FARTHEST_M, FARTHEST_M, np.pi, MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS])
+    return np.array([-1.0, -1.0, -1.0, 0.0, -1.0]) * high, high
+
+
+def _observation_space(camera: Camera | None) -> Any:
+    low, high = _ego_bounds()
     shape = None if camera is None else (camera.height_px, camera.width_px, 3)
     return spaces.Dict(
         {

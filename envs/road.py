@@ -71,9 +71,10 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
         self.centre = centre_line(road)
         self.lane_width_m = road.lane_width_m
         self.half_width_m = road.half_width_m
+        self.look = road.look
         for index in range(road.lanes):
-            left = LineType.CONTINUOUS_LINE if index == 0 else LineType.STRIPED
-            right = LineType.CONTINUOUS_LINE if index == road.lanes - 1 else LineType.STRIPED
+            left = _edge_line(road, "left") if index == 0 else LineType.STRIPED
+            right = _edge_line(road, "right") if index == road.lanes - 1 else LineType.STRIPED
             offset_m = road.lane_offset_m(road.lanes - index)
             self.add_lane(START, END, OffsetLane(self.centre, offset_m, road.lane_width_m, (left, right)))
 
@@ -86,6 +87,11 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
     def get_closest_lane_index(self, position: Floats, heading: float | None = None) -> LaneIndex:  # noqa: ARG002
         """The lane at a position: all lanes have one direction, so the heading does not matter."""
         return self.lane_at(self.centre.local_at(float(position[0]), float(position[1]))[1])
+
+
+def _edge_line(road: Road, side: str) -> int:
+    painted = road.look.edge_lines in ("both", side)
+    return int(LineType.CONTINUOUS_LINE if painted else LineType.NONE)
 
 
 def build_road(scenario: Scenario, np_random: np.random.Generator) -> HighwayRoad:

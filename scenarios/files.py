@@ -18,14 +18,17 @@ from vpf_sim.scenarios.schema import Scenario
 SECTIONS: dict[str, type[BaseModel]] = {
     "": Scenario,
     "road": parts.Road,
+    "road.look": parts.Look,
     "road.segments.line": parts.Line,
     "road.segments.arc": parts.Arc,
     "road.segments.clothoid": parts.Clothoid,
     "ego": parts.Ego,
+    "ego.sensors": parts.Sensors,
     "goal": parts.Goal,
     "bodies": parts.Body,
     "limits": parts.Limits,
     "random": RandomRoad,
+    "random.look": parts.Look,
 }
 
 

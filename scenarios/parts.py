@@ -51,7 +51,17 @@ class Clothoid(Section):
 Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
 
 
+class Look(Section):
+    """What a road looks like: what lies beside it, what it is made of, and what is left of its markings."""
+
+    verge: Literal["grass", "sand", "snow", "paved"] = "grass"
+    surface: Literal["asphalt", "concrete", "dark"] = "asphalt"
+    worn: bool = False  # the paint
+    edge_lines: Literal["both", "left", "right", "none"] = "both"  # which are painted
+
+
 class Road(Section):
+    look: Look = Look()
     lanes: Lanes = 4
     lane_width_m: LaneWidth = 3.5
     start_m: Annotated[tuple[Place, Place], Field(strict=False)] = (0.0, 0.0)
@@ -71,7 +81,26 @@ class Road(Section):
         return (self.lanes / 2.0 - lane + 0.5) * self.lane_width_m
 
 
+Spread = Annotated[float, Field(ge=0.0, le=100.0)]
+
+
+class Sensors(Section):
+    """How far the sensors of the ego err, each a standard deviation; scale, bias and mounting are drawn once."""
+
+    position_noise_m: Spread = 0.0  # of each reading
+    position_walk_m: Spread = 0.0  # after a second, growing with the root of the time
+    heading_noise_deg: Spread = 0.0
+    heading_walk_deg: Spread = 0.0
+    speed_scale: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # share
+    speed_noise_mps: Spread = 0.0
+    yaw_rate_bias_radps: Spread = 0.0
+    yaw_rate_noise_radps: Spread = 0.0
+    mounting_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # pitch of the camera that its driver is not told of
+    pitch_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # of the body on its springs
+
+
 class Ego(Section):
+    sensors: Sensors = Sensors()
     lane: PositiveInt = 2
     s_m: float = 5.0
     lateral_m: float = 0.0  # + is right

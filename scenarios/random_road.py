@@ -20,6 +20,7 @@ from vpf_sim.scenarios.parts import (
     LaneWidth,
     Limits,
     Line,
+    Look,
     Road,
     Section,
     Segment,
@@ -56,6 +57,7 @@ class RandomRoad(Section):
     the row before, the first from the ego's lane.
     """
 
+    look: Look = Look()
     lanes: Lanes = 4
     lane_width_m: LaneWidth = 3.5
     length_m: Annotated[tuple[Length, Length], Field(strict=False)] = (250.0, 400.0)  # of the route
@@ -116,6 +118,7 @@ class RandomScenario(Section):
         length_m = float(rng.uniform(*self.random.length_m))
         goal = Goal(s_m=self.ego.s_m + length_m)
         road = Road(
+            look=self.random.look,
             lanes=self.random.lanes,
             lane_width_m=self.random.lane_width_m,
             heading_deg=float(rng.uniform(*self.random.heading_deg)),

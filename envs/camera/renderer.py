@@ -39,7 +39,8 @@ class Renderer:
 
     The road is read through its lanes (`position`, `heading_at`, `width_at`, `length`, `line_types`) and through its
     vehicles and objects (`position`, `heading`, LENGTH, WIDTH, and where they have them HEIGHT and `kind`: without
-    one a vehicle is a car and an obstacle a barrier; landmarks are not drawn).
+    one a vehicle is a car and an obstacle a barrier; landmarks are not drawn). A scenario's network also says by its
+    `look` what lies beside the road and what it is made of.
     """
 
     def __init__(self, road: Road, rig: Rig, weather: Weather, seed: int) -> None:
@@ -49,7 +50,8 @@ class Renderer:
         self._lens = Lens(rig.camera)
         camera = self._camera = self._lens.pinhole
         self._sky = Sky(camera, light, atmosphere, seed)
-        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed)
+        look = getattr(road.network, "look", None)
+        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, look)
         self._veil = Veil(camera, atmosphere, light)
         self._things = Things(camera, shapes, light, self._veil, seed)
         self._wet_road = WetRoad(camera, shapes, atmosphere, seed)

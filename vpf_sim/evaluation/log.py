@@ -1,5 +1,6 @@
 """The book that the episode loop keeps: what was observed, what was commanded, what the truth was."""
 
+from dataclasses import replace
 from math import hypot, nan
 from typing import Any
 
@@ -20,7 +21,8 @@ class StepLog:
         self._sight = Sight()
 
     def observe(self, observation: Observation, info: dict[str, Any], env: Any) -> None:
-        """A new row with the state, and what the harness measures of it in the world."""
+        """A new row with the state, which sensors that err do not tell, and what the harness measures of the world."""
+        observation = _true(observation, info)
         ego, network = env.ego, env.road.network
         self._sight.observe(observation, env)
         others, (_, near) = solid_bodies(ego), nearest(ego)
@@ -63,6 +65,15 @@ class StepLog:
 
     def table(self) -> StepTable:
         return StepTable.of(self._steps)
+
+
+def _true(observation: Observation, info: dict[str, Any]) -> Observation:
+    """The observation with the true state in it."""
+    if "ego" not in info:
+        return observation
+    x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps = info["ego"].tolist()
+    state = {"x_m": x_m, "y_m": y_m, "yaw_rad": yaw_rad, "speed_mps": speed_mps, "yaw_rate_radps": yaw_rate_radps}
+    return replace(observation, **state)
 
 
 def _nearest(ego: Any, near: Any) -> dict[str, float]:

@@ -8,8 +8,9 @@ import numpy as np
 from vpf_sim.envs.camera.ground.gains import even_gains
 from vpf_sim.envs.camera.ground.grain import Grain
 from vpf_sim.envs.camera.ground.levels import levels
+from vpf_sim.envs.camera.ground.looks import ramp
 from vpf_sim.envs.camera.ground.paint import painted
-from vpf_sim.envs.camera.ground.palette import blotch_strength, grain_strength, ground_table
+from vpf_sim.envs.camera.ground.palette import RAMP, blotch_strength, grain_strength, ground_table
 from vpf_sim.envs.camera.ground.patches import patch_of, sample
 from vpf_sim.envs.camera.ground.raster import Raster
 from vpf_sim.envs.camera.ground.surface import Polygons, Surface
@@ -17,6 +18,7 @@ from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.view import View
+from vpf_sim.scenarios.parts import Look
 from vpf_sim.types import Camera, Floats, Image
 
 GRAINY_M = (10.0, 30.0)  # texels begin to lose their grain when they are so long, and have lost it
@@ -26,7 +28,9 @@ NEAR_FINE, FAR_FINE = (2, 2), (2, 4)  # times as fine as the raster, across and 
 class Ground:
     """Paints every row below the horizon."""
 
-    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, wetness: float, seed: int) -> None:
+    def __init__(
+        self, camera: Camera, shapes: list[LaneShape], light: Light, wetness: float, seed: int, look: Look | None = None
+    ) -> None:
         self._top = ground_top(camera)
         self._levels = levels(camera)
         polygons = Polygons(painted(shapes, seed))
@@ -34,7 +38,7 @@ class Ground:
         for level, gain in zip(self._levels, even_gains(camera), strict=True):
             surface = Surface(polygons, level.near_m, NEAR_FINE if level.steep else FAR_FINE)
             self._patches.append(patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain)))
-        self._table = ground_table(light, wetness)
+        self._table = ground_table(light, wetness, RAMP if look is None else ramp(look.verge, look.surface, look.worn))
         self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)
         faded = max((len(level.weights) for level in self._levels), default=0)
         self._over = np.empty((faded, camera.width_px), np.uint8)

@@ -38,14 +38,15 @@ WET_FACTOR = 0.6  # what is left of the brightness of wet asphalt (Angstrom 1925
 WET_SHARE = np.array([(60, 0.5), (124, 1.0)])  # (value, how much of that happens to it): less to leaves than to stone
 
 
-def ground_table(light: Light, wetness: float) -> NDArray[np.uint8]:
+def ground_table(light: Light, wetness: float, ramp: Floats = RAMP) -> NDArray[np.uint8]:
     """(256, 1, 3) RGB of each palette value under a light, for cv2.applyColorMap; wetness is 0 to 1.
 
-    The ramp's colours are those of ClearNoon. What is wet is darker and more saturated: colours are raised to a power,
-    which keeps bright paint bright (Lagarde, "Water drop 3", 2013), so that asphalt keeps 0.6 of its brightness.
+    The ramp's colours, (value, red, green, blue), are those of ClearNoon. What is wet is darker and more saturated:
+    colours are raised to a power, which keeps bright paint bright (Lagarde, "Water drop 3", 2013), so that asphalt
+    keeps 0.6 of its brightness.
     """
     values = np.arange(256)
-    colours = np.stack([np.interp(values, RAMP[:, 0], RAMP[:, i]) for i in (1, 2, 3)], axis=1)
+    colours = np.stack([np.interp(values, ramp[:, 0], ramp[:, i]) for i in (1, 2, 3)], axis=1)
     soaked = wetness * np.interp(values, WET_SHARE[:, 0], WET_SHARE[:, 1])[:, None]
     exponent = 1.0 + soaked * np.log(WET_FACTOR) / np.log(ASPHALT_GREY / PAINT_GREY)
     wet = PAINT_GREY * (colours / PAINT_GREY) ** exponent
