@@ -7,7 +7,8 @@ import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import calibrate, camera_motion, derived, series
+from vpf_sim.planning import variant
+from vpf_sim.replay import calibrate, camera_motion, derived, lane_height, series
 from vpf_sim.replay.recording import Frame, Kind, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduction, rotation
 from vpf_sim.types import Camera, Floats, Image
@@ -32,6 +33,7 @@ class Source:
     lens: Lens
     mounting: Mounting | None = None  # None: to be found on the way
     height_m: float = HEIGHT_M  # of the camera, where the mounting is not known
+    height_assumed: bool = False  # nobody told it: the lanes of the road may
     wheelbase_m: float = WHEELBASE_M
     camera_ahead_m: float = CAMERA_AHEAD_M
     signals: dict[str, Floats] = field(default_factory=dict)
@@ -62,7 +64,9 @@ def recording(source: Source) -> Recording:
         source.signals["poses"] = derived.from_start(_without_gaps(source, "poses", "pose"))
     _motion_from_poses(source)
     own = _looked_at(source)
+    scale = _height_by_lanes(source)
     if own is not None:
+        own = replace(own, speed_mps=own.speed_mps * scale)
         _motion_from_pictures(source, own)
     _yaw_rate_at_last(source)
     for name, what in (("speed_mps", "speed"), ("yaw_rate_radps", "yaw rate")):
@@ -103,6 +107,24 @@ def _looked_at(source: Source) -> calibrate.OwnWay | None:
         source.mounting = own.mounting
         _tell_mounting(source, own)
     return own
+
+
+def _height_by_lanes(source: Source) -> float:
+    """Put the camera as high as the road's lanes say, if nobody told; how many times as high as thought that is."""
+    if not source.height_assumed or source.mounting is None or source.no_images:
+        return 1.0
+    camera, handed_on = rectified(source.lens, source.mounting)
+    config = variant.load(calibrate.VARIANT).road_edges
+    frames = rectified_frames(source.frames(), handed_on)
+    found = lane_height.height_m(frames, camera, source.times_s, config)
+    if found is None:
+        return 1.0
+    scale = found / source.mounting.height_m
+    source.height_m, source.mounting = found, replace(source.mounting, height_m=found)
+    said = source.origins["camera"]
+    how = f"{said.how}; {found:.2f} m above the road by its lanes, taken to be {config.lane_width_m:g} m wide"
+    source.origins["camera"] = Origin(said.kind, how)
+    return scale
 
 
 def _tell_mounting(source: Source, own: calibrate.OwnWay) -> None:

@@ -63,6 +63,7 @@ def _recording(folder: Path, drive: DriveFile, pictures: _Pictures) -> Recording
         lens=_lens(keys, pictures.size),
         mounting=_mounting(keys),
         height_m=keys.height_m or assemble.HEIGHT_M,
+        height_assumed=keys.height_m is None,
         wheelbase_m=drive.vehicle.wheelbase_m,
         camera_ahead_m=keys.ahead_of_rear_axle_m,
         weather=drive.weather,
