@@ -7,7 +7,7 @@ import numpy as np
 from vpf_sim.evaluation.metrics.accuracy import Accuracy, accuracy
 from vpf_sim.replay.frame_table import FrameTable
 from vpf_sim.replay.obstacles_ahead import closing_mps, lasting, true_ttc_s
-from vpf_sim.replay.recording import Recording
+from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.types import Bools, Floats
 
 PARTS = ("clear_of_obstacles", "with_obstacles")
@@ -65,8 +65,7 @@ def _accuracy(table: FrameTable, name: str, recorded: Floats, mask: Bools, idle:
 
 def perception(table: FrameTable, recording: Recording) -> dict[str, Any]:
     """What the flow says of the own motion and of the body ahead, beside the truth where the recording has it."""
-    told_rate = recording.origins["yaw_rate_radps"].kind in ("recorded", "derived")
-    told_speed = recording.origins["speed_mps"].kind in ("recorded", "derived")
+    told_rate, told_speed = (_is_measured(recording.origins[name]) for name in ("yaw_rate_radps", "speed_mps"))
     return {
         "foe": foe(table),
         "yaw_rate_median_error_radps": rounded(
@@ -76,6 +75,11 @@ def perception(table: FrameTable, recording: Recording) -> dict[str, Any]:
         "ttc": time_to_contact(table),
         "road_found_share": rounded(_mean(table.road_found)),
     }
+
+
+def _is_measured(origin: Origin) -> bool:
+    """Whether a signal comes from elsewhere than the pictures' own flow, which it could not judge."""
+    return origin.kind in ("recorded", "derived") and "flow" not in origin.how
 
 
 def foe(table: FrameTable) -> dict[str, Any]:
