@@ -13,8 +13,8 @@ road whose curvature changes at k' a metre phi is k' v^2, which grows faster wit
 is too much, the gains `robust` slow down, to v times authority / |phi|, at which it holds.
 """
 
-from dataclasses import dataclass
-from math import copysign, exp, pi
+from dataclasses import dataclass, replace
+from math import atan, copysign, exp, pi, sin, tan
 from typing import Literal
 
 from vpf_sim import tables
@@ -40,6 +40,9 @@ class Gains:
     a0_mps2: float  # a_0 when speeding up
     brake_a0_mps2: float  # a_0 when slowing down
     speed_boundary_mps: float  # of s_l; 0 is the printed sign function
+    yaw_rate_filter_hz: float = (
+        0.0  # below it the sensor is believed, above it the bicycle model; 0 is the sensor alone
+    )
     lateral_law: Literal["first_order", "super_twisting"] = "first_order"
     disturbance_radps3: float = 0.0  # D of the super-twisting law: how fast what disturbs s_r may change
     slows_to_reach: bool = False  # where the reaching condition does not hold
@@ -48,7 +51,7 @@ class Gains:
         for key in ("c_r_per_s", "u0_radps", "c_l", "a0_mps2", "brake_a0_mps2"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
-        for key in ("boundary_layer_radps", "reference_filter_hz", "speed_boundary_mps"):
+        for key in ("boundary_layer_radps", "reference_filter_hz", "speed_boundary_mps", "yaw_rate_filter_hz"):
             if not getattr(self, key) >= 0.0:
                 raise ValueError(f"{key}: expected >= 0, got {getattr(self, key)}")
         if (self.lateral_law == "super_twisting") != (self.disturbance_radps3 > 0.0):
@@ -100,12 +103,14 @@ class Gtsmc:
         self._heading_rate_radps = 0.0
         self._last_rate_radps: float | None = None
         self._phi_radps2 = 0.0
+        self._yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
         twists = self._gains.lateral_law == "super_twisting"
         self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if twists else None
 
     def command(self, observation: Observation, reference: Reference) -> Command:
         """One step of 1 / rate_hz."""
+        observation = replace(observation, yaw_rate_radps=self._yaw_rate(observation))
         steering = self._steer(observation, reference)
         throttle = self._accelerate(observation.speed_mps, self._speed(observation.speed_mps, reference.speed_mps))
         return Command(throttle, steering / self._vehicle.steering_limit_rad)
@@ -139,6 +144,17 @@ class Gtsmc:
         phi = self._gains.c_r_per_s * (observation.yaw_rate_radps - rate_radps) - second
         self._phi_radps2 += self._share(DEMAND_FILTER_HZ) * (phi - self._phi_radps2)
         self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._phi_radps2))
+
+    def _yaw_rate(self, observation: Observation) -> float:
+        """d psi / dt, rad/s: what changes slowly as it is measured, what changes fast as the steering makes it."""
+        if self._gains.yaw_rate_filter_hz == 0.0:
+            return observation.yaw_rate_radps
+        slip = atan(self._vehicle.l_r_m / self._vehicle.wheelbase_m * tan(self.steering_rad))
+        model = observation.speed_mps * sin(slip) / self._vehicle.l_r_m
+        foreseen = self._yaw_rate_radps + model - self._model_radps
+        share = self._share(self._gains.yaw_rate_filter_hz)
+        self._yaw_rate_radps, self._model_radps = foreseen + share * (observation.yaw_rate_radps - foreseen), model
+        return self._yaw_rate_radps
 
     def _speed(self, speed_mps: float, reference_mps: float) -> float:
         """v_d, less where the manifold could not be reached."""

@@ -129,3 +129,42 @@ def test_nonsense_gains_are_refused() -> None:
     table = {key: getattr(ROBUST, key) for key in ROBUST.__slots__}
     with pytest.raises(InputError, match=r"^gains\.toml: u0_radps: expected > 0, got 0\.0$"):
         build(Gains, {**table, "u0_radps": 0.0}, "gains.toml")
+
+
+def steering_with_a_noisy_gyroscope(gains: Gains, bias: float = 0.0, noise: float = 0.01) -> tuple[float, float]:
+    """(rms actuator rate rad/s, mean |y| m) while y = 0 is followed and the yaw rate is measured with errors."""
+    random = stream(2, "gyroscope")
+    car, hands = Bicycle(y_m=0.2), controller(gains)
+    rates, places = [], []
+    for _ in range(900):
+        seen = car.observe()
+        measured = seen.yaw_rate_radps + bias + noise * float(random.standard_normal())
+        before = car.steering_rad
+        reference = Reference(-0.16 * car.y_m, 5.55, 0.0)
+        car.step(hands.command(replace(seen, yaw_rate_radps=measured), reference))
+        rates.append(60.0 * (car.steering_rad - before))
+        places.append(abs(car.y_m))
+    return hypot(*rates[300:]) / 600**0.5, float(np.mean(places[300:]))
+
+
+def test_a_noisy_gyroscope_does_not_reach_the_steering() -> None:
+    rate, place = steering_with_a_noisy_gyroscope(ROBUST)
+    raw_rate, _ = steering_with_a_noisy_gyroscope(replace(ROBUST, yaw_rate_filter_hz=0.0))
+    assert rate < 0.3 * raw_rate
+    assert place < 0.02
+
+
+def test_a_gyroscopes_bias_shifts_the_car_no_more_than_the_law_lets_it() -> None:
+    """s_r = 0 leaves psi_e = -bias / c_r, and y = psi_e / 0.16."""
+    _, place = steering_with_a_noisy_gyroscope(ROBUST, bias=0.01, noise=0.0)
+    assert place == pytest.approx(0.01 / 2.5 / 0.16, rel=0.1)
+
+
+def test_an_exact_gyroscope_is_believed_whatever_the_filter() -> None:
+    """The model has the steering of this very moment, so nothing lags."""
+    car, hands = Bicycle(), controller(ROBUST)
+    for step in range(240):
+        reference = Reference(0.3 * float(np.sin(step / 30.0)), 5.55, 0.6 * float(np.cos(step / 30.0)))
+        seen = car.observe()
+        car.step(hands.command(seen, reference))
+        assert hands._yaw_rate_radps == pytest.approx(seen.yaw_rate_radps, abs=1e-9)
