@@ -102,7 +102,9 @@ def _looked_at(source: Source) -> calibrate.OwnWay | None:
     told = [source.signals.get(name) for name in ("speed_mps", "yaw_rate_radps")]
     height_m = source.mounting.height_m if source.mounting else source.height_m
     camera, handed_on = rectified(source.lens, Mounting(height_m=height_m))
-    own = calibrate.look(rectified_frames(source.frames(), handed_on), camera, source.times_s, told[0], told[1])
+    own = calibrate.look(
+        rectified_frames(source.frames(), handed_on), camera, source.times_s, told[0], told[1], source.camera_ahead_m
+    )
     if source.mounting is None:
         source.mounting = own.mounting
         _tell_mounting(source, own)

@@ -23,6 +23,7 @@ ROUNDS = 3  # the turn needs the mounting, the mounting the turn
 ENOUGH = 200  # looks straight ahead after which more change nothing
 LEAST_LOOKS = 5
 STRAIGHT_RADPS, LEAST_SPEED_MPS, SHARP_RAD = 0.03, 2.0, 0.03  # a look tells if its focus is as sharp as this
+FREE_RADPS = 0.5  # usual size of a yaw rate of which nothing is known
 ASSUMED_SPEED_MPS = 10.0  # of the first look, where none is recorded: the flow's scale only
 
 
@@ -41,6 +42,7 @@ class OwnWay:
 class _Look:
     index: int
     flow: Flow
+    speed_mps: float  # inf where it is not told
     yaw_rate_radps: float  # as told; nan where it is not
 
 
@@ -50,20 +52,22 @@ def look(
     times_s: Floats,
     speed_mps: Floats | None,
     yaw_rate_radps: Floats | None,
+    ahead_m: float = 0.0,
 ) -> OwnWay:
     """Watch the drive, all of it if speed or yaw rate (N,) are asked for, else until enough was seen.
 
-    `camera` is taken to look straight ahead and level; its height is believed.
+    `camera` is taken to look straight ahead and level; its height is believed. It sits `ahead_m` before the rear axle:
+    in a bend it moves to the outside by the yaw rate times this. First the turn of the picture is fitted along with the
+    focus of expansion, at every frame; then the frames on which the car goes straight say it more sharply.
     """
     looks = list(_looks(frames, camera, times_s, speed_mps, yaw_rate_radps))
-    mounting, seen = Mounting(height_m=camera.height_m), np.empty((0, 2))
-    for _ in range(ROUNDS):
-        seen = _straight_ahead(looks, camera, mounting)
-        if len(seen) < LEAST_LOOKS:
-            break
-        mounting = _mounted(camera, np.median(seen, axis=0))
-    spread = np.subtract(*np.percentile(seen, [75, 25], axis=0)) / 2.0 if len(seen) else np.full(2, np.nan)
-    return OwnWay(mounting, len(seen), (float(spread[0]), float(spread[1])), *_motion(looks, camera, mounting, times_s))
+    mounting, best = Mounting(height_m=camera.height_m), np.empty((0, 2))
+    for turn in range(1 + ROUNDS):
+        seen = _seen(looks, camera, mounting if turn else None, ahead_m)
+        if len(seen) >= LEAST_LOOKS:
+            mounting, best = _mounted(camera, np.median(seen, axis=0)), seen
+    spread = np.subtract(*np.percentile(best, [75, 25], axis=0)) / 2.0 if len(best) else np.full(2, np.nan)
+    return OwnWay(mounting, len(best), (float(spread[0]), float(spread[1])), *_motion(looks, camera, mounting, times_s))
 
 
 def _looks(
@@ -81,28 +85,29 @@ def _looks(
         rate = float("nan") if yaw_rate_radps is None else float(yaw_rate_radps[frame.index])
         if speed[frame.index] < LEAST_SPEED_MPS or not len(flow):
             continue
-        yield _Look(frame.index, flow, rate)
+        yield _Look(frame.index, flow, np.inf if speed_mps is None else float(speed[frame.index]), rate)
         found += speed_mps is not None and abs(rate) < STRAIGHT_RADPS
         if found >= ENOUGH:
             return
 
 
-def _straight_ahead(looks: list[_Look], camera: Camera, mounting: Mounting) -> Floats:
-    """(M, 2) px, the focus of expansion of the looks while the car went straight."""
-    config = variant.load(VARIANT).expansion
-    pitch, _, roll = config.rotation_sd_radps
-    # Nothing is known of where the camera looks; a yaw rate from the flow is as rough as the pitch rate is.
-    told = replace(config, direction_sd_rad=(np.inf, np.inf))
-    rough = replace(told, rotation_sd_radps=(pitch, pitch, roll))
+def _seen(looks: list[_Look], camera: Camera, mounting: Mounting | None, ahead_m: float) -> Floats:
+    """(M, 2) px where the looks put straight ahead: those on a straight, given a mounting, else all of them."""
+    config = replace(variant.load(VARIANT).expansion, direction_sd_rad=(np.inf, np.inf))
+    pitch, yaw, roll = config.rotation_sd_radps
     random = stream(0, "mounting")
     seen = []
     for one in looks:
-        rate = _rate(one, camera, mounting)
-        if abs(rate) < STRAIGHT_RADPS:
-            known = told if np.isfinite(one.yaw_rate_radps) else rough
-            found = expansion.estimate(own_derotation.turning(one.flow, rate), camera, known, random)
-            if found.confidence > 0.0 and np.sqrt(found.covariance_px2.trace()) < SHARP_RAD * camera.fx_px:
-                seen.append((found.x_px, found.y_px))
+        told = np.isfinite(one.yaw_rate_radps)
+        rate = 0.0 if mounting is None and not told else _rate(one, camera, mounting or Mounting())
+        if mounting is not None and abs(rate) >= STRAIGHT_RADPS:
+            continue
+        rough = FREE_RADPS if mounting is None else pitch  # a turn by the flow is as rough as the pitch rate
+        known = replace(config, rotation_sd_radps=(pitch, yaw if told else rough, roll))
+        found = expansion.estimate(own_derotation.turning(one.flow, rate), camera, known, random)
+        if found.confidence > 0.0 and np.sqrt(found.covariance_px2.trace()) < SHARP_RAD * camera.fx_px:
+            outward = camera.fx_px * ahead_m * rate / one.speed_mps
+            seen.append((found.x_px - outward, found.y_px))
     return np.reshape(np.array(seen), (-1, 2))
 
 

@@ -1,0 +1,91 @@
+"""A camera of unknown mounting finds it on a drawn street, and speed and turn where none is recorded."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import recorded_street as street
+
+from vpf_sim.replay import calibrate, rectify
+from vpf_sim.replay.recording import Frame
+from vpf_sim.replay.rectify import Lens, Mounting
+from vpf_sim.types import Floats
+
+FRAMES, RATE_HZ = 30, 20.0
+SPEED_MPS = 8.0
+LENS = Lens(street.WIDTH, street.HEIGHT, street.FOCAL, street.FOCAL, *street.CENTRE)
+ASKEW = Mounting(pitch_rad=0.06, yaw_rad=-0.05, height_m=street.CAMERA_HEIGHT_M)
+TIMES_S = np.arange(FRAMES) / RATE_HZ
+
+
+def drive(yaw_rate_radps: float) -> list[Frame]:
+    """What the camera sees of the street on an arc; it lies where the car's axle is."""
+    frames = []
+    place, yaw = np.zeros(3), 0.0
+    for k in range(FRAMES):
+        turn = street._about(1, yaw) @ rectify.rotation(ASKEW)
+        grey = street.draw(np.column_stack([turn, place]))
+        frames.append(Frame(k, np.repeat(grey[..., None], 3, axis=2)))
+        course = yaw + 0.5 * yaw_rate_radps / RATE_HZ
+        place = place + SPEED_MPS / RATE_HZ * np.array([np.sin(course), 0.0, np.cos(course)])
+        yaw += yaw_rate_radps / RATE_HZ
+    return frames
+
+
+@pytest.fixture(scope="module")
+def straight() -> list[Frame]:
+    return drive(0.0)
+
+
+@pytest.fixture(scope="module")
+def bend() -> list[Frame]:
+    return drive(0.25)
+
+
+def looked(frames: list[Frame], speed_mps: Floats | None, yaw_rate_radps: Floats | None) -> calibrate.OwnWay:
+    camera, _ = rectify.rectified(LENS, Mounting(height_m=street.CAMERA_HEIGHT_M))
+    return calibrate.look(iter(frames), camera, TIMES_S, speed_mps, yaw_rate_radps)
+
+
+def test_the_mounting_is_found_with_and_without_recorded_motion(straight: list[Frame]) -> None:
+    for told in (None, np.zeros(FRAMES)):
+        own = looked(straight, None if told is None else told + SPEED_MPS, told)
+        assert own.looks > 10
+        assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.006)
+        assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.006)
+        assert own.mounting.height_m == street.CAMERA_HEIGHT_M
+
+
+def test_speed_and_turn_are_told_by_the_pictures(straight: list[Frame]) -> None:
+    own = looked(straight, None, None)
+    assert np.nanmedian(own.speed_mps) == pytest.approx(SPEED_MPS, rel=0.08)
+    assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_bend_tells_the_mounting_too(bend: list[Frame]) -> None:
+    """While the car turns, where the flow comes from is told apart from the turn of the picture."""
+    for told in (None, np.full(FRAMES, 0.25)):
+        own = looked(bend, np.full(FRAMES, SPEED_MPS), told)
+        assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
+        assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.01)
+        assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.25, abs=0.02)
+
+
+def test_a_camera_before_the_axle_moves_outward_in_a_bend(bend: list[Frame]) -> None:
+    """The same pictures, of a camera that is taken to sit 2 m before it: then it must look that much to the inside."""
+    camera, _ = rectify.rectified(LENS, Mounting(height_m=street.CAMERA_HEIGHT_M))
+    motion = (np.full(FRAMES, SPEED_MPS), np.full(FRAMES, 0.25))
+    there, before = (calibrate.look(iter(bend), camera, TIMES_S, *motion, ahead_m) for ahead_m in (0.0, 2.0))
+    assert before.mounting.yaw_rad - there.mounting.yaw_rad == pytest.approx(2.0 * 0.25 / SPEED_MPS, abs=0.005)
+
+
+def test_gaps_and_a_car_that_stands_are_left_out(straight: list[Frame]) -> None:
+    def with_gaps() -> Iterator[Frame]:
+        return (replace(frame, image=None) if frame.index % 7 == 3 else frame for frame in straight)
+
+    camera, _ = rectify.rectified(LENS, Mounting())
+    own = calibrate.look(with_gaps(), camera, TIMES_S, np.full(FRAMES, SPEED_MPS), np.zeros(FRAMES))
+    assert own.looks > 10
+    standing = calibrate.look(iter(straight), camera, TIMES_S, np.zeros(FRAMES), np.zeros(FRAMES))
+    assert standing.looks == 0
