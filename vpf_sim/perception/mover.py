@@ -6,102 +6,166 @@ from math import exp
 import numpy as np
 
 from vpf_sim.geometry import rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.types import Camera, Floats
+from vpf_sim.perception.moving_frame import Course, Residuals
+from vpf_sim.types import Bools, Camera, Floats, Flow
+
+FITS = 3
 
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """One frame's measurement of a body."""
+    """What the tracks of a body say when it is found."""
 
     depth_m: float  # of the road behind its lowest point, from the camera
     speed_mps: float  # along the road
     sigma_mps: float
     left_m: float  # its sides, right of the vehicle's axis
     right_m: float
-    top_m: float  # its highest point above the road
 
 
 @dataclass(frozen=True, slots=True)
 class FilterConfig:
     """Noise of the measurements and of the body's own driving."""
 
+    foot_height_m: float = 0.12  # of the lowest points that can be followed
     foot_px: float = 1.5  # standard deviation of the foot's row
     foot_ratio: float = 0.04  # and of its depth, as a share
-    foot_hidden: float = 6.0  # times as much where the foot seems farther: the lowest point need not be the foot
+    foot_hidden: float = 2.5  # times as much where the foot seems farther: the lowest point need not be the foot
     acceleration_mps2: float = 1.0  # over a second
     slip_mps: float = 0.3  # of the place, what the model does not know
+    face_m: float = 0.3  # points of the face lie so far behind it on average,
+    face_sigma_m: float = 0.8  # give or take
+    side_m: float = 2.7  # and those of the sides so far,
+    side_sigma_m: float = 1.4
+    turn_rad: float = 0.04  # standard deviation of its course
+    memory_s: float = 0.5  # tracks that are looked at again within this time say the same
+    track_sigma_mps: float = 0.5  # of what one track tells of the speed
+    least_sigma_mps: float = 0.1
     side_s: float = 0.2  # time constant of the sides
     narrowest_m: float = 1.7  # vehicle, and
     widest_m: float = 2.6
     clip: float = 2.0  # standard deviations of an innovation that are taken
+    chi2_limit: float = 9.0  # of a track that belongs to the body
 
 
 class Mover:
-    """A Kalman filter on the distance and the speed along the road, and a first-order filter on the place across.
+    """Two filters, of the distance and of the speed along the road, and a low-pass on the place across.
 
-    It lives in the world, so what is not seen for a while is predicted: along the road at its speed.
+    Tracks fix the rate (v - v_b) / Z at which the body grows, its foot the distance Z; so a correction of Z corrects
+    v_b with it, at the same rate. It lives in the world, so what is not seen for a while is predicted: along the road
+    at its speed.
     """
 
-    def __init__(self, sight: Sight, camera: Camera, pose: Floats, time_s: float, config: FilterConfig) -> None:
+    def __init__(self, sight: Sight, camera: Camera, pose: Floats, log_odds: float, config: FilterConfig) -> None:
         self._camera, self._config = camera, config
         self.speed_mps = sight.speed_mps
         self.width_m = sight.right_m - sight.left_m  # as it is seen
         middle = 0.5 * (sight.right_m + sight.left_m)
         self._place_m = world_from_vehicle(np.array([camera.forward_m + sight.depth_m, middle]), pose)
-        self._covariance = np.diag([(0.2 * sight.depth_m) ** 2, sight.sigma_mps**2])
-        self.hits = 1
-        self.seen_s = time_s
+        self.sigma_m = 0.15 * sight.depth_m
+        self.sigma_mps = sight.sigma_mps  # at a known distance
         self.identity: int | None = None  # once it is believed
+        self.log_odds = log_odds  # of a body that moves, against all that stands
+        self.tracks = np.empty(0, np.int64)  # identities of those that were of it at the last look
+        self.course = Course(sight.speed_mps, float(pose[2]), 0.0)
 
-    def predict(self, dt_s: float, direction_rad: float) -> None:
-        """dt seconds on along the road, which runs in that direction of the world there."""
+    def predict(self, dt_s: float, direction_rad: float, curvature_per_m: float) -> None:
+        """dt seconds on along the road, which has that direction in the world and that bend there."""
         self._place_m = self._place_m + self.speed_mps * dt_s * rotation(direction_rad)[:, 0]
-        step = np.array([[1.0, dt_s], [0.0, 1.0]])
         config = self._config
-        noise = np.diag([config.slip_mps**2 * dt_s, config.acceleration_mps2**2 * dt_s])
-        self._covariance = step @ self._covariance @ step.T + noise
+        self.sigma_m = float(np.sqrt((self.sigma_m + 0.3 * self.sigma_mps * dt_s) ** 2 + config.slip_mps**2 * dt_s))
+        self.sigma_mps = min(float(np.sqrt(self.sigma_mps**2 + config.acceleration_mps2**2 * dt_s)), 2.0)
+        self.course = Course(self.speed_mps, direction_rad, curvature_per_m)
 
     def place(self, pose: Floats) -> tuple[float, float]:
         """Forward m of the face and right m of its middle, in the axes of the vehicle."""
         forward, right = vehicle_from_world(self._place_m, pose)
         return float(forward), float(right)
 
-    @property
-    def sigma_m(self) -> float:
-        return float(np.sqrt(self._covariance[0, 0]))
-
-    @property
-    def sigma_mps(self) -> float:
-        return float(np.sqrt(self._covariance[1, 1]))
-
-    def update(self, sight: Sight, pose: Floats, time_s: float, dt_s: float) -> None:
-        """One frame's measurement, dt seconds after the last frame."""
-        config = self._config
-        forward, right = self.place(pose)
-        state = np.array([forward - self._camera.forward_m, self.speed_mps])
-        foot = sight.depth_m
-        sigma = foot * (config.foot_ratio + config.foot_px * foot / (self._camera.fy_px * self._camera.height_m))
-        sigma *= config.foot_hidden if foot > state[0] else 1.0
-        state = self._correct(state, foot - state[0], np.array([1.0, 0.0]), sigma)
-        state = self._correct(state, sight.speed_mps - state[1], np.array([0.0, 1.0]), sight.sigma_mps)
-        self.speed_mps = max(float(state[1]), 0.0)
-        depth = max(float(state[0]), 0.5)
-        gain = 1.0 - exp(-dt_s / config.side_s)
-        right += gain * (0.5 * (sight.left_m + sight.right_m) - right)
-        self.width_m += gain * (sight.right_m - sight.left_m - self.width_m)
-        self._place_m = world_from_vehicle(np.array([self._camera.forward_m + depth, right]), pose)
-        self.hits, self.seen_s = self.hits + 1, time_s
+    def depth_m(self, pose: Floats) -> float:
+        """From the camera to the face."""
+        return self.place(pose)[0] - self._camera.forward_m
 
     @property
     def half_m(self) -> float:
         """m, half the width that it takes: what is seen, as wide as a vehicle is."""
         return 0.5 * min(max(self.width_m, self._config.narrowest_m), self._config.widest_m)
 
-    def _correct(self, state: Floats, innovation: float, slope: Floats, sigma: float) -> Floats:
-        reach = self._covariance @ slope
-        variance = float(slope @ reach) + sigma**2
-        limit = self._config.clip * float(np.sqrt(variance))
-        gain = reach / variance
-        self._covariance = self._covariance - np.outer(gain, reach)
-        corrected: Floats = state + gain * min(max(innovation, -limit), limit)
-        return corrected
+    def mine(self, flow: Flow) -> Bools:
+        """(N,) points that were of this body at the last look."""
+        return np.isin(flow.identity, self.tracks)
+
+    def fit(self, tracks: Residuals, standing: Floats, own_mps: float, depth_m: float) -> tuple[Floats, Floats, float]:
+        """(M,) chi2 of the tracks on the one rigid body that explains them best, (M,) m, by how much each point lies
+        behind its face, and the change of speed it has.
+
+        Speed, course and distance may differ from what is believed by what is not known of them, for all tracks alike;
+        a track by its own noise and by where on the face its point is. Reweighted least squares (Cauchy); a track that
+        has the chi2 `standing` (M,) as one that stands counts by the odds between the two.
+        """
+        rate = (own_mps - self.speed_mps) / depth_m
+        slope = np.stack([tracks.by_speed, tracks.by_turn, tracks.by_depth - rate * tracks.by_speed], axis=2)
+        prior = np.diag(np.array([self.sigma_mps, self._config.turn_rad, self.sigma_m]) ** -2.0)
+        inverse = _inverse(_inverse(tracks.weight) + self._config.face_sigma_m**2 * _outer(tracks.by_depth))
+        gain = slope.transpose(0, 2, 1) @ inverse
+        change, residual = np.zeros(3), tracks.residual_px
+        for _ in range(FITS):
+            chi2 = _quadratic(inverse, residual)
+            trust = 1.0 / (1.0 + chi2 / self._config.chi2_limit)
+            trust /= 1.0 + np.exp(np.clip(0.5 * (chi2 - standing), -20.0, 20.0))
+            normal = prior + np.einsum("m,mij,mjk->ik", trust, gain, slope)
+            change = np.linalg.solve(normal, np.einsum("m,mij,mj->i", trust, gain, tracks.residual_px))
+            residual = tracks.residual_px - slope @ change
+        behind = self._config.face_sigma_m**2 * np.einsum("mi,mij,mj->m", tracks.by_depth, inverse, residual)
+        return _quadratic(inverse, residual), self._config.face_m + behind, float(change[0])
+
+    def grow(self, change_mps: float, count: int, dt_s: float) -> None:
+        """One look at so many tracks of its face, dt seconds after the last: the speed at the distance believed."""
+        config = self._config
+        fresh = min(dt_s / config.memory_s, 1.0)
+        variance = 1.0 / (1.0 / self.sigma_mps**2 + fresh * count / config.track_sigma_mps**2)
+        gain = max(1.0 - variance / self.sigma_mps**2, fresh)
+        self.speed_mps = max(self.speed_mps + gain * change_mps, 0.0)
+        self.sigma_mps = max(float(np.sqrt(variance)), config.least_sigma_mps)
+
+    def stand(self, foot_m: float, own_mps: float, pose: Floats, dt_s: float) -> None:
+        """It stands on the road: not beyond the road behind its lowest point, and with less weight not before it."""
+        config = self._config
+        forward, right = self.place(pose)
+        depth = forward - self._camera.forward_m
+        sigma = foot_m * (config.foot_ratio + config.foot_px * foot_m / (self._camera.fy_px * self._camera.height_m))
+        sigma *= config.foot_hidden if foot_m > depth else 1.0
+        fresh = min(dt_s / config.memory_s, 1.0)
+        variance = self.sigma_m**2 + sigma**2 / fresh
+        limit = config.clip * float(np.sqrt(variance))
+        change = self.sigma_m**2 / variance * min(max(foot_m - depth, -limit), limit)
+        change = max(change, 0.5 - depth)
+        self.sigma_m *= float(np.sqrt(1.0 - self.sigma_m**2 / variance))
+        rate = (own_mps - self.speed_mps) / depth
+        self.speed_mps = max(self.speed_mps - rate * change, 0.0)
+        self._place_m = world_from_vehicle(np.array([forward + change, right * (1.0 + change / depth)]), pose)
+
+    def spread(self, left_m: float, right_m: float, pose: Floats, dt_s: float) -> None:
+        """Its sides, as seen in one look."""
+        forward, right = self.place(pose)
+        gain = 1.0 - exp(-dt_s / self._config.side_s)
+        right += gain * (0.5 * (left_m + right_m) - right)
+        self.width_m += gain * (right_m - left_m - self.width_m)
+        self._place_m = world_from_vehicle(np.array([forward, right]), pose)
+
+
+def _outer(vectors: Floats) -> Floats:
+    return vectors[:, :, None] * vectors[:, None, :]
+
+
+def _inverse(matrices: Floats) -> Floats:
+    """(M, 2, 2) of symmetric matrices (M, 2, 2)."""
+    a, b, d = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]
+    adjoint = np.stack([d, -b, -b, a], axis=1).reshape(-1, 2, 2)
+    result: Floats = adjoint / (a * d - b * b)[:, None, None]
+    return result
+
+
+def _quadratic(matrices: Floats, vectors: Floats) -> Floats:
+    result: Floats = np.einsum("mi,mij,mj->m", vectors, matrices, vectors)
+    return result

@@ -1,0 +1,83 @@
+"""Tracks in the frame of a body that moves along the road: where its points were seen first, if it drove so."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from vpf_sim.perception.ground import past_image
+from vpf_sim.perception.marks import Integers
+from vpf_sim.perception.triangulation import NoiseModel, information
+from vpf_sim.types import Camera, Floats, Flow
+
+STEP_MPS = 0.1  # of the numerical derivatives
+STEP_RATIO = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """How a body drives: its speed along a road that has this direction in the world, and bend, where the body is."""
+
+    speed_mps: float
+    direction_rad: float
+    curvature_per_m: float
+
+    def way(self, time_s: Floats, speed_mps: float, turn_rad: float = 0.0) -> Floats:
+        """(M, 2) m that it has driven in the last seconds (M,), along the chord of its arc, turned by so much."""
+        way = speed_mps * time_s
+        angle = self.direction_rad + turn_rad - 0.5 * self.curvature_per_m * way
+        return np.stack([way * np.cos(angle), way * np.sin(angle)], axis=1)
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """M tracks against a body's course: residual of the first sighting and its derivatives, px."""
+
+    residual_px: Floats  # (M, 2) seen less expected
+    by_depth: Floats  # (M, 2) px / m, of what is expected
+    by_speed: Floats  # (M, 2) px / (m/s)
+    by_turn: Floats  # (M, 2) px / rad, of the course
+    weight: Floats  # (M, 2, 2) inverse covariance of a sighting, px^-2
+
+
+def part(flow: Flow, chosen: Integers) -> Flow:
+    """The chosen tracks alone."""
+    shared = {"pose"}
+    return Flow(
+        **{
+            name: getattr(flow, name) if name in shared else getattr(flow, name)[chosen]
+            for name in (item.name for item in fields(Flow))
+        }
+    )
+
+
+def rays(camera: Camera, points_px: Floats) -> Floats:
+    """(M, 3) forward, right, down of pixels (M, 2) at unit depth, in the axes of the vehicle."""
+    x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
+    y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
+    cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+    return np.stack([cosine - sine * y, x, sine + cosine * y], axis=1)
+
+
+def against(
+    flow: Flow, camera: Camera, course: Course, depth_m: Floats, rate_hz: float, window_px: int, noise: NoiseModel
+) -> Residuals:
+    """The tracks of `flow` against a body on `course` that has each of them at `depth_m` (M,) now.
+
+    The point is put in space, and looked at from where the camera was when the track began, which has been moved on by
+    the body's own way since: in the frame of the body the camera alone has moved.
+    """
+    ray, age_s = rays(camera, flow.points_px), flow.age_frames / rate_hz
+
+    def first(depth: Floats, speed_mps: float, turn_rad: float = 0.0) -> Floats:
+        place = ray * depth[:, None] * [1.0, 1.0, -1.0] + [camera.forward_m, 0.0, camera.height_m]
+        past_pose = flow.first_pose.copy()
+        past_pose[:, :2] += course.way(age_s, speed_mps, turn_rad)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return past_image(camera, place, past_pose, flow.pose)
+
+    expected = first(depth_m, course.speed_mps)
+    by_depth = (first(depth_m * (1.0 + STEP_RATIO), course.speed_mps) - expected) / (STEP_RATIO * depth_m)[:, None]
+    by_speed = (first(depth_m, course.speed_mps + STEP_MPS) - expected) / STEP_MPS
+    by_turn = (first(depth_m, course.speed_mps, STEP_RATIO) - expected) / STEP_RATIO
+    weight = information(flow, window_px, age_s, noise)
+    return Residuals(flow.first_px - expected, by_depth, by_speed, by_turn, weight)
