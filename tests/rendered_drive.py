@@ -1,9 +1,12 @@
 """Recordings that we rendered ourselves: a camera on a known path along a road of ours, so that all truth is known."""
 
+import csv
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path as File
 from typing import Any
 
+import cv2
 import numpy as np
 
 from vpf_sim.envs.camera import Rig
@@ -66,8 +69,38 @@ def recording(
         "yaw_rate_radps": rate,
         "frames": pictures,
         "origins": dict.fromkeys(RECORDED, Origin("recorded", "rendered")),
+        "foe_px": np.full((FRAMES, 2), [CAMERA.cx_px, CAMERA.cy_px]),  # half way between, an arc leads straight ahead
         "steering_rad": np.arctan(WHEELBASE_M * rate / speed),
         "throttle": np.zeros(FRAMES),
         "weather": "cloudy",
     }
     return Recording(**{**values, **changes})
+
+
+DRIVE_TOML = """\
+schema = 1
+weather = "light rain"
+[camera]
+fx_px = 320.0
+height_m = 1.4
+pitch_deg = 0.0
+yaw_deg = 0.0
+ahead_of_rear_axle_m = 0.0
+[vehicle]
+steering_ratio = 15.0
+"""
+
+
+def write(folder: File, radius_m: float) -> None:
+    """The drive as anyone's recording: pictures, drive.toml, and a table with the steering wheel's angle."""
+    known = recording(radius_m)
+    (folder / "images").mkdir(parents=True)
+    (folder / "drive.toml").write_text(DRIVE_TOML)
+    images, _ = shots(radius_m, 2, 0.0, None)
+    with (folder / "signals.csv").open("w", newline="") as table:
+        rows = csv.writer(table)
+        rows.writerow(("file", "time_s", "speed_mps", "yaw_rate_radps", "steering_wheel_deg", "acceleration_mps2"))
+        for k, image in enumerate(images):
+            cv2.imwrite(str(folder / "images" / f"{k:03d}.jpg"), image[..., ::-1])
+            wheel = 15.0 * np.degrees(known.steering_rad[k])
+            rows.writerow((f"{k:03d}.jpg", known.times_s[k], known.speed_mps[k], known.yaw_rate_radps[k], wheel, 0.3))

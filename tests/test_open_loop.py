@@ -68,6 +68,8 @@ def test_what_the_flow_says_of_the_own_motion_is_right(bend: tuple[dict[str, Any
     assert seen["speed_scale"]["median"] == pytest.approx(1.0, abs=0.05)
     assert seen["yaw_rate_median_error_radps"] < 0.01  # of 0.08
     assert seen["foe"]["share"] > 0.95
+    for key in ("foe_median_error_px", "foe_median_error_own_derotation_px"):
+        assert max(record[key].values()) < 2.0, key
 
 
 def test_a_car_in_the_lane_is_a_part_with_obstacles(tmp_path: Path) -> None:

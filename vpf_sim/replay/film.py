@@ -24,8 +24,10 @@ LEAST = 0.25  # of an axis of commands, to both sides
 class Film:
     """Writes one frame after the other, as an .mp4 that browsers play."""
 
-    def __init__(self, path: Path, camera: Camera, rate_hz: float) -> None:
+    def __init__(self, path: Path, camera: Camera, rate_hz: float, human: dict[str, str]) -> None:
+        """`human` says how to name the recorded throttle and steering."""
         self._camera = camera
+        self._human = human
         self._size = (camera.width_px - camera.width_px % 2, camera.height_px + STRIP_PX)
         self._past: deque[FrameRow] = deque(maxlen=max(2, round(SHOWN_S * rate_hz)))
         self._blank: Image = np.full((camera.height_px, camera.width_px, 3), PAPER, np.uint8)
@@ -59,7 +61,7 @@ class Film:
             self._curves(canvas, (left, left + half - 16), predicted, recorded)
             write(canvas, name, left, 15, SOFT, 0.4)
             write(canvas, _reading(predicted[-1]), left + 74, 15, LINE, 0.4)
-            write(canvas, f"human {_reading(recorded[-1])}", left + 134, 15, PID, 0.4)
+            write(canvas, f"{self._human[name]} {_reading(recorded[-1])}", left + 134, 15, PID, 0.4)
         return canvas.frame
 
     def _curves(self, canvas: Canvas, reach: tuple[int, int], predicted: Floats, recorded: Floats) -> None:

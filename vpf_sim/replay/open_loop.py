@@ -83,11 +83,17 @@ def _filming(recording: Recording, path: Path) -> Iterator[Film]:
     """Under another name until all is well: then the file gets its own."""
     draft = path.with_name(f"{path.stem}.draft{path.suffix}")
     try:
-        with Film(draft, recording.camera, recording.rate_hz) as film:
+        with Film(draft, recording.camera, recording.rate_hz, _human(recording)) as film:
             yield film
         draft.replace(path)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def _human(recording: Recording) -> dict[str, str]:
+    """How to name the commands beside the driver's: those that were not recorded are told apart."""
+    kinds = {"throttle": recording.origins["throttle"].kind, "steering": recording.origins["steering_rad"].kind}
+    return {name: "human" if kind == "recorded" else f"human ({kind})" for name, kind in kinds.items()}
 
 
 def _rows(

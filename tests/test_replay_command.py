@@ -1,0 +1,103 @@
+"""`vpf-sim replay` on recordings of one's own: folder, table, page, and what is told when something is missing."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rendered_drive as rendered
+
+from vpf_sim import cli
+from vpf_sim.replay import frame_table
+
+BEND_M = 100.0
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A bend to the right, in the layout for everyone."""
+    folder = tmp_path_factory.mktemp("drives") / "bend"
+    rendered.write(folder, BEND_M)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def run(drive: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Its replay."""
+    out = tmp_path_factory.mktemp("runs") / "run"
+    assert cli.run(["replay", str(drive), "--out", str(out)]) == 0
+    return out
+
+
+def summary(run: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((run / "summary.json").read_text())
+    return found
+
+
+def test_the_recorded_commands_are_those_of_the_table(run: Path) -> None:
+    table = frame_table.read(run / "frames" / "bend.parquet")
+    known = rendered.recording(BEND_M)
+    assert table.recorded_steering == pytest.approx(known.steering_rad / 0.6981317, abs=1e-6)
+    assert table.recorded_throttle == pytest.approx([0.1] * rendered.FRAMES)  # 0.3 of 3 m/s2
+    assert table.steering[-1] == pytest.approx(0.039, abs=0.01)
+
+
+def test_the_paper_stands_beside_its_weather_and_nowhere_else(run: Path) -> None:
+    rows = {(row["weather"], row["part"]): row for row in summary(run)["rows"]}
+    ours = rows["light rain", "clear_of_obstacles"]
+    assert ours["drives"] == ["bend"]
+    assert ours["frames"] == rendered.FRAMES
+    assert ours["signals"] == {"throttle": "recorded", "steering": "recorded"}
+    assert ours["paper"] == {"throttle": 0.5827, "steering": 0.5587}
+    assert ours["accuracy"]["steering"]["range"] > 0.98
+    for cell in (("cloudy", "clear_of_obstacles"), ("rain", "with_obstacles"), ("light rain", "with_obstacles")):
+        assert rows[cell]["frames"] == 0
+        assert rows[cell]["accuracy"] == {"throttle": None, "steering": None}
+        assert rows[cell]["paper"] is not None
+    assert len(rows) == 6
+
+
+def test_the_folder_holds_records_timing_film_and_page(run: Path) -> None:
+    manifest = json.loads((run / "manifest.json").read_text())
+    assert manifest["command"] == "replay"
+    assert manifest["plan"]["driver"] == "vpf"
+    record = json.loads((run / "replays.jsonl").read_text())
+    assert (record["name"], record["frames"], record["gaps"]) == ("bend", rendered.FRAMES, 0)
+    assert json.loads((run / "timing.jsonl").read_text())["real_time"] > 0.0
+    assert (run / "videos" / "bend.mp4").stat().st_size > 10_000
+    page = (run / "report.html").read_text()
+    assert "no recording" in page
+    assert page.count("<figcaption>") == 6  # the film, throttle, steering, focus of expansion in x and y, speed
+    assert "data:video/mp4;base64," in page
+
+
+def test_what_is_there_is_not_done_again(drive: Path, run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["replay", str(drive), "--out", str(run)]) == 2
+    assert "choose another, or --resume what is there" in capsys.readouterr().err
+    assert cli.run(["replay", str(drive), "--driver", "neutral", "--out", str(run), "--resume"]) == 2
+    assert 'plan changed: driver: was "vpf", is "neutral"' in capsys.readouterr().err
+    before = (run / "replays.jsonl").read_bytes()
+    assert cli.run(["replay", str(drive), "--out", str(run), "--resume", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert [entry["name"] for entry in answer["drives"]] == ["bend"]
+    assert answer["drives"][0]["accuracy"]["steering"]["mae"] < 0.03
+    assert (run / "replays.jsonl").read_bytes() == before
+
+
+def test_two_runs_have_the_same_records(drive: Path, run: Path, tmp_path: Path) -> None:
+    assert cli.run(["replay", str(drive), "--out", str(tmp_path / "again"), "--no-video"]) == 0
+    assert (tmp_path / "again" / "replays.jsonl").read_bytes() == (run / "replays.jsonl").read_bytes()
+    assert not (tmp_path / "again" / "videos").exists()
+
+
+def test_a_drive_that_cannot_be_read_does_not_stop_the_others(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "empty").mkdir()
+    out = tmp_path / "out"
+    code = cli.run(["replay", str(tmp_path / "empty"), str(drive), "--driver", "neutral", "--out", str(out), "--json"])
+    said = capsys.readouterr()
+    assert code == 2
+    assert said.err.count("\n") == 1
+    assert "empty: found nothing" in said.err
+    assert [entry["name"] for entry in json.loads(said.out)["drives"]] == ["bend"]
