@@ -1,0 +1,115 @@
+"""The command of the gate: what it prints, its JSON and its JUnit file."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as Xml
+
+import pytest
+from gated_runs import lost, run, spread
+
+from vpf_sim import cli
+from vpf_sim.evaluation import gate
+from vpf_sim.evaluation.job import Job
+
+
+def spoil(name: str, text: str) -> Callable[[Path], None]:
+    return lambda folder: (folder / name).write_text(text) and None
+
+
+@pytest.mark.parametrize(
+    ("harm", "sentence"),
+    [
+        (spoil("manifest.json", "[]"), "manifest.json: expected a table for plan and for fingerprint"),
+        (spoil("manifest.json", "{"), "manifest.json: expected JSON, got something else"),
+        (lambda folder: (folder / "manifest.json").unlink(), "manifest.json: expected the manifest of a run"),
+        (spoil("episodes.jsonl", "[]\n"), "episodes.jsonl: line 1: expected a JSON object, got b'[]'"),
+        (spoil("episodes.jsonl", '{"id": "a"}\n'), "episodes.jsonl: record 'a': status: got none"),
+        (spoil("episodes.jsonl", '{"id": 3}\n'), "episodes.jsonl: record 3: id: expected a valid string, got 3"),
+    ],
+)
+def test_a_torn_or_foreign_run_folder_is_one_clear_line(
+    harm: Callable[[Path], None], sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    folder, rules = run(tmp_path / "run", lambda _: {}), tmp_path / "rules.toml"
+    rules.write_text("[[rules]]\ncollisions_at_most = 0")
+    harm(folder)
+    assert cli.run(["check", str(folder), "--rules", str(rules)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"vpf-sim: {folder}/{sentence}")
+    assert said.count("\n") == 1
+
+
+def test_the_command_says_what_failed_and_how_to_see_it(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    folder, rules = run(tmp_path / "run", lost), tmp_path / "rules.toml"
+    rules.write_text('[[rules]]\nscenario = "town04"\nsuccess_rate_at_least = 0.9\ncollisions_at_most = 3')
+    assert cli.run(["check", str(folder), "--rules", str(rules)]) == 1
+    said = capsys.readouterr().out
+    assert "FAIL town04, clear, vpf: expected success_rate_at_least 0.9, got 0.7 over 10 episodes, 1 without a" in said
+    assert "again: for seed in 3 5 8; do vpf-sim drive town04 --weather clear --driver vpf --seed $seed; done\n" in said
+    assert said.endswith("\n1 passed, 1 failed, 0 skipped\n")
+
+
+def test_json_has_every_check_and_nothing_else(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    folder, rules = run(tmp_path / "run", lambda _: {}), tmp_path / "rules.toml"
+    rules.write_text("[[rules]]\nsuccess_rate_at_least = 1\ncollisions_at_most = 0")
+    assert cli.run(["check", str(folder), "--rules", str(rules), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["ok"] is True
+    assert [(row["scenario"], row["outcome"], row["seeds"], row["rerun"]) for row in answer["checks"]] == [
+        (scenario, "passed", [], None) for scenario in ("straight", "straight", "town04", "town04")
+    ]
+
+
+def test_names_are_quoted_for_the_shell() -> None:
+    cell = gate.Cell("my road.toml", "clear", "my:Driver; rm -rf /")
+    command = gate.Check(cell, "", "", "failed", (3,)).rerun
+    assert command == "vpf-sim drive 'my road.toml' --weather clear --driver 'my:Driver; rm -rf /' --seed 3"
+
+
+# Of Jenkins' junit-10.xsd: elements, what may stand in them, which attributes must and which may be there.
+SCHEMA: dict[str, tuple[set[str], set[str], set[str]]] = {
+    "testsuites": ({"testsuite"}, set(), {"name", "tests", "failures", "errors", "time"}),
+    "testsuite": ({"testcase"}, {"name", "tests", "failures", "errors"}, {"skipped", "time", "timestamp", "file"}),
+    "testcase": ({"failure", "skipped"}, {"name"}, {"classname", "time", "group"}),
+    "failure": (set(), set(), {"message", "type"}),
+    "skipped": (set(), set(), {"message", "type"}),
+}
+
+
+def valid(element: Xml.Element) -> bool:
+    inside, needed, allowed = SCHEMA[element.tag]
+    fits = needed <= set(element.keys()) <= needed | allowed and all(child.tag in inside for child in element)
+    return fits and all(valid(child) for child in element)
+
+
+def test_junit(tmp_path: Path) -> None:
+    odd = '\x00\x1b[31m<&>" ]]> é \ufffe'
+
+    def change(job: Job) -> dict[str, Any] | None:
+        return {"min_clearance_m": None} if job.scenario == "straight" else spread(job)
+
+    folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "new" / "out.xml"
+    rules.write_text("[[rules]]\nsuccess_rate_at_least = 0.9\nclearance_m_at_least = 0.1")
+    assert cli.run(["check", str(folder), "--rules", str(rules), "--junit", str(out)]) == 1
+    root = Xml.fromstring(out.read_bytes())
+    assert valid(root)
+    cases = root.findall("testsuite/testcase")
+    assert {(case.get("classname"), case.get("name"), case[0].tag if len(case) else "") for case in cases} == {
+        ("straight.clear.vpf", "success_rate_at_least 0.9", ""),
+        ("straight.clear.vpf", "clearance_m_at_least 0.1", "skipped"),
+        ("town04.clear.vpf", "success_rate_at_least 0.9", "failure"),
+        ("town04.clear.vpf", "clearance_m_at_least 0.1", ""),
+    }
+    for element in (root, root[0]):
+        assert [element.get(key) for key in ("tests", "failures", "errors")] == ["4", "1", "0"]
+    assert root[0].get("skipped") == "1"
+    (failure,) = root.iter("failure")
+    assert "for seed in 3 5 8; do vpf-sim drive town04" in str(failure.text)
+
+    from vpf_sim.report.junit import write_junit
+
+    write_junit([gate.Check(gate.Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
+    (failure,) = Xml.fromstring(out.read_bytes()).iter("failure")
+    assert '?[31m<&>" ]]> é ?' in str(failure.text)
