@@ -4,11 +4,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import rendered_drive as rendered
 
 from vpf_sim import cli
-from vpf_sim.replay import frame_table
+from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.replay import added_water, frame_table
 
 BEND_M = 100.0
 
@@ -101,3 +103,27 @@ def test_a_drive_that_cannot_be_read_does_not_stop_the_others(
     assert said.err.count("\n") == 1
     assert "empty: found nothing" in said.err
     assert [entry["name"] for entry in json.loads(said.out)["drives"]] == ["bend"]
+
+
+def test_water_of_ours_stands_in_a_row_of_its_own(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    command = ["replay", str(drive), "--driver", "neutral", "--no-video", "--out", str(out), "--json"]
+    assert cli.run([*command, "--water", "HardRainNoon"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    filled = [row for row in answer["rows"] if row["frames"]]
+    assert [(row["weather"], row["added"]) for row in filled] == [("light rain", "water of HardRainNoon, ours")]
+    assert filled[0]["paper"] is None
+    empty = [row for row in answer["rows"] if row["weather"] == "light rain" and row["paper"]]
+    assert [row["drives"] for row in empty] == [[], []]
+    assert cli.run([*command, "--water", "clear"]) == 2
+    assert "--water: expected a weather with droplets > 0, got 'ClearNoon' with 0" in capsys.readouterr().err
+
+
+def test_the_water_is_on_the_pictures() -> None:
+    dry = rendered.recording(BEND_M)
+    wet = added_water.with_water(dry, weathers.load("HardRainNoon"))
+    pairs = [(a.image, b.image) for a, b in zip(dry.frames(), wet.frames(), strict=True)][:10]
+    changed = [np.mean(np.any(a != b, axis=2)) for a, b in pairs if a is not None and b is not None]
+    assert 0.01 < np.median(changed) < 0.5

@@ -21,6 +21,10 @@ DrivesArgument = Annotated[
 ]
 
 
+WaterOption = Annotated[
+    str | None,
+    typer.Option("--water", metavar="WEATHER", help="Put the water of a weather on the glass; told as ours."),
+]
 VideoOption = Annotated[bool, typer.Option("--video/--no-video", help="Film each drive, with what the driver saw.")]
 
 
@@ -30,6 +34,7 @@ def replay(
     out: OutOption = None,
     resume: ResumeOption = False,
     mixed: MixedOption = False,
+    water: WaterOption = None,
     video: VideoOption = True,
     json: JsonOption = False,
 ) -> None:
@@ -46,9 +51,11 @@ def replay(
     with drivers_speak():
         drivers.create(driver)
     recordings, refused = _read(drive)
+    if water is not None:
+        recordings = _wet(recordings, water)
     folder = ReplayFolder(
         out or run_folder.new_path("replay"),
-        driver,
+        {"driver": driver, "water": water},
         {name: str(path) for name, (path, _) in recordings.items()},
         resume,
         mixed,
@@ -79,6 +86,14 @@ def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
     for fault in faults:
         _tell_fault(str(fault))
     return _named_apart(found), 2 if faults else 0
+
+
+def _wet(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict[str, tuple[Path, Recording]]":
+    from vpf_sim.envs.camera import weather as weathers
+    from vpf_sim.replay.added_water import with_water
+
+    loaded = weathers.load(weather)
+    return {name: (path, with_water(recording, loaded)) for name, (path, recording) in recordings.items()}
 
 
 def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":

@@ -16,14 +16,22 @@ MANIFEST, RECORDS, TIMING, SUMMARY = "manifest.json", "replays.jsonl", "timing.j
 class ReplayFolder:
     """An open folder. `done` holds the names of the drives that it has a record of."""
 
-    def __init__(self, path: Path, driver: str, drives: dict[str, str], resume: bool = False, mixed: bool = False):
-        """`drives` are the recordings' folders by their names; with `resume` it goes on with what is there."""
+    def __init__(
+        self,
+        path: Path,
+        asked_for: dict[str, str | None],
+        drives: dict[str, str],
+        resume: bool = False,
+        mixed: bool = False,
+    ):
+        """`asked_for` are the options that matter, `drives` the recordings' folders by their names; with `resume` it
+        goes on with what is there."""
         self.path = path
         self._mark: str | None = None  # the fingerprint's digest, where records are made on another than the manifest's
         asked = {
             "schema": 1,
             "command": "replay",
-            "plan": {"driver": driver, "drives": drives},
+            "plan": {**asked_for, "drives": drives},
             "fingerprint": fingerprint(),
         }
         new = not resume or not (path / MANIFEST).exists()
