@@ -48,13 +48,10 @@ def drive(scenario: Scenario, weather: str, driver: str, seed: int) -> dict[str,
 
 
 def mirrored_driver(folder: Path, scenario: Scenario) -> str:
-    """`vpf` with its prior knowledge of the road in the mirror."""
-    robust = variant.load("robust")
-    assert robust.valley is not None
-    preferred = 2.0 * scenario.road.half_width_m - robust.valley.field.preferred_right_m
-    lane = scenario.road.lanes + 1 - robust.road_edges.likely_lane
+    """`vpf` with what it takes for likely in the mirror."""
+    lane = scenario.road.lanes + 1 - variant.load("robust").road_edges.likely_lane
     file = folder / "mirrored.toml"
-    file.write_text(f"[road_edges]\nlikely_lane = {lane}\n[valley.field]\npreferred_right_m = {preferred}\n")
+    file.write_text(f"[road_edges]\nlikely_lane = {lane}\n")
     return f"vpf@{file}"
 
 

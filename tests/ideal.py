@@ -49,7 +49,8 @@ class Road:
         s, lateral = self.local(car.x_m, car.y_m)
         place = LANE_M + lateral
         heading = wrap_angle(self.curvature_per_m * s - car.yaw_rad + noise_rad)
-        return RoadEdges(-HALF_ROAD_M - place, HALF_ROAD_M - place, heading, self.curvature_per_m, 0.02, 1.0)
+        left, right = -HALF_ROAD_M - place, HALF_ROAD_M - place
+        return RoadEdges(left, right, heading, self.curvature_per_m, 0.02, 1.0, -lateral, 3.5)
 
     def corners(self, body: Body) -> Floats:
         """(4, 2) m in the world: face left, face right, rear right, rear left."""

@@ -106,7 +106,7 @@ def test_turning_and_moving_the_world_changes_no_command(name: str, drive: Drive
 def test_the_mirror_image_is_seen_and_planned_the_other_way(drive: Drive, tmp_path: Path) -> None:
     """Not to the last digit: which of two alike corners is taken depends on the order of the pixels."""
     own = tmp_path / "mirrored.toml"
-    own.write_text("[road_edges]\nlikely_lane = 3\n[valley.field]\npreferred_right_m = 8.75\n")
+    own.write_text("[road_edges]\nlikely_lane = 3\n")
     here, plan = driven("vpf", drive)
     there, seen = driven(f"vpf@{own}", in_the_mirror(drive))
     assert seen.perception.road.left_m == pytest.approx(-plan.perception.road.right_m, abs=0.01)

@@ -27,7 +27,7 @@ class Drive:
         self.first_pose = np.zeros((len(scene_m), 3))
         self.age = np.zeros(len(scene_m), np.int64)
         self.trail: list[tuple[Floats, Floats]] = []  # image points and pose of the last frames
-        self.road = RoadEdges(-8.75, 5.25, 0.0, curvature_per_m, 0.02, 1.0)
+        self.road = RoadEdges(-8.75, 5.25, 0.0, curvature_per_m, 0.02, 1.0, 0.0, 3.5)
 
     def pose(self, frame: int) -> Floats:
         way = frame * SPEED_MPS / RATE_HZ
@@ -174,7 +174,7 @@ def test_in_a_bend_the_carriageway_bends() -> None:
     across = np.column_stack([np.zeros(6), np.linspace(-0.6, 0.6, 6)])
     scene = [np.column_stack([place + across, np.linspace(0.3, 1.2, 6)]) for place in (ahead, outside)]
     drive = Drive(np.concatenate([*scene, road_points(100, curvature)]), curvature_per_m=curvature)
-    drive.road = RoadEdges(-5.25, 5.25, 0.0, curvature, 0.02, 1.0)
+    drive.road = RoadEdges(-5.25, 5.25, 0.0, curvature, 0.02, 1.0, 0.0, 3.5)
     last = drive.run(tracker(), range(240))[-1]
     assert len(last) == 1
     place = vehicle_from_world(ahead, drive.pose(239))
@@ -267,7 +267,7 @@ def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_bodies() ->
 
 
 def test_the_edges_of_the_carriageway_follow_heading_and_curvature() -> None:
-    road = RoadEdges(-7.0, 7.0, 0.05, 0.01, 0.02, 1.0)
+    road = RoadEdges(-7.0, 7.0, 0.05, 0.01, 0.02, 1.0, 1.75, 3.5)
     left, right = carriageway_offsets(np.array([0.0, 20.0]), road)
     assert (left[0], right[0]) == pytest.approx((-7.0, 7.0), abs=0.02)
     # On circles about (x, y) = 100 m to the right of the pose, turned by the heading.

@@ -41,7 +41,7 @@ def plan(camera: Camera, points: Floats | None = None, bodies: float | None = No
     )  # fmt: skip
     grid = np.full((camera.height_px // 8, camera.width_px // 8), plane)
     expansion = Expansion(camera.cx_px, camera.cy_px, np.eye(2), np.ones(count, np.bool_), 0.9)
-    road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 0.95)
+    road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 0.95, 0.0, 3.5)
     obstacle_map = ObstacleMap(np.zeros(count, np.bool_), grid, np.zeros((2, *grid.shape)), 8)
     perception = Perception(flow, expansion, np.full(count, 1.0), obstacle_map, body, road)
     none = np.zeros(2)
@@ -126,7 +126,7 @@ def test_colours_run_from_red_to_green_and_grey_is_unknown() -> None:
 
 @pytest.mark.parametrize("curvature", [0.0, 0.01, -0.02])
 def test_a_line_along_the_road_is_an_arc(curvature: float) -> None:
-    road = RoadEdges(-8.75, 5.25, 0.1, curvature, 0.0, 1.0)
+    road = RoadEdges(-8.75, 5.25, 0.1, curvature, 0.0, 1.0, 0.0, 3.5)
     line = overlay.road_line(road, 2.0, np.linspace(0.0, 40.0, 9))
     assert line[0] == pytest.approx([-2.0 * np.sin(0.1), 2.0 * np.cos(0.1)])
     if curvature:

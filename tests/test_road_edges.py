@@ -13,12 +13,12 @@ from vpf_sim.envs.camera.renderer import Renderer
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.geometry import distort, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road_model import NODES_M, lines, moved
+from vpf_sim.perception.road_model import lines, moved, state_of
 from vpf_sim.types import Camera, Floats, Obstacles, RoadEdges
 
 SPEED_MPS = 5.55
 KITTI = Camera(1226, 370, 707.1, 707.1, 601.9, 183.1, height_m=1.65, forward_m=1.0)
-BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01])
+BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5])
 
 
 def grey(frame: np.ndarray) -> np.ndarray:
@@ -39,34 +39,34 @@ def follow(
 
 
 def test_the_derivative_of_the_lines_is_that_of_finite_differences() -> None:
-    offsets, forward = np.array([-7.0, 0.0, 5.25]), np.arange(4.0, 28.0, 3.0)
-    _, jacobian, _ = lines(BEND, offsets, forward)
+    numbers, forward = np.array([-2.0, 0.0, 1.5]), np.arange(4.0, 28.0, 3.0)
+    _, jacobian, _ = lines(BEND, numbers, forward)
     for i, step in enumerate(np.eye(len(BEND)) * 1e-6):
-        numeric = (lines(BEND + step, offsets, forward)[0] - lines(BEND - step, offsets, forward)[0]) / 2e-6
+        numeric = (lines(BEND + step, numbers, forward)[0] - lines(BEND - step, numbers, forward)[0]) / 2e-6
         assert np.abs(jacobian[..., i] - numeric).max() < 0.12 * np.abs(numeric).max()
 
 
 @pytest.mark.parametrize("curvature", [0.0, 0.01, -0.0125])
 def test_lines_are_circles_where_the_curvature_is_constant(curvature: float) -> None:
     picture = RoadPicture(Camera(), curvature)
-    state = np.array([1.3, -0.07, *np.full(len(NODES_M), curvature)])
-    offsets, forward = np.array([-3.5, 7.0]), np.linspace(5.0, 28.0, 12)
-    right, _, reached = lines(state, offsets, forward)
+    state = state_of(1.3, -0.07, curvature, 3.5)
+    numbers, forward = np.array([-1.0, 2.0]), np.linspace(5.0, 28.0, 12)
+    right, _, reached = lines(state, numbers, forward)
     assert reached.all()
     pose = picture.pose(0.0, 1.3, 0.07)
     places = world_from_vehicle(np.stack([np.broadcast_to(forward, right.shape), right], axis=-1), pose)
-    assert np.abs(picture.local(places)[1] - offsets[:, None]).max() < 2e-3
+    assert np.abs(picture.local(places)[1] - 3.5 * numbers[:, None]).max() < 2e-3
 
 
 def test_a_road_that_the_vehicle_has_moved_along_is_the_same_road() -> None:
     step = np.array([0.4, 0.05, 0.03])
     after, _ = moved(BEND, step)
-    offsets, forward = np.array([-3.5, 0.0, 7.0]), np.linspace(5.0, 26.0, 40)
-    before_right, _, _ = lines(BEND, offsets, forward)
+    numbers, forward = np.array([-1.0, 0.0, 2.0]), np.linspace(5.0, 26.0, 40)
+    before_right, _, _ = lines(BEND, numbers, forward)
     new_pose = step
-    for offset, right in zip(offsets, before_right, strict=True):
+    for number, right in zip(numbers, before_right, strict=True):
         seen = vehicle_from_world(np.stack([forward, right], axis=-1), new_pose)
-        again, _, _ = lines(after, np.array([offset]), seen[:, 0])
+        again, _, _ = lines(after, np.array([number]), seen[:, 0])
         assert np.abs(again[0] - seen[:, 1]).max() < 0.01
 
 
@@ -79,7 +79,7 @@ def test_the_edges_are_found_and_followed(curvature: float, place: float, headin
     assert abs(errors[0]) < 0.25
     assert np.abs(errors[8:]).max() < 0.06
     last, right = seen[-1]
-    assert last.left_m == pytest.approx(last.right_m - 14.0)
+    assert last.left_m == pytest.approx(-7.0 - right, abs=0.06)
     assert abs(last.heading_rad + heading) < radians(0.6)
     assert last.curvature_per_m == pytest.approx(curvature / (1.0 - curvature * right), abs=1.5e-3)
     assert last.confidence > 0.9
@@ -91,6 +91,22 @@ def test_the_lane_is_known_by_the_edges_and_not_by_habit(lane: int) -> None:
     place = 7.0 - 3.5 * (lane - 0.5)
     *_, (last, _) = follow(RoadPicture(Camera()), place + 0.2, 0.02, 5)
     assert last.right_m == pytest.approx(7.0 - place - 0.2, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("lanes", "width", "lane"),
+    [(1, 3.5, 1), (2, 3.0, 1), (2, 3.75, 2), (3, 3.25, 3), (4, 3.0, 1), (5, 3.5, 3), (6, 3.6, 1)],
+)
+@pytest.mark.parametrize("curvature", [0.0, 0.008])
+def test_the_number_of_lanes_and_their_width_are_seen(lanes: int, width: float, lane: int, curvature: float) -> None:
+    """An edge is known where the patch of road that is looked at shows it."""
+    half = 0.5 * lanes * width
+    place = half - (lane - 0.5) * width + 0.2
+    *_, (last, _) = follow(RoadPicture(Camera(), curvature, half_width_m=half, lane_width_m=width), place, 0.0, 12)
+    seen_m = RoadEdgeConfig().half_width_m - 0.5
+    for edge, truth in ((last.left_m, -half - place), (last.right_m, half - place)):
+        assert edge == pytest.approx(truth, abs=0.1) or abs(truth) > seen_m
+    assert last.lane_m == pytest.approx(-0.2, abs=0.06)
 
 
 @pytest.mark.parametrize("verge", [(200, 180, 120), (60, 60, 62), (106, 106, 107)], ids=["sand", "dark", "as asphalt"])

@@ -10,7 +10,7 @@ from vpf_sim.planning.road_field import FoeBend, RoadFieldConfig, curved_printed
 from vpf_sim.types import Camera
 
 RIGHT, LEFT = 5.25, -8.75
-PRINTED = RoadFieldConfig("printed", 0.5, 1.0, RIGHT, 0.005, 5e-6, 1e-10, 4.0, 0.5)
+PRINTED = RoadFieldConfig("printed", 0.5, 1.0, 0.005, 5e-6, 1e-10, 4.0, 0.5)
 REPAIRED = replace(PRINTED, shape="repaired")
 
 

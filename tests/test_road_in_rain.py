@@ -8,32 +8,32 @@ from road_picture import RoadPicture
 from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.perception.lane_index import LASTING_MOST, LaneIndex
 from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road_model import lines
+from vpf_sim.perception.road_model import CURVATURES, lines, state_of
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
 SPEED_MPS, RATE_HZ = 5.55, 20.0
-OFFSETS = RoadEdgeConfig().line_offsets_m
+NUMBERS: Floats = np.arange(-2.0, 3.0)  # of the lines, the third of five is the centre
 
 
 def test_bright_spots_do_not_bend_the_road_ahead() -> None:
     """Near, all lines are seen; far off, a tenth of them, among five times as many spots anywhere within reach."""
     rng = stream(31, "spots")
     forward: Floats = np.arange(4.0, 29.0, 0.5)
-    truth = np.array([1.75, 0.0, *np.full(4, 0.005)])
-    tracked = LaneFilter(truth.copy(), initial_covariance(0.05, 0.005))
-    variance = np.full((len(OFFSETS), len(forward)), 0.02**2)
+    truth = state_of(1.75, 0.0, 0.005, 3.5)
+    tracked = LaneFilter(truth.copy(), initial_covariance(0.05, 0.005, 0.05))
+    variance = np.full((len(NUMBERS), len(forward)), 0.02**2)
     bend = []
     for _ in range(300):
         tracked.predict(np.array([SPEED_MPS / RATE_HZ, 0.0, SPEED_MPS / RATE_HZ * 0.005 / (1.0 - 0.005 * 1.75)]))
-        expected, _, _ = lines(tracked.state, OFFSETS, forward)
-        right, _, _ = lines(truth, OFFSETS, forward)
+        expected, _, _ = lines(tracked.state, NUMBERS, forward)
+        right, _, _ = lines(truth, NUMBERS, forward)
         near = np.broadcast_to(forward < 12.0, right.shape)
         spot = ~near & (rng.random(right.shape) < 0.5)
-        stretch = np.repeat(rng.random((len(OFFSETS), 10)) < 0.1, 5, axis=1)  # of 2.5 m
+        stretch = np.repeat(rng.random((len(NUMBERS), 10)) < 0.1, 5, axis=1)  # of 2.5 m
         place = np.where(near | stretch, right, expected + rng.uniform(-0.5, 0.5, right.shape))
-        tracked.correct(Sightings(OFFSETS, forward, place, variance, near | stretch | spot))
-        bend.append(tracked.state[2:].copy())
+        tracked.correct(Sightings(NUMBERS, forward, place, variance, near | stretch | spot))
+        bend.append(tracked.state[CURVATURES].copy())
     assert np.abs(np.array(bend) - 0.005).max() < 0.03
 
 
@@ -69,10 +69,10 @@ def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> Non
 
 
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:
-    index = LaneIndex.start(4, 3.5)
+    index = LaneIndex.start(4, 2)
     assert index.is_lasting(2)
-    index = LaneIndex.start(4, 3.5)
-    assert not any(index.is_lasting(0) for _ in range(200))
+    index = LaneIndex.start(4, 2)
+    assert not any(index.is_lasting(None) for _ in range(200))
     assert not any(index.is_lasting(1) for _ in range(LASTING_MOST - 1))
     assert not index.is_lasting(2)
     assert not any(index.is_lasting(1) for _ in range(LASTING_MOST - 1))

@@ -32,7 +32,7 @@ def test_literal_is_printed_throughout_and_paper_repaired() -> None:
     # Table I of the paper.
     for line in (literal, paper):
         road = line.road_field
-        assert (road.depth, road.b_per_m, road.preferred_right_m) == (0.5, 1.0, 5.25)
+        assert (road.depth, road.b_per_m) == (0.5, 1.0)
         assert (road.c2_straight, road.c2_curved_per_m, road.x_offset_m) == (0.005, 5e-6, 1e-10)
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Integers = NDArray[np.int64]
 Image = NDArray[np.uint8]  # (H, W, 3) RGB or (H, W) grey
 
 Privilege = Literal["none", "route", "world"]
@@ -174,8 +175,8 @@ class Obstacles:
 class RoadEdges:
     """The carriageway about the vehicle, seen by the camera; distances across the road, at the pose.
 
-    `right_m` > 0 and `left_m` < 0 while the pose is on the carriageway. In the paper's terms, with the preferred
-    position `preferred` m left of the right edge: y = preferred - right_m.
+    `right_m` > 0 and `left_m` < 0 while the pose is on the carriageway. The own lane is that in which the vehicle was
+    when it first saw the road; in the paper's terms, y = -lane_m, y_r = right_m - lane_m.
     """
 
     left_m: float
@@ -184,6 +185,8 @@ class RoadEdges:
     curvature_per_m: float  # + bends right
     sigma_m: float  # standard deviation of the lateral position
     confidence: float  # 0 (prior only) .. 1
+    lane_m: float  # middle of the own lane, + is right of the pose
+    lane_width_m: float
 
 
 @dataclass(frozen=True, slots=True)

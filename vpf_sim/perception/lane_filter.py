@@ -4,15 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.road_model import NODES_M, SIZE, lines, moved
+from vpf_sim.perception.road_model import CURVATURES, NODES_M, SIZE, WIDTH, lines, moved
 from vpf_sim.types import Bools, Floats
 
-# Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node. The far node
-# sees new road; the others are told of it as the vehicle moves on.
-DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002])
+# Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node, a lane's width
+# (m). The far node sees new road; the others are told of it as the vehicle moves on.
+DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002, 0.0005])
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
 SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
 TIGHTEST = 0.025  # 1/m, curvature of a carriageway
+NARROWEST_M, WIDEST_M = 2.5, 4.5  # lanes
 PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass
 # Sightings further from the prediction than so many standard deviations, plus so much, are of something else.
 GATE, GATE_M = 4.0, 0.15
@@ -23,18 +24,18 @@ NEIGHBOUR_M = 0.12  # and so are those that are further aside than the sightings
 class Sightings:
     """Where the lines were seen, on a grid of L lines and R rows."""
 
-    offsets_m: Floats  # (L,) the line, right of the centre line
+    numbers: Floats  # (L,) of the lines
     forward_m: Floats  # (R,)
     right_m: Floats  # (L, R) seen at
     variance_m2: Floats  # (L, R)
     seen: Bools  # (L, R)
 
 
-def initial_covariance(y_m: float, heading_rad: float) -> Floats:
-    """(6, 6) of a state just found, with these standard deviations of place and heading."""
-    covariance = np.diag([y_m**2, heading_rad**2, *np.zeros(len(NODES_M))])
+def initial_covariance(y_m: float, heading_rad: float, width_m: float) -> Floats:
+    """(7, 7) of a state just found, with these standard deviations of place, heading and a lane's width."""
+    covariance = np.diag([y_m**2, heading_rad**2, *np.zeros(len(NODES_M)), width_m**2])
     steps = np.minimum.outer(np.arange(len(NODES_M)), np.arange(len(NODES_M)))
-    covariance[2:, 2:] = SHARED_CURVATURE**2 + ADDED_CURVATURE**2 * steps
+    covariance[CURVATURES, CURVATURES] = SHARED_CURVATURE**2 + ADDED_CURVATURE**2 * steps
     return covariance
 
 
@@ -42,8 +43,8 @@ def initial_covariance(y_m: float, heading_rad: float) -> Floats:
 class LaneFilter:
     """Extended Kalman filter of the road's state."""
 
-    state: Floats  # (6,)
-    covariance: Floats  # (6, 6)
+    state: Floats  # (7,)
+    covariance: Floats  # (7, 7)
 
     def predict(self, step: Floats) -> None:
         """After the vehicle moved by `step` (forward m, right m, yaw rad) in its own axes."""
@@ -57,7 +58,7 @@ class LaneFilter:
         seen = sightings.seen & self._possible(sightings)
         state, normal = prior, information
         for cut_m in PASSES:
-            right, jacobian, reached = lines(state, sightings.offsets_m, sightings.forward_m)
+            right, jacobian, reached = lines(state, sightings.numbers, sightings.forward_m)
             residual = sightings.right_m - right
             tukey = np.clip(1.0 - (residual / cut_m) ** 2, 0.0, None) ** 2
             weight = (tukey / sightings.variance_m2)[seen & reached]
@@ -70,7 +71,7 @@ class LaneFilter:
 
     def _possible(self, sightings: Sightings) -> Bools:
         """(L, R) sightings that the prediction allows: drops, puddles and mirror images are bright in other places."""
-        right, jacobian, _ = lines(self.state, sightings.offsets_m, sightings.forward_m)
+        right, jacobian, _ = lines(self.state, sightings.numbers, sightings.forward_m)
         variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + sightings.variance_m2
         aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
         with np.errstate(invalid="ignore"):
@@ -88,4 +89,5 @@ class LaneFilter:
 def is_sane(state: Floats) -> bool:
     """Whether the model can still draw this road."""
     finite = state.shape == (SIZE,) and bool(np.all(np.isfinite(state)))
-    return finite and abs(state[1]) < 1.0 and bool(np.all(np.abs(state[2:]) < TIGHTEST))
+    bent = bool(np.all(np.abs(state[CURVATURES]) < TIGHTEST))
+    return finite and abs(state[1]) < 1.0 and bent and NARROWEST_M < state[WIDTH] < WIDEST_M

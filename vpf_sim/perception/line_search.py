@@ -13,6 +13,7 @@ CENTROID_M = 0.15  # about the strongest response, to this far on both sides
 HEADINGS_RAD = np.radians(np.arange(-12.0, 12.01, 0.6))
 CURVATURES = np.arange(-0.02, 0.0201, 0.00125)
 COMB_REACH_M = 26.0  # rows ahead that take part in the first search
+UNLIKELY_PER_M = 0.5  # lines that a width off the likely one must explain more
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ def sight(
     view: BirdsEye,
     expected_m: Floats,
     wanted: Bools,
-    offsets_m: Floats,
+    numbers: Floats,
     reach_m: float,
     variance: Floats,
 ) -> Sightings:
@@ -57,7 +58,7 @@ def sight(
     visible = ridges.visible[row, np.clip(np.rint(place), 0, last).astype(np.intp)]
     seen = inside & visible & (height > ridges.threshold)
     return Sightings(
-        offsets_m=offsets_m,
+        numbers=numbers,
         forward_m=view.forward_m,
         right_m=view.right_m[0] + place * view.column_m,
         variance_m2=np.broadcast_to(variance, seen.shape),
@@ -72,12 +73,13 @@ def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_p
     return variance
 
 
-def comb(ridges: RidgeMap, view: BirdsEye, lane_width_m: float) -> tuple[float, Floats]:
-    """The road that explains most ridges of one frame: its score, and (3,) y, heading, curvature.
+def comb(ridges: RidgeMap, view: BirdsEye, widths_m: Floats, likely_m: float) -> tuple[float, Floats]:
+    """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
 
     Each heading and curvature straightens the patch; parallel lines then stand out in the mean over its rows, and lines
     a lane apart in that taken modulo the lane's width. The score counts lines: one that is seen in every row, and as
-    bright as can be, is 1. The place y is that of the pose right of any one line.
+    bright as can be, is 1. The place y is that of the pose right of any one line. Of the widths, the likely one is
+    taken unless another explains more: a single line fits any.
     """
     rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
     bright = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
@@ -86,14 +88,24 @@ def comb(ridges: RidgeMap, view: BirdsEye, lane_width_m: float) -> tuple[float, 
     column_m = 2.0 * view.column_m
     heading, curvature = (grid.ravel() for grid in np.meshgrid(HEADINGS_RAD, CURVATURES, indexing="ij"))
     straight = _straightened(bright, view.forward_m[rows], column_m, heading, curvature)
-    columns = np.arange(bright.shape[1])
-    period = lane_width_m / column_m
-    phase = np.rint(np.mod(columns, period)).astype(np.intp) % round(period)
-    teeth = np.stack([straight[:, phase == tooth].sum(axis=1) for tooth in range(round(period))], axis=1)
-    sharp = teeth - np.median(teeth, axis=1, keepdims=True)
+    best, road = -np.inf, np.zeros(4)
+    for width_m in widths_m.tolist():
+        score, i, tooth = _best_tooth(straight, width_m / column_m)
+        score -= UNLIKELY_PER_M * abs(width_m - likely_m)
+        if score > best:
+            right_m = view.right_m[0] + 0.5 * view.column_m + tooth * column_m
+            best, road = score, np.array([-right_m * np.cos(heading[i]), heading[i], curvature[i], width_m])
+    return best, road
+
+
+def _best_tooth(straight: NDArray[np.float32], period: float) -> tuple[float, int, int]:
+    """The comb, its teeth `period` columns apart, that meets most lines: score, row of `straight`, column."""
+    teeth = round(period)
+    phase = np.rint(np.mod(np.arange(straight.shape[1]), period)).astype(np.intp) % teeth
+    lines = straight @ np.eye(teeth, dtype=np.float32)[phase]
+    sharp = lines - np.median(lines, axis=1, keepdims=True)
     i, tooth = np.unravel_index(np.argmax(sharp), sharp.shape)
-    right_m = view.right_m[0] + 0.5 * view.column_m + float(tooth) * column_m
-    return float(sharp[i, tooth]), np.array([-right_m * np.cos(heading[i]), heading[i], curvature[i]])
+    return float(sharp[i, tooth]), int(i), int(tooth)
 
 
 def _straightened(

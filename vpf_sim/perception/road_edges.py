@@ -10,26 +10,26 @@ from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
 from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
 from vpf_sim.perception.line_search import CENTROID_M, RidgeMap, comb, noise_threshold, sight, sighting_variance
-from vpf_sim.perception.road_model import SIZE, curvature_ahead, lines
+from vpf_sim.perception.road_model import WIDTH, curvature_ahead, lines, state_of
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 
 RIDGE_REACH_M = 0.25
 SEARCH_REACH_M = 0.5
 AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
-SWITCH_PROBABILITY = 0.97  # of another lane, lasting, before the tracked place moves there
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
 NEAR_M = 14.0  # of a look whose far part makes no sense
 LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is looked for from nothing
-FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_LOOKS = 0.3, 0.04, 3
+FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, FIRST_LOOKS = 0.3, 0.04, 0.07, 3
+WIDTHS_M = np.arange(2.75, 4.26, 0.125)  # of a lane, looked for
 
 
 @dataclass(frozen=True, slots=True)
 class RoadEdgeConfig:
-    """What is known of the road beforehand (how many lanes, how wide) and how it is looked for."""
+    """What is likely of the road beforehand (how many lanes, how wide) and how it is looked for."""
 
-    lanes: int = 4  # solid lines at both edges, dashed lines within
-    lane_width_m: float = 3.5
+    lanes: int = 4  # solid lines at both edges, dashed lines within; taken where an edge is not seen
+    lane_width_m: float = 3.5  # taken where a single line is seen
     likely_lane: int = 2  # from the right, taken while nothing is seen
     near_m: float = 3.0  # the patch of road looked at, from the pose
     far_m: float = 30.0
@@ -54,22 +54,13 @@ class RoadEdgeConfig:
         if self.near_m >= self.far_m:
             raise ValueError(f"near_m: expected < far_m = {self.far_m}, got {self.near_m}")
 
-    @property
-    def line_offsets_m(self) -> Floats:
-        """(lanes + 1,) of the painted lines, right of the carriageway's centre line."""
-        return np.asarray((np.arange(self.lanes + 1) - 0.5 * self.lanes) * self.lane_width_m)
-
-    @property
-    def likely_place_m(self) -> float:
-        """The likely lane's middle, right of the carriageway's centre line."""
-        return (0.5 * self.lanes - self.likely_lane + 0.5) * self.lane_width_m
-
 
 class RoadEdgeTracker:
     """Follows the carriageway from frame to frame; looks at the picture every `update_period_s`, predicts in between.
 
     Bird's-eye patch, ridges, search about the predicted lines, robust least squares with the prediction as prior. Which
-    lane it is comes from the kinds of the lines and the ground beside them (`lane_index`).
+    of the lines are the edges comes from their kinds and the ground beside them (`lane_index`). Lines 0 and 1 are those
+    of the lane in which the road was found.
     """
 
     def __init__(self, camera: Camera, config: RoadEdgeConfig, rate_hz: float) -> None:
@@ -87,7 +78,7 @@ class RoadEdgeTracker:
         self._variance = sighting_variance(camera, self.view.forward_m, config.sigma_m, config.sigma_px)
         self._filter: LaneFilter | None = None
         self._lost: LaneFilter | None = None  # what was followed last, carried on by the own motion alone
-        self._index = LaneIndex.start(config.lanes, config.lane_width_m)
+        self._index = LaneIndex.start(config.lanes, config.likely_lane)
         self._pose: Floats | None = None
         self._frame = -1
 
@@ -139,9 +130,9 @@ class RoadEdgeTracker:
 
     def _look(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
         """Correct the state by the lines seen about their predicted places; whether there were enough."""
-        offsets = self.config.line_offsets_m
-        expected, _, reached = lines(tracked.state, offsets, self.view.forward_m)
-        found = sight(ridges, self.view, expected, reached, offsets, SEARCH_REACH_M, self._variance)
+        numbers = self._index.numbers
+        expected, _, reached = lines(tracked.state, numbers, self.view.forward_m)
+        found = sight(ridges, self.view, expected, reached, numbers, SEARCH_REACH_M, self._variance)
         enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
         if enough:
             enough = self._correct(tracked, found)
@@ -162,60 +153,58 @@ class RoadEdgeTracker:
 
     def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
         """The road that explains most ridges: in the lane where the own motion has led since it was lost, or, from
-        nothing, in the one that explains the edges."""
-        lane, lost = self.config.lane_width_m, self._lost if self._is_known(self._lost) else None
-        place = self.config.likely_place_m if lost is None else float(lost.state[0])
-        score, (y, heading, curvature) = comb(ridges, self.view, lane)
-        if score < self.config.least_comb:
+        nothing, in whichever lane the pose is."""
+        config, lost = self.config, self._lost if self._is_known(self._lost) else None
+        widths = WIDTHS_M if lost is None else lost.state[WIDTH:]
+        score, (y, heading, curvature, width) = comb(ridges, self.view, widths, config.lane_width_m)
+        if score < config.least_comb:
             return
-        phase = (self.config.line_offsets_m[0] + y - place + 0.5 * lane) % lane - 0.5 * lane
-        found = LaneFilter(np.array([place + phase, heading, *np.full(SIZE - 2, curvature)]), np.eye(SIZE))
+        place = y % width if lost is None else y + width * round((lost.state[0] - y) / width)
+        if lost is None:
+            self._index = LaneIndex.start(config.lanes, config.likely_lane)
+        found = LaneFilter(state_of(place, heading, curvature, width), np.empty(0))
         for _ in range(FIRST_LOOKS):
-            found.covariance = initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD)
+            found.covariance = initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M)
             if not self._look(found, ridges):
                 self._filter, self._lost = None, lost
                 return
-        if lost is None:
-            self._index = LaneIndex.start(self.config.lanes, lane)
         self._filter, self._lost = found, None
         self._judge(found, image_rgb, ridges)
 
     def _is_known(self, state: LaneFilter | None) -> bool:
         """Whether a road that was lost may still tell one lane from the next."""
-        return state is not None and is_sane(state.state) and state.sigma_m < LOST_SHARE * self.config.lane_width_m
+        return state is not None and is_sane(state.state) and bool(state.sigma_m < LOST_SHARE * state.state[WIDTH])
 
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
-        """Move to another lane when the edges of the carriageway say so beyond doubt, and go on to."""
         self._index.judge(tracked.state, ridges, self.view, self._colour_view.warp(image_rgb), self._colour_view)
-        likely = self._index.probabilities(tracked.state[0])
-        best = int(np.argmax(likely))
-        lanes = int(self._index.shifts[best])
-        if self._index.is_lasting(lanes if likely[best] > SWITCH_PROBABILITY else 0):
-            tracked.state = tracked.state + np.array([lanes * self.config.lane_width_m, *np.zeros(SIZE - 1)])
-            self._index.shift(lanes)
 
     def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
         """The state as edges; its one curvature is the one that puts the road 10 m ahead where the state has it."""
-        config = self.config
-        half = 0.5 * config.lanes * config.lane_width_m
         tracked = self._filter or self._lost
         if tracked is None or not self._is_known(tracked):
-            place = config.likely_place_m
-            curvature = float(np.clip(yaw_rate_radps / max(speed_mps, 1.0), -0.05, 0.05))
-            return RoadEdges(-half - place, half - place, 0.0, curvature, config.lane_width_m, 0.0)
+            return self._likely(float(np.clip(yaw_rate_radps / max(speed_mps, 1.0), -0.05, 0.05)))
         state = tracked.state
-        place = float(state[0])
+        place, width = float(state[0]), float(state[WIDTH])
+        left, right = self._index.edges
         bend = curvature_ahead(state, AHEAD_M)
-        likely = self._index.probabilities(place)[config.lanes - 1]
+        likely = self._index.probabilities(state)[self._index.believed]
         lines_seen = float(
             np.clip(((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT), 0.0, 1.0)
         )
         certain = float(likely) * lines_seen * float(np.exp(-tracked.sigma_m / 0.3)) * (self._filter is not None)
         return RoadEdges(
-            left_m=-half - place,
-            right_m=half - place,
+            left_m=left * width - place,
+            right_m=right * width - place,
             heading_rad=float(state[1]),
             curvature_per_m=bend / (1.0 - bend * place),
             sigma_m=tracked.sigma_m,
             confidence=certain,
+            lane_m=0.5 * width - place,
+            lane_width_m=width,
         )
+
+    def _likely(self, curvature_per_m: float) -> RoadEdges:
+        """The middle of the likely lane, while no line has been seen."""
+        width = self.config.lane_width_m
+        right = (self.config.likely_lane - 0.5) * width
+        return RoadEdges(right - self.config.lanes * width, right, 0.0, curvature_per_m, width, 0.0, 0.0, width)

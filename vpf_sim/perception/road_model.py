@@ -1,7 +1,8 @@
-"""The shape of the road ahead: parallel lines along a centre line whose curvature is piecewise linear.
+"""The shape of the road ahead: parallel lines, a lane's width apart, whose curvature is piecewise linear.
 
-The state is (y, h, k_0 .. k_3): m, the pose's place right of the centre line; rad, the road's direction minus yaw at
-the foot of the pose; 1/m, the centre line's curvature at NODES_M metres along it (+ bends right).
+The state is (y, h, k_0 .. k_3, w): m, the pose's place right of line 0; rad, the road's direction minus yaw at the
+foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the width of a lane. Line
+i is i lanes right of line 0; which of the lines are the edges of the carriageway is not the model's business.
 """
 
 import numpy as np
@@ -9,9 +10,11 @@ import numpy as np
 from vpf_sim.types import Bools, Floats
 
 NODES_M = np.array([0.0, 8.0, 16.0, 24.0])
-SIZE = 2 + len(NODES_M)
+CURVATURES = slice(2, 2 + len(NODES_M))
+WIDTH = 2 + len(NODES_M)
+SIZE = WIDTH + 1
 STEP_M = 0.5
-ALONG_M = np.arange(-6.0, 48.0 + 1e-9, STEP_M)  # (G,) stations along the centre line
+ALONG_M = np.arange(-6.0, 48.0 + 1e-9, STEP_M)  # (G,) stations along line 0
 ORIGIN = int(np.searchsorted(ALONG_M, 0.0))
 
 
@@ -28,14 +31,21 @@ TURNS = _integrated(HATS)  # (G, 4) heading
 BENDS = _integrated(TURNS)  # (G, 4) lateral place of a straight road
 
 
-def lines(state: Floats, offsets_m: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools]:
-    """Where lines parallel to the centre line cross rows ahead.
+def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_width_m: float) -> Floats:
+    """(7,) the state of a road of one curvature."""
+    return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m])
 
-    Of L lines `offsets_m` right of the centre line, at R rows `forward_m` ahead of the pose: right of the vehicle
-    (L, R) m, its derivative by the state (L, R, 6), and (L, R) whether the line reaches the row.
+
+def lines(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools]:
+    """Where lines of the road cross rows ahead.
+
+    Of L lines, by their numbers, at R rows `forward_m` ahead of the pose: right of the vehicle (L, R) m, its derivative
+    by the state (L, R, 7), and (L, R) whether the line reaches the row. A number may be a fraction: the middle of the
+    lane right of line i is i + 1/2.
     """
     y, heading = state[0], state[1]
-    direction = heading + TURNS @ state[2:]
+    offsets_m = numbers * state[WIDTH]
+    direction = heading + TURNS @ state[CURVATURES]
     cosine, sine = np.cos(direction), np.sin(direction)
     centre_x = _integrated(cosine) + y * np.sin(heading)
     centre_y = _integrated(sine) - y * np.cos(heading)
@@ -54,7 +64,8 @@ def lines(state: Floats, offsets_m: Floats, forward_m: Floats) -> tuple[Floats, 
     secant = 1.0 / cosine[lower]
     jacobian[..., 0] = -np.cos(direction[lower] - heading) * secant
     jacobian[..., 1] = forward_m + right * sine[lower] * secant
-    jacobian[..., 2:] = BENDS[lower] * secant[..., None]
+    jacobian[..., CURVATURES] = BENDS[lower] * secant[..., None]
+    jacobian[..., WIDTH] = numbers[:, None] * secant
     return right, jacobian, reached
 
 
@@ -69,15 +80,15 @@ def moved(state: Floats, step: Floats) -> tuple[Floats, Floats]:
     derivative[0, 1] = -along
     derivative[0, 2] = -0.5 * along**2
     derivative[1, 2] = along
-    derivative[2:, 2:] = shift
-    after = np.empty(SIZE)
+    derivative[CURVATURES, CURVATURES] = shift
+    after = state.copy()
     after[0] = y + across - 0.5 * curvature * along**2
     after[1] = heading + curvature * along - step[2]
-    after[2:] = shift @ state[2:]
+    after[CURVATURES] = shift @ state[CURVATURES]
     return after, derivative
 
 
 def curvature_ahead(state: Floats, distance_m: float) -> float:
-    """1/m, the constant curvature that bends the centre line as far by `distance_m` ahead as its own does."""
-    bend = float(np.interp(distance_m, ALONG_M, BENDS @ state[2:]))
+    """1/m, the constant curvature that bends line 0 as far by `distance_m` ahead as its own does."""
+    bend = float(np.interp(distance_m, ALONG_M, BENDS @ state[CURVATURES]))
     return 2.0 * bend / distance_m**2

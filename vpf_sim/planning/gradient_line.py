@@ -41,7 +41,7 @@ class GradientLine:
             perception.obstacle_map, perception.ttc_s, self._setup.camera, config.obstacle_field
         )
         bend = self._bend.update(perception.expansion.x_px)
-        lane = locate(perception.road, config.road_field.preferred_right_m)
+        lane = locate(perception.road)
         road = road_field.force(lane.y_m, lane.right_m, lane.left_m, bend, config.road_field)
         force = total_field.compose(target, obstacle, road, config.total_field)
         world = total_field.to_world(force.total, yaw, config.total_field)

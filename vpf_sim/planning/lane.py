@@ -1,7 +1,7 @@
 """Lane coordinates: the one space in which the robust variant composes its fields.
 
-`along` is measured from the pose along the road, `y` across it, from the preferred position, + is right. The camera's
-road edges give the transformation; nothing of a map enters.
+`along` is measured from the pose along the road, `y` across it, from the middle of the own lane, + is right. The
+camera's road edges give the transformation; nothing of a map enters.
 """
 
 from dataclasses import dataclass, field
@@ -39,10 +39,10 @@ class LaneObstacles:
         return len(self.along_m)
 
 
-def locate(road: RoadEdges, preferred_right_m: float) -> Lane:
-    """Where the vehicle is, if the preferred position lies `preferred_right_m` left of the right edge."""
-    y = preferred_right_m - road.right_m
-    return Lane(y, preferred_right_m, y + road.left_m, road.heading_rad, road.curvature_per_m)
+def locate(road: RoadEdges) -> Lane:
+    """Where the vehicle is; the preferred position is the middle of its own lane."""
+    left, right = road.left_m - road.lane_m, road.right_m - road.lane_m
+    return Lane(-road.lane_m, right, left, road.heading_rad, road.curvature_per_m)
 
 
 def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:

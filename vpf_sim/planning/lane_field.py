@@ -2,7 +2,7 @@
 
 All three are functions of y, the place across the road (`vpf_sim.planning.lane`), in the same units:
 
-    U(y) = k y^2                                                            target: the preferred position
+    U(y) = k y^2                                                            target: the middle of the own lane
          + h_w (e^(-g_r(y) / d_w) + e^(-g_l(y) / d_w))                      road: g is the gap between body and edge
          + max over bodies of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}     obstacles
 
@@ -30,8 +30,7 @@ CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this t
 class LaneFieldConfig:
     """Potentials have no unit; only their ratios matter."""
 
-    preferred_right_m: float  # the preferred position lies this far left of the right edge
-    reach_m: float  # of the grid, to both sides of the preferred position
+    reach_m: float  # of the grid, to both sides of the own lane's middle
     spacing_m: float
     target_per_m2: float  # k
     wall_height: float  # h_w

@@ -34,7 +34,6 @@ class RoadFieldConfig:
     shape: Literal["printed", "repaired"]
     depth: float  # A
     b_per_m: float
-    preferred_right_m: float  # the preferred position lies this far left of the right edge
     c2_straight: float  # with n = 1
     c2_curved_per_m: float  # with n = 2
     x_offset_m: float  # delta x, of the printed form
@@ -42,7 +41,7 @@ class RoadFieldConfig:
     foe_median_s: float  # over which the FOE's median is taken
 
     def __post_init__(self) -> None:
-        for key in ("depth", "b_per_m", "preferred_right_m", "x_offset_m"):
+        for key in ("depth", "b_per_m", "x_offset_m"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
 

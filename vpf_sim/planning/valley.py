@@ -21,12 +21,11 @@ class Valley:
     """Follows the valley of the field from frame to frame."""
 
     def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
-        self._preferred_right_m = config.field.preferred_right_m
         self._field = LaneField(config.field, setup.vehicle, setup.speed_reference_mps)
         self._reference = LaneReference(config.reference, setup.vehicle, setup.speed_reference_mps, setup.rate_hz)
 
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
-        lane = locate(perception.road, self._preferred_right_m)
+        lane = locate(perception.road)
         obstacles = place(perception.obstacles, lane)
         potential = self._field.update(lane, obstacles)
         reference = self._reference.update(

@@ -86,7 +86,7 @@ class FieldPilot:
     def decide(self, observation: Observation, interval: Interval) -> Decision:
         seen = self._eyes.perceive(observation)
         found = is_found(seen.road, observation.speed_mps)
-        lane = present_lane(seen.road, found, self._variant.road_edges.lane_width_m, self._preferred_right_m)
+        lane = present_lane(seen.road, found)
         self._follow(lane)
         from_model = self._from_model(seen, lane)
         plan = Plan(from_model, *self._way.step(from_model, self._at_model(observation)))
@@ -96,21 +96,13 @@ class FieldPilot:
             self._model.restart(self._model.speed_mps)
         return Decision(command, self._shown(plan, replace(seen, road=lane)), found)
 
-    @property
-    def _preferred_right_m(self) -> float:
-        valley, line = self._variant.valley, self._variant.gradient_line
-        if valley is not None:
-            return valley.field.preferred_right_m
-        assert line is not None  # Variant has checked
-        return line.road_field.preferred_right_m
-
     def _follow(self, lane: RoadEdges) -> None:
         """Begin anew from the present place where it is suddenly another lane that is followed."""
         last, self._lane = self._lane, lane
         if last is None:
             return
         found = (last.confidence > 0.0) != (lane.confidence > 0.0)
-        if found or abs(lane.right_m - last.right_m) > 0.5 * self._variant.road_edges.lane_width_m:
+        if found or abs(lane.lane_m - last.lane_m) > 0.5 * lane.lane_width_m:
             self._way = way(self._setup, self._variant)
 
     def _from_model(self, seen: Perception, lane: RoadEdges) -> Perception:
@@ -124,8 +116,7 @@ class FieldPilot:
 
     def _shown(self, plan: Plan, seen: Perception) -> Plan:
         """The plan with what is seen from the recorded car: the lane by its own two lines, the way from the car."""
-        half = 0.5 * self._variant.road_edges.lane_width_m
-        middle = seen.road.right_m - self._preferred_right_m
+        half, middle = 0.5 * seen.road.lane_width_m, seen.road.lane_m
         road = replace(seen.road, left_m=middle - half, right_m=middle + half)
         extra = dict(plan.extra)
         if "lane" in extra:

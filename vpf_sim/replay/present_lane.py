@@ -1,8 +1,8 @@
 """The lane that a recorded car drives in: what of the road a driver on someone else's recording can be held to.
 
-The driver's own road has four lanes with a verge and a preferred lane (`perception.road_edges`). A real road has other
-lanes, and the human has chosen one. Of what the camera finds, only where the lines lie beside the car is used: the lane
-nearest to the car is the one to keep to. Where no road is found, it is taken to lie straight ahead of the car.
+A driver keeps to the lane in which it began (`perception.road_edges`). The human on the recording changes lanes. Of
+what the camera finds, only where the lines lie beside the car is used: the lane nearest to the car is the one to keep
+to. Where no road is found, it is taken to lie straight ahead of the car.
 """
 
 from dataclasses import replace
@@ -21,16 +21,14 @@ def is_found(road: RoadEdges, speed_mps: float) -> bool:
     return road.confidence >= LEAST_CONFIDENCE and abs(speed_mps * sin(road.heading_rad)) <= FASTEST_ACROSS_MPS
 
 
-def present_lane(road: RoadEdges, found: bool, lane_width_m: float, preferred_right_m: float) -> RoadEdges:
-    """Edges that put the preferred place into the middle of the lane nearest to the car; straight ahead if none is."""
-    width = road.right_m - road.left_m
+def present_lane(road: RoadEdges, found: bool) -> RoadEdges:
+    """Edges whose own lane is the one nearest to the car; straight ahead if none is."""
     if not found:
-        right = preferred_right_m
-        return replace(road, left_m=right - width, right_m=right, heading_rad=0.0, curvature_per_m=0.0, confidence=0.0)
-    place = road.right_m - preferred_right_m  # of the preferred lane's middle, right of the pose
-    middle = (place + 0.5 * lane_width_m) % lane_width_m - 0.5 * lane_width_m
-    right = middle + preferred_right_m
-    return replace(road, left_m=right - width, right_m=right)
+        left, right = road.left_m - road.lane_m, road.right_m - road.lane_m
+        ahead = replace(road, left_m=left, right_m=right, lane_m=0.0)
+        return replace(ahead, heading_rad=0.0, curvature_per_m=0.0, confidence=0.0)
+    half = 0.5 * road.lane_width_m
+    return replace(road, lane_m=(road.lane_m + half) % road.lane_width_m - half)
 
 
 def seen_from(road: RoadEdges, right_m: float, turn_rad: float) -> RoadEdges:
@@ -39,6 +37,7 @@ def seen_from(road: RoadEdges, right_m: float, turn_rad: float) -> RoadEdges:
         road,
         left_m=road.left_m - right_m,
         right_m=road.right_m - right_m,
+        lane_m=road.lane_m - right_m,
         heading_rad=road.heading_rad - turn_rad,
     )
 
