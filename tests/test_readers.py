@@ -1,7 +1,9 @@
 """Each layout of recordings, read to our axes and units: the same drive, written as each source writes it."""
 
+import dataclasses
 import json
 import os
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +13,8 @@ import recorded_layouts as layouts
 
 from vpf_sim.errors import InputError
 from vpf_sim.replay import readers
+from vpf_sim.replay.drive_file import CameraKeys, DriveFile, SignalKeys, VehicleKeys
+from vpf_sim.replay.readers import general_signals
 from vpf_sim.replay.recording import Recording
 
 LAYOUTS: dict[str, Callable[[Path], Path]] = {
@@ -263,9 +267,33 @@ def test_a_bare_video_is_calibrated_on_the_way() -> None:
     recording = readers.read(DRIVES / "carnd_highway")
     horizon = recording.camera.cy_px - recording.camera.fy_px * np.tan(recording.camera.pitch_rad)
     assert horizon == pytest.approx(306.0, abs=8.0)  # where the lane's lines meet
-    assert np.median(recording.speed_mps) == pytest.approx(25.3 * 1.4 / 1.18, rel=0.2)  # its marks, by another height
+    assert np.median(recording.speed_mps) == pytest.approx(
+        25.3 * recording.camera.height_m / 1.18, rel=0.2
+    )  # by its marks
     assert recording.origins["camera"].kind == "assumed"
     assert "field of view 60 deg across" in recording.origins["camera"].how
+
+
+def test_the_page_on_recordings_names_every_key_and_column(tmp_path: Path) -> None:
+    """Its drive.toml is read as it stands, and has every key that there is."""
+    page = (Path(__file__).parents[1] / "docs" / "recordings.md").read_text()
+    example = page.split("```toml")[1].split("```")[0]
+    table = tomllib.loads(example)
+    for section, config in (("", DriveFile), ("camera", CameraKeys), ("vehicle", VehicleKeys), ("signals", SignalKeys)):
+        keys = set(table[section] if section else table)
+        missing = {item.name for item in dataclasses.fields(config)} - keys - {"field_of_view_deg"}
+        assert not missing, section
+    assert "field_of_view_deg" in example
+    layouts.video(tmp_path / "drive.mp4", [layouts.picture(k, 1280, 720) for k in range(6)])
+    (tmp_path / "drive.toml").write_text(example)
+    (tmp_path / "signals.csv").write_text("time_s,OBD speed\n0,36\n1,36\n")
+    recording = readers.read(tmp_path)
+    assert recording.speed_mps == pytest.approx(np.full(6, 10.0))
+    assert recording.rate_hz == pytest.approx(30.0)
+    for column in general_signals.KNOWN:
+        assert f"`{column}`" in page, column
+    for reader in readers.READERS:
+        assert reader.LAYOUT in page or reader.LAYOUT == "video or pictures with drive.toml"
 
 
 def test_json_of_origins_is_plain(recording: Recording) -> None:

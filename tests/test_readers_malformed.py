@@ -129,6 +129,11 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (swap("drive.toml", "fx_px = 80.0", 'fx_px = "far"'), "camera: fx_px: expected float, got 'far'"),
         (swap("drive.toml", "fx_px = 80.0", "fx_px = -1"), "camera: fx_px: expected > 0, got -1"),
         (swap("drive.toml", "[camera]", "[camera]\nfield_of_view_deg = 60"), "expected one of them, got both"),
+        (
+            swap("drive.toml", "[camera]", "[camera]\ncx_px = 640"),
+            "expected the camera's axis within its picture of 96 x 64",
+        ),
+        (swap("drive.toml", "pitch_deg = 2.0", "pitch_deg = -40"), "that sees the road, got the horizon at row 99 of"),
         (swap("drive.toml", "yaw_deg = 0.0", ""), "pitch_deg, yaw_deg: expected both or neither"),
         (swap("drive.toml", "[camera]", "[camera]\ndistortion = [1.0, 2.0, 3.0]"), "2, 4, 5 or 8 numbers, got 3"),
         (swap("drive.toml", "steering_ratio = 15.0", ""), "steering_wheel_deg: expected steering_ratio in drive"),
@@ -204,6 +209,19 @@ def test_a_picture_that_comes_twice_while_the_car_moves_is_a_gap(valid: Path, tm
         values[8] = "0.0"
         file.write_text(" ".join(values))
     assert all(frame.image is not None for frame in readers.read(folder).frames())
+
+
+def test_pictures_that_show_nothing_tell_no_speed(valid: Path, tmp_path: Path) -> None:
+    folder = copied(valid, "general", tmp_path)
+    layouts.video(folder / "drive.mp4", [np.full((64, 96, 3), 90 + k, np.uint8) for k in range(24)])
+    (folder / "drive.toml").write_text("schema = 1\nframes = 'drive.mp4'\n[signals]\nfile = 'empty.csv'\n")
+    (folder / "empty.csv").write_text("time_s,speed_mps\n0,nan\n1,nan\n")
+    with pytest.raises(InputError, match="general: expected a speed, or poses or pictures of a road to tell it from"):
+        readers.read(folder)
+    (folder / "empty.csv").write_text("time_s,speed_mps\n0,8\n3,8\n")
+    recording = readers.read(folder)
+    assert not recording.yaw_rate_radps.any()
+    assert str(recording.origins["yaw_rate_radps"]) == "assumed: none: nothing tells the turn"
 
 
 def test_a_missing_picture_of_udacity_leaves_the_signals(valid: Path, tmp_path: Path) -> None:

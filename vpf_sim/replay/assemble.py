@@ -63,15 +63,16 @@ def recording(source: Source) -> Recording:
     if "poses" in source.signals:
         source.signals["poses"] = derived.from_start(_without_gaps(source, "poses", "pose"))
     _motion_from_poses(source)
+    _check_sees_road(source, source.lens, source.mounting or Mounting())
     own = _looked_at(source)
     scale = _height_by_lanes(source)
     if own is not None:
         own = replace(own, speed_mps=own.speed_mps * scale)
         _motion_from_pictures(source, own)
     _yaw_rate_at_last(source)
+    if "speed_mps" not in source.signals:
+        raise InputError(f"{source.name}: expected a speed, or poses or pictures of a road to tell it from; found none")
     for name, what in (("speed_mps", "speed"), ("yaw_rate_radps", "yaw rate")):
-        if name not in source.signals:
-            raise InputError(f"{source.name}: expected a {what}, or poses or pictures to tell it from; found none")
         source.signals[name] = _without_gaps(source, name, what)
     _commands(source)
     if "poses" not in source.signals:
@@ -157,6 +158,8 @@ def _yaw_rate_at_last(source: Source) -> None:
     elif {"speed_mps", "steering_rad"} <= set(source.signals):
         rate = source.signals["speed_mps"] * np.tan(source.signals["steering_rad"]) / source.wheelbase_m
         source.put("yaw_rate_radps", rate, "from speed and steering: the kinematic bicycle", "derived")
+    else:
+        source.put("yaw_rate_radps", np.zeros(len(source.times_s)), "none: nothing tells the turn", "assumed")
 
 
 def _commands(source: Source) -> None:
@@ -216,6 +219,18 @@ def _finished(source: Source) -> Recording:
         foe_px=np.empty(0) if foe is None else foe,
         **{name: source.signals[name] for name in names if name in source.signals},
     )
+
+
+def _check_sees_road(source: Source, lens: Lens, mounting: Mounting) -> None:
+    """Intrinsics of another size of picture, or degrees for radians, put the road where nothing is seen."""
+    size = f"{lens.width_px} x {lens.height_px} px"
+    if not (0.0 <= lens.cx_px < lens.width_px and 0.0 <= lens.cy_px < lens.height_px):
+        centre = f"{lens.cx_px:g}, {lens.cy_px:g}"
+        raise InputError(f"{source.name}: expected the camera's axis within its picture of {size}, got {centre}")
+    horizon = lens.cy_px - lens.fy_px * np.tan(mounting.pitch_rad)
+    if not -0.5 * lens.height_px <= horizon <= 0.9 * lens.height_px:
+        row = f"row {horizon:.0f} of its picture of {size}"
+        raise InputError(f"{source.name}: expected a camera that sees the road, got the horizon at {row}")
 
 
 def _truth(source: Source, camera: Camera) -> Floats | None:

@@ -25,7 +25,8 @@ def slope(times_s: Floats, values: Floats, window_s: float = SLOPE_WINDOW_S) -> 
     t, v, tv, tt = (part[last] - part[first] for part in sums)
     n = last - first
     lines: Floats = (n * tv - t * v) / (n * tt - t * t)
-    return lines + (time - t / n) * _change(t / n, lines)
+    result: Floats = lines + (time - t / n) * _change(t / n, lines)
+    return result
 
 
 def _change(times_s: Floats, values: Floats) -> Floats:

@@ -51,6 +51,7 @@ def read(folder: Path) -> Recording:
         frames=lambda: image_files.frames(files),
         lens=assemble.assumed_lens(*size),
         height_m=HEIGHT_M,
+        height_assumed=True,
         wheelbase_m=WHEELBASE_M,
     )
     if not all(present):
