@@ -19,7 +19,7 @@ from vpf_sim.types import Camera, Floats, Image
 HEIGHTS_M = 0.9 * 1.04 ** np.arange(24)  # up to 2.2
 LOOKS, APART_S = 12, 1.0
 LEAST_SCORE = 0.7  # share of the rows that have a line; two lines in each row are 2
-LEAST_LEAD = 1.35  # of the best height's score over that of the middle one: kerbs and shadows lead by less
+LEAST_LEAD = 1.45  # of the best height's score over that of the middle one: kerbs and shadows lead by less
 
 
 def height_m(frames: Iterator[Frame], camera: Camera, times_s: Floats, config: RoadEdgeConfig) -> float | None:
@@ -56,7 +56,7 @@ def _score(looks: Sequence[Image], camera: Camera, config: RoadEdgeConfig) -> fl
     for look in looks:
         response = ridge(view.warp(look), round(RIDGE_REACH_M / config.column_m))
         lines = RidgeMap(response, noise_threshold(response, config.least_contrast), view.visible)
-        found.append(comb(lines, view, config.lane_width_m)[0])
+        found.append(comb(lines, view, np.array([config.lane_width_m]), config.lane_width_m)[0])
     return float(np.mean(found))
 
 

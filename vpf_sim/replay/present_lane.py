@@ -22,13 +22,16 @@ def is_found(road: RoadEdges, speed_mps: float) -> bool:
 
 
 def present_lane(road: RoadEdges, found: bool) -> RoadEdges:
-    """Edges whose own lane is the one nearest to the car; straight ahead if none is."""
+    """Edges whose own lane is the one nearest to the car, which lies between them; straight ahead if none is."""
     if not found:
         left, right = road.left_m - road.lane_m, road.right_m - road.lane_m
         ahead = replace(road, left_m=left, right_m=right, lane_m=0.0)
         return replace(ahead, heading_rad=0.0, curvature_per_m=0.0, confidence=0.0)
     half = 0.5 * road.lane_width_m
-    return replace(road, lane_m=(road.lane_m + half) % road.lane_width_m - half)
+    middle = (road.lane_m + half) % road.lane_width_m - half
+    return replace(
+        road, lane_m=middle, left_m=min(road.left_m, middle - half), right_m=max(road.right_m, middle + half)
+    )
 
 
 def seen_from(road: RoadEdges, right_m: float, turn_rad: float) -> RoadEdges:

@@ -16,6 +16,7 @@ LEAST_CLOSING_MPS = 0.5  # of a gap whose time to contact is compared
 STANDING_MPS = 0.3  # of the car and of the gap: nothing approaches
 LEAST_SPEED_MPS = 2.0  # of a speed that is compared
 ALARM_S = 4.0  # a time to contact that calls for the brake
+LEAST_SPAN = 0.005  # of a signal that moved; of one that did not the span says nothing
 DIGITS = 6  # of stored scores
 
 
@@ -59,7 +60,7 @@ def _accuracy(table: FrameTable, name: str, recorded: Floats, mask: Bools, idle:
     predicted = np.zeros(len(table)) if idle else getattr(table, name)
     there = recorded[np.isfinite(recorded)]
     span = float(np.ptp(there)) if len(there) else 0.0
-    scored = accuracy(predicted[mask], recorded[mask], span)
+    scored = accuracy(predicted[mask], recorded[mask], span if span > LEAST_SPAN else 0.0)
     return scored and {key: rounded(value) for key, value in scored.items()}
 
 
