@@ -7,7 +7,8 @@ import pytest
 from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
 from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
-from vpf_sim.perception.movers import MoverConfig, MoverTracker, appear, together
+from vpf_sim.perception.mover_search import MoverConfig, appear
+from vpf_sim.perception.movers import MoverTracker, together
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
@@ -54,7 +55,7 @@ class Seen:
         for frame in frames:
             flow, time_s = drive.flow(frame), frame / RATE_HZ
             points = self.landmarks.triangulate(flow)
-            moving = self.movers.update(flow, points, drive.road, time_s)
+            moving = self.movers.update(flow, points, drive.road, SPEED_MPS, time_s)
             standing = self.landmarks.update(flow, drive.road, SPEED_MPS, time_s, points, moving)
             found.append(together(standing, self.movers.obstacles(flow.pose, SPEED_MPS)))
         return found

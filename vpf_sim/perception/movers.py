@@ -15,109 +15,15 @@ also lie below the road, but the road shines through them, they fill no upright 
 move as one when we move across.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from vpf_sim.perception.landmarks import carriageway_offsets, near_edge_line
 from vpf_sim.perception.marks import Integers
-from vpf_sim.perception.mover import FilterConfig, Mover, Sight
+from vpf_sim.perception.mover import Mover, Sight
+from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines, suspect
 from vpf_sim.perception.moving_frame import Residuals, against, part
-from vpf_sim.perception.triangulation import NoiseModel, Triangulation
+from vpf_sim.perception.triangulation import Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
-
-
-@dataclass(frozen=True, slots=True)
-class MoverConfig:
-    """When points move, how many make a body, and how long it is kept in mind."""
-
-    window_px: int = 11  # of the flow, for the noise of a track
-    search_s: float = 0.2  # between searches for new bodies
-    look_s: float = 0.05  # between looks at those that are followed
-    chi2_margin: float = 20.0  # by which the road must fit worse
-    chi2_ratio: float = 0.3  # of a suspect's chi2 as standing to that as road: it may move across
-    chi2_limit: float = 9.0
-    odds: float = 4.0  # by which a track of a body may fit worse than one that stands
-    below_ratio: float = 0.12  # of the road's inverse depth, by which a point must lie below
-    least_baseline_m: float = 0.4  # own way since the first sighting
-    least_drop: float = 0.025  # tangent below the horizon of points that move
-    near_m: float = 2.5  # range of depth in which bodies are found
-    far_m: float = 25.0
-    most_suspects: int = 3  # that are looked at beside those believed
-    least_points: int = 2  # that raise suspicion
-    least_members: int = 4  # of a look that speaks for a body
-    least_share: float = 0.6  # of the tracks in its outline
-    kept_share: float = 0.4  # once it is believed
-    least_thickness_m: float = 0.2  # of its points about a line: tracks slip along lines
-    car_m: float = 2.0  # a body that is higher is no car's,
-    wide_m: float = 2.2  # and so not narrower
-    least_height_m: float = 0.4  # from its lowest to its highest point
-    front_m: float = 0.8  # of its face, and so of its width
-    foot_m: float = 0.4  # its lowest point is not higher
-    least_width_m: float = 1.3
-    least_mps: float = 2.0  # of a body that is believed
-    follow_m: float = 4.0  # nearer than this a body reaches beyond the picture, and is predicted,
-    follow_bearing: float = 0.7  # as beyond this tangent
-    side_quantile: float = 0.05  # of its points, that make its sides
-    link_m: float = 1.1  # half an outline's width
-    glass_m: float = 0.3  # of a vehicle, below the camera and up: windows show what is behind
-    alike_ratio: float = 0.15
-    slowest_share: float = 0.65  # of the closing speed in the own speed,
-    equal_share: float = 0.1  # and least
-    length_m: float = 4.5  # of a body
-    margin_m: float = 0.3  # about it
-    tallest_m: float = 3.6
-    prior: float = -4.0  # log-odds of what is suspected
-    speaks_for: float = 1.2  # change of the log-odds by a look
-    speaks_against: float = 1.0
-    independent_s: float = 0.1  # between looks that count in full
-    believed: float = 1.0  # log-odds
-    sure: float = 3.0  # from here on its points are no landmarks
-    most: float = 6.0
-    fade_per_s: float = 0.6  # of the log-odds while it cannot be looked at
-    vague_m: float = 15.0  # standard deviation of the distance, and
-    behind_m: float = 25.0  # where it is forgotten
-    edge_line_m: float = 0.4  # points whose foot lies so near the edge line inside,
-    verge_m: float = 1.8  # and so near outside, found no body
-    edge_margin_m: float = 1.0  # inside the carriageway's edges is its middle
-    noise: NoiseModel = field(default_factory=NoiseModel)  # of the tracks
-    filter: FilterConfig = field(default_factory=FilterConfig)
-
-
-@dataclass(frozen=True, slots=True)
-class Apparent:
-    """N followed points as if they stood: inverse depths from the camera, + is ahead."""
-
-    inverse_per_m: Floats  # (N,) w
-    sigma_per_m: Floats  # (N,)
-    drop: Floats  # (N,) tangent below the horizon
-    bearing: Floats  # (N,) tangent, + is right
-    own_mps: Floats  # (N,) own mean speed since the first sighting
-    ripe: Bools  # (N,) seen for long enough to tell
-    still: Bools  # (N,) of these, on the glass, or of a body as fast as we are
-    road: Bools  # (N,) of the road
-    standing: Floats  # (N,) chi2 of what stands or lies on the road
-    moves: Bools  # (N,) below the road beyond doubt
-
-
-def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, config: MoverConfig) -> Apparent:
-    """The followed points, and which of them no standing body explains."""
-    x = (flow.points_px[:, 0] - camera.cx_px) / camera.fx_px
-    y = (flow.points_px[:, 1] - camera.cy_px) / camera.fy_px
-    drop = np.cos(camera.pitch_rad) * y + np.sin(camera.pitch_rad)
-    below = drop / camera.height_m
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inverse, sigma = points.inverse_per_m, points.inverse_sigma_per_m
-        way = np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T)
-        own = np.maximum(way * rate_hz / np.maximum(flow.age_frames, 1), 0.1)
-        ripe = (way > config.least_baseline_m) & np.isfinite(inverse)
-        moves = ripe & ~flow.stuck & (drop > config.least_drop)
-        moves &= points.chi2 < np.maximum(config.chi2_limit, config.chi2_ratio * points.chi2_ground)
-        moves &= inverse + 3.0 * sigma < (1.0 - config.below_ratio) * below
-        moves &= points.chi2_ground - points.chi2 > config.chi2_margin
-        road = ripe & (points.chi2_ground < config.chi2_limit)
-        standing = np.where(inverse < below, points.chi2_ground, points.chi2)
-    return Apparent(inverse, sigma, drop, x, own, ripe, flow.stuck, road, standing, moves)
 
 
 class MoverTracker:
@@ -126,41 +32,55 @@ class MoverTracker:
     def __init__(self, camera: Camera, config: MoverConfig, rate_hz: float) -> None:
         self.camera, self.config, self.rate_hz = camera, config, rate_hz
         self.movers: list[Mover] = []
-        self._search = max(1, round(config.search_s * rate_hz))
         self._look = max(1, round(config.look_s * rate_hz))
-        self._frame = 0
+        self._search = self._look * max(1, round(config.search_s / config.look_s))
+        self._frame = -1
         self._time_s = 0.0
-        self._pose: Floats | None = None
+        self._hidden = np.empty(0, np.int64)  # identities of tracks
         self._next = 1
 
-    def update(self, flow: Flow, points: Triangulation, road: RoadEdges, time_s: float) -> Bools:
-        """Follow all bodies to this frame; (N,) points of the flow that belong to one or shine through it."""
+    @property
+    def looks(self) -> bool:
+        """Whether the next frame is looked at; in the others bodies are only predicted."""
+        return (self._frame + 1) % self._look == 0
+
+    def update(
+        self, flow: Flow, points: Triangulation | None, road: RoadEdges, speed_mps: float, time_s: float
+    ) -> Bools:
+        """Follow all bodies to this frame; (N,) points of the flow that belong to one or shine through it.
+
+        `points` are the flow's, as if all of them stood; where the frame is not looked at they may be left out.
+        """
         dt_s, self._time_s = time_s - self._time_s, time_s
-        own = float(np.hypot(*(flow.pose - self._pose)[:2])) / dt_s if self._pose is not None and dt_s > 0.0 else 0.0
-        self._pose = flow.pose
+        look = self.looks
         self._frame += 1
-        hidden = np.zeros(len(flow), np.bool_)
         for mover in self.movers:
             ahead = min(max(mover.place(flow.pose)[0], -self.config.behind_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
             mover.predict(dt_s, direction, road.curvature_per_m)
-        search, look = self._frame % self._search == 1, self._frame % self._look == 0
-        if not (search or (look and self.movers)):
-            return hidden
+        if look and points is not None and (self.movers or self._searches):
+            self._look_at(flow, points, road, speed_mps)
+        return np.isin(flow.identity, self._hidden)
+
+    @property
+    def _searches(self) -> bool:
+        return self._frame % self._search == 0
+
+    def _look_at(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float) -> None:
         seen = appear(flow, points, self.camera, self.rate_hz, self.config)
         free = seen.moves.copy()
+        hidden = np.zeros(len(flow), np.bool_)
         for mover in self.movers:
-            mine, within = self._follow(mover, seen, flow, own) if look else (mover.mine(flow), False)
+            mine, within = self._follow(mover, seen, flow, speed_mps)
             free &= ~mine
             if mover.log_odds > self.config.sure:
                 hidden |= (mine | within) & seen.ripe
-        if self.movers:
-            self._merge(flow.pose)
-            self._believe()
-            self._forget(flow.pose, road)
-        if search:
+        self._hidden = flow.identity[hidden]
+        self._merge(flow.pose)
+        self._believe()
+        self._forget(flow.pose, road)
+        if self._searches:
             self._find(seen, free, flow, road)
-        return hidden
 
     def obstacles(self, pose: Floats, speed_mps: float) -> Obstacles:
         """The bodies believed, in the axes of the vehicle; their identities are negative."""
@@ -261,24 +181,15 @@ class MoverTracker:
         against_it = 0.5 * (np.count_nonzero(strange & seen.road[chosen]) + np.count_nonzero(strange))
         low, high = np.min(height[face]), np.max(height[face])
         upright = count >= config.least_members and low < config.foot_m and high - low > config.least_height_m
+        least = config.least_share if mover.identity is None else config.kept_share
+        shown = upright and count >= least * (count + against_it) and mover.width_m > config.least_width_m
+        if mover.identity is not None or not shown:
+            return bool(shown)
         share = 1.0 - mover.speed_mps / max(own_mps, 0.1)
+        as_fast = -0.5 * config.equal_share < share < config.equal_share  # like the mirror image of what is far off
         tall = np.count_nonzero(face & (height > config.car_m)) >= 3 and mover.width_m < config.wide_m
-        new = mover.identity is None
-        least = config.least_share if new else config.kept_share
-        return bool(
-            upright
-            and count >= least * (count + against_it)
-            and mover.width_m > config.least_width_m
-            and (not new or (not tall and _thickness(across[face], height[face]) > config.least_thickness_m))
-            and (
-                not new
-                or (
-                    beyond_doubt >= 3
-                    and mover.speed_mps > config.least_mps
-                    and not -0.5 * config.equal_share < share < config.equal_share
-                )
-            )
-        )
+        thick = _thickness(across[face], height[face]) > config.least_thickness_m
+        return bool(thick and not tall and not as_fast and beyond_doubt >= 3 and mover.speed_mps > config.least_mps)
 
     def _merge(self, pose: Floats) -> None:
         """Two parts of one body, side by side in one lane or one before the other, become one: the surer."""
@@ -333,44 +244,10 @@ class MoverTracker:
         feet = feet[
             (share < config.slowest_share) & ((share > config.equal_share) | (share < -0.5 * config.equal_share))
         ]
-        for mine in self._outlines(seen, feet, spare):
-            sight = self._suspect(seen, mine)
+        for mine in outlines(seen, feet, spare, self.camera, config):
+            sight = suspect(seen, mine, self.camera, config)
             if self._is_plausible(sight, road):
                 self.movers.append(Mover(sight, self.camera, flow.pose, config.prior, config.filter))
-
-    def _outlines(self, seen: Apparent, feet: Integers, most: int) -> list[Integers]:
-        """For the best of the suspected feet, the tracks that move as it does in the outline of a vehicle on it."""
-        config = self.config
-        ripe = np.flatnonzero(seen.ripe & ~seen.still & (seen.drop > 0.0))
-        depth = self.camera.height_m / seen.drop[feet][:, None]
-        inside = np.abs(seen.bearing[ripe] - seen.bearing[feet][:, None]) * depth < config.link_m
-        inside &= (seen.drop[ripe] < 1.03 * seen.drop[feet][:, None]) & (seen.drop[ripe] * depth > config.glass_m)
-        gap = np.abs(seen.inverse_per_m[ripe] - seen.inverse_per_m[feet][:, None])
-        doubt = 3.0 * np.hypot(seen.sigma_per_m[ripe], seen.sigma_per_m[feet][:, None])
-        alike = inside & (gap < doubt + config.alike_ratio * np.abs(seen.inverse_per_m[feet][:, None]))
-        found: list[Integers] = []
-        while len(found) < most:
-            count = np.count_nonzero(alike, axis=1)
-            good = (count >= config.least_members) & (count >= 0.5 * np.count_nonzero(inside, axis=1))
-            if not good.any():
-                break
-            best = int(np.argmax(np.where(good, count, 0)))
-            mine = alike[best]
-            if float(np.ptp(seen.drop[ripe[mine]])) * float(depth[best, 0]) > config.least_height_m:
-                found.append(ripe[mine])
-            inside, alike = inside & ~mine, alike & ~mine
-        return found
-
-    def _suspect(self, seen: Apparent, mine: Integers) -> Sight:
-        """What the tracks in an outline tell of the body."""
-        depth = (self.camera.height_m - self.config.filter.foot_height_m) / float(np.sort(seen.drop[mine])[-2:].mean())
-        own = float(np.median(seen.own_mps[mine]))
-        share = float(np.median(seen.inverse_per_m[mine])) * depth
-        across = seen.bearing[mine] * depth
-        middle, half = 0.5 * (across.min() + across.max()), max(0.9, 0.5 * float(np.ptp(across)))
-        return Sight(
-            depth, own * (1.0 - share), 0.5 + 0.2 * own * abs(share), float(middle - half), float(middle + half)
-        )
 
     def _is_plausible(self, sight: Sight, road: RoadEdges) -> bool:
         """It drives, and on the carriageway."""

@@ -47,6 +47,7 @@ class Planner:
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         road = self._road.update(observation.image, image, pose, *motion, self._bodies)
         if self._landmarks is not None:
+            self._landmarks.look(image, pose, road)
             self._bodies = self._find_bodies(self._landmarks, flow, road, observation)
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road)
 
@@ -57,8 +58,8 @@ class Planner:
         speed_mps, time_s = observation.speed_mps, observation.time_s
         if self._movers is None:
             return landmarks.update(flow, road, speed_mps, time_s)
-        points = landmarks.triangulate(flow)
-        moving = self._movers.update(flow, points, road, time_s)
+        points = landmarks.triangulate(flow) if self._movers.looks else None
+        moving = self._movers.update(flow, points, road, speed_mps, time_s)
         standing = landmarks.update(flow, road, speed_mps, time_s, points, moving)
         return together(standing, self._movers.obstacles(flow.pose, speed_mps)) if self._movers.movers else standing
 
