@@ -86,7 +86,11 @@ def kitti_raw(day: Path) -> Path:
     known = truth()
     pictures(folder / "image_02" / "data", [f"{k:010d}.png" for k in range(FRAMES)])
     (folder / "oxts" / "data").mkdir(parents=True)
-    latitude, longitude = places(known.poses)
+    yaw = known.poses[:, 2]
+    unit = known.poses.copy()  # 1 m behind and 0.3 m to the right of the camera
+    unit[:, 0] -= np.cos(yaw) * 1.0 + np.sin(yaw) * 0.3
+    unit[:, 1] -= np.sin(yaw) * 1.0 - np.cos(yaw) * 0.3
+    latitude, longitude = places(unit)
     for k in range(FRAMES):
         row = np.zeros(30)
         row[:3] = latitude[k], longitude[k], 112.8
@@ -117,9 +121,11 @@ def kitti_calibration(day: Path) -> None:
     }
     rows = ["calib_time: 09-Jan-2012 13:57:47", *(f"{key}: {value}" for key, value in numbers.items())]
     (day / "calib_cam_to_cam.txt").write_text("\n".join(rows) + "\n")
-    for name, matrix in (("velo_to_cam", down @ turn), ("imu_to_velo", np.eye(3))):
-        values = " ".join(f"{value:.9e}" for value in matrix.ravel())
-        (day / f"calib_{name}.txt").write_text(f"calib_time: 15-Mar-2012 11:37:16\nR: {values}\nT: 0.1 0.2 0.3\n")
+    # The lidar is 0.8 m ahead of the unit, the camera another 0.2 m and 0.3 m to the left.
+    chain = {"velo_to_cam": (down @ turn, -down @ turn @ [0.2, 0.3, 0.0]), "imu_to_velo": (np.eye(3), [-0.8, 0.0, 0.0])}
+    for name, (matrix, shift) in chain.items():
+        values, moved = (" ".join(f"{value:.9e}" for value in np.ravel(part)) for part in (matrix, shift))
+        (day / f"calib_{name}.txt").write_text(f"calib_time: 15-Mar-2012 11:37:16\nR: {values}\nT: {moved}\n")
 
 
 def tracklets(folder: Path, ahead_m: float, left_m: float, first_frame: int, count: int) -> None:

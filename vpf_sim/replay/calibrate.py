@@ -19,8 +19,8 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow
 
 VARIANT = "robust"  # whose flow is used
-ROUNDS = 3  # the turn needs the mounting, the mounting the turn
-ENOUGH = 200  # looks straight ahead after which more change nothing
+ROUNDS = 2  # the turn needs the mounting, the mounting the turn
+ENOUGH = 100  # looks after which more change nothing
 LEAST_LOOKS = 5
 STRAIGHT_RADPS, LEAST_SPEED_MPS, SHARP_RAD = 0.03, 2.0, 0.03  # a look tells if its focus is as sharp as this
 FREE_RADPS = 0.5  # usual size of a yaw rate of which nothing is known
@@ -62,8 +62,9 @@ def look(
     """
     looks = list(_looks(frames, camera, times_s, speed_mps, yaw_rate_radps))
     mounting, best = Mounting(height_m=camera.height_m), np.empty((0, 2))
+    chosen = looks[:: max(1, len(looks) // ENOUGH)]
     for turn in range(1 + ROUNDS):
-        seen = _seen(looks, camera, mounting if turn else None, ahead_m)
+        seen = _seen(chosen, camera, mounting if turn else None, ahead_m)
         if len(seen) >= LEAST_LOOKS:
             mounting, best = _mounted(camera, np.median(seen, axis=0)), seen
     spread = np.subtract(*np.percentile(best, [75, 25], axis=0)) / 2.0 if len(best) else np.full(2, np.nan)
@@ -74,17 +75,23 @@ def _looks(
     frames: Iterator[Frame], camera: Camera, times_s: Floats, speed_mps: Floats | None, yaw_rate_radps: Floats | None
 ) -> Iterator[_Look]:
     rate_hz = 1.0 / float(np.median(np.diff(times_s)))
-    tracker = FlowTracker(camera, variant.load(VARIANT).flow, rate_hz)
+    config = variant.load(VARIANT).flow
+    tracker, last = FlowTracker(camera, config, rate_hz), -1
     speed = np.full(len(times_s), ASSUMED_SPEED_MPS) if speed_mps is None else speed_mps
     along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times_s))])
     found = 0
     for frame in frames:
         if frame.image is None:
             continue
+        if frame.index != last + 1:  # tracks over a gap would look twice as fast
+            tracker = FlowTracker(camera, config, rate_hz)
+        last = frame.index
         flow = tracker.update(grey(frame.image), np.array([along[frame.index], 0.0, 0.0]))
         rate = float("nan") if yaw_rate_radps is None else float(yaw_rate_radps[frame.index])
         if speed[frame.index] < LEAST_SPEED_MPS or not len(flow):
             continue
+        steps = np.rint(flow.gap_s * rate_hz).astype(np.intp)
+        flow = replace(flow, gap_s=times_s[frame.index] - times_s[frame.index - steps])  # whatever the rate was there
         yield _Look(frame.index, flow, np.inf if speed_mps is None else float(speed[frame.index]), rate)
         found += speed_mps is not None and abs(rate) < STRAIGHT_RADPS
         if found >= ENOUGH:

@@ -42,20 +42,21 @@ def read(folder: Path) -> Recording:
     size = image_files.size(files)
     clock_s = _stamps(folder / camera / "timestamps.txt", len(files))
     lens, rectify_turn = _lens(folder, camera[-2:], size)
+    mounting, place_m = _mounting(folder, rectify_turn)
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=clock_s - clock_s[0],
         frames=lambda: image_files.frames(files),
         lens=lens,
-        mounting=_mounting(folder, rectify_turn),
+        mounting=mounting,
         height_m=HEIGHT_M,
         wheelbase_m=WHEELBASE_M,
         camera_ahead_m=CAMERA_AHEAD_M,
     )
     source.origins["camera"] = Origin("recorded", "calib_cam_to_cam.txt; 1.65 m above the road, of KITTI's car")
     source.origins["times_s"] = Origin("recorded", f"{camera}/timestamps.txt")
-    _motion(source, folder / "oxts", clock_s)
+    _motion(source, folder / "oxts", clock_s, place_m)
     _labels(source, folder / "tracklet_labels.xml")
     return assemble.recording(source)
 
@@ -116,16 +117,19 @@ def _pinhole(size: tuple[int, int], matrix: Floats, distortion: tuple[float, ...
     return Lens(*size, fx, fy, cx, cy, tuple(float(value) for value in distortion))
 
 
-def _mounting(folder: Path, rectify_turn: Floats) -> Mounting | None:
-    """How the camera sits on the inertial unit, by the chain unit to lidar to camera; None where a link is missing."""
+def _mounting(folder: Path, rectify_turn: Floats) -> tuple[Mounting | None, tuple[float, float]]:
+    """How the camera sits on the inertial unit, by the chain unit to lidar to camera, and how far ahead and to the
+    right of it, m; None and the same place where a link is missing."""
     lidar, unit = (_calibration(folder, f"calib_{name}.txt") for name in ("velo_to_cam", "imu_to_velo"))
-    if lidar is None or unit is None or "R" not in lidar or "R" not in unit:
-        return None
-    unit_to_camera = rectify_turn @ lidar["R"].reshape(3, 3) @ unit["R"].reshape(3, 3)
-    return mounting_of(FORWARD_LEFT_UP @ unit_to_camera.T, HEIGHT_M)
+    if lidar is None or unit is None or not {"R", "T"} <= lidar.keys() & unit.keys():
+        return None, (0.0, 0.0)
+    lidar_to_camera, unit_to_lidar = lidar["R"].reshape(3, 3), unit["R"].reshape(3, 3)
+    centre = -unit_to_lidar.T @ (lidar_to_camera.T @ lidar["T"] + unit["T"])  # forward, left, up
+    turn = FORWARD_LEFT_UP @ (rectify_turn @ lidar_to_camera @ unit_to_lidar).T
+    return mounting_of(turn, HEIGHT_M), (float(centre[0]), float(-centre[1]))
 
 
-def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
+def _motion(source: assemble.Source, folder: Path, clock_s: Floats, place_m: tuple[float, float]) -> None:
     """Speed, yaw rate, acceleration and way by the unit; an `_extract` drive has it ten times as often as pictures."""
     if not folder.is_dir():
         source.notes.append("no oxts/: no motion was recorded")
@@ -140,7 +144,15 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
     source.acceleration_mps2 = series.filled(series.at(clock_s, sampled, rows[:, FORWARD_MPS2]))[0]
     flat = places.north_east(rows[:, LATITUDE], rows[:, LONGITUDE])
     way = places.way(flat, 0.5 * np.pi - rows[:, YAW])
+    way[:, :2] += _turned(np.array(place_m), way[:, 2])  # from the unit to the camera
     source.put("poses", np.stack([series.at(clock_s, sampled, part) for part in way.T], axis=1), "oxts lat, lon, yaw")
+
+
+def _turned(offset_m: Floats, yaw_rad: Floats) -> Floats:
+    """(N, 2) an offset (2,) in vehicle axes, at each heading."""
+    ahead, right = offset_m
+    cosine, sine = np.cos(yaw_rad), np.sin(yaw_rad)
+    return np.stack([cosine * ahead - sine * right, sine * ahead + cosine * right], axis=1)
 
 
 def _row(file: Path) -> list[float]:
