@@ -1,5 +1,6 @@
 """A driver on recordings that we rendered: what it predicts, against what is known."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,22 @@ def test_gaps_hold_the_prediction_and_are_told(bend: tuple[dict[str, Any], Frame
     assert table.steering[24] == table.steering[23]
     assert np.isnan(table.foe_x_px[25])
     assert np.abs(table.steering[27:] - KNOWN).max() < 0.02
+
+
+def test_a_covered_glass_holds_the_prediction_and_says_so(tmp_path: Path) -> None:
+    drive, dark = rendered.recording(BEND_M), range(20, 24)
+
+    def frames() -> Iterator[Frame]:
+        for frame in drive.frames():
+            assert frame.image is not None
+            yield replace(frame, image=np.full_like(frame.image, 40)) if frame.index in dark else frame
+
+    _, table = replayed(replace(drive, frames=frames), tmp_path)
+    held = table.held == 1.0
+    assert held[list(dark)].all()
+    assert not held[: dark.start].any()
+    assert np.ptp(table.steering[dark.start - 1 : dark.stop]) == 0.0
+    assert np.isnan(table.foe_x_px[list(dark)]).all()
 
 
 def test_without_a_road_it_says_so_and_goes_straight_ahead(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from vpf_sim.geometry import rotation_flow
 from vpf_sim.perception.focus_fit import Prior, fit
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
+LEAST_CONFIDENCE = 0.1  # below it what rests on the flow is not to be trusted
 SHARP_RAD = 0.016  # standard deviation of the FOE's direction at which it is half as useful as an exact one
 
 

@@ -43,7 +43,9 @@ class Film:
             picture = image.copy()
         else:
             picture = overlay.draw(image, decision.plan, self._camera)
-            if decision.road_found is False:
+            if decision.is_held:
+                self._say(picture, "flow not to be trusted: the last prediction holds")
+            elif decision.road_found is False:
                 self._say(picture, "no road found: straight ahead assumed")
         self._writer.write(np.vstack([picture, self._strip(picture.shape[1])]))
 

@@ -32,6 +32,7 @@ class FrameRow(NamedTuple):
     foe_x_px: float = nan  # the recorded rotation removed; nan where it is not to be used
     foe_y_px: float = nan
     foe_confidence: float = nan
+    held: float = nan  # the flow was not to be trusted, so the last prediction holds
     own_foe_x_px: float = nan  # told of no rotation
     own_foe_y_px: float = nan
     true_foe_x_px: float = nan

@@ -5,13 +5,13 @@ from math import inf, nan
 import numpy as np
 
 from vpf_sim.geometry import project
-from vpf_sim.types import Bools, Camera, Floats, Perception
+from vpf_sim.perception.growth import GrowthConfig, GrowthTracker
+from vpf_sim.types import Camera, Floats, Image, Perception
 
 REACH_M = 25.0  # of a body that counts, from the pose
 HALF_CORRIDOR_M = 2.0  # about the way along the lane
 LASTING_S = 1.0  # a part with obstacles shows one in half of the frames about it
 HALF_BODY_M, LOW_M, HIGH_M = 0.8, 0.3, 1.3  # of the body ahead: where its image is looked at
-LEAST_POINTS = 3
 
 
 def is_in_the_way(seen: Perception) -> bool:
@@ -35,22 +35,21 @@ def lasting(seen: Floats, rate_hz: float) -> Floats:
     return (share >= 0.5).astype(float)
 
 
-def lead_ttc_s(seen: Perception, camera: Camera, gap_m: float) -> float:
-    """s, the median over the points on a body `gap_m` straight ahead; nan where fewer than 3 are tracked on it."""
-    if not np.isfinite(gap_m):
-        return nan
-    ttc = seen.ttc_s[_on_body(seen.flow.points_px, camera, gap_m)]
-    ttc = ttc[~np.isnan(ttc)]
-    return float(np.median(ttc)) if len(ttc) >= LEAST_POINTS else nan
+class LeadBody:
+    """The body straight ahead, of which the lidar has the gap: that says where to look, the picture how it grows."""
 
+    def __init__(self, camera: Camera, rate_hz: float) -> None:
+        self._camera = camera
+        self._growth = GrowthTracker(GrowthConfig(), rate_hz)
 
-def _on_body(points_px: Floats, camera: Camera, gap_m: float) -> Bools:
-    forward = camera.forward_m + gap_m
-    corners = np.array([(forward, -HALF_BODY_M, LOW_M), (forward, HALF_BODY_M, HIGH_M)])
-    (left, bottom), (right, top) = project(camera, corners)
-    x, y = points_px.T
-    inside: Bools = (x > left) & (x < right) & (y > top) & (y < bottom)
-    return inside
+    def ttc_s(self, image: Image, gap_m: float) -> float:
+        """s, at the grey (H, W) frame; inf where the body's image does not grow, nan where too little is seen of it."""
+        if not np.isfinite(gap_m) or gap_m <= 0.0:
+            return self._growth.update(image, None).ttc_s
+        forward = self._camera.forward_m + gap_m
+        corners = np.array([(forward, -HALF_BODY_M, LOW_M), (forward, HALF_BODY_M, HIGH_M)])
+        (left, bottom), (right, top) = project(self._camera, corners)
+        return self._growth.update(image, (left, top, right, bottom)).ttc_s
 
 
 def closing_mps(gap_m: Floats, times_s: Floats, window_s: float = 1.0) -> Floats:

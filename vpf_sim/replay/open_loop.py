@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import nan
 from pathlib import Path
 from time import perf_counter, thread_time
@@ -12,13 +12,14 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
+from vpf_sim.perception.expansion import LEAST_CONFIDENCE
 from vpf_sim.perception.flow import grey
 from vpf_sim.planning import variant
 from vpf_sim.replay import frame_table, road_speed, scores
 from vpf_sim.replay.film import Film
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.model_vehicle import Interval
-from vpf_sim.replay.obstacles_ahead import is_in_the_way, lead_ttc_s
+from vpf_sim.replay.obstacles_ahead import LeadBody, is_in_the_way
 from vpf_sim.replay.own_derotation import OwnDerotation, OwnMotion
 from vpf_sim.replay.pilot import Decision, Pilot, pilot
 from vpf_sim.replay.recording import Recording
@@ -26,6 +27,7 @@ from vpf_sim.replay.segments import Segment, goal_words, route, segments
 from vpf_sim.types import Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
 OWN_VARIANT = "robust"  # whose flow serves for what is told of no rotation
+LEAST_SPEED_MPS = 2.0  # of a car whose flow must show where it goes
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
 FRAMES, VIDEOS = "frames", "videos"  # folders of the run
 
@@ -107,6 +109,7 @@ def _rows(
     """One a frame; nobody is asked where pictures are missing that the driver needs."""
     parts = iter(segments(recording))
     own = OwnDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz)
+    lead = LeadBody(recording.camera, recording.rate_hz)
     segment, number, moved_m = Segment(0, 0, (0.0, 0.0), 0.0), -1, 0.0
     last = Decision(Command(0.0, 0.0) if asked else Command(nan, nan))
     for k, image in _images(recording, clock):
@@ -120,10 +123,12 @@ def _rows(
             began = thread_time()
             decision = asked.decide(_observation(recording, k, image, segment), _interval(recording, k))
             clock.driver_ms.append(1e3 * (thread_time() - began))
-            last = decision
-            row = row._replace(image=1.0, **_seen(decision, recording, k))
+            last = _unless_doubtful(decision, last, row.speed_mps)
+            row = row._replace(image=1.0, **_seen(last))
             if image.size:
-                motion = own.update(grey(image), moved_m)
+                picture = grey(image)
+                row = row._replace(ttc_s=lead.ttc_s(picture, row.lead_gap_m))
+                motion = own.update(picture, moved_m)
                 voted.append((row.time_s, motion.speed_votes))
                 row, moved_m = row._replace(**_own(motion)), 0.0
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
@@ -131,6 +136,14 @@ def _rows(
             film.write(image, last, row)
         progress(k + 1, len(recording))
         yield row
+
+
+def _unless_doubtful(decision: Decision, last: Decision, speed_mps: float) -> Decision:
+    """The decision with the last command, where the car moves and the flow is not to be trusted."""
+    if decision.plan is None or last.plan is None or not speed_mps > LEAST_SPEED_MPS:
+        return decision  # at the first frame nothing has moved yet
+    doubtful = decision.plan.perception.expansion.confidence < LEAST_CONFIDENCE
+    return replace(decision, command=last.command, is_held=True) if doubtful else decision
 
 
 def _images(recording: Recording, clock: Clock) -> Iterator[tuple[int, Image | None]]:
@@ -204,7 +217,7 @@ def _recorded(recording: Recording, k: int, segment: int) -> FrameRow:
     )
 
 
-def _seen(decision: Decision, recording: Recording, k: int) -> dict[str, float]:
+def _seen(decision: Decision) -> dict[str, float]:
     """The columns of what a driver shows of its perception."""
     if decision.plan is None:
         return {}
@@ -212,13 +225,13 @@ def _seen(decision: Decision, recording: Recording, k: int) -> dict[str, float]:
     usable = seen.expansion.confidence > 0.0
     return {
         "road_found": nan if decision.road_found is None else float(decision.road_found),
-        "road_confidence": seen.road.confidence,
+        "road_confidence": seen.road.lane_confidence,
         "obstacle_seen": float(is_in_the_way(seen)),
         "bodies": len(seen.obstacles),
         "foe_x_px": seen.expansion.x_px if usable else nan,
         "foe_y_px": seen.expansion.y_px if usable else nan,
         "foe_confidence": seen.expansion.confidence,
-        "ttc_s": lead_ttc_s(seen, recording.camera, float(recording.lead_gap_m[k])),
+        "held": float(decision.is_held),
     }
 
 

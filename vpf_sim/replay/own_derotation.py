@@ -43,6 +43,7 @@ class OwnDerotation:
         self._random = stream(0, "focus of expansion without rotation")
         self._mounting = Mounting(height_m=camera.height_m, pitch_rad=camera.pitch_rad)
         self._along_m = 0.0
+        self._seen: Expansion | None = None
 
     def update(self, grey: Image, moved_m: float) -> OwnMotion:
         """At a grey (H, W) frame, `moved_m` on from the last, as the odometer has it."""
@@ -50,7 +51,8 @@ class OwnDerotation:
         flow = self._tracker.update(grey, np.array([self._along_m, 0.0, 0.0]))
         rate = yaw_rate(flow, self._camera) if len(flow) else nan
         straightened = turning(flow, rate if len(flow) else 0.0)
-        seen = expansion.estimate(straightened, self._camera, self._config, self._random)
+        seen = expansion.estimate(straightened, self._camera, self._config, self._random, self._seen)
+        self._seen = seen
         return OwnMotion(seen, rate, road_speed.votes(straightened, self._camera, self._mounting))
 
 

@@ -26,6 +26,7 @@ class Decision:
     command: Command
     plan: Plan | None = None  # in the axes of the recorded car, for the overlay
     road_found: bool | None = None
+    is_held: bool = False  # the command is the last one: the flow is not to be trusted
 
 
 class Pilot(Protocol):
