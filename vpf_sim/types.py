@@ -187,6 +187,7 @@ class RoadEdges:
     confidence: float  # 0 (prior only) .. 1
     lane_m: float  # middle of the own lane, + is right of the pose
     lane_width_m: float
+    lane_confidence: float = 0.0  # that the own lane's lines are where they are told, whichever are the edges: 0 .. 1
 
 
 @dataclass(frozen=True, slots=True)

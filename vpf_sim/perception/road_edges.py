@@ -191,16 +191,17 @@ class RoadEdgeTracker:
         lines_seen = float(
             np.clip(((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT), 0.0, 1.0)
         )
-        certain = float(likely) * lines_seen * float(np.exp(-tracked.sigma_m / 0.3)) * (self._filter is not None)
+        lane_certain = lines_seen * float(np.exp(-tracked.sigma_m / 0.3)) * (self._filter is not None)
         return RoadEdges(
             left_m=left * width - place,
             right_m=right * width - place,
             heading_rad=float(state[1]),
             curvature_per_m=bend / (1.0 - bend * place),
             sigma_m=tracked.sigma_m,
-            confidence=certain,
+            confidence=float(likely) * lane_certain,
             lane_m=0.5 * width - place,
             lane_width_m=width,
+            lane_confidence=lane_certain,
         )
 
     def _likely(self, curvature_per_m: float) -> RoadEdges:

@@ -12,26 +12,28 @@ import numpy as np
 
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
-LEAST_CONFIDENCE = 0.3  # below which the road is not believed
+LEAST_CONFIDENCE = 0.5  # of its lines, below which the lane is not believed
 FASTEST_ACROSS_MPS = 1.0  # of a car in its lane or on its way to the next: more is a road that was mistaken
 
 
 def is_found(road: RoadEdges, speed_mps: float) -> bool:
-    """Whether these edges can be those of the road that the car drives on."""
-    return road.confidence >= LEAST_CONFIDENCE and abs(speed_mps * sin(road.heading_rad)) <= FASTEST_ACROSS_MPS
+    """Whether these lines can be those of the lane that the car drives in."""
+    return road.lane_confidence >= LEAST_CONFIDENCE and abs(speed_mps * sin(road.heading_rad)) <= FASTEST_ACROSS_MPS
 
 
 def present_lane(road: RoadEdges, found: bool) -> RoadEdges:
-    """Edges whose own lane is the one nearest to the car, which lies between them; straight ahead if none is."""
+    """Edges whose own lane is the one nearest to the car, which lies between them; straight ahead if none is.
+
+    Their confidence is that of the lane, 0 if it was not found.
+    """
     if not found:
         left, right = road.left_m - road.lane_m, road.right_m - road.lane_m
         ahead = replace(road, left_m=left, right_m=right, lane_m=0.0)
         return replace(ahead, heading_rad=0.0, curvature_per_m=0.0, confidence=0.0)
     half = 0.5 * road.lane_width_m
     middle = (road.lane_m + half) % road.lane_width_m - half
-    return replace(
-        road, lane_m=middle, left_m=min(road.left_m, middle - half), right_m=max(road.right_m, middle + half)
-    )
+    left, right = min(road.left_m, middle - half), max(road.right_m, middle + half)
+    return replace(road, lane_m=middle, left_m=left, right_m=right, confidence=road.lane_confidence)
 
 
 def seen_from(road: RoadEdges, right_m: float, turn_rad: float) -> RoadEdges:
