@@ -282,16 +282,17 @@ def test_nonsense_is_refused_with_what_was_given() -> None:
         LandmarkConfig(near_m=30.0)
 
 
-def test_a_face_is_not_told_too_near_by_the_worst_of_its_points() -> None:
-    """200 bodies of 8 points each, known to 1.2 m; behind the second half stand points 3 m farther, known better."""
+def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
+    """200 bodies of 8 points each, known to 1.2 m, which errs by -1.7 m for the nearest of 8; then with 2 points of the
+    side 3 m behind the face, known better."""
     rng, count = stream(25, "faces"), 200
-    forward = np.concatenate([rng.normal(20.0, 1.2, 8 * count), rng.normal(23.0, 0.2, 2 * count // 2)])
+    forward = np.concatenate([rng.normal(20.0, 1.2, 8 * count), rng.normal(23.0, 0.5, count)])
     label = np.concatenate([np.repeat(np.arange(count), 8), np.repeat(np.arange(count // 2, count), 2)])
-    sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.2)])
+    sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.5)])
     some = np.zeros_like(forward)
     face, face_sigma = nearest_extent(Seen(np.column_stack([forward, some]), sigma, some, some), label, count)
-    alone = face[: count // 2] - 20.0
-    assert np.mean(alone) == pytest.approx(0.0, abs=0.3)
-    assert np.std(alone) < 0.8
-    assert np.all(face_sigma < 0.9)
-    assert np.percentile(face[count // 2 :], 75) < 23.1
+    alone, followed = face[: count // 2] - 20.0, face[count // 2 :] - 20.0
+    assert -1.0 < np.mean(alone) < 0.0
+    assert np.mean(np.abs(alone) < 1.5) > 0.9
+    assert np.all(face_sigma < 0.5)
+    assert np.mean(np.abs(followed) < 1.5) > 0.9

@@ -73,7 +73,7 @@ def test_the_lines_are_where_the_edges_put_them() -> None:
         [CAMERA.cx_px + CAMERA.fx_px * right / depth, np.full(9, CAMERA.cy_px + CAMERA.fy_px * 1.4 / depth)]
     )
     edges = (np.full(9, -8.75), np.full(9, 5.25))
-    assert off_lines(CAMERA, pixels, edges, config).tolist() == [
+    assert off_lines(CAMERA, pixels, edges, 3.5, config).tolist() == [
         False, False, False, True, False, True, False, True, False,
     ]  # fmt: skip
 

@@ -6,11 +6,13 @@ import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.ground import past_image
+from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
 from vpf_sim.perception.low import LowConfig, is_low, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
 from vpf_sim.perception.outlines import Seen, from_here, joined, nearest_extent, none, sides, widened
+from vpf_sim.perception.spots import SpotBook, SpotConfig, is_hidden
 from vpf_sim.perception.triangulation import NoiseModel, Triangulation, triangulate
-from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +38,7 @@ class LandmarkConfig:
     hits_share: float = 0.5  # if it stood above the road in this share of the frames since it first did
     steady_m: float = 0.1  # and its place in the world changed by no more than this, plus
     steady_ratio: float = 0.04  # this share of the depth
-    single_hits_s: float = 0.2  # and one alone after so long,
+    single_hits_s: float = 0.3  # and one alone after so long,
     single_depth_ratio: float = 0.035  # at this accuracy
     single_min_height_m: float = 0.35  # and at this height: the ends of dashes seem to stand 0.3 m high at times
     single_max_height_m: float = 1.1
@@ -49,9 +51,13 @@ class LandmarkConfig:
     foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there
     link_right_m: float = 1.0  # points nearer than this belong to one body
     link_forward_m: float = 2.0
+    face_sigma_m: float = 0.65  # a body is told once its face is known so well
+    told_m: float = 21.0  # and so near, from the pose: depth errs with the square of the distance
     sharp_side_m: float = 0.12  # points with a smaller sigma across count for the sides, or those near the best
     behind_m: float = 11.0  # where a body is forgotten
     low: LowConfig = field(default_factory=LowConfig)
+    residual: ResidualConfig = field(default_factory=ResidualConfig)
+    spots: SpotConfig = field(default_factory=SpotConfig)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
@@ -126,6 +132,8 @@ class LandmarkTracker:
         )
         self._marks = Marks.none()
         self._next_body = 0
+        self._residual = GroundResidual(camera, config.residual, rate_hz)
+        self._spots = SpotBook(config.spots, self._number)
 
     def triangulate(self, flow: Flow) -> Triangulation:
         """The points of the flow, as if all of them stood."""
@@ -150,6 +158,38 @@ class LandmarkTracker:
             self._judge(flow, road, time_s, points, moving)
             self._seen, self._seen_from = self._bodies(flow.pose), flow.pose
         return from_here(self._seen, self._seen_from, flow.pose, speed_mps)
+
+    def look(self, grey: Image, pose: Floats, road: RoadEdges) -> None:
+        """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.
+
+        What is no road counts where no body is known that hides it.
+        """
+        spots = self._residual.update(grey, pose)
+        before = self._residual.baseline_pose
+        if spots is None or before is None:
+            return
+        bodies = from_here(self._seen, self._seen_from, pose, 0.0)
+        lens = np.array([self.camera.forward_m, 0.0])
+        views = (lens, vehicle_from_world(world_from_vehicle(lens, before), pose))
+        config = self.config.spots
+        self._spots.record(
+            [
+                spot
+                for spot in spots
+                if self._is_inside(spot, road) and not any(is_hidden(spot, view, bodies, config) for view in views)
+            ],
+            pose,
+        )
+
+    def _number(self) -> int:
+        self._next_body += 1
+        return self._next_body - 1
+
+    def _is_inside(self, spot: Spot, road: RoadEdges) -> bool:
+        """Whether a spot's middle lies within the carriageway."""
+        left, right = carriageway_offsets(np.array([spot.forward_m]), road)
+        middle, margin = 0.5 * (spot.left_m + spot.right_m), self.config.spots.edge_m
+        return bool(left[0] + margin < middle < right[0] - margin)
 
     def _judge(
         self, flow: Flow, road: RoadEdges, time_s: float, points: Triangulation | None, moving: Bools | None
@@ -196,7 +236,8 @@ class LandmarkTracker:
         chosen = np.flatnonzero(low)
         foot = ground_from_pixels(self.camera, flow.points_px[chosen])
         edges = carriageway_offsets(foot[:, 0], road)
-        chosen = chosen[off_lines(self.camera, flow.points_px[chosen], edges, self.config.low)]
+        off = off_lines(self.camera, flow.points_px[chosen], edges, road.lane_width_m, self.config.low)
+        chosen = chosen[off]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
             confirmed[chosen] = self._moves_so_now(flow, points, chosen)
@@ -265,8 +306,9 @@ class LandmarkTracker:
     def _bodies(self, pose: Floats) -> Obstacles:
         """Those of points well above the road, then those of low points that are not beside one of these."""
         tall = self._tall_bodies(pose)
-        low = self._low_bodies(pose)
-        return joined(tall, low, self.config.low.beside_m) if len(low) else tall
+        for flat in (self._low_bodies(pose), self._spots.bodies(pose)):
+            tall = joined(tall, flat, self.config.low.beside_m) if len(flat) else tall
+        return tall
 
     def _tall_bodies(self, pose: Floats) -> Obstacles:
         marks, config = self._marks, self.config
@@ -313,19 +355,29 @@ class LandmarkTracker:
         yaw_rad: float,
     ) -> Obstacles:
         count = len(confirmed)
-        body = np.full(count, np.iinfo(np.int64).max)
-        known = self._marks.body[believed]
-        np.minimum.at(body, label[known >= 0], known[known >= 0])
-        fresh = np.flatnonzero(confirmed & (body == np.iinfo(np.int64).max))
-        body[fresh] = self._next_body + np.arange(len(fresh))
-        self._next_body += len(fresh)
-        self._marks.body[believed] = np.where(confirmed[label], body[label], known)
         marks = self._marks
         seen = Seen(place, sigma, marks.side_sigma_m[believed], marks.sight_rad[believed] - yaw_rad)
         face, face_sigma = nearest_extent(seen, label, count)
+        body = self._named(
+            believed, label, confirmed, (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)
+        )
+        confirmed = confirmed & (body >= 0)
         left, right = sides(seen, label, face, self.config.sharp_side_m)
         c = confirmed
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
+
+    def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools) -> Integers:
+        """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1."""
+        count, unknown = len(confirmed), np.iinfo(np.int64).max
+        body = np.full(count, unknown)
+        known = self._marks.body[believed]
+        np.minimum.at(body, label[known >= 0], known[known >= 0])
+        fresh = np.flatnonzero(confirmed & placed & (body == unknown))
+        body[fresh] = self._next_body + np.arange(len(fresh))
+        self._next_body += len(fresh)
+        body[body == unknown] = -1
+        self._marks.body[believed] = np.where(confirmed[label], body[label], known)
+        return body
 
 
 def _clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float) -> Integers:

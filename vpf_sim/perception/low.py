@@ -21,7 +21,6 @@ class LowConfig:
     sigma_height_m: float = 0.04  # largest
     chi2_limit: float = 9.0  # of a point against its own depth
     chi2_margin: float = 12.0  # by which the road must fit worse
-    lane_width_m: float = 3.5  # lines are painted so far apart between the edges
     line_m: float = 0.2  # points whose foot on the road lies so near a line are not trusted: ends of dashes slide
     line_px: float = 4.0  # besides, half of the flow's window
     edge_m: float = 0.4  # the same of the edge lines
@@ -40,8 +39,6 @@ class LowConfig:
             raise ValueError(
                 f"min_height_m, max_height_m: expected 0 < min < max, got {self.min_height_m}, {self.max_height_m}"
             )
-        if self.lane_width_m <= 1.0:
-            raise ValueError(f"lane_width_m: expected > 1, got {self.lane_width_m}")
 
 
 def is_low(points: Triangulation, age_s: Floats, config: LowConfig) -> Bools:
@@ -54,16 +51,18 @@ def is_low(points: Triangulation, age_s: Floats, config: LowConfig) -> Bools:
     return low
 
 
-def off_lines(camera: Camera, points_px: Floats, edges: tuple[Floats, Floats], config: LowConfig) -> Bools:
+def off_lines(
+    camera: Camera, points_px: Floats, edges: tuple[Floats, Floats], lane_width_m: float, config: LowConfig
+) -> Bools:
     """(N,) pixels whose place on the flat road is within the carriageway and on no painted line.
 
-    `edges` are of the carriageway at that place, (N,) left and right, vehicle axes.
+    `edges` are of the carriageway at that place, (N,) left and right, vehicle axes; lines are a lane's width apart.
     """
     foot = ground_from_pixels(camera, points_px)
     left, right = edges
-    lanes = np.maximum(np.rint((right - left) / config.lane_width_m), 1.0)
+    lanes = np.maximum(np.rint((right - left) / lane_width_m), 1.0)
     across = (foot[:, 1] - left) / (right - left) * lanes
-    aside = np.abs(across - np.rint(across)) * config.lane_width_m
+    aside = np.abs(across - np.rint(across)) * lane_width_m
     halo = config.line_px * (foot[:, 0] - camera.forward_m) / camera.fx_px
     is_edge = (np.rint(across) <= 0.0) | (np.rint(across) >= lanes)
     off: Bools = (across > 0.0) & (across < lanes) & (aside > np.where(is_edge, config.edge_m, config.line_m) + halo)

@@ -36,7 +36,6 @@ class Rules:
     share: float
     steady_m: float  # largest change of place, plus
     steady_ratio: float  # this share of the depth
-    better: float = 0.7  # share of its sigma below which a sighting may move a point that is believed
 
 
 @dataclass(slots=True)
@@ -57,6 +56,7 @@ class Marks:
     margin: Floats  # (M,) the largest so far
     steady_m: Floats  # (M, 2) the place that later hits must confirm
     steady_sigma_m: Floats  # (M,)
+    agreed: Integers  # (M,) hits since it was first seen there
     believed: Bools  # (M,)
     body: Integers  # (M,) identity of its body, -1 none yet
 
@@ -88,6 +88,7 @@ class Marks:
             margin=seen.margin,
             steady_m=seen.place_m,
             steady_sigma_m=seen.sigma_m,
+            agreed=np.ones(count, np.int64),
             believed=np.zeros(count, np.bool_),
             body=np.full(count, -1, np.int64),
         )
@@ -104,14 +105,8 @@ class Marks:
         row, column = self._matches(seen.identity)  # rows are of the table, columns of `seen`
         moved = np.hypot(*(seen.place_m[column] - self.steady_m[row]).T)
         still = moved < rules.steady_m + rules.steady_ratio * seen.depth_m[column]
-        # What moves in the world is no landmark: one not believed yet starts again, one believed keeps its place,
-        # unless that was poorly known and is now seen better.
-        poor = self.sigma_m[row]
-        better = self.believed[row] & ~still & (seen.sigma_m[column] < rules.better * poor) & (moved < 3.0 * poor)
-        self._confirm(row[still | better], seen, column[still | better])
-        self._settle(row[better], seen, column[better])
-        again = ~still & ~self.believed[row]
-        self._restart(row[again], seen, column[again], time_s)
+        self._confirm(row[still], seen, column[still], rules.hits)
+        self._restart(row[~still], seen, column[~still], time_s)
         cleared, _ = self._matches(on_road)
         self.hits[cleared] -= 2
         self.hits = np.minimum(self.hits, rules.most_hits)
@@ -128,16 +123,23 @@ class Marks:
         _, row, column = np.intersect1d(self.identity, identity, assume_unique=True, return_indices=True)
         return row.astype(np.int64), column.astype(np.int64)
 
-    def _confirm(self, row: Integers, seen: Sightings, column: Integers) -> None:
+    def _confirm(self, row: Integers, seen: Sightings, column: Integers, agreements: int) -> None:
+        """One more hit; a point that is believed moves only to where it was seen as often as it takes to believe it."""
         self.hits[row] += 1
-        self._place(row, seen, column)
+        self.agreed[row] += 1
+        moves = ~self.believed[row] | (self.agreed[row] >= agreements)
+        self._place(row[moves], seen, column[moves])
         sharper = seen.sigma_m[column] < 0.5 * self.steady_sigma_m[row]
         self._settle(row[sharper], seen, column[sharper])
 
     def _restart(self, row: Integers, seen: Sightings, column: Integers, time_s: float) -> None:
+        """What moves in the world is no landmark: one not believed yet starts again, one believed keeps its place."""
+        self.agreed[row] = 1
+        self._settle(row, seen, column)
+        again = ~self.believed[row]
+        row, column = row[again], column[again]
         self.hits[row], self.since_s[row] = 1, time_s
         self._place(row, seen, column)
-        self._settle(row, seen, column)
 
     def _settle(self, row: Integers, seen: Sightings, column: Integers) -> None:
         self.steady_m[row], self.steady_sigma_m[row] = seen.place_m[column], seen.sigma_m[column]

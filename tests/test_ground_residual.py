@@ -1,0 +1,130 @@
+"""The road compared with how it looked from farther away: drawn roads with a plate on, in or under them."""
+
+from functools import lru_cache
+
+import cv2
+import numpy as np
+import pytest
+
+from vpf_sim.geometry import ground_from_pixels, rotation
+from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
+from vpf_sim.perception.spots import SpotBook, SpotConfig, is_hidden
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Image, Obstacles
+
+CAMERA = Camera()
+SPEED_MPS, LOOKS_HZ = 5.55, 10.0
+PLATE_M = np.array([[30.0, -0.2], [31.2, 0.6]])  # its near left and far right corner in the world
+ROAD = 95.0 + cv2.GaussianBlur(stream(31, "asphalt").normal(0.0, 100.0, (1200, 320)), (0, 0), 3.0, sigmaY=14.0)  # 5 cm
+TOP_ROW, BOTTOM_ROW = 250, 340  # of the part of the frame that is drawn: the road from 43 to 4.5 m before the camera
+SHARP = 4  # rows drawn for one of the frame, and averaged as a pixel does
+BUMPER_M = 2.25
+
+
+@lru_cache
+def frame(forward_m: float, height_m: float) -> Image:
+    """What the camera sees from `forward_m`, looking along X: asphalt, and a bright plate at `height_m`."""
+    rows_px = TOP_ROW + (np.arange(SHARP * (BOTTOM_ROW - TOP_ROW)) + 0.5) / SHARP - 0.5
+    columns, rows = np.meshgrid(np.arange(CAMERA.width_px), rows_px)
+    ground = ground_from_pixels(CAMERA, np.stack([columns, rows], axis=-1).astype(float))
+    cell = np.stack([(ground[..., 1] + 8.0) / 0.05, (ground[..., 0] + forward_m) / 0.05], axis=-1).astype(np.float32)
+    road = cv2.remap(ROAD.astype(np.float32), cell[..., 0], cell[..., 1], cv2.INTER_LINEAR)
+    lens = np.array([CAMERA.forward_m, 0.0])
+    plate = lens + (ground - lens) * (CAMERA.height_m - height_m) / CAMERA.height_m + np.array([forward_m, 0.0])
+    inside = np.all((plate > PLATE_M[0]) & (plate < PLATE_M[1]), axis=-1)
+    image = np.full((CAMERA.height_px, CAMERA.width_px), 100, np.uint8)
+    drawn = np.where(inside, 160.0, road).reshape(BOTTOM_ROW - TOP_ROW, SHARP, -1).mean(axis=1)
+    noise = stream(32, f"noise {forward_m}").normal(0.0, 1.5, drawn.shape)
+    image[TOP_ROW:BOTTOM_ROW] = np.clip(drawn + noise, 0, 255)
+    return image
+
+
+def looks(height_m: float, turn_rad: float = 0.0) -> list[tuple[Floats, list[Spot]]]:
+    """Poses and spots on the way to 6.5 m before the plate; all poses turned about the origin."""
+    residual, found = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), []
+    for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
+        pose = np.array([*(rotation(turn_rad) @ np.array([forward, 0.0])), turn_rad])
+        spots = residual.update(frame(forward, height_m), pose)
+        if spots is not None:
+            found.append((pose, spots))
+    return found
+
+
+def test_a_flat_plate_is_seen_where_it_lies() -> None:
+    found = [(PLATE_M[0, 0] - pose[0], spot) for pose, spots in looks(0.15) for spot in spots]
+    assert len(found) >= 3
+    assert found[0][0] - BUMPER_M > 8.0
+    for distance, spot in found:
+        assert spot.forward_m == pytest.approx(distance, abs=1.1)
+        assert (spot.left_m, spot.right_m) == pytest.approx((-0.2, 0.6), abs=0.7)
+
+
+@pytest.mark.parametrize(("height_m", "bodies"), [(0.15, 1), (0.0, 0), (-0.15, 0), (-1.4, 0)])
+def test_only_what_stands_above_the_road_becomes_a_body(height_m: float, bodies: int) -> None:
+    """Not paint as bright as the plate, nor what the wet road mirrors."""
+    book = SpotBook(SpotConfig(), lambda: 7)
+    for pose, spots in looks(height_m):
+        book.record(spots, pose)
+    assert len(book.bodies(pose)) == bodies
+
+
+def test_the_direction_of_travel_in_the_world_does_not_matter() -> None:
+    straight, turned = looks(0.15), looks(0.15, turn_rad=2.4)
+    assert [len(spots) for _, spots in turned] == [len(spots) for _, spots in straight]
+    for (_, one), (_, other) in zip(straight, turned, strict=True):
+        for a, b in zip(one, other, strict=True):
+            assert a.forward_m == pytest.approx(b.forward_m, abs=0.06)
+
+
+def test_between_looks_and_without_a_way_nothing_is_told() -> None:
+    residual = GroundResidual(CAMERA, ResidualConfig(), 60.0)
+    image = frame(0.0, 0.15)
+    assert all(residual.update(image, np.zeros(3)) is None for _ in range(20))
+
+
+def recorded(places_m: list[float], speed_mps: float = SPEED_MPS) -> list[Obstacles]:
+    """Bodies after each look at spots told so far ahead, one each 0.1 s, straight on."""
+    numbers = iter(range(5))
+    book, found = SpotBook(SpotConfig(), lambda: next(numbers)), []
+    for k, place in enumerate(places_m):
+        pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
+        book.record([Spot(place, -0.4, 0.4, 30.0)] if np.isfinite(place) else [], pose)
+        found.append(book.bodies(pose))
+    return found
+
+
+def test_a_spot_is_believed_when_it_stays_in_the_world() -> None:
+    step = SPEED_MPS / LOOKS_HZ
+    found = recorded([12.0 - k * step for k in range(6)] + [np.nan] * 30)
+    assert [len(bodies) for bodies in found[:4]] == [0, 0, 1, 1]
+    last = found[20]
+    assert last.forward_m[0] == pytest.approx(12.0 - 20 * step)
+    assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.4, 0.4))
+    assert {int(name) for bodies in found for name in bodies.identity} == {0}
+    assert len(recorded([12.0 - k * step for k in range(6)] + [np.nan] * 40)[-1]) == 0, "forgotten once passed"
+
+
+@pytest.mark.parametrize("speed_mps", [1.0, 3.0, 5.55])
+def test_a_drop_that_moves_with_the_car_is_never_believed(speed_mps: float) -> None:
+    assert not any(len(bodies) for bodies in recorded([8.0] * 40, speed_mps))
+
+
+def test_what_flashes_up_is_forgotten() -> None:
+    assert not any(len(bodies) for bodies in recorded([12.0, np.nan, np.nan, np.nan, 9.8, np.nan, np.nan, np.nan, 7.6]))
+
+
+def test_behind_a_body_the_road_is_hidden_from_either_place() -> None:
+    none, config = np.full(1, np.inf), SpotConfig()
+    body = Obstacles(np.array([8.0]), np.array([-1.0]), np.array([1.0]), np.ones(1), none, np.zeros(1, np.int64))
+    lens, before = np.array([0.8, 0.0]), np.array([-4.0, 5.0])
+    assert is_hidden(Spot(12.0, -0.4, 0.4, 30.0), lens, body, config)
+    assert not is_hidden(Spot(12.0, 2.6, 3.4, 30.0), lens, body, config), "beside it"
+    assert not is_hidden(Spot(7.0, -0.4, 0.4, 30.0), lens, body, config), "before it"
+    seen_aslant = Spot(12.0, -3.6, -3.0, 30.0)
+    assert is_hidden(seen_aslant, before, body, config)
+    assert not is_hidden(seen_aslant, lens, body, config)
+
+
+def test_nonsense_is_refused_with_what_was_given() -> None:
+    with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 13\.5"):
+        ResidualConfig(near_m=20.0)

@@ -1,0 +1,193 @@
+"""Where the road ahead does not look as it did from farther away: what stands on it, however flat.
+
+Two frames laid out as road agree wherever they show the road, whatever is painted on it. What stands h above it is laid
+out too far away, and seems to move on by (K - 1) of the camera's own way between the frames, K = H / (H - h) with the
+camera's height H: the same for all points of one height, so one shift of the older layout tests one height for the
+whole patch (plane and parallax, Irani and Anandan, PAMI 20(6), 1998). Mirror images move the other way.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.geometry import distort, project, rotation
+from vpf_sim.types import Bools, Camera, Floats, Image
+
+Grid = NDArray[np.float32]
+WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+
+
+@dataclass(frozen=True, slots=True)
+class ResidualConfig:
+    """The patch of road that is looked at, the heights that are tried, and what counts as one."""
+
+    period_s: float = 0.1  # between looks
+    baseline_m: float = 4.5  # the own way between the two frames, at least
+    near_m: float = 6.5  # of the patch, from the pose
+    far_m: float = 13.5
+    half_width_m: float = 2.4
+    border_m: float = 1.0  # by which the older patch is wider, for turns
+    cell_m: float = 0.05
+    above_m: tuple[float, ...] = (0.1, 0.15, 0.2)
+    below_m: tuple[float, ...] = (-0.1, -0.2)
+    window_m: tuple[float, float] = (0.45, 0.65)  # along and across, over which differences are summed
+    even_m: float = 2.0  # slower changes of brightness do not count
+    floor_levels2: float = 1.5  # of the noise, grey levels^2
+    least_gain: float = 20.0  # by which a height above the road fits better, in multiples of the noise
+    most_share: float = 0.5  # of the difference left with it
+    apart_m: tuple[float, float] = (0.3, 0.05)  # along and across, what two pictures of the road may be apart
+    outline_gain: float = 8.0  # what counts as outline of a spot
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.near_m < self.far_m:
+            raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """A place on the road that stands above it, in vehicle axes."""
+
+    forward_m: float  # where it begins
+    left_m: float
+    right_m: float
+    gain: float
+
+
+class GroundResidual:
+    """Compares the road ahead with how it looked `baseline_m` before."""
+
+    def __init__(self, camera: Camera, config: ResidualConfig, rate_hz: float) -> None:
+        self.camera = camera
+        self.config = config
+        self._period_frames = max(1, round(config.period_s * rate_hz))
+        self._frame = -1
+        reach = config.far_m + 1.5 * config.baseline_m
+        half = config.half_width_m + config.border_m
+        self._forward_m: Floats = np.arange(config.near_m, reach, config.cell_m)
+        self._right_m: Floats = np.arange(-half, half + 1e-9, config.cell_m)
+        self._rows = int(np.count_nonzero(self._forward_m < config.far_m))
+        self._maps = self._layout()
+        self.baseline_pose: Floats | None = None  # of the older frame in the last look
+        self._past: deque[tuple[Image, Floats]] = deque()
+        border = round(config.border_m / config.cell_m)
+        self._columns = slice(border, len(self._right_m) - border)
+
+    def update(self, grey: Image, pose: Floats) -> list[Spot] | None:
+        """What stands on the road in the frame taken at `pose`; None between looks and before there is a baseline."""
+        self._frame += 1
+        if self._frame % self._period_frames:
+            return None
+        patch = cv2.remap(grey, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
+        older = self._older(pose)
+        self.baseline_pose = None if older is None else older[1]
+        self._past.append((patch, pose))
+        return None if older is None else self._compare(patch, pose, *older)
+
+    def _layout(self) -> tuple[Any, Any]:
+        """The look-up of the patch in a frame, as OpenCV wants it."""
+        forward, right = np.meshgrid(self._forward_m, self._right_m, indexing="ij")
+        pixels = distort(self.camera, project(self.camera, np.stack([forward, right, np.zeros_like(right)], axis=-1)))
+        x, y = np.nan_to_num(pixels, nan=-10.0).astype(np.float32).transpose(2, 0, 1)
+        exact, table = cv2.convertMaps(x, y, cv2.CV_16SC2)
+        return exact, table
+
+    def _older(self, pose: Floats) -> tuple[Image, Floats] | None:
+        """The latest patch that was taken a baseline away; older ones are dropped."""
+        found = None
+        while self._past and np.hypot(*(pose - self._past[0][1])[:2]) >= self.config.baseline_m:
+            found = self._past.popleft()
+        if found is not None:
+            self._past.appendleft(found)
+            if np.hypot(*(pose - found[1])[:2]) > 1.4 * self.config.baseline_m:
+                return None
+        return found
+
+    def _compare(self, patch: Image, pose: Floats, older: Image, older_pose: Floats) -> list[Spot]:
+        config = self.config
+        sharp = patch[: self._rows].astype(np.float32)
+        now = np.asarray(cv2.GaussianBlur(sharp, (3, 15), 0), np.float32)[:, self._columns]
+
+        def difference(height_m: float) -> Grid:
+            return self._difference(now, older, older_pose, pose, height_m)
+
+        road = difference(0.0)
+        noise = float(np.median(road)) + config.floor_levels2
+        if float(road.max()) < config.least_gain * noise:
+            return []
+        above = np.minimum.reduce([difference(height) for height in config.above_m])
+        below = np.minimum.reduce([difference(height) for height in config.below_m])
+        gain = (road - above) / noise
+        seen = self._seen_before(older_pose, pose)
+        stands = seen & (gain > config.least_gain) & (above < config.most_share * road) & (below > above)
+        stands &= road > self._of_edges(now)
+        return self._spots(seen & (road > config.outline_gain * noise), np.where(stands, gain, 0.0))
+
+    def _difference(self, now: Grid, older: Image, older_pose: Floats, pose: Floats, height_m: float) -> Grid:
+        """Squared grey levels between the patch now and the older one, if all stood `height_m` above the road."""
+        config = self.config
+        moved = cv2.warpAffine(
+            older,
+            self._transform(older_pose, pose, height_m),
+            (len(self._right_m), self._rows),
+            flags=WARP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        change = now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]
+        even = round(config.even_m / config.cell_m)
+        change = change - cv2.blur(change, (even, even))
+        return self._summed(change * change)
+
+    def _of_edges(self, now: Grid) -> Grid:
+        """(rows, columns) squared grey levels that differ when the two pictures of sharp paint are a little apart."""
+        along_m, across_m = self.config.apart_m
+        slope = along_m / (2.0 * self.config.cell_m) * cv2.Sobel(now, cv2.CV_32F, 0, 1, ksize=1)
+        aside = across_m / (2.0 * self.config.cell_m) * cv2.Sobel(now, cv2.CV_32F, 1, 0, ksize=1)
+        return self._summed(slope * slope + aside * aside)
+
+    def _summed(self, change: Grid) -> Grid:
+        along, across = (round(size / self.config.cell_m) for size in self.config.window_m)
+        return np.asarray(cv2.blur(change, (across, along)), np.float32)
+
+    def _seen_before(self, older_pose: Floats, pose: Floats) -> Bools:
+        """(rows, columns) cells whose window lies within the older patch."""
+        transform = self._transform(older_pose, pose, 0.0)
+        whole = np.full((len(self._forward_m), len(self._right_m)), 255, np.uint8)
+        seen = cv2.warpAffine(whole, transform, (len(self._right_m), self._rows), flags=WARP)
+        along, across = (round(size / self.config.cell_m) for size in self.config.window_m)
+        inside: Bools = cv2.erode(seen, np.ones((along, across), np.uint8))[:, self._columns] == 255
+        return inside
+
+    def _transform(self, older_pose: Floats, pose: Floats, height_m: float) -> Grid:
+        """(2, 3) from cells (column, row) of the patch now to those of the older one."""
+        config = self.config
+        now, before = rotation(pose[2]), rotation(older_pose[2])
+        turn = before.T @ now
+        way = pose[:2] - older_pose[:2]
+        lens = way + (now - before) @ np.array([self.camera.forward_m, 0.0])  # the camera's way
+        stretch = self.camera.height_m / (self.camera.height_m - height_m)
+        start = np.array([self._forward_m[0], self._right_m[0]])
+        offset = (turn @ start + before.T @ (way + (stretch - 1.0) * lens) - start) / config.cell_m
+        return np.array([[turn[1, 1], turn[1, 0], offset[1]], [turn[0, 1], turn[0, 0], offset[0]]], np.float32)
+
+    def _spots(self, outline: Bools, gain: Grid) -> list[Spot]:
+        """One for each connected part of the outline in which something stands."""
+        if not gain.any():
+            return []
+        config = self.config
+        count, parts, boxes, _ = cv2.connectedComponentsWithStats((outline | (gain > 0.0)).astype(np.uint8))
+        best, standing = np.zeros(count), gain > 0.0
+        np.maximum.at(best, parts[standing].astype(np.intp), gain[standing])
+        half_along, half_across = 0.5 * config.window_m[0], 0.5 * config.window_m[1]
+        right_m = self._right_m[self._columns]
+        found = []
+        for part in np.flatnonzero(best > 0.0).tolist():
+            column, row, width = (int(value) for value in boxes[part, :3])
+            left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
+            middle = 0.5 * (left + right)
+            near = float(self._forward_m[row]) + half_along
+            found.append(Spot(near, min(left, middle), max(right, middle), float(best[part])))
+        return found
