@@ -68,6 +68,10 @@ def look(
         if len(seen) >= LEAST_LOOKS:
             mounting, best = _mounted(camera, np.median(seen, axis=0)), seen
     spread = np.subtract(*np.percentile(best, [75, 25], axis=0)) / 2.0 if len(best) else np.full(2, np.nan)
+    # A median of n values of a normal distribution errs by 1.25 sd / sqrt(n), sd is 1.48 half quartile ranges. A yaw
+    # that is not twice as large is none: to turn the picture by it would only blur it.
+    if abs(camera.fx_px * np.tan(mounting.yaw_rad)) < 2.0 * 1.25 * 1.48 * spread[0] / np.sqrt(max(len(best), 1)):
+        mounting = replace(mounting, yaw_rad=0.0)
     return OwnWay(mounting, len(best), (float(spread[0]), float(spread[1])), *_motion(looks, camera, mounting, times_s))
 
 
