@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vpf_sim.perception.closing import ClosingConfig
 from vpf_sim.perception.marks import Integers
 from vpf_sim.perception.mover import FilterConfig, Sight
 from vpf_sim.perception.triangulation import NoiseModel, Triangulation
@@ -65,6 +66,7 @@ class MoverConfig:
     edge_margin_m: float = 1.0  # inside the carriageway's edges is its middle
     noise: NoiseModel = field(default_factory=NoiseModel)  # of the tracks
     filter: FilterConfig = field(default_factory=FilterConfig)
+    closing: ClosingConfig = field(default_factory=ClosingConfig)
 
 
 @dataclass(frozen=True, slots=True)

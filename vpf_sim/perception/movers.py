@@ -17,6 +17,7 @@ move as one when we move across.
 
 import numpy as np
 
+from vpf_sim.perception.closing import Closing
 from vpf_sim.perception.landmarks import carriageway_offsets, near_edge_line
 from vpf_sim.perception.marks import Integers
 from vpf_sim.perception.mover import Mover, Sight
@@ -34,6 +35,7 @@ class MoverTracker:
         self.movers: list[Mover] = []
         self._look = max(1, round(config.look_s * rate_hz))
         self._search = self._look * max(1, round(config.search_s / config.look_s))
+        self._closing = Closing(camera, config.closing, self._look / rate_hz)
         self._frame = -1
         self._time_s = 0.0
         self._hidden = np.empty(0, np.int64)  # identities of tracks
@@ -58,8 +60,10 @@ class MoverTracker:
             ahead = min(max(mover.place(flow.pose)[0], -self.config.behind_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
             mover.predict(dt_s, direction, road.curvature_per_m)
-        if look and points is not None and (self.movers or self._searches):
-            self._look_at(flow, points, road, speed_mps)
+        if look and points is not None:
+            if self.movers or self._searches:
+                self._look_at(flow, points, road, speed_mps)
+            self._closing.look(flow, points, road, speed_mps, ~np.isin(flow.identity, self._hidden))
         return np.isin(flow.identity, self._hidden)
 
     @property
@@ -82,8 +86,13 @@ class MoverTracker:
         if self._searches:
             self._find(seen, free, flow, road)
 
+    @property
+    def reports(self) -> bool:
+        """Whether there is anything to tell of."""
+        return self._closing.alarms or any(mover.identity is not None for mover in self.movers)
+
     def obstacles(self, pose: Floats, speed_mps: float) -> Obstacles:
-        """The bodies believed, in the axes of the vehicle; their identities are negative."""
+        """The bodies believed, in the axes of the vehicle, whose identities are negative, and what is met soon."""
         believed = [mover for mover in self.movers if mover.identity is not None]
         place = np.array([mover.place(pose) for mover in believed]).reshape(-1, 2)
         half = np.array([mover.half_m for mover in believed])
@@ -91,7 +100,7 @@ class MoverTracker:
         forward, closing = place[:, 0], speed_mps - speed
         with np.errstate(divide="ignore", invalid="ignore"):
             ttc = np.where((forward > 0.0) & (closing > 0.0), forward / closing, np.inf)
-        return Obstacles(
+        moving = Obstacles(
             forward_m=forward,
             left_m=place[:, 1] - half,
             right_m=place[:, 1] + half,
@@ -100,6 +109,7 @@ class MoverTracker:
             identity=-np.array([mover.identity for mover in believed], np.int64),
             speed_mps=speed,
         )
+        return together(moving, self._closing.obstacles(speed_mps))
 
     def _follow(self, mover: Mover, seen: Apparent, flow: Flow, own_mps: float) -> tuple[Bools, Bools]:
         """Bring a body to this frame by its tracks; (N,) points that are of it, and (N,) those seen through it."""

@@ -7,6 +7,7 @@ from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.movers import MoverTracker, together
 from vpf_sim.perception.road_edges import RoadEdgeTracker
+from vpf_sim.perception.steadiness import Steadiness
 from vpf_sim.planning.gradient_line import GradientLine
 from vpf_sim.planning.valley import Valley
 from vpf_sim.planning.variant import Variant
@@ -25,6 +26,7 @@ class Planner:
         self._road = RoadEdgeTracker(camera, variant.road_edges, rate_hz)
         self._landmarks = LandmarkTracker(camera, variant.landmarks, rate_hz) if variant.landmarks else None
         self._movers = MoverTracker(camera, variant.movers, rate_hz) if variant.movers else None
+        self._steadiness = Steadiness(camera, variant.steadiness, rate_hz) if variant.steadiness else None
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
         self._bodies = _nothing()
@@ -41,14 +43,18 @@ class Planner:
         flow = self._flow.update(image, pose)
         foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe)
         self._foe = foe
-        obstacle_map = obstacles.detect(flow, self._camera, self._variant.obstacle_map)
+        picture, steady = observation.image, flow
+        if self._steadiness is not None:
+            steady = self._steadiness.update(flow, foe)
+            picture, image = self._steadiness.frame(picture), self._steadiness.frame(image)
+        obstacle_map = obstacles.detect(steady, self._camera, self._variant.obstacle_map)
         labels = obstacles.cluster_labels(obstacle_map, flow)
         ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
-        road = self._road.update(observation.image, image, pose, *motion, self._bodies)
+        road = self._road.update(picture, image, pose, *motion, self._bodies)
         if self._landmarks is not None:
             self._landmarks.look(image, pose, road)
-            self._bodies = self._find_bodies(self._landmarks, flow, road, observation)
+            self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road)
 
     def _find_bodies(
@@ -61,7 +67,7 @@ class Planner:
         points = landmarks.triangulate(flow) if self._movers.looks else None
         moving = self._movers.update(flow, points, road, speed_mps, time_s)
         standing = landmarks.update(flow, road, speed_mps, time_s, points, moving)
-        return together(standing, self._movers.obstacles(flow.pose, speed_mps)) if self._movers.movers else standing
+        return together(standing, self._movers.obstacles(flow.pose, speed_mps)) if self._movers.reports else standing
 
     def plan(self, perception: Perception, observation: Observation) -> Plan:
         """Target, obstacle and road field, their sum, heading and speed reference."""
