@@ -17,13 +17,13 @@ SHARP_RAD = 0.016  # standard deviation of the FOE's direction at which it is ha
 @dataclass(frozen=True, slots=True)
 class ExpansionConfig:
     method: Literal["as_printed", "least_squares", "robust"] = "robust"
-    tolerance_px: float = 0.25  # error across the radial direction that one step between frames may have, plus
-    tolerance_ratio: float = 0.03  # this share of its length; over n chained steps it grows with sqrt(n)
+    tolerance_px: float = 0.15  # error across the radial direction that one step between frames may have, plus
+    tolerance_ratio: float = 0.04  # this share of its length; over n chained steps it grows with sqrt(n)
     min_flow_px: float = 1.7  # shorter motions do not vote: the far road creeps towards the pixel grid
     rotation_sd_radps: tuple[float, float, float] = (0.03, 0.001, 0.03)  # usual unmeasured pitch, yaw and roll rate
     # How far a vehicle usually moves off the direction straight ahead, given its camera's pitch: to the side, up or
     # down. inf, inf: nothing is known of where the camera looks.
-    direction_sd_rad: tuple[float, float] = (0.09, 0.005)
+    direction_sd_rad: tuple[float, float] = (0.05, 0.0035)
     drift_sd_rad: float = 0.013  # change of that direction within a second, as a random walk
 
     def __post_init__(self) -> None:
