@@ -10,6 +10,7 @@ import recorded_street as street
 from vpf_sim.replay import calibrate, rectify
 from vpf_sim.replay.recording import Frame
 from vpf_sim.replay.rectify import Lens, Mounting
+from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
 FRAMES, RATE_HZ = 30, 20.0
@@ -89,3 +90,19 @@ def test_gaps_and_a_car_that_stands_are_left_out(straight: list[Frame]) -> None:
     assert own.looks > 10
     standing = calibrate.look(iter(straight), camera, TIMES_S, np.zeros(FRAMES), np.zeros(FRAMES))
     assert standing.looks == 0
+
+
+def test_a_car_that_stops_is_told_to_stand(straight: list[Frame]) -> None:
+    """Where no road comes nearer there is no speed to interpolate."""
+    noise = stream(0, "noise of a camera that stands")
+    stays = [
+        Frame(FRAMES + k, np.clip(straight[-1].image + noise.normal(0.0, 1.0, (240, 400, 1)), 0, 255).astype(np.uint8))
+        for k in range(20)
+        if straight[-1].image is not None
+    ]
+    times = np.arange(FRAMES + 20) / RATE_HZ
+    camera, _ = rectify.rectified(LENS, Mounting(height_m=street.CAMERA_HEIGHT_M))
+    own = calibrate.look(iter([*straight, *stays]), camera, times, None, None)
+    assert np.nanmedian(own.speed_mps[:FRAMES]) == pytest.approx(SPEED_MPS, rel=0.08)
+    assert own.speed_mps[-12:] == pytest.approx(np.zeros(12))
+    assert own.yaw_rate_radps[-12:] == pytest.approx(np.zeros(12))

@@ -4,8 +4,9 @@ Where speed and yaw rate were not recorded either, they too follow from the flow
 the road comes nearer, which fixes the speed as far as the camera's height is known.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import chain, islice
 
 import numpy as np
 
@@ -21,7 +22,9 @@ from vpf_sim.types import Camera, Floats, Flow
 VARIANT = "robust"  # whose flow is used
 ROUNDS = 2  # the turn needs the mounting, the mounting the turn
 ENOUGH = 100  # looks after which more change nothing
+HELD = 900  # looks that the mounting is told from at most: the rest of a long drive is only looked at as it passes
 LEAST_LOOKS = 5
+STILL_PX = 3.0  # a second: what moves by less stands
 STRAIGHT_RADPS, LEAST_SPEED_MPS, SHARP_RAD = 0.03, 2.0, 0.03  # a look tells if its focus is as sharp as this
 FREE_RADPS = 0.5  # usual size of a yaw rate of which nothing is known
 ASSUMED_SPEED_MPS = 10.0  # of the first look, where none is recorded: the flow's scale only
@@ -60,9 +63,11 @@ def look(
     in a bend it moves to the outside by the yaw rate times this. First the turn of the picture is fitted along with the
     focus of expansion, at every frame; then the frames on which the car goes straight say it more sharply.
     """
-    looks = list(_looks(frames, camera, times_s, speed_mps, yaw_rate_radps))
+    looks = _looks(frames, camera, times_s, speed_mps, yaw_rate_radps)
+    held = list(islice(looks, HELD))
     mounting, best = Mounting(height_m=camera.height_m), np.empty((0, 2))
-    chosen = looks[:: max(1, len(looks) // ENOUGH)]
+    moving = [one for one in held if not _stands(one.flow)]
+    chosen = moving[:: max(1, len(moving) // ENOUGH)]
     for turn in range(1 + ROUNDS):
         seen = _seen(chosen, camera, mounting if turn else None, ahead_m)
         if len(seen) >= LEAST_LOOKS:
@@ -72,7 +77,12 @@ def look(
     # that is not twice as large is none: to turn the picture by it would only blur it.
     if abs(camera.fx_px * np.tan(mounting.yaw_rad)) < 2.0 * 1.25 * 1.48 * spread[0] / np.sqrt(max(len(best), 1)):
         mounting = replace(mounting, yaw_rad=0.0)
-    return OwnWay(mounting, len(best), (float(spread[0]), float(spread[1])), *_motion(looks, camera, mounting, times_s))
+    return OwnWay(
+        mounting,
+        len(best),
+        (float(spread[0]), float(spread[1])),
+        *_motion(chain(held, looks), camera, mounting, times_s),
+    )
 
 
 def _looks(
@@ -83,8 +93,8 @@ def _looks(
     tracker, last = FlowTracker(camera, config, rate_hz), -1
     speed = np.full(len(times_s), ASSUMED_SPEED_MPS) if speed_mps is None else speed_mps
     along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times_s))])
-    found = 0
-    for frame in frames:
+    both, straight = speed_mps is not None and yaw_rate_radps is not None, 0
+    for yielded, frame in enumerate(frames):
         if frame.image is None:
             continue
         if frame.index != last + 1:  # tracks over a gap would look twice as fast
@@ -97,8 +107,8 @@ def _looks(
         steps = np.rint(flow.gap_s * rate_hz).astype(np.intp)
         flow = replace(flow, gap_s=times_s[frame.index] - times_s[frame.index - steps])  # whatever the rate was there
         yield _Look(frame.index, flow, np.inf if speed_mps is None else float(speed[frame.index]), rate)
-        found += speed_mps is not None and abs(rate) < STRAIGHT_RADPS
-        if found >= ENOUGH:
+        straight += abs(rate) < STRAIGHT_RADPS
+        if both and (straight >= ENOUGH or yielded >= HELD):
             return
 
 
@@ -136,14 +146,21 @@ def _mounted(camera: Camera, foe_px: Floats) -> Mounting:
     return mounting_seeing(np.array([right, down, 1.0]), camera.height_m)
 
 
-def _motion(looks: list[_Look], camera: Camera, mounting: Mounting, times_s: Floats) -> tuple[Floats, Floats]:
+def _stands(flow: Flow) -> bool:
+    """Whether the whole picture stays where it is."""
+    return bool(np.median(np.hypot(*flow.displacement_px.T)) < STILL_PX * np.median(flow.gap_s))
+
+
+def _motion(looks: Iterable[_Look], camera: Camera, mounting: Mounting, times_s: Floats) -> tuple[Floats, Floats]:
     """(N,) speed m/s and yaw rate rad/s by the flow; nan where no road was tracked."""
     rate, voted = np.full(len(times_s), np.nan), []
+    stands = np.zeros(len(times_s), np.bool_)
     for one in looks:
+        stands[one.index] = _stands(one.flow)
         rate[one.index] = _rate(one, camera, mounting)
         flow = own_derotation.turning(one.flow, rate[one.index])
         voted.append((float(times_s[one.index]), road_speed.votes(flow, camera, mounting)))
-    return road_speed.speed(times_s, voted), _steadied(rate)
+    return np.where(stands, 0.0, road_speed.speed(times_s, voted)), np.where(stands, 0.0, _steadied(rate))
 
 
 def _steadied(values: Floats) -> Floats:
