@@ -148,6 +148,11 @@ def other_scenario(run: Path) -> None:
     path.write_text(json.dumps(asked))
 
 
+def another_seed(record: dict[str, Any]) -> None:
+    cell, _, _ = record["id"].rpartition(".")
+    record.update(id=f"{cell}.99", seed=99)
+
+
 @pytest.mark.parametrize(
     ("spoil", "sentence"),
     [
@@ -157,7 +162,8 @@ def other_scenario(run: Path) -> None:
         (other_table, 'of this version, got: Field "x_m" does not exist in schema'),
         (swap, "of the record, got "),
         (edit(lambda record: record.pop("status")), "key 'status' is missing"),
-        (edit(lambda record: record.update(id="x")), "episodes.jsonl: x: expected an episode of the plan"),
+        (edit(lambda record: record.update(id="x")), 'episodes.jsonl: "x": expected the id of its scenario, weather'),
+        (edit(another_seed), ".pid.99: expected an episode of the plan"),
         (edit(lambda record: record.pop("id")), "expected a record with an id on each line"),
         (other_scenario, "changed since the run: was 0123abcd, is "),
         (lambda run: (run / "manifest.json").unlink(), "manifest.json: expected the manifest of a run"),

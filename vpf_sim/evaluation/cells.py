@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
-from vpf_sim.errors import InputError, wrong_value
+from vpf_sim.errors import InputError
 from vpf_sim.evaluation.json_lines import read_lines
 from vpf_sim.evaluation.rules import Score
 from vpf_sim.evaluation.run_folder import read_manifest, stored_plan
+from vpf_sim.evaluation.shapes import checked
 
 FAULTS = ("error", "invalid_frame")  # these episodes were not driven to an end
 
@@ -61,7 +62,8 @@ def read_run(path: Path) -> Run:
     manifest, jobs = read_manifest(path), stored_plan(path).jobs()
     hashes = {key: manifest[key] for key in ("scenarios", "weathers")}
     lines = path / "episodes.jsonl"
-    found = {episode.id: episode for episode in (_episode(lines, row) for row in read_lines(lines))}
+    episodes = (checked(Episode, row, f"{lines}: record {row.get('id')!r}") for row in read_lines(lines))
+    found = {episode.id: episode for episode in episodes}
     cells: dict[Cell, dict[int, Episode | None]] = {}
     for job in jobs:
         cells.setdefault(Cell(job.scenario, job.weather, job.driver), {})[job.seed] = found.get(job.id)
@@ -95,13 +97,3 @@ def values_of(score: Score, episodes: Episodes) -> dict[int, float]:
 def worst_first(losses: Mapping[int, float]) -> list[int]:
     """Seeds by how much was lost."""
     return sorted(losses, key=lambda seed: (-losses[seed], seed))
-
-
-def _episode(path: Path, record: dict[str, Any]) -> Episode:
-    try:
-        return Episode.model_validate(record)
-    except ValidationError as error:
-        fault = error.errors(include_url=False)[0]
-        key = ".".join(map(str, fault["loc"]))
-        got = "got none" if fault["type"] == "missing" else wrong_value(fault["msg"], fault["input"])
-        raise InputError(f"{path}: record {record.get('id')!r}: {key}: {got}") from None

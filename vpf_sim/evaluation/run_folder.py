@@ -14,10 +14,10 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.plan import Plan, make_plan
 from vpf_sim.evaluation.records import failed
+from vpf_sim.evaluation.shapes import Manifest, Record, checked
 
 MANIFEST = "manifest.json"
 LINES = ("episodes.jsonl", "timing.jsonl")
-IDENTITY = {"id": str, "scenario": str, "weather": str, "driver": str, "seed": int, "status": str}
 NO_JOB = Job("", "", "", 0)
 
 
@@ -153,9 +153,10 @@ def read_records(path: Path) -> list[dict[str, Any]]:
         for key in failed(NO_JOB):
             if key not in record:
                 raise InputError(f"{where}: key '{key}' is missing")
-        for key, kind in IDENTITY.items():
-            if not isinstance(record[key], kind):
-                raise InputError(f"{where}: {key}: expected {kind.__name__}, got {_short(record[key])}")
+        told = checked(Record, record, where)
+        own = Job(told.scenario, told.weather, told.driver, told.seed).id
+        if own != told.id:
+            raise InputError(f"{where}: expected the id of its scenario, weather, driver and seed, which is {own}")
     return sorted(records, key=lambda record: str(record["id"]))
 
 
@@ -171,8 +172,9 @@ def read_manifest(path: Path) -> dict[str, Any]:
     for keys in (("plan", "fingerprint"), ("scenarios", "weathers")):
         if not isinstance(stored, dict) or not all(isinstance(stored.get(key), dict) for key in keys):
             raise InputError(f"{file}: expected a table for {keys[0]} and for {keys[1]}, got something else")
-    checked: dict[str, Any] = stored
-    return checked
+    checked(Manifest, stored, str(file))
+    manifest: dict[str, Any] = stored
+    return manifest
 
 
 def stored_plan(path: Path) -> Plan:

@@ -4,6 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from vpf_sim.errors import InputError, unknown_name
@@ -12,6 +13,7 @@ from vpf_sim.evaluation.benchmark import with_paper
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.json_lines import read_lines
 from vpf_sim.evaluation.run_folder import read_manifest, read_records
+from vpf_sim.evaluation.shapes import Summary, Timing, checked
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.summary import summarize
 
@@ -59,9 +61,30 @@ class StoredRun:
             summary = json.loads(path.read_text("utf-8"))
         except ValueError:
             summary = None
-        if not isinstance(summary, dict) or not isinstance(summary.get("rows"), list):
-            raise InputError(f"{path}: expected a JSON object with rows, got something else")
+        if not isinstance(summary, dict):
+            raise InputError(f"{path}: expected a JSON object, got something else; {self._anew}")
+        try:
+            told = checked(Summary, summary, str(path))
+        except InputError as error:
+            raise InputError(f"{error}; {self._anew}") from None
+        cells = {job[:3] for job in jobs}
+        if {(row.scenario, row.weather, row.driver) for row in told.rows} != cells or not _known(told, cells):
+            raise InputError(f"{path}: expected the cells of the plan, got others; {self._anew}")
         return summary
+
+    @property
+    def _anew(self) -> str:
+        return f"vpf-sim score {quote(str(self.path))} makes it anew"
+
+
+def _known(summary: Summary, cells: set[tuple[str, str, str]]) -> bool:
+    """Whether all comparisons are between cells."""
+    for one in summary.comparisons:
+        first = {"scenario": one.scenario, "weather": one.weather, "driver": one.driver}
+        second = {**first, one.of: one.minus}
+        if not {tuple(first.values()), tuple(second.values())} <= cells:
+            return False
+    return True
 
 
 def open_run(path: Path) -> StoredRun:
@@ -70,5 +93,9 @@ def open_run(path: Path) -> StoredRun:
         raise InputError(f"{path}: expected a run folder, got {'a file' if path.exists() else 'nothing of that name'}")
     manifest = read_manifest(path)
     records = {row["id"]: row for row in read_records(path)}
-    timing = {str(row["id"]): row for row in read_lines(path / "timing.jsonl") if "id" in row}
+    timing = {
+        row["id"]: row
+        for row in read_lines(path / "timing.jsonl")
+        if checked(Timing, row, f"{path / 'timing.jsonl'}: {row.get('id')!r}")
+    }
     return StoredRun(path, manifest, records, timing)

@@ -139,7 +139,8 @@ def _timed(
     timing: Mapping[str, dict[str, Any]], records: Sequence[Record], driver: str, weather: str
 ) -> list[dict[str, Any]]:
     ids = [record["id"] for record in records if (record["driver"], record["weather"]) == (driver, weather)]
-    return [timing[key] for key in ids if timing.get(key, {}).get("steps_per_s")]
+    there = [timing[key] for key in ids if key in timing]
+    return [time for time in there if time.get("steps_per_s") and time.get("wall_s")]
 
 
 def _rates(times: Sequence[dict[str, Any]]) -> tuple[Value, ...]:
