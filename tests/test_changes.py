@@ -20,7 +20,7 @@ def leaves(table: Table, path: str = "") -> dict[str, object]:
     found: dict[str, object] = {}
     for key, value in table.items():
         where = f"{path}{key}"
-        found |= leaves(value, f"{where}.") if isinstance(value, dict) else {where: value}
+        found |= leaves(value, f"{where}.") if isinstance(value, dict) and value else {where: value}
     return found
 
 

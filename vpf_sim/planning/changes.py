@@ -45,6 +45,11 @@ CHANGES = (
         ("gains",),
     ),
     Change(
+        "steadiness",
+        "the body's pitching on its springs, seen in the flow, is taken out of flow and frames",
+        ("steadiness",),
+    ),
+    Change(
         "valley",
         "fields: landmarks, and the lowest place across the lane instead of the force at the vehicle",
         ("landmarks", "valley", "gradient_line", "obstacle_map"),

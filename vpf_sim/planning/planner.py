@@ -5,7 +5,7 @@ import numpy as np
 from vpf_sim.perception import contact, expansion, obstacles
 from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
-from vpf_sim.perception.movers import MoverTracker, together
+from vpf_sim.perception.movers import MoverTracker
 from vpf_sim.perception.road_edges import RoadEdgeTracker
 from vpf_sim.perception.steadiness import Steadiness
 from vpf_sim.planning.gradient_line import GradientLine
@@ -67,7 +67,7 @@ class Planner:
         points = landmarks.triangulate(flow) if self._movers.looks else None
         moving = self._movers.update(flow, points, road, speed_mps, time_s)
         standing = landmarks.update(flow, road, speed_mps, time_s, points, moving)
-        return together(standing, self._movers.obstacles(flow.pose, speed_mps)) if self._movers.reports else standing
+        return self._movers.obstacles(flow.pose, speed_mps, standing) if self._movers.reports else standing
 
     def plan(self, perception: Perception, observation: Observation) -> Plan:
         """Target, obstacle and road field, their sum, heading and speed reference."""

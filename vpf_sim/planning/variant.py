@@ -19,6 +19,7 @@ from vpf_sim.perception.landmarks import LandmarkConfig
 from vpf_sim.perception.mover_search import MoverConfig
 from vpf_sim.perception.obstacles import ObstacleMapConfig
 from vpf_sim.perception.road_edges import RoadEdgeConfig
+from vpf_sim.perception.steadiness import SteadinessConfig
 from vpf_sim.planning.changes import steps
 from vpf_sim.planning.gradient_line import GradientLineConfig
 from vpf_sim.planning.valley import ValleyConfig
@@ -37,6 +38,7 @@ class Variant:
     contact: ContactConfig
     obstacle_map: ObstacleMapConfig
     road_edges: RoadEdgeConfig
+    steadiness: SteadinessConfig | None = None  # without it, the car does not pitch
     landmarks: LandmarkConfig | None = None  # without it, no bodies: only the obstacle map
     movers: MoverConfig | None = None  # without it, all bodies stand
     gradient_line: GradientLineConfig | None = None
