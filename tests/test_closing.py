@@ -1,5 +1,7 @@
 """The safety net, from simulated tracks: what is in our way and grows fast, and what is not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points
@@ -10,6 +12,7 @@ from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
 from vpf_sim.types import Floats, Obstacles
 
 LOOK_FRAMES = 3
+NONE = Obstacles(*(np.empty(0) for _ in range(5)), identity=np.empty(0, np.int64))
 
 
 def watch(drive: Drive, seconds: float, known: int = 0) -> list[Obstacles]:
@@ -21,7 +24,7 @@ def watch(drive: Drive, seconds: float, known: int = 0) -> list[Obstacles]:
         flow = drive.flow(frame)
         if frame % LOOK_FRAMES == 0:
             closing.look(flow, landmarks.triangulate(flow), drive.road, SPEED_MPS, flow.identity >= known)
-            told.append(closing.obstacles(SPEED_MPS))
+            told.append(closing.obstacles(SPEED_MPS, NONE))
     return told
 
 
@@ -68,7 +71,21 @@ def test_an_alarm_outlasts_a_moment_without_tracks() -> None:
         if frame % LOOK_FRAMES == 0:
             free = np.full(len(flow), frame < last)
             closing.look(flow, landmarks.triangulate(flow), drive.road, SPEED_MPS, free)
-            places.append(closing.obstacles(SPEED_MPS).forward_m)
+            places.append(closing.obstacles(SPEED_MPS, NONE).forward_m)
     held = places[last // LOOK_FRAMES + 5]
     assert held == pytest.approx([14.0 - SPEED_MPS * (last + 5 * LOOK_FRAMES) / RATE_HZ], abs=0.6)
     assert len(places[-1]) == 0
+
+
+def test_what_is_known_already_is_not_told_again() -> None:
+    closing = Closing(CAMERA, ClosingConfig(), LOOK_FRAMES / RATE_HZ)
+    drive, landmarks = Traffic(vehicle(14.0, 0.0, 30), np.zeros(32)), LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
+    for frame in range(round(1.2 * RATE_HZ)):
+        flow = drive.flow(frame)
+        if frame % LOOK_FRAMES == 0:
+            closing.look(flow, landmarks.triangulate(flow), drive.road, SPEED_MPS, np.ones(len(flow), np.bool_))
+    told = closing.obstacles(SPEED_MPS, NONE)
+    assert len(told) == 1
+    assert len(closing.obstacles(SPEED_MPS, told)) == 0
+    beside = replace(told, left_m=told.left_m + 4.0, right_m=told.right_m + 4.0)
+    assert len(closing.obstacles(SPEED_MPS, beside)) == 1

@@ -8,7 +8,7 @@ from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
 from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
 from vpf_sim.perception.mover_search import MoverConfig, appear
-from vpf_sim.perception.movers import MoverTracker, together
+from vpf_sim.perception.movers import MoverTracker
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
@@ -57,7 +57,7 @@ class Seen:
             points = self.landmarks.triangulate(flow)
             moving = self.movers.update(flow, points, drive.road, SPEED_MPS, time_s)
             standing = self.landmarks.update(flow, drive.road, SPEED_MPS, time_s, points, moving)
-            found.append(together(standing, self.movers.obstacles(flow.pose, SPEED_MPS)))
+            found.append(self.movers.obstacles(flow.pose, SPEED_MPS, standing))
         return found
 
 

@@ -64,14 +64,24 @@ class Closing:
         """Whether there is an alarm, or was a moment ago."""
         return self._body is not None and (self._alarm_s >= self.config.after_s or self._alarm_s < 0.0)
 
-    def obstacles(self, speed_mps: float) -> Obstacles:
-        """None or one: what is met soon, in the axes of the vehicle, as if it stood."""
-        count = int(self.alarms)
+    def obstacles(self, speed_mps: float, known: Obstacles) -> Obstacles:
+        """None or one: what is met soon and is not known, in the axes of the vehicle, as if it stood."""
         depth, left, right = self._body if self._body is not None else (0.0, 0.0, 0.0)
-        forward = np.full(count, self.camera.forward_m + depth - self._way_m)
+        place = self.camera.forward_m + depth - self._way_m
+        count = int(self.alarms and not self._is_known(known, place, left, right))
+        forward = np.full(count, place)
         ttc = forward / max(speed_mps, 0.1)
         sigma = np.full(count, self.config.agree_ratio * depth)
         return Obstacles(forward, np.full(count, left), np.full(count, right), sigma, ttc, np.full(count, IDENTITY))
+
+    def _is_known(self, known: Obstacles, forward_m: float, left_m: float, right_m: float) -> bool:
+        """Whether one of the bodies stands before it in the line of sight, or no farther behind than it may err."""
+        nearest = np.maximum(known.forward_m, 1.0)
+        margin = self.config.half_way_m
+        covers = (known.left_m - margin) / nearest < right_m / forward_m
+        covers &= (known.right_m + margin) / nearest > left_m / forward_m
+        near = (known.forward_m > 0.0) & (known.forward_m < (1.0 + 2.0 * self.config.agree_ratio) * forward_m)
+        return bool(np.any(covers & near))
 
     def _alarming(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float) -> Bools:
         """(N,) points that are met within the bound, in our way."""

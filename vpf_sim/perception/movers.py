@@ -91,8 +91,9 @@ class MoverTracker:
         """Whether there is anything to tell of."""
         return self._closing.alarms or any(mover.identity is not None for mover in self.movers)
 
-    def obstacles(self, pose: Floats, speed_mps: float) -> Obstacles:
-        """The bodies believed, in the axes of the vehicle, whose identities are negative, and what is met soon."""
+    def obstacles(self, pose: Floats, speed_mps: float, standing: Obstacles) -> Obstacles:
+        """All bodies in the axes of the vehicle: the `standing`, the moving, whose identities are negative, and what is
+        met soon and is none of these."""
         believed = [mover for mover in self.movers if mover.identity is not None]
         place = np.array([mover.place(pose) for mover in believed]).reshape(-1, 2)
         half = np.array([mover.half_m for mover in believed])
@@ -109,7 +110,8 @@ class MoverTracker:
             identity=-np.array([mover.identity for mover in believed], np.int64),
             speed_mps=speed,
         )
-        return together(moving, self._closing.obstacles(speed_mps))
+        known = together(standing, moving)
+        return together(known, self._closing.obstacles(speed_mps, known))
 
     def _follow(self, mover: Mover, seen: Apparent, flow: Flow, own_mps: float) -> tuple[Bools, Bools]:
         """Bring a body to this frame by its tracks; (N,) points that are of it, and (N,) those seen through it."""
