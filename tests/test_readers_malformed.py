@@ -10,7 +10,7 @@ import recorded_layouts as layouts
 
 from vpf_sim import cli
 from vpf_sim.errors import InputError
-from vpf_sim.replay import readers
+from vpf_sim.replay import image_files, readers
 
 Change = Callable[[Path], object]
 WRITERS = {
@@ -195,6 +195,18 @@ def test_a_picture_that_is_cut_off_is_a_gap(valid: Path, tmp_path: Path) -> None
     frames = list(readers.read(folder).frames())
     assert [frame.index for frame in frames if frame.image is None] == [5]
     assert frames[5].fault == "0000000005.png: the file is cut off"
+
+
+def test_a_jpeg_is_whole_whatever_the_camera_writes_behind_it(tmp_path: Path) -> None:
+    layouts.pictures(tmp_path, ["shot 2.JPG", "shot 10.JPG", "shot 1.JPG"])
+    files = image_files.listed(tmp_path)
+    assert [file.name for file in files] == ["shot 1.JPG", "shot 2.JPG", "shot 10.JPG"]
+    (tmp_path / "._shot 3.JPG").write_bytes(b"of another system")
+    files[0].write_bytes(files[0].read_bytes() + 500 * b"trailer ")
+    files[1].write_bytes(files[1].read_bytes()[:-600])
+    assert image_files.size(image_files.listed(tmp_path)) == (96, 64)
+    frames = list(image_files.frames(files, (96, 64)))
+    assert [frame.fault for frame in frames] == ["", "shot 2.JPG: the file is cut off", ""]
 
 
 def test_a_picture_that_comes_twice_while_the_car_moves_is_a_gap(valid: Path, tmp_path: Path) -> None:

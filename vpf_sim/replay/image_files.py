@@ -14,15 +14,14 @@ from vpf_sim.types import Image
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
 PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8"
-ENDS = {".png": b"IEND", ".jpg": b"\xff\xd9", ".jpeg": b"\xff\xd9"}
-TAIL_BYTES = 64  # in which the end of a whole file lies
+LAST_SCAN, END_OF_IMAGE, LAST_CHUNK = b"\xff\xda", b"\xff\xd9", b"IEND"
 HEAD_BYTES = 1 << 16  # in which the size of a JPEG stands, behind its thumbnail
 
 
 def listed(folder: Path) -> list[Path]:
     """The pictures of a folder, frame_2 before frame_10."""
-    files = [path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES]
-    return sorted(files, key=lambda path: [int(part) if part.isdigit() else part for part in _parts(path.name)])
+    files = [path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and not path.name.startswith(".")]
+    return sorted(files, key=lambda path: [int(part) if part.isdecimal() else part for part in _parts(path.name)])
 
 
 def _parts(name: str) -> list[str]:
@@ -39,31 +38,37 @@ def size(files: Sequence[Path]) -> tuple[int, int]:
         if (other := _size(file)) != first:
             expected, actual = (f"{width} x {height}" for width, height in (first, other))
             raise InputError(f"{file}: expected an image of {expected} px like the first, got {actual}")
-    return first
+    shown = decode(files[0].read_bytes())  # turned, if the camera says so
+    return first if shown is None else (shown.shape[1], shown.shape[0])
 
 
-def frames(files: Sequence[Path]) -> Iterator[Frame]:
-    """Each file's picture; one that is cut off or damaged is a gap."""
+def frames(files: Sequence[Path], expected: tuple[int, int]) -> Iterator[Frame]:
+    """Each file's picture; one that is cut off, damaged or of another (width, height) is a gap."""
     for index, file in enumerate(files):
-        fault = _cut_off(file)
-        image = None if fault else decode(file)
-        yield Frame(index, image, fault or ("" if image is not None else f"{file.name}: does not decode"))
+        content = file.read_bytes()
+        image = None if _cut_off(content) else decode(content)
+        if image is None:
+            fault = f"{file.name}: the file is cut off" if _cut_off(content) else f"{file.name}: does not decode"
+            yield Frame(index, None, fault)
+        elif image.shape[1::-1] != expected:
+            yield Frame(index, None, f"{file.name}: {image.shape[1]} x {image.shape[0]} px, unlike the others")
+        else:
+            yield Frame(index, image)
 
 
-def decode(file: Path) -> Image | None:
+def decode(content: bytes) -> Image | None:
     """(H, W, 3) RGB; None if it is none."""
-    decoded = cv2.imdecode(np.fromfile(file, np.uint8), cv2.IMREAD_COLOR) if file.stat().st_size else None
+    decoded = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR) if content else None
     if decoded is None:
         return None
     return cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
 
 
-def _cut_off(file: Path) -> str:
-    """Why the file is not whole, or nothing: decoders fill what is missing with grey and say nothing."""
-    with file.open("rb") as stream:
-        stream.seek(max(0, file.stat().st_size - TAIL_BYTES))
-        tail = stream.read()
-    return "" if ENDS[file.suffix.lower()] in tail else f"{file.name}: the file is cut off"
+def _cut_off(content: bytes) -> bool:
+    """Whether the end of the picture is missing: decoders fill it with grey and say nothing. Cameras may write more."""
+    if content.startswith(JPEG):
+        return END_OF_IMAGE not in content[max(0, content.rfind(LAST_SCAN)) :]
+    return content.startswith(PNG) and LAST_CHUNK not in content
 
 
 def _size(file: Path) -> tuple[int, int]:
@@ -74,7 +79,7 @@ def _size(file: Path) -> tuple[int, int]:
     except OSError as error:
         raise InputError(f"{file}: expected an image, cannot be read: {error.strerror}") from None
     found = _png_size(head) if head.startswith(PNG) else _jpeg_size(head) if head.startswith(JPEG) else None
-    if found is None and (image := decode(file)) is not None:
+    if found is None and (image := decode(file.read_bytes())) is not None:
         found = (image.shape[1], image.shape[0])
     if found is None:
         raise InputError(f"{file}: expected an image, got {file.stat().st_size} bytes that do not decode as one")

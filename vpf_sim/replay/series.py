@@ -38,7 +38,10 @@ def lines(file: Path, what: str) -> list[str]:
 
 def table(file: Path, what: str) -> dict[str, list[str]]:
     """The columns of a CSV file with a header, by name."""
-    rows = list(csv.reader(lines(file, what)))
+    try:
+        rows = list(csv.reader(lines(file, what)))
+    except csv.Error as error:
+        raise InputError(f"{file}: expected {what} as a CSV table, got: {error}") from None
     if len(rows) < 2:
         raise InputError(f"{file}: expected {what}: a header and rows, found {len(rows)} line(s)")
     header = [name.strip() for name in rows[0]]

@@ -43,7 +43,8 @@ class Video:
             if index < expected or index >= len(self.times_s):
                 continue  # a stamp for the second time, or a frame that the index does not know
             yield from (_gap(missing) for missing in range(expected, index))
-            yield Frame(index, image) if image is not None else _gap(index)
+            alike = image is not None and image.shape == (self.height_px, self.width_px, 3)
+            yield Frame(index, image) if alike else _gap(index)
             expected = index + 1
         yield from (_gap(missing) for missing in range(expected, len(self.times_s)))
 

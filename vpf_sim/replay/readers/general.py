@@ -110,7 +110,7 @@ def _images(folder: Path, drive: DriveFile) -> _Pictures:
             place = folder.parent / FILE
             raise InputError(f"{place}: pictures have no times: expected rate_hz, or a table with 'file' and 'time_s'")
         times, how = np.arange(len(files)) / drive.rate_hz, Origin("recorded", f"{FILE}: rate_hz")
-    return _Pictures(size, times - times[0], how, lambda: image_files.frames(files), names, ())
+    return _Pictures(size, times - times[0], how, lambda: image_files.frames(files, size), names, ())
 
 
 def _video(path: Path, drive: DriveFile) -> _Pictures:

@@ -39,7 +39,7 @@ def read(folder: Path) -> Recording:
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=times,
-        frames=lambda: image_files.frames(files),
+        frames=lambda: image_files.frames(files, size),
         lens=lens,
         mounting=Mounting(camera_motion.mounted_pitch(directions), height_m=HEIGHT_M),
         wheelbase_m=WHEELBASE_M,

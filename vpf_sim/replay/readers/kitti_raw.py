@@ -47,7 +47,7 @@ def read(folder: Path) -> Recording:
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=clock_s - clock_s[0],
-        frames=lambda: image_files.frames(files),
+        frames=lambda: image_files.frames(files, size),
         lens=lens,
         mounting=mounting,
         height_m=HEIGHT_M,

@@ -41,7 +41,7 @@ def read(folder: Path) -> Recording:
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=times - times[0],
-        frames=lambda: image_files.frames(files),
+        frames=lambda: image_files.frames(files, size),
         lens=lens,
         mounting=_mounting(folder / "velo_to_rectcam_4x4.txt"),
         height_m=kitti_raw.HEIGHT_M,

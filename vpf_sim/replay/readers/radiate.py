@@ -42,19 +42,26 @@ VELOCITY_LINE, TURN_LINE = -2, -1
 
 
 def recognises(folder: Path) -> bool:
-    return (folder / "zed_left").is_dir() or (folder / "zed_left.txt").exists() or (folder / "calib.yaml").exists()
+    names = ("zed_left", "zed_left.txt", "calib.yaml")
+    return any((folder / name).exists() for name in names) or _has_unix_times(folder / "labels.csv")
+
+
+def _has_unix_times(file: Path) -> bool:
+    """Whether it is the table of an excerpt."""
+    return file.exists() and "t_unix" in file.open(encoding="utf-8", errors="replace").readline()
 
 
 def read(folder: Path) -> Recording:
     """The left camera's frames."""
     full = (folder / "zed_left").is_dir() or (folder / "zed_left.txt").exists()
     files, clock_s, notes = _listed(folder) if full else _excerpt(folder)
+    size = image_files.size(files)
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=clock_s - clock_s[0],
-        frames=lambda: image_files.frames(files),
-        lens=_lens(folder / "calib.yaml", image_files.size(files)),
+        frames=lambda: image_files.frames(files, size),
+        lens=_lens(folder / "calib.yaml", size),
         height_m=HEIGHT_M,
         weather=_weather(folder),
         notes=notes,

@@ -48,7 +48,7 @@ def read(folder: Path) -> Recording:
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=times,
-        frames=lambda: image_files.frames(files),
+        frames=lambda: image_files.frames(files, size),
         lens=assemble.assumed_lens(*size),
         height_m=HEIGHT_M,
         height_assumed=True,
