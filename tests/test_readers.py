@@ -96,6 +96,8 @@ def test_kitti_raw_has_its_mounting_and_its_labels(tmp_path: Path) -> None:
     recording = readers.read(folder)
     assert recording.camera.pitch_rad == pytest.approx(0.02, abs=1e-6)
     assert recording.camera.fx_px == 80.0
+    horizon = recording.camera.cy_px - 80.0 * np.tan(0.02)  # the truth of the focus of expansion, by places and angles
+    assert recording.foe_px[1:] == pytest.approx(np.tile([48.5, horizon], (layouts.FRAMES - 1, 1)), abs=0.1)
     assert np.flatnonzero(recording.obstacle).tolist() == [4, 5, 6, 7, 8, 9]
     assert recording.lead_gap_m[4:10] == pytest.approx(np.full(6, 18.0))
     layouts.tracklets(folder, ahead_m=20.0, left_m=3.0, first_frame=4, count=6)  # in the next lane

@@ -6,15 +6,17 @@ about up and its heading are + left, counter-clockwise. `_extract` drives are no
 """
 
 import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, image_files, places, series
+from vpf_sim.replay import assemble, camera_motion, image_files, series
+from vpf_sim.replay.readers import oxts
 from vpf_sim.replay.recording import Origin, Recording
-from vpf_sim.replay.rectify import Lens, Mounting, mounting_of
+from vpf_sim.replay.rectify import Lens, mounting_of
 from vpf_sim.types import Floats
 
 LAYOUT = "KITTI raw"
@@ -23,8 +25,6 @@ CAMERAS = ("image_02", "image_00", "image_03", "image_01")
 HEIGHT_M = 1.65  # of the cameras above the road
 WHEELBASE_M = 2.71  # Volkswagen Passat B6
 CAMERA_AHEAD_M = 1.68  # of the rear axle
-FIELDS = 30  # of a line of oxts; of them, by dataformat.txt:
-LATITUDE, LONGITUDE, YAW, FORWARD_MPS, FORWARD_MPS2, UP_RADPS = 0, 1, 5, 8, 14, 22
 FORWARD_LEFT_UP = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])  # to right, down, forward
 ACROSS_M, REACH_M = 1.8, 40.0  # what is nearer than this to our course is in the way
 
@@ -42,21 +42,21 @@ def read(folder: Path) -> Recording:
     size = image_files.size(files)
     clock_s = _stamps(folder / camera / "timestamps.txt", len(files))
     lens, rectify_turn = _lens(folder, camera[-2:], size)
-    mounting, place_m = _mounting(folder, rectify_turn)
+    seat = _seat(folder, rectify_turn)
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=clock_s - clock_s[0],
         frames=lambda: image_files.frames(files, size),
         lens=lens,
-        mounting=mounting,
+        mounting=None if seat is None else mounting_of(FORWARD_LEFT_UP @ seat.unit_to_camera.T, HEIGHT_M),
         height_m=HEIGHT_M,
         wheelbase_m=WHEELBASE_M,
         camera_ahead_m=CAMERA_AHEAD_M,
     )
     source.origins["camera"] = Origin("recorded", "calib_cam_to_cam.txt; 1.65 m above the road, of KITTI's car")
     source.origins["times_s"] = Origin("recorded", f"{camera}/timestamps.txt")
-    _motion(source, folder / "oxts", clock_s, place_m)
+    _motion(source, folder / "oxts", clock_s, seat)
     _labels(source, folder / "tracklet_labels.xml")
     return assemble.recording(source)
 
@@ -117,52 +117,39 @@ def _pinhole(size: tuple[int, int], matrix: Floats, distortion: tuple[float, ...
     return Lens(*size, fx, fy, cx, cy, tuple(float(value) for value in distortion))
 
 
-def _mounting(folder: Path, rectify_turn: Floats) -> tuple[Mounting | None, tuple[float, float]]:
-    """How the camera sits on the inertial unit, by the chain unit to lidar to camera, and how far ahead and to the
-    right of it, m; None and the same place where a link is missing."""
+@dataclass(frozen=True, slots=True)
+class _Seat:
+    """Where the camera sits on the unit: (3, 3) from the unit's axes to its own, and (3,) m forward, left, up."""
+
+    unit_to_camera: Floats
+    place: Floats
+
+
+def _seat(folder: Path, rectify_turn: Floats) -> _Seat | None:
+    """By the chain unit to lidar to camera; None where a link is missing."""
     lidar, unit = (_calibration(folder, f"calib_{name}.txt") for name in ("velo_to_cam", "imu_to_velo"))
     if lidar is None or unit is None or not {"R", "T"} <= lidar.keys() & unit.keys():
-        return None, (0.0, 0.0)
+        return None
     lidar_to_camera, unit_to_lidar = lidar["R"].reshape(3, 3), unit["R"].reshape(3, 3)
-    centre = -unit_to_lidar.T @ (lidar_to_camera.T @ lidar["T"] + unit["T"])  # forward, left, up
-    turn = FORWARD_LEFT_UP @ (rectify_turn @ lidar_to_camera @ unit_to_lidar).T
-    return mounting_of(turn, HEIGHT_M), (float(centre[0]), float(-centre[1]))
+    place = -unit_to_lidar.T @ (lidar_to_camera.T @ lidar["T"] + unit["T"])
+    return _Seat(rectify_turn @ lidar_to_camera @ unit_to_lidar, place)
 
 
-def _motion(source: assemble.Source, folder: Path, clock_s: Floats, place_m: tuple[float, float]) -> None:
+def _motion(source: assemble.Source, folder: Path, clock_s: Floats, seat: _Seat | None) -> None:
     """Speed, yaw rate, acceleration and way by the unit; an `_extract` drive has it ten times as often as pictures."""
     if not folder.is_dir():
         source.notes.append("no oxts/: no motion was recorded")
         return
-    files = sorted((folder / "data").glob("*.txt"))
-    sampled = _stamps(folder / "timestamps.txt", len(files))
-    rows = np.array([_row(file) for file in files])
-    told = {"speed_mps": rows[:, FORWARD_MPS], "yaw_rate_radps": -rows[:, UP_RADPS]}
-    names = {"speed_mps": "vf", "yaw_rate_radps": "wu, its sign turned"}
-    for name, values in told.items():
-        source.put(name, series.at(clock_s, sampled, values), f"oxts {names[name]}")
-    source.acceleration_mps2 = series.filled(series.at(clock_s, sampled, rows[:, FORWARD_MPS2]))[0]
-    flat = places.north_east(rows[:, LATITUDE], rows[:, LONGITUDE])
-    way = places.way(flat, 0.5 * np.pi - rows[:, YAW])
-    way[:, :2] += _turned(np.array(place_m), way[:, 2])  # from the unit to the camera
+    rows = oxts.read(folder)
+    sampled = _stamps(folder / "timestamps.txt", len(rows))
+    source.put("speed_mps", series.at(clock_s, sampled, rows[:, oxts.FORWARD_MPS]), "oxts vf")
+    source.put("yaw_rate_radps", series.at(clock_s, sampled, -rows[:, oxts.UP_RADPS]), "oxts wu, its sign turned")
+    source.acceleration_mps2 = series.filled(series.at(clock_s, sampled, rows[:, oxts.FORWARD_MPS2]))[0]
+    way = oxts.way(rows, np.zeros(3) if seat is None else seat.place)
     source.put("poses", np.stack([series.at(clock_s, sampled, part) for part in way.T], axis=1), "oxts lat, lon, yaw")
-
-
-def _turned(offset_m: Floats, yaw_rad: Floats) -> Floats:
-    """(N, 2) an offset (2,) in vehicle axes, at each heading."""
-    ahead, right = offset_m
-    cosine, sine = np.cos(yaw_rad), np.sin(yaw_rad)
-    return np.stack([cosine * ahead - sine * right, sine * ahead + cosine * right], axis=1)
-
-
-def _row(file: Path) -> list[float]:
-    try:
-        values = [float(word) for word in series.lines(file, "a line of oxts")[0].split()]
-    except (ValueError, IndexError):
-        raise InputError(f"{file}: expected a line of {FIELDS} numbers, got other text") from None
-    if len(values) < FIELDS - 5:  # the last five are about the reception; some drives lack them
-        raise InputError(f"{file}: expected {FIELDS} numbers, got {len(values)}")
-    return values[: FIELDS - 5]
+    if seat is not None and len(rows) == len(clock_s):  # one record was chosen for each picture
+        poses = oxts.camera_to_world(rows, seat.place, seat.unit_to_camera)
+        source.directions_m = camera_motion.directions(poses)
 
 
 def _labels(source: assemble.Source, file: Path) -> None:
