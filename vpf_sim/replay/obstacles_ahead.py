@@ -9,7 +9,7 @@ from vpf_sim.perception.growth import GrowthConfig, GrowthTracker
 from vpf_sim.types import Camera, Floats, Image, Perception
 
 REACH_M = 25.0  # of a body that counts, from the pose
-HALF_CORRIDOR_M = 2.0  # about the way along the lane
+HALF_CORRIDOR_M = 1.5  # about the way along the lane: half a car and the clearance that the driver keeps
 LASTING_S = 1.0  # a part with obstacles shows one in half of the frames about it
 HALF_BODY_M, LOW_M, HIGH_M = 0.8, 0.3, 1.3  # of the body ahead: where its image is looked at
 
