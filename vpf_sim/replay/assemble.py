@@ -195,6 +195,7 @@ def _finished(source: Source) -> Recording:
     camera, handed_on = rectified(source.lens, source.mounting)
     if reduction(source.lens.width_px) > 1:
         source.notes.append(f"frames reduced to {camera.width_px} x {camera.height_px} px")
+    _tell_uneven_times(source)
     foe = _truth(source, camera)
     if foe is not None:
         source.origins["foe_px"] = Origin("derived", "from the poses")
@@ -219,6 +220,14 @@ def _finished(source: Source) -> Recording:
         foe_px=np.empty(0) if foe is None else foe,
         **{name: source.signals[name] for name in names if name in source.signals},
     )
+
+
+def _tell_uneven_times(source: Source) -> None:
+    """Tracks are taken to be followed at the median interval."""
+    steps = np.diff(source.times_s)
+    usual, longest, shortest = float(np.median(steps)), float(steps.max()), float(steps.min())
+    if longest > 1.5 * usual or shortest < usual / 1.5:
+        source.notes.append(f"frames come {shortest:.3f} to {longest:.3f} s apart, usually {usual:.3f} s")
 
 
 def _check_sees_road(source: Source, lens: Lens, mounting: Mounting) -> None:

@@ -2,7 +2,8 @@
 
 interpolated.csv of udacity-driving-reader: index, timestamp (ns), width, height, frame_id, filename, angle, torque,
 speed, lat, long, alt, with the pictures beside it; or a table with units in its names (t_ns, file, steering_angle_rad,
-speed_mps). The angle is that of the steering wheel in rad, + left, of a Lincoln MKZ 2016; the speed in m/s.
+speed_mps); or that of the final test, frame_id (ns) and steering_angle, with center/<frame_id>.jpg. The angle is that of
+the steering wheel in rad, + left, of a Lincoln MKZ 2016; the speed in m/s.
 """
 
 from pathlib import Path
@@ -15,15 +16,15 @@ from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.types import Floats
 
 LAYOUT = "Udacity challenge 2"
-EXPECTED = "interpolated.csv (timestamp, frame_id, filename, angle, speed) and its pictures"
+EXPECTED = "interpolated.csv (timestamp, frame_id, filename, angle, speed) or frame_id, steering_angle; its pictures"
 STEERING_RATIO, WHEELBASE_M = 14.8, 2.85  # Lincoln MKZ 2016
 HEIGHT_M = 1.4
 SIZE = (640, 480)  # of the cameras
-NAMES = {  # of what we use, in either table
-    "time": ("timestamp", "t_ns"),
-    "file": ("filename", "file"),
-    "steering": ("angle", "steering_angle_rad"),
-    "speed": ("speed", "speed_mps"),
+NAMES = {  # of what we use, in each of the tables
+    "time": ("timestamp", "t_ns", "frame_id"),
+    "file": ("filename", "file", "file"),
+    "steering": ("angle", "steering_angle_rad", "steering_angle"),
+    "speed": ("speed", "speed_mps", "speed"),
 }
 CENTRE = "center_camera"
 
@@ -37,7 +38,10 @@ def read(folder: Path) -> Recording:
     file = _table(folder)
     assert file is not None
     columns = _centre(series.table(file, "the rows of the frames"))
-    names = {key: _name(file, columns, key) for key in NAMES}
+    final = "timestamp" not in columns and "t_ns" not in columns  # the test's table has no speed
+    if final:
+        columns["file"] = [_picture(folder, cell) for cell in columns["frame_id"]]
+    names = {key: _name(file, columns, key) for key in NAMES if not (final and key == "speed")}
     # ns since 1970 have more digits than a float: the first is taken off before.
     stamps = _nanoseconds(file, columns[names["time"]])
     times = series.ascending(file, (stamps - stamps[0]) * 1e-9)
@@ -59,7 +63,8 @@ def read(folder: Path) -> Recording:
     degrees = np.degrees(assemble.FIELD_OF_VIEW_RAD)
     source.origins["camera"] = Origin("assumed", f"{degrees:.0f} deg across and {HEIGHT_M:g} m high: none is recorded")
     source.origins["times_s"] = Origin("recorded", f"{file.name} {names['time']}")
-    source.put("speed_mps", series.column(file, columns, names["speed"]), f"{file.name} {names['speed']}")
+    if not final:
+        source.put("speed_mps", series.column(file, columns, names["speed"]), f"{file.name} {names['speed']}")
     wheel = series.column(file, columns, names["steering"])
     how = f"{file.name} {names['steering']}, its sign turned, over {STEERING_RATIO:g}, the ratio of a Lincoln MKZ"
     source.put("steering_rad", -wheel / STEERING_RATIO, how)
@@ -81,7 +86,7 @@ def _places(source: assemble.Source, file: Path, columns: dict[str, list[str]]) 
 
 
 def _table(folder: Path) -> Path | None:
-    """The table of the folder whose header is one of the two."""
+    """The table of the folder whose header is one of the three."""
     for file in sorted(folder.glob("*.csv"), key=lambda path: path.name != "interpolated.csv"):
         with file.open(encoding="utf-8-sig", errors="replace") as stream:
             header = {name.strip() for name in stream.readline().split(",")}
@@ -89,6 +94,12 @@ def _table(folder: Path) -> Path | None:
             if {time, steering} <= header:
                 return file
     return None
+
+
+def _picture(folder: Path, frame_id: str) -> str:
+    """The frame's picture in center/, .jpg unless there is another."""
+    names = [f"center/{frame_id}{suffix}" for suffix in (".jpg", ".png")]
+    return next((name for name in names if (folder / name).exists()), names[0])
 
 
 def _name(file: Path, columns: dict[str, list[str]], key: str) -> str:
