@@ -2,8 +2,8 @@
 
 interpolated.csv of udacity-driving-reader: index, timestamp (ns), width, height, frame_id, filename, angle, torque,
 speed, lat, long, alt, with the pictures beside it; or a table with units in its names (t_ns, file, steering_angle_rad,
-speed_mps); or that of the final test, frame_id (ns) and steering_angle, with center/<frame_id>.jpg. The angle is that of
-the steering wheel in rad, + left, of a Lincoln MKZ 2016; the speed in m/s.
+speed_mps); or that of the final test, frame_id (ns) and steering_angle, with center/<frame_id>.jpg. The angle is that
+of the steering wheel in rad, + left, of a Lincoln MKZ 2016; the speed in m/s.
 """
 
 from pathlib import Path
