@@ -55,8 +55,16 @@ def test_points_on_a_line_are_not_trusted() -> None:
     assert first_gap_m(approach(scene)) == -np.inf
 
 
-def test_one_point_is_not_enough() -> None:
-    assert first_gap_m(approach(pallet(0.3)[:1])) == -np.inf
+@pytest.mark.parametrize(("texture", "enough"), [(15.0, False), (60.0, True)])
+def test_one_point_is_enough_only_where_it_is_a_clear_corner(texture: float, enough: bool) -> None:
+    """Points of mere asphalt slide, and seem to stand, for a second at a time."""
+    drive = Drive(np.concatenate([pallet(3.2)[:1], road_points(200)]), 0.02)
+    tracker, found = LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ), []
+    for frame in range(round((FACE_M - BUMPER_M - 3.0) / SPEED_MPS * RATE_HZ)):
+        flow = drive.flow(frame)
+        flow = replace(flow, structure=np.tile(texture * np.eye(2), (len(flow), 1, 1)))
+        found.append(tracker.update(flow, drive.road, SPEED_MPS, frame / RATE_HZ))
+    assert (first_gap_m(found) > 6.0) == enough
 
 
 def test_the_low_points_of_a_taller_body_are_of_it() -> None:

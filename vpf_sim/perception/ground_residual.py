@@ -38,7 +38,7 @@ class ResidualConfig:
     even_m: float = 2.0  # slower changes of brightness do not count
     floor_levels2: float = 1.5  # of the noise, grey levels^2
     least_gain: float = 20.0  # by which a height above the road fits better, in multiples of the noise
-    most_share: float = 0.5  # of the difference left with it
+    most_share: float = 0.3  # of the difference left with it
     apart_m: tuple[float, float] = (0.3, 0.05)  # along and across, what two pictures of the road may be apart
     outline_gain: float = 8.0  # what counts as outline of a spot
 

@@ -288,6 +288,7 @@ class LandmarkTracker:
             founding & ~low[above],
             low[above],
             margin,
+            _texture(flow.structure[above]),
         )
 
     def _forget(self, flow: Flow) -> None:
@@ -343,6 +344,12 @@ class LandmarkTracker:
         count = int(label.max()) + 1
         margin = np.bincount(label, np.minimum(marks.margin[believed], config.most_margin), count)
         confirmed = (np.bincount(label, minlength=count) >= config.least_points) & (margin > config.least_margin)
+        single = (
+            (marks.hits[believed] >= self._frames(config.single_hits_s))
+            & (marks.margin[believed] > config.single_margin)
+            & (marks.texture[believed] > config.single_texture)
+        )
+        confirmed |= np.bincount(label, single, count) > 0
         return widened(self._describe(believed, label, confirmed, place, sigma, pose[2]), config.least_width_m)
 
     def _describe(
@@ -378,6 +385,13 @@ class LandmarkTracker:
         body[body == unknown] = -1
         self._marks.body[believed] = np.where(confirmed[label], body[label], known)
         return body
+
+
+def _texture(structure: Floats) -> Floats:
+    """(N,) small eigenvalues of symmetric (N, 2, 2)."""
+    a, b, d = structure[:, 0, 0], structure[:, 0, 1], structure[:, 1, 1]
+    small: Floats = 0.5 * (a + d) - np.hypot(0.5 * (a - d), b)
+    return small
 
 
 def _clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float) -> Integers:

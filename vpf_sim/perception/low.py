@@ -29,6 +29,9 @@ class LowConfig:
     least_points: int = 2
     least_margin: float = 60.0  # sum over the points of a body, of which one adds
     most_margin: float = 100.0  # at most this
+    single_margin: float = 80.0  # one alone needs this,
+    single_texture: float = 30.0  # a corner so clear (small eigenvalue, grey levels^2 / px^2): asphalt slides
+    single_hits_s: float = 0.3  # and so long
     least_width_m: float = 0.6  # a body is told no narrower
     beside_m: float = 0.8  # points so near a taller body are of it
 

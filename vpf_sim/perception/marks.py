@@ -24,6 +24,7 @@ class Sightings:
     founding: Bools  # (M,) may found a body, not only support one
     low: Bools  # (M,) near the road, see `perception.low`
     margin: Floats  # (M,) by how much chi2 is worse with the road
+    texture: Floats  # (M,) small eigenvalue of the structure tensor, grey levels^2 / px^2
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +55,7 @@ class Marks:
     founding: Bools  # (M,)
     low: Bools  # (M,)
     margin: Floats  # (M,) the largest so far
+    texture: Floats  # (M,)
     steady_m: Floats  # (M, 2) the place that later hits must confirm
     steady_sigma_m: Floats  # (M,)
     agreed: Integers  # (M,) hits since it was first seen there
@@ -65,7 +67,11 @@ class Marks:
         number, truth = np.empty(0), np.empty(0, np.bool_)
         return cls.of(
             Sightings(
-                np.empty(0, np.int64), np.empty((0, 2)), number, number, number, number, number, truth, truth, number
+                np.empty(0, np.int64),
+                np.empty((0, 2)),
+                *(number,) * 5,
+                *(truth,) * 2,
+                *(number,) * 2,
             ),
             0.0,
         )
@@ -86,6 +92,7 @@ class Marks:
             founding=seen.founding,
             low=seen.low,
             margin=seen.margin,
+            texture=seen.texture,
             steady_m=seen.place_m,
             steady_sigma_m=seen.sigma_m,
             agreed=np.ones(count, np.int64),
@@ -150,6 +157,7 @@ class Marks:
         self.side_sigma_m[row], self.sight_rad[row] = seen.side_sigma_m[column], seen.sight_rad[column]
         self.founding[row], self.low[row] = seen.founding[column], seen.low[column]
         self.margin[row] = np.maximum(self.margin[row], seen.margin[column])
+        self.texture[row] = seen.texture[column]
 
     def _append(self, seen: Sightings, new: Bools, time_s: float) -> None:
         fresh = Marks.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)), time_s)
