@@ -1,0 +1,192 @@
+"""The parts of a replay that need no pictures: segments, the model vehicle, the present lane, the table, the checks."""
+
+from dataclasses import replace
+from math import atan, inf, sin, tan
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vpf_sim.controllers.gtsmc import load_gains
+from vpf_sim.replay import obstacles_ahead, real_table, scores
+from vpf_sim.replay.frame_table import FrameRow, FrameTable
+from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
+from vpf_sim.replay.present_lane import bodies_seen_from, is_found, present_lane, seen_from
+from vpf_sim.replay.recording import Frame, Origin, Recording
+from vpf_sim.replay.segments import segments
+from vpf_sim.types import Camera, Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
+
+VEHICLE = VehicleModel()
+
+
+def recording(seconds: float, rate_hz: float = 10.0, **changes: Any) -> Recording:
+    """Straight ahead at 10 m/s, without pictures."""
+    times = np.arange(round(seconds * rate_hz)) / rate_hz
+    poses = np.stack([10.0 * times, 0.0 * times, 0.0 * times], axis=1)
+    names = ("poses", "speed_mps", "yaw_rate_radps", "steering_rad", "throttle")
+    values: dict[str, Any] = {
+        "name": "straight",
+        "layout": "made up",
+        "camera": Camera(),
+        "times_s": times,
+        "poses": poses,
+        "speed_mps": 10.0 + times,
+        "yaw_rate_radps": 0.0 * times,
+        "frames": lambda: iter([Frame(k, None, "none") for k in range(len(times))]),
+        "origins": dict.fromkeys(names, Origin("recorded")),
+    }
+    return Recording(**{**values, **changes})
+
+
+def test_segments_are_equal_parts_of_at_most_twenty_seconds() -> None:
+    found = segments(recording(50.0))
+    assert [(part.first, part.stop) for part in found] == [(0, 167), (167, 334), (334, 500)]
+    assert found[1].speed_mps == pytest.approx(26.7)
+    assert found[1].goal_m == pytest.approx((333.0, 0.0))
+
+
+def test_without_poses_the_goal_is_a_hundred_metres_ahead() -> None:
+    drive = recording(10.0)
+    turned = replace(drive.origins["poses"], kind="absent")
+    found = segments(replace(drive, origins={**drive.origins, "poses": turned}))
+    assert found[0].goal_m == (100.0, 0.0)
+
+
+def observed(yaw_rad: float, speed_mps: float) -> Observation:
+    return Observation(np.zeros((0, 0, 3), np.uint8), 0.0, 0.0, 0.0, yaw_rad, speed_mps, 0.0, (0.0, 0.0))
+
+
+@pytest.mark.parametrize(("rate_hz", "speed_mps"), [(10.0, 25.0), (25.0, 8.0)])
+def test_the_model_vehicle_takes_the_steering_of_the_bend_that_is_asked_for(rate_hz: float, speed_mps: float) -> None:
+    """At camera rates at which the controller itself would swing."""
+    radius = 80.0
+    model, rate = ModelVehicle(load_gains("robust"), VEHICLE, rate_hz), speed_mps / radius
+    model.restart(speed_mps)
+    said = []
+    for k in range(round(4.0 * rate_hz)):
+        poses = [np.array([0.0, 0.0, rate * (k + i) / rate_hz]) for i in (0, 1)]
+        poses[1][:2] = speed_mps / rate_hz, 0.0
+        wanted = Reference(float(poses[0][2]), speed_mps, rate)
+        interval = Interval(poses[0], poses[1], 1.0 / rate_hz)
+        said.append(model.drive(wanted, observed(float(poses[0][2]), speed_mps), interval))
+    slip = np.arcsin(VEHICLE.l_r_m / radius)
+    known = atan(VEHICLE.wheelbase_m / VEHICLE.l_r_m * tan(slip)) / VEHICLE.steering_limit_rad
+    assert [command.steering for command in said[-5:]] == pytest.approx([known] * 5, rel=0.03)
+    assert [command.throttle for command in said] == pytest.approx([0.0] * len(said))
+
+
+def test_the_model_vehicle_has_a_speed_of_its_own() -> None:
+    model = ModelVehicle(load_gains("robust"), VEHICLE, 10.0)
+    model.restart(10.0)
+    still = Interval(np.zeros(3), np.zeros(3), 0.1)  # the recorded car stands
+    for _ in range(30):
+        model.drive(Reference(0.0, 8.0, 0.0), observed(0.0, 0.0), still)
+    assert model.speed_mps == pytest.approx(8.0, abs=0.2)
+    assert model.right_m == 0.0
+
+
+ROAD = RoadEdges(-8.0, 6.0, 0.02, 0.0, 0.05, 0.9, 4.5, 3.5, 0.9)
+
+
+def test_the_present_lane_is_the_one_nearest_to_the_car() -> None:
+    lane = present_lane(ROAD, found=True)
+    assert lane.lane_m == pytest.approx(1.0)
+    assert (lane.left_m, lane.right_m, lane.heading_rad) == (-8.0, 6.0, 0.02)
+    beyond = present_lane(replace(ROAD, right_m=0.5), found=True)
+    assert beyond.right_m == pytest.approx(2.75), "what is driven on is road"
+
+
+def test_where_no_lane_is_found_it_lies_straight_ahead() -> None:
+    lane = present_lane(ROAD, found=False)
+    assert (lane.lane_m, lane.heading_rad, lane.curvature_per_m, lane.confidence) == (0.0, 0.0, 0.0, 0.0)
+    assert lane.right_m - lane.left_m == 14.0
+
+
+def test_a_lane_is_not_believed_if_the_car_would_rush_across_it() -> None:
+    assert is_found(ROAD, 20.0)
+    assert not is_found(replace(ROAD, heading_rad=0.1), 20.0)
+    assert not is_found(replace(ROAD, lane_confidence=0.4), 20.0)
+
+
+def test_road_and_bodies_are_seen_from_the_model_vehicle() -> None:
+    road = seen_from(ROAD, 1.5, 0.05)
+    assert (road.lane_m, road.left_m, road.heading_rad) == (3.0, -9.5, pytest.approx(-0.03))
+    one = np.array([20.0])
+    bodies = Obstacles(one, np.array([0.5]), np.array([2.5]), one, one, np.array([1]))
+    seen = bodies_seen_from(bodies, 1.5, 0.05)
+    assert 0.5 * (seen.left_m + seen.right_m) == pytest.approx([-20.0 * sin(0.05)])
+    assert seen.right_m - seen.left_m == pytest.approx([2.0])
+
+
+def record(name: str, weather: str, throttle: str = "recorded", added: str | None = None, mae: float = 0.1) -> Any:
+    one = {"range": 1.0 - mae / 2.0, "span": None, "tolerance": 1.0, "mae": mae}
+    part = {"throttle": one, "steering": one}
+    frames = {"whole": 10 if mae < 0.2 else 30, "clear_of_obstacles": 10 if mae < 0.2 else 30, "with_obstacles": 0}
+    none = {"throttle": None, "steering": None}
+    halves = {"clear_of_obstacles": part, "with_obstacles": none}
+    return {
+        "name": name,
+        "weather": weather,
+        "added": added,
+        "obstacles_by": "label",
+        "origins": {"throttle": {"kind": throttle}, "steering_rad": {"kind": "recorded"}},
+        "accuracy": {**part, **halves, "frames": frames, "idle": {**part, **halves}},
+    }
+
+
+def filled(records: list[Any]) -> list[dict[str, Any]]:
+    return [row for row in real_table.rows(records) if row["frames"]]
+
+
+def test_drives_count_by_their_frames() -> None:
+    (row,) = filled([record("a", "Overcast"), record("b", "cloudy", mae=0.3)])
+    assert (row["weather"], row["drives"], row["frames"]) == ("cloudy", ["a", "b"], 40)
+    assert row["accuracy"]["throttle"]["mae"] == pytest.approx((10 * 0.1 + 30 * 0.3) / 40)
+    assert row["paper"] == {"throttle": 0.6943, "steering": 0.6492}
+
+
+def test_derived_and_added_stand_in_rows_of_their_own() -> None:
+    mixed = [record("a", "rain"), record("b", "rain", "derived"), record("c", "rain", added="water of ours")]
+    found = {(row["signals"]["throttle"], row["added"]): row for row in filled(mixed)}
+    assert set(found) == {("recorded", None), ("derived", None), ("recorded", "water of ours")}
+    assert found["recorded", "water of ours"]["paper"] is None
+
+
+def test_the_papers_empty_cells_stay() -> None:
+    cells = [(row["weather"], row["part"]) for row in real_table.rows([record("a", "sunny")]) if row["paper"]]
+    assert cells == list(real_table.PAPER)
+
+
+def test_a_body_flickers_into_no_part() -> None:
+    seen: Floats = np.zeros(40)
+    seen[10] = 1.0
+    seen[20:30] = 1.0
+    assert np.flatnonzero(obstacles_ahead.lasting(seen, 10.0)).tolist() == list(range(20, 30))
+
+
+def test_a_gap_closes_at_its_slope() -> None:
+    times = np.arange(20) / 10.0
+    gap = 12.0 - 2.0 * times
+    closing = obstacles_ahead.closing_mps(gap, times)
+    assert closing == pytest.approx(np.full(20, 2.0))
+    assert obstacles_ahead.true_ttc_s(gap, closing)[[0, 10]] == pytest.approx([6.0, 5.0])
+    assert obstacles_ahead.true_ttc_s(gap, -closing)[0] == inf
+
+
+def test_the_time_to_contact_is_scored_where_the_gap_closes() -> None:
+    rows = [FrameRow(k, k / 10.0, 0, 1.0, 5.0, 0.0, 0.0, 0.0, 0.0, 12.0 - 0.2 * k) for k in range(20)]
+    table = FrameTable.of(rows)
+    true = table.lead_gap_m / 2.0
+    found = scores.time_to_contact(table.replaced("ttc_s", np.where(table.frame < 10, 1.1, 1.5) * true))
+    assert found is not None
+    assert (found["frames"], found["seen"], found["within_25_percent"]) == (20, 1.0, 0.5)
+    assert found["median_error"] == pytest.approx(0.3)
+
+
+def test_a_turned_sign_of_the_steering_shows() -> None:
+    rate = 0.1 * np.sin(np.arange(100) / 10.0)
+    drive = recording(10.0)
+    told = np.arctan(VEHICLE.wheelbase_m * rate / drive.speed_mps)
+    for sign in (1.0, -1.0):
+        checked = scores.signal_checks(replace(drive, yaw_rate_radps=rate, steering_rad=sign * told))
+        assert checked["yaw_rate"]["gain"] == pytest.approx(sign)
