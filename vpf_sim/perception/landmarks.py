@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.clusters import clusters
 from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
 from vpf_sim.perception.low import LowConfig, is_low, off_lines
@@ -94,17 +95,6 @@ def near_edge_line(camera: Camera, points_px: Floats, road: RoadEdges, inside_m:
     aside = np.maximum(left - place[:, 1], place[:, 1] - right)  # how far outside the carriageway
     near: Bools = (aside > -inside_m) & (aside < outside_m)
     return near
-
-
-def connected(linked: Bools) -> Integers:
-    """(N,) which connected part each node of a symmetric graph (N, N) belongs to, counted from 0."""
-    label = np.arange(len(linked))
-    while True:
-        least = np.minimum(np.where(linked, label, len(label)).min(axis=1), label)
-        least = least[least]  # of the least of its part: long chains close soon
-        if np.array_equal(least, label):
-            return np.unique(label, return_inverse=True)[1].astype(np.int64)
-        label = least
 
 
 class LandmarkTracker:
@@ -318,7 +308,7 @@ class LandmarkTracker:
             return none()
         place = vehicle_from_world(marks.place_m[believed], pose)
         sigma = marks.sigma_m[believed]
-        label = _clusters(place, sigma, config.link_right_m, config.link_forward_m)
+        label = clusters(place, sigma, config.link_right_m, config.link_forward_m)
         count = int(label.max()) + 1
         single = (
             (marks.hits[believed] >= self._frames(config.single_hits_s))
@@ -340,7 +330,7 @@ class LandmarkTracker:
             return none()
         place = vehicle_from_world(marks.place_m[believed], pose)
         sigma = marks.sigma_m[believed]
-        label = _clusters(place, sigma, config.link_right_m, config.link_forward_m)
+        label = clusters(place, sigma, config.link_right_m, config.link_forward_m)
         count = int(label.max()) + 1
         margin = np.bincount(label, np.minimum(marks.margin[believed], config.most_margin), count)
         confirmed = (np.bincount(label, minlength=count) >= config.least_points) & (margin > config.least_margin)
@@ -392,10 +382,3 @@ def _texture(structure: Floats) -> Floats:
     a, b, d = structure[:, 0, 0], structure[:, 0, 1], structure[:, 1, 1]
     small: Floats = 0.5 * (a + d) - np.hypot(0.5 * (a - d), b)
     return small
-
-
-def _clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float) -> Integers:
-    """(M,) the body that each of M points belongs to, those near each other to one."""
-    gap = np.abs(place_m[:, None] - place_m[None])
-    reach = np.maximum(forward_m, 2.5 * np.hypot(sigma_m[:, None], sigma_m[None]))
-    return connected((gap[..., 1] < right_m) & (gap[..., 0] < reach))

@@ -1,0 +1,24 @@
+"""Which points belong together."""
+
+import numpy as np
+
+from vpf_sim.perception.marks import Integers
+from vpf_sim.types import Bools, Floats
+
+
+def clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float) -> Integers:
+    """(M,) the body that each of M points belongs to, those near each other to one."""
+    gap = np.abs(place_m[:, None] - place_m[None])
+    reach = np.maximum(forward_m, 2.5 * np.hypot(sigma_m[:, None], sigma_m[None]))
+    return connected((gap[..., 1] < right_m) & (gap[..., 0] < reach))
+
+
+def connected(linked: Bools) -> Integers:
+    """(N,) which connected part each node of a symmetric graph (N, N) belongs to, counted from 0."""
+    label = np.arange(len(linked))
+    while True:
+        least = np.minimum(np.where(linked, label, len(label)).min(axis=1), label)
+        least = least[least]  # of the least of its part: long chains close soon
+        if np.array_equal(least, label):
+            return np.unique(label, return_inverse=True)[1].astype(np.int64)
+        label = least
