@@ -92,6 +92,10 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (shorter("image_02/timestamps.txt"), "timestamps.txt: expected 24 rows for 24 files, got 1"),
         (write("oxts/data/0000000003.txt", "1 2 3"), "0000000003.txt: expected 30 numbers, got 3"),
         (write("oxts/data/0000000003.txt", ""), "0000000003.txt: expected a line of 30 numbers"),
+        (
+            lambda folder: [file.unlink() for file in (folder / "image_02/data").iterdir()],
+            "image_02/data: expected two",
+        ),
         (write("tracklet_labels.xml", "<a><b>"), "expected KITTI's tracklets, cannot be read: no element"),
         (larger("image_02/data/0000000005.png"), "expected an image of 96 x 64 px like the first, got 128 x 80"),
         (write("image_02/data/0000000005.png", "x"), "expected an image, got 1 bytes that do not decode"),
@@ -204,7 +208,7 @@ def test_a_jpeg_is_whole_whatever_the_camera_writes_behind_it(tmp_path: Path) ->
     (tmp_path / "._shot 3.JPG").write_bytes(b"of another system")
     files[0].write_bytes(files[0].read_bytes() + 500 * b"trailer ")
     files[1].write_bytes(files[1].read_bytes()[:-600])
-    assert image_files.size(image_files.listed(tmp_path)) == (96, 64)
+    assert image_files.size(image_files.listed(tmp_path), tmp_path) == (96, 64)
     frames = list(image_files.frames(files, (96, 64)))
     assert [frame.fault for frame in frames] == ["", "shot 2.JPG: the file is cut off", ""]
 

@@ -28,11 +28,10 @@ def _parts(name: str) -> list[str]:
     return re.split(r"(\d+)", name)
 
 
-def size(files: Sequence[Path]) -> tuple[int, int]:
-    """(width, height) px of all these files, which must be readable and alike; at least two of them."""
+def size(files: Sequence[Path], folder: Path) -> tuple[int, int]:
+    """(width, height) px of all these files of a folder, which must be readable and alike; at least two of them."""
     if len(files) < 2:
-        where = files[0].parent if files else "the drive"
-        raise InputError(f"{where}: expected two images or more, found {len(files)}")
+        raise InputError(f"{folder}: expected two images or more, found {len(files)}")
     first = _size(files[0])
     for file in files[1:]:
         if (other := _size(file)) != first:

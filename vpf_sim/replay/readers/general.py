@@ -101,7 +101,7 @@ def _pictures(folder: Path, drive: DriveFile) -> _Pictures:
 
 def _images(folder: Path, drive: DriveFile) -> _Pictures:
     files = image_files.listed(folder)
-    size = image_files.size(files)
+    size = image_files.size(files, folder)
     names = tuple(file.name for file in files)
     times = general_signals.frame_times(folder.parent, drive.signals or SignalKeys(), names)
     how = Origin("recorded", "the table's rows of the pictures")

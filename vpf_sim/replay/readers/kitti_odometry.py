@@ -29,7 +29,7 @@ def recognises(folder: Path) -> bool:
 def read(folder: Path) -> Recording:
     """The sequence; steering, throttle and brake are derived, none were recorded."""
     files, row = _images(folder)
-    size = image_files.size(files)
+    size = image_files.size(files, files[0].parent)
     lens = _lens(folder / "calib.txt", row, size)
     poses_file = _poses_file(folder)
     camera_to_world = _poses(poses_file, len(files))

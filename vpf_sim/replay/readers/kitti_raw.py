@@ -39,7 +39,7 @@ def read(folder: Path) -> Recording:
     if camera is None:
         raise InputError(f"{folder}: expected pictures in one of {', '.join(f'{name}/data/' for name in CAMERAS)}")
     files = image_files.listed(folder / camera / "data")
-    size = image_files.size(files)
+    size = image_files.size(files, folder / camera / "data")
     clock_s = _stamps(folder / camera / "timestamps.txt", len(files))
     lens, rectify_turn = _lens(folder, camera[-2:], size)
     seat = _seat(folder, rectify_turn)

@@ -29,7 +29,7 @@ def read(folder: Path) -> Recording:
     if not (folder / "image").is_dir():
         raise InputError(f"{folder}: expected pictures in image/, found no such folder")
     files, file = image_files.listed(folder / "image"), folder / LABELS
-    size = image_files.size(files)
+    size = image_files.size(files, folder / "image")
     columns = series.table(file, "a row for each frame")
     times = series.ascending(file, series.column(file, columns, "t_s"))
     if len(times) != len(files):

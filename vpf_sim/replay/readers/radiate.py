@@ -55,7 +55,7 @@ def read(folder: Path) -> Recording:
     """The left camera's frames."""
     full = (folder / "zed_left").is_dir() or (folder / "zed_left.txt").exists()
     files, clock_s, notes = _listed(folder) if full else _excerpt(folder)
-    size = image_files.size(files)
+    size = image_files.size(files, folder)
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,

@@ -47,7 +47,7 @@ def read(folder: Path) -> Recording:
     times = series.ascending(file, (stamps - stamps[0]) * 1e-9)
     files = [folder / name for name in columns[names["file"]]]
     present = [path.exists() for path in files]
-    size = image_files.size(files) if all(present) else SIZE
+    size = image_files.size(files, folder) if all(present) else SIZE
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,
