@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+import cv2
 import numpy as np
 import pytest
 from highway_env.road.road import Road
@@ -14,6 +15,7 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.layout import LaneShape, lane_shapes
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.things.furniture import CLEARANCE_M, LAMP_HEIGHT_M, LAMP_POST, POST, gantry
+from vpf_sim.envs.camera.things.painter import paint
 from vpf_sim.envs.camera.things.roadside import Roadside, Standing
 from vpf_sim.envs.camera.things.scenery import Scenery
 from vpf_sim.envs.camera.things.signs import SIGNS
@@ -106,6 +108,24 @@ def test_no_face_in_the_picture_is_missed_by_looking_only_at_what_is_close() -> 
         expected = sum(_shows(view, thing) for thing in things)
         shown = 0 if seen is None else sum(x0 < x1 and y0 < y1 for x0, y0, x1, y1 in seen.boxes)
         assert shown >= expected
+
+
+def test_what_is_kept_of_the_roadside_shows_as_if_it_were_looked_at_anew() -> None:
+    things = standing(lane_shapes(town()), 3)
+    kept, anew = (Roadside(CAMERA, things, LIGHT, VEIL) for _ in range(2))
+    lane = town().network.get_lane(("start", "end", 1))
+    off = []
+    for s in (np.linspace(60.0, 300.0, 30)[:, None] + 0.09 * np.arange(4)).ravel():
+        view = View.at(CAMERA, lane.position(s, 0.0), lane.heading_at(s))
+        anew._look = None
+        frames = [np.full((CAMERA.height_px, CAMERA.width_px, 3), 90, np.uint8) for _ in range(2)]
+        for frame, (seen, depths) in zip(frames, (kept.seen(view), anew.seen(view)), strict=True):
+            assert seen is not None
+            assert depths == sorted(depths, reverse=True)
+            paint(frame, [seen])
+        off.append(cv2.absdiff(*frames).max(axis=2))
+    assert 0.0 < np.mean(off) < 0.002
+    assert np.sum(np.array(off) > 20, axis=(1, 2)).max() < 60
 
 
 def _shows(view: View, thing: Standing) -> bool:

@@ -1,18 +1,24 @@
 """Painting of things: exact coverage, their order, their company, and how they come out of the air."""
 
 from dataclasses import replace
+from itertools import pairwise
 
+import cv2
 import numpy as np
 import pytest
 from highway_scenes import add_body, add_ego, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
+from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.things.bodies import body_mesh
 from vpf_sim.envs.camera.things.painter import Drawing, Sprite, drawing, paint
-from vpf_sim.envs.camera.things.solid import FADED_IN_M, RANGE_M
+from vpf_sim.envs.camera.things.solid import FADED_IN_M, RANGE_M, SLIVER_PX, Solid
+from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
-VIEW = View.at(Camera(), np.zeros(2), 0.0)
+VIEW = View.of(Camera(), np.zeros(3), 0.0, np.eye(3))  # in camera axes
 FIRST = np.zeros(1, np.int64)
 
 
@@ -21,8 +27,8 @@ def rectangle(x0: float, y0: float, x1: float, y1: float, grey: float, depth_m: 
     camera = VIEW.camera
     corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     rays = np.column_stack([(corners - (camera.cx_px, camera.cy_px)) / camera.fx_px, np.ones(4)])
-    colours = np.array([[grey, grey, grey, 0.0]])
-    return drawing(VIEW, depth_m * rays[None], colours, np.array([[0.0, 0.0, 1.0 / depth_m]]), FIRST)
+    planes = np.array([[0.0, 0.0, 1.0 / depth_m]])
+    return drawing(VIEW, depth_m * rays[None], [(grey, grey, grey, 0.0)], lambda: planes, FIRST)
 
 
 def sprite(x: int, y: int, size: int, grey: int) -> Sprite:
@@ -88,12 +94,35 @@ def test_what_nothing_covers_stays_as_it_was() -> None:
 
 def test_faces_that_reach_behind_the_camera_are_cut() -> None:
     wall: Floats = np.array([[[-2.0, -1.0, -5.0], [-2.0, -1.0, 40.0], [-2.0, 1.4, 40.0], [-2.0, 1.4, -5.0]]])
-    seen = drawing(VIEW, wall, np.array([[10.0, 10.0, 10.0, 0.0]]), np.array([[-0.5, 0.0, 0.0]]), FIRST)
+    seen = drawing(VIEW, wall, [(10.0, 10.0, 10.0, 0.0)], lambda: np.array([[-0.5, 0.0, 0.0]]), FIRST)
     frame = canvas(200)
     paint(frame, [seen])
     dark = frame[..., 0] < 100
     assert dark[239, :300].all()  # the wall ends at 319.5 - 320 * 2 / 40
     assert not dark[239, 306:].any()
+
+
+@pytest.mark.parametrize("kind", ["van", "barrier"])
+def test_what_is_kept_of_a_body_shows_as_if_it_were_looked_at_anew(kind: str) -> None:
+    clear = weather.load("clear")
+    light = Light.of(clear)
+    veil = Veil(Camera(), Atmosphere.of(clear), light)
+    size = {"van": (5.0, 2.0, 2.3), "barrier": (0.5, 3.0, 1.0)}[kind]
+    kept, anew = (Solid(body_mesh(kind, size, np.random.default_rng(0)), light, veil) for _ in range(2))
+    looks, missed_px = [], []
+    for ahead in (np.linspace(80.0, 8.0, 30)[:, None] - 0.09 * np.arange(4)).ravel():
+        view = View.at(Camera(), np.array([-ahead, 0.04 * ahead - 1.0]), 0.01 * np.sin(ahead))
+        anew._look = None
+        drawings = [solid.seen(view, np.array([0.0, 0.0, 0.7])) for solid in (kept, anew)]
+        frames = [canvas(), canvas()]
+        for frame, drawn in zip(frames, drawings, strict=True):
+            assert drawn is not None
+            paint(frame, [drawn])
+        looks.append(kept._look)
+        off = cv2.absdiff(*frames).max(axis=2)
+        missed_px.append(off.sum() / 255.0 / np.ptp(drawn.polygons_px[..., 1]))
+    assert sum(now is not before for before, now in pairwise(looks)) < 0.7 * len(looks)
+    assert 0.0 < max(missed_px) < SLIVER_PX
 
 
 def scene(distance_m: float, name: str = "clear") -> tuple[Image, Image]:

@@ -28,11 +28,11 @@ def wall(camera: Camera, ahead_m: float) -> tuple[View, Drawn]:
     """An upright rectangle 2 m wide and 1.5 m high that faces the camera, as a thing of the frame."""
     view = View.at(camera, EGO, 0.0)
     x = view.centre[0] + ahead_m
-    corners = [[x, EGO[1] + side, up] for side, up in ((-1.0, 0.0), (-1.0, 1.5), (1.0, 1.5), (1.0, 0.0))]
-    points = view.camera_axes(np.array(corners))
+    corners = np.array([[x, EGO[1] + side, up] for side, up in ((-1.0, 0.0), (-1.0, 1.5), (1.0, 1.5), (1.0, 0.0))])
+    points = view.camera_axes(corners)
     normal = view.axes @ np.array([-1.0, 0.0, 0.0])
     planes = (normal / (normal @ points[0]))[None]
-    drawing = drawing_of(view, points[None], np.array([[10.0, 10.0, 10.0, 0.0]]), planes, np.array([0]))
+    drawing = drawing_of(view, corners[None], [(10.0, 10.0, 10.0, 0.0)], lambda: planes, np.array([0]))
     assert isinstance(drawing, Drawing)
     return view, Drawn(drawing, 1, STILL)
 
@@ -70,11 +70,10 @@ def test_points_are_mirrored_about_the_road(camera: Camera) -> None:
 
 def test_what_faces_up_is_not_mirrored() -> None:
     view, upright = wall(Camera(), 10.0)
-    roof = view.camera_axes(np.array([[30.0, 4.0, 1.0], [34.0, 4.0, 1.0], [34.0, 6.0, 1.0], [30.0, 6.0, 1.0]]))
+    roof = np.array([[30.0, 4.0, 1.0], [34.0, 4.0, 1.0], [34.0, 6.0, 1.0], [30.0, 6.0, 1.0]])
     normal = view.axes[:, 2]
-    drawing = drawing_of(
-        view, roof[None], np.array([[9.0, 9.0, 9.0, 0.0]]), (normal / (normal @ roof[0]))[None], np.array([0])
-    )
+    planes = (normal / (normal @ view.camera_axes(roof[0])))[None]
+    drawing = drawing_of(view, roof[None], [(9.0, 9.0, 9.0, 0.0)], lambda: planes, np.array([0]))
     assert isinstance(drawing, Drawing)
     assert mirrored_faces(view, [Drawn(drawing, 1, STILL)]).corners == []
     assert len(mirrored_faces(view, [upright]).corners) == 1

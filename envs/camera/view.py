@@ -4,6 +4,7 @@ World points are (x, y, up) m with up counted from the road; camera axes are (ri
 """
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,17 +24,34 @@ class View:
     centre: Floats  # (3,) m, the camera's centre in the world
     yaw_rad: float
     axes: Floats  # (3, 3) rows: right, down, depth in world coordinates
+    projection: Floats  # (3, 4) from points (x, y, up, 1) m to (column, row, 1) times their depth
+
+    @classmethod
+    def of(cls, camera: Camera, centre: Floats, yaw_rad: float, axes: Floats) -> "View":
+        """The view of a camera whose centre and axes are given."""
+        scale = np.array(((camera.fx_px, 0.0, camera.cx_px), (0.0, camera.fy_px, camera.cy_px), (0.0, 0.0, 1.0)))
+        projection = np.empty((3, 4))
+        np.matmul(scale, axes, out=projection[:, :3])
+        projection[:, 3] = projection[:, :3] @ -centre
+        return cls(camera, centre, yaw_rad, axes, projection)
 
     @classmethod
     def at(cls, camera: Camera, position: Floats, yaw_rad: float) -> "View":
         """The view of a camera on a vehicle whose pose is `position`, `yaw_rad`."""
-        c, s = np.cos(yaw_rad), np.sin(yaw_rad)
-        pitch_c, pitch_s = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
-        centre = np.array([position[0] + camera.forward_m * c, position[1] + camera.forward_m * s, camera.height_m])
+        c, s = cos(yaw_rad), sin(yaw_rad)
+        pitch_c, pitch_s = cos(camera.pitch_rad), sin(camera.pitch_rad)
+        x, y = float(position[0]), float(position[1])
+        centre = np.array((x + camera.forward_m * c, y + camera.forward_m * s, camera.height_m))
         right = (-s, c, 0.0)
         down = (-pitch_s * c, -pitch_s * s, -pitch_c)
         depth = (pitch_c * c, pitch_c * s, -pitch_s)
-        return cls(camera, centre, float(yaw_rad), np.array([right, down, depth]))
+        return cls.of(camera, centre, float(yaw_rad), np.array((right, down, depth)))
+
+    def within(self, to_world: Floats) -> "View":
+        """The same view in the axes of a body, from which (4, 4) leads to the world's (see `body_axes`)."""
+        turn = to_world[:3, :3]
+        eye = (self.centre - to_world[:3, 3]) @ turn
+        return View(self.camera, eye, self.yaw_rad, self.axes @ turn, self.projection @ to_world)
 
     def camera_axes(self, points: Floats) -> Floats:
         """(..., 3) world points in camera axes."""
@@ -49,36 +67,35 @@ class View:
         return flat
 
     def ground_homography(self) -> Floats:
-        """(3, 3) matrix from pixels (x, y, 1) to homogeneous world points of the road; the last component is > 0 below
-        the horizon."""
-        camera = self.camera
-        back = np.array(
-            [
-                [1 / camera.fx_px, 0, -camera.cx_px / camera.fx_px],
-                [0, 1 / camera.fy_px, -camera.cy_px / camera.fy_px],
-                [0, 0, 1.0],
-            ]
-        )
-        ray = self.axes.T @ back  # world direction of a pixel's ray
-        fall = -ray[2]
-        return np.stack(
-            [camera.height_m * ray[0] + self.centre[0] * fall, camera.height_m * ray[1] + self.centre[1] * fall, fall]
-        )
+        """(3, 3) matrix from pixels (x, y, 1) to homogeneous world points of the road; the last component is the
+        camera's height over the depth, > 0 below the horizon."""
+        image = np.linalg.inv(self.projection[:, (0, 1, 3)])
+        return np.asarray(self.camera.height_m * image)
 
 
-def clip_near(polygons: Floats, inside: Bools) -> Floats:
-    """(n, 2 V, 3) those parts of (n, V, 3) polygons in camera axes that lie beyond the near plane (Sutherland and
-    Hodgman 1974); vertices are repeated to fill up. `inside` is (n, V): which vertices lie beyond, at least one each.
+def body_axes(pose: Floats) -> Floats:
+    """(4, 4) from points (ahead, right, up, 1) m of a body at a pose (x, y, heading) to points of the world."""
+    x, y, heading = pose.tolist()
+    c, s = cos(heading), sin(heading)
+    return np.array(((c, -s, 0.0, x), (s, c, 0.0, y), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+
+
+def clip_near(polygons: Floats, inside: Bools, near_m: float = NEAR_M) -> Floats:
+    """(n, W, 3) those parts of (n, V, 3) polygons in camera axes that lie beyond the plane at the depth `near_m`
+    (Sutherland and Hodgman 1974); W is the most that one of them needs, the last vertex of others is repeated.
+
+    `inside` is (n, V): which vertices lie beyond, at least one each.
     """
     cyclic = [*range(1, inside.shape[1]), 0]
     following = polygons[:, cyclic]
     crossing = inside != inside[:, cyclic]
     depth, next_depth = polygons[..., 2], following[..., 2]
-    share = (NEAR_M - depth) / np.where(crossing, next_depth - depth, 1.0)
+    share = (near_m - depth) / np.where(crossing, next_depth - depth, 1.0)
     cut = polygons + share[..., None] * (following - polygons)
     count, vertices = inside.shape
     points = np.stack([polygons, cut], axis=2).reshape(count, 2 * vertices, 3)
     kept = np.stack([inside, crossing], axis=2).reshape(count, 2 * vertices)
-    index = np.maximum.accumulate(np.where(kept, np.arange(2 * vertices), -1), axis=1)
-    index = np.where(index < 0, kept.argmax(axis=1)[:, None], index)
+    numbers = kept.sum(axis=1)
+    index = np.argsort(~kept, axis=1, kind="stable")
+    index = np.take_along_axis(index, np.minimum(np.arange(numbers.max(initial=1)), numbers[:, None] - 1), axis=1)
     return np.take_along_axis(points, index[..., None], axis=1)

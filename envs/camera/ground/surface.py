@@ -129,10 +129,11 @@ def _fixed(corners: Floats) -> NDArray[np.int32]:
 
 
 def _clipped(polygons: Floats, inside: Bools) -> NDArray[np.int32]:
-    """(n, 2 V, 2) what of polygons (n, V, 3) lies beyond the near plane; a point off the canvas where nothing does."""
+    """(n, W, 2) what of polygons (n, V, 3) lies beyond the near plane; a point off the canvas where nothing does."""
     beyond = inside.any(axis=1)
-    fixed = np.full((len(polygons), 2 * polygons.shape[1], 2), -(9 << SHIFT), np.int32)
-    fixed[beyond] = _fixed(clip_near(polygons[beyond], inside[beyond]))
+    parts = clip_near(polygons[beyond], inside[beyond])
+    fixed = np.full((len(polygons), parts.shape[1], 2), -(9 << SHIFT), np.int32)
+    fixed[beyond] = _fixed(parts)
     return fixed
 
 

@@ -6,7 +6,7 @@ down, the layer holds colours times opacity and what is seen through it (Porter 
 exact coverage and the picture beneath stays as it was where nothing is drawn.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import cos, sin
 
@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
-from vpf_sim.types import Floats, Image
+from vpf_sim.types import Camera, Floats, Image
 
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
 SUBPIXELS = 64  # polygons are rounded to parts of a pixel
+HALF = 0.5 * SUBPIXELS + 0.5  # from the middle of a pixel to its corner, and to round to the nearest part
 SMALL_PX = 1200  # things in less pixels are drawn four times as fine, the others twice
 SPARE_PX = 40000  # what one more layer costs, in empty pixels of a larger one, counted on the layer
 EMPTY = np.frombuffer(bytes((0, 0, 0, 255)), np.uint32)[0]  # a pixel of a layer on which nothing is drawn
@@ -26,29 +27,49 @@ EMPTY = np.frombuffer(bytes((0, 0, 0, 255)), np.uint32)[0]  # a pixel of a layer
 Box = Sequence[int]  # x0, y0, x1, y1
 
 
+Colour = Sequence[float]  # RGB times opacity, and what is seen through, of 255
+
+
+@dataclass(frozen=True, slots=True)
+class Faces:
+    """Faces in the picture, in painter's order."""
+
+    exact: Floats  # (n, V, 2) from the corner of the picture, in parts of a pixel
+    fixed: NDArray[np.int32]  # (n, V, 2) the same, whole
+    colours: Sequence[Colour]  # (n,)
+    planes: Callable[[], Floats]  # (n, 3), worked out where it is asked for
+
+
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Faces of one or more things in the picture, in painter's order."""
+    """One or more things in the picture, in painter's order."""
 
-    polygons_px: Floats  # (n, V, 2)
-    fixed: NDArray[np.int32]  # (n, V, 2) the same, from the corner of the picture, in parts of a pixel
-    colours: Floats  # (n, 4) RGB times opacity, and what is seen through, of 255
-    planes: Floats  # (n, 3) inverse depth of face i at a pixel's ray (x, y, 1) is planes[i] . ray
-    firsts: list[int]  # (k + 1,) the first face of each thing, and n
+    faces: Faces
+    firsts: list[int]  # (k + 1,) the first face of each thing, and the end
     boxes: list[Box]  # (k,) the pixels that each thing may touch
+
+    @property
+    def polygons_px(self) -> Floats:
+        """(n, V, 2) the things' faces."""
+        return (self.faces.exact[self._range] - HALF) / SUBPIXELS
+
+    @property
+    def planes(self) -> Floats:
+        """(n, 3) the inverse depth of face i at a pixel's ray (x, y, 1) is planes[i] . ray."""
+        return self.faces.planes()[self._range]
+
+    @property
+    def colours(self) -> Sequence[Colour]:
+        """(n,)"""
+        return self.faces.colours[self._range]
+
+    @property
+    def _range(self) -> slice:
+        return slice(self.firsts[0], self.firsts[-1])
 
     def part(self, first: int, last: int) -> "Drawing":
         """The things `first` to `last` - 1."""
-        a, b = self.firsts[first], self.firsts[last]
-        firsts = [face - a for face in self.firsts[first : last + 1]]
-        return Drawing(
-            self.polygons_px[a:b],
-            self.fixed[a:b],
-            self.colours[a:b],
-            self.planes[a:b],
-            firsts,
-            self.boxes[first:last],
-        )
+        return Drawing(self.faces, self.firsts[first : last + 1], self.boxes[first:last])
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,33 +104,61 @@ class _Layer:
 
     box: Box
     fine: int  # pixels of the layer to one of the picture, each way
-    runs: list[tuple[Drawing, int, int]] = field(default_factory=list)  # faces from the first up to the second
+    runs: list[tuple[Faces, int, int]] = field(default_factory=list)  # faces from the first up to the second
 
 
-def drawing(view: View, faces: Floats, colours: Floats, planes: Floats, firsts: NDArray[np.int64]) -> Drawing:
-    """The drawing of things whose `faces` (n, V, 3) are given in camera axes, each with a vertex beyond the near plane.
+def drawing(
+    view: View, faces: Floats, colours: Sequence[Colour], planes: Callable[[], Floats], firsts: NDArray[np.int64]
+) -> Drawing:
+    """The drawing of things whose `faces` (n, V, 3) are given in the axes of the view's centre, each with a vertex
+    beyond the near plane.
 
     `firsts` is (k,), the first face of each thing.
     """
-    polygons = view.pixels(in_front(faces))
-    exact = polygons * SUBPIXELS
-    exact += 0.5 * SUBPIXELS + 0.5
+    projection = view.projection
+    points = faces.reshape(-1, 3) @ projection[:, :3].T
+    points += projection[:, 3]
+    if points[:, 2].min() > NEAR_M:
+        exact = points[:, :2] / points[:, 2:]
+        vertices = faces.shape[1]
+    else:
+        cut = in_front(view.camera_axes(faces))
+        exact, vertices = view.pixels(cut).reshape(-1, 2), cut.shape[1]
+    exact *= SUBPIXELS
+    exact += HALF
     fixed = exact.astype(np.int32)
-    points, each = fixed.reshape(-1, 2), firsts * fixed.shape[1]
-    limits = np.array([view.camera.width_px, view.camera.height_px])
-    low, high = np.minimum.reduceat(points, each) // SUBPIXELS, np.maximum.reduceat(points, each) // SUBPIXELS + 1
-    boxes = np.concatenate([np.maximum(low, 0), np.minimum(high, limits)], axis=1).tolist()
-    return Drawing(polygons, fixed, colours, planes, [*firsts.tolist(), len(faces)], boxes)
+    boxes = _boxes(fixed, firsts * vertices, view.camera)
+    shape = (len(faces), vertices, 2)
+    seen = Faces(exact.reshape(shape), fixed.reshape(shape), colours, planes)
+    return Drawing(seen, [*firsts.tolist(), len(faces)], boxes)
 
 
-def in_front(faces: Floats) -> Floats:
-    """(n, V or 2 V, 3) those parts of faces that lie beyond the near plane."""
-    if faces[..., 2].min() > NEAR_M:
-        return faces
-    behind = faces[..., 2] <= NEAR_M
+def planes_of(normals: Floats, away: Floats, view: View) -> Floats:
+    """(n, 3) the planes of faces with `normals` (n, 3), which the eye of the view is `away` (n,) m before."""
+    return np.asarray(normals @ view.axes.T / -away[:, None])
+
+
+def _boxes(points: NDArray[np.int32], firsts: NDArray[np.int64], camera: Camera) -> list[Box]:
+    """The pixels that each thing may touch; `firsts` are its first points."""
+    low, high = np.minimum.reduceat(points, firsts) // SUBPIXELS, np.maximum.reduceat(points, firsts) // SUBPIXELS
+    width, height = camera.width_px, camera.height_px
+    return [
+        (x0 if x0 > 0 else 0, y0 if y0 > 0 else 0, x1 + 1 if x1 < width else width, y1 + 1 if y1 < height else height)
+        for (x0, y0), (x1, y1) in zip(low.tolist(), high.tolist(), strict=True)
+    ]
+
+
+def in_front(faces: Floats, near_m: float = NEAR_M) -> Floats:
+    """(n, W, 3) those parts of faces (n, V, 3), in camera axes, that lie beyond the plane at a depth; W >= V."""
+    behind = faces[..., 2] <= near_m
     cut = np.flatnonzero(behind.any(axis=1))
-    result = np.concatenate([faces, faces[:, -1:].repeat(faces.shape[1], axis=1)], axis=1)
-    result[cut] = clip_near(faces[cut], ~behind[cut])
+    if not len(cut):
+        return faces
+    parts = clip_near(faces[cut], ~behind[cut], near_m)
+    wider = max(0, parts.shape[1] - faces.shape[1])
+    result = np.concatenate([faces, faces[:, -1:].repeat(wider, axis=1)], axis=1)
+    result[cut, : parts.shape[1]] = parts
+    result[cut, parts.shape[1] :] = parts[:, -1:]
     return result
 
 
@@ -123,17 +172,23 @@ def paint(frame: Image, drawn: list[Drawing | Sprite]) -> None:
             continue
         for box, first, last in zip(thing.boxes, thing.firsts, thing.firsts[1:], strict=False):
             if box[0] < box[2] and box[1] < box[3]:
-                waiting = _joined(frame, waiting, box, (thing, first, last))
+                waiting = _joined(frame, waiting, box, (thing.faces, first, last))
     for layer in waiting:
-        paint_sprite(frame, _rasterised(layer))
+        _flush(frame, layer)
 
 
 def paint_sprite(frame: Image, sprite: Sprite) -> None:
     """Draw an upright picture over the picture."""
-    x0, y0, x1, y1 = sprite.box
-    region = frame[y0:y1, x0:x1]
-    cv2.multiply(region, sprite.through, region, scale=1 / 255)
-    cv2.add(region, sprite.colour, region)
+    _lay(frame, sprite.x, sprite.y, sprite.picture)
+
+
+def _lay(frame: Image, x: int, y: int, picture: Image) -> None:
+    """Draw a picture (h, w, 4) over the frame, its corner at a pixel."""
+    height, width = picture.shape[:2]
+    region = frame[y : y + height, x : x + width]
+    through = cv2.cvtColor(cv2.extractChannel(picture, 3), cv2.COLOR_GRAY2BGR)
+    cv2.multiply(region, through, region, scale=1 / 255)
+    cv2.add(region, cv2.cvtColor(picture, cv2.COLOR_BGRA2BGR), region)
 
 
 def _painted_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[_Layer]:
@@ -145,13 +200,13 @@ def _painted_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[
     for layer in waiting:
         x0, y0, x1, y1 = layer.box
         if x0 < a1 and a0 < x1 and y0 < b1 and b0 < y1:
-            paint_sprite(frame, _rasterised(layer))
+            _flush(frame, layer)
         else:
             left.append(layer)
     return left
 
 
-def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Drawing, int, int]) -> list[_Layer]:
+def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Faces, int, int]) -> list[_Layer]:
     """Layers with one more thing: together with those that lie near, or in a layer of its own.
 
     What it would cover, and what lies too far off to share a layer with, is drawn.
@@ -168,7 +223,7 @@ def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Drawing, i
         empty = (u1 - u0) * (v1 - v0) - (a1 - a0) * (b1 - b0) - (x1 - x0) * (y1 - y0)
         if layer.fine != fine or empty > spare:
             if a0 < x1 and x0 < a1 and b0 < y1 and y0 < b1:
-                paint_sprite(frame, _rasterised(layer))
+                _flush(frame, layer)
             else:
                 others.append(layer)
             continue
@@ -187,8 +242,8 @@ def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Drawing, i
     return others
 
 
-def _rasterised(layer: _Layer) -> Sprite:
-    """The picture of a layer."""
+def _flush(frame: Image, layer: _Layer) -> None:
+    """Draw a layer over the frame."""
     x0, y0, x1, y1 = layer.box
     height, width = y1 - y0, x1 - x0
     fine = layer.fine
@@ -197,14 +252,14 @@ def _rasterised(layer: _Layer) -> Sprite:
     canvas: Image = empty.view(np.uint8).reshape(-1, width * fine, 4)
     shift = (SUBPIXELS // fine).bit_length() - 1
     corner = np.array([x0, y0], np.int32) * SUBPIXELS + SUBPIXELS // 2 // fine
-    for thing, first, last in layer.runs:
-        polygons = thing.fixed[first:last] - corner
-        for polygon, colour in zip(polygons, thing.colours[first:last].tolist(), strict=True):
+    for faces, first, last in layer.runs:
+        polygons = faces.fixed[first:last] - corner
+        for polygon, colour in zip(polygons, faces.colours[first:last], strict=True):
             cv2.fillConvexPoly(canvas, polygon, colour, cv2.LINE_8, shift)
     while len(canvas) > height:
         half = (canvas.shape[1] // 2, canvas.shape[0] // 2)
         canvas = np.asarray(cv2.resize(canvas, half, interpolation=cv2.INTER_AREA), np.uint8)
-    return Sprite(x0, y0, canvas, 0.0)
+    _lay(frame, x0, y0, canvas)
 
 
 def bounding_box(polygons: Floats, shape: tuple[int, ...]) -> Box | None:

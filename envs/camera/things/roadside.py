@@ -1,6 +1,8 @@
 """The faces of all that stands along a road, and those of them that are in view."""
 
 from dataclasses import dataclass
+from functools import partial
+from math import atan, tan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +10,7 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.things.air import Air, contrasts
 from vpf_sim.envs.camera.things.mesh import Mesh
-from vpf_sim.envs.camera.things.painter import Drawing, drawing
+from vpf_sim.envs.camera.things.painter import Drawing, drawing, in_front, planes_of
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Bools, Camera, Floats
@@ -20,6 +22,8 @@ FADING = 0.15  # the last part of its range, in which a thing fades out
 FULL = 1.0 / FADING
 COARSE_M = 60.0  # faces that are drawn up to here cast shadows
 EDGE_ON = 0.05  # but for those that the sun's rays only graze
+STALE_M, STALE_RAD = 0.3, 0.02  # what the camera moves or turns at most before it looks again
+SURELY_M = NEAR_M + 2.0 * STALE_M  # what is nearer is left out, so that nothing comes behind the near plane
 LOWEST_SUN = 0.1  # sine of the altitude; lower suns cast no longer shadows
 
 Standing = tuple[Mesh, Floats, float]  # its pose (x, y, heading), and the distance in m up to which it is drawn
@@ -49,40 +53,76 @@ class Group:
         return Group(self.middles_m[things], self.radii_m[things], owner, *(array[kept] for array in arrays))
 
 
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The faces in view from about one place, the farthest thing first: which they are and their colours stay for as
+    long as the camera is less than STALE_M and STALE_RAD off. Until then a face that comes into view is missed, which
+    is one seen edge-on, and colours are at most 1 % off."""
+
+    view: View
+    faces_m: Floats  # (n, V, 3) world, of which nothing reaches behind the camera
+    normals: Floats  # (n, 3)
+    offsets_m: Floats  # (n,)
+    colours: list[list[float]]  # (n, 4)
+    firsts: Indices  # (k,) the first face of each thing
+    depths_m: list[float]  # (k,)
+
+    def away(self, view: View) -> Floats | None:
+        """(n,) m, how far the camera is before the planes of the faces; None where it must look again."""
+        x, y, _ = (view.centre - self.view.centre).tolist()
+        if x * x + y * y > STALE_M**2 or abs(view.yaw_rad - self.view.yaw_rad) > STALE_RAD:
+            return None
+        away = self.normals @ view.centre - self.offsets_m
+        return away if away.min(initial=1.0) > 1e-6 else None
+
+
 class Roadside:
     """All that stands along one road, ready to be drawn."""
 
     def __init__(self, camera: Camera, things: list[Standing], light: Light, veil: Veil) -> None:
         self._slope = 0.5 * camera.width_px / camera.fx_px  # of the sides of what the camera sees
+        self._widest = tan(atan(self._slope) + STALE_RAD)
         self._air = Air(light, veil)
         self._all = self._near = _group(things, light, camera)
-        self._widest_m = float(self._all.radii_m.max(initial=0.0)) + NEAR_M
         self._place: tuple[int, int, int] | None = None
+        self._look: Look | None = None
 
     def seen(self, view: View) -> tuple[Drawing | None, list[float]]:
         """The faces in view, the farthest thing first, and the depth of each, m."""
+        look = self._look
+        if look is None or (away := look.away(view)) is None:
+            look = self._look = self._looked(view)
+            away = look.normals @ view.centre - look.offsets_m
+        if not len(look.depths_m):
+            return None, []
+        moved_m = float(view.axes[2] @ (view.centre - look.view.centre))
+        planes = partial(planes_of, look.normals, away, view)
+        return drawing(view, look.faces_m, look.colours, planes, look.firsts), [far - moved_m for far in look.depths_m]
+
+    def _looked(self, view: View) -> "Look":
+        """The faces in view from here and wherever the camera may go until it looks again."""
         group, axes, eye = self._close(view), view.axes, view.centre
         ahead = (group.middles_m @ axes[2, :2] - float(axes[2, :2] @ eye[:2])).take(group.owner)
         away = group.normals @ eye - group.offsets_m
         shown = ((away > 1e-6) & (ahead >= group.from_m) & (ahead < group.until_m)).nonzero()[0]
-        if not len(shown):
-            return None, []
         shown = shown[np.argsort(-ahead[shown], kind="stable")]
-        points = ((group.faces_m.take(shown, axis=0).reshape(-1, 3) - eye) @ axes.T).reshape(-1, VERTICES, 3)
-        if ahead[shown[-1]] < self._widest_m:
-            inside = self._may_show(points)
-            shown, points = shown[inside], points[inside]
-            if not len(shown):
-                return None, []
+        points = view.camera_axes(group.faces_m.take(shown, axis=0))
+        inside = self._may_show(points)
+        shown, points = shown[inside], in_front(points[inside], SURELY_M)
         depth, owner = ahead[shown], group.owner[shown]
-        starts = np.ones(len(owner), bool)
-        np.not_equal(owner[1:], owner[:-1], out=starts[1:])
-        firsts = starts.nonzero()[0]
-        planes = group.normals.take(shown, axis=0) @ axes.T / -away[shown, None]
+        firsts = np.diff(owner, prepend=-1).nonzero()[0]
         colours = self._air.colours(
             group.colours.take(shown, axis=0), depth, np.minimum(1.0, FULL - depth * group.fading[shown])
         )
-        return drawing(view, points, colours, planes, firsts), depth[firsts].tolist()
+        return Look(
+            view,
+            points @ axes + eye,
+            group.normals.take(shown, axis=0),
+            group.offsets_m[shown],
+            colours.tolist(),
+            firsts,
+            depth[firsts].tolist(),
+        )
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, outlines on the ground whose union lies in the shade of all that stands there."""
@@ -93,11 +133,12 @@ class Roadside:
         return list(cast)
 
     def _may_show(self, points: Floats) -> Bools:
-        """Which faces (n, VERTICES, 3), in camera axes, are neither behind the near plane nor beside the picture."""
+        """Which faces (n, VERTICES, 3), in camera axes, are neither behind the near plane nor beside the picture, nor
+        come into it until the next look."""
         right, depth = points[..., 0], points[..., 2]
-        wide = self._slope * depth
+        wide = self._widest * depth + 2.0 * STALE_M
         beside = (right > wide).all(axis=1) | (right < -wide).all(axis=1)
-        return np.asarray(~beside & (depth.max(axis=1) > NEAR_M))
+        return np.asarray(~beside & (depth.max(axis=1) > SURELY_M))
 
     def _close(self, view: View) -> Group:
         """What may be in view from anywhere in the camera's cell, heading anywhere in its sector."""

@@ -1,24 +1,51 @@
 """A body as the camera sees it: its mesh at a pose, in the light and through the air."""
 
-from math import cos, sin
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.things.air import Air, contrasts
 from vpf_sim.envs.camera.things.mesh import Mesh
-from vpf_sim.envs.camera.things.painter import Drawing, drawing
+from vpf_sim.envs.camera.things.painter import Drawing, drawing, planes_of
 from vpf_sim.envs.camera.veil import Veil
-from vpf_sim.envs.camera.view import NEAR_M, View
+from vpf_sim.envs.camera.view import NEAR_M, View, body_axes
 from vpf_sim.types import Floats
 
 VISIBLE_PX = 0.6  # faces thinner than this are not drawn
 RANGE_M, FADED_IN_M = 220.0, 180.0  # bodies appear at the one and are there at the other
+STALE_M, SLIVER_PX = 0.3, 0.25  # what the camera moves at most before it looks again, and what it may miss by then
+ON_EDGE_M = 1e-6  # nearer to a face's plane the eye does not see the face
 ONE = np.zeros(1, np.int64)
 
 
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The faces of a body that are seen from about one place, and their colours."""
+
+    eye: Floats  # (3,) body axes
+    far_m: float  # how far from it they are seen
+    faces_m: Floats  # (n, V, 3)
+    normals: Floats  # (n, 3)
+    offsets_m: Floats  # (n,)
+    colours: list[list[float]]  # (n, 4)
+
+    def away(self, eye: Floats) -> Floats | None:
+        """(n,) m, how far an eye is before the planes of the faces; None if it must look again."""
+        x, y, _ = (eye - self.eye).tolist()
+        if not x * x + y * y < self.far_m**2:
+            return None
+        away = self.normals @ eye - self.offsets_m
+        return away if away.min(initial=1.0) > ON_EDGE_M else None
+
+
 class Solid:
-    """One body's mesh, and its colours in the light for as long as it keeps its heading."""
+    """One body's mesh in the light. What is seen of it is kept for as long as the camera stays near enough.
+
+    A face that turns up meanwhile is missed; of a body that reaches r from its middle, d away, it is no wider than
+    2 r f e / d^2 px when the camera has moved by e, which bounds e by SLIVER_PX.
+    """
 
     def __init__(self, mesh: Mesh, light: Light, veil: Veil) -> None:
         self._mesh = mesh
@@ -26,42 +53,57 @@ class Solid:
         self._air = Air(light, veil)
         self._offsets_m = np.einsum("ij,ij->i", mesh.normals, mesh.faces_m[:, 0])  # of the faces' planes
         self._reach_m = mesh.reach_m
-        self._heading: float | None = None
-        self._colours = mesh.colours
+        self._pose: Floats = np.full(3, np.nan)
+        self._to_world = np.eye(4)
+        self._contrasts: Floats | None = None  # at the present heading
+        self._look: Look | None = None
 
     def seen(self, view: View, pose: Floats) -> Drawing | None:
         """The visible faces at a pose (x, y, heading); None if there are none."""
-        mesh = self._mesh
-        x, y, heading = pose.tolist()
-        c, s = cos(heading), sin(heading)
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        eye = (view.centre - np.array([x, y, 0.0])) @ turn  # in body axes
-        axes = view.axes @ turn
-        depth = float(-axes[2] @ eye)
-        away = mesh.normals @ eye - self._offsets_m  # how far the eye is before each face's plane
-        visible_m = VISIBLE_PX * max(depth - 2.0, 0.0) / view.camera.fx_px
-        shown = ((away > 1e-6) & (mesh.thickness_m >= visible_m)).nonzero()[0]
+        self._go(pose)
+        near = view.within(self._to_world)
+        depth = float(-near.axes[2] @ near.centre)
+        if depth > RANGE_M:
+            return None
+        look = self._look
+        if look is None or (away := look.away(near.centre)) is None:
+            look = self._look = self._looked(near, depth)
+            away = look.normals @ near.centre - look.offsets_m
+        if not len(away):
+            return None
+        return drawing(near, look.faces_m, look.colours, partial(planes_of, look.normals, away, near), ONE)
+
+    def _go(self, pose: Floats) -> None:
+        """Stand at a pose."""
+        if np.array_equal(pose, self._pose):
+            return
+        if pose[2] != self._pose[2]:
+            self._contrasts = self._look = None
+        self._pose, self._to_world = pose, body_axes(pose)
+
+    def _looked(self, near: View, depth: float) -> Look:
+        """What is seen, at a depth, from here and a little farther."""
+        mesh, eye = self._mesh, near.centre
+        away = mesh.normals @ eye - self._offsets_m
+        visible_m = VISIBLE_PX * max(depth - 2.0, 0.0) / near.camera.fx_px
+        shown = ((away > ON_EDGE_M) & (mesh.thickness_m >= visible_m)).nonzero()[0]
         if len(mesh.centres_m) > 1:
             nearness = -((mesh.centres_m - eye) ** 2).sum(axis=1)
             shown = shown[np.argsort(nearness[mesh.parts[shown]], kind="stable")]
-        faces = mesh.faces_m.take(shown, axis=0)
-        points = ((faces.reshape(-1, 3) - eye) @ axes.T).reshape(faces.shape)
-        if depth < self._reach_m + NEAR_M:
-            ahead = (points[..., 2] > NEAR_M).any(axis=1)
-            shown, points = shown[ahead], points[ahead]
-        if not len(shown) or depth > RANGE_M:
-            return None
-        planes = mesh.normals[shown] @ axes.T / -away[shown, None]
+        far_m = min(STALE_M, SLIVER_PX * depth**2 / (2.0 * self._reach_m * near.camera.fx_px))
+        if depth < self._reach_m + NEAR_M + far_m:
+            far_m = 0.0
+            shown = shown[(near.camera_axes(mesh.faces_m[shown])[..., 2] > NEAR_M).any(axis=1)]
         opacity = np.array([min(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))])
-        colours = self._air.colours(self._lit(heading, turn)[shown], np.array([max(depth, 0.0)]), opacity)
-        return drawing(view, points, colours, planes, ONE)
+        colours = self._air.colours(self._lit()[shown], np.array([max(depth, 0.0)]), opacity)
+        faces = mesh.faces_m.take(shown, axis=0)
+        return Look(eye, far_m, faces, mesh.normals[shown], self._offsets_m[shown], colours.tolist())
 
-    def _lit(self, heading: float, turn: Floats) -> Floats:
-        """(F, 4) the contrasts of all faces at a heading."""
-        if heading != self._heading:
+    def _lit(self) -> Floats:
+        """(F, 4) the contrasts of all faces at the present heading."""
+        if self._contrasts is None:
             mesh, light = self._mesh, self._light
-            facing = np.maximum(0.0, mesh.normals @ (light.sun @ turn))[:, None]
+            facing = np.maximum(0.0, mesh.normals @ (light.sun @ self._to_world[:3, :3]))[:, None]
             shading = np.where(mesh.lit[:, None], light.sky + light.direct * facing, 1.0)
-            self._colours = contrasts(np.minimum(mesh.colours * shading, 255.0), light)
-            self._heading = heading
-        return self._colours
+            self._contrasts = contrasts(np.minimum(mesh.colours * shading, 255.0), light)
+        return self._contrasts

@@ -1,7 +1,7 @@
 """What stands up from the ground, bodies and scenery: what of it is in view, and painting it, the farthest first."""
 
 from dataclasses import dataclass
-from math import asin, atan2, cos, hypot, pi, remainder, sin
+from math import asin, atan2, cos, hypot, inf, pi, remainder, sin
 
 import numpy as np
 from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
@@ -13,7 +13,7 @@ from vpf_sim.envs.camera.things.occlusion import far_to_near
 from vpf_sim.envs.camera.things.painter import Drawing, Sprite, footprint, paint
 from vpf_sim.envs.camera.things.scenery import Scenery
 from vpf_sim.envs.camera.things.shadows import Shadow
-from vpf_sim.envs.camera.things.solid import RANGE_M, Solid
+from vpf_sim.envs.camera.things.solid import RANGE_M, STALE_M, Solid
 from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
@@ -51,6 +51,7 @@ class Things:
         self._veil = veil
         self._scenery = Scenery(camera, shapes, light, veil, seed)
         self._shapes: dict[int, Shape] = {}
+        self._bodies = Order()
         self._order: list[int] = []
 
     def seen(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
@@ -60,7 +61,7 @@ class Things:
         covering = _covering(trees, scenery, depths)
         drawn: list[Drawn] = []
         first = tree = 0
-        self._order, nearest = bodies_in_view(now)
+        self._order, nearest = self._bodies.in_view(now)
         for i, behind in [*zip(self._order, nearest, strict=True), (None, -1.0)]:
             while tree < len(trees) and trees[tree].depth_m > behind:
                 if covering[tree]:
@@ -124,17 +125,38 @@ def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], fir
     return last
 
 
-def bodies_in_view(now: Snapshot) -> tuple[list[int], list[float]]:
-    """Indices of the bodies that may be in the picture, the farthest first, and the depth of each one's nearest corner.
+class Order:
+    """The order in which bodies are drawn. While none of them moves it is looked for anew when the camera has gone
+    STALE_M: bodies that change places meanwhile lie side by side in the picture."""
 
-    What lies in front of the body that is farther away comes later, whatever their depths.
-    """
-    ahead = [i for i, body in enumerate(now.bodies) if not isinstance(body, Landmark) and _may_show(now, body)]
-    discs = [_disc(now, i) for i in ahead]
-    order = sorted(range(len(ahead)), key=lambda k: -discs[k].distance_m)
-    if any(_unclear(discs[j], discs[k]) for n, j in enumerate(order) for k in order[n + 1 :]):
-        order = far_to_near(np.array([_footprint(now, i) for i in ahead]), now.view.centre[:2])
-    return [ahead[k] for k in order], [discs[k].nearest_m for k in order]
+    def __init__(self) -> None:
+        self._places: list[list[float]] = []
+        self._eye = (inf, inf)
+        self._order: list[int] = []
+
+    def in_view(self, now: Snapshot) -> tuple[list[int], list[float]]:
+        """Indices of the bodies that may be in the picture, the farthest first, and the depth of each one's nearest
+        corner.
+
+        What lies in front of the body that is farther away comes later, whatever their depths.
+        """
+        ahead = _ahead(now)
+        discs = {i: _disc(now, i) for i in ahead}
+        places = [[i, *now.poses[id(now.bodies[i])].tolist()] for i in ahead]
+        x, y, _ = now.view.centre.tolist()
+        if places != self._places or hypot(x - self._eye[0], y - self._eye[1]) > STALE_M:
+            self._places, self._eye, self._order = places, (x, y), _far_to_near(now, discs)
+        return self._order, [discs[i].nearest_m for i in self._order]
+
+
+def _far_to_near(now: Snapshot, discs: "dict[int, Disc]") -> list[int]:
+    """The bodies in the order in which they are drawn."""
+    ahead = list(discs)
+    order = sorted(ahead, key=lambda i: -discs[i].distance_m)
+    if not any(_unclear(discs[i], discs[j]) for n, i in enumerate(order) for j in order[n + 1 :]):
+        return order
+    corners = np.array([_footprint(now, i) for i in ahead])
+    return [ahead[k] for k in far_to_near(corners, now.view.centre[:2])]
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,16 +192,22 @@ def _unclear(farther: Disc, nearer: Disc) -> bool:
     return apart < sum(asin(disc.radius_m / disc.distance_m) for disc in (farther, nearer))
 
 
-def _may_show(now: Snapshot, body: RoadObject) -> bool:
-    """Whether a body or its shadow may be in the picture, by its place alone."""
+def _ahead(now: Snapshot) -> list[int]:
+    """Indices of the bodies that may be in the picture, or their shadows, by their places alone."""
     view = now.view
-    x, y, _ = (now.poses[id(body)] - view.centre).tolist()
     c, s = cos(view.yaw_rad), sin(view.yaw_rad)
-    ahead, aside = c * x + s * y, c * y - s * x
-    length, width, height = body_size(body)
-    reach = length + width + SHADOW_REACH * height
+    eye_x, eye_y, _ = view.centre.tolist()
     slope = 0.5 * view.camera.width_px / view.camera.fx_px
-    return bool(-reach < ahead < RANGE_M and abs(aside) < slope * (ahead + reach) + reach)
+    result = []
+    for index, body in enumerate(now.bodies):
+        x, y, _ = now.poses[id(body)].tolist()
+        ahead, aside = c * (x - eye_x) + s * (y - eye_y), c * (y - eye_y) - s * (x - eye_x)
+        if ahead < RANGE_M and not isinstance(body, Landmark):
+            length, width, height = body_size(body)
+            reach = length + width + SHADOW_REACH * height
+            if -reach < ahead and abs(aside) < slope * (ahead + reach) + reach:
+                result.append(index)
+    return result
 
 
 def body_size(body: RoadObject) -> tuple[float, float, float]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from math import ceil, floor, log2
+from math import ceil
 
 import cv2
 import numpy as np
@@ -184,6 +184,13 @@ class TreeStand:
         scale = np.diag([*tint, 1.0])
         pictures = [tree_picture(variant) for variant in range(VARIANTS)]
         self._levels = [[np.asarray(cv2.transform(level, scale), np.uint8) for level in p.levels] for p in pictures]
+        shapes = [[level.shape[1::-1] for level in p.levels] for p in pictures]
+        self._coarsest = np.array([len(p.levels) - 1 for p in pictures])
+        self._rows = np.array([p.levels[0].shape[0] for p in pictures], float)
+        self._sizes = np.ones((2, VARIANTS, int(self._coarsest.max()) + 1))  # (columns, rows) of each level
+        for variant, shape in enumerate(shapes):
+            self._sizes[:, variant, : len(shape)] = np.array(shape).T
+        self._limits = np.array([[camera.width_px], [camera.height_px]], float)
         self._airs = [_airs(range_m, light, veil) for range_m in RANGES_M]
         # of a function that does not hold the stand: a cycle would keep the pictures of past episodes
         self._faded = lru_cache(FADED_PICTURES)(partial(_through_air, self._levels, self._airs))
@@ -196,20 +203,37 @@ class TreeStand:
 
     def seen(self, view: View) -> list[Sprite]:
         """The trees in view, the farthest first."""
-        camera, eye, axes = view.camera, view.centre, view.axes
-        near = self._close(eye[:2])
-        right, down, depth = axes[:, :2] @ near.feet_m - (axes @ eye)[:, None]
+        variants, depth, corner, size = self._in_view(view)
+        first = np.maximum(np.floor(corner), 0.0)
+        extent = np.minimum(np.ceil(corner + size), self._limits) - first
+        levels = np.floor(np.log2(self._rows[variants] / size[1])).clip(0, self._coarsest[variants]).astype(np.int64)
+        fine = self._sizes[:, variants, levels] / size  # pixels of the picture to one of the frame
+        sources = np.zeros((len(depth), 2, 3))
+        sources[:, 0, 0], sources[:, 1, 1] = fine
+        sources[:, :, 2] = ((first - corner + 0.5) * fine - 0.5).T
+        kinds = np.array((variants, levels, depth / AIR_STEP_M), np.int64).T.tolist()
+        places = np.concatenate((first, extent)).astype(np.int64).T.tolist()
+        return [
+            Sprite(x, y, self._sampled(kind, source, (columns, rows)), far)
+            for kind, source, (x, y, columns, rows), far in zip(kinds, sources, places, depth.tolist(), strict=True)
+            if columns > 0 and rows > 0
+        ]
+
+    def _in_view(self, view: View) -> tuple[Indices, Floats, Floats, Floats]:
+        """Variants (n,) and depths (n,) of the trees in view, the farthest first, and corner (2, n) and size (2, n) px
+        of their pictures in the frame."""
+        camera, near = view.camera, self._close(view.centre[:2])
+        right, down, depth = view.axes[:, :2] @ near.feet_m - (view.axes @ view.centre)[:, None]
         left = right + near.left_m
         wide = self._slope * depth
         shown = (depth > NEAREST_M) & (depth < near.ranges_m) & (left < wide) & (left + near.width_m > -wide)
         index = shown.nonzero()[0]
         index = index[np.argsort(-depth[index], kind="stable")]
-        far = depth[index]
-        places = np.array([left, down + near.top_m, near.width_m, near.height_m]).take(index, axis=1)
-        places *= camera.fy_px / far
-        found = zip(near.variants[index].tolist(), far.tolist(), places.T.tolist(), strict=True)
-        sprites = [self._sprite(camera, *tree) for tree in found]
-        return [sprite for sprite in sprites if sprite is not None]
+        depth = depth[index]
+        place = np.array((left, down + near.top_m, near.width_m, near.height_m)).take(index, axis=1)
+        place *= camera.fy_px / depth
+        middle = ((camera.cx_px,), (camera.cy_px,))
+        return near.variants[index], depth, np.add(place[:2], middle), place[2:]
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, outlines on the ground of the shades of all stems and lumps of leaves."""
@@ -239,24 +263,10 @@ class TreeStand:
             self._middle, self._near = eye, _Near.of(self._trees, self._frames_m, np.flatnonzero(close))
         return self._near
 
-    def _sprite(self, camera: Camera, variant: int, depth_m: float, place: list[float]) -> Sprite | None:
-        """A tree whose picture fills a rectangle (left, top, width, height) px from the optical axis; None if that is
-        out of sight."""
-        left, top, width, height = place
-        left, top = left + camera.cx_px, top + camera.cy_px
-        x0, y0 = max(0, floor(left)), max(0, floor(top))
-        x1, y1 = min(camera.width_px, ceil(left + width)), min(camera.height_px, ceil(top + height))
-        if x0 >= x1 or y0 >= y1:
-            return None
-        levels = self._levels[variant]
-        level = min(max(floor(log2(levels[0].shape[0] / height)), 0), len(levels) - 1)
-        picture = self._faded(variant, level, int(depth_m / AIR_STEP_M))
-        rows, columns = picture.shape[:2]
-        fine_x, fine_y = columns / width, rows / height
-        right_by, down_by = (x0 - left + 0.5) * fine_x - 0.5, (y0 - top + 0.5) * fine_y - 0.5
-        source = np.array(((fine_x, 0.0, right_by), (0.0, fine_y, down_by)))  # of each pixel
-        sampled = cv2.warpAffine(picture, source, (x1 - x0, y1 - y0), flags=SAMPLED, borderValue=NOTHING)
-        return Sprite(x0, y0, np.asarray(sampled, np.uint8), depth_m)
+    def _sampled(self, kind: list[int], source: Floats, size: tuple[int, int]) -> Image:
+        """(rows, columns, 4) a picture (variant, level, step of the air), seen at the places of the `source` (2, 3)."""
+        picture = self._faded(*kind)
+        return np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
 
 
 def _through_air(
