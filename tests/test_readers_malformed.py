@@ -230,7 +230,9 @@ def test_a_picture_that_comes_twice_while_the_car_moves_is_a_gap(valid: Path, tm
 def test_pictures_that_show_nothing_tell_no_speed(valid: Path, tmp_path: Path) -> None:
     folder = copied(valid, "general", tmp_path)
     layouts.video(folder / "drive.mp4", [np.full((64, 96, 3), 90 + k, np.uint8) for k in range(24)])
-    (folder / "drive.toml").write_text("schema = 1\nframes = 'drive.mp4'\n[signals]\nfile = 'empty.csv'\n")
+    (folder / "drive.toml").write_text(
+        "schema = 1\nframes = 'drive.mp4'\n[signals]\nfile = 'empty.csv'\n[camera]\nheight_m = 1.4\n"
+    )
     (folder / "empty.csv").write_text("time_s,speed_mps\n0,nan\n1,nan\n")
     with pytest.raises(InputError, match="general: expected a speed, or poses or pictures of a road to tell it from"):
         readers.read(folder)
