@@ -182,3 +182,48 @@ def test_a_body_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -
     assert speed_mps < wanted(kept + 1.0, speed_mps) <= SPEED_MPS
     assert wanted(0.5 * VehicleModel().length_m + config.standoff_m, 0.0) == 0.0
     assert wanted(60.0, speed_mps) == SPEED_MPS
+
+
+@pytest.mark.parametrize(("speed_mps", "room_m", "crosses"), [(3.0, 2.0, False), (3.0, 9.0, True), (5.4, 2.5, True)])
+def test_nobody_changes_sides_behind_a_body_that_is_reached_meanwhile(
+    speed_mps: float, room_m: float, crosses: bool
+) -> None:
+    """A body ahead in the lane to the right; the own lane and the one to the left become blocked by what stands."""
+    watch = field()
+    along_m = 0.5 * VehicleModel().length_m + room_m
+    ahead = obstacle(along_m, 3.5, speed_mps)
+    watch._last_m = 0.0
+    wall = LaneObstacles(*(np.array([value]) for value in (14.0, -12.0, 1.0, 0.0)))
+    both = LaneObstacles(*(np.concatenate([getattr(ahead, n), getattr(wall, n)]) for n in LaneObstacles.__slots__))
+    wide = replace(LANE, right_m=12.0, left_m=-12.0)
+    assert (watch.update(wide, both).minimum_m > 4.4) == crosses
+
+
+def test_a_body_that_is_faster_comes_up_beside_and_draws_ahead() -> None:
+    """It is seen from when its face is in the picture; its place and speed are those it has."""
+    drive = traffic((vehicle(5.0, 3.2), 9.0))
+    found = Seen().run(drive, range(round(4.0 * RATE_HZ)))
+    believed = [k for k, bodies in enumerate(found) if len(bodies)]
+    last = found[-1]
+    assert believed[0] < 2.5 * RATE_HZ
+    assert last.forward_m[0] == pytest.approx(5.0 + (9.0 - SPEED_MPS) * (len(found) - 1) / RATE_HZ, rel=0.08)
+    assert last.speed_mps[0] == pytest.approx(9.0, abs=0.8)
+    assert 0.5 * (last.left_m[0] + last.right_m[0]) == pytest.approx(3.2, abs=0.5)
+
+
+def test_tracks_that_slip_along_a_line_are_no_body() -> None:
+    """Points at 20 m that seem to drive on at 3 m/s: as high and wide as a body is, but in one line."""
+    along = np.linspace(0.0, 1.0, 9)
+    line = np.column_stack([np.full(9, 20.0), -1.2 + 2.4 * along, 0.1 + 0.9 * along])
+    found = Seen().run(traffic((line, 3.0)), range(180))
+    assert not any((bodies.identity < 0).any() for bodies in found)
+
+
+def test_what_the_road_shines_through_is_no_body() -> None:
+    """A mirror image as wide as a vehicle is crossed by the road's own marks."""
+    ghost = vehicle(20.0, 0.0)
+    rng = stream(32, "road in it")
+    road = np.column_stack([rng.uniform(5.0, 60.0, 900), rng.uniform(-6.0, 6.0, 900), np.zeros(900)])
+    drive = Traffic(np.concatenate([ghost, road]), np.concatenate([np.full(18, 3.0), np.zeros(900)]))
+    found = Seen().run(drive, range(180))
+    assert not any((bodies.identity < 0).any() for bodies in found)

@@ -66,6 +66,7 @@ class Mover:
         self.sigma_mps = sight.sigma_mps  # at a known distance
         self.identity: int | None = None  # once it is believed
         self.log_odds = log_odds  # of a body that moves, against all that stands
+        self.credit = -np.inf  # log-odds that it has at least once it cannot be looked at
         self.tracks = np.empty(0, np.int64)  # identities of those that were of it at the last look
         self.course = Course(sight.speed_mps, float(pose[2]), 0.0)
 

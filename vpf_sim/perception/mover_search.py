@@ -49,6 +49,7 @@ class MoverConfig:
     slowest_share: float = 0.65  # of the closing speed in the own speed,
     equal_share: float = 0.1  # and least
     length_m: float = 4.5  # of a body
+    same_m: float = 1.2  # two that are nearer across are one
     margin_m: float = 0.3  # about it
     tallest_m: float = 3.6
     prior: float = -4.0  # log-odds of what is suspected
@@ -58,7 +59,7 @@ class MoverConfig:
     believed: float = 1.0  # log-odds
     sure: float = 3.0  # from here on its points are no landmarks
     most: float = 6.0
-    fade_per_s: float = 0.6  # of the log-odds while it cannot be looked at
+    fade_per_s: float = 0.25  # of the log-odds while it cannot be looked at
     vague_m: float = 15.0  # standard deviation of the distance, and
     behind_m: float = 25.0  # where it is forgotten
     edge_line_m: float = 0.4  # points whose foot lies so near the edge line inside,

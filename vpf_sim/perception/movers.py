@@ -120,7 +120,10 @@ class MoverTracker:
         forward, right = mover.place(flow.pose)
         depth = forward - self.camera.forward_m
         if not (depth > config.follow_m and abs(right) < config.follow_bearing * depth) or not seen.ripe.any():
-            mover.log_odds -= config.fade_per_s * dt_s if mover.identity is not None else np.inf
+            mover.log_odds = max(mover.log_odds, mover.credit) - config.fade_per_s * dt_s
+            mover.credit = min(mover.credit, mover.log_odds)
+            if mover.identity is None:
+                mover.log_odds = -np.inf
             return mover.mine(flow), within
         follows = abs(own_mps - mover.speed_mps) < config.equal_share * own_mps  # then what is on it stands still
         chosen = np.flatnonzero(within & seen.ripe & (follows | ~seen.still))
@@ -145,6 +148,8 @@ class MoverTracker:
             good = self._speaks_for(mover, seen, chosen, chi2, own_mps, flow.pose)
         gain = config.speaks_for if good else -config.speaks_against
         mover.log_odds = min(mover.log_odds + gain * dt_s / config.independent_s, config.most)
+        if mover.log_odds > config.sure:
+            mover.credit = config.sure  # a body that was sure is not doubted for what the picture's edge leaves of it
         with np.errstate(invalid="ignore"):
             return mover.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
 
@@ -216,7 +221,7 @@ class MoverTracker:
                 alike = abs(mover.speed_mps - other.speed_mps) < 2.0
                 if other.log_odds < min(mover.log_odds, config.believed):
                     continue
-                if alike and abs(ahead) < config.length_m + 1.0 and abs(aside) < other.half_m + mover.half_m + 0.2:
+                if alike and abs(ahead) < config.length_m and abs(aside) < config.same_m:
                     names = [name for name in (mover.identity, other.identity) if name is not None]
                     other.identity = min(names, default=None)
                     break

@@ -23,6 +23,7 @@ from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.types import Floats, VehicleModel
 
 TIE = 1e-9
+CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
 CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
 
 
@@ -163,7 +164,10 @@ class LaneField:
         if not np.any(near):
             return memory
         middle = 0.5 * (obstacles.left_m + obstacles.right_m)[near]
-        beside = gap[near] < 0.0
+        # Behind a body that moves there is room to change sides only if it is not reached meanwhile.
+        speed = obstacles.speed_mps[near]
+        room = CROSSING_M + CROSSING_S * np.maximum(self._speed_reference_mps - speed, 0.0)
+        beside = gap[near] < np.where(speed > 0.0, room, 0.0)
         chosen = np.where(beside, lane.y_m, last) - middle
         other = (self._y_m[None] - middle[:, None]) * np.sign(chosen)[:, None] < 0.0
         height = np.where(beside, config.beside_height, config.latch_height)
