@@ -31,7 +31,7 @@ REMEMBERED_S = 3.0
 class SteadinessConfig:
     settle_s: float = 1.0  # slower changes of the pitch are not told from a drift of the sum
     smoothness: float = 0.1  # weight of a steady rate of pitching within the window
-    least_rad: float = 0.0009  # root mean square of the pitch from which on it is taken out; until it is half of that
+    least_rad: float = 0.0012  # root mean square of the pitch from which on it is taken out; until it is half of that
 
     def __post_init__(self) -> None:
         if not self.settle_s > 0.0:
