@@ -1,7 +1,5 @@
 """The step table: what happened in an episode, one row a frame; every score is a function of it."""
 
-import errno
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan
@@ -10,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vpf_sim.errors import InputError
+from vpf_sim.evaluation import parquet
 from vpf_sim.types import Floats
 
 
@@ -97,31 +95,9 @@ class StepTable:
 
 def write(table: StepTable, path: Path) -> None:
     """A Parquet file, whole or not at all."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_suffix(".draft")
-    columns = [pa.array(column) for column in table.rows.T]
-    try:
-        pq.write_table(pa.table(columns, names=list(Step._fields)), draft, compression="zstd")
-    except OSError as error:  # pyarrow's tells neither the file nor, in plain words, the reason
-        draft.unlink(missing_ok=True)
-        reason = os.strerror(error.errno) if error.errno else str(error)
-        raise OSError(error.errno or errno.EIO, reason, str(path)) from None
-    draft.replace(path)
+    parquet.write(table.rows, Step._fields, path)
 
 
 def read(path: Path) -> StepTable:
     """The table that `write` stored; InputError where there is none of this version's."""
-    import pyarrow.parquet as pq
-
-    try:
-        stored = pq.read_table(path)
-        columns = [stored[name].to_numpy() for name in Step._fields]
-    except FileNotFoundError:
-        raise InputError(f"{path}: expected the steps of an episode, found nothing") from None
-    except (OSError, ValueError, KeyError) as error:  # pyarrow's own are among them
-        reason = " ".join(str(error.args[0] if error.args else error).split())[:120]
-        raise InputError(f"{path}: expected a step table of this version, got: {reason}") from None
-    return StepTable(np.column_stack(columns))
+    return StepTable(parquet.read(path, Step._fields, "the steps of an episode", "step"))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vpf_sim.errors import InputError
+from vpf_sim.evaluation import parquet
 from vpf_sim.types import Floats
 
 
@@ -70,29 +70,9 @@ class FrameTable:
 
 def write(table: FrameTable, path: Path) -> None:
     """A Parquet file, whole or not at all."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_suffix(".draft")
-    columns = pa.table([pa.array(column) for column in table.rows.T], names=list(FrameRow._fields))
-    try:
-        pq.write_table(columns, draft, compression="zstd")
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+    parquet.write(table.rows, FrameRow._fields, path)
 
 
 def read(path: Path) -> FrameTable:
     """The table that `write` stored; InputError where there is none of this version's."""
-    import pyarrow.parquet as pq
-
-    try:
-        stored = pq.read_table(path)
-        columns = [stored[name].to_numpy() for name in FrameRow._fields]
-    except FileNotFoundError:
-        raise InputError(f"{path}: expected the frames of a replayed drive, found nothing") from None
-    except (OSError, ValueError, KeyError) as error:  # pyarrow's own are among them
-        reason = " ".join(str(error.args[0] if error.args else error).split())[:120]
-        raise InputError(f"{path}: expected a frame table of this version, got: {reason}") from None
-    return FrameTable(np.column_stack(columns))
+    return FrameTable(parquet.read(path, FrameRow._fields, "the frames of a replayed drive", "frame"))

@@ -1,0 +1,43 @@
+"""Tables of numbers as Parquet files, whole or not at all, with their faults told in plain words."""
+
+import errno
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.types import Floats
+
+
+def write(rows: Floats, names: Sequence[str], path: Path) -> None:
+    """The columns of (N, C) rows under their names."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_suffix(".draft")
+    columns = [pa.array(column) for column in rows.T]
+    try:
+        pq.write_table(pa.table(columns, names=list(names)), draft, compression="zstd")
+    except OSError as error:  # pyarrow's tells neither the file nor, in plain words, the reason
+        draft.unlink(missing_ok=True)
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise OSError(error.errno or errno.EIO, reason, str(path)) from None
+    draft.replace(path)
+
+
+def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:
+    """(N, C) of a file that `write` stored: `what` it has, in a table of this `kind`; else InputError."""
+    import pyarrow.parquet as pq
+
+    try:
+        stored = pq.read_table(path)
+        columns = [stored[name].to_numpy() for name in names]
+    except FileNotFoundError:
+        raise InputError(f"{path}: expected {what}, found nothing") from None
+    except (OSError, ValueError, KeyError) as error:  # pyarrow's own are among them
+        reason = " ".join(str(error.args[0] if error.args else error).split())[:120]
+        raise InputError(f"{path}: expected a {kind} table of this version, got: {reason}") from None
+    return np.column_stack(columns)
