@@ -11,6 +11,7 @@ import rendered_drive as rendered
 from vpf_sim import cli
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.replay import added_water, frame_table
+from vpf_sim.types import Command, DriverSetup, Observation
 
 BEND_M = 100.0
 
@@ -127,3 +128,30 @@ def test_the_water_is_on_the_pictures() -> None:
     pairs = [(a.image, b.image) for a, b in zip(dry.frames(), wet.frames(), strict=True)][:10]
     changed = [np.mean(np.any(a != b, axis=2)) for a, b in pairs if a is not None and b is not None]
     assert 0.01 < np.median(changed) < 0.5
+
+
+class Weary:
+    """A driver that is stopped from outside on its second drive."""
+
+    privileged = "none"
+    drives = 0
+
+    def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002
+        Weary.drives += 1
+
+    def act(self, observation: Observation) -> Command:  # noqa: ARG002
+        if Weary.drives == 2:
+            raise KeyboardInterrupt
+        return Command(0.0, 0.0)
+
+
+def test_what_stopped_it_tells_the_way_back(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    driver, out = f"{__name__}:Weary", tmp_path / "out"
+    assert cli.run(["replay", str(drive), str(drive), "--driver", driver, "--no-video", "--out", str(out)]) == 130
+    said = capsys.readouterr().err.splitlines()
+    assert said == [
+        "stopped with 1 of 2 drives stored",
+        f"go on with: vpf-sim replay {drive} {drive} --driver {driver} --no-video --out {out} --resume",
+    ]
+    assert cli.run(said[1].split("vpf-sim ", 1)[1].split(" ")) == 0
+    assert "bend-2" in capsys.readouterr().out

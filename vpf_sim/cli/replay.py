@@ -1,5 +1,6 @@
 """`vpf-sim replay`: a driver on recorded drives."""
 
+import shlex
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -10,6 +11,7 @@ import typer
 
 from vpf_sim.cli.options import DriverOption, JsonOption, MixedOption, OutOption, ResumeOption, print_json
 from vpf_sim.cli.options import prints_on_stderr as drivers_speak
+from vpf_sim.cli.progress import say
 from vpf_sim.errors import InputError
 
 if TYPE_CHECKING:
@@ -65,9 +67,19 @@ def replay(
         summary = folder.summarize()
         if folder.done or code != 2:  # a wrong input alone has no answer
             _answer(folder, summary, json)
+    except (KeyboardInterrupt, OSError):
+        say(f"stopped with {len(folder.done)} of {len(recordings)} drives stored")
+        say(f"go on with: {_way_back(drive, driver, water, video, folder.path)}")
+        raise
     finally:
         folder.close()
     raise typer.Exit(code)
+
+
+def _way_back(drives: list[Path], driver: str, water: str | None, video: bool, folder: Path) -> str:
+    """The command that goes on with the replay."""
+    words = ["vpf-sim", "replay", *map(str, drives), "--driver", driver, *([] if water is None else ["--water", water])]
+    return shlex.join([*words, *([] if video else ["--no-video"]), "--out", str(folder), "--resume"])
 
 
 def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
