@@ -49,7 +49,7 @@ class MoverConfig:
     slowest_share: float = 0.65  # of the closing speed in the own speed,
     equal_share: float = 0.1  # and least
     length_m: float = 4.5  # of a body
-    same_m: float = 1.2  # two that are nearer across are one
+    same_m: float = 1.2  # two that are nearer across are one, where the nearer is predicted
     margin_m: float = 0.3  # about it
     tallest_m: float = 3.6
     prior: float = -4.0  # log-odds of what is suspected

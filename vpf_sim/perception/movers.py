@@ -221,7 +221,9 @@ class MoverTracker:
                 alike = abs(mover.speed_mps - other.speed_mps) < 2.0
                 if other.log_odds < min(mover.log_odds, config.believed):
                     continue
-                if alike and abs(ahead) < config.length_m and abs(aside) < config.same_m:
+                in_sight = other.depth_m(pose) > config.follow_m
+                near = other.half_m + mover.half_m + 0.2 if in_sight else config.same_m  # a prediction may be off
+                if alike and abs(ahead) < config.length_m + in_sight and abs(aside) < near:
                     names = [name for name in (mover.identity, other.identity) if name is not None]
                     other.identity = min(names, default=None)
                     break
