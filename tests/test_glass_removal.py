@@ -119,6 +119,27 @@ def test_a_blade_is_seen_while_it_is_there() -> None:
     assert watch.update(road(13)) is None
 
 
+def test_a_post_beside_the_road_is_no_blade() -> None:
+    watch = BladeWatch(CAMERA, RATE_HZ)
+    for k in range(12):
+        watch.update(road(k))
+    post = road(12).copy()
+    cv2.line(post, (300, 0), (300, 239), 20, 9)
+    assert watch.update(post) is None
+
+
+def test_a_line_that_is_a_little_off_the_way_is_no_spot() -> None:
+    """The direction of motion is not known exactly: the camera may look 2 deg aside."""
+    watch = SpotWatch(CAMERA, SpotConfig(), RATE_HZ)
+    line = np.zeros((240, 400), np.uint8)
+    cv2.line(line, (210, 40), (80, 239), 255, 9)
+    for k in range(14):
+        frame = road(k).copy()
+        cv2.line(frame, (210, 40), (80, 239), 255, 5, cv2.LINE_AA)
+        watch.update(frame, pose_at(k))
+    assert (watch.spots()[line > 0] != 0).mean() < 0.1
+
+
 @pytest.mark.parametrize("mode", ["grey", "colour"])
 def test_what_was_seen_before_fills_the_spots_better_than_what_is_around_them(mode: str) -> None:
     mask, restoration, glass = spots(), Restoration(CAMERA), GlassMask(CAMERA, RATE_HZ)

@@ -13,6 +13,7 @@ SAMPLE_S, SAMPLES, FEWEST = 0.1, 8, 4
 DARKER = 15.0  # grey levels than the median of the samples, at least, and
 DEVIATIONS = 4.0  # median absolute deviations
 HEIGHT_SHARE = 0.6  # of the picture's, that a blade crosses at least
+WIDTH_PX = 1.5  # of the reduced picture, at least: 4 deg; a post beside the road is thinner
 
 
 class BladeWatch:
@@ -40,5 +41,7 @@ class BladeWatch:
         limit = np.maximum(DARKER, DEVIATIONS * np.median(np.abs(samples - usual), axis=0))
         dark = (usual - small > limit).astype(np.uint8)
         count, label, boxes, _ = cv2.connectedComponentsWithStats(dark)
-        tall = [k for k in range(1, count) if boxes[k, cv2.CC_STAT_HEIGHT] >= HEIGHT_SHARE * len(small)]
-        return np.isin(label, tall).astype(np.uint8) * 255 if tall else None
+        height, area = boxes[:, cv2.CC_STAT_HEIGHT], boxes[:, cv2.CC_STAT_AREA]
+        like_a_blade = (height >= HEIGHT_SHARE * len(small)) & (area >= WIDTH_PX * height)
+        blades = [k for k in range(1, count) if like_a_blade[k]]
+        return np.isin(label, blades).astype(np.uint8) * 255 if blades else None

@@ -31,7 +31,8 @@ class SpotConfig:
     sample_s: float = 0.05  # between two samples, or a frame where these are fewer
     memory_s: float = 0.4
     coherence: float = 0.35  # square of the mean slope over the mean square, above which it stays
-    noise: float = 4.0  # grey levels / px of the reduced picture: slopes below it say nothing
+    noise: float = 4.0  # grey levels / px of the reduced picture: slopes below it say nothing, nor do those below
+    aside: float = 0.15  # this share of the steepest slope: the direction of motion is not known exactly
     least_motion_px: float = 3.0  # of the reduced picture, of the scene within the memory
 
     def __post_init__(self) -> None:
@@ -69,7 +70,7 @@ class SpotWatch:
         self._centres = self._cell_centres()
         self._slope, self._square, self._weight = (np.zeros(self.shape, np.float32) for _ in range(3))
         # Memory taken anew costs as much as what is done with it.
-        self._right, self._down, self._share = (np.zeros(self.shape, np.float32) for _ in range(3))
+        self._right, self._down, self._share, self._steepness = (np.zeros(self.shape, np.float32) for _ in range(4))
         self._ones = np.ones(self.shape, np.float32)
         self._moved_px = np.zeros(self._cells, np.float32)
         self._pose: Floats | None = None
@@ -91,11 +92,15 @@ class SpotWatch:
         right, down = self._right, self._down
         cv2.Sobel(small, cv2.CV_32F, 1, 0, right, scale=0.125)
         cv2.Sobel(small, cv2.CV_32F, 0, 1, down, scale=0.125)
+        share, steepness = self._share, self._steepness
+        steepness[:] = 0.0
         for slope, axis in ((right, 0), (down, 1)):
-            cv2.resize(direction[axis], self.shape[::-1], self._share)
-            cv2.multiply(slope, self._share, slope)
+            cv2.accumulateSquare(slope, steepness)
+            cv2.resize(direction[axis], self.shape[::-1], share)
+            cv2.multiply(slope, share, slope)
         cv2.add(right, down, right)
-        cv2.multiply(right, right, down)
+        cv2.multiply(steepness, self._config.aside**2, down)
+        cv2.accumulateSquare(right, down)
         cv2.accumulateWeighted(right, self._slope, self._gain)
         cv2.accumulateWeighted(down, self._square, self._gain)
         cv2.accumulateWeighted(self._ones, self._weight, self._gain)
