@@ -59,6 +59,9 @@ def test_the_scores_stand_beside_those_of_touching_nothing(bend: tuple[dict[str,
     count = rendered.FRAMES
     assert scores["frames"] == {"whole": count, "clear_of_obstacles": count, "with_obstacles": 0}
     assert scores["with_obstacles"] == {"throttle": None, "steering": None}
+    lane = scores["lane"]
+    assert lane["found"]["frames"] + lane["not_found"]["frames"] == count
+    assert lane["found"]["steering"]["mae"] < lane["found"]["idle"]["mae"]
     assert record["goal"] == "the last pose of each segment"
     assert record["signal_checks"]["yaw_rate"]["gain"] == pytest.approx(1.0, abs=1e-3)
 

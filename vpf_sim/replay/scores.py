@@ -1,5 +1,6 @@
 """How right a driver was on a recording: its commands beside the human's, and what it saw beside the truth."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -44,6 +45,23 @@ def accuracies(table: FrameTable, rate_hz: float) -> dict[str, Any] | None:
         **{part: scores(parts[part], False) for part in PARTS},
         "frames": {name: None if mask is None else int(mask.sum()) for name, mask in masks.items()},
         "idle": {**scores(whole, True), **{part: scores(parts[part], True) for part in PARTS}},
+        "lane": {name: _steering_beside_idle(scores, mask) for name, mask in _lane_masks(table).items()},
+    }
+
+
+def _lane_masks(table: FrameTable) -> dict[str, Bools]:
+    """Frames in which a lane was found, and in which none was; both empty for a driver that looks for none."""
+    return {"found": table.road_found == 1.0, "not_found": table.road_found == 0.0}
+
+
+def _steering_beside_idle(
+    scores: Callable[[Bools | None, bool], dict[str, Accuracy | None]], mask: Bools
+) -> dict[str, Any]:
+    """Where no lane is found the driver goes where the car points, so its steering there says little of it."""
+    return {
+        "frames": int(mask.sum()),
+        "steering": scores(mask, False)["steering"],
+        "idle": scores(mask, True)["steering"],
     }
 
 

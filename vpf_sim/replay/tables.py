@@ -31,6 +31,7 @@ def tables(
         real_images(summary["rows"], summary["differences"]),
         drives(records),
         origins(records),
+        lanes(records),
         checks(records),
         perception(records),
         compute(records, timing),
@@ -111,6 +112,25 @@ def origins(records: Sequence[dict[str, Any]]) -> Table:
         for name in TOLD
     ]
     return Table("What is recorded and what is not", ("drive", "signal", "is", "how"), tuple(rows), 4)
+
+
+def lanes(records: Sequence[dict[str, Any]]) -> Table:
+    """The steering where a lane was found, and where none was."""
+    header = ("drive", "lane", "frames", "δ range", "δ span", "δ mae", "idle mae")
+    rows = [
+        _lane(record["name"], words, record["accuracy"]["lane"][key])
+        for record in records
+        if record["accuracy"] and record["perception"]["road_found_share"] is not None
+        for key, words in (("found", "found"), ("not_found", "not found"))
+    ]
+    note = "Where no lane is found the driver goes straight ahead of where the car points: there it follows the human."
+    return Table("Steering with and without a lane", header, tuple(row for row in rows if row[2] != "0"), 2, (note,))
+
+
+def _lane(name: str, words: str, part: dict[str, Any]) -> tuple[str, ...]:
+    scores, idle = part["steering"] or {}, part["idle"] or {}
+    shares = [worded(scores.get(key), 1, True) for key in ("range", "span")]
+    return (name, words, str(part["frames"]), *shares, *(worded(one.get("mae"), 4) for one in (scores, idle)))
 
 
 def checks(records: Sequence[dict[str, Any]]) -> Table:
