@@ -99,7 +99,7 @@ class SpotWatch:
             cv2.resize(direction[axis], self.shape[::-1], share)
             cv2.multiply(slope, share, slope)
         cv2.add(right, down, right)
-        cv2.multiply(steepness, self._config.aside**2, down)
+        np.multiply(steepness, np.float32(self._config.aside**2), out=down)
         cv2.accumulateSquare(right, down)
         cv2.accumulateWeighted(right, self._slope, self._gain)
         cv2.accumulateWeighted(down, self._square, self._gain)
