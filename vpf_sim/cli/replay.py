@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from vpf_sim.replay.replay_folder import ReplayFolder
 
 DrivesArgument = Annotated[
-    list[Path], typer.Argument(metavar="DRIVE", help="Folders of recordings; docs/own-drives.md tells the layouts.")
+    list[Path],
+    typer.Argument(metavar="DRIVE", help="Folders of recordings, or videos; docs/recordings.md tells the layouts."),
 ]
 
 
