@@ -1,5 +1,6 @@
 """Worker processes that die, hang, fail, or are left."""
 
+import importlib
 import os
 import platform
 import signal
@@ -108,6 +109,22 @@ def test_a_worker_that_cannot_end_itself_is_killed(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(pool, "GRACE_S", 5.0)
     done = {one.task: one.result for one in pool.run(stand_still, range(5), workers=1, limit_s=second)}
     assert done == {0: 0, 1: 1, 2: 2, 3: None, 4: 4}
+
+
+def test_a_slow_start_takes_no_time_of_the_task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "slow_start.py").write_text("import time\ntime.sleep(2.5)\ndef same(number): return number\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(pool, "GRACE_S", 1.0)
+    work = importlib.import_module("slow_start").same
+    done = list(pool.run(work, range(2), workers=1, limit_s=second))
+    assert [(one.result, one.attempts) for one in done] == [(0, 1), (1, 1)]
+
+
+def test_a_worker_that_never_starts_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "GRACE_S", 0.0)
+    monkeypatch.setattr(pool, "START_S", -1.0)
+    (done,) = pool.run(square, [3], workers=1, limit_s=second)
+    assert done.reason.startswith("took longer than 1 s, 2 times of 2")
 
 
 def test_what_a_worker_raises_ends_all() -> None:

@@ -24,7 +24,8 @@ Result = TypeVar("Result")
 Limit = Callable[[Task], float]  # s that a task may take
 ATTEMPTS = 2
 LOOK_S = 600.0  # at the longest between two looks at the clock
-GRACE_S = 30.0  # beyond its limit until a worker that did not end itself is killed; it may still be starting
+GRACE_S = 30.0  # beyond its limit until a worker that did not end itself is killed
+START_S = 600.0  # for a worker to take up its first task: starting is slow on a busy machine, and no fault of the task
 SPAWN = multiprocessing.get_context("spawn")  # a fork would copy the parent's threads' locks and OpenCV's state
 
 
@@ -37,6 +38,10 @@ class Done(Generic[Task, Result]):
     attempts: int
     worker: int | str
     reason: str = ""
+
+
+class _Begun:
+    """What a worker says when it takes up a task: its time runs from then on."""
 
 
 @dataclass(slots=True)
@@ -77,7 +82,7 @@ def run(
                     _send(worker, *waiting.popleft(), limit_s)
             for worker in _ready(team):
                 done = _receive(worker, waiting)
-                if not worker.process.is_alive():
+                if worker.task is None and not worker.process.is_alive():
                     team[team.index(worker)] = _start(worker.number, work)
                 if done is not None:
                     yield done
@@ -100,7 +105,7 @@ def _start(number: int, work: Callable[[Task], Any]) -> "_Worker[Task]":
 
 def _send(worker: "_Worker[Task]", task: Task, attempt: int, limit_s: "Limit[Task]") -> None:
     """Hand out the task; a worker that died meanwhile is noticed when its answer is read."""
-    worker.task, worker.attempt, worker.limit_s, worker.begun_s = task, attempt, limit_s(task), monotonic()
+    worker.task, worker.attempt, worker.limit_s, worker.begun_s = task, attempt, limit_s(task), monotonic() + START_S
     with suppress(BrokenPipeError, ConnectionResetError):
         worker.connection.send((task, worker.limit_s))
 
@@ -118,13 +123,17 @@ def _ready(team: "list[_Worker[Task]]") -> "list[_Worker[Task]]":
 
 
 def _receive(worker: "_Worker[Task]", waiting: "deque[tuple[Task, int]]") -> "Done[Task, Any] | None":
-    """What the worker answers; None if it died and its task waits for another attempt."""
+    """What the worker answers; None if it has just begun, or died and its task waits for another attempt."""
     task, attempt = worker.task, worker.attempt
     assert task is not None
-    worker.task = None
     try:
         answer = worker.connection.recv()
+        if isinstance(answer, _Begun):
+            worker.begun_s = monotonic()
+            return None
+        worker.task = None
     except (EOFError, ConnectionResetError):
+        worker.task = None
         worker.process.join()
         if attempt < ATTEMPTS:
             waiting.appendleft((task, attempt + 1))
@@ -159,6 +168,7 @@ def _serve(connection: Connection, log: Connection, work: Callable[[Any], Any]) 
             task, limit_s = connection.recv()
         except EOFError:
             return
+        connection.send(_Begun())
         try:
             with watchdog.at_most(limit_s, log.fileno()):
                 answer = work(task)
