@@ -113,6 +113,20 @@ def test_what_flashes_up_is_forgotten() -> None:
     assert not any(len(bodies) for bodies in recorded([12.0, np.nan, np.nan, np.nan, 9.8, np.nan, np.nan, np.nan, 7.6]))
 
 
+@pytest.mark.parametrize(("flashes", "hits"), [(0, 3), (2, 5)])
+def test_where_spots_flash_up_everywhere_it_takes_more_looks(flashes: int, hits: int) -> None:
+    rng, numbers = stream(33, "flashes"), iter(range(50))
+    book, step = SpotBook(SpotConfig(), lambda: next(numbers)), SPEED_MPS / LOOKS_HZ
+    for k in range(60):
+        spots = [Spot(float(place), -2.4, -2.0, 25.0) for place in rng.uniform(7.0, 30.0, flashes)]
+        if k >= 40:
+            spots.append(Spot(13.0 - (k - 40) * step, 0.6, 1.4, 25.0))
+        book.record(spots, np.array([k * step, 0.0, 0.0]))
+        if np.any(book.bodies(np.array([k * step, 0.0, 0.0])).right_m > 1.0):
+            break
+    assert k - 40 + 1 == hits
+
+
 def test_behind_a_body_the_road_is_hidden_from_either_place() -> None:
     none, config = np.full(1, np.inf), SpotConfig()
     body = Obstacles(np.array([8.0]), np.array([-1.0]), np.array([1.0]), np.ones(1), none, np.zeros(1, np.int64))

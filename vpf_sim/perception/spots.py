@@ -15,6 +15,9 @@ class SpotConfig:
     """When a spot is believed: seen so often at one place of the world, over so long a way."""
 
     hits: int = 3
+    more_hits: int = 2  # that it takes besides while spots flash up everywhere, as they do in rain:
+    busy: float = 0.3  # that many new ones a look,
+    busy_looks: float = 20.0  # on average over so many
     way_m: float = 1.0  # of the car between the first and the last hit,
     nearer_share: float = 0.6  # and by how much of it the spot came nearer: a drop on the glass does not
     misses: int = 3  # in a row, after which one that is not believed is forgotten
@@ -49,10 +52,13 @@ class SpotBook:
         self.config = config
         self._next_identity = next_identity
         self._known: list[_Candidate] = []
+        self._fresh_rate = 0.0  # new spots a look
 
     def record(self, spots: list[Spot], pose: Floats) -> None:
         """Count one look, of the vehicle at `pose`."""
+        before = len(self._known)
         hit = [self._count(spot, pose) for spot in spots]
+        self._fresh_rate += (len(self._known) - before - self._fresh_rate) / self.config.busy_looks
         for one in self._known:
             if not any(one is other for other in hit):
                 one.misses += 1
@@ -79,11 +85,15 @@ class SpotBook:
                 one.width_m += config.newest * (width - one.width_m)
                 way = float(np.hypot(*(pose[:2] - one.first_m)))
                 stands = way >= config.way_m and one.first_forward_m - spot.forward_m > config.nearer_share * way
-                if one.identity is None and one.hits >= config.hits and stands:
+                if one.identity is None and one.hits >= self._hits_needed and stands:
                     one.identity = self._next_identity()
                 return one
         self._known.append(_Candidate(world_from_vehicle(here, pose), width, pose[:2].copy(), spot.forward_m))
         return self._known[-1]
+
+    @property
+    def _hits_needed(self) -> int:
+        return self.config.hits + (self.config.more_hits if self._fresh_rate > self.config.busy else 0)
 
     def _is_kept(self, one: _Candidate, pose: Floats) -> bool:
         if one.identity is None:
