@@ -2,13 +2,11 @@
 
 import importlib
 import os
-import platform
 import signal
 import time
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from vpf_sim.evaluation import pool
@@ -140,28 +138,3 @@ def test_workers_have_one_thread_and_the_parents_environment_is_left_alone(monke
 
 def test_no_tasks_need_no_workers() -> None:
     assert list(pool.run(square, [], workers=2, limit_s=minute)) == []
-
-
-HELD: list[np.ndarray] = []
-
-
-def resident_after_waste(_: int) -> tuple[float, float]:
-    """MiB in use before and after a hundred were taken in small pieces; all but the last piece are free again."""
-    before = resident_mib()
-    pieces = [np.ones(12_500) for _ in range(1000)]
-    HELD.append(pieces[-1])  # on top of the heap, which thus cannot shrink by itself
-    return before, resident_mib()
-
-
-def resident_mib() -> float:
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
-
-
-@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="only glibc can be asked to give memory back")
-def test_what_a_task_freed_does_not_stay_with_the_worker() -> None:
-    first, then = (done.result for done in pool.run(resident_after_waste, range(2), 1))
-    assert first is not None
-    assert then is not None
-    assert first[1] > first[0] + 60.0
-    assert then[0] < first[1] - 60.0

@@ -16,7 +16,6 @@ from time import monotonic
 from typing import Any, Generic, TypeVar
 
 from vpf_sim.evaluation import watchdog
-from vpf_sim.evaluation.memory import give_back_memory
 from vpf_sim.evaluation.threads import limit_opencv, limited_environment
 
 Task = TypeVar("Task")
@@ -175,8 +174,6 @@ def _serve(connection: Connection, log: Connection, work: Callable[[Any], Any]) 
         except Exception as error:
             answer = error
         connection.send(answer)
-        del task, answer
-        give_back_memory()
 
 
 def _end_with_parent() -> None:
