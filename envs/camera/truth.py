@@ -3,7 +3,6 @@
 All of it belongs to the pixels of frame k and to the motion from frame k-1 to k; the first frame counts as standing.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -11,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.lens import Lens
-from vpf_sim.envs.camera.things.painter import SHIFT, Drawing, Sprite, bounding_box
+from vpf_sim.envs.camera.things.painter import SHIFT, Drawing, Sprite
 from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Bools, Camera, Floats
+from vpf_sim.types import Camera, Floats
 
 Singles = NDArray[np.float32]
 STANDING_M = 1e-6  # a camera that moved less stands
@@ -102,45 +101,33 @@ def _rays(camera: Camera, pixels: Floats) -> Floats:
 def _rasterised(view: View, drawn: list[Drawn]) -> tuple[NDArray[np.int32], Floats]:
     """(h, w) which of `drawn` owns each pixel of the pinhole's picture (-1: ground or sky); (h, w, 3) the plane seen
     there, whose inverse depth at a pixel's ray is the dot product."""
-    shape = (view.camera.height_px, view.camera.width_px)
-    owner = np.full(shape, -1, np.int32)
-    planes = np.empty((*shape, 3))
-    planes[:] = -view.axes[:, 2] / view.centre[2]
+    label = np.zeros((view.camera.height_px, view.camera.width_px), np.int32)
+    owners, planes = [-1], [-view.axes[:, 2] / view.centre[2]]
     for index, thing in enumerate(drawn):
-        for covered, plane in _covered(thing.drawing, shape):
-            planes[covered] = plane
-            owner[covered] = index
-    return owner, planes
+        drawing = thing.drawing
+        if isinstance(drawing, Sprite):
+            x0, y0, x1, y1 = drawing.box
+            label[y0:y1, x0:x1][drawing.through[..., 0] < 128] = len(owners)
+            owners.append(index)
+            planes.append(np.array([0.0, 0.0, 1.0 / drawing.depth_m]))
+            continue
+        for polygon, plane in zip(_fixed(drawing.polygons_px), drawing.planes, strict=True):
+            cv2.fillConvexPoly(label, polygon, (len(owners),), cv2.LINE_8, SHIFT)
+            owners.append(index)
+            planes.append(plane)
+    return np.array(owners, np.int32).take(label), np.array(planes).take(label, axis=0)
+
+
+def _fixed(polygons: Floats) -> NDArray[np.int32]:
+    """Pixels in OpenCV's fixed point."""
+    return np.asarray(np.rint(polygons * 2**SHIFT), np.int32)
 
 
 def _depth(rays: Floats, planes: Floats) -> Floats:
     """(H, W) m along the optical axis, inf where the ray does not meet its plane."""
-    inverse = np.sum(rays * planes, axis=-1)
+    inverse = np.einsum("ijk,ijk->ij", rays, planes)
     depth: Floats = np.divide(1.0, inverse, out=np.full(inverse.shape, np.inf), where=inverse > 0.0)
     return depth
-
-
-def _covered(
-    drawing: Drawing | Sprite, shape: tuple[int, ...]
-) -> Iterator[tuple[tuple[NDArray[np.intp], ...], Floats]]:
-    """The pixels of each face, as indices, and its plane: inverse depth at a pixel's ray is the dot product."""
-    if isinstance(drawing, Sprite):
-        rows, columns = np.nonzero(drawing.through[..., 0] < 128)
-        yield (rows + drawing.y, columns + drawing.x), np.array([0.0, 0.0, 1.0 / drawing.depth_m])
-        return
-    for polygon, plane in zip(drawing.polygons_px, drawing.planes, strict=True):
-        box = bounding_box(polygon, shape)
-        if box is not None:
-            x0, y0, x1, y1 = box
-            rows, columns = np.nonzero(covered_pixels(polygon - (x0, y0), (y1 - y0, x1 - x0)))
-            yield (rows + y0, columns + x0), plane
-
-
-def covered_pixels(polygon: Floats, shape: tuple[int, ...]) -> Bools:
-    """(H, W) the pixels whose centre lies in a convex polygon."""
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillConvexPoly(mask, np.rint(polygon * 2**SHIFT).astype(np.int32), 1, cv2.LINE_8, SHIFT)
-    return mask.astype(bool)
 
 
 def _motion(

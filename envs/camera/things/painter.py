@@ -262,15 +262,6 @@ def _flush(frame: Image, layer: _Layer) -> None:
     _lay(frame, x0, y0, canvas)
 
 
-def bounding_box(polygons: Floats, shape: tuple[int, ...]) -> Box | None:
-    """x0, y0, x1, y1 of the pixels that polygons (..., 2) may touch, within the picture; None if there are none."""
-    points = polygons.reshape(-1, 2)
-    low, high = points.min(axis=0) - 1.0, points.max(axis=0) + 2.0
-    x0, y0 = np.maximum(np.floor(low), 0.0)
-    x1, y1 = np.minimum(np.ceil(high), [shape[1], shape[0]])
-    return (int(x0), int(y0), int(x1), int(y1)) if x0 < x1 and y0 < y1 else None
-
-
 def footprint(pose: Floats, length: float, width: float) -> Floats:
     """(4, 2) m, the corners of a body at a pose (x, y, heading)."""
     x, y, heading = pose.tolist()
