@@ -31,6 +31,7 @@ class MoverConfig:
     least_points: int = 2  # that raise suspicion
     least_members: int = 4  # of a look that speaks for a body
     least_share: float = 0.6  # of the tracks in its outline
+    stray: float = 0.35  # what a track counts against a body that nothing explains: rain slides down the glass
     kept_share: float = 0.4  # once it is believed
     least_thickness_m: float = 0.2  # of its points about a line: tracks slip along lines
     car_m: float = 2.0  # a body that is higher is no car's,
@@ -118,7 +119,9 @@ def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: 
     found: list[Integers] = []
     while len(found) < most:
         count = np.count_nonzero(alike, axis=1)
-        good = (count >= config.least_members) & (count >= 0.5 * np.count_nonzero(inside, axis=1))
+        stands = np.count_nonzero(inside & ~alike & (seen.standing[ripe] < config.chi2_limit), axis=1)
+        stray = np.count_nonzero(inside & ~alike, axis=1) - stands
+        good = (count >= config.least_members) & (count >= stands + config.stray * stray)
         if not good.any():
             break
         best = int(np.argmax(np.where(good, count, 0)))

@@ -195,7 +195,8 @@ class MoverTracker:
         count = int(np.count_nonzero(face & inside))
         beyond_doubt = int(np.count_nonzero(face & (seen.standing[chosen] - chi2 > config.chi2_limit)))
         strange = inside & ~face
-        against_it = 0.5 * (np.count_nonzero(strange & seen.road[chosen]) + np.count_nonzero(strange))
+        stands = np.count_nonzero(strange & (seen.standing[chosen] < config.chi2_limit))
+        against_it = stands + config.stray * (np.count_nonzero(strange) - stands)
         low, high = np.min(height[face]), np.max(height[face])
         upright = count >= config.least_members and low < config.foot_m and high - low > config.least_height_m
         least = config.least_share if mover.identity is None else config.kept_share
