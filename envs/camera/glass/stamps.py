@@ -29,7 +29,7 @@ class Stamp:
     source: NDArray[np.int32]  # (h, w) where in the small pictures of the scene it looks, from its anchor; packed
 
 
-@lru_cache(maxsize=2048)
+@lru_cache(maxsize=512)
 def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tuple[int, int]) -> Stamp:
     """The stamp of a spot of `size` (width, height) with a disc of `blur`, all in 1/8 px of the planes; `scene` is the
     (height, width) of the small picture. Pictures of all `SHADES` lie one below the other."""
