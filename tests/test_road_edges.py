@@ -102,7 +102,7 @@ def test_the_number_of_lanes_and_their_width_are_seen(lanes: int, width: float, 
     """An edge is known where the patch of road that is looked at shows it."""
     half = 0.5 * lanes * width
     place = half - (lane - 0.5) * width + 0.2
-    *_, (last, _) = follow(RoadPicture(Camera(), curvature, half_width_m=half, lane_width_m=width), place, 0.0, 12)
+    *_, (last, _) = follow(RoadPicture(Camera(), curvature, half_width_m=half, lane_width_m=width), place, 0.0, 36)
     seen_m = RoadEdgeConfig().half_width_m - 0.5
     for edge, truth in ((last.left_m, -half - place), (last.right_m, half - place)):
         assert edge == pytest.approx(truth, abs=0.1) or abs(truth) > seen_m

@@ -61,7 +61,7 @@ def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> Non
     hidden = np.repeat(stream(32, "water").random((20, 96)) < 0.5, 5, axis=1)
     tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
     place = 7.0 - 3.5 * (lane - 0.5)
-    for i in range(9):
+    for i in range(17):
         pose = whole.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
         frame = np.where(hidden[i][:, None, None], bare.draw(pose, i), whole.draw(pose, i))
         edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)

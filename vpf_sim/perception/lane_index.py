@@ -25,9 +25,12 @@ HIDDEN = float(np.log(0.15))  # the least that a line can say by not being seen:
 LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says nothing
 LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
 FORGET = 0.85  # of the evidence, kept from one judgement to the next
+WEIGHT = 0.7  # of one judgement's evidence: what is seen in the next is mostly the same road
+GROUND = 0.3  # weight of the ground beside that of the lines: on a wet road it has the colours of what it mirrors
 LINE_REACH_M = 0.2
 MOST_LANES = 6
 UNLIKELY = float(np.log(0.02))  # of every other number of lanes, against the likely one
+UNLIKELY_LANE = float(np.log(0.2))  # of having begun in another lane
 SWITCH = float(np.log(0.97 / 0.03))  # by which other edges must be likelier, lasting, to be taken
 # Edges are left for others that have been likelier for this share of the time they were followed, at most so many
 # judgements: a frame's lines and ground stay in view for seconds, so judgements repeat each other's errors.
@@ -81,6 +84,7 @@ class LaneIndex:
     def start(cls, lanes: int, lane: int) -> "LaneIndex":
         """Before any evidence: so many lanes, and the road was found in this one, counted from the right."""
         prior = np.where(EDGES[:, 1] - EDGES[:, 0] == lanes, 0.0, UNLIKELY)
+        prior += np.where(EDGES[:, 1] == lane, 0.0, UNLIKELY_LANE)
         return cls(prior, np.zeros(len(EDGES)), _index_of(lane - lanes, lane))
 
     @property
@@ -107,8 +111,9 @@ class LaneIndex:
 
     def judge(self, state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye) -> None:
         """Take in one frame, and other edges if they are likelier beyond doubt, and go on to be."""
-        evidence = self._line_evidence(state, ridges, view) + _ground_evidence(state, ridges, view, colour, colour_view)
-        self.log_odds = FORGET * self.log_odds + evidence - evidence.max()
+        ground = _ground_evidence(state, ridges, view, colour, colour_view)
+        evidence = self._line_evidence(state, ridges, view) + GROUND * ground
+        self.log_odds = FORGET * self.log_odds + WEIGHT * (evidence - evidence.max())
         likely = self.probabilities(state)
         best = int(np.argmax(likely))
         certain = likely[best] > np.exp(SWITCH) * likely[self.believed]
