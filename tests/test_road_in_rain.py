@@ -58,10 +58,10 @@ def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> Non
     camera = Camera()
     like = (106, 106, 107)  # the verge as the asphalt: the lines alone tell
     whole, bare = RoadPicture(camera, verge=like), RoadPicture(camera, verge=like, lane_width_m=100.0)
-    hidden = np.repeat(stream(32, "water").random((20, 96)) < 0.5, 5, axis=1)
+    hidden = np.repeat(stream(32, "water").random((25, 96)) < 0.5, 5, axis=1)
     tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
     place = 7.0 - 3.5 * (lane - 0.5)
-    for i in range(17):
+    for i in range(25):
         pose = whole.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
         frame = np.where(hidden[i][:, None, None], bare.draw(pose, i), whole.draw(pose, i))
         edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
