@@ -76,6 +76,17 @@ def test_the_direction_of_travel_in_the_world_does_not_matter() -> None:
             assert a.forward_m == pytest.approx(b.forward_m, abs=0.06)
 
 
+def test_a_known_body_is_left_out_with_what_it_hides_and_not_what_lies_beside_it() -> None:
+    """The plate lies from 0.2 m left to 0.6 m right: a body on it, one before it, one beside it."""
+    for left, right, ahead, seen in ((-0.3, 0.7, 0.0, False), (-1.0, 1.0, 2.5, False), (1.1, 3.0, 0.0, True)):
+        residual, found = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), False
+        for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
+            face, one = PLATE_M[0, 0] - forward - ahead, np.ones(1)
+            body = Obstacles(face * one, left * one, right * one, 0.1 * one, one, np.array([1]))
+            found |= bool(residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]), body))
+        assert found is seen
+
+
 def test_between_looks_and_without_a_way_nothing_is_told() -> None:
     residual = GroundResidual(CAMERA, ResidualConfig(), 60.0)
     image = frame(0.0, 0.15)

@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.geometry import distort, project, rotation
-from vpf_sim.types import Bools, Camera, Floats, Image
+from vpf_sim.geometry import distort, project, rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
 
 Grid = NDArray[np.float32]
 WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
@@ -41,6 +41,8 @@ class ResidualConfig:
     most_share: float = 0.3  # of the difference left with it
     apart_m: tuple[float, float] = (0.3, 0.05)  # along and across, what two pictures of the road may be apart
     outline_gain: float = 8.0  # what counts as outline of a spot
+    least_width_m: float = 0.2  # narrower ones are the rim of something else
+    body_m: tuple[float, float] = (0.8, 0.35)  # along and across, about a known body that is left out
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
@@ -76,8 +78,11 @@ class GroundResidual:
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
 
-    def update(self, grey: Image, pose: Floats) -> list[Spot] | None:
-        """What stands on the road in the frame taken at `pose`; None between looks and before there is a baseline."""
+    def update(self, grey: Image, pose: Floats, bodies: Obstacles | None = None) -> list[Spot] | None:
+        """What stands on the road in the frame taken at `pose`; None between looks and before there is a baseline.
+
+        What known `bodies` (vehicle axes) cover and hide is left out: what lies beside one would run together with it.
+        """
         self._frame += 1
         if self._frame % self._period_frames:
             return None
@@ -85,7 +90,7 @@ class GroundResidual:
         older = self._older(pose)
         self.baseline_pose = None if older is None else older[1]
         self._past.append((patch, pose))
-        return None if older is None else self._compare(patch, pose, *older)
+        return None if older is None else self._compare(patch, pose, *older, bodies)
 
     def _layout(self) -> tuple[Any, Any]:
         """The look-up of the patch in a frame, as OpenCV wants it."""
@@ -106,7 +111,9 @@ class GroundResidual:
                 return None
         return found
 
-    def _compare(self, patch: Image, pose: Floats, older: Image, older_pose: Floats) -> list[Spot]:
+    def _compare(
+        self, patch: Image, pose: Floats, older: Image, older_pose: Floats, bodies: Obstacles | None
+    ) -> list[Spot]:
         config = self.config
         sharp = patch[: self._rows].astype(np.float32)
         now = np.asarray(cv2.GaussianBlur(sharp, (3, 15), 0), np.float32)[:, self._columns]
@@ -122,6 +129,8 @@ class GroundResidual:
         below = np.minimum.reduce([difference(height) for height in config.below_m])
         gain = (road - above) / noise
         seen = self._seen_before(older_pose, pose)
+        if bodies is not None and len(bodies):
+            seen &= ~self._covered(bodies, older_pose, pose)
         stands = seen & (gain > config.least_gain) & (above < config.most_share * road) & (below > above)
         stands &= road > self._of_edges(now)
         return self._spots(seen & (road > config.outline_gain * noise), np.where(stands, gain, 0.0))
@@ -161,6 +170,21 @@ class GroundResidual:
         inside: Bools = cv2.erode(seen, np.ones((along, across), np.uint8))[:, self._columns] == 255
         return inside
 
+    def _covered(self, bodies: Obstacles, older_pose: Floats, pose: Floats) -> Bools:
+        """(rows, columns) cells on which a body stands, or that it hides from the camera now or in the older frame."""
+        lens = np.array([self.camera.forward_m, 0.0])
+        before = vehicle_from_world(world_from_vehicle(lens, older_pose), pose)
+        forward, right = self._forward_m[: self._rows, None], self._right_m[None, self._columns]
+        covered = np.zeros((forward.size, right.size), np.bool_)
+        along_m, across_m = self.config.body_m
+        for face, left_m, right_m in zip(bodies.forward_m, bodies.left_m, bodies.right_m, strict=True):
+            for x, y in (lens, before):
+                if face > x:
+                    across = y + (right - y) * (face - x) / (np.maximum(forward, face) - x)
+                    beside = (across > left_m - across_m) & (across < right_m + across_m)
+                    covered |= (forward > face - along_m) & beside
+        return covered
+
     def _transform(self, older_pose: Floats, pose: Floats, height_m: float) -> Grid:
         """(2, 3) from cells (column, row) of the patch now to those of the older one."""
         config = self.config
@@ -187,7 +211,7 @@ class GroundResidual:
         for part in np.flatnonzero(best > 0.0).tolist():
             column, row, width = (int(value) for value in boxes[part, :3])
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
-            middle = 0.5 * (left + right)
-            near = float(self._forward_m[row]) + half_along
-            found.append(Spot(near, min(left, middle), max(right, middle), float(best[part])))
+            if right - left >= config.least_width_m:
+                near = float(self._forward_m[row]) + half_along
+                found.append(Spot(near, left, right, float(best[part])))
         return found

@@ -110,7 +110,7 @@ class LandmarkTracker:
         self.rate_hz = rate_hz
         self._period_frames = max(1, round(config.update_period_s * rate_hz))
         self._frame = -1
-        self._seen = none()
+        self._seen = self._tall = none()
         self._seen_from: Floats = np.zeros(3)
         self._rules = Rules(
             rate_hz=rate_hz / self._period_frames,
@@ -154,7 +154,7 @@ class LandmarkTracker:
 
         What is no road counts where no body is known that hides it.
         """
-        spots = self._residual.update(grey, pose)
+        spots = self._residual.update(grey, pose, from_here(self._tall, self._seen_from, pose, 0.0))
         before = self._residual.baseline_pose
         if spots is None or before is None:
             return
@@ -296,10 +296,9 @@ class LandmarkTracker:
 
     def _bodies(self, pose: Floats) -> Obstacles:
         """Those of points well above the road, then those of low points that are not beside one of these."""
-        tall = self._tall_bodies(pose)
-        for flat in (self._low_bodies(pose), self._spots.bodies(pose)):
-            tall = joined(tall, flat, self.config.low.beside_m) if len(flat) else tall
-        return tall
+        tall = self._tall = self._tall_bodies(pose)
+        low = joined(tall, self._low_bodies(pose), self.config.low.beside_m)
+        return joined(low, self._spots.bodies(pose), self.config.spots.beside_m)
 
     def _tall_bodies(self, pose: Floats) -> Obstacles:
         marks, config = self._marks, self.config

@@ -28,6 +28,7 @@ class SpotConfig:
     beyond_m: float = 0.8  # this far behind a body's face begins what it hides
     margin_m: float = 0.3  # beside a body, hidden as well
     sigma_m: float = 0.4  # of a spot's face
+    beside_m: float = 0.1  # a spot so near a taller body is of it: what that body covers is left out beforehand
     least_width_m: float = 0.6  # a body is told no narrower
     behind_m: float = 11.0  # where one is forgotten
 
