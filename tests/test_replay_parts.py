@@ -164,6 +164,12 @@ def test_a_body_flickers_into_no_part() -> None:
     assert np.flatnonzero(obstacles_ahead.lasting(seen, 10.0)).tolist() == list(range(20, 30))
 
 
+def test_a_drive_shorter_than_what_lasts_is_one_part_too() -> None:
+    for count in (2, 20, 24, 25, 26):
+        assert obstacles_ahead.lasting(np.ones(count), 25.0).tolist() == [1.0] * count
+        assert obstacles_ahead.lasting(np.zeros(count), 25.0).tolist() == [0.0] * count
+
+
 def test_a_gap_closes_at_its_slope() -> None:
     times = np.arange(20) / 10.0
     gap = 12.0 - 2.0 * times

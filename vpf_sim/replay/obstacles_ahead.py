@@ -26,13 +26,15 @@ def lasting(seen: Floats, rate_hz: float) -> Floats:
     """(N,) 1 where a body was seen in half of the frames of the LASTING_S about it, else 0; nan where nothing looks."""
     if not np.isfinite(seen).any():
         return np.full(len(seen), nan)
-    width = 2 * round(0.5 * LASTING_S * rate_hz) + 1
-    window = np.ones(min(width, 2 * len(seen) - 1))
+    half = round(0.5 * LASTING_S * rate_hz)
     known = np.isfinite(seen)
-    share = np.convolve(np.where(known, seen, 0.0), window, "same") / np.maximum(
-        np.convolve(known.astype(float), window, "same"), 1.0
-    )
+    share = _sums(np.where(known, seen, 0.0), half) / np.maximum(_sums(known.astype(float), half), 1.0)
     return (share >= 0.5).astype(float)
+
+
+def _sums(values: Floats, half: int) -> Floats:
+    """(N,) sums over the `half` values before and after each, of a drive that may be shorter."""
+    return np.convolve(values, np.ones(2 * half + 1))[half : half + len(values)]
 
 
 class LeadBody:
