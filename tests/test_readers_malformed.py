@@ -65,6 +65,15 @@ def row(name: str, number: int, text: str) -> Change:
     return change
 
 
+def empty_column(name: str, number: int) -> Change:
+    def change(folder: Path) -> None:
+        header, *rows = (line.split(",") for line in (folder / name).read_text().splitlines())
+        emptied = [[*cells[:number], "", *cells[number + 1 :]] for cells in rows]
+        (folder / name).write_text("".join(",".join(cells) + "\n" for cells in [header, *emptied]))
+
+    return change
+
+
 def shorter(name: str) -> Change:
     """The file without its second half."""
 
@@ -151,6 +160,7 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (swap("signals.csv", "time_s,", "clock,"), "signals.csv: expected a column 'time_s', found clock"),
         (row("signals.csv", 9, "0.1,1,2,3,x"), "signals.csv: row 9: expected a time after that of row 8"),
         (row("signals.csv", 9, "0.32,fast,2,3,x"), "line 10: speed_kmh: expected a number, got 'fast'"),
+        (swap("drive.toml", "[signals]", "[signals]\noffset_s = 1000.0"), "expected rows at the frames' times, 0 to"),
         (swap("signals.csv", ",note", ",speed_mps"), "expected one of the columns speed_mps, speed_kmh, sp"),
     ],
     "kitti_odometry": [
@@ -181,6 +191,8 @@ def test_a_fault_is_one_clear_line(name: str, change: Change, sentence: str, val
             lambda folder: shutil.rmtree(folder / "processed_log" / "CAN" / "radar"),
             "no radar, which would",
         ),
+        ("general", swap("signals.csv", "yaw_rate_degps", "yaw_rate_rpm"), "signals.csv: not used: yaw_rate_rpm, note"),
+        ("general", empty_column("signals.csv", 3), "without a value: yaw_rate_degps"),
         ("general", row("signals.csv", 30, "1.16,nan,nan,nan,x"), ""),  # short: bridged like any two samples
     ],
 )

@@ -23,6 +23,8 @@ YAW = {"yaw_rad": 1.0, "yaw_deg": DEGREES}
 PLAIN = {"obstacle": 1.0, "lead_gap_m": 1.0, "x_m": 1.0, "y_m": 1.0, "latitude_deg": 1.0, "longitude_deg": 1.0}
 KNOWN = (*SPEED, *YAW_RATE, *WHEEL, *STEERING, *ACCELERATION, *THROTTLE, *BRAKE, *YAW, *PLAIN, TIME, FILE)
 
+MOST_LISTED = 8  # columns, in a note
+
 
 class Table:
     """The columns under our names, at the times of the frames."""
@@ -51,6 +53,28 @@ class Table:
             return sign * values[self._rows], found[0]
         return sign * series.at(self._times_s, self._sampled_s, values), found[0]
 
+    def check_overlap(self) -> None:
+        """A table of which no row is near a frame has another clock: that is no gap, but a mistake."""
+        if self._rows is not None:
+            return
+        first, last = float(self._sampled_s[0]), float(self._sampled_s[-1])
+        end = float(self._times_s[-1])
+        if last < -series.LONGEST_GAP_S or first > end + series.LONGEST_GAP_S:
+            raise InputError(
+                f"{self.file}: expected rows at the frames' times, 0 to {end:.1f} s, got {first:.1f} to {last:.1f} s; "
+                "signals.offset_s in drive.toml is added to them"
+            )
+
+    def notes(self) -> list[str]:
+        """What of the table serves for nothing: columns that are not known, as with another unit, and empty ones."""
+        unknown = [name for name in self.columns if name and name not in KNOWN]
+        empty = [name for name in self.columns if name in KNOWN and name != FILE and not self._has_values(name)]
+        told = [("not used", unknown), ("without a value", empty)]
+        return [f"{self.file.name}: {what}: {_listed(names)}" for what, names in told if names]
+
+    def _has_values(self, name: str) -> bool:
+        return bool(np.isfinite(series.column(self.file, self.columns, name)).any())
+
     def _rows_of(self, names: tuple[str, ...]) -> list[int]:
         """The row of each picture."""
         place = {Path(cell).name: row for row, cell in enumerate(self.columns[FILE])}
@@ -58,6 +82,11 @@ class Table:
         if missing:
             raise InputError(f"{self.file}: expected a row for each picture, found none for {missing[0]}")
         return [place[name] for name in names]
+
+
+def _listed(names: list[str]) -> str:
+    more = len(names) - MOST_LISTED
+    return ", ".join(names[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
 
 
 def named(file: Path, keys: SignalKeys) -> dict[str, list[str]]:
@@ -90,6 +119,7 @@ def frame_times(folder: Path, keys: SignalKeys, names: tuple[str, ...]) -> Float
 def put(source: assemble.Source, file: Path, keys: SignalKeys, vehicle: VehicleKeys, names: tuple[str, ...]) -> None:
     """Every signal that the table has."""
     table = Table(file, keys, source.times_s, names)
+    table.check_overlap()
     for signal, units, sided in (
         ("speed_mps", SPEED, ""),
         ("yaw_rate_radps", YAW_RATE, "yaw_rate"),
@@ -102,6 +132,7 @@ def put(source: assemble.Source, file: Path, keys: SignalKeys, vehicle: VehicleK
     _wheel(source, table, vehicle)
     _pedals(source, table)
     _poses(source, table)
+    source.notes.extend(table.notes())
 
 
 def _wheel(source: assemble.Source, table: Table, vehicle: VehicleKeys) -> None:
