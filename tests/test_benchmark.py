@@ -132,14 +132,20 @@ def test_a_crash_is_a_result_and_an_error_is_not(statuses: dict[str, int], code:
 
 @pytest.mark.parametrize(
     ("resume", "asked", "stored", "seeds"),
-    [(True, False, True, "5:9"), (True, True, True, "0:1"), (False, False, True, "0:1"), (True, False, False, "0:1")],
+    [(True, False, True, "5:9"), (True, True, True, "0:1"), (False, False, True, "0:1"), (True, True, False, "0:1")],
 )
 def test_a_run_that_goes_on_drives_what_it_was_made_for(
     resume: bool, asked: bool, stored: bool, seeds: str, tmp_path: Path
 ) -> None:
     grid = {"scenario": ["town04"], "weather": ["rain"], "driver": ["pid"]}
     if stored:
-        manifest = {"plan": {**grid, "seeds": "5:9"}, "fingerprint": {}, "scenarios": {}, "weathers": {}}
+        manifest = {
+            "plan": {**grid, "seeds": "5:9"},
+            "fingerprint": {},
+            "scenarios": {},
+            "weathers": {},
+            "command": "benchmark",
+        }
         (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     plan = plan_of(tmp_path, resume, asked, lambda: benchmark.plan("0:1", ["pid"]))
     assert plan.seeds == seeds
