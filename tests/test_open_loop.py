@@ -100,6 +100,7 @@ def test_gaps_hold_the_prediction_and_are_told(bend: tuple[dict[str, Any], Frame
     )
     record, table = replayed(gaps, tmp_path)
     assert record["gaps"] == 3
+    assert record["notes"][-1] == "gaps: lost, and 2 more"
     assert table.image[[23, 24, 27]].tolist() == [1.0, 0.0, 1.0]
     assert table.steering[:24].tolist() == bend[1].steering[:24].tolist()
     assert table.steering[24] == table.steering[23]

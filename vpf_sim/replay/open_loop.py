@@ -58,6 +58,21 @@ class Clock:
         return {"name": recording.name, **{key: scores.rounded(value) for key, value in entry.items()}}
 
 
+@dataclass(slots=True)
+class Gathered:
+    """What is found frame by frame and told of the whole drive."""
+
+    speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
+    faults: list[str] = field(default_factory=list)  # why pictures are missing
+
+    def notes(self) -> list[str]:
+        """Why there are gaps, in a line."""
+        if not self.faults:
+            return []
+        more = len(self.faults) - 1
+        return [f"gaps: {self.faults[0]}" + (f", and {more} more" if more else "")]
+
+
 def run(
     recording: Recording, driver_name: str, out: Path, progress: Progress = lambda *_: None, filmed: bool = True
 ) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -73,11 +88,14 @@ def run(
         if filmed and not recording.no_images:
             film = stack.enter_context(_filming(recording, out / VIDEOS / f"{recording.name}.mp4"))
         can_drive = not recording.no_images or not drivers.sees(driver)
-        voted: list[tuple[float, Floats]] = []
-        rows = list(_rows(recording, asked if can_drive else None, film, clock, voted, progress))
-        table = FrameTable.of(rows).replaced("flow_speed_mps", road_speed.speed(recording.times_s, voted))
+        gathered = Gathered()
+        rows = list(_rows(recording, asked if can_drive else None, film, clock, gathered, progress))
+        speed = road_speed.speed(recording.times_s, gathered.speed_votes)
+        table = FrameTable.of(rows).replaced("flow_speed_mps", speed)
         frame_table.write(table, out / FRAMES / f"{recording.name}.parquet")
-    return _record(recording, driver_name, asked, table), clock.entry(recording)
+    record = _record(recording, driver_name, asked, table)
+    record["notes"] += gathered.notes()
+    return record, clock.entry(recording)
 
 
 @contextmanager
@@ -103,7 +121,7 @@ def _rows(
     asked: Pilot | None,
     film: Film | None,
     clock: Clock,
-    voted: list[tuple[float, Floats]],
+    gathered: Gathered,
     progress: Progress,
 ) -> Iterator[FrameRow]:
     """One a frame; nobody is asked where pictures are missing that the driver needs."""
@@ -112,7 +130,7 @@ def _rows(
     lead = LeadBody(recording.camera, recording.rate_hz)
     segment, number, moved_m = Segment(0, 0, (0.0, 0.0), 0.0), -1, 0.0
     last = Decision(Command(0.0, 0.0) if asked else Command(nan, nan))
-    for k, image in _images(recording, clock):
+    for k, image in _images(recording, clock, gathered.faults):
         if k == segment.stop:
             segment, number = next(parts), number + 1
             if asked is not None:
@@ -129,7 +147,7 @@ def _rows(
                 picture = grey(image)
                 row = row._replace(ttc_s=lead.ttc_s(picture, row.lead_gap_m))
                 motion = own.update(picture, moved_m)
-                voted.append((row.time_s, motion.speed_votes))
+                gathered.speed_votes.append((row.time_s, motion.speed_votes))
                 row, moved_m = row._replace(**_own(motion)), 0.0
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
         if film is not None:
@@ -146,7 +164,7 @@ def _unless_doubtful(decision: Decision, last: Decision, speed_mps: float) -> De
     return replace(decision, command=last.command, is_held=True) if doubtful else decision
 
 
-def _images(recording: Recording, clock: Clock) -> Iterator[tuple[int, Image | None]]:
+def _images(recording: Recording, clock: Clock, faults: list[str]) -> Iterator[tuple[int, Image | None]]:
     """Every frame with its number, None for a gap; frames without a picture where the recording has none at all."""
     if recording.no_images:
         yield from ((k, NO_IMAGE) for k in range(len(recording)))
@@ -156,6 +174,8 @@ def _images(recording: Recording, clock: Clock) -> Iterator[tuple[int, Image | N
         began = thread_time()
         frame = next(frames, None)
         clock.reading_ms.append(1e3 * (thread_time() - began))
+        if frame is not None and frame.fault:
+            faults.append(frame.fault)
         yield k, frame.image if frame is not None else None
 
 
