@@ -99,6 +99,18 @@ def test_damage_in_the_middle_is_a_gap_and_the_rest_is_there(tmp_path: Path) -> 
     assert frames[-1].image is not None
 
 
+def test_pictures_of_another_size_are_gaps_that_say_so(tmp_path: Path) -> None:
+    """Two streams in one file, as some recorders go on after a change of their settings."""
+    parts = [tmp_path / "large.hevc", tmp_path / "small.hevc"]
+    layouts.video(parts[0], [shade(k) for k in range(8)])
+    layouts.video(parts[1], [np.ascontiguousarray(shade(k)[:48, :80]) for k in range(8, 12)])
+    path = tmp_path / "joined.hevc"
+    path.write_bytes(b"".join(part.read_bytes() for part in parts))
+    frames = list(video_file.read(path, 0.1 * np.arange(12)).frames())
+    assert [frame.image is None for frame in frames] == [False] * 8 + [True] * 4
+    assert frames[8].fault == "frame 8 of the video has 80 x 48 px, unlike the first"
+
+
 def test_a_phone_that_was_mounted_upside_down_is_turned(film: Path, tmp_path: Path) -> None:
     content = bytearray(film.read_bytes())
     matrix = content.index(b"tkhd") + 44  # of the track's header, ISO 14496-12, 8.3.2

@@ -43,10 +43,18 @@ class Video:
             if index < expected or index >= len(self.times_s):
                 continue  # a stamp for the second time, or a frame that the index does not know
             yield from (_gap(missing) for missing in range(expected, index))
-            alike = image is not None and image.shape == (self.height_px, self.width_px, 3)
-            yield Frame(index, image) if alike else _gap(index)
+            yield self._frame(index, image)
             expected = index + 1
         yield from (_gap(missing) for missing in range(expected, len(self.times_s)))
+
+    def _frame(self, index: int, image: Image | None) -> Frame:
+        """A picture of the first one's size; another is a gap."""
+        if image is None:
+            return _gap(index)
+        height, width = image.shape[:2]
+        if (width, height) == (self.width_px, self.height_px):
+            return Frame(index, image)
+        return Frame(index, None, f"frame {index} of the video has {width} x {height} px, unlike the first")
 
 
 def _gap(index: int) -> Frame:
