@@ -74,6 +74,17 @@ def empty_column(name: str, number: int) -> Change:
     return change
 
 
+def in_milliseconds(name: str) -> Change:
+    """The times of a clock that counts them."""
+
+    def change(folder: Path) -> None:
+        header, *rows = (line.split(",") for line in (folder / name).read_text().splitlines())
+        changed = [[f"{1e3 * float(time):.3f}", *cells] for time, *cells in rows]
+        (folder / name).write_text("".join(",".join(cells) + "\n" for cells in [header, *changed]))
+
+    return change
+
+
 def shorter(name: str) -> Change:
     """The file without its second half."""
 
@@ -193,6 +204,7 @@ def test_a_fault_is_one_clear_line(name: str, change: Change, sentence: str, val
         ),
         ("general", swap("signals.csv", "yaw_rate_degps", "yaw_rate_rpm"), "signals.csv: not used: yaw_rate_rpm, note"),
         ("general", empty_column("signals.csv", 3), "without a value: yaw_rate_degps"),
+        ("general", in_milliseconds("signals.csv"), "signals.csv: a row every 40 s, interpolated"),
         ("general", row("signals.csv", 30, "1.16,nan,nan,nan,x"), ""),  # short: bridged like any two samples
     ],
 )

@@ -24,6 +24,7 @@ PLAIN = {"obstacle": 1.0, "lead_gap_m": 1.0, "x_m": 1.0, "y_m": 1.0, "latitude_d
 KNOWN = (*SPEED, *YAW_RATE, *WHEEL, *STEERING, *ACCELERATION, *THROTTLE, *BRAKE, *YAW, *PLAIN, TIME, FILE)
 
 MOST_LISTED = 8  # columns, in a note
+RARE_S = 2.0  # between rows; a logger is faster, unless its clock counts milliseconds
 
 
 class Table:
@@ -70,7 +71,12 @@ class Table:
         unknown = [name for name in self.columns if name and name not in KNOWN]
         empty = [name for name in self.columns if name in KNOWN and name != FILE and not self._has_values(name)]
         told = [("not used", unknown), ("without a value", empty)]
-        return [f"{self.file.name}: {what}: {_listed(names)}" for what, names in told if names]
+        notes = [f"{self.file.name}: {what}: {_listed(names)}" for what, names in told if names]
+        if self._rows is None and len(self._sampled_s) > 1:
+            step_s = float(np.median(np.diff(self._sampled_s)))
+            if step_s > RARE_S:
+                notes.append(f"{self.file.name}: a row every {step_s:g} s, interpolated")
+        return notes
 
     def _has_values(self, name: str) -> bool:
         return bool(np.isfinite(series.column(self.file, self.columns, name)).any())
