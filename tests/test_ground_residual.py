@@ -124,7 +124,7 @@ def test_what_flashes_up_is_forgotten() -> None:
     assert not any(len(bodies) for bodies in recorded([12.0, np.nan, np.nan, np.nan, 9.8, np.nan, np.nan, np.nan, 7.6]))
 
 
-@pytest.mark.parametrize(("flashes", "hits"), [(0, 3), (2, 5)])
+@pytest.mark.parametrize(("flashes", "hits"), [(0, 3), (2, 7)])
 def test_where_spots_flash_up_everywhere_it_takes_more_looks(flashes: int, hits: int) -> None:
     rng, numbers = stream(33, "flashes"), iter(range(50))
     book, step = SpotBook(SpotConfig(), lambda: next(numbers)), SPEED_MPS / LOOKS_HZ

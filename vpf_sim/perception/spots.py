@@ -15,7 +15,7 @@ class SpotConfig:
     """When a spot is believed: seen so often at one place of the world, over so long a way."""
 
     hits: int = 3
-    more_hits: int = 2  # that it takes besides while spots flash up everywhere, as they do in rain:
+    more_hits: int = 4  # that it takes besides while spots flash up everywhere, as they do in rain:
     busy: float = 0.3  # that many new ones a look,
     busy_looks: float = 20.0  # on average over so many
     way_m: float = 1.0  # of the car between the first and the last hit,

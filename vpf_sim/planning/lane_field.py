@@ -3,7 +3,7 @@
 All three are functions of y, the place across the road (`vpf_sim.planning.lane`), in the same units:
 
     U(y) = k y^2                                                            target: the middle of the own lane
-         + h_w (e^(-g_r(y) / d_w) + e^(-g_l(y) / d_w))                      road: g is the gap between body and edge
+         + h_w ((1 - g_r(y) / d_w)^2 + (1 - g_l(y) / d_w)^2), each for g < d_w    road: g is the gap to the edge
          + max over bodies of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}     obstacles
 
 d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
@@ -35,7 +35,7 @@ class LaneFieldConfig:
     spacing_m: float
     target_per_m2: float  # k
     wall_height: float  # h_w
-    wall_decay_m: float  # d_w
+    wall_reach_m: float  # d_w
     obstacle_height: float  # h_o
     obstacle_slope_per_m: float  # s_o
     tail_height: float  # h_t
@@ -54,7 +54,7 @@ class LaneFieldConfig:
     beside_height: float  # of the latch while passing
 
     def __post_init__(self) -> None:
-        for key in ("reach_m", "spacing_m", "target_per_m2", "wall_decay_m", "tail_decay_m", "memory_m"):
+        for key in ("reach_m", "spacing_m", "target_per_m2", "wall_reach_m", "tail_decay_m", "memory_m"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
         if not self.full_m < self.visible_m:
@@ -129,8 +129,8 @@ class LaneField:
         config = self._config
         right = lane.right_m - self._y_m - self._half_width_m
         left = self._y_m - lane.left_m - self._half_width_m
-        decay = config.wall_decay_m
-        wall: Floats = np.exp(np.minimum(-right / decay, 30.0)) + np.exp(np.minimum(-left / decay, 30.0))
+        reach = config.wall_reach_m
+        wall: Floats = np.maximum(1.0 - right / reach, 0.0) ** 2 + np.maximum(1.0 - left / reach, 0.0) ** 2
         return config.wall_height * wall
 
     def _obstacle(self, obstacles: LaneObstacles) -> Floats:
