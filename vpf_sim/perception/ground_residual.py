@@ -78,6 +78,11 @@ class GroundResidual:
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
 
+    @property
+    def looks(self) -> bool:
+        """Whether the next frame is one that is looked at."""
+        return (self._frame + 1) % self._period_frames == 0
+
     def update(self, grey: Image, pose: Floats, bodies: Obstacles | None = None) -> list[Spot] | None:
         """What stands on the road in the frame taken at `pose`; None between looks and before there is a baseline.
 

@@ -154,7 +154,8 @@ class LandmarkTracker:
 
         What is no road counts where no body is known that hides it.
         """
-        spots = self._residual.update(grey, pose, from_here(self._tall, self._seen_from, pose, 0.0))
+        tall = from_here(self._tall, self._seen_from, pose, 0.0) if self._residual.looks else None
+        spots = self._residual.update(grey, pose, tall)
         before = self._residual.baseline_pose
         if spots is None or before is None:
             return
