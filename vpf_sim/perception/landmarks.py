@@ -1,5 +1,6 @@
 """Bodies on the road: followed points that stand above it, kept in the world until the car has passed them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -297,22 +298,33 @@ class LandmarkTracker:
 
     def _bodies(self, pose: Floats) -> Obstacles:
         """Those of points well above the road, then those of low points that are not beside one of these."""
-        tall = self._tall = self._tall_bodies(pose)
-        low = joined(tall, self._low_bodies(pose), self.config.low.beside_m)
-        return joined(low, self._spots.bodies(pose), self.config.spots.beside_m)
+        marks, low = self._marks, self.config.low
+        tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose)
+        flat = widened(self._of_points(marks.believed & marks.low, low, self._are_low, pose), low.least_width_m)
+        return joined(joined(tall, flat, low.beside_m), self._spots.bodies(pose), self.config.spots.beside_m)
 
-    def _tall_bodies(self, pose: Floats) -> Obstacles:
-        marks, config = self._marks, self.config
-        believed = np.flatnonzero(marks.believed & ~marks.low)
+    def _of_points(
+        self,
+        chosen: Bools,
+        links: LandmarkConfig | LowConfig,
+        are_bodies: Callable[[Integers, Integers], Bools],
+        pose: Floats,
+    ) -> Obstacles:
+        """The bodies that the chosen points (M,) make together."""
+        believed = np.flatnonzero(chosen)
         if not len(believed):
             return none()
-        place = vehicle_from_world(marks.place_m[believed], pose)
-        sigma = marks.sigma_m[believed]
-        label = clusters(place, sigma, config.link_right_m, config.link_forward_m)
-        count = int(label.max()) + 1
+        place = vehicle_from_world(self._marks.place_m[believed], pose)
+        sigma = self._marks.sigma_m[believed]
+        label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
+        return self._describe(believed, label, are_bodies(believed, label), place, sigma, pose[2])
+
+    def _are_tall(self, believed: Integers, label: Integers) -> Bools:
+        """(K,) clusters of points well above the road that are bodies beyond doubt."""
+        marks, config, count = self._marks, self.config, int(label.max()) + 1
         single = (
             (marks.hits[believed] >= self._frames(config.single_hits_s))
-            & (sigma < config.single_depth_ratio * marks.depth_m[believed])
+            & (marks.sigma_m[believed] < config.single_depth_ratio * marks.depth_m[believed])
             & (marks.height_m[believed] > config.single_min_height_m)
             & (marks.height_m[believed] < config.single_max_height_m)
             & (marks.depth_m[believed] < config.single_far_m)
@@ -320,27 +332,20 @@ class LandmarkTracker:
         )
         support = np.bincount(label, minlength=count)
         founders = np.bincount(label, marks.founding[believed], count)
-        confirmed = (founders >= 2) | ((founders >= 1) & (support >= 3)) | (np.bincount(label, single, count) > 0)
-        return self._describe(believed, label, confirmed, place, sigma, pose[2])
+        together: Bools = (founders >= 2) | ((founders >= 1) & (support >= 3))
+        return together | (np.bincount(label, single, count) > 0)
 
-    def _low_bodies(self, pose: Floats) -> Obstacles:
-        marks, config = self._marks, self.config.low
-        believed = np.flatnonzero(marks.believed & marks.low)
-        if not len(believed):
-            return none()
-        place = vehicle_from_world(marks.place_m[believed], pose)
-        sigma = marks.sigma_m[believed]
-        label = clusters(place, sigma, config.link_right_m, config.link_forward_m)
-        count = int(label.max()) + 1
-        margin = np.bincount(label, np.minimum(marks.margin[believed], config.most_margin), count)
-        confirmed = (np.bincount(label, minlength=count) >= config.least_points) & (margin > config.least_margin)
+    def _are_low(self, believed: Integers, label: Integers) -> Bools:
+        """(K,) clusters of low points that are bodies beyond doubt."""
+        marks, config, count = self._marks, self.config.low, int(label.max()) + 1
         single = (
             (marks.hits[believed] >= self._frames(config.single_hits_s))
             & (marks.margin[believed] > config.single_margin)
             & (marks.texture[believed] > config.single_texture)
         )
-        confirmed |= np.bincount(label, single, count) > 0
-        return widened(self._describe(believed, label, confirmed, place, sigma, pose[2]), config.least_width_m)
+        margin = np.bincount(label, np.minimum(marks.margin[believed], config.most_margin), count)
+        together: Bools = (np.bincount(label, minlength=count) >= config.least_points) & (margin > config.least_margin)
+        return together | (np.bincount(label, single, count) > 0)
 
     def _describe(
         self,
