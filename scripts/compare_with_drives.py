@@ -16,10 +16,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from vpf_sim.evaluation import lookalike
-from vpf_sim.evaluation.frame_statistics import FrameStatistics, measure, scaled_grey
-from vpf_sim.evaluation.text_table import text_table
-from vpf_sim.evaluation.threads import limit_opencv
+from vpf_sim.evaluation.analysis.text_table import text_table
+from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.evaluation.rendering import lookalike
+from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics, measure, scaled_grey
 from vpf_sim.replay import drives
 from vpf_sim.replay.drives import Clip
 from vpf_sim.types import Image

@@ -21,12 +21,12 @@ import numpy as np
 from vpf_sim import drivers, scenarios
 from vpf_sim.cli.tables import print_table, within
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.evaluation import records
-from vpf_sim.evaluation.episode import roll_out
+from vpf_sim.evaluation.analysis.statistics import mean_interval, paired_difference
+from vpf_sim.evaluation.episode.episode import roll_out
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.plan import parse_seeds
-from vpf_sim.evaluation.statistics import mean_interval, paired_difference
-from vpf_sim.evaluation.threads import limit_opencv
+from vpf_sim.evaluation.metrics import records
+from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.evaluation.sweeps.plan import parse_seeds
 from vpf_sim.planning import variant
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.moved import mirrored, shifted, turned

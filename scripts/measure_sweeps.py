@@ -15,8 +15,9 @@ from functools import partial
 from pathlib import Path
 from time import monotonic
 
-from vpf_sim.evaluation import episode, pool
+from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.processes import pool
 
 SCENARIO = """
 schema = 1

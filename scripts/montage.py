@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vpf_sim.evaluation import episode
+from vpf_sim.evaluation.episode import episode
 from vpf_sim.report import field_view, overlay
 from vpf_sim.report.pictures import jpeg, sheet
 from vpf_sim.types import Camera, Image, Plan

@@ -9,9 +9,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.evaluation import shimmer
-from vpf_sim.evaluation.text_table import text_table
-from vpf_sim.evaluation.threads import limit_opencv
+from vpf_sim.evaluation.analysis.text_table import text_table
+from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.evaluation.rendering import shimmer
 
 SPEEDS_MPS = (0.5, 1.0, 2.0, 5.5)
 STILL_FRAMES = 10

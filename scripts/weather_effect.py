@@ -9,10 +9,10 @@ from dataclasses import asdict
 from pathlib import Path
 
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.evaluation import weather_effect
-from vpf_sim.evaluation.text_table import text_table
-from vpf_sim.evaluation.threads import limit_opencv
-from vpf_sim.evaluation.weather_effect import Factor
+from vpf_sim.evaluation.analysis.text_table import text_table
+from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.evaluation.weather import weather_effect
+from vpf_sim.evaluation.weather.weather_effect import Factor
 
 
 def main() -> None:

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera import weather
-from vpf_sim.evaluation.poses import POSES
+from vpf_sim.evaluation.rendering.poses import POSES
 from vpf_sim.report import gallery
 from vpf_sim.report.pictures import jpeg, sheet
 from vpf_sim.types import Image

@@ -13,9 +13,9 @@ from pathlib import Path
 
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.camera.weather import Weather
-from vpf_sim.evaluation import wet_glass
-from vpf_sim.evaluation.text_table import text_table
-from vpf_sim.evaluation.threads import limit_opencv
+from vpf_sim.evaluation.analysis.text_table import text_table
+from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.evaluation.weather import wet_glass
 from vpf_sim.replay import readers
 
 

@@ -7,12 +7,12 @@ from typing import Any
 
 from stored import record, store
 
-from vpf_sim.evaluation import gate
-from vpf_sim.evaluation.cells import read_run
+from vpf_sim.evaluation.analysis.summary import summarize
+from vpf_sim.evaluation.gate import gate
+from vpf_sim.evaluation.gate.cells import read_run
+from vpf_sim.evaluation.gate.rules import read_rules
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.rules import read_rules
-from vpf_sim.evaluation.summary import summarize
+from vpf_sim.evaluation.sweeps.plan import Plan
 
 PLAN = Plan(("town04", "straight"), ("clear",), ("vpf",), "0:10")
 Change = Callable[[Job], dict[str, Any] | None]

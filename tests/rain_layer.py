@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera import Weather
-from vpf_sim.evaluation.shimmer import course
+from vpf_sim.evaluation.rendering.shimmer import course
 from vpf_sim.perception.flow import grey
 from vpf_sim.types import Floats
 

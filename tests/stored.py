@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.records import failed
+from vpf_sim.evaluation.metrics.records import failed
+from vpf_sim.evaluation.sweeps.plan import Plan
 
 GOOD = {
     "status": "success",

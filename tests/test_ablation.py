@@ -8,7 +8,7 @@ import pytest
 from short_scenario import SHORT
 
 from vpf_sim import cli
-from vpf_sim.evaluation import ablation
+from vpf_sim.evaluation.analysis import ablation
 from vpf_sim.evaluation.job import Job
 
 STEPS = ("vpf-paper", "vpf@flow", "vpf")

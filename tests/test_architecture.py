@@ -25,6 +25,20 @@ MAY_IMPORT["report"] = MAY_IMPORT["evaluation"] | {"evaluation"}
 MAY_IMPORT["replay"] = MAY_IMPORT["report"] | {"report"}
 MAY_IMPORT["cli"] = MAY_IMPORT["report"] | {"replay", "report"}
 MAY_IMPORT["testing"] = MAY_IMPORT["evaluation"] | {"evaluation"}
+PREFIX = "vpf_sim.evaluation."
+# The packages of the evaluation: each imports only what is at its left, and the modules beside them.
+EVALUATION = [
+    "metrics",
+    "truth",
+    "rendering",
+    "weather",
+    "processes",
+    "episode",
+    "sweeps",
+    "analysis",
+    "gate",
+    "machine",
+]
 
 
 def modules() -> list[tuple[str, Path]]:
@@ -39,6 +53,11 @@ def modules() -> list[tuple[str, Path]]:
 
 def imported(path: Path) -> set[str]:
     """The parts of vpf_sim that a file imports anywhere, by their first name."""
+    return {name.split(".")[1] for name in imported_names(path) if name.startswith("vpf_sim.")}
+
+
+def imported_names(path: Path) -> set[str]:
+    """All that a file imports anywhere, by full names."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
@@ -47,7 +66,7 @@ def imported(path: Path) -> set[str]:
             assert node.level == 0, f"{path}: relative import; write vpf_sim.…"
             names.add(node.module or "")
             names |= {f"{node.module}.{alias.name}" for alias in node.names}
-    return {name.split(".")[1] for name in names if name.startswith("vpf_sim.")}
+    return names
 
 
 @pytest.mark.parametrize(("name", "path"), [pair for pair in modules() if pair[0]], ids=lambda value: str(value))
@@ -57,6 +76,18 @@ def test_a_part_imports_only_what_flows_into_it(name: str, path: Path) -> None:
     assert part in MAY_IMPORT, f"{name} belongs to no part of the architecture"
     foreign = {other for other in imported(path) if other in packages} - MAY_IMPORT[part] - {part}
     assert not foreign, f"{name} must not import {sorted(foreign)}"
+
+
+def test_the_packages_of_the_evaluation_are_all_in_its_order() -> None:
+    assert set(EVALUATION) == {path.parent.name for path in (ROOT / "vpf_sim" / "evaluation").glob("*/__init__.py")}
+
+
+@pytest.mark.parametrize(("name", "path"), [pair for pair in modules() if pair[0].startswith("evaluation.")])
+def test_a_package_of_the_evaluation_imports_only_those_before_it(name: str, path: Path) -> None:
+    package = name.split(".")[1]
+    later = EVALUATION[EVALUATION.index(package) + 1 :] if package in EVALUATION else EVALUATION
+    wrong = {full for full in imported_names(path) for other in later if f"{full}.".startswith(f"{PREFIX}{other}.")}
+    assert not wrong, f"{name} must not import {sorted(wrong)}"
 
 
 def test_importing_the_package_loads_nothing_heavy() -> None:

@@ -8,8 +8,8 @@ import pytest
 
 from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, print_rows
 from vpf_sim.cli.running import plan_of
-from vpf_sim.evaluation import benchmark
-from vpf_sim.evaluation.benchmark import with_paper
+from vpf_sim.evaluation.analysis import benchmark
+from vpf_sim.evaluation.analysis.benchmark import with_paper
 
 
 def row(scenario: str, driver: str, successes: int, **changes: Any) -> dict[str, Any]:

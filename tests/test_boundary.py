@@ -13,7 +13,7 @@ from highway_env.road.road import Road, RoadNetwork
 from highway_env.vehicle.objects import RoadObject
 from short_scenario import write_short
 
-from vpf_sim.evaluation.episode import read, setup_for
+from vpf_sim.evaluation.episode.episode import read, setup_for
 
 CODE = (type, ModuleType, FunctionType, BuiltinFunctionType)  # lead to all that is imported, not to an episode
 WORLD = (Road, RoadNetwork, AbstractLane, RoadObject)

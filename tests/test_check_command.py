@@ -10,7 +10,7 @@ import pytest
 from gated_runs import lost, run, spread
 
 from vpf_sim import cli
-from vpf_sim.evaluation import gate
+from vpf_sim.evaluation.gate import gate
 from vpf_sim.evaluation.job import Job
 
 

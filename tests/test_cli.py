@@ -216,7 +216,7 @@ def test_a_stopped_drive_leaves_no_empty_run_folder(
         assert (tmp_path / "run" / "manifest.json").exists()
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("vpf_sim.evaluation.episode.run", stop)
+    monkeypatch.setattr("vpf_sim.evaluation.episode.episode.run", stop)
     assert cli.run(["drive", "straight", "--driver", "neutral", "--out", str(tmp_path / "run")]) == 130
     assert capsys.readouterr().err == ""
     assert list(tmp_path.iterdir()) == []

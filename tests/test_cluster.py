@@ -14,7 +14,7 @@ import pytest
 from short_scenario import write_short
 
 from vpf_sim import cli
-from vpf_sim.evaluation.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.json_lines import read_lines
 
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"), "1")
 
@@ -183,7 +183,7 @@ def test_no_scheduler_is_one_line(
     address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
-    monkeypatch.setattr("vpf_sim.evaluation.cluster.CONNECT_S", 1.0)
+    monkeypatch.setattr("vpf_sim.evaluation.sweeps.cluster.CONNECT_S", 1.0)
     said = refused(["--cluster", address], tmp_path, capsys)
     assert said.startswith(f"vpf-sim: --cluster: expected a Dask scheduler at {address}, got: ")
     assert not (tmp_path / "out").exists()

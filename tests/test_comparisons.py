@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.comparisons import compare, value_at
-from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.statistics import paired_difference, paired_shares
+from vpf_sim.evaluation.analysis.comparisons import compare, value_at
+from vpf_sim.evaluation.analysis.statistics import paired_difference, paired_shares
+from vpf_sim.evaluation.sweeps.plan import Plan
 
 WEATHERS, DRIVERS = ("clear", "rain"), ("pid", "vpf")
 

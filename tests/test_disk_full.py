@@ -18,8 +18,8 @@ import pytest
 from short_scenario import write_short
 
 from vpf_sim.evaluation import steps
-from vpf_sim.evaluation.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 
 ROOM = 200  # bytes
 

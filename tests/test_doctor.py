@@ -10,9 +10,9 @@ import pytest
 
 from vpf_sim import cli
 from vpf_sim.envs.camera import Renderer
-from vpf_sim.evaluation import doctor, driving_checks, installation
-from vpf_sim.evaluation.driving_checks import Run
-from vpf_sim.evaluation.installation import Check
+from vpf_sim.evaluation.machine import doctor, driving_checks, installation
+from vpf_sim.evaluation.machine.driving_checks import Run
+from vpf_sim.evaluation.machine.installation import Check
 from vpf_sim.types import Image
 
 SHAPE = (120, 160, 3)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation import lookalike
-from vpf_sim.evaluation.frame_statistics import FrameStatistics, measure, scaled_grey
+from vpf_sim.evaluation.rendering import lookalike
+from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics, measure, scaled_grey
 from vpf_sim.replay import drives
 from vpf_sim.types import Camera
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tiny_world import Constant, TinyWorld
 
-from vpf_sim.evaluation.episode import read, roll_out
+from vpf_sim.evaluation.episode.episode import read, roll_out
 from vpf_sim.types import Command, DriverSetup, Observation
 
 

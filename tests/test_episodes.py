@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from short_scenario import write_short
 
-from vpf_sim.evaluation import episode
-from vpf_sim.evaluation.json_lines import read_lines
+from vpf_sim.evaluation.episode import episode
+from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.types import Image
 
 CLEAN = ("town04-clean", "straight", "curve-left", "curve-right", "heading-30")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from vpf_sim.evaluation import fingerprint as module
-from vpf_sim.evaluation.fingerprint import PACKAGES, fingerprint, hash_of_files, own_code, source
+from vpf_sim.evaluation.sweeps import fingerprint as module
+from vpf_sim.evaluation.sweeps.fingerprint import PACKAGES, fingerprint, hash_of_files, own_code, source
 
 ROOT = Path(__file__).parents[1]
 

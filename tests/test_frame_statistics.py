@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation import frame_statistics
-from vpf_sim.evaluation.frame_statistics import FrameStatistics
+from vpf_sim.evaluation.rendering import frame_statistics
+from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics
 from vpf_sim.types import Image
 
 ROWS, COLUMNS = np.mgrid[0:240, 0:320].astype(float)

@@ -16,7 +16,7 @@ import pytest
 from vpf_sim import cli
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.poses import POSES, SUN_HEADING_DEG, Pose, video_drive
+from vpf_sim.evaluation.rendering.poses import POSES, SUN_HEADING_DEG, Pose, video_drive
 from vpf_sim.report import gallery
 from vpf_sim.report.gallery import Entry, Picture, page
 

@@ -6,8 +6,8 @@ import pytest
 from gated_runs import Change, checks, lost, only, spread
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation import gate
-from vpf_sim.evaluation.rules import BOUNDS
+from vpf_sim.evaluation.gate import gate
+from vpf_sim.evaluation.gate.rules import BOUNDS
 
 
 def test_every_bound_of_the_rules_is_judged() -> None:

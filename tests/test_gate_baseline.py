@@ -8,9 +8,9 @@ import pytest
 from gated_runs import PLAN, Change, checks, run
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation import gate
+from vpf_sim.evaluation.gate import gate
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.plan import Plan
+from vpf_sim.evaluation.sweeps.plan import Plan
 
 AGAINST = '[[rules]]\nscenario = "town04"\nno_worse_than = "before{file}"\nscores = ["{score}"]'
 

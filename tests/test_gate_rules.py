@@ -7,7 +7,7 @@ import pytest
 from gated_runs import run
 
 from vpf_sim import cli
-from vpf_sim.evaluation.rules import BOUNDS, Rule, read_rules
+from vpf_sim.evaluation.gate.rules import BOUNDS, Rule, read_rules
 
 RULES = [
     ("", "rules: expected at least one [[rules]], got none"),

@@ -11,7 +11,7 @@ import pytest
 from short_scenario import write_short
 
 from vpf_sim.cli import invalid_frames
-from vpf_sim.evaluation.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.json_lines import read_lines
 
 BREAKING = """
 import numpy as np

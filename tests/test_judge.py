@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation import judge
+from vpf_sim.evaluation.weather import judge
 from vpf_sim.types import Camera, Expansion, Floats, Flow, ObstacleMap
 
 
@@ -31,12 +31,6 @@ def test_the_share_off_counts_errors_above_a_pixel() -> None:
     seen = [np.array([True, False, True]), np.array([True])]
     assert judge.share_off(errors, seen) == pytest.approx(1.0 / 3.0)
     assert np.isnan(judge.share_off([]))
-
-
-def test_time_to_contact_is_scored_where_it_is_short() -> None:
-    seen = np.array([2.0, 6.0, np.inf, 1.0, 5.0])
-    true = np.array([4.0, 5.0, 8.0, np.inf, 30.0])
-    assert judge.ttc_errors(seen, true) == pytest.approx([0.5, 0.2, 1.0])
 
 
 def test_an_unknown_focus_is_not_scored() -> None:

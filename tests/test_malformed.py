@@ -11,7 +11,7 @@ from malformed import MUTATIONS, RULES, SCENARIO, SWEEP, WEATHER, spoil_folder
 from stored import record, store
 
 from vpf_sim import cli
-from vpf_sim.evaluation.plan import Plan
+from vpf_sim.evaluation.sweeps.plan import Plan
 
 TEXTS = {"scenario": SCENARIO, "weather": WEATHER, "sweep": SWEEP, "rules": RULES}
 LONGEST_S = 30
@@ -110,7 +110,7 @@ def test_what_is_mutated_is_valid(kind: str, run: Path, tmp_path: Path, capsys: 
     elif kind == "rules":
         assert cli.run(["check", str(run), "--rules", str(path)]) == 0
     else:
-        from vpf_sim.evaluation.plan import make_plan, read_plan
+        from vpf_sim.evaluation.sweeps.plan import make_plan, read_plan
 
         make_plan(read_plan(path), str(path)).check()
     assert capsys.readouterr().err == ""

@@ -4,10 +4,10 @@ from math import pi, radians
 
 import pytest
 
-from vpf_sim.evaluation import surroundings
 from vpf_sim.evaluation.metrics import collision
 from vpf_sim.evaluation.metrics.collision import collision_type, is_at_fault
 from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.evaluation.truth import surroundings
 
 
 def ended(

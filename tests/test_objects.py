@@ -9,8 +9,8 @@ import pytest
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.metrics.perception import KINDS
-from vpf_sim.evaluation.objects import ObjectBook
 from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.evaluation.truth.objects import ObjectBook
 from vpf_sim.scenarios.parts import Road
 from vpf_sim.types import Obstacles
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from vpf_sim.evaluation import pool
+from vpf_sim.evaluation.processes import pool
 
 
 def minute(_: object) -> float:

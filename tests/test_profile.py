@@ -2,7 +2,8 @@
 
 import math
 
-from vpf_sim.evaluation import profile, stopwatch
+from vpf_sim.evaluation.episode import stopwatch
+from vpf_sim.evaluation.machine import profile
 
 
 def test_a_profile_has_the_promised_keys_and_all_stages() -> None:

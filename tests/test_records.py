@@ -13,14 +13,15 @@ import pytest
 from tiny_world import Constant, TinyWorld
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation import records, steps
-from vpf_sim.evaluation.episode import roll_out
+from vpf_sim.evaluation import steps
+from vpf_sim.evaluation.episode.episode import roll_out
+from vpf_sim.evaluation.episode.paired import OwnRun, matched
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.metrics import records
 from vpf_sim.evaluation.outcome import Outcome
-from vpf_sim.evaluation.paired import OwnRun, matched
-from vpf_sim.evaluation.run_folder import RunFolder, new_path
 from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder, new_path
 
 JOB = Job("town04", "clear", "vpf", 7)
 KEYS = {
@@ -231,7 +232,7 @@ def test_a_run_folder_has_one_run_at_a_time(tmp_path: Path) -> None:
 HOLD = """
 import sys, time
 from pathlib import Path
-from vpf_sim.evaluation.json_lines import JsonLines
+from vpf_sim.evaluation.sweeps.json_lines import JsonLines
 lines = JsonLines(Path(sys.argv[1]))
 print("held", flush=True)
 time.sleep(600)

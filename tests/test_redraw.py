@@ -14,10 +14,11 @@ from short_scenario import SHORT
 
 from vpf_sim import cli
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.evaluation import episode, steps
-from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.run_folder import RunFolder, manifest
+from vpf_sim.evaluation import steps
+from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
 from vpf_sim.report import episode_view, from_above, redraw
 from vpf_sim.report.from_above import Body, Scene
 from vpf_sim.report.redraw import Redrawing, redrawing

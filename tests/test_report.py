@@ -13,11 +13,12 @@ import pytest
 from short_scenario import SHORT
 
 from vpf_sim import cli
-from vpf_sim.evaluation import episode, steps
-from vpf_sim.evaluation.benchmark import with_paper
-from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.run_folder import RunFolder, manifest
-from vpf_sim.evaluation.summary import summarize
+from vpf_sim.evaluation import steps
+from vpf_sim.evaluation.analysis.benchmark import with_paper
+from vpf_sim.evaluation.analysis.summary import summarize
+from vpf_sim.evaluation.episode import episode
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
 from vpf_sim.report import answer, cells, clips, page
 from vpf_sim.report.cells import MAIN, Order, at
 from vpf_sim.report.stored_run import open_run

@@ -12,14 +12,16 @@ from short_scenario import write_short
 
 from vpf_sim import cli
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation import episode, records, rescore, steps
-from vpf_sim.evaluation.benchmark import with_paper
+from vpf_sim.evaluation import steps
+from vpf_sim.evaluation.analysis import rescore
+from vpf_sim.evaluation.analysis.benchmark import with_paper
+from vpf_sim.evaluation.analysis.summary import summarize
+from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.json_lines import read_lines
-from vpf_sim.evaluation.metrics import driving_score
-from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.run_folder import RunFolder, manifest
-from vpf_sim.evaluation.summary import summarize
+from vpf_sim.evaluation.metrics import driving_score, records
+from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
 
 
 @pytest.fixture(scope="module")

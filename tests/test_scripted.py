@@ -6,7 +6,7 @@ import pytest
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.road import centre_line
-from vpf_sim.evaluation.scripted import Path, ScriptedDrive, smooth_step
+from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
 
 
 def weave(s_m: float) -> float:

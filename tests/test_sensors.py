@@ -11,8 +11,8 @@ from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.sensors import Sensors
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.episode import read
-from vpf_sim.evaluation.log import StepLog
+from vpf_sim.evaluation.episode.episode import read
+from vpf_sim.evaluation.episode.log import StepLog
 from vpf_sim.geometry import project
 from vpf_sim.scenarios.parts import Sensors as SensorErrors
 from vpf_sim.types import Camera, Floats

@@ -9,9 +9,9 @@ import pytest
 from stored import record, store
 
 from vpf_sim import cli
-from vpf_sim.evaluation.benchmark import with_paper
-from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.summary import summarize
+from vpf_sim.evaluation.analysis.benchmark import with_paper
+from vpf_sim.evaluation.analysis.summary import summarize
+from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.report.stored_run import open_run
 
 PLAN = Plan(("straight",), ("clear", "rain"), ("pid",), "0:2")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.evaluation import shimmer
+from vpf_sim.evaluation.rendering import shimmer
 
 
 @pytest.mark.parametrize("name", ["ClearNoon", "CloudySunset", "WetNoon", "FoggyNoon"])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.evaluation.metrics import perception
-from vpf_sim.evaluation.sight import Sight
+from vpf_sim.evaluation.truth.sight import Sight
 from vpf_sim.types import Camera, Floats, Observation
 
 RATE_HZ, STEP_M, DISTANCE_M = 20.0, 0.5, 10.0

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from vpf_sim.evaluation import statistics
-from vpf_sim.evaluation.statistics import (
+from vpf_sim.evaluation.analysis import statistics
+from vpf_sim.evaluation.analysis.statistics import (
     Interval,
     mean_interval,
     paired_difference,

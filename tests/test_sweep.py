@@ -14,12 +14,12 @@ import pytest
 from short_scenario import write_short
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.json_lines import read_lines
-from vpf_sim.evaluation.plan import Plan, make_plan
-from vpf_sim.evaluation.run_folder import manifest
-from vpf_sim.evaluation.statistics import seeds_for_mean, seeds_for_share, share_interval
-from vpf_sim.evaluation.summary import mean, summarize
-from vpf_sim.evaluation.sweep import changes, drive_and_store
+from vpf_sim.evaluation.analysis.statistics import seeds_for_mean, seeds_for_share, share_interval
+from vpf_sim.evaluation.analysis.summary import mean, summarize
+from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
+from vpf_sim.evaluation.sweeps.run_folder import manifest
+from vpf_sim.evaluation.sweeps.sweep import changes, drive_and_store
 
 DRIVERS = ("pid", "neutral")
 SEEDS = "0:3"

@@ -1,6 +1,6 @@
 """Rows of numbers as text."""
 
-from vpf_sim.evaluation.text_table import text_table
+from vpf_sim.evaluation.analysis.text_table import text_table
 
 ROWS: list[dict[str, str | float]] = [
     {"drive": "A", "speed_of_travel_mps": 5.5512, "n": 3},

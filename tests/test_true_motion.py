@@ -8,8 +8,7 @@ import pytest
 from highway_scenes import add_body, add_ego, bent_road, on_bend
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
-from vpf_sim.evaluation.scripted import Shot
-from vpf_sim.evaluation.true_motion import TrueMotion, at, carried
+from vpf_sim.evaluation.truth.true_motion import Shot, TrueMotion, at, carried, ttc_errors
 from vpf_sim.types import Camera, Floats
 
 CAMERA = Camera()
@@ -95,3 +94,9 @@ def test_values_are_read_at_the_nearest_pixel() -> None:
     values = np.arange(480 * 640).reshape(480, 640)
     points = np.array([[0.4, 0.4], [638.6, 479.4], [-3.0, 1.0]])
     assert at(values, points, CAMERA).tolist() == [0, 480 * 640 - 1, 640]
+
+
+def test_time_to_contact_is_scored_where_it_is_short() -> None:
+    seen = np.array([2.0, 6.0, np.inf, 1.0, 5.0])
+    true = np.array([4.0, 5.0, 8.0, np.inf, 30.0])
+    assert ttc_errors(seen, true) == pytest.approx([0.5, 0.2, 1.0])

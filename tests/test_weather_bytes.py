@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.evaluation import weather_effect
-from vpf_sim.evaluation.threads import limit_opencv
+from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.evaluation.weather import weather_effect
 
 FRAMES = 3
 NAMES = list(weathers.PRESETS)

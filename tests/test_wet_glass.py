@@ -5,7 +5,7 @@ import pytest
 import recorded_street
 
 from vpf_sim.envs.camera import weather
-from vpf_sim.evaluation import wet_glass
+from vpf_sim.evaluation.weather import wet_glass
 from vpf_sim.types import Camera
 
 FRAMES = 13

@@ -41,10 +41,10 @@ def _run(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
     """One episode on one thread, as the command line drives it; OpenCV has its threads back behind it."""
     import cv2
 
-    from vpf_sim.evaluation import episode
-    from vpf_sim.evaluation.cells import Cell
-    from vpf_sim.evaluation.gate import again
-    from vpf_sim.evaluation.threads import limit_opencv
+    from vpf_sim.evaluation.episode import episode
+    from vpf_sim.evaluation.gate.cells import Cell
+    from vpf_sim.evaluation.gate.gate import again
+    from vpf_sim.evaluation.processes.threads import limit_opencv
 
     threads = cv2.getNumThreads()
     limit_opencv()

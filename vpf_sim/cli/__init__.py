@@ -25,7 +25,7 @@ from vpf_sim.cli import (
     weathers,
 )
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation import threads
+from vpf_sim.evaluation.processes import threads
 
 SIMULATING = ("drive", "sweep", "benchmark", "ablate", "replay", "profile", "gallery", "doctor", "video", "report")
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it

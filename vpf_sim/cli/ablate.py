@@ -45,8 +45,8 @@ def ablate(
     """Drive each step from vpf-paper to vpf on the same seeds, and tell what each change buys."""
     from vpf_sim.cli.results import exit_code, read_summary
     from vpf_sim.cli.running import Means, fill, plan_of
-    from vpf_sim.evaluation.ablation import plan as ablation_plan
-    from vpf_sim.evaluation.plan import parse_seeds
+    from vpf_sim.evaluation.analysis.ablation import plan as ablation_plan
+    from vpf_sim.evaluation.sweeps.plan import parse_seeds
 
     if seeds is not None:
         parse_seeds(seeds)
@@ -65,9 +65,9 @@ def ablate(
 
 def _store(path: Path) -> list[Row]:
     """The ablation's table of a finished run folder, stored beside its summary."""
-    from vpf_sim.evaluation import ablation
-    from vpf_sim.evaluation.json_lines import read_lines
-    from vpf_sim.evaluation.run_folder import read_records, stored_plan, write_json
+    from vpf_sim.evaluation.analysis import ablation
+    from vpf_sim.evaluation.sweeps.json_lines import read_lines
+    from vpf_sim.evaluation.sweeps.run_folder import read_records, stored_plan, write_json
 
     timing = read_lines(path / "timing.jsonl")
     table = ablation.table(stored_plan(path).jobs(), read_records(path), timing)

@@ -36,8 +36,8 @@ def benchmark(
     from vpf_sim.cli.report import write as write_report
     from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, read_summary
     from vpf_sim.cli.running import Means, fill, plan_of
-    from vpf_sim.evaluation.benchmark import plan as benchmark_plan
-    from vpf_sim.evaluation.plan import parse_seeds
+    from vpf_sim.evaluation.analysis.benchmark import plan as benchmark_plan
+    from vpf_sim.evaluation.sweeps.plan import parse_seeds
 
     if seeds is not None:
         parse_seeds(seeds)

@@ -10,7 +10,7 @@ from vpf_sim.cli.options import JsonOption, print_json
 from vpf_sim.cli.tables import print_table
 
 if TYPE_CHECKING:
-    from vpf_sim.evaluation.gate import Check
+    from vpf_sim.evaluation.gate.gate import Check
 
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 RulesOption = Annotated[Path, typer.Option("--rules", metavar="FILE", help="What the run must keep, as TOML.")]
@@ -21,9 +21,9 @@ MOST_SEEDS = 10  # to drive again, on the screen; the file and --json have all
 
 def check(folder: FolderArgument, rules: RulesOption, junit: JunitOption = None, json: JsonOption = False) -> None:
     """Hold a stored run to rules; exit code 1 if it breaks any."""
-    from vpf_sim.evaluation import gate
-    from vpf_sim.evaluation.cells import read_run
-    from vpf_sim.evaluation.rules import read_rules
+    from vpf_sim.evaluation.gate import gate
+    from vpf_sim.evaluation.gate.cells import read_run
+    from vpf_sim.evaluation.gate.rules import read_rules
     from vpf_sim.report.junit import write_junit
 
     checks = gate.check(read_run(folder), read_rules(rules), rules)

@@ -10,7 +10,7 @@ from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
 
 def doctor(json: JsonOption = False) -> None:
     """Check what is installed, the picture, the speed, and that an episode is always the same; 1 if a check fails."""
-    from vpf_sim.evaluation.doctor import examine
+    from vpf_sim.evaluation.machine.doctor import examine
 
     answer, checks = sys.stdout, []
     with prints_on_stderr():

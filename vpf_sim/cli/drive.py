@@ -29,9 +29,11 @@ def drive(
 ) -> None:
     """Drive one episode; exit code 1 if it is no success."""
     from vpf_sim.cli import invalid_frames, viewers
-    from vpf_sim.evaluation import episode, run_folder, steps
-    from vpf_sim.evaluation.plan import Plan
-    from vpf_sim.evaluation.threads import limit_opencv
+    from vpf_sim.evaluation import steps
+    from vpf_sim.evaluation.episode import episode
+    from vpf_sim.evaluation.processes.threads import limit_opencv
+    from vpf_sim.evaluation.sweeps import run_folder
+    from vpf_sim.evaluation.sweeps.plan import Plan
 
     limit_opencv()
     plan = Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}")

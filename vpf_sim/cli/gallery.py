@@ -20,8 +20,8 @@ WeathersOption = Annotated[
 def gallery(weather: WeathersOption = None, workers: WorkersOption = None, out: OutOption = None) -> None:
     """Draw all weathers, or some, at fixed poses and on a short drive, into a folder with one page, index.html."""
     from vpf_sim.envs.camera import weather as weathers
-    from vpf_sim.evaluation import run_folder
-    from vpf_sim.evaluation.sweep import default_workers
+    from vpf_sim.evaluation.sweeps import run_folder
+    from vpf_sim.evaluation.sweeps.sweep import default_workers
     from vpf_sim.report import gallery as pictures
 
     loaded = list(dict.fromkeys(weathers.load(name) for name in weather or weathers.PRESETS))

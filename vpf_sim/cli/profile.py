@@ -18,7 +18,7 @@ def profile(
     json: JsonOption = False,
 ) -> None:
     """Time the step of the driver `vpf`, its stages and the yardstick; medians."""
-    from vpf_sim.evaluation.profile import profile as measure
+    from vpf_sim.evaluation.machine.profile import profile as measure
 
     measured = measure(scenario, weather, steps)
     if json:

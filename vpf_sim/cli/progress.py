@@ -8,7 +8,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from vpf_sim.evaluation.run_folder import RunFolder
+    from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
 Record = dict[str, Any]
 

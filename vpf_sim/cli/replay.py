@@ -46,8 +46,8 @@ def replay(
     Exit code 1 on an error of the driver, 2 on a recording that cannot be used; the others are still done.
     """
     from vpf_sim import drivers
-    from vpf_sim.evaluation import run_folder
-    from vpf_sim.evaluation.threads import limit_opencv
+    from vpf_sim.evaluation.processes.threads import limit_opencv
+    from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.replay.replay_folder import ReplayFolder
 
     limit_opencv()

@@ -23,7 +23,7 @@ def report(folder: RunArgument, out: FileOption = None, clips: ClipsOption = CLI
 
 def write(folder: Path, out: Path | None = None, clips: int = CLIPS) -> Path:
     """The page of a run folder; gives where it lies."""
-    from vpf_sim.evaluation.threads import limit_opencv
+    from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.report import page
     from vpf_sim.report.stored_run import open_run
 

@@ -117,7 +117,7 @@ def _cell(row: Row) -> tuple[str, str]:
 
 def _place(row: Row) -> tuple[int, int, int, str]:
     """Where a row stands: scenarios, weathers and drivers as the benchmark lists them, then a user's own drivers."""
-    from vpf_sim.evaluation.benchmark import DRIVERS, SCENARIOS, WEATHERS
+    from vpf_sim.evaluation.analysis.benchmark import DRIVERS, SCENARIOS, WEATHERS
 
     driver = DRIVERS.index(row["driver"]) if row["driver"] in DRIVERS else len(DRIVERS)
     return SCENARIOS.index(row["scenario"]), WEATHERS.index(row["weather"]), driver, row["driver"]

@@ -11,11 +11,11 @@ from vpf_sim.cli import invalid_frames
 from vpf_sim.cli.options import prints_on_stderr
 from vpf_sim.cli.progress import progress, say
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.plan import Plan
+from vpf_sim.evaluation.sweeps.plan import Plan
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.job import Job
-    from vpf_sim.evaluation.run_folder import RunFolder
+    from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Means:
 
 def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan]) -> Plan:
     """The plan that `make` gives; of a run that goes on without anything else asked, the one it was made for."""
-    from vpf_sim.evaluation.run_folder import MANIFEST, stored_plan
+    from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, stored_plan
 
     if not resume or asked or out is None or not out.exists():
         return make()
@@ -59,7 +59,7 @@ def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan
 
 def fill(command: str, plan: Plan, means: Means) -> Path:
     """Drive what the run folder lacks of the plan, write its summary, and give its path."""
-    from vpf_sim.evaluation import cluster, run_folder, sweep
+    from vpf_sim.evaluation.sweeps import cluster, run_folder, sweep
 
     means.check()
     limit_s = sweep.limits(means.timeout_s)
@@ -87,8 +87,8 @@ def fill(command: str, plan: Plan, means: Means) -> Path:
 
 
 def _summarize(folder: "RunFolder", jobs: "list[Job]") -> None:
-    from vpf_sim.evaluation.benchmark import with_paper
-    from vpf_sim.evaluation.summary import summarize
+    from vpf_sim.evaluation.analysis.benchmark import with_paper
+    from vpf_sim.evaluation.analysis.summary import summarize
 
     records = folder.records()
     with prints_on_stderr():

@@ -8,7 +8,7 @@ import typer
 from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
 
 if TYPE_CHECKING:
-    from vpf_sim.evaluation.rescore import Rescored
+    from vpf_sim.evaluation.analysis.rescore import Rescored
 
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a run.")]
 MOST = 20  # changed records that are listed
@@ -16,7 +16,7 @@ MOST = 20  # changed records that are listed
 
 def score(directory: FolderArgument, json: JsonOption = False) -> None:
     """Score a run again from its stored steps, without driving, and store what changed."""
-    from vpf_sim.evaluation.rescore import rescore
+    from vpf_sim.evaluation.analysis.rescore import rescore
 
     with prints_on_stderr():
         done = rescore(directory)

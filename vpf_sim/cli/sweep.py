@@ -45,7 +45,7 @@ def sweep(
     """Drive the grid. With --resume and nothing else asked, the grid that the folder was made for."""
     from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, read_summary
     from vpf_sim.cli.running import Means, fill, plan_of
-    from vpf_sim.evaluation.plan import Plan, make_plan, parse_seeds, read_plan
+    from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, parse_seeds, read_plan
 
     given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": seeds}
     given = {key: value for key, value in given.items() if value}

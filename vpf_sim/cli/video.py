@@ -24,7 +24,7 @@ FileOption = Annotated[
 
 def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out: FileOption = None) -> None:  # noqa: A002
     """Draw an episode again, from its steps and seed: the camera, the road from above, the signals."""
-    from vpf_sim.evaluation.threads import limit_opencv
+    from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.report.redraw import redrawing
     from vpf_sim.report.stored_run import open_run
 

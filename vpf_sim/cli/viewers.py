@@ -7,7 +7,7 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vpf_sim.evaluation.episode import Watcher
+from vpf_sim.evaluation.episode.episode import Watcher
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Camera, Image, Plan
 

@@ -15,7 +15,7 @@ SameJsonOption = Annotated[bool, typer.Option("--json", help="One JSON object; i
 def list_weathers(json: JsonOption = False) -> None:
     """The presets with their aliases, and what they mean."""
     from vpf_sim.envs.camera import weather
-    from vpf_sim.evaluation.weather_meaning import aliases, in_words
+    from vpf_sim.evaluation.weather.weather_meaning import aliases, in_words
 
     loaded = list(weather.PRESETS.values())
     if json:
@@ -28,7 +28,7 @@ def list_weathers(json: JsonOption = False) -> None:
 def show(name: str, json: SameJsonOption = False) -> None:  # noqa: ARG001
     """The factors of a weather or a weather file and their physical meaning, as JSON."""
     from vpf_sim.envs.camera import weather
-    from vpf_sim.evaluation.weather_meaning import aliases, in_words, physical
+    from vpf_sim.evaluation.weather.weather_meaning import aliases, in_words, physical
 
     loaded = weather.load(name)
     meaning = {"aliases": aliases(loaded), "meaning": in_words(loaded), "physical": physical(loaded)}
@@ -47,7 +47,7 @@ def validate(file: Annotated[str, typer.Argument(metavar="FILE")]) -> None:
 def _row(name: str) -> dict[str, Any]:
     """A name that can be asked for, the preset that it stands for, and what that means."""
     from vpf_sim.envs.camera import weather
-    from vpf_sim.evaluation.weather_meaning import in_words
+    from vpf_sim.evaluation.weather.weather_meaning import in_words
 
     loaded = weather.load(name)
     return {"name": name, "preset": loaded.name, "meaning": in_words(loaded)}

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.fingerprint import digest, fingerprint
-from vpf_sim.evaluation.json_lines import JsonLines, read_lines
-from vpf_sim.evaluation.run_folder import change
+from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.sweeps.run_folder import change
 from vpf_sim.replay.real_table import DIFFERENCES, rows
 
 MANIFEST, RECORDS, TIMING, SUMMARY = "manifest.json", "replays.jsonl", "timing.jsonl", "summary.json"

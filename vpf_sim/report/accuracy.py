@@ -6,7 +6,7 @@ no line of its own.
 
 from collections.abc import Sequence
 
-from vpf_sim.evaluation.comparisons import BASE_DRIVER
+from vpf_sim.evaluation.analysis.comparisons import BASE_DRIVER
 from vpf_sim.report.cells import Order, Row, at, worded
 from vpf_sim.report.tables import Table, Value, names, score, scored
 

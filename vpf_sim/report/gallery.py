@@ -12,9 +12,9 @@ from jinja2 import Environment, StrictUndefined
 
 from vpf_sim.envs.camera import Weather
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation import pool
-from vpf_sim.evaluation.poses import POSES, SEED, Pose, video_drive
-from vpf_sim.evaluation.weather_meaning import aliases, factors, in_words
+from vpf_sim.evaluation.processes import pool
+from vpf_sim.evaluation.rendering.poses import POSES, SEED, Pose, video_drive
+from vpf_sim.evaluation.weather.weather_meaning import aliases, factors, in_words
 from vpf_sim.report.pictures import jpeg
 from vpf_sim.report.video import Writer
 from vpf_sim.types import Image

@@ -17,7 +17,7 @@ from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_bodies
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.episode import read, setup_for
+from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.report.from_above import Body, Scene

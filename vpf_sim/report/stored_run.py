@@ -9,13 +9,13 @@ from typing import Any
 
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation import steps
-from vpf_sim.evaluation.benchmark import with_paper
+from vpf_sim.evaluation.analysis.benchmark import with_paper
+from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.json_lines import read_lines
-from vpf_sim.evaluation.run_folder import read_manifest, read_records
-from vpf_sim.evaluation.shapes import Summary, Timing, checked
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.evaluation.summary import summarize
+from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.run_folder import read_manifest, read_records
+from vpf_sim.evaluation.sweeps.shapes import Summary, Timing, checked
 
 Record = dict[str, Any]
 SUMMARY = "summary.json"

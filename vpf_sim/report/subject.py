@@ -5,8 +5,8 @@ from typing import Any
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.plan import Plan
-from vpf_sim.evaluation.run_folder import stored_plan
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.run_folder import stored_plan
 from vpf_sim.report.cells import Order, Row
 from vpf_sim.report.stored_run import Record, StoredRun
 

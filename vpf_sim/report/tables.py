@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from vpf_sim.evaluation.summary import WIDTHS
+from vpf_sim.evaluation.analysis.summary import WIDTHS
 from vpf_sim.report.cells import NONE, Order, Row, at, interval_of, interval_words, shown, worded
 from vpf_sim.report.stored_run import Record
 

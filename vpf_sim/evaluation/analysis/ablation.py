@@ -1,0 +1,135 @@
+"""The ablation: from `paper` to `robust` one change at a time, on the same seeds; what each change buys."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from vpf_sim.evaluation.analysis.comparisons import succeeded, value_at
+from vpf_sim.evaluation.analysis.statistics import (
+    Difference,
+    mean_interval,
+    paired_difference,
+    paired_shares,
+    share_interval,
+)
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.sweeps.plan import Plan
+
+FIRST, LAST, BETWEEN = "vpf-paper", "vpf", "vpf@"
+SCENARIOS = ("town04-clean", "town04", "random")
+WEATHERS = ("clear",)
+SEEDS = "1000:1010"
+OF_SUCCESSES = ("path_mse_m2", "min_clearance_m")
+OF_ALL = ("route_completion", "steering_changes_per_s", "driver_ms")
+COMFORT = "comfort.comfortable"
+PLACES = {"steering_changes_per_s": "chattering.steering.direction_changes_per_s"}
+
+Record = dict[str, Any]
+Row = dict[str, Any]
+
+
+def changes() -> dict[str, str]:
+    """What each driver of the ablation changes, in order: the first is the paper's, the last is `vpf`."""
+    from vpf_sim.planning import variant
+
+    *between, (_, last) = variant.ablation().items()
+    return {
+        FIRST: "the paper's field with the fewest repairs that make it run",
+        **{f"{BETWEEN}{name}": summary for name, summary in between},
+        LAST: last,
+    }
+
+
+def plan(seeds: str | None, scenarios: Sequence[str], weathers: Sequence[str]) -> Plan:
+    """The ablation's grid."""
+    return Plan(tuple(scenarios) or SCENARIOS, tuple(weathers) or WEATHERS, tuple(changes()), seeds or SEEDS)
+
+
+def table(jobs: Iterable[Job], records: Iterable[Record], timing: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """`{"rows": [...]}`: each step's scores in each scenario and weather, and their differences to the step before.
+
+    Success is over the planned seeds; path MSE and clearance over the successful episodes, or, of two steps, over the
+    seeds at which both succeeded; the others over all that were driven. Comfort is that of a successful and comfortable
+    episode among all planned. `driver_ms`, what a clock measured, is the median time of the driver in a step.
+    """
+    clock = {row["id"]: (row.get("stages_ms") or {}).get("driver") for row in timing}
+    by_id = {record["id"]: {**record, "driver_ms": clock.get(record["id"])} for record in records}
+    cells: dict[tuple[str, str], dict[str, dict[int, Record | None]]] = {}
+    for job in jobs:
+        steps = cells.setdefault((job.scenario, job.weather), {})
+        steps.setdefault(job.driver, {})[job.seed] = by_id.get(job.id)
+    return {"rows": [row for cell, steps in sorted(cells.items()) for row in _rows(cell, steps)]}
+
+
+def _rows(cell: tuple[str, str], steps: Mapping[str, Mapping[int, Record | None]]) -> list[Row]:
+    told, order, rows = changes(), [*steps], []
+    for before, step in zip([None, *order], order, strict=False):
+        scores = _scores([*steps[step].values()])
+        change = None if before is None else _differences(steps[step], steps[before])
+        row = {"scenario": cell[0], "weather": cell[1], "driver": step, "changes": told.get(step, "")}
+        rows.append({**row, **scores, "difference": change})
+    return rows
+
+
+def _scores(found: Sequence[Record | None]) -> Row:
+    driven = [record for record in found if record is not None]
+    good = [record for record in driven if succeeded(record)]
+    values = {
+        **{key: _values(good, key) for key in OF_SUCCESSES},
+        **{key: _values(driven, key) for key in OF_ALL},
+    }
+    comfortable = sum(map(_comfortable, found))
+    shares = {"success_rate": len(good), "comfortable_rate": comfortable}
+    return {
+        "episodes": len(found),
+        "successes": len(good),
+        **{key: count / len(found) for key, count in shares.items()},
+        **{key: float(np.mean(some)) if len(some) else None for key, some in values.items()},
+        "intervals": {
+            **{key: list(share_interval(count, len(found))) for key, count in shares.items()},
+            **{key: _listed(mean_interval(some)) for key, some in values.items()},
+        },
+    }
+
+
+def _differences(step: Mapping[int, Record | None], before: Mapping[int, Record | None]) -> Row:
+    pairs = [(step[seed], before[seed]) for seed in sorted(step)]
+    there = [(one, other) for one, other in pairs if one is not None and other is not None]
+    good = [(one, other) for one, other in there if succeeded(one) and succeeded(other)]
+    shares = {"success_rate": succeeded, "comfortable_rate": _comfortable}
+    return {
+        **{key: _told(_share_difference(pairs, of)) for key, of in shares.items()},
+        **{key: _told(_mean_difference(good, key)) for key in OF_SUCCESSES},
+        **{key: _told(_mean_difference(there, key)) for key in OF_ALL},
+    }
+
+
+def _share_difference(pairs: Sequence[tuple[Record | None, Record | None]], of: Any) -> Difference:
+    return paired_shares(np.array([of(one) for one, _ in pairs]), np.array([of(other) for _, other in pairs]))
+
+
+def _mean_difference(pairs: Sequence[tuple[Record, Record]], key: str) -> Difference | None:
+    values = [(_value(one, key), _value(other, key)) for one, other in pairs]
+    there = np.array([pair for pair in values if None not in pair], float).reshape(-1, 2)
+    return paired_difference(there[:, 0], there[:, 1])
+
+
+def _comfortable(record: Record | None) -> bool:
+    return succeeded(record) and record is not None and bool(value_at(record, COMFORT))
+
+
+def _values(records: Sequence[Record], key: str) -> Any:
+    return np.array([value for record in records if (value := _value(record, key)) is not None], float)
+
+
+def _value(record: Record, key: str) -> float | None:
+    return value_at(record, PLACES.get(key, key))
+
+
+def _told(difference: Difference | None) -> Row | None:
+    return None if difference is None else {**difference._asdict(), "interval": _listed(difference.interval)}
+
+
+def _listed(interval: Any) -> list[float] | None:
+    return None if interval is None else list(interval)

@@ -1,0 +1,105 @@
+"""The records of a run folder made once more from its steps, without driving: for scores that changed their formula."""
+
+from contextlib import closing
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from vpf_sim import scenarios
+from vpf_sim.envs.centre_line import CentreLine
+from vpf_sim.envs.route import Route
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation import steps
+from vpf_sim.evaluation.analysis.benchmark import with_paper
+from vpf_sim.evaluation.analysis.summary import summarize
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics import records
+from vpf_sim.evaluation.outcome import Outcome
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, RunFolder, read_manifest, stored_plan
+
+Record = dict[str, Any]
+SUMMARY = "summary.json"
+KEPT = ("status", "collided_with", "frames_sha256", "invalid_frame")  # what a record knows that its steps do not
+
+
+@dataclass(frozen=True, slots=True)
+class Rescored:
+    """What came of it: the keys whose values are others than before, by id, and the table."""
+
+    records: list[Record]
+    changed: dict[str, list[str]]
+    planned: int
+    command: str
+    seeds: str
+    summary: dict[str, Any]
+
+
+def rescore(path: Path) -> Rescored:
+    """Score all records again, store those that changed, and the summary if no planned episode is missing.
+
+    Where nothing changed every record stays as it was, byte by byte. A record that another version of the code made
+    different is marked with this one's fingerprint, as `--mixed` does.
+    """
+    manifest, plan = read_manifest(path), stored_plan(path)
+    jobs = {job.id: job for job in plan.jobs()}
+    _check_scenarios(path, manifest, plan)
+    now = fingerprint()
+    mark = {} if now == manifest["fingerprint"] else {"fingerprint": digest(now)}
+    with closing(RunFolder(path, manifest, resume=True)) as folder:
+        stored = read_lines(path / "episodes.jsonl")
+        again = [_again(path, record, jobs) for record in stored]
+        changed = {old["id"]: _differences(old, new) for old, new in zip(stored, again, strict=True) if old != new}
+        kept = [{**new, **mark} if new["id"] in changed else new for new in again]
+        if changed:
+            folder.replace_records(kept)
+        summary = with_paper(summarize(jobs.values(), kept))
+        if len(kept) == len(jobs):
+            folder.write_json(SUMMARY, summary)
+    return Rescored(kept, changed, len(jobs), str(manifest.get("command")), plan.seeds, summary)
+
+
+def score(job: Job, outcome: Outcome) -> Record:
+    """The record of an episode from its outcome: the route is that which the scenario has for the seed."""
+    drawn = scenarios.load(job.scenario).draw(job.seed)
+    route = Route(CentreLine(drawn.road), drawn)
+    return records.score(job, outcome, route.waypoints(), route.length_m)
+
+
+def _again(path: Path, record: Record, jobs: dict[str, Job]) -> Record:
+    """The record as its steps make it now; of an episode without steps, as it was."""
+    where = f"{path / 'episodes.jsonl'}: {record.get('id')}"
+    if record.get("id") not in jobs:
+        raise InputError(f"{where}: expected an episode of the plan in {MANIFEST}, got another")
+    for key in (*KEPT, "steps", "states_sha256"):
+        if key not in record:
+            raise InputError(f"{where}: key '{key}' is missing")
+    if record["states_sha256"] is None:
+        return record
+    table = _read_steps(path / "steps" / f"{record['id']}.parquet", record["states_sha256"])
+    new = score(jobs[record["id"]], Outcome(steps=table, **{key: record[key] for key in KEPT}))
+    return {**new, **{key: record[key] for key in ("fingerprint",) if key in record}}
+
+
+def _read_steps(path: Path, states_sha256: str) -> StepTable:
+    table = steps.read(path)
+    found = sha256(table.states()).hexdigest()
+    if found != states_sha256:
+        raise InputError(f"{path}: expected the states {states_sha256[:12]} of the record, got {found[:12]}")
+    return table
+
+
+def _check_scenarios(path: Path, manifest: dict[str, Any], plan: Plan) -> None:
+    """InputError where a scenario is no more what it was: its route would be another."""
+    for name, found in plan.check()["scenarios"].items():
+        stored = (manifest.get("scenarios") or {}).get(name)
+        if stored != found:
+            raise InputError(f"{path / MANIFEST}: scenario {name} changed since the run: was {stored}, is {found}")
+
+
+def _differences(old: Record, new: Record) -> list[str]:
+    return sorted(key for key in old.keys() | new.keys() if old.get(key) != new.get(key))

@@ -1,0 +1,1 @@
+"""The loop: one episode, driven, noted step by step, timed and scored."""

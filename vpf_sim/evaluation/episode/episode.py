@@ -1,0 +1,116 @@
+"""One episode: a driver in a world, from reset to end."""
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass, replace
+from time import perf_counter
+from traceback import format_exc
+from typing import Any
+
+import numpy as np
+
+from vpf_sim import drivers
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.episode.hashing import FrameHasher
+from vpf_sim.evaluation.episode.log import StepLog
+from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
+from vpf_sim.evaluation.episode.stages import IN_EPISODES
+from vpf_sim.evaluation.episode.stopwatch import Stopwatch
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics import records
+from vpf_sim.evaluation.outcome import Outcome
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
+
+Watcher = Callable[[Image, Plan | None], None]
+NO_FRAME: Image = np.empty((0, 0, 3), np.uint8)
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeResult:
+    record: dict[str, Any]
+    steps: StepTable
+    timing: dict[str, Any]  # what a clock measured, and the traceback of an error
+
+
+def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None = None) -> EpisodeResult:
+    """Drive one episode and score it; `watch` is shown each frame with the driver's plan for it.
+
+    No frames are taken of an episode whose driver does not look at them and that nobody watches.
+    """
+    started_s, stopwatch = perf_counter(), Stopwatch()
+    tested = drivers.create(driver)
+    truth, frames = (("foe",), True) if drivers.sees(tested) else ((), watch is not None)
+
+    def each_step(image: Image, plan: Plan | None) -> None:
+        stopwatch.end_step()
+        if watch is not None:
+            watch(image, plan)
+
+    with closing(FourLane(scenario, weather, truth=truth, frames=frames)) as env:
+        job = Job(scenario, weather, driver, seed)
+        with stopwatch.watching(IN_EPISODES):
+            outcome = roll_out(env, tested, drivers.create("pid"), seed, each_step)
+        wall_s = perf_counter() - started_s
+        if len(outcome.steps):
+            own_run = pid_without_obstacles(env.scenario, seed)
+            outcome = replace(outcome, steps=matched(outcome.steps, own_run))
+        record = records.score(job, outcome, env.route, env.route_length_m)
+    steps_per_s = len(outcome.steps) / wall_s
+    timing = {"id": job.id, "wall_s": wall_s, "steps_per_s": steps_per_s, "stages_ms": stopwatch.medians_ms()}
+    if outcome.traceback:
+        timing["traceback"] = outcome.traceback
+    return EpisodeResult(record, outcome.steps, timing)
+
+
+def roll_out(env: Any, driver: Driver, shadow: Driver, seed: int, watch: Watcher | None = None) -> Outcome:
+    """Reset, then observe, act, step and record until the episode ends; the shadow is asked but never obeyed."""
+    traceback = None
+    with FrameHasher() as frames:
+        log = StepLog()
+        try:
+            observed, info = env.reset(seed=seed)
+            driver.reset(setup_for(driver, env, seed))
+            shadow.reset(setup_for(shadow, env, seed))
+            ended = info["status"] != "running"
+            while not ended:
+                observation = read(observed)
+                if drivers.sees(driver):
+                    frames.add(observation.image)
+                log.observe(observation, info, env)
+                command = drivers.command_of(driver, observation)
+                log.act(command, shadow.act(observation), plan := drivers.trace_of(driver))
+                if watch is not None:
+                    watch(observation.image, plan)
+                observed, _, terminated, truncated, info = env.step(np.array([command.throttle, command.steering]))
+                ended = terminated or truncated
+            log.observe(read(observed), info, env)
+            status = info["status"]
+        except (Exception, SystemExit):
+            status, traceback, info = "error", format_exc(), {}
+    invalid_frame = info.get("invalid_frame") if status == "invalid_frame" else None
+    return Outcome(status, log.table(), info.get("collided_with"), frames.hexdigest(), traceback, invalid_frame)
+
+
+def setup_for(driver: Driver, env: Any, seed: int) -> DriverSetup:
+    """What the driver is told before the episode, and not more than the privilege that it declares."""
+    return DriverSetup(
+        camera=env.camera,
+        vehicle=env.vehicle_model,
+        rate_hz=env.rate_hz,
+        speed_reference_mps=env.speed_reference_mps,
+        goal_m=env.goal_m,
+        seed=seed,
+        route=None if driver.privileged == "none" else env.route.copy(),
+        world=env.road if driver.privileged == "world" else None,
+    )
+
+
+def read(observed: dict[str, Any]) -> Observation:
+    """The environment's observation as the driver's; `info` never comes along."""
+    x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps = observed["ego"].tolist()
+    goal_x_m, goal_y_m = observed["goal"].tolist()
+    time_s = float(observed["time"][0])
+    goal_m = (goal_x_m, goal_y_m)
+    image = observed.get("image", NO_FRAME)
+    return Observation(image, time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m)

@@ -1,0 +1,97 @@
+"""The book that the episode loop keeps: what was observed, what was commanded, what the truth was."""
+
+from dataclasses import replace
+from math import hypot, nan
+from typing import Any
+
+from vpf_sim.envs.rectangles import nearest, solid_bodies
+from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.evaluation.truth import surroundings
+from vpf_sim.evaluation.truth.sight import Sight
+from vpf_sim.types import Command, Observation, Plan
+
+NOWHERE_PX = (nan, nan)  # the focus of expansion of a car that stands
+
+
+class StepLog:
+    """Row by row: `observe` opens one, `act` completes it; the last stays open, as the state in which all ended."""
+
+    def __init__(self) -> None:
+        self._steps: list[Step] = []
+        self._sight = Sight()
+
+    def observe(self, observation: Observation, info: dict[str, Any], env: Any) -> None:
+        """A new row with the state, which sensors that err do not tell, and what the harness measures of the world."""
+        observation = _true(observation, info)
+        ego, network = env.ego, env.road.network
+        self._sight.observe(observation, env)
+        others, (_, near) = solid_bodies(ego), nearest(ego)
+        laterals_m = surroundings.corner_laterals(ego, network)
+        in_lane = surroundings.is_in_lane(laterals_m, network)
+        true_left_m, true_right_m = surroundings.true_edges(ego, network)
+        true_foe_x_px, true_foe_y_px = info.get("foe", NOWHERE_PX)
+        self._steps.append(
+            Step(
+                time_s=observation.time_s,
+                x_m=observation.x_m,
+                y_m=observation.y_m,
+                yaw_rad=observation.yaw_rad,
+                speed_mps=observation.speed_mps,
+                yaw_rate_radps=observation.yaw_rate_radps,
+                route_m=info["route_m"],
+                lane_offset_m=info["lane_offset_m"],
+                clearance_m=info["clearance_m"],
+                ttc_s=surroundings.time_to_collision(ego, others, in_lane),
+                passing=float(surroundings.is_passing(ego, others)),
+                outside=float(surroundings.is_outside(laterals_m, network)),
+                in_lane=float(in_lane),
+                **({} if near is None else _nearest(ego, near)),
+                true_foe_x_px=true_foe_x_px,
+                true_foe_y_px=true_foe_y_px,
+                true_left_m=true_left_m,
+                true_right_m=true_right_m,
+            )
+        )
+
+    def act(self, command: Command, pid: Command, plan: Plan | None) -> None:
+        """What was done in this state, what the PID would have done, and what the driver had perceived."""
+        self._steps[-1] = self._steps[-1]._replace(
+            throttle=command.throttle,
+            steering=command.steering,
+            pid_throttle=pid.throttle,
+            pid_steering=pid.steering,
+            **({} if plan is None else _perceived(plan) | self._sight.columns(plan)),
+        )
+
+    def table(self) -> StepTable:
+        return StepTable.of(self._steps)
+
+
+def _true(observation: Observation, info: dict[str, Any]) -> Observation:
+    """The observation with the true state in it."""
+    if "ego" not in info:
+        return observation
+    x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps = info["ego"].tolist()
+    state = {"x_m": x_m, "y_m": y_m, "yaw_rad": yaw_rad, "speed_mps": speed_mps, "yaw_rate_radps": yaw_rate_radps}
+    return replace(observation, **state)
+
+
+def _nearest(ego: Any, near: Any) -> dict[str, float]:
+    """The columns of the nearest body."""
+    return {
+        "near_bearing_rad": surroundings.bearing_rad(ego, near),
+        "near_bumper_m": surroundings.bumper_gap_m(ego, near),
+        "near_speed_mps": hypot(*near.velocity.tolist()),
+    }
+
+
+def _perceived(plan: Plan) -> dict[str, float]:
+    """The columns that come from a plan; what the driver itself does not trust is left out."""
+    columns: dict[str, float] = {}
+    expansion, road = plan.perception.expansion, plan.perception.road
+    if expansion.confidence > 0.0:
+        columns |= {"foe_x_px": expansion.x_px, "foe_y_px": expansion.y_px}
+    if road.confidence > 0.0:
+        left_m, right_m = surroundings.seen_edges(road)
+        columns |= {"seen_left_m": left_m, "seen_right_m": right_m}
+    return columns

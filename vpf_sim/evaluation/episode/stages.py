@@ -1,0 +1,32 @@
+"""The stages of a step that are timed, by name, each with the place of its function for a `Stopwatch`."""
+
+STAGES = {
+    "render": "vpf_sim.envs.camera.renderer:Renderer.render",
+    "render.sky": "vpf_sim.envs.camera.sky.sky:Sky.draw",
+    "render.ground": "vpf_sim.envs.camera.ground.ground:Ground.draw",
+    "render.veil": "vpf_sim.envs.camera.veil:Veil.ground",
+    "render.things_seen": "vpf_sim.envs.camera.things.things:Things.seen",
+    "render.wet_road": "vpf_sim.envs.camera.rain.wet_road:WetRoad.draw",
+    "render.shadows": "vpf_sim.envs.camera.things.things:Things.paint_shadows",
+    "render.things": "vpf_sim.envs.camera.things.things:Things.paint",
+    "render.streaks": "vpf_sim.envs.camera.rain.streaks:Streaks.draw",
+    "render.lens": "vpf_sim.envs.camera.lens:Lens.distorted",
+    "render.glass": "vpf_sim.envs.camera.glass.glass:Glass.draw",
+    "render.sensor": "vpf_sim.envs.camera.sensor:Sensor.expose",
+    "physics": "vpf_sim.envs.four_lane:FourLane.advance",
+    "grey": "vpf_sim.planning.planner:grey",
+    "flow": "vpf_sim.perception.flow:FlowTracker.update",
+    "foe": "vpf_sim.perception.expansion:estimate",
+    "obstacle_map": "vpf_sim.perception.obstacles:detect",
+    "ttc": "vpf_sim.perception.contact:time_to_contact",
+    "road": "vpf_sim.perception.road_edges:RoadEdgeTracker.update",
+    "landmarks": "vpf_sim.perception.landmarks:LandmarkTracker.update",
+    "plan": "vpf_sim.planning.planner:Planner.plan",
+    "control": "vpf_sim.controllers.gtsmc:Gtsmc.command",
+}
+IN_EPISODES = {
+    **STAGES,
+    "world": "vpf_sim.envs.four_lane:FourLane.step",  # render and physics are parts of it
+    "driver": "vpf_sim.drivers:command_of",  # and what comes after them of this
+    "log": "vpf_sim.evaluation.episode.log:StepLog.observe",
+}

@@ -1,0 +1,154 @@
+"""A stored run to be no worse than: on the same seeds where there are such, else against its interval."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean
+from typing import NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, PositiveInt, ValidationError
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.analysis.statistics import (
+    Interval,
+    mean_interval,
+    paired_difference,
+    paired_shares,
+    share_interval,
+)
+from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Run, read_run, values_of, worst_first
+from vpf_sim.evaluation.gate.rules import Score
+
+SHARES = ("success_rate", "collisions", "comfortable_share")  # of the planned episodes; one ends at its first collision
+HIGHER_IS_BETTER = ("success_rate", "clearance_m", "comfortable_share")
+
+
+class Intervals(BaseModel):
+    path_mse_m2: tuple[float, float] | None = None
+    min_clearance_m: tuple[float, float] | None = None
+
+
+class Row(BaseModel):
+    """Of a row of a summary what is compared."""
+
+    model_config = ConfigDict(allow_inf_nan=False)
+
+    scenario: str
+    weather: str
+    driver: str
+    episodes: PositiveInt
+    successes: int
+    statuses: dict[str, int]
+    path_mse_m2: float | None
+    min_clearance_m: float | None
+    comfortable_share: float | None
+    intervals: Intervals = Intervals()
+
+
+class Table(BaseModel):
+    rows: list[Row]
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """The table of a run alone, by cell."""
+
+    path: Path
+    rows: dict[Cell, Row]
+
+
+class Before(NamedTuple):
+    """A score in a cell of the baseline."""
+
+    by_seed: Mapping[int, float]  # empty where a summary is all there is
+    mean: float | None
+    interval: Interval | None
+
+
+class Comparison(NamedTuple):
+    told: str
+    worse: bool
+    seeds: tuple[int, ...]  # that became worse, the worst first
+
+
+def read(path: Path) -> Run | Summary:
+    """A run folder, or the file of its summary."""
+    if path.suffix != ".json":
+        return read_run(path)
+    try:
+        rows = Table.model_validate_json(path.read_text("utf-8")).rows
+    except OSError as error:
+        raise InputError(f"{path}: expected a readable summary, got: {error.strerror}") from None
+    except (UnicodeDecodeError, ValidationError):
+        raise InputError(f"{path}: expected the summary.json of a run, got something else") from None
+    return Summary(path, {Cell(row.scenario, row.weather, row.driver): row for row in rows})
+
+
+def before(baseline: Run | Summary, run: Run, cell: Cell, score: Score) -> Before:
+    """The score in the same cell of the baseline, which must have been driven in the same world."""
+    cells = baseline.rows if isinstance(baseline, Summary) else baseline.cells
+    if cell not in cells:
+        known = "; ".join(", ".join(one) for one in cells)
+        raise InputError(f"{baseline.path}: expected the cell {', '.join(cell)}, got none; known: {known}")
+    if isinstance(baseline, Summary):
+        return _of_row(baseline.rows[cell], score)
+    for kind, name in (("scenarios", cell.scenario), ("weathers", cell.weather)):
+        if baseline.hashes[kind].get(name) != run.hashes[kind].get(name):
+            raise InputError(
+                f"{baseline.path}: expected {kind[:-1]} '{name}' as in {run.path}, got another of that name"
+            )
+    values = values_of(score, baseline.cells[cell])
+    return Before(values, fmean(values.values()) if values else None, _interval(score, list(values.values())))
+
+
+def compare(score: Score, ours: Mapping[int, float], theirs: Before) -> Comparison:
+    """Whether ours are worse by more than the interval: of the paired differences, or else of the baseline's mean."""
+    sign = 1.0 if score in HIGHER_IS_BETTER else -1.0
+    common = sorted(ours.keys() & theirs.by_seed.keys())
+    if not common:
+        return _unpaired(sign, ours, theirs)
+    now, then = np.array([ours[seed] for seed in common]), np.array([theirs.by_seed[seed] for seed in common])
+    found = paired_shares(now > 0.0, then > 0.0) if score in SHARES else paired_difference(now, then)
+    assert found is not None
+    low, high = found.interval or (found.difference, found.difference)
+    lost = {seed: loss for seed, loss in zip(common, (sign * (then - now)).tolist(), strict=True) if loss > 0.0}
+    told = f"{np.mean(now):.3g}, was {np.mean(then):.3g}: {found.difference:+.3g} [{low:+.3g}, {high:+.3g}]"
+    worse = max(sign * low, sign * high) < 0.0
+    return Comparison(f"{told} on {len(common)} same seed" + "s" * (len(common) != 1), worse, tuple(worst_first(lost)))
+
+
+def _unpaired(sign: float, ours: Mapping[int, float], theirs: Before) -> Comparison:
+    mean = fmean(ours.values())
+    assert theirs.mean is not None
+    low, high = theirs.interval or (theirs.mean, theirs.mean)
+    worst = low if sign > 0.0 else high
+    lost = {seed: sign * (worst - value) for seed, value in ours.items() if sign * (worst - value) > 0.0}
+    where = "on other seeds" if theirs.by_seed else "in the summary"
+    told = f"{mean:.3g}, was {theirs.mean:.3g} [{low:.3g}, {high:.3g}] {where}"
+    return Comparison(told, sign * (worst - mean) > 0.0, tuple(worst_first(lost)))
+
+
+def _of_row(row: Row, score: Score) -> Before:
+    if score in SHARES:
+        count = _count(row, score)
+        return Before({}, count / row.episodes, share_interval(count, row.episodes))
+    key = "min_clearance_m" if score == "clearance_m" else score
+    ends = getattr(row.intervals, key)
+    return Before({}, getattr(row, key), None if ends is None else Interval(*ends))
+
+
+def _count(row: Row, score: Score) -> int:
+    """Of how many episodes a share is, as `value_of` counts them."""
+    if score == "success_rate":
+        return row.successes
+    if score == "comfortable_share":
+        return round((row.comfortable_share or 0.0) * row.successes)
+    missing = row.episodes - sum(row.statuses.values())
+    return missing + sum(row.statuses.get(status, 0) for status in ("collision", *FAULTS))
+
+
+def _interval(score: Score, values: list[float]) -> Interval | None:
+    if score in SHARES:
+        return share_interval(sum(value > 0.0 for value in values), len(values)) if values else None
+    return mean_interval(np.array(values))

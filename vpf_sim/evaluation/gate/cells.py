@@ -1,0 +1,99 @@
+"""The cells of a stored run - scenario, weather, driver - with what the gate judges of each planned episode."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import BaseModel, ConfigDict
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.gate.rules import Score
+from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.run_folder import read_manifest, stored_plan
+from vpf_sim.evaluation.sweeps.shapes import checked
+
+FAULTS = ("error", "invalid_frame")  # these episodes were not driven to an end
+
+
+class Cell(NamedTuple):
+    scenario: str
+    weather: str
+    driver: str
+
+
+class Comfort(BaseModel):
+    comfortable: bool | None
+
+
+class Episode(BaseModel):
+    """Of a record what the gate looks at."""
+
+    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
+
+    id: str
+    status: str
+    collisions: int
+    path_mse_m2: float | None
+    min_clearance_m: float | None
+    comfort: Comfort | None
+
+    @property
+    def succeeded(self) -> bool:
+        return self.status == "success"
+
+
+Episodes = Mapping[int, Episode | None]  # by seed, all that were planned; None: no record of it
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A run's episodes by cell, and the hashes of what its scenarios and weathers said."""
+
+    path: Path
+    cells: dict[Cell, Episodes]
+    hashes: dict[str, Any]
+
+
+def read_run(path: Path) -> Run:
+    """The run in a folder, checked to be one."""
+    if not path.is_dir():
+        raise InputError(f"{path}: expected a run folder, got {'a file' if path.exists() else 'nothing of that name'}")
+    manifest, jobs = read_manifest(path), stored_plan(path).jobs()
+    hashes = {key: manifest[key] for key in ("scenarios", "weathers")}
+    lines = path / "episodes.jsonl"
+    episodes = (checked(Episode, row, f"{lines}: record {row.get('id')!r}") for row in read_lines(lines))
+    found = {episode.id: episode for episode in episodes}
+    cells: dict[Cell, dict[int, Episode | None]] = {}
+    for job in jobs:
+        cells.setdefault(Cell(job.scenario, job.weather, job.driver), {})[job.seed] = found.get(job.id)
+    return Run(path, dict(sorted(cells.items())), hashes)
+
+
+def value_of(score: Score, episode: Episode | None) -> float | None:
+    """What an episode counts in the mean of a score.
+
+    One that is missing, or was not driven to an end, is no success, not comfortable, and as bad as a collision.
+    Path MSE and clearance are of successful episodes only; clearance is None without bodies, too.
+    """
+    if score == "collisions":
+        return 1.0 if episode is None or episode.status in FAULTS else float(episode.collisions)
+    succeeded = episode is not None and episode.succeeded
+    if score == "success_rate":
+        return float(succeeded)
+    if score == "comfortable_share":
+        return float(succeeded and episode is not None and bool(episode.comfort and episode.comfort.comfortable))
+    if episode is None or not succeeded:
+        return None
+    return episode.path_mse_m2 if score == "path_mse_m2" else episode.min_clearance_m
+
+
+def values_of(score: Score, episodes: Episodes) -> dict[int, float]:
+    """By seed, for the episodes that count in a score."""
+    values = {seed: value_of(score, episode) for seed, episode in episodes.items()}
+    return {seed: value for seed, value in values.items() if value is not None}
+
+
+def worst_first(losses: Mapping[int, float]) -> list[int]:
+    """Seeds by how much was lost."""
+    return sorted(losses, key=lambda seed: (-losses[seed], seed))

@@ -1,0 +1,132 @@
+"""Whether this machine drives as it should, for `vpf-sim doctor`: a picture that is one, in time, always the same."""
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from itertools import pairwise
+from time import perf_counter
+
+import cv2
+import numpy as np
+
+from vpf_sim import drivers, scenarios
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.envs.frame_check import fault_of
+from vpf_sim.evaluation.episode.episode import roll_out
+from vpf_sim.evaluation.machine.installation import BROKEN, Check
+from vpf_sim.evaluation.processes import pool
+from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.scenarios.parts import Limits
+from vpf_sim.types import Camera, Image
+
+SCENARIO, DRIVER, SEED = "town04", "vpf", 7
+EPISODE_S = 1.5
+FRAMES = 12
+FEWEST_CORNERS = 100  # of the 300 that are asked for; a driver cannot steer by less
+SLOWEST_HZ = 5.0
+UNSTEADY = "sweeps cannot be compared or resumed here; look for another OpenCV or CPU, or report it"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A short episode: what must be the same whenever it is driven, and how fast it was."""
+
+    status: str
+    states_sha256: str
+    frames_sha256: str
+    steps: int
+    wall_s: float
+
+
+def checks() -> dict[str, Callable[[], Check]]:
+    """By name, in the order in which one thing needs the other; what several look at is made once."""
+    limit_opencv()
+    here = _Here()
+    return {
+        "frames": lambda: frames(here.frames, here.shape),
+        "corners": lambda: corners(here.frames[-1]),
+        "speed": lambda: speed(here.run),
+        "same again": lambda: same("same again", here.run, short_episode(SEED)),
+        "same elsewhere": lambda: same("same elsewhere", here.run, in_fresh_process(SEED)),
+    }
+
+
+def frames(taken: Sequence[Image], shape: tuple[int, ...]) -> Check:
+    """Frames of a car that moves are of the camera's shape, of more than one colour, and each unlike the last."""
+    faults = [fault_of(taken[0], shape), *(fault_of(now, shape, before) for before, now in pairwise(taken))]
+    wrong = [f"frame {number} is {fault}" for number, fault in enumerate(faults) if fault]
+    if wrong:
+        return Check("frames", False, f"{wrong[0]} ({len(wrong)} of {len(taken)} frames are wrong)", BROKEN)
+    found = f"{len(taken)} frames, not black, constant or stale; mean grey level {np.mean(taken[-1]):.0f}"
+    return Check("frames", True, found)
+
+
+def corners(frame: Image) -> Check:
+    """There is something in the picture that can be tracked."""
+    found = cv2.goodFeaturesToTrack(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), 300, 0.01, 8)
+    count = 0 if found is None else len(found)
+    if count < FEWEST_CORNERS:
+        return Check("corners", False, f"{count}, expected at least {FEWEST_CORNERS}", BROKEN)
+    return Check("corners", True, f"{count} to track")
+
+
+def speed(run: Run) -> Check:
+    """Steps a second: the driver, the camera in hard rain, and physics."""
+    rate_hz = run.steps / run.wall_s
+    found = f"{rate_hz:.0f} steps a second in hard rain; the camera takes 60"
+    if rate_hz < SLOWEST_HZ:
+        return Check("speed", False, found, "see what else runs; vpf-sim profile shows where the time goes")
+    return Check("speed", True, found)
+
+
+def same(name: str, first: Run, again: Run) -> Check:
+    """Two runs of one episode have the same states and frames, bit by bit."""
+    for run in (first, again):
+        if run.status in ("error", "invalid_frame"):
+            return Check(name, False, f"the short episode ended by {run.status}", BROKEN)
+    keys = ("status", "states_sha256", "frames_sha256")
+    differ = [key.removesuffix("_sha256") for key in keys if getattr(first, key) != getattr(again, key)]
+    if differ:
+        return Check(name, False, f"{' and '.join(differ)} of the short episode differ", UNSTEADY)
+    return Check(
+        name, True, f"{first.steps} steps, states {first.states_sha256[:12]}, frames {first.frames_sha256[:12]}"
+    )
+
+
+def short_episode(seed: int) -> Run:
+    """The first moments of a drive past a parked car, in hard rain, where most is drawn at random."""
+    scenario = scenarios.load(SCENARIO).draw(seed).model_copy(update={"limits": Limits(time_s=EPISODE_S)})
+    with closing(FourLane(scenario, "rain", truth=("foe",))) as env:
+        started_s = perf_counter()
+        outcome = roll_out(env, drivers.create(DRIVER), drivers.create("pid"), seed)
+        wall_s = perf_counter() - started_s
+    table = outcome.steps
+    return Run(outcome.status, sha256(table.states()).hexdigest(), outcome.frames_sha256 or "", len(table), wall_s)
+
+
+def in_fresh_process(seed: int) -> Run:
+    """The short episode in a process that has nothing of ours but the code."""
+    done = next(iter(pool.run(short_episode, [seed], 1)))
+    if done.result is None:
+        raise RuntimeError("the other process died")
+    return done.result
+
+
+class _Here:
+    """What several checks look at, made when the first asks for it."""
+
+    camera = Camera()
+    shape = (camera.height_px, camera.width_px, 3)
+
+    @cached_property
+    def frames(self) -> list[Image]:
+        """What the camera sees from a car that rolls on in clear weather."""
+        with closing(FourLane(SCENARIO, "clear")) as env:
+            observed, _ = env.reset(seed=SEED)
+            return [observed["image"], *(env.step(np.zeros(2, np.float32))[0]["image"] for _ in range(FRAMES - 1))]
+
+    @cached_property
+    def run(self) -> Run:
+        return short_episode(SEED)

@@ -1,0 +1,121 @@
+"""Whether what is installed is what we need, as checks for `vpf-sim doctor`."""
+
+import os
+import platform
+import re
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, packages_distributions, requires, version
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
+
+BROKEN = "vpf_sim is broken here; run its tests (make test), and report what fails"
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One line of the doctor's answer; `remedy` says what to do where it is not ok."""
+
+    name: str
+    ok: bool
+    found: str
+    remedy: str = ""
+
+
+def checks() -> dict[str, Callable[[], Check]]:
+    """By name."""
+    return {
+        "versions": lambda: versions(lower_bounds()),
+        "fingerprint": fingerprint_in_use,
+        "pygame": installed_pygame,
+        "SDL": lambda: sdl(os.environ),
+        "display": display,
+    }
+
+
+def lower_bounds() -> dict[str, str]:
+    """The packages that vpf_sim asks for, and the version from which on."""
+    asked = [re.fullmatch(r"([\w.-]+)>=([\d.]+)", one) for one in requires("vpf_sim") or []]  # extras do not match
+    return {match[1]: match[2] for match in asked if match}
+
+
+def versions(lowest: Mapping[str, str]) -> Check:
+    """Each package of `lowest` is installed, in that version or a later one."""
+    found = {name: _version(name) for name in lowest}
+    wrong = [
+        f"{name} {found[name] or 'is missing'}, expected {least} or later"
+        for name, least in lowest.items()
+        if not _is_at_least(found[name], least)
+    ]
+    if wrong:
+        return Check("versions", False, "; ".join(wrong), "install vpf_sim again, in an environment of its own")
+    ours = f"vpf_sim {_version('vpf_sim')}, Python {platform.python_version()}"
+    return Check("versions", True, ", ".join([ours, *(f"{name} {found[name]}" for name in lowest)]))
+
+
+def fingerprint_in_use() -> Check:
+    """What the bytes of an episode depend on beside its inputs."""
+    found = fingerprint()
+    features = found["opencv_cpu_features"]
+    return Check("fingerprint", True, f"{digest(found)} (source {found['source'][:12]}, OpenCV on {features})")
+
+
+def pygame_in_use(is_ce: bool, distributions: Collection[str]) -> Check:
+    """highway-env needs pygame-ce; the distribution pygame overwrites the same files."""
+    if is_ce and "pygame" not in distributions:
+        return Check("pygame", True, f"pygame-ce {_version('pygame-ce')}")
+    found = "pygame over pygame-ce" if "pygame-ce" in distributions else "pygame"
+    remedy = "pip uninstall pygame pygame-ce, then pip install pygame-ce"
+    return Check("pygame", False, f"expected pygame-ce alone, got {found}", remedy)
+
+
+def installed_pygame() -> Check:
+    """The same of the pygame that is imported here."""
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    import pygame
+
+    return pygame_in_use(bool(getattr(pygame, "IS_CE", False)), packages_distributions().get("pygame", []))
+
+
+def sdl(environment: Mapping[str, str]) -> Check:
+    """SDL_VIDEODRIVER does not make windows, and with them highway-env's own pictures, black without a word.
+
+    Our camera does not go through SDL.
+    """
+    driver = environment.get("SDL_VIDEODRIVER")
+    if driver == "dummy":
+        found = "SDL_VIDEODRIVER=dummy: highway-env's own rgb_array pictures are black, without a word"
+        return Check("SDL", False, found, "unset SDL_VIDEODRIVER, or use offscreen")
+    return Check("SDL", True, "SDL_VIDEODRIVER is not set" if driver is None else f"SDL_VIDEODRIVER={driver}")
+
+
+def display() -> Check:
+    """Whether a window could be seen; nothing but a window needs one, so that none is right too."""
+    import pygame
+
+    from vpf_sim.envs.window import require_display
+
+    try:
+        require_display()
+        pygame.display.init()
+        pygame.display.quit()
+    except InputError:
+        return Check("display", True, 'none: --watch and render_mode "human" are refused, nothing else needs one')
+    except pygame.error as error:
+        return Check("display", False, f"SDL cannot open it: {error}", "unset SDL_VIDEODRIVER, or correct DISPLAY")
+    return Check("display", True, "there is one")
+
+
+def _version(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None
+
+
+def _is_at_least(found: str | None, least: str) -> bool:
+    if found is None:
+        return False
+    wanted = [int(part) for part in least.split(".")]
+    return [int(part) for part in re.findall(r"\d+", found)][: len(wanted)] >= wanted

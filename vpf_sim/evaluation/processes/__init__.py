@@ -1,0 +1,1 @@
+"""Worker processes of one thread each, that may hang or die."""

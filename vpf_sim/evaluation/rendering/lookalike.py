@@ -1,0 +1,121 @@
+"""Streets of ours laid out as those of the recorded drives, to be rendered with the drive's camera and speed."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from vpf_sim.envs.camera import Rig, Weather
+from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive
+from vpf_sim.scenarios import Scenario
+from vpf_sim.types import Camera
+
+LENGTH_M = 600.0
+START_M = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Street:
+    """A straight road with what stands and drives on it; s of the bodies counts from where the drive starts."""
+
+    lanes: int
+    lane: int  # of the camera, from the right
+    weather: str
+    bodies: tuple[dict[str, Any], ...]
+    changes: dict[str, float] = field(default_factory=dict)  # of the weather
+    lane_width_m: float = 3.5
+    blur_px: float = 0.0  # of the drive's pictures, estimated from the edges of its marks
+    noise_sd: float | None = None  # grey levels, from its sky
+
+    def scenario(self) -> Scenario:
+        """The road and its bodies."""
+        return Scenario.model_validate(
+            {
+                "schema": 1,
+                "road": {
+                    "lanes": self.lanes,
+                    "lane_width_m": self.lane_width_m,
+                    "segments": [{"kind": "line", "length_m": LENGTH_M}],
+                },
+                "goal": {"s_m": LENGTH_M - 10.0},
+                "bodies": [{**body, "s_m": START_M + body["s_m"]} for body in self.bodies],
+            }
+        )
+
+    def sky(self) -> Weather:
+        """The weather with its changes."""
+        return weathers.load(self.weather).model_copy(update=self.changes)
+
+    def drive(self, camera: Camera, rate_hz: float, speed_mps: float) -> ScriptedDrive:
+        """Along the middle of the camera's lane."""
+        scenario = self.scenario()
+        rig = Rig(camera, noise_sd=self.noise_sd, blur_px=self.blur_px)
+        offset_m = scenario.road.lane_offset_m(self.lane)
+        return ScriptedDrive(scenario, Path(START_M, speed_mps, lambda _: offset_m), rig, rate_hz)
+
+
+def body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> dict[str, Any]:
+    """One body of a street."""
+    return {"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps}
+
+
+STREETS = {
+    # A street with cars parked on the right and some on the left.
+    "kitti_vo_seq1": Street(
+        lanes=3,
+        lane=2,
+        weather="ClearNoon",
+        bodies=(
+            *(body("car", s, 1, 0.4) for s in (16.0, 30.0, 37.0, 52.0, 66.0, 73.0, 88.0)),
+            *(body("car", s, 3, -0.4) for s in (24.0, 45.0, 58.0, 80.0)),
+            body("van", 44.0, 1, 0.4),
+            body("pedestrian", 28.0, 1, 1.2),
+        ),
+    ),
+    # A queue before a light: a leader, lorries on both sides.
+    "kitti_raw_leadcar": Street(
+        lanes=4,
+        lane=2,
+        weather="ClearNoon",
+        bodies=(
+            body("car", 12.5, 2, speed_mps=1.0),
+            body("truck", 14.0, 1),
+            body("truck", 20.0, 3),
+            body("car", 5.0, 3, -0.5),
+            body("car", 26.0, 2),
+            body("car", 24.0, 1),
+            body("van", 35.0, 2),
+            body("car", 32.0, 3),
+        ),
+    ),
+    "carnd_highway": Street(
+        lanes=4,
+        lane=1,
+        weather="ClearNoon",
+        lane_width_m=3.66,
+        blur_px=1.0,
+        noise_sd=0.5,
+        bodies=(
+            body("van", 28.0, 3, speed_mps=25.3),
+            body("car", 70.0, 2, speed_mps=25.3),
+            body("van", 60.0, 3, speed_mps=25.3),
+            body("car", 80.0, 3, speed_mps=25.3),
+            body("car", 120.0, 1, speed_mps=25.3),
+            body("truck", 160.0, 2, speed_mps=25.3),
+        ),
+    ),
+    "radiate_fog": Street(
+        lanes=2,
+        lane=1,
+        weather="FoggyNoon",
+        blur_px=1.5,
+        noise_sd=0.5,
+        changes={
+            "precipitation": 30.0,
+            "precipitation_deposits": 30.0,
+            "wetness": 60.0,
+            "droplets": 40.0,
+            "cloudiness": 100.0,
+        },
+        bodies=(body("car", 45.0, 2), body("car", 70.0, 2)),
+    ),
+}

@@ -1,0 +1,105 @@
+"""Where the gallery looks: the same places in every weather, on roads of the catalog, with the same seed."""
+
+from dataclasses import dataclass
+
+from vpf_sim import scenarios
+from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
+from vpf_sim.scenarios import Scenario
+from vpf_sim.scenarios.parts import Body
+
+SEED = 12
+SUN_HEADING_DEG = 215.0  # where the sun stands in every preset
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A place on a road, reached at a constant speed along a lane; bodies are where they are when it is reached."""
+
+    name: str
+    caption: str
+    scenario: str
+    s_m: float
+    lane: int = 2  # counted from the right
+    speed_mps: float = 10.0
+    bodies: tuple[Body, ...] = ()
+    heading_deg: float | None = None  # of the road's start; None: the scenario's own
+
+    def drive(self, lead_s: float, rate_hz: float) -> ScriptedDrive:
+        """The way here, of `lead_s` seconds."""
+        scenario = self._scenario(lead_s)
+        offset_m = scenario.road.lane_offset_m(self.lane)
+        path = Path(self.s_m - lead_s * self.speed_mps, self.speed_mps, lambda _: offset_m)
+        return ScriptedDrive(scenario, path, rate_hz=rate_hz)
+
+    def _scenario(self, lead_s: float) -> Scenario:
+        plain = scenarios.load(self.scenario).draw(SEED)
+        started = (body.model_copy(update={"s_m": body.s_m - lead_s * body.speed_mps}) for body in self.bodies)
+        road = plain.road
+        if self.heading_deg is not None:
+            road = road.model_copy(update={"heading_deg": self.heading_deg})
+        return plain.model_copy(update={"road": road, "bodies": (*plain.bodies, *started)})
+
+
+def _body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> Body:
+    return Body.model_validate({"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps})
+
+
+POSES = (
+    Pose(
+        "car-ahead",
+        "a car 14 m ahead, at the same speed",
+        "straight",
+        s_m=90.0,
+        bodies=(
+            _body("car", 107.0, 2, speed_mps=10.0),
+            _body("van", 132.0, 3, speed_mps=11.0),
+            _body("car", 121.0, 1, speed_mps=9.0),
+        ),
+    ),
+    Pose("bend", "into a bend to the right", "curve-right", s_m=52.0, bodies=(_body("car", 84.0, 3, speed_mps=10.0),)),
+    Pose(
+        "truck",
+        "beside a truck",
+        "straight",
+        s_m=90.0,
+        bodies=(_body("truck", 99.0, 3, speed_mps=10.5), _body("car", 126.0, 2, speed_mps=10.0)),
+    ),
+    Pose("empty-road", "an empty road and its puddles", "straight", s_m=70.0, lane=1, speed_mps=8.0),
+    Pose(
+        "sun",
+        "towards the sun",
+        "straight",
+        s_m=120.0,
+        lane=3,
+        heading_deg=SUN_HEADING_DEG,
+        bodies=(_body("car", 142.0, 2, speed_mps=10.0), _body("truck", 175.0, 1, speed_mps=9.0)),
+    ),
+    Pose("town04", "the paper's road, before its first parked car", "town04", s_m=61.0, speed_mps=5.55),
+    Pose(
+        "works",
+        "cones, a barrier, a pallet, a pedestrian",
+        "heading-30",
+        s_m=70.0,
+        lane=3,
+        speed_mps=5.55,
+        bodies=(
+            *(_body("cone", 78.0 + 5.0 * step, 2, 1.2 - 0.55 * step) for step in range(5)),
+            _body("barrier", 95.0, 2, 0.4),
+            _body("pallet", 84.0, 4, -0.6),
+            _body("pedestrian", 88.0, 1, 0.8),
+        ),
+    ),
+)
+
+
+def video_drive(rate_hz: float) -> ScriptedDrive:
+    """Past the paper's first parked car, behind traffic on the right."""
+    plain = scenarios.load("town04").draw(SEED)
+    traffic = (_body("car", 64.0, 1, speed_mps=12.0), _body("van", 95.0, 3, speed_mps=10.0))
+    scenario = plain.model_copy(update={"bodies": (*plain.bodies, *traffic)})
+    lane_m = scenario.road.lane_offset_m(2)
+
+    def offset_m(s_m: float) -> float:
+        return lane_m + 0.9 * (smooth_step(52.0, 70.0, s_m) - smooth_step(84.0, 102.0, s_m))
+
+    return ScriptedDrive(scenario, Path(46.0, 11.0, offset_m), rate_hz=rate_hz)

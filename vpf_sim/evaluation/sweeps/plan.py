@@ -1,0 +1,89 @@
+"""What a sweep is asked to do: a grid of scenarios, weathers, drivers and seeds."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from hashlib import sha256
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from vpf_sim import tables
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.job import Job
+
+MOST_DIGITS = 18  # of a seed
+MOST_SEEDS = 1_000_000  # of one run: more is a slip of the pen, and would not fit into memory
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The grid; `seeds` is "A:B", half open."""
+
+    scenario: tuple[str, ...]
+    weather: tuple[str, ...]
+    driver: tuple[str, ...]
+    seeds: str
+
+    def __post_init__(self) -> None:
+        for key in ("scenario", "weather", "driver"):
+            if not getattr(self, key):
+                raise InputError(f"sweep: {key}: expected at least one, got none")
+
+    def jobs(self) -> list[Job]:
+        """The planned episodes, seed by seed, so that a sweep that ends early has something of everything."""
+        grid = product(parse_seeds(self.seeds), self.scenario, self.weather, self.driver)
+        return list(dict.fromkeys(Job(scenario, weather, driver, seed) for seed, scenario, weather, driver in grid))
+
+    def check(self) -> dict[str, dict[str, str]]:
+        """The hashes, once every driver has been made; InputError on a name or file that is none."""
+        from vpf_sim import drivers
+
+        for name in self.driver:
+            drivers.create(name)
+        return self.hashes()
+
+    def hashes(self) -> dict[str, dict[str, str]]:
+        """Of what the scenarios and weathers say, and of the code of drivers that are not ours."""
+        from vpf_sim import scenarios
+        from vpf_sim.envs.camera import weather
+        from vpf_sim.evaluation.sweeps.fingerprint import own_code
+
+        return {
+            "scenarios": {name: _hash(scenarios.load(name)) for name in self.scenario},
+            "weathers": {name: _hash(weather.load(name)) for name in self.weather},
+            "drivers": {name: code for name in self.driver if (code := own_code(name)) is not None},
+        }
+
+    @classmethod
+    def of(cls, job: Job) -> "Plan":
+        """The plan of one episode."""
+        return cls((job.scenario,), (job.weather,), (job.driver,), f"{job.seed}:{job.seed + 1}")
+
+
+def parse_seeds(text: str, where: str = "--seeds") -> range:
+    """The seeds that "A:B" means: A, A + 1, ..., B - 1."""
+    first, colon, last = text.partition(":")
+    if not (colon and all(number.isdecimal() and len(number) <= MOST_DIGITS for number in (first, last))):
+        raise InputError(f"{where}: expected A:B with whole numbers, such as 1000:1030, got '{text[:60]}'")
+    seeds = range(int(first), int(last))
+    if not seeds:
+        raise InputError(f"{where}: expected A:B with A below B, got '{text}', which holds no seed")
+    if seeds.stop - seeds.start > MOST_SEEDS:
+        raise InputError(f"{where}: expected at most {MOST_SEEDS} seeds, got '{text}'")
+    return seeds
+
+
+def read_plan(path: Path) -> dict[str, Any]:
+    """The keys that a sweep file gives."""
+    return tables.read_file(path, "sweep")
+
+
+def make_plan(table: dict[str, Any], where: str) -> Plan:
+    """A plan from keys and values, each checked; `where` is what messages call their source."""
+    plan = tables.build(Plan, table, where)
+    parse_seeds(plan.seeds, f"{where}: seeds")
+    return plan
+
+
+def _hash(value: Iterable[Any] | Any) -> str:
+    return sha256(repr(value).encode()).hexdigest()

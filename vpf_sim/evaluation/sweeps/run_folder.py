@@ -1,0 +1,195 @@
+"""The folder of a run: what was asked, the records as they come, and what is needed to go on after any crash."""
+
+import json
+import os
+from contextlib import suppress
+from dataclasses import asdict
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.records import failed
+from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
+from vpf_sim.evaluation.sweeps.shapes import Manifest, Record, checked
+
+MANIFEST = "manifest.json"
+LINES = ("episodes.jsonl", "timing.jsonl")
+NO_JOB = Job("", "", "", 0)
+
+
+def new_path(command: str) -> Path:
+    """A new folder under runs/, named by the time and the command."""
+    stem = f"runs/{datetime.now():%Y%m%d-%H%M%S}-{command}"
+    for name in [stem, *(f"{stem}-{number}" for number in range(2, 1000))]:
+        try:
+            os.makedirs(name)
+        except FileExistsError:
+            continue
+        return Path(name)
+    raise InputError(f"{stem}: expected a free name for a run folder, found none")
+
+
+def manifest(command: str, plan: Plan) -> dict[str, Any]:
+    """What was asked, where, and of which scenarios, weathers and drivers."""
+    return {"schema": 1, "command": command, "plan": asdict(plan), "fingerprint": fingerprint(), **plan.check()}
+
+
+class RunFolder:
+    """An open run folder. `done` holds the ids of the records that it has."""
+
+    def __init__(self, path: Path, asked: dict[str, Any], resume: bool = False, mixed: bool = False) -> None:
+        self.path = path
+        self.mark: str | None = None  # the fingerprint's digest, where records are made on another than the manifest's
+        asked = json.loads(json.dumps(asked))
+        self.asked: dict[str, Any] = asked
+        new = not resume or not (path / MANIFEST).exists()
+        if new:
+            self._make()
+        elif self._continue(asked, mixed):
+            self.mark = digest(asked["fingerprint"])
+        self._records = JsonLines(path / LINES[0])  # from here on the folder is locked
+        self._timing = JsonLines(path / LINES[1])
+        if new:
+            self.write_json(MANIFEST, asked)
+        try:
+            self.done = {record["id"] for record in self.records()}
+        except InputError:
+            self.close()
+            raise
+
+    def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
+        """Store a finished episode; the `traceback` of an error goes into a file of its own."""
+        timing = dict(timing)
+        if "traceback" in timing:
+            self._write_error(record["id"], timing.pop("traceback"))
+        self._timing.append(timing)
+        self._records.append(record)
+        self.done.add(record["id"])
+
+    def replace_records(self, records: list[dict[str, Any]]) -> None:
+        """Put these in the place of all records; nothing can be added after it."""
+        self._records.rewrite(records)
+
+    def error_file(self, episode: str) -> Path:
+        """Where the reason of an `error` is."""
+        return self.path / "errors" / f"{episode}.txt"
+
+    def records(self) -> list[dict[str, Any]]:
+        """All records, sorted by id."""
+        return read_records(self.path)
+
+    def write_json(self, name: str, value: dict[str, Any]) -> None:
+        """A file of the folder, keys sorted, whole or not at all."""
+        write_json(self.path / name, value)
+
+    def close(self) -> None:
+        self._records.close()
+        self._timing.close()
+
+    def discard(self) -> None:
+        """Remove the folder of a run that stored nothing."""
+        for name in (MANIFEST, *LINES):
+            (self.path / name).unlink()
+        self.close()
+        with suppress(OSError):  # something of the user's is in it
+            self.path.rmdir()
+
+    def _write_error(self, episode: str, reason: str) -> None:
+        path = self.error_file(episode)
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(reason.rstrip() + "\n", "utf-8")
+
+    def _make(self) -> None:
+        if self.path.exists() and not self.path.is_dir():
+            raise InputError(f"{self.path}: expected a folder, got a file")
+        if self.path.exists() and not all(map(_is_unwritten, self.path.iterdir())):
+            remedy = "choose another --out, or --resume what is there" if (self.path / MANIFEST).exists() else ""
+            raise InputError(f"{self.path}: expected an empty or new run folder, {remedy or 'got other files'}")
+        self.path.mkdir(parents=True, exist_ok=True)
+
+    def _continue(self, asked: dict[str, Any], mixed: bool) -> bool:
+        """Check that the same is asked; whether the fingerprint is another, which only `mixed` allows."""
+        stored = read_manifest(self.path)
+        for key in ("command", "plan", "scenarios", "weathers", "drivers"):
+            if (stored.get(key) or None) != (asked.get(key) or None):
+                what = change(stored.get(key), asked.get(key))
+                raise InputError(f"{self.path}: --resume: {key} changed: {what}; start a new run")
+        if stored["fingerprint"] == asked["fingerprint"]:
+            return False
+        if not mixed:
+            what = change(stored["fingerprint"], asked["fingerprint"])
+            raise InputError(f"{self.path}: --resume: fingerprint changed: {what}; --mixed accepts it")
+        return True
+
+
+def _is_unwritten(path: Path) -> bool:
+    """Whether a run that was killed before its manifest was there could have left this."""
+    return path.name == f"{MANIFEST}.draft" or (path.name in LINES and path.is_file() and path.stat().st_size == 0)
+
+
+def write_json(path: Path, value: dict[str, Any]) -> None:
+    """A file, keys sorted, whole or not at all."""
+    draft = path.with_name(f"{path.name}.draft")
+    with draft.open("w") as file:
+        json.dump(value, file, indent=2, sort_keys=True, allow_nan=False)
+        file.write("\n")
+        file.flush()
+        os.fsync(file.fileno())
+    draft.replace(path)
+
+
+def read_records(path: Path) -> list[dict[str, Any]]:
+    """The records of a run folder, sorted by id, each checked to be one."""
+    file = path / "episodes.jsonl"
+    records = read_lines(file)
+    for record in records:
+        if "id" not in record:
+            raise InputError(f"{file}: expected a record with an id on each line, got a line without")
+        where = f"{file}: {_short(record['id'])}"
+        for key in failed(NO_JOB):
+            if key not in record:
+                raise InputError(f"{where}: key '{key}' is missing")
+        told = checked(Record, record, where)
+        own = Job(told.scenario, told.weather, told.driver, told.seed).id
+        if own != told.id:
+            raise InputError(f"{where}: expected the id of its scenario, weather, driver and seed, which is {own}")
+    return sorted(records, key=lambda record: str(record["id"]))
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """The manifest of a run folder, checked to be one."""
+    file = path / MANIFEST
+    try:
+        stored: Any = json.loads(file.read_text("utf-8"))
+    except OSError as error:
+        raise InputError(f"{file}: expected the manifest of a run, got: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise InputError(f"{file}: expected JSON, got something else") from None
+    for keys in (("plan", "fingerprint"), ("scenarios", "weathers")):
+        if not isinstance(stored, dict) or not all(isinstance(stored.get(key), dict) for key in keys):
+            raise InputError(f"{file}: expected a table for {keys[0]} and for {keys[1]}, got something else")
+    checked(Manifest, stored, str(file))
+    manifest: dict[str, Any] = stored
+    return manifest
+
+
+def stored_plan(path: Path) -> Plan:
+    """What the run in a folder was asked to do."""
+    return make_plan(read_manifest(path)["plan"], str(path / MANIFEST))
+
+
+def change(before: Any, after: Any) -> str:
+    """The differences of two tables, in words."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        keys = [key for key in sorted(before.keys() | after.keys()) if before.get(key) != after.get(key)]
+        return ", ".join(f"{key}: was {_short(before.get(key))}, is {_short(after.get(key))}" for key in keys)
+    return f"was {_short(before)}, is {_short(after)}"
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."

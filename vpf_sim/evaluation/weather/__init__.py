@@ -1,0 +1,1 @@
+"""What a weather means, and what it does to the plain perception."""

@@ -1,0 +1,99 @@
+"""What weather does to the plain perception, each factor alone and together: the paper's effect.
+
+The same drive is rendered in every weather from the same poses and seed, so whatever differs is the weather's doing.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+from vpf_sim import scenarios
+from vpf_sim.envs.camera import Weather
+from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
+from vpf_sim.evaluation.weather.judge import Judge, Score
+from vpf_sim.perception.flow import grey
+from vpf_sim.scenarios.parts import Body
+from vpf_sim.types import Image
+
+DRY = {"precipitation": 0.0, "precipitation_deposits": 0.0, "wetness": 0.0, "droplets": 0.0, "wiper_period_s": 0.0}
+
+
+def _changed(**update: float) -> Weather:
+    """Clear weather with some factors changed."""
+    return weathers.load("ClearNoon").model_copy(update={**DRY, **update})
+
+
+CLEAR = _changed()
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """One row: a weather and the same without the factor, the sensor's noise (None: its own), whether others drive."""
+
+    name: str
+    weather: Weather
+    without: Weather = CLEAR
+    noise_sd: float | None = None  # grey levels
+    traffic: bool = True
+
+
+def factors() -> list[Factor]:
+    """Clear weather, every factor alone on top of it, and weathers in which they come together."""
+    return [*_single_factors(), *(Factor(name, weathers.load(name)) for name in TOGETHER)]
+
+
+TOGETHER = ("WetNoon", "SoftRainNoon", "MidRainyNoon", "HardRainNoon", "FoggyNoon", "ClearSunset", "HardRainSunset")
+
+
+def _single_factors() -> list[Factor]:
+    hard = {"precipitation": 100.0, "wind_intensity": 100.0}
+    rain = _changed(**hard, streak_gain=0.0)  # where it rains the road is wet and the air dims
+    return [
+        Factor("clear", CLEAR),
+        Factor("no noise", CLEAR, noise_sd=0.0),
+        Factor("noise of sd 4", CLEAR, noise_sd=4.0),
+        Factor("slippery road", _changed(road_friction=0.4)),
+        Factor("wiper on dry glass", _changed(wiper_period_s=weathers.FAST_WIPER_S)),
+        Factor("veil: fog of 50", _changed(fog_density=50.0)),
+        Factor("veil: fog of 80", _changed(fog_density=80.0)),
+        Factor("wet mirror", _changed(wetness=100.0), traffic=False),
+        Factor("puddles", _changed(precipitation_deposits=90.0), traffic=False),
+        Factor("spray of others", _changed(wetness=100.0)),
+        Factor("wet road and veil", rain),
+        Factor("streaks", _changed(**hard), rain),
+        Factor("streaks x 8", _changed(**hard, streak_gain=8.0), rain),
+        Factor("droplets of 20", _changed(droplets=20.0)),
+        Factor("droplets", _changed(droplets=100.0)),
+        Factor("droplets, wiper", _changed(droplets=100.0, wiper_period_s=weathers.FAST_WIPER_S)),
+    ]
+
+
+def drive(traffic: bool = True) -> ScriptedDrive:
+    """Out of town04's first bend into its straight: past the second obstacle, others overtake, a truck stands ahead."""
+    scenario = scenarios.load("town04").draw(0)
+    lane_m = scenario.road.lane_offset_m(2)
+    bodies = [*scenario.bodies, Body(kind="truck", s_m=205.0, lane=2)]
+    if traffic:
+        bodies.append(Body(kind="car", s_m=150.0, lane=4, speed_mps=14.0))
+        bodies.append(Body(kind="van", s_m=128.0, lane=4, speed_mps=14.0))
+    path = Path(152.0, 5.55, lambda s: lane_m - 1.9 + 1.9 * smooth_step(168.0, 182.0, s))
+    return ScriptedDrive(scenario.model_copy(update={"bodies": tuple(bodies)}), path)
+
+
+@lru_cache(maxsize=3)
+def _greys(weather: Weather, traffic: bool, seed: int, count: int) -> list[Image]:
+    """The drive in a weather to compare with."""
+    return [grey(shot.image) for shot in drive(traffic).shots(weather, seed, count)]
+
+
+def measure(factor: Factor, seed: int, seconds: float, every: int) -> Score:
+    """Drive in one weather; every `every`-th frame is compared with the truth."""
+    course = drive(factor.traffic)
+    if factor.noise_sd is not None:
+        course = replace(course, rig=replace(course.rig, noise_sd=factor.noise_sd))
+    judge = Judge(course.rig.camera, course.rate_hz, seed)
+    count = round(seconds * course.rate_hz) + 1
+    without = _greys(factor.without, factor.traffic, seed, count)
+    for shot in course.shots(factor.weather, seed, count):
+        judge.see(shot, without[shot.index], judged=shot.index % every == 0)
+    return judge.score()
