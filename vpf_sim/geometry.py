@@ -1,6 +1,6 @@
 """Angles, frames and the pinhole camera. Axes as in `vpf_sim.types`."""
 
-from math import pi
+from math import cos, pi, sin
 
 import numpy as np
 
@@ -38,25 +38,30 @@ def project(camera: Camera, points_m: Floats) -> Floats:
 
     Points at or behind the camera's plane give nan.
     """
-    forward, right, up = np.moveaxis(points_m, -1, 0)
-    cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+    forward, right, up = points_m[..., 0], points_m[..., 1], points_m[..., 2]
+    cosine, sine = cos(camera.pitch_rad), sin(camera.pitch_rad)
     ahead, below = forward - camera.forward_m, camera.height_m - up
     depth = cosine * ahead + sine * below
     down = cosine * below - sine * ahead
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scale = np.where(depth > 0.0, 1.0 / depth, np.nan)
-    return np.stack([camera.cx_px + camera.fx_px * right * scale, camera.cy_px + camera.fy_px * down * scale], axis=-1)
+    pixels = np.full((*depth.shape, 2), np.nan)
+    seen = depth > 0.0
+    scale = np.divide(1.0, depth, out=pixels[..., 0].copy(), where=seen)
+    np.add(camera.cx_px, camera.fx_px * right * scale, out=pixels[..., 0])
+    np.add(camera.cy_px, camera.fy_px * down * scale, out=pixels[..., 1])
+    return pixels
 
 
 def ground_from_pixels(camera: Camera, pixels: Floats) -> Floats:
     """(..., 2) m, points of the flat road in vehicle axes that undistorted pixels show; nan above the horizon."""
     x = (pixels[..., 0] - camera.cx_px) / camera.fx_px
     y = (pixels[..., 1] - camera.cy_px) / camera.fy_px
-    cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+    cosine, sine = cos(camera.pitch_rad), sin(camera.pitch_rad)
     down = cosine * y + sine
-    with np.errstate(divide="ignore", invalid="ignore"):
-        depth = np.where(down > 0.0, camera.height_m / down, np.nan)
-    return np.stack([camera.forward_m + depth * (cosine - sine * y), depth * x], axis=-1)
+    depth = np.divide(camera.height_m, down, out=np.full(down.shape, np.nan), where=down > 0.0)
+    ground = np.empty(pixels.shape)
+    np.add(camera.forward_m, depth * (cosine - sine * y), out=ground[..., 0])
+    np.multiply(depth, x, out=ground[..., 1])
+    return ground
 
 
 def rotation_flow(camera: Camera, points_px: Floats, yaw_change_rad: Floats) -> Floats:
@@ -69,9 +74,10 @@ def rotation_flow(camera: Camera, points_px: Floats, yaw_change_rad: Floats) -> 
     y = (points_px[..., 1] - camera.cy_px) / camera.fy_px
     cosine, sine = np.cos(yaw_change_rad), np.sin(yaw_change_rad)
     depth = cosine - sine * x
-    before_x = (sine + cosine * x) / depth
-    before_y = y / depth
-    return np.stack([camera.fx_px * (x - before_x), camera.fy_px * (y - before_y)], axis=-1)
+    displacement = np.empty(points_px.shape)
+    np.multiply(camera.fx_px, x - (sine + cosine * x) / depth, out=displacement[..., 0])
+    np.multiply(camera.fy_px, y - y / depth, out=displacement[..., 1])
+    return displacement
 
 
 def distort(camera: Camera, pixels: Floats) -> Floats:

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.perception.expansion import chord_shift, derotate
+from vpf_sim.perception.expansion import Derotated, derotate
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 Labels = NDArray[np.int64]
@@ -37,13 +37,13 @@ def as_printed(flow: Flow, expansion: Expansion, config: ContactConfig) -> Float
     return capped
 
 
-def _radial(flow: Flow, derotated: Floats, camera: Camera, expansion: Expansion, config: ContactConfig) -> Floats:
+def _radial(flow: Flow, derotated: Derotated, expansion: Expansion, config: ContactConfig) -> Floats:
     """(N,) s from each point's derotated motion (N, 2) away from the FOE; inf where it does not approach.
 
     A standing point at distance r from the FOE came from r - d in the window T, so Z r is constant, and
     TTC now = Z / (dZ / T) = T (r - d) / d.
     """
-    ratio = _radial_ratio(flow, derotated, camera, expansion, config)
+    ratio = _radial_ratio(flow, derotated, expansion, config)
     with np.errstate(divide="ignore"):
         ttc = np.where(ratio > 0.0, flow.gap_s * (1.0 - ratio) / ratio, np.inf)
     return np.where(ttc > config.cap_s, np.inf, ttc)
@@ -67,9 +67,10 @@ def _of_clusters(flow: Flow, derotated: Floats, labels: Labels, config: ContactC
     size = np.bincount(label, minlength=count)
 
     def centred(values: Floats) -> Floats:
-        mean = (
-            np.stack([np.bincount(label, values[:, i], count) for i in (0, 1)], axis=1) / np.maximum(size, 1)[:, None]
-        )
+        mean = np.empty((count, 2))
+        for i in (0, 1):
+            mean[:, i] = np.bincount(label, values[:, i], count)
+        mean /= np.maximum(size, 1)[:, None]
         away: Floats = values - mean[label]
         return away
 
@@ -83,25 +84,33 @@ def _of_clusters(flow: Flow, derotated: Floats, labels: Labels, config: ContactC
 
 
 def time_to_contact(
-    flow: Flow, expansion: Expansion, camera: Camera, config: ContactConfig, labels: Labels | None = None
+    flow: Flow,
+    expansion: Expansion,
+    camera: Camera,
+    config: ContactConfig,
+    labels: Labels | None = None,
+    derotated: Derotated | None = None,
 ) -> Floats:
-    """(N,) s of each point of the flow; points of a cluster (`labels`) take the cluster's where it has one."""
+    """(N,) s of each point of the flow; points of a cluster (`labels`) take the cluster's where it has one.
+
+    `derotated` is that of the flow, where it is at hand.
+    """
     if config.method == "as_printed":
         return as_printed(flow, expansion, config)
-    derotated = derotate(flow, camera)
-    ttc = _radial(flow, derotated, camera, expansion, config)
+    turned = derotated or Derotated.of(flow, camera)
+    ttc = _radial(flow, turned, expansion, config)
     if labels is None or not np.any(labels >= 0):
         return ttc
-    clusters = _of_clusters(flow, derotated, labels, config)
+    clusters = _of_clusters(flow, turned.flow_px, labels, config)
     together = np.where(labels >= 0, clusters[np.maximum(labels, 0)], np.inf)
     return np.where(np.isfinite(together), together, ttc)
 
 
-def _radial_ratio(flow: Flow, derotated: Floats, camera: Camera, expansion: Expansion, config: ContactConfig) -> Floats:
+def _radial_ratio(flow: Flow, derotated: Derotated, expansion: Expansion, config: ContactConfig) -> Floats:
     """(N,) d / r: radial motion over the distance from the chord's image; 0 where it is below the floor."""
-    x = flow.points_px[:, 0] - (expansion.x_px - chord_shift(flow, camera))
+    x = flow.points_px[:, 0] - (expansion.x_px - derotated.shift_px)
     y = flow.points_px[:, 1] - expansion.y_px
     distance_squared = x * x + y * y + 1e-12
-    along = derotated[:, 0] * x + derotated[:, 1] * y
+    along = derotated.flow_px[:, 0] * x + derotated.flow_px[:, 1] * y
     ratio: Floats = np.where(along > config.floor_px * np.sqrt(distance_squared), along / distance_squared, 0.0)
     return ratio

@@ -80,6 +80,18 @@ def derotate(flow: Flow, camera: Camera) -> Floats:
     return flow.points_px - turned
 
 
+@dataclass(frozen=True, slots=True)
+class Derotated:
+    """What several stages take from one flow."""
+
+    flow_px: Floats  # (N, 2) see `derotate`
+    shift_px: Floats  # (N,) see `chord_shift`
+
+    @classmethod
+    def of(cls, flow: Flow, camera: Camera) -> "Derotated":
+        return cls(derotate(flow, camera), chord_shift(flow, camera))
+
+
 def chord_shift(flow: Flow, camera: Camera) -> Floats:
     """(N,) px by which the FOE now lies right of each point's chord: half the turn over its window (METHOD A3)."""
     yaw_change = np.remainder(flow.pose[2] - flow.past_pose[:, 2] + np.pi, 2.0 * np.pi) - np.pi
@@ -88,17 +100,24 @@ def chord_shift(flow: Flow, camera: Camera) -> Floats:
 
 
 def estimate(
-    flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random.Generator, before: Expansion | None = None
+    flow: Flow,
+    camera: Camera,
+    config: ExpansionConfig,
+    rng: np.random.Generator,
+    before: Expansion | None = None,
+    derotated: Derotated | None = None,
 ) -> Expansion:
     """The FOE of one frame; `before` is that of the frame before, which the robust method goes on from.
+
+    `derotated` is that of the flow, where it is at hand.
 
     Without enough motion it is the last one with a covariance that grows, or the point straight ahead, and its
     confidence is 0. The confidence of the robust FOE is the share of moving points that agree, less where the
     covariance is large; points that are stuck to the glass count among those that do not agree.
     """
-    moving = np.hypot(flow.displacement_px[:, 0], flow.displacement_px[:, 1]) > 1e-9
     if config.method == "robust":
-        return _robust(flow, camera, config, rng, before)
+        return _robust(flow, camera, config, rng, before, derotated)
+    moving = np.hypot(flow.displacement_px[:, 0], flow.displacement_px[:, 1]) > 1e-9
     if np.count_nonzero(moving) < 2:
         return _unknown(camera, len(flow))
     solve = least_squares if config.method == "least_squares" else as_printed
@@ -109,15 +128,21 @@ def estimate(
 
 
 def _robust(
-    flow: Flow, camera: Camera, config: ExpansionConfig, rng: np.random.Generator, before: Expansion | None
+    flow: Flow,
+    camera: Camera,
+    config: ExpansionConfig,
+    rng: np.random.Generator,
+    before: Expansion | None,
+    turned: Derotated | None,
 ) -> Expansion:
     rate_hz = _rate_hz(flow)
     if rate_hz == inf:
         return _held(before, camera, config, rate_hz, len(flow))
-    derotated = derotate(flow, camera)
+    turned = turned or Derotated.of(flow, camera)
+    derotated = turned.flow_px
     points = flow.points_px.copy()
     # Moving a line by the shift moves its intersection with the others from the chord's image to the present FOE.
-    points[:, 0] += chord_shift(flow, camera)
+    points[:, 0] += turned.shift_px
     steps = np.maximum(flow.gap_s * rate_hz, 1.0)
     length = np.hypot(derotated[:, 0], derotated[:, 1])
     voters = np.flatnonzero((length > config.min_flow_px) & ~flow.stuck)

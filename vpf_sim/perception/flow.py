@@ -1,6 +1,7 @@
 """Sparse optical flow: Shi-Tomasi corners, pyramidal Lucas-Kanade, and tracks chained from frame to frame."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, inf, log2
 from typing import Literal
 
@@ -76,16 +77,26 @@ def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
     At the frame's edge the window is the nearest that lies inside.
     """
     size = window_px + 2
-    windows = np.lib.stride_tricks.sliding_window_view(image, (size, size))
+    height, width = image.shape
     corner = np.rint(points_px).astype(np.intp) - size // 2
-    rows, columns = np.clip(corner[:, 1], 0, windows.shape[0] - 1), np.clip(corner[:, 0], 0, windows.shape[1] - 1)
-    patch = windows[rows, columns].astype(np.float32)
-    gradient = np.empty((len(patch), 2, window_px, window_px), np.float32)
-    np.subtract(patch[:, 1:-1, 2:], patch[:, 1:-1, :-2], out=gradient[:, 0])
-    np.subtract(patch[:, 2:, 1:-1], patch[:, :-2, 1:-1], out=gradient[:, 1])
-    flat = gradient.reshape(-1, 2, window_px**2)
-    tensor: Floats = (flat @ flat.transpose(0, 2, 1)).astype(np.float64) / (4 * window_px**2)
+    corner = np.minimum(np.maximum(corner, 0), (width - size, height - size))
+    places = (corner[:, 1] * width + corner[:, 0])[:, None] + _window(size, width)
+    patch = np.ascontiguousarray(image).reshape(-1).take(places).astype(np.float32).reshape(-1, size, size)
+    across = patch[:, 1:-1, 2:] - patch[:, 1:-1, :-2]
+    down = patch[:, 2:, 1:-1] - patch[:, :-2, 1:-1]
+    tensor = np.empty((len(patch), 2, 2))
+    tensor[:, 0, 0] = np.einsum("nij,nij->n", across, across)  # of whole numbers, so exact in any order
+    tensor[:, 1, 1] = np.einsum("nij,nij->n", down, down)
+    tensor[:, 0, 1] = tensor[:, 1, 0] = np.einsum("nij,nij->n", across, down)
+    tensor /= 4 * window_px**2
     return tensor
+
+
+@lru_cache(maxsize=8)
+def _window(size: int, width: int) -> NDArray[np.intp]:
+    """(size^2,) where in a flat image of that width the pixels of a window lie, from its corner."""
+    side = np.arange(size)
+    return (side[:, None] * width + side).ravel()
 
 
 def inverse(matrices: Floats) -> Floats:

@@ -79,8 +79,8 @@ def rasterise(points_px: Floats, camera: Camera, config: ObstacleMapConfig) -> F
     """(h, w) binary plane of the reduced image, 1 on the discs about the points."""
     height, width = (-(-size // config.reduction) for size in (camera.height_px, camera.width_px))
     plane = np.zeros((height, width), np.uint8)
-    cell = ((points_px + 0.5) / config.reduction).astype(np.intp)
-    plane[np.clip(cell[:, 1], 0, height - 1), np.clip(cell[:, 0], 0, width - 1)] = 1
+    rows, columns = _cells(points_px, config.reduction, plane.shape)
+    plane[rows, columns] = 1
     return cv2.dilate(plane, _disc(config.disc_px / config.reduction)).astype(np.float64)
 
 
@@ -102,10 +102,16 @@ def smoothed_gradient(plane: Floats, config: ObstacleMapConfig) -> Floats:
 def cluster_labels(obstacle_map: ObstacleMap, flow: Flow) -> NDArray[np.int64]:
     """(N,) connected part of the plane that each marked point lies in, from 0; -1 for the others."""
     _, parts = cv2.connectedComponents(obstacle_map.plane.astype(np.uint8))
-    height, width = obstacle_map.plane.shape
-    cell = ((flow.points_px + 0.5) / obstacle_map.reduction).astype(np.intp)
-    label = parts[np.clip(cell[:, 1], 0, height - 1), np.clip(cell[:, 0], 0, width - 1)].astype(np.int64)
+    rows, columns = _cells(flow.points_px, obstacle_map.reduction, obstacle_map.plane.shape)
+    label = parts[rows, columns].astype(np.int64)
     return np.where(obstacle_map.on_obstacle, label - 1, -1)
+
+
+def _cells(points_px: Floats, reduction: int, shape: tuple[int, ...]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """(N,) rows and (N,) columns of the reduced image that hold the points, or the nearest ones."""
+    cell = ((points_px + 0.5) / reduction).astype(np.intp)
+    cell = np.minimum(np.maximum(cell, 0), (shape[1] - 1, shape[0] - 1))
+    return cell[:, 1], cell[:, 0]
 
 
 def detect(flow: Flow, camera: Camera, config: ObstacleMapConfig) -> ObstacleMap:

@@ -18,7 +18,7 @@ from math import exp
 import cv2
 import numpy as np
 
-from vpf_sim.perception.expansion import chord_shift, derotate
+from vpf_sim.perception.expansion import Derotated
 from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
 
 NEAR_PX = 5.0  # from the focus the radial direction is not known well
@@ -53,9 +53,10 @@ class Steadiness:
         self.is_needed = False
         self.pitch_rad = 0.0  # how far the camera looks below its mounting, but for slow changes
 
-    def update(self, flow: Flow, foe: Expansion) -> Flow:
-        """The flow of the same points for a camera that does not pitch."""
-        self._add(flow, foe)
+    def update(self, flow: Flow, foe: Expansion, derotated: Derotated | None = None) -> Flow:
+        """The flow of the same points for a camera that does not pitch; `derotated` is that of the flow as it is, where
+        it is at hand."""
+        self._add(flow, foe, derotated or Derotated.of(flow, self._camera))
         if not self.is_needed:
             return flow
         frames = np.rint(flow.gap_s * self._rate_hz).astype(np.int64)
@@ -81,14 +82,14 @@ class Steadiness:
         ).astype(np.uint8, copy=False)
         return steady
 
-    def _add(self, flow: Flow, foe: Expansion) -> None:
+    def _add(self, flow: Flow, foe: Expansion, derotated: Derotated) -> None:
         frames = round(float(flow.gap_s.max(initial=0.0)) * self._rate_hz)
         if not self._sums:
             self._sums.append(0.0)
             return
         found = self._sums[-1]
         if 0 < frames <= len(self._sums):
-            change = self._change(flow, foe, frames / self._rate_hz)
+            change = self._change(flow, foe, derotated, frames / self._rate_hz)
             # The last frame and the mean rate tie the sums of interleaved windows together.
             share = self._config.smoothness
             found = (1.0 - share) * (self._sums[-frames] + change) + share * (self._sums[-1] + change / frames)
@@ -105,13 +106,13 @@ class Steadiness:
         sums = np.array(self._sums)
         return np.asarray(self.pitch_rad - sums[-1] + sums[np.maximum(len(sums) - 1 - frames, 0)])
 
-    def _change(self, flow: Flow, foe: Expansion, gap_s: float) -> float:
+    def _change(self, flow: Flow, foe: Expansion, turned: Derotated, gap_s: float) -> float:
         """rad, over the windows that are `gap_s` long."""
         chosen = (np.abs(flow.gap_s - gap_s) < 0.5 / self._rate_hz) & ~flow.stuck
         if foe.confidence == 0.0 or np.count_nonzero(chosen) < LEAST_POINTS:
             return 0.0
-        points, derotated = flow.points_px[chosen], derotate(flow, self._camera)[chosen]
-        x = points[:, 0] + chord_shift(flow, self._camera)[chosen] - foe.x_px
+        points, derotated = flow.points_px[chosen], turned.flow_px[chosen]
+        x = points[:, 0] + turned.shift_px[chosen] - foe.x_px
         y = points[:, 1] - foe.y_px
         nearness = 1.0 / (np.hypot(x, y) + NEAR_PX)
         turn = self._motion(points)
@@ -124,7 +125,10 @@ class Steadiness:
         camera = self._camera
         x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
         y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
-        return -np.column_stack([camera.fx_px * x * y, camera.fy_px * (1.0 + y * y)])
+        motion = np.empty(points_px.shape)
+        np.multiply(-camera.fx_px * x, y, out=motion[:, 0])
+        np.multiply(-camera.fy_px, 1.0 + y * y, out=motion[:, 1])
+        return motion
 
     def _steady(self, points_px: Floats, pitch_rad: Floats) -> Floats:
         """(N, 2) px, where the points would be without that pitch."""
@@ -137,10 +141,19 @@ def _agreed(across_px: Floats, slope_px: Floats) -> float:
     delta = 0.0
     for _ in range(PASSES):
         error = across_px - slope_px * delta
-        cut = max(CUT * float(np.median(np.abs(error))) / 0.6745, LEAST_CUT_PX)
+        cut = max(CUT * _median(np.abs(error)) / 0.6745, LEAST_CUT_PX)
         weight = np.maximum(1.0 - (error / cut) ** 2, 0.0) ** 2
         normal = float(weight @ (slope_px * slope_px))
         if normal < 1e-9:
             return 0.0
         delta = float(weight @ (slope_px * across_px)) / normal
     return delta
+
+
+def _median(values: Floats) -> float:
+    """Of some values, none of them nan: `np.median` without its checks, which take longer."""
+    middle = len(values) // 2
+    if len(values) % 2:
+        return float(np.partition(values, middle)[middle])
+    ordered = np.partition(values, (middle - 1, middle))
+    return 0.5 * float(ordered[middle - 1] + ordered[middle])

@@ -41,15 +41,16 @@ class Planner:
         image = grey(observation.image)
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         flow = self._flow.update(image, pose)
-        foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe)
+        turned = expansion.Derotated.of(flow, self._camera)
+        foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe, turned)
         self._foe = foe
         picture, steady = observation.image, flow
         if self._steadiness is not None:
-            steady = self._steadiness.update(flow, foe)
+            steady = self._steadiness.update(flow, foe, turned)
             picture, image = self._steadiness.frame(picture), self._steadiness.frame(image)
         obstacle_map = obstacles.detect(steady, self._camera, self._variant.obstacle_map)
         labels = obstacles.cluster_labels(obstacle_map, flow)
-        ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels)
+        ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         road = self._road.update(picture, image, pose, *motion, self._bodies)
         if self._landmarks is not None:
