@@ -39,12 +39,22 @@ def frame(forward_m: float, height_m: float) -> Image:
     return image
 
 
-def looks(height_m: float, turn_rad: float = 0.0) -> list[tuple[Floats, list[Spot]]]:
+def in_rain(image: Image, look: int) -> Image:
+    """The frame behind drops that a wiper takes away every second."""
+    rng, wet = stream(33, f"drops {look // 10}"), image.copy()
+    for _ in range(3 * (look % 10)):
+        column, row, size = rng.uniform(200.0, 440.0), rng.uniform(270.0, 335.0), rng.uniform(2.0, 5.0)
+        cv2.circle(wet, (int(column), int(row)), int(size), rng.uniform(120.0, 220.0), -1, cv2.LINE_AA)
+    return wet
+
+
+def looks(height_m: float, turn_rad: float = 0.0, rain: bool = False) -> list[tuple[Floats, list[Spot]]]:
     """Poses and spots on the way to 6.5 m before the plate; all poses turned about the origin."""
     residual, found = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), []
-    for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
+    for look, forward in enumerate(np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist()):
         pose = np.array([*(rotation(turn_rad) @ np.array([forward, 0.0])), turn_rad])
-        spots = residual.update(frame(forward, height_m), pose)
+        image = frame(forward, height_m)
+        spots = residual.update(in_rain(image, look) if rain else image, pose)
         if spots is not None:
             found.append((pose, spots))
     return found
@@ -57,6 +67,15 @@ def test_a_flat_plate_is_seen_where_it_lies() -> None:
     for distance, spot in found:
         assert spot.forward_m == pytest.approx(distance, abs=1.1)
         assert (spot.left_m, spot.right_m) == pytest.approx((-0.2, 0.6), abs=0.7)
+
+
+def test_drops_on_the_glass_are_no_spots_and_hide_no_plate() -> None:
+    gaps = [
+        (spot.forward_m + pose[0] - PLATE_M[0, 0], spot) for pose, spots in looks(0.15, rain=True) for spot in spots
+    ]
+    on_plate = [gap for gap, spot in gaps if abs(gap) < 1.1 and spot.left_m < 0.6 and spot.right_m > -0.2]
+    assert len(on_plate) >= 3
+    assert len(gaps) - len(on_plate) <= 2
 
 
 @pytest.mark.parametrize(("height_m", "bodies"), [(0.15, 1), (0.0, 0), (-0.15, 0), (-1.4, 0)])

@@ -7,7 +7,7 @@ whole patch (plane and parallax, Irani and Anandan, PAMI 20(6), 1998). Mirror im
 """
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import cv2
@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import distort, project, rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.patch_water import WaterConfig, texture, what_stays
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
 
 Grid = NDArray[np.float32]
-WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+WARP, NEAREST = (way | cv2.WARP_INVERSE_MAP for way in (cv2.INTER_LINEAR, cv2.INTER_NEAREST))
+FAINT = np.float32(0.05)  # share of a window, below which what is seen there is not scaled up
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +45,8 @@ class ResidualConfig:
     outline_gain: float = 8.0  # what counts as outline of a spot
     least_width_m: float = 0.2  # narrower ones are the rim of something else
     body_m: tuple[float, float] = (0.8, 0.35)  # along and across, about a known body that is left out
+    least_seen: float = 0.5  # share of a window that water must leave free
+    water: WaterConfig = field(default_factory=WaterConfig)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
@@ -57,6 +61,16 @@ class Spot:
     left_m: float
     right_m: float
     gain: float
+
+
+@dataclass(slots=True)
+class _Layout:
+    """A frame laid out as road. The cells with water are known fully once the next frame has been laid out."""
+
+    patch: Image  # (rows, columns)
+    pose: Floats  # (3,)
+    texture: Grid  # (rows, columns)
+    water: Image  # (rows, columns) 0 where the road is seen
 
 
 class GroundResidual:
@@ -74,7 +88,7 @@ class GroundResidual:
         self._rows = int(np.count_nonzero(self._forward_m < config.far_m))
         self._maps = self._layout()
         self.baseline_pose: Floats | None = None  # of the older frame in the last look
-        self._past: deque[tuple[Image, Floats]] = deque()
+        self._past: deque[_Layout] = deque()
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
 
@@ -91,11 +105,29 @@ class GroundResidual:
         self._frame += 1
         if self._frame % self._period_frames:
             return None
-        patch = cv2.remap(grey, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
         older = self._older(pose)
-        self.baseline_pose = None if older is None else older[1]
-        self._past.append((patch, pose))
-        return None if older is None else self._compare(patch, pose, *older, bodies)
+        now = self._laid_out(grey, pose)
+        self.baseline_pose = None if older is None else older.pose
+        return None if older is None else self._compare(now, older, bodies)
+
+    def _laid_out(self, grey: Image, pose: Floats) -> _Layout:
+        """The frame as the newest of those remembered."""
+        config = self.config
+        patch = cv2.remap(grey, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
+        now = _Layout(patch, pose, texture(patch, config.cell_m, config.water), np.zeros(patch.shape, np.uint8))
+        before = next((one for one in reversed(self._past) if self._way(one, pose) >= config.water.least_way_m), None)
+        if before is not None:
+            transform = self._transform(before.pose, pose, 0.0)
+            moved = np.asarray(cv2.warpAffine(before.texture, transform, patch.shape[::-1], flags=WARP), np.float32)
+            now.water = what_stays(now.texture, before.texture, moved, config.cell_m, config.water)
+            before.water = np.asarray(cv2.max(before.water, now.water), np.uint8)
+        if not self._past or self._way(self._past[-1], pose) >= config.cell_m:
+            self._past.append(now)
+        return now
+
+    def _way(self, layout: _Layout, pose: Floats) -> float:
+        """m that the car has come since."""
+        return float(np.hypot(*(pose - layout.pose)[:2]))
 
     def _layout(self) -> tuple[Any, Any]:
         """The look-up of the patch in a frame, as OpenCV wants it."""
@@ -105,55 +137,57 @@ class GroundResidual:
         exact, table = cv2.convertMaps(x, y, cv2.CV_16SC2)
         return exact, table
 
-    def _older(self, pose: Floats) -> tuple[Image, Floats] | None:
-        """The latest patch that was taken a baseline away; older ones are dropped."""
+    def _older(self, pose: Floats) -> _Layout | None:
+        """The latest layout that was taken a baseline away; older ones are dropped."""
         found = None
-        while self._past and np.hypot(*(pose - self._past[0][1])[:2]) >= self.config.baseline_m:
+        while self._past and self._way(self._past[0], pose) >= self.config.baseline_m:
             found = self._past.popleft()
         if found is not None:
             self._past.appendleft(found)
-            if np.hypot(*(pose - found[1])[:2]) > 1.4 * self.config.baseline_m:
+            if self._way(found, pose) > 1.4 * self.config.baseline_m:
                 return None
         return found
 
-    def _compare(
-        self, patch: Image, pose: Floats, older: Image, older_pose: Floats, bodies: Obstacles | None
-    ) -> list[Spot]:
-        config = self.config
-        sharp = patch[: self._rows].astype(np.float32)
+    def _compare(self, layout: _Layout, older: _Layout, bodies: Obstacles | None) -> list[Spot]:
+        config, pose = self.config, layout.pose
+        sharp = layout.patch[: self._rows].astype(np.float32)
         now = np.asarray(cv2.GaussianBlur(sharp, (3, 15), 0), np.float32)[:, self._columns]
+        dry = (layout.water[: self._rows, self._columns] == 0).astype(np.float32)
 
-        def difference(height_m: float) -> Grid:
-            return self._difference(now, older, older_pose, pose, height_m)
+        def difference(height_m: float) -> tuple[Grid, Grid]:
+            return self._difference(now, dry, older, pose, height_m)
 
-        road = difference(0.0)
+        road, free = difference(0.0)
         noise = float(np.median(road[::4, ::4])) + config.floor_levels2  # windows overlap: a few tell
         if float(road.max()) < config.least_gain * noise:
             return []
-        above = np.minimum.reduce([difference(height) for height in config.above_m])
-        below = np.minimum.reduce([difference(height) for height in config.below_m])
+        others = [difference(height) for height in (*config.above_m, *config.below_m)]
+        above = np.minimum.reduce([change for change, _ in others[: len(config.above_m)]])
+        below = np.minimum.reduce([change for change, _ in others[len(config.above_m) :]])
         gain = (road - above) / noise
-        seen = self._seen_before(older_pose, pose)
+        seen = self._seen_before(older.pose, pose)
+        seen &= np.minimum.reduce([free, *(share for _, share in others)]) > config.least_seen
         if bodies is not None and len(bodies):
-            seen &= ~self._covered(bodies, older_pose, pose)
+            seen &= ~self._covered(bodies, older.pose, pose)
         stands = seen & (gain > config.least_gain) & (above < config.most_share * road) & (below > above)
         stands &= road > self._of_edges(now)
         return self._spots(seen & (road > config.outline_gain * noise), np.where(stands, gain, 0.0))
 
-    def _difference(self, now: Grid, older: Image, older_pose: Floats, pose: Floats, height_m: float) -> Grid:
-        """Squared grey levels between the patch now and the older one, if all stood `height_m` above the road."""
+    def _difference(self, now: Grid, dry: Grid, older: _Layout, pose: Floats, height_m: float) -> tuple[Grid, Grid]:
+        """Squared grey levels between the patch now and the older one, if all stood `height_m` above the road.
+
+        They are means over the cells of the window that water hides in neither; the second tells how many these are.
+        """
         config = self.config
-        moved = cv2.warpAffine(
-            older,
-            self._transform(older_pose, pose, height_m),
-            (len(self._right_m), self._rows),
-            flags=WARP,
-            borderMode=cv2.BORDER_REPLICATE,
-        )
-        change = now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]
+        transform, size = self._transform(older.pose, pose, height_m), (len(self._right_m), self._rows)
+        moved = cv2.warpAffine(older.patch, transform, size, flags=WARP, borderMode=cv2.BORDER_REPLICATE)
+        wet = cv2.warpAffine(older.water, transform, size, flags=NEAREST, borderMode=cv2.BORDER_REPLICATE)
+        seen = dry * (wet[:, self._columns] == 0)
+        change = (now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]) * seen
         even = round(config.even_m / config.cell_m)
-        change = change - cv2.blur(change, (even, even))
-        return self._summed(change * change)
+        change -= seen * cv2.blur(change, (even, even)) / np.maximum(cv2.blur(seen, (even, even)), FAINT)
+        free = self._summed(seen)
+        return np.asarray(self._summed(change * change) / np.maximum(free, FAINT), np.float32), free
 
     def _of_edges(self, now: Grid) -> Grid:
         """(rows, columns) squared grey levels that differ when the two pictures of sharp paint are a little apart."""
