@@ -20,29 +20,28 @@ from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.evaluation.rendering import lookalike
 from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics, measure, scaled_grey
-from vpf_sim.replay import drives
-from vpf_sim.replay.drives import Clip
+from vpf_sim.replay import readers
+from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Image
 
 LOOKS = 16  # frames of a drive that are looked at, about
 LARGEST_RATIO = 2.0
 
 
-def compare(clip: Clip, seeds: list[int], out: Path | None) -> list[dict[str, Any]]:
+def compare(name: str, recording: Recording, seeds: list[int], out: Path | None) -> list[dict[str, Any]]:
     """The rows real, rendered and ratio of one drive."""
-    real = list(clip.frames())
+    real = [frame.image for frame in recording.frames() if frame.image is not None]
     theirs = statistics(real)
-    street = lookalike.STREETS[clip.name]
-    drive = street.drive(clip.camera, clip.rate_hz, clip.speed_mps)
+    street = lookalike.STREETS[name]
+    drive = street.drive(recording.camera, recording.rate_hz, float(np.median(recording.speed_mps)))
     parts = []
     for seed in seeds:
         rendered = [shot.image for shot in drive.shots(street.sky(), seed, len(real))]
         parts.append(statistics(rendered))
         if out is not None:
-            save(out, f"{clip.name}_seed{seed}", real, rendered)
+            save(out, f"{name}_seed{seed}", real, rendered)
     ours = FrameStatistics.mean(parts)
     ratio = {key: _starred(value) for key, value in ours.ratio(theirs).items()}
-    name = clip.name
     return [
         {"frames": f"{name} real", **asdict(theirs)},
         {"frames": "  rendered", **asdict(ours)},
@@ -80,7 +79,7 @@ def main() -> None:
     limit_opencv()
     rows: list[dict[str, Any]] = []
     for name in arguments.only or lookalike.STREETS:
-        new = compare(drives.read(arguments.drives / name), arguments.seeds, arguments.out)
+        new = compare(name, readers.read(arguments.drives / name), arguments.seeds, arguments.out)
         print(text_table(new, header=not rows), flush=True)
         rows.extend(new)
     if arguments.json:

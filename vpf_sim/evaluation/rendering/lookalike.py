@@ -1,6 +1,6 @@
 """Streets of ours laid out as those of the recorded drives, to be rendered with the drive's camera and speed."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from vpf_sim.envs.camera import Rig, Weather
@@ -46,8 +46,9 @@ class Street:
         return weathers.load(self.weather).model_copy(update=self.changes)
 
     def drive(self, camera: Camera, rate_hz: float, speed_mps: float) -> ScriptedDrive:
-        """Along the middle of the camera's lane."""
+        """Along the middle of the camera's lane; of frames of an odd width the last column is left out."""
         scenario = self.scenario()
+        camera = replace(camera, width_px=camera.width_px // 2 * 2)
         rig = Rig(camera, noise_sd=self.noise_sd, blur_px=self.blur_px)
         offset_m = scenario.road.lane_offset_m(self.lane)
         return ScriptedDrive(scenario, Path(START_M, speed_mps, lambda _: offset_m), rig, rate_hz)
