@@ -11,12 +11,13 @@ from vpf_sim.cli.options import (
     MixedOption,
     OutOption,
     ResumeOption,
+    ScenariosOption,
     SeedsOption,
     TimeoutOption,
+    WeathersOption,
     WorkersOption,
     print_json,
 )
-from vpf_sim.cli.sweep import ScenariosOption, WeathersOption
 
 Row = dict[str, Any]
 NAME = "ablation.json"

@@ -8,6 +8,12 @@ from typing import Annotated, Any, TextIO
 
 import typer
 
+ScenariosOption = Annotated[
+    list[str] | None, typer.Option("--scenario", metavar="SCENARIO", help="Name or file; may be repeated.")
+]
+WeathersOption = Annotated[
+    list[str] | None, typer.Option("--weather", metavar="WEATHER", help="Name or file; may be repeated.")
+]
 WeatherOption = Annotated[str, typer.Option("--weather", help="Name or file of a weather.")]
 DriverOption = Annotated[str, typer.Option("--driver", help='Name of a driver, or "package.module:Class".')]
 DriversOption = Annotated[
@@ -19,7 +25,6 @@ ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on with the run
 MixedOption = Annotated[bool, typer.Option("--mixed", help="Go on under another fingerprint; marks the records.")]
 SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, half open.", metavar="A:B")]
 WorkersOption = Annotated[int | None, typer.Option("--workers", min=1, help="Worker processes; one a core by default.")]
-
 ClusterOption = Annotated[
     str | None, typer.Option("--cluster", metavar="ADDRESS", help="Let the workers of this Dask scheduler drive.")
 ]

@@ -12,19 +12,15 @@ from vpf_sim.cli.options import (
     MixedOption,
     OutOption,
     ResumeOption,
+    ScenariosOption,
     SeedsOption,
     TimeoutOption,
+    WeathersOption,
     WorkersOption,
     print_json,
 )
 
 FileArgument = Annotated[Path | None, typer.Argument(metavar="FILE", help="A sweep file; options win over it.")]
-ScenariosOption = Annotated[
-    list[str] | None, typer.Option("--scenario", metavar="SCENARIO", help="Name or file; may be repeated.")
-]
-WeathersOption = Annotated[
-    list[str] | None, typer.Option("--weather", metavar="WEATHER", help="Name or file; may be repeated.")
-]
 DEFAULTS: dict[str, Any] = {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"}
 
 
