@@ -3,8 +3,9 @@
 import cv2
 import numpy as np
 import pytest
-from road_picture import RoadPicture
+from road_picture import ASPHALT, RoadPicture
 
+from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.perception.lane_index import LASTING_MOST, LaneIndex
 from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
@@ -66,6 +67,26 @@ def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> Non
         frame = np.where(hidden[i][:, None, None], bare.draw(pose, i), whole.draw(pose, i))
         edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
     assert edges.right_m == pytest.approx(7.0 - place, abs=0.3)
+
+
+def test_an_edge_line_that_is_seen_as_seldom_as_a_dashed_one_stays_the_edge() -> None:
+    """Far aside a wet road's paint is faint: a third of it shows. The verge beyond differs, and so does what the road
+    mirrors, a dark image as wide as two lanes that goes across the picture."""
+    camera, road, place = Camera(), RoadPicture(Camera()), 1.75
+    columns, rows = np.meshgrid(np.arange(float(camera.width_px)), np.arange(float(camera.height_px)))
+    right = np.nan_to_num(ground_from_pixels(camera, np.stack([columns, rows], axis=-1))[..., 1]) + place
+    edge, asphalt = np.abs(right + 7.0) < 0.5, np.abs(right) < 6.9
+    faint = np.repeat(stream(33, "paint").random((60, 96)) > 0.36, 5, axis=1)
+    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
+    for i in range(60):
+        pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
+        frame = road.draw(pose, i)
+        frame[edge & faint[i][:, None]] = ASPHALT
+        image = asphalt & (rows > 250) & (np.abs(columns - 6 * i) < 90)
+        frame[image] = frame[image] // 2
+        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
+    assert edges.left_m == pytest.approx(-7.0 - place, abs=0.1)
+    assert edges.confidence > 0.5
 
 
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:

@@ -26,7 +26,7 @@ LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says noth
 LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
 FORGET = 0.85  # of the evidence, kept from one judgement to the next
 WEIGHT = 0.7  # of one judgement's evidence: what is seen in the next is mostly the same road
-GROUND = 0.3  # weight of the ground beside that of the lines: on a wet road it has the colours of what it mirrors
+GROUND = 0.6  # weight of the ground beside that of the lines: on a wet road it has the colours of what it mirrors
 LINE_REACH_M = 0.2
 MOST_LANES = 6
 UNLIKELY = float(np.log(0.02))  # of every other number of lanes, against the likely one
@@ -174,7 +174,10 @@ def _ground_evidence(state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Im
 def _unlike_own_lane(
     state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye
 ) -> tuple[Floats, Bools]:
-    """(strips,) levels by which the colour differs from that of the ego's own lane in the same rows, and if known."""
+    """(strips,) levels by which the colour differs from that of the ego's own lane in the same rows, and if known.
+
+    The median over a strip: what a wet road mirrors, and what stands on it, cover a part; another ground is everywhere.
+    """
     numbers = (STRIPS[:, None] + np.array([0.3, 0.5, 0.7])).ravel()
     right, _, reached = lines(state, numbers, colour_view.forward_m)
     columns = np.rint((right - colour_view.right_m[0]) / colour_view.column_m)
@@ -189,9 +192,12 @@ def _unlike_own_lane(
     own = int(np.clip(np.searchsorted(NUMBERS, state[0] / state[WIDTH]) - 1, 0, len(STRIPS) - 1))
     reference = np.sum(sample[own] * weight[own], axis=0) / np.maximum(weight[own].sum(axis=0), 1e-9)  # (rows, 3)
     weight = weight * (weight[own].sum(axis=0) > 0)
-    total = weight.sum(axis=(1, 2))
-    difference = np.sum((sample - reference) * weight, axis=(1, 2)) / np.maximum(total, 1e-9)
-    return np.linalg.norm(difference, axis=1), total[:, 0] >= 3.0 * LEAST_LENGTH_M
+    known = weight[..., 0] > 0.0
+    enough = weight.sum(axis=(1, 2))[:, 0] >= 3.0 * LEAST_LENGTH_M
+    difference = np.where(known[..., None], sample - reference, np.nan).reshape(len(STRIPS), -1, 3)
+    unlike = np.zeros(len(STRIPS))
+    unlike[enough] = np.linalg.norm(np.nanmedian(difference[enough], axis=1), axis=1)
+    return unlike, enough
 
 
 def _nearest(view: BirdsEye, coarse: BirdsEye) -> Integers:
