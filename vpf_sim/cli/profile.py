@@ -28,4 +28,4 @@ def profile(
     rows = [("step", measured["step_ms"]), ("yardstick", yardstick_ms), *measured["stages_ms"].items()]
     cells = [(name, number(value_ms, 3), number(value_ms / yardstick_ms, 3)) for name, value_ms in rows]
     print_table(("stage", "ms", "x yardstick"), cells)
-    print("\nThe parts of render are inside render; hash runs on a helper thread.")
+    print("\nThe parts of render and of bodies are inside them; hash runs on a helper thread.")

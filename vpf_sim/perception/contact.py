@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.perception.expansion import Derotated, derotate
+from vpf_sim.perception.expansion import Derotated, derotate, derotated
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 Labels = NDArray[np.int64]
@@ -89,15 +89,15 @@ def time_to_contact(
     camera: Camera,
     config: ContactConfig,
     labels: Labels | None = None,
-    derotated: Derotated | None = None,
+    turned: Derotated | None = None,
 ) -> Floats:
     """(N,) s of each point of the flow; points of a cluster (`labels`) take the cluster's where it has one.
 
-    `derotated` is that of the flow, where it is at hand.
+    `turned` is the flow `derotated`, where it is at hand.
     """
     if config.method == "as_printed":
         return as_printed(flow, expansion, config)
-    turned = derotated or Derotated.of(flow, camera)
+    turned = turned or derotated(flow, camera)
     ttc = _radial(flow, turned, expansion, config)
     if labels is None or not np.any(labels >= 0):
         return ttc

@@ -87,9 +87,10 @@ class Derotated:
     flow_px: Floats  # (N, 2) see `derotate`
     shift_px: Floats  # (N,) see `chord_shift`
 
-    @classmethod
-    def of(cls, flow: Flow, camera: Camera) -> "Derotated":
-        return cls(derotate(flow, camera), chord_shift(flow, camera))
+
+def derotated(flow: Flow, camera: Camera) -> Derotated:
+    """Both, for stages to share."""
+    return Derotated(derotate(flow, camera), chord_shift(flow, camera))
 
 
 def chord_shift(flow: Flow, camera: Camera) -> Floats:
@@ -105,18 +106,18 @@ def estimate(
     config: ExpansionConfig,
     rng: np.random.Generator,
     before: Expansion | None = None,
-    derotated: Derotated | None = None,
+    turned: Derotated | None = None,
 ) -> Expansion:
     """The FOE of one frame; `before` is that of the frame before, which the robust method goes on from.
 
-    `derotated` is that of the flow, where it is at hand.
+    `turned` is the flow `derotated`, where it is at hand.
 
     Without enough motion it is the last one with a covariance that grows, or the point straight ahead, and its
     confidence is 0. The confidence of the robust FOE is the share of moving points that agree, less where the
     covariance is large; points that are stuck to the glass count among those that do not agree.
     """
     if config.method == "robust":
-        return _robust(flow, camera, config, rng, before, derotated)
+        return _robust(flow, camera, config, rng, before, turned)
     moving = np.hypot(flow.displacement_px[:, 0], flow.displacement_px[:, 1]) > 1e-9
     if np.count_nonzero(moving) < 2:
         return _unknown(camera, len(flow))
@@ -138,17 +139,16 @@ def _robust(
     rate_hz = _rate_hz(flow)
     if rate_hz == inf:
         return _held(before, camera, config, rate_hz, len(flow))
-    turned = turned or Derotated.of(flow, camera)
-    derotated = turned.flow_px
+    turned = turned or derotated(flow, camera)
     points = flow.points_px.copy()
     # Moving a line by the shift moves its intersection with the others from the chord's image to the present FOE.
     points[:, 0] += turned.shift_px
     steps = np.maximum(flow.gap_s * rate_hz, 1.0)
-    length = np.hypot(derotated[:, 0], derotated[:, 1])
+    length = np.hypot(turned.flow_px[:, 0], turned.flow_px[:, 1])
     voters = np.flatnonzero((length > config.min_flow_px) & ~flow.stuck)
     tolerance = np.sqrt(steps) * (config.tolerance_px + config.tolerance_ratio * length / steps)
     prior = _prior(camera, config, before, rate_hz)
-    found = fit(points[voters], derotated[voters], flow.gap_s[voters], tolerance[voters], camera, prior, rng)
+    found = fit(points[voters], turned.flow_px[voters], flow.gap_s[voters], tolerance[voters], camera, prior, rng)
     if found is None:
         return _held(before, camera, config, rate_hz, len(flow))
     inliers = np.zeros(len(flow), np.bool_)

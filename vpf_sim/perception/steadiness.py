@@ -18,7 +18,7 @@ from math import exp
 import cv2
 import numpy as np
 
-from vpf_sim.perception.expansion import Derotated
+from vpf_sim.perception.expansion import Derotated, derotated
 from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
 
 NEAR_PX = 5.0  # from the focus the radial direction is not known well
@@ -53,10 +53,10 @@ class Steadiness:
         self.is_needed = False
         self.pitch_rad = 0.0  # how far the camera looks below its mounting, but for slow changes
 
-    def update(self, flow: Flow, foe: Expansion, derotated: Derotated | None = None) -> Flow:
-        """The flow of the same points for a camera that does not pitch; `derotated` is that of the flow as it is, where
-        it is at hand."""
-        self._add(flow, foe, derotated or Derotated.of(flow, self._camera))
+    def update(self, flow: Flow, foe: Expansion, turned: Derotated | None = None) -> Flow:
+        """The flow of the same points for a camera that does not pitch; `turned` is the flow as it is, `derotated`,
+        where it is at hand."""
+        self._add(flow, foe, turned or derotated(flow, self._camera))
         if not self.is_needed:
             return flow
         frames = np.rint(flow.gap_s * self._rate_hz).astype(np.int64)

@@ -41,7 +41,7 @@ class Planner:
         image = grey(observation.image)
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         flow = self._flow.update(image, pose)
-        turned = expansion.Derotated.of(flow, self._camera)
+        turned = expansion.derotated(flow, self._camera)
         foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe, turned)
         self._foe = foe
         picture, steady = observation.image, flow

@@ -27,10 +27,13 @@ OBJECTS: Labels = {
 STAGES = {  # of a step, as timing.jsonl names them: what each column adds up
     "camera": ("render",),
     "flow": ("grey", "flow"),
-    "FOE, TTC, obstacles": ("foe", "ttc", "obstacle_map", "landmarks"),
+    "FOE, TTC, obstacles": (
+        *("derotation", "foe", "steadiness", "steadiness_frames", "ttc", "obstacle_map", "clusters"),
+        *("look", "bodies", "landmarks"),  # landmarks: of runs that were timed before there was bodies
+    ),
     "road edges": ("road",),
     "plan and control": ("plan", "control"),
-    "physics": ("physics",),
+    "physics": ("physics", "ending", "observation", "info"),
 }
 COMFORT = {  # nuPlan's names and bounds
     "longitudinal_acceleration_mps2": ("longitudinal acceleration", "−4.05 to 2.40 m/s²"),

@@ -1,4 +1,8 @@
-"""The stages of a step that are timed, by name, each with the place of its function for a `Stopwatch`."""
+"""The stages of a step that are timed, by name, each with the place of its function for a `Stopwatch`.
+
+A name with a point is a part of the stage before the point; all other stages lie side by side, and together make up the
+step but for the few lines that call them.
+"""
 
 STAGES = {
     "render": "vpf_sim.envs.camera.renderer:Renderer.render",
@@ -14,19 +18,30 @@ STAGES = {
     "render.glass": "vpf_sim.envs.camera.glass.glass:Glass.draw",
     "render.sensor": "vpf_sim.envs.camera.sensor:Sensor.expose",
     "physics": "vpf_sim.envs.four_lane:FourLane.advance",
+    "ending": "vpf_sim.envs.ending:Ending.status",
+    "observation": "vpf_sim.envs.four_lane:FourLane._observation",
+    "info": "vpf_sim.envs.four_lane:FourLane._info",
     "grey": "vpf_sim.planning.planner:grey",
     "flow": "vpf_sim.perception.flow:FlowTracker.update",
+    "derotation": "vpf_sim.perception.expansion:derotated",
     "foe": "vpf_sim.perception.expansion:estimate",
+    "steadiness": "vpf_sim.perception.steadiness:Steadiness.update",
+    "steadiness_frames": "vpf_sim.perception.steadiness:Steadiness.frame",
     "obstacle_map": "vpf_sim.perception.obstacles:detect",
+    "clusters": "vpf_sim.perception.obstacles:cluster_labels",
     "ttc": "vpf_sim.perception.contact:time_to_contact",
     "road": "vpf_sim.perception.road_edges:RoadEdgeTracker.update",
-    "landmarks": "vpf_sim.perception.landmarks:LandmarkTracker.update",
+    "look": "vpf_sim.perception.landmarks:LandmarkTracker.look",
+    "bodies": "vpf_sim.planning.planner:Planner._find_bodies",
+    "bodies.triangulation": "vpf_sim.perception.landmarks:LandmarkTracker.triangulate",
+    "bodies.movers": "vpf_sim.perception.movers:MoverTracker.update",
+    "bodies.landmarks": "vpf_sim.perception.landmarks:LandmarkTracker.update",
     "plan": "vpf_sim.planning.planner:Planner.plan",
     "control": "vpf_sim.controllers.gtsmc:Gtsmc.command",
 }
 IN_EPISODES = {
     **STAGES,
-    "world": "vpf_sim.envs.four_lane:FourLane.step",  # render and physics are parts of it
+    "world": "vpf_sim.envs.four_lane:FourLane.step",  # render up to info are parts of it
     "driver": "vpf_sim.drivers:command_of",  # and what comes after them of this
     "log": "vpf_sim.evaluation.episode.log:StepLog.observe",
 }
