@@ -13,12 +13,14 @@ from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference import LaneReference
+from vpf_sim.planning.reach import Reach
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Obstacles, VehicleModel
 
 ROBUST = variant.load("robust").valley
 assert ROBUST is not None
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
+REACH = Reach(ROBUST.reach, VehicleModel())
 
 
 def vehicle(forward_m: float, right_m: float, count: int = 16, width_m: float = 1.8) -> Floats:
@@ -174,7 +176,7 @@ def test_a_body_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -
     kept = 0.5 * VehicleModel().length_m + config.standoff_m + config.time_gap_s * speed_mps
 
     def wanted(along_m: float, body_mps: float) -> float:
-        way, watch = LaneReference(config, VehicleModel(), SPEED_MPS, RATE_HZ), field()
+        way, watch = LaneReference(config, VehicleModel(), SPEED_MPS, RATE_HZ, REACH), field()
         return way.update(LANE, obstacle(along_m, 0.0, body_mps), watch, 0.0, 0.0, SPEED_MPS).speed_mps
 
     assert wanted(kept, speed_mps) == pytest.approx(speed_mps, abs=1e-6)

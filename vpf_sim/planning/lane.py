@@ -8,7 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vpf_sim.types import Floats, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
+
+BODY_M = (1.0, 6.0)  # so far behind its face a body may still go on,
+BODY_SHARE = 0.5  # and what lies in its way with this share of its width is of it, since no two bodies are at one place
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,4 +56,20 @@ def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     across = cosine * middle - sine * obstacles.forward_m
     y = lane.y_m + across - 0.5 * lane.curvature_per_m * along**2
     half = 0.5 * (obstacles.right_m - obstacles.left_m)
-    return LaneObstacles(along, y - half, y + half, obstacles.speed_mps)
+    whole = ~_parts(along, y - half, y + half, obstacles)
+    return LaneObstacles(along[whole], (y - half)[whole], (y + half)[whole], obstacles.speed_mps[whole])
+
+
+def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacles) -> Bools:
+    """(K,) which bodies are a part of another: an edge low on its side, or points that fell away from the others.
+
+    Passed as bodies of their own they would keep the car aside for the length of two, and a part of a side that is seen
+    at a grazing angle is known worse than the face.
+    """
+    behind = along_m[:, None] - along_m[None]
+    shared = np.minimum(right_m[:, None], right_m[None]) - np.maximum(left_m[:, None], left_m[None])
+    within = shared > BODY_SHARE * (right_m - left_m)[:, None]
+    named = (obstacles.identity[:, None] == obstacles.identity[None]) & (shared > 0.0)
+    stand = (obstacles.speed_mps[:, None] == 0.0) & (obstacles.speed_mps[None] == 0.0)
+    part: Bools = (stand & (behind > BODY_M[0]) & (behind < BODY_M[1]) & (within | named)).any(axis=1)
+    return part

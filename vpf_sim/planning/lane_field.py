@@ -11,18 +11,22 @@ in with the distance t to the body. Bodies take the maximum, not the sum, so tha
 
 The paper follows the local gradient; here the car goes to the global minimum, since dead ahead of a body the gradient
 vanishes and the side would be left to chance (METHOD A9, A10). What has been decided is kept: a term in the distance
-from the last minimum, and a latch on the side of every body that is near. A tie goes to the minimum that is nearer to
-the last one, then to the side with more road, then to the left.
+from the last minimum, and a latch on the side of every body that is near. What lies behind a body and cannot be reached
+before it (`vpf_sim.planning.reach`) costs, and places beyond an edge are no choice: the car stops rather than go there.
+A tie goes to the minimum that is nearer to the last one, then to the side with more road, then to the left.
 """
 
 from dataclasses import dataclass
+from math import tan
 
 import numpy as np
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Floats, VehicleModel
 
 TIE = 1e-9
+NO_CHOICE = 1e3  # more than any body, side or memory costs
 CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
 CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
 
@@ -36,6 +40,7 @@ class LaneFieldConfig:
     target_per_m2: float  # k
     wall_height: float  # h_w
     wall_reach_m: float  # d_w
+    edge_gap_m: float  # nearer to an edge no place is chosen, whatever stands on the road
     obstacle_height: float  # h_o
     obstacle_slope_per_m: float  # s_o
     tail_height: float  # h_t
@@ -52,6 +57,7 @@ class LaneFieldConfig:
     latch_m: float  # side latch of bodies nearer than this
     latch_height: float
     beside_height: float  # of the latch while passing
+    unreached_height: float  # of places that lie behind a body and cannot be reached before it
 
     def __post_init__(self) -> None:
         for key in ("reach_m", "spacing_m", "target_per_m2", "wall_reach_m", "tail_decay_m", "memory_m"):
@@ -86,8 +92,12 @@ class LanePotential:
 class LaneField:
     """Composes the field of each frame and finds its minimum; remembers the last one."""
 
-    def __init__(self, config: LaneFieldConfig, vehicle: VehicleModel, speed_reference_mps: float) -> None:
+    def __init__(
+        self, config: LaneFieldConfig, vehicle: VehicleModel, speed_reference_mps: float, reach: Reach | None = None
+    ) -> None:
+        """Without `reach`, every place counts as one that can be reached."""
         self._config = config
+        self._reach = reach
         self._speed_reference_mps = speed_reference_mps
         self._half_width_m = 0.5 * vehicle.width_m
         self._half_length_m = 0.5 * vehicle.length_m
@@ -101,7 +111,9 @@ class LaneField:
         road = self._road(lane)
         obstacle = self._obstacle(obstacles)
         total = self._target + road + obstacle
-        kept = total + self._memory(obstacles, lane) if self._last_m is not None else total
+        kept = total + self._beyond(lane) + self._unreached(obstacles, lane)
+        if self._last_m is not None:
+            kept = kept + self._memory(obstacles, lane)
         self._last_m = self._minimum(kept, lane)
         return LanePotential(self._y_m, self._target, road, obstacle, self._last_m)
 
@@ -127,11 +139,21 @@ class LaneField:
 
     def _road(self, lane: Lane) -> Floats:
         config = self._config
-        right = lane.right_m - self._y_m - self._half_width_m
-        left = self._y_m - lane.left_m - self._half_width_m
+        right, left = self._edge_gaps(lane)
         reach = config.wall_reach_m
         wall: Floats = np.maximum(1.0 - right / reach, 0.0) ** 2 + np.maximum(1.0 - left / reach, 0.0) ** 2
         return config.wall_height * wall
+
+    def _beyond(self, lane: Lane) -> Floats:
+        """(G,) what keeps the minimum on the road: the worst body is one to stop before, not to leave the road for."""
+        right, left = self._edge_gaps(lane)
+        return np.where(np.minimum(right, left) < self._config.edge_gap_m, NO_CHOICE, 0.0)
+
+    def _edge_gaps(self, lane: Lane) -> tuple[Floats, Floats]:
+        """(G,) m between our body at y and the right and the left edge."""
+        right: Floats = lane.right_m - self._y_m - self._half_width_m
+        left: Floats = self._y_m - lane.left_m - self._half_width_m
+        return right, left
 
     def _obstacle(self, obstacles: LaneObstacles) -> Floats:
         config = self._config
@@ -173,6 +195,28 @@ class LaneField:
         height = np.where(beside, config.beside_height, config.latch_height)
         latched: Floats = memory + (other * height[:, None]).max(axis=0)
         return latched
+
+    def _unreached(self, obstacles: LaneObstacles, lane: Lane) -> Floats:
+        """(G,) what keeps the minimum this side of bodies that stand too near to get to their other side before them.
+
+        Beside a body, its other side and its own place are out of reach whatever else there is.
+        """
+        if self._reach is None or not len(obstacles):
+            return np.zeros_like(self._y_m)
+        config, way = self._config, self.bumper(obstacles)[:, None]
+        y, here = self._y_m[None], lane.y_m
+        least = obstacles.left_m[:, None] - self._half_width_m  # of the places that it takes
+        most = obstacles.right_m[:, None] + self._half_width_m
+        apart = (here <= least) | (here >= most)
+        meets = (np.minimum(y, here) < most) & (np.maximum(y, here) > least)
+        behind = meets & ((y <= least) | (y >= most))
+        slope = np.where(y > here, -tan(lane.heading_rad), tan(lane.heading_rad))
+        shift = np.where(y > here, most - here, here - least) - np.maximum(slope * way, 0.0)
+        far = behind & (way > 0.0) & (shift > self._reach.aside(way))
+        stands = (self.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)
+        cost = np.where(meets & apart & (way <= 0.0), config.beside_height, config.unreached_height * far)
+        unreached: Floats = (cost * stands[:, None]).max(axis=0)
+        return unreached
 
     def _minimum(self, total: Floats, lane: Lane) -> float:
         """y of the global minimum, between the grid's points by a parabola."""

@@ -15,7 +15,7 @@ itself and psi_d the course, and with `speed = "constant"` v_d stays the referen
 """
 
 from dataclasses import dataclass
-from math import asin, exp, sqrt
+from math import asin, exp, sqrt, tan
 from typing import Literal
 
 import numpy as np
@@ -23,12 +23,11 @@ import numpy as np
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
-from vpf_sim.types import Reference, VehicleModel
+from vpf_sim.planning.reach import PEAK_ACCELERATION, PEAK_SPEED, Reach
+from vpf_sim.types import Floats, Reference, VehicleModel
 
-PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift, see `_glide`
 SHORTEST_S = 0.8  # of a shift
 SLOWEST_CLOSING_MPS = 0.5
-REACTION_S = 0.3  # until the steering shows across the lane
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +35,15 @@ class LaneReferenceConfig:
     """Limits of the reference's own motion across the lane, and of the speed."""
 
     speed_mps: float  # largest speed across
-    speed_ratio: float  # and its largest share of the vehicle's speed
-    acceleration_mps2: float  # largest across
     shift_s: float  # duration of a shift when there is time
     shift_share: float  # and otherwise its share of the time that is left
     correction_per_s: float  # k
+    correction_per_m: float  # k / v at most: the slower, the longer the car takes to turn
     correction_mps: float  # largest speed of the correction
+    correction_ratio: float  # and its largest share of the vehicle's speed
     lead_m: float  # y_r stays this near to the vehicle's own y
     minimum_clearance_m: float  # nearer than this counts as blocked
+    walking_clearance_m: float  # the same at walking speed
     bend_acceleration_mps2: float  # lateral, limits the speed in bends
     brake_mps2: float  # of a stop before a blocked road
     standoff_m: float  # free road kept when stopping
@@ -61,7 +61,12 @@ class LaneReference:
     """The reference's place, speed and acceleration across the lane, and the lagged heading."""
 
     def __init__(
-        self, config: LaneReferenceConfig, vehicle: VehicleModel, speed_reference_mps: float, rate_hz: float
+        self,
+        config: LaneReferenceConfig,
+        vehicle: VehicleModel,
+        speed_reference_mps: float,
+        rate_hz: float,
+        reach: Reach,
     ) -> None:
         self._config = config
         self._vehicle = vehicle
@@ -72,6 +77,7 @@ class LaneReference:
         self._acceleration_mps2 = 0.0
         self._shift_s = config.shift_s
         self._heading_rad: float | None = None
+        self._reach = reach
 
     def update(
         self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, yaw_rad: float, speed_mps: float
@@ -86,7 +92,7 @@ class LaneReference:
             self._glide(minimum_m, self._time_left(obstacles, field, speed_mps), speed_mps)
             self.y_m = min(max(self.y_m, lane.y_m - self._config.lead_m), lane.y_m + self._config.lead_m)
         heading, rate = self._heading(lane, yaw_rad, speed_mps)
-        return Reference(heading, self._speed(lane, obstacles, field, minimum_m), rate)
+        return Reference(heading, self._speed(lane, obstacles, field, minimum_m, speed_mps), rate)
 
     def _time_left(self, obstacles: LaneObstacles, field: LaneField, speed_mps: float) -> float:
         """s until the first body is reached that stands where y_r is now."""
@@ -109,8 +115,11 @@ class LaneReference:
         config, dt = self._config, self._dt_s
         assert self.y_m is not None
         error = minimum_m - self.y_m
-        fastest = min(config.speed_mps, config.speed_ratio * max(speed_mps, 1.0))
-        least = max(sqrt(PEAK_ACCELERATION * abs(error) / config.acceleration_mps2), PEAK_SPEED * abs(error) / fastest)
+        fastest = min(config.speed_mps, self._reach.ratio(speed_mps) * max(speed_mps, 1.0))
+        least = max(
+            sqrt(PEAK_ACCELERATION * abs(error) / self._reach.acceleration(speed_mps)),
+            PEAK_SPEED * abs(error) / fastest,
+        )
         wanted = min(config.shift_s, config.shift_share * time_s)
         # A hurry ends slowly: a longer T at full speed would carry the reference past the minimum.
         self._shift_s = max(least, min(wanted, self._shift_s + dt), SHORTEST_S)
@@ -124,9 +133,11 @@ class LaneReference:
         """psi_d rad and its rate rad/s, if it is known."""
         config = self._config
         assert self.y_m is not None
-        pull = config.correction_per_s * (self.y_m - lane.y_m)
-        across = self._rate_mps + min(max(pull, -config.correction_mps), config.correction_mps)
-        ratio = min(max(across / max(speed_mps, 1.0), -config.speed_ratio), config.speed_ratio)
+        pull = min(config.correction_per_s, config.correction_per_m * speed_mps) * (self.y_m - lane.y_m)
+        most = min(config.correction_mps, config.correction_ratio * speed_mps)
+        across = self._rate_mps + min(max(pull, -most), most)
+        left, right = self._reach.between(lane, speed_mps)
+        ratio = min(max(across / max(speed_mps, 1.0), -left), right)
         course = yaw_rad + lane.heading_rad + asin(ratio)
         if config.motion == "direct":
             return wrap_angle(course), None
@@ -137,10 +148,11 @@ class LaneReference:
         self._heading_rad = wrap_angle(self._heading_rad + share * ahead)
         return self._heading_rad, (1.0 - share) * ahead * speed_mps / self._vehicle.l_r_m
 
-    def _speed(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> float:
+    def _speed(
+        self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
+    ) -> float:
         """v_d: the reference speed, less in tight bends and before bodies that cannot be cleared in time."""
         config = self._config
-        assert self.y_m is not None
         limit = self._speed_reference_mps
         if config.speed == "constant":
             return limit
@@ -152,14 +164,24 @@ class LaneReference:
         way = field.bumper(obstacles)
         moves = obstacles.speed_mps > 0.0
         present = ((field.present(obstacles) > 0.0) | moves) & (way > 0.0)
-        clearance = config.minimum_clearance_m
+        clearance = config.minimum_clearance_m if speed_mps > self._reach.walking_mps else config.walking_clearance_m
         blocked = present & (field.overlap(obstacles, minimum_m, clearance) > 0.0)
         spare = way - config.standoff_m - config.time_gap_s * obstacles.speed_mps
         follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + way), 0.0, 1.0)
         stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
         limit = float(np.min(stop, where=blocked, initial=limit))
-        # A body that the minimum avoids, but y_r not yet: be there only when the shift is done.
-        shift = np.maximum(field.overlap(obstacles, self.y_m, clearance), 0.0)
-        time_s = np.sqrt(PEAK_ACCELERATION * shift / config.acceleration_mps2) + REACTION_S
-        there = obstacles.speed_mps + way / time_s
-        return float(np.min(there, where=present & ~blocked & (shift > 0.0), initial=limit))
+        there = self._before(lane, obstacles, field, minimum_m)
+        return float(np.min(there, where=present & ~blocked, initial=limit))
+
+    def _before(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> Floats:
+        """(K,) m/s before bodies that the minimum avoids, but the car not yet: be there only when the shift is done.
+
+        Where it cannot be done as wide as wanted, walking; where not at all, the car stops, as early as it can.
+        """
+        config, way = self._config, field.bumper(obstacles)
+        slope = -tan(lane.heading_rad) if minimum_m > lane.y_m else tan(lane.heading_rad)
+        wanted = field.overlap(obstacles, lane.y_m, config.minimum_clearance_m)
+        needed = field.overlap(obstacles, lane.y_m, config.walking_clearance_m)
+        there = np.maximum(self._reach.speed(way, wanted, slope), self._reach.walking_mps)
+        there = np.where(self._reach.speed(way, needed, slope) > 0.0, there, 0.0)
+        return obstacles.speed_mps + there

@@ -8,6 +8,7 @@ import numpy as np
 from vpf_sim.planning.lane import locate, place
 from vpf_sim.planning.lane_field import LaneField, LaneFieldConfig, LanePotential
 from vpf_sim.planning.lane_reference import LaneReference, LaneReferenceConfig
+from vpf_sim.planning.reach import Reach, ReachConfig
 from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
 
 
@@ -15,14 +16,16 @@ from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
 class ValleyConfig:
     field: LaneFieldConfig
     reference: LaneReferenceConfig
+    reach: ReachConfig
 
 
 class Valley:
     """Follows the valley of the field from frame to frame."""
 
     def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
-        self._field = LaneField(config.field, setup.vehicle, setup.speed_reference_mps)
-        self._reference = LaneReference(config.reference, setup.vehicle, setup.speed_reference_mps, setup.rate_hz)
+        reach, speed_mps = Reach(config.reach, setup.vehicle), setup.speed_reference_mps
+        self._field = LaneField(config.field, setup.vehicle, speed_mps, reach)
+        self._reference = LaneReference(config.reference, setup.vehicle, speed_mps, setup.rate_hz, reach)
 
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
         lane = locate(perception.road)

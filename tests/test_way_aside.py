@@ -1,0 +1,113 @@
+"""How far aside the way that is left allows, and what is no choice: places off the road or behind a near body."""
+
+from dataclasses import replace
+from math import hypot, inf
+
+import numpy as np
+import pytest
+from bicycle import Bicycle
+
+from vpf_sim.planning import variant
+from vpf_sim.planning.lane import Lane, LaneObstacles, locate, place
+from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.reach import Reach
+from vpf_sim.types import Command, Obstacles, RoadEdges, VehicleModel
+
+ROBUST = variant.load("robust").valley
+assert ROBUST is not None
+CAR, SPEED_MPS = VehicleModel(), 5.55
+REACH = Reach(ROBUST.reach, CAR)
+LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
+
+
+def bodies(*rows: tuple[float, float, float]) -> LaneObstacles:
+    """Each by its face along the road, and its left and right side."""
+    return LaneObstacles(*np.array(rows).T)
+
+
+def field(lane: Lane = LANE) -> LaneField:
+    """One that has seen the empty road: it remembers to be where the car is."""
+    one = LaneField(ROBUST.field, CAR, SPEED_MPS, REACH)
+    one.update(lane, LaneObstacles(np.empty(0), np.empty(0), np.empty(0)))
+    return one
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_worst_body_pushes_nobody_off_the_road(side: float) -> None:
+    """A wall across all but 1.5 m at one edge: no place is free, and the lowest one still lies on the road."""
+    lane = Lane(side * 3.0, 7.0, -7.0, 0.0, 0.0)
+    left, right = sorted((-side * 7.0, side * 5.5))
+    minimum = field(lane).update(lane, bodies((20.0, left, right))).minimum_m
+    assert abs(minimum) + 0.5 * CAR.width_m <= 7.0 - ROBUST.field.edge_gap_m + ROBUST.field.spacing_m
+
+
+def test_a_body_that_leaves_no_way_before_it_is_not_crossed() -> None:
+    """Beyond a body lies the only free way; from far away it is chosen, from near by no longer."""
+    barrier, closes = (-0.5, 1.5), (-8.75, -0.4)
+
+    def minimum(way_m: float) -> float:
+        lane = replace(LANE, y_m=-1.7)
+        return field(lane).update(lane, bodies((way_m + 2.25, *barrier), (way_m + 6.25, *closes))).minimum_m
+
+    assert minimum(12.0) > 1.5 + 0.5 * CAR.width_m
+    assert minimum(3.0) < -0.5
+    assert minimum(-1.0) < -0.5
+
+
+def tightest(way_m: float) -> float:
+    """m aside on a way at walking speed: full steering to the one side, then to the other until the heading is back."""
+    best = 0.0
+    for turn in np.linspace(0.2, 0.8, 13):
+        car = Bicycle(speed_mps=ROBUST.reach.walking_mps)
+        while car.x_m < way_m and -1e-3 < car.yaw_rad < 1.2:
+            car.step(Command(0.0, 1.0 if car.x_m < turn * way_m else -1.0))
+        if car.yaw_rad < 0.05:
+            best = max(best, car.y_m)
+    return best
+
+
+@pytest.mark.parametrize("way_m", [3.0, 4.0, 6.0])
+def test_what_is_in_reach_is_in_reach(way_m: float) -> None:
+    reach = float(REACH.aside(np.array([way_m]))[0])
+    assert 0.6 * tightest(way_m) < reach < tightest(way_m)
+
+
+def test_the_way_decides_the_speed() -> None:
+    """By t = sqrt(4.4 s / a) and what the heading brings; 0 where no speed is low enough, inf where nothing is left."""
+    way, shift = np.array([20.0, 20.0, 3.0, 3.0]), np.array([1.0, -0.2, 2.0, 0.0])
+    speed = REACH.speed(way, shift, 0.0)
+    assert speed[0] == pytest.approx(20.0 / (np.sqrt(4.4 / ROBUST.reach.acceleration_mps2) + 0.3))
+    assert speed[1] == inf
+    assert speed[2] == 0.0
+    assert speed[3] == inf
+    assert REACH.speed(way[2:3], shift[2:3], 0.55)[0] > 0.0
+
+
+def test_near_an_edge_the_car_turns_no_more_than_its_corners_allow() -> None:
+    for gap in (0.3, 0.8, 1.5):
+        lane = replace(LANE, y_m=LANE.right_m - 0.5 * CAR.width_m - gap)
+        left, right = REACH.between(lane, 1.0)
+        assert left == ROBUST.reach.walking_ratio
+        corner = (
+            0.5 * hypot(CAR.length_m, CAR.width_m) * np.sin(np.arcsin(right) + np.arctan(CAR.width_m / CAR.length_m))
+        )
+        assert corner < 0.5 * CAR.width_m + max(gap, REACH.between(lane, SPEED_MPS)[1])
+
+
+def seen(*rows: tuple[float, float, float, int]) -> LaneObstacles:
+    """What the lane has of bodies by face, left, right, identity."""
+    forward, left, right, identity = np.array(rows).T
+    unknown = np.full(len(rows), 0.1)
+    road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5)
+    return place(Obstacles(forward, left, right, unknown, unknown, identity.astype(np.int64)), locate(road))
+
+
+def test_a_part_of_a_body_is_no_body_of_its_own() -> None:
+    """An edge low on its side, or points that fell away from its others; not what stands beside or far behind it."""
+    car = (10.0, 0.0, 2.0, 1)
+    assert len(seen(car, (14.0, -0.2, 0.4, 2))) == 1
+    assert len(seen(car, (13.0, -1.0, 0.1, 1))) == 1
+    assert len(seen(car, (13.0, -1.0, 0.1, 2))) == 2
+    assert len(seen(car, (10.3, 0.2, 0.8, 2))) == 2
+    assert len(seen(car, (20.0, 0.2, 0.8, 2))) == 2
+    assert seen((14.0, -0.2, 0.4, 2), car).along_m.tolist() == [10.0]
