@@ -60,12 +60,13 @@ class LaneFilter:
         for cut_m in PASSES:
             right, jacobian, reached = lines(state, sightings.numbers, sightings.forward_m)
             residual = sightings.right_m - right
-            tukey = np.clip(1.0 - (residual / cut_m) ** 2, 0.0, None) ** 2
-            weight = (tukey / sightings.variance_m2)[seen & reached]
-            rows = jacobian[seen & reached]
+            tukey = np.maximum(1.0 - (residual / cut_m) ** 2, 0.0) ** 2
+            used = seen & reached
+            weight = (tukey / sightings.variance_m2)[used]
+            rows = jacobian[used]
             weighted = rows * weight[:, None]
             normal = information + weighted.T @ rows
-            gradient = weighted.T @ residual[seen & reached] + information @ (prior - state)
+            gradient = weighted.T @ residual[used] + information @ (prior - state)
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
 
@@ -76,7 +77,9 @@ class LaneFilter:
         aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
         with np.errstate(invalid="ignore"):
             along = np.abs(np.diff(aside, axis=1)) < NEIGHBOUR_M
-        line = np.pad(along, ((0, 0), (1, 0))) | np.pad(along, ((0, 0), (0, 1)))
+        line = np.zeros(aside.shape, np.bool_)
+        line[:, 1:] = along
+        line[:, :-1] |= along
         possible: Bools = line & (np.abs(aside) < GATE * np.sqrt(variance) + GATE_M)
         return possible
 

@@ -10,6 +10,9 @@ from vpf_sim.perception.marks import Integers
 from vpf_sim.types import Bools, Floats, Obstacles
 
 LEAST_SIGMA_M = 0.05  # no point of a body tells its face better
+NEAREST_M = 0.5  # a body nearer to the camera hides nothing
+RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
+LENGTH_M = 8.0  # of the longest
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 
 
@@ -25,6 +28,8 @@ class Seen:
 
 def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float) -> Obstacles:
     """Bodies seen from a pose short before, in the axes of the vehicle now, with their time to contact."""
+    if not len(bodies):
+        return bodies
     middle = 0.5 * (bodies.left_m + bodies.right_m)
     place = np.stack([bodies.forward_m, middle], axis=1)
     place = vehicle_from_world(world_from_vehicle(place, seen_from), pose)
@@ -81,6 +86,27 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     np.minimum.at(left, label[well], across)
     np.maximum.at(right, label[well], across)
     return left, right
+
+
+def parted(ahead_m: Floats, left_m: Floats, right_m: Floats, body: Integers, support: Integers) -> Bools:
+    """(K,) clusters that parted from a nearer, larger one of the same `body` (-1: none) and are no body of their own.
+
+    `ahead_m` is from the camera. Points along a body's side, and those that slide along its outline, seem to stand
+    behind it: in line with it, in the strip that it hides, or one alone; `support` is their number.
+    """
+    behind_m = ahead_m[:, None] - ahead_m[None]
+    own = (body[:, None] == body[None]) & (body >= 0) & (behind_m > 0.0) & (support[:, None] <= support[None])
+    distance = np.maximum(ahead_m, NEAREST_M)
+    hidden = _overlap(left_m / distance, right_m / distance, RIM_RAD) & (ahead_m > NEAREST_M)
+    in_line = _overlap(left_m, right_m, RIM_M) & (behind_m < LENGTH_M)
+    no_body: Bools = np.any(own & (hidden | in_line | (support == 1)[:, None]), axis=1)
+    return no_body
+
+
+def _overlap(left: Floats, right: Floats, margin: float) -> Bools:
+    """(K, K) whether intervals are nearer to each other than a margin."""
+    near: Bools = (left[:, None] < right[None] + margin) & (right[:, None] > left[None] - margin)
+    return near
 
 
 def _known_well(sigma_m: Floats, sharp_m: float, label: Integers, count: int) -> Bools:

@@ -20,8 +20,9 @@ ORIGIN = int(np.searchsorted(ALONG_M, 0.0))
 
 def _integrated(values: Floats) -> Floats:
     """The integral along ALONG_M, axis 0, 0 at the origin (trapezia)."""
-    total = np.zeros_like(values)
-    np.cumsum(0.5 * STEP_M * (values[1:] + values[:-1]), axis=0, out=total[1:])
+    total = np.empty_like(values)
+    total[0] = 0.0
+    (0.5 * STEP_M * (values[1:] + values[:-1])).cumsum(axis=0, out=total[1:])
     total -= total[ORIGIN].copy()
     return total
 
@@ -29,6 +30,8 @@ def _integrated(values: Floats) -> Floats:
 HATS = np.stack([np.interp(ALONG_M, NODES_M, row) for row in np.eye(len(NODES_M))], axis=1)  # (G, 4) curvature
 TURNS = _integrated(HATS)  # (G, 4) heading
 BENDS = _integrated(TURNS)  # (G, 4) lateral place of a straight road
+STATIONS = np.arange(len(ALONG_M), dtype=float)
+UNIT = np.eye(len(NODES_M))
 
 
 def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_width_m: float) -> Floats:
@@ -50,22 +53,23 @@ def lines(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Fl
     centre_x = _integrated(cosine) + y * np.sin(heading)
     centre_y = _integrated(sine) - y * np.cos(heading)
     index = np.empty((len(offsets_m), len(forward_m)))
-    station = np.arange(len(ALONG_M), dtype=float)
     for row, offset in enumerate(offsets_m):
-        index[row] = np.interp(forward_m, centre_x - offset * sine, station, left=-1.0, right=-1.0)
+        index[row] = np.interp(forward_m, centre_x - offset * sine, STATIONS, left=-1.0, right=-1.0)
     reached = index >= 0.0
-    lower = np.clip(index.astype(np.intp), 0, len(ALONG_M) - 2)
-    share = np.clip(index - lower, 0.0, 1.0)
+    lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
+    share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
     offsets = offsets_m[:, None]
-    before = centre_y[lower] + offsets * cosine[lower]
-    after = centre_y[lower + 1] + offsets * cosine[lower + 1]
+    cosines = cosine.take(lower)
+    before = centre_y.take(lower) + offsets * cosines
+    upper = lower + 1
+    after = centre_y.take(upper) + offsets * cosine.take(upper)
     right = before + share * (after - before)
     jacobian = np.empty((*right.shape, SIZE))
-    secant = 1.0 / cosine[lower]
-    jacobian[..., 0] = -np.cos(direction[lower] - heading) * secant
-    jacobian[..., 1] = forward_m + right * sine[lower] * secant
-    jacobian[..., CURVATURES] = BENDS[lower] * secant[..., None]
-    jacobian[..., WIDTH] = numbers[:, None] * secant
+    secant = 1.0 / cosines
+    np.multiply(-np.cos(direction - heading).take(lower), secant, out=jacobian[..., 0])
+    np.add(forward_m, right * sine.take(lower) * secant, out=jacobian[..., 1])
+    np.multiply(BENDS.take(lower, axis=0), secant[..., None], out=jacobian[..., CURVATURES])
+    np.multiply(numbers[:, None], secant, out=jacobian[..., WIDTH])
     return right, jacobian, reached
 
 
@@ -75,7 +79,7 @@ def moved(state: Floats, step: Floats) -> tuple[Floats, Floats]:
     cosine, sine = np.cos(heading), np.sin(heading)
     along = (step[0] * cosine + step[1] * sine) / (1.0 - curvature * y)
     across = step[1] * cosine - step[0] * sine
-    shift = np.stack([np.interp(NODES_M + along, NODES_M, row) for row in np.eye(len(NODES_M))], axis=1)
+    shift = np.array([np.interp(NODES_M + along, NODES_M, row) for row in UNIT]).T
     derivative = np.eye(SIZE)
     derivative[0, 1] = -along
     derivative[0, 2] = -0.5 * along**2

@@ -83,9 +83,9 @@ class LanePotential:
 
     def slope(self, y_m: float) -> Floats:
         """(3,) dU / dy at y of target, road and obstacle."""
-        index = int(np.clip(np.searchsorted(self.y_m, y_m), 1, len(self.y_m) - 1))
-        parts = np.stack([self.target, self.road, self.obstacle])
-        slope: Floats = (parts[:, index] - parts[:, index - 1]) / (self.y_m[index] - self.y_m[index - 1])
+        index = min(max(int(np.searchsorted(self.y_m, y_m)), 1), len(self.y_m) - 1)
+        ends = np.array([part[index - 1 : index + 1] for part in (self.target, self.road, self.obstacle)])
+        slope: Floats = (ends[:, 1] - ends[:, 0]) / (self.y_m[index] - self.y_m[index - 1])
         return slope
 
 
@@ -178,7 +178,7 @@ class LaneField:
         config = self._config
         last = self._last_m if self._last_m is not None else 0.0
         away = np.abs(self._y_m - last) / config.memory_m
-        memory: Floats = config.memory_height * np.clip(away - 1.0, 0.0, 1.0)
+        memory: Floats = config.memory_height * np.minimum(np.maximum(away - 1.0, 0.0), 1.0)
         if not len(obstacles):
             return memory
         gap = self.bumper(obstacles)
@@ -227,7 +227,7 @@ class LaneField:
         before, here, after = total[index - 1 : index + 2]
         bend = before - 2.0 * here + after
         shift = 0.5 * (before - after) / bend if bend > TIE else 0.0
-        return float(self._y_m[index] + self._config.spacing_m * np.clip(shift, -0.5, 0.5))
+        return float(self._y_m[index] + self._config.spacing_m * min(max(shift, -0.5), 0.5))
 
     def _break_tie(self, lowest: "np.typing.NDArray[np.intp]", lane: Lane) -> int:
         y = self._y_m[lowest]
