@@ -35,8 +35,8 @@ def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tup
     (height, width) of the small picture. Pictures of all `SHADES` lie one below the other."""
     (w, h), (bx, by) = (tuple(extent / 8.0 for extent in pair) for pair in (size, blur))
     rx, ry = int(np.ceil((w + bx) / 2)), int(np.ceil((h + by) / 2))
-    y, x = np.mgrid[-ry : ry + 1, -rx : rx + 1].astype(float)
-    u, v = 2.0 * x / (w + bx), 2.0 * y / (h + by)
+    u = 2.0 * np.arange(-rx, rx + 1.0) / (w + bx)
+    v = 2.0 * np.arange(-ry, ry + 1.0)[:, None] / (h + by)
     thick = w > 2.0 * bx
     outer = np.hypot(u, v) / (_outline(u, v, variant) if thick else 1.0)
     level = (abs(w - bx) + abs(h - by)) / (w + h + bx + by)
@@ -44,7 +44,8 @@ def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tup
     shade = np.clip((outer - RIM_FROM) / (1.0 - RIM_FROM), 0.0, 0.999) * len(SHADES) // 1 if thick else 0.0
     look_x = -np.clip(u, -1.0, 1.0) * REACH * (scene[1] / 2 - 1)
     look_y = -np.clip(v, -1.0, 1.0) * REACH * (scene[0] / 2 - 1) + shade * scene[0]
-    return Stamp(np.rint(255.0 * cover).astype(np.uint8), packed(np.rint(look_x), np.rint(look_y)))
+    source = np.broadcast_to(packed(np.rint(look_x), np.rint(look_y)), outer.shape)
+    return Stamp(np.rint(255.0 * cover).astype(np.uint8), np.ascontiguousarray(source))
 
 
 def packed(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.int32]:

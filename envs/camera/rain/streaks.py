@@ -20,6 +20,7 @@ FAINTEST, LEAST_CONTRAST = (
 DARKEST, GROUND = 30.0, 75.0  # of what drops are seen before, and mean of the ground in full light, grey levels
 STEP_MPS = 1.0  # change of the rain's motion past the camera after which its drops are counted anew
 SHOWERS = 32  # such counts that are kept
+PIXEL = np.dtype("V3")
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,8 +146,8 @@ def add(frame: Image, specks: Specks, gain: float = 1.0) -> None:
     level = np.repeat(gain * specks.level / np.maximum(specks.width_px, np.float32(1.0)), counts)
     to_right = level * (x - left)
     pixels = (y * width + left)[inside]
-    flat = frame.reshape(-1, 3)
+    flat = frame.reshape(-1, 3).view(PIXEL)[:, 0]  # whole pixels are looked up and set in half the time
     for index, levels in ((pixels, (level - to_right)[inside]), (pixels + 1, to_right[inside])):
         added = np.minimum(levels + np.float32(0.5), np.float32(255.0)).astype(np.uint8)[:, None]
-        behind = flat[index]
-        flat[index] = behind + np.minimum(255 - behind, added)
+        behind = flat[index].view(np.uint8).reshape(-1, 3)
+        flat[index] = (behind + np.minimum(255 - behind, added)).view(PIXEL)[:, 0]
