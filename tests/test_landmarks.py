@@ -7,7 +7,7 @@ import pytest
 
 from vpf_sim.geometry import project, vehicle_from_world, wrap_angle
 from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker, carriageway_offsets
-from vpf_sim.perception.outlines import Seen, at_least, nearest_extent
+from vpf_sim.perception.outlines import Seen, at_least, nearest_extent, parted
 from vpf_sim.perception.triangulation import NoiseModel, information, triangulate
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
@@ -296,3 +296,24 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
     assert np.mean(np.abs(alone) < 1.5) > 0.9
     assert np.all(face_sigma < 0.5)
     assert np.mean(np.abs(followed) < 1.5) > 0.9
+
+
+@pytest.mark.parametrize(
+    ("ahead_m", "across_m", "body", "support", "own"),
+    [
+        (15.0, (-3.6, -3.4), 4, 1, False),  # one point beside the van, once taken for a part of it
+        (15.0, (-3.6, -3.4), 4, 3, True),  # several are a body
+        (15.0, (-3.6, -3.4), 5, 1, True),  # and so is one of another
+        (12.0, (-6.5, -5.5), 4, 3, False),  # in the strip that the van hides
+        (9.0, (-2.2, -1.8), 4, 3, False),  # along its side
+        (16.0, (-2.2, -1.8), 4, 3, True),  # beyond it
+        (3.0, (-3.0, -2.5), 4, 3, True),  # nothing nearer hides it, and it hides not the larger
+    ],
+)
+def test_what_parted_from_a_body_behind_it_is_no_other(
+    ahead_m: float, across_m: tuple[float, float], body: int, support: int, own: bool
+) -> None:
+    """A van 4 m ahead, from 4 to 2 m left of the camera's axis, has the number 4."""
+    left, right = np.array([-4.0, across_m[0]]), np.array([-2.0, across_m[1]])
+    is_part = parted(np.array([4.0, ahead_m]), left, right, np.array([4, body]), np.array([20, support]))
+    assert is_part.tolist() == [False, not own]

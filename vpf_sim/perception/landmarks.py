@@ -11,7 +11,7 @@ from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
 from vpf_sim.perception.low import LowConfig, is_low, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
-from vpf_sim.perception.outlines import Seen, from_here, joined, nearest_extent, none, sides, widened
+from vpf_sim.perception.outlines import Seen, from_here, joined, nearest_extent, none, parted, sides, widened
 from vpf_sim.perception.spots import SpotBook, SpotConfig, is_hidden
 from vpf_sim.perception.triangulation import NoiseModel, Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
@@ -365,7 +365,8 @@ class LandmarkTracker:
         )
         confirmed = confirmed & (body >= 0)
         left, right = sides(seen, label, face, self.config.sharp_side_m)
-        c = confirmed
+        ahead = face - self.camera.forward_m
+        c = confirmed & ~parted(ahead, left, right, np.where(confirmed, body, -1), np.bincount(label))
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 
     def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools) -> Integers:
