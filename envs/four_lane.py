@@ -89,6 +89,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self.observation_space = _observation_space(self.camera if frames else None)
+        self._low, self._high = _ego_bounds()
         self._window: Window | None = None
 
     def reset(
@@ -186,7 +187,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         measured = self._sensors.read(self._state())
         return {
             **({} if self._frame is None else {"image": self._frame}),
-            "ego": np.clip(measured, *_ego_bounds()),
+            "ego": np.minimum(np.maximum(measured, self._low), self._high),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
         }
@@ -256,4 +257,4 @@ def _checked_action(action: NDArray[np.float32]) -> Floats:
     command = np.array(action, np.float64)
     if command.shape != (2,) or not np.isfinite(command).all():
         raise ValueError(f"action: expected two finite numbers in [-1, 1], throttle and steering, got {action}")
-    return np.clip(command, -1.0, 1.0)
+    return np.minimum(np.maximum(command, -1.0), 1.0)

@@ -233,8 +233,8 @@ def command_of(driver: Driver, observation: Observation) -> Command:
     values = np.array([command.throttle, command.steering], dtype=float)
     if not np.isfinite(values).all():
         raise ValueError(f"driver: expected finite throttle and steering, got {command}")
-    throttle, steering = np.clip(values, -1.0, 1.0).tolist()
-    return Command(throttle, steering)
+    throttle, steering = values.tolist()
+    return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
 
 
 def sees(driver: Driver) -> bool:

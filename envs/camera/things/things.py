@@ -212,7 +212,8 @@ def _ahead(now: Snapshot) -> list[int]:
 
 def body_size(body: RoadObject) -> tuple[float, float, float]:
     """(length, width, height) m."""
-    return (float(body.LENGTH), float(body.WIDTH), float(getattr(body, "HEIGHT", HEIGHTS_M[_kind(body)])))
+    height = getattr(body, "HEIGHT", None)
+    return (float(body.LENGTH), float(body.WIDTH), float(HEIGHTS_M[_kind(body)] if height is None else height))
 
 
 def _footprint(now: Snapshot, index: int) -> Floats:
