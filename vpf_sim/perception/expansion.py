@@ -178,7 +178,8 @@ def _prior(camera: Camera, config: ExpansionConfig, before: Expansion | None, ra
 def _inverse(matrix: Floats) -> Floats:
     """(2, 2), in closed form: `np.linalg.inv` takes ten times as long, and this is asked for in every frame."""
     (a, b), (c, d) = matrix.tolist()
-    return np.array(((d, -b), (-c, a))) / (a * d - b * c)
+    inverse: Floats = np.array(((d, -b), (-c, a))) / (a * d - b * c)
+    return inverse
 
 
 def _drifted(covariance_px2: Floats, camera: Camera, config: ExpansionConfig, rate_hz: float) -> Floats:

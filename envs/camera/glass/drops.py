@@ -56,7 +56,8 @@ class DropPicture:
             return
         box = box or self.planes.whole
         for column, row, width, height, blur, blur_y, variant in drops[DRAWN].tolist():
-            image = stamp((width, height), (blur, blur_y), variant if width > 2 * blur else 0, self.planes.scene)
+            outline = variant if width > 2 * blur else 0
+            image = stamp((width, height), (blur, blur_y), outline, self.planes.scene, self.planes.stride)
             self.planes.put(image, column, row, box)
 
     def wipe(self, mask: Image) -> None:

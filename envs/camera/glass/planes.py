@@ -1,15 +1,12 @@
 """The water before the picture, row pair by row pair: how much of each pixel it covers and what it shows there."""
 
-from typing import Any
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.glass.stamps import REACH, Stamp, packed
+from vpf_sim.envs.camera.glass.stamps import REACH, Stamp
 from vpf_sim.types import Camera, Image
 
-NONE: Any = None  # for arguments of OpenCV that its stubs want to be arrays
 FILM_DIVISOR, SCENE_DIVISOR = 4, 8  # how much smaller than the frame the pictures are that film and drops show
 ROWS = 2  # of the picture that share one of the planes: doubling rows costs nothing, doubling columns does
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1 on the planes
@@ -18,8 +15,9 @@ Box = tuple[int, int, int, int]  # x0, y0, x1, y1 on the planes
 class Planes:
     """Persistent; only what is stamped, moved or wiped changes.
 
-    `alpha` (h, w) 0..255 and `source` (h, w, 2) x, y, where each pixel looks: straight through, into a blurred picture
-    of `film` (height, width); or, in a drop, into those of `scene` (height, width) below it, one for each shade.
+    `alpha` (h, w) 0..255 and `source` (h, w), which pixel each looks at: straight through, in a blurred picture of
+    `film` (height, width); or, in a drop, in those of `scene` (height, width) below it, one for each shade. Pixels are
+    counted along rows of `stride`.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -29,12 +27,13 @@ class Planes:
             for divisor in (FILM_DIVISOR, SCENE_DIVISOR)
         )
         y, x = (np.arange(size) * small // size for size, small in zip(self.shape, self.film, strict=True))
-        self._through = packed(*np.meshgrid(x, y))
-        self._packed = self._through.copy()
-        self.source: NDArray[np.int16] = self._packed.view(np.int16).reshape(*self.shape, 2)
+        self.stride = self.film[1]
+        self.source: NDArray[np.int64] = np.add.outer(self.stride * y, x).astype(np.int64)
+        self._bits = self.source.view(np.float64)  # as OpenCV 4 copies numbers of eight bytes
+        self._through = self._bits.copy()
         self.alpha: Image = np.zeros(self.shape, np.uint8)
         self._anchors_x = _anchors(self.shape[1], self.scene[1], 0)
-        self._anchors_y = _anchors(self.shape[0], self.scene[0], self.film[0])
+        self._anchors_y = [self.stride * row for row in _anchors(self.shape[0], self.scene[0], self.film[0])]
 
     @property
     def whole(self) -> Box:
@@ -53,23 +52,21 @@ class Planes:
             own = np.s_[y0 - top : y1 - top, x0 - left : x1 - left]
             alpha, source = alpha[own], source[own]
         here = self.alpha[y0:y1, x0:x1]
-        source = source + (
-            self._anchors_x[min(max(x, 0), self.shape[1] - 1)]
-            + self._anchors_y[min(max(y, 0), self.shape[0] - 1)] * 65536
-        )
-        cv2.copyTo(source, cv2.compare(alpha, here, cv2.CMP_GT), self._packed[y0:y1, x0:x1])
+        anchor = self._anchors_x[min(max(x, 0), self.shape[1] - 1)] + self._anchors_y[min(max(y, 0), self.shape[0] - 1)]
+        bits = np.add(source, anchor, dtype=np.int64).view(np.float64)
+        cv2.copyTo(bits, cv2.compare(alpha, here, cv2.CMP_GT), self._bits[y0:y1, x0:x1])
         cv2.max(alpha, here, here)
 
     def clear(self, box: Box) -> None:
         """Leave no water in a box."""
         x0, y0, x1, y1 = box
         self.alpha[y0:y1, x0:x1] = 0
-        self._packed[y0:y1, x0:x1] = self._through[y0:y1, x0:x1]
+        self._bits[y0:y1, x0:x1] = self._through[y0:y1, x0:x1]
 
     def wipe(self, mask: Image) -> None:
         """Leave no water where a (h, w) mask is 255."""
         cv2.subtract(self.alpha, mask, self.alpha)
-        cv2.copyTo(self._through, mask, self._packed)
+        cv2.copyTo(self._through, mask, self._bits)
 
 
 def _anchors(size: int, small: int, first: int) -> list[int]:

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from vpf_sim.envs.camera.glass.planes import NONE, ROWS, Planes
+from vpf_sim.envs.camera.glass.planes import ROWS, Planes
 from vpf_sim.envs.camera.glass.stamps import SHADES
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.types import Image
@@ -22,13 +22,16 @@ class Refraction:
         self._film = self._pictures[:film_h]
         self._shades = [self._pictures[film_h + k * height :][:height, :width] for k in range(len(SHADES))]
         self._sky: Image = np.broadcast_to(np.rint(SKY_LIGHT * light.horizon), (height, width, 3)).astype(np.uint8)
+        self._looked_up = np.zeros(planes.shape, np.uint32)  # pixels of four bytes are found thrice as fast as of three
         self._texture: Image = np.zeros((*planes.shape, 3), np.uint8)
         self._keep: Image = np.zeros((*planes.shape, 3), np.uint8)
 
     def look(self, frame: Image, cover: Image) -> None:
         """See the frame through water that covers `cover` (h, w) 0..255 of each pixel of the planes."""
         self._shrink(frame)
-        cv2.remap(self._pictures, self._planes.source, NONE, cv2.INTER_NEAREST, self._texture)
+        pixels = np.asarray(cv2.cvtColor(self._pictures, cv2.COLOR_RGB2RGBA), np.uint8).view(np.uint32)
+        np.take(pixels, self._planes.source, out=self._looked_up, mode="wrap")  # without a check: all are inside
+        cv2.cvtColor(self._looked_up.view(np.uint8).reshape(*self._planes.shape, 4), cv2.COLOR_RGBA2RGB, self._texture)
         cv2.cvtColor(cover, cv2.COLOR_GRAY2RGB, self._keep)
         cv2.multiply(self._texture, self._keep, self._texture, 1.0 / 255.0)
         cv2.bitwise_not(self._keep, self._keep)

@@ -8,7 +8,6 @@ right; its rim, where the light comes in from far off the scene, is darker.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,13 +25,14 @@ class Stamp:
     """One drop on the planes."""
 
     alpha: Image  # (h, w) 0..255, what it covers
-    source: NDArray[np.int32]  # (h, w) where in the small pictures of the scene it looks, from its anchor; packed
+    source: NDArray[np.int32]  # (h, w) which pixel of the small pictures it shows, counted from its anchor
 
 
 @lru_cache(maxsize=512)
-def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tuple[int, int]) -> Stamp:
+def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tuple[int, int], stride: int) -> Stamp:
     """The stamp of a spot of `size` (width, height) with a disc of `blur`, all in 1/8 px of the planes; `scene` is the
-    (height, width) of the small picture. Pictures of all `SHADES` lie one below the other."""
+    (height, width) of the small picture. Pictures of all `SHADES` lie one below the other, in rows of `stride` pixels.
+    """
     (w, h), (bx, by) = (tuple(extent / 8.0 for extent in pair) for pair in (size, blur))
     rx, ry = int(np.ceil((w + bx) / 2)), int(np.ceil((h + by) / 2))
     u = 2.0 * np.arange(-rx, rx + 1.0) / (w + bx)
@@ -44,14 +44,8 @@ def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tup
     shade = np.clip((outer - RIM_FROM) / (1.0 - RIM_FROM), 0.0, 0.999) * len(SHADES) // 1 if thick else 0.0
     look_x = -np.clip(u, -1.0, 1.0) * REACH * (scene[1] / 2 - 1)
     look_y = -np.clip(v, -1.0, 1.0) * REACH * (scene[0] / 2 - 1) + shade * scene[0]
-    source = np.broadcast_to(packed(np.rint(look_x), np.rint(look_y)), outer.shape)
-    return Stamp(np.rint(255.0 * cover).astype(np.uint8), np.ascontiguousarray(source))
-
-
-def packed(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.int32]:
-    """Two int16 in one little-endian int32, so that whole pixels are added and copied; negative parts come out right
-    once they are added to what makes them positive."""
-    return (x.astype(np.int32) + 65536 * y.astype(np.int32)).astype("<i4")
+    source = np.broadcast_to(np.rint(look_x) + stride * np.rint(look_y), outer.shape)
+    return Stamp(np.rint(255.0 * cover).astype(np.uint8), source.astype(np.int32))
 
 
 def _outline(x: NDArray[np.float64], y: NDArray[np.float64], variant: int) -> NDArray[np.float64]:
