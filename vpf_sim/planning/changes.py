@@ -73,8 +73,8 @@ CHANGES = (
     ),
     Change(
         "speed",
-        "speed by what is ahead: bends, bodies that are not cleared in time, a stop where no side is free",
-        ("valley.reference.speed",),
+        "speed by what is ahead: bends, bodies not cleared in time, a stop and a second look where no side is free",
+        ("valley.reference.speed", "second_look"),
     ),
     Change(
         "road",

@@ -28,6 +28,7 @@ from vpf_sim.types import Floats, Reference, VehicleModel
 
 SHORTEST_S = 0.8  # of a shift
 SLOWEST_CLOSING_MPS = 0.5
+STANDING_MPS = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,9 @@ class LaneReferenceConfig:
     brake_mps2: float  # of a stop before a blocked road
     standoff_m: float  # free road kept when stopping
     time_gap_s: float  # kept besides to a body that moves
+    standing_s: float  # after which the car creeps up to a body that blocks it,
+    creep_mps: float  # at this speed
+    creep_standoff_m: float  # and to this distance
     motion: Literal["direct", "least_jerk"] = "least_jerk"
     speed: Literal["constant", "ahead"] = "ahead"
 
@@ -77,6 +81,7 @@ class LaneReference:
         self._acceleration_mps2 = 0.0
         self._shift_s = config.shift_s
         self._heading_rad: float | None = None
+        self._stood_s = 0.0
         self._reach = reach
 
     def update(
@@ -169,9 +174,20 @@ class LaneReference:
         spare = way - config.standoff_m - config.time_gap_s * obstacles.speed_mps
         follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + way), 0.0, 1.0)
         stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
-        limit = float(np.min(stop, where=blocked, initial=limit))
         there = self._before(lane, obstacles, field, minimum_m)
-        return float(np.min(there, where=present & ~blocked, initial=limit))
+        limits = np.where(blocked, stop, there)
+        if self._creeps(speed_mps):
+            creep = np.where(way > config.creep_standoff_m, config.creep_mps, 0.0)
+            limits = np.where(obstacles.speed_mps > 0.0, limits, np.maximum(limits, creep))
+        return float(np.min(limits, where=present, initial=limit))
+
+    def _creeps(self, speed_mps: float) -> bool:
+        """Whether the car, having stood for a while, walks up to what blocks it: standing, a camera sees no flow."""
+        if speed_mps < STANDING_MPS:
+            self._stood_s += self._dt_s
+        elif speed_mps > self._reach.walking_mps:
+            self._stood_s = 0.0
+        return self._stood_s > self._config.standing_s
 
     def _before(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> Floats:
         """(K,) m/s before bodies that the minimum avoids, but the car not yet: be there only when the shift is done.

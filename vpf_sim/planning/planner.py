@@ -7,6 +7,7 @@ from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.movers import MoverTracker
 from vpf_sim.perception.road_edges import RoadEdgeTracker
+from vpf_sim.perception.second_look import SecondLook
 from vpf_sim.perception.steadiness import Steadiness
 from vpf_sim.planning.gradient_line import GradientLine
 from vpf_sim.planning.valley import Valley
@@ -27,6 +28,7 @@ class Planner:
         self._landmarks = LandmarkTracker(camera, variant.landmarks, rate_hz) if variant.landmarks else None
         self._movers = MoverTracker(camera, variant.movers, rate_hz) if variant.movers else None
         self._steadiness = Steadiness(camera, variant.steadiness, rate_hz) if variant.steadiness else None
+        self._second_look = SecondLook(camera, variant.second_look) if variant.second_look else None
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
         self._bodies = _nothing()
@@ -56,6 +58,8 @@ class Planner:
         if self._landmarks is not None:
             self._landmarks.look(image, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
+            if self._second_look is not None:
+                self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps)
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road)
 
     def _find_bodies(

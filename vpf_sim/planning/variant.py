@@ -19,6 +19,7 @@ from vpf_sim.perception.landmarks import LandmarkConfig
 from vpf_sim.perception.mover_search import MoverConfig
 from vpf_sim.perception.obstacles import ObstacleMapConfig
 from vpf_sim.perception.road_edges import RoadEdgeConfig
+from vpf_sim.perception.second_look import SecondLookConfig
 from vpf_sim.perception.steadiness import SteadinessConfig
 from vpf_sim.planning.changes import steps
 from vpf_sim.planning.gradient_line import GradientLineConfig
@@ -40,6 +41,7 @@ class Variant:
     road_edges: RoadEdgeConfig
     steadiness: SteadinessConfig | None = None  # without it, the car does not pitch
     landmarks: LandmarkConfig | None = None  # without it, no bodies: only the obstacle map
+    second_look: SecondLookConfig | None = None  # without it, the car stands for good before what is not there
     movers: MoverConfig | None = None  # without it, all bodies stand
     gradient_line: GradientLineConfig | None = None
     valley: ValleyConfig | None = None
@@ -49,6 +51,8 @@ class Variant:
             raise ValueError("expected exactly one of [gradient_line] and [valley]")
         if self.valley is not None and self.landmarks is None:
             raise ValueError("[valley] needs [landmarks]: it goes by the bodies on the road")
+        if self.second_look is not None and self.landmarks is None:
+            raise ValueError("[second_look] needs [landmarks]: it looks again at what they told")
         if self.movers is not None and self.landmarks is None:
             raise ValueError("[movers] needs [landmarks]: it sees what these cannot be")
 

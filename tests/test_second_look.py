@@ -1,0 +1,99 @@
+"""Walking up to a body that was told: road in its place refutes it, a flat pallet or bare paint does not."""
+
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+import pytest
+
+from vpf_sim.geometry import vehicle_from_world
+from vpf_sim.perception.second_look import SecondLook, SecondLookConfig
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Image, Obstacles
+
+CAMERA, CONFIG = Camera(), SecondLookConfig()
+FACE_M, LEFT_M, RIGHT_M, PALLET_M = 10.0, -0.8, 0.8, 0.15  # in the world
+GRAIN_M = 0.04
+
+
+def _noise(name: str) -> Floats:
+    """(600, 400) grey levels of a grain, on squares of GRAIN_M."""
+    return np.asarray(128.0 + 20.0 * stream(3, name).standard_normal((600, 400)), np.float64)
+
+
+ROAD, PALLET = _noise("road"), _noise("pallet")
+
+
+def _rays() -> tuple[Floats, Floats]:
+    """(H, W) tangents to the right and down of each pixel."""
+    x, y = np.meshgrid(np.arange(CAMERA.width_px), np.arange(CAMERA.height_px))
+    return (x - CAMERA.cx_px) / CAMERA.fx_px, (y - CAMERA.cy_px) / CAMERA.fy_px
+
+
+def _sampled(grain: Floats, height_m: float, x_m: float) -> tuple[Floats, Floats, Floats]:
+    """(H, W) what a level plane shows to the car at (x, 0), and where in the world it is met, ahead and across."""
+    right, down = _rays()
+    depth = (CAMERA.height_m - height_m) / np.maximum(down, 0.02)
+    forward, across = x_m + CAMERA.forward_m + depth, depth * right
+    column, row = (across / GRAIN_M + 200.0).astype(np.float32), (forward / GRAIN_M).astype(np.float32)
+    return cv2.remap(grain, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP), forward, across
+
+
+def empty(x_m: float) -> Image:
+    return np.clip(_sampled(ROAD, 0.0, x_m)[0], 0.0, 255.0).astype(np.uint8)
+
+
+def bare(x_m: float) -> Image:
+    """Dark paint fills the view."""
+    return np.full((CAMERA.height_px, CAMERA.width_px), round(40.0 + 0.0 * x_m), np.uint8)
+
+
+def pallet(x_m: float) -> Image:
+    road = _sampled(ROAD, 0.0, x_m)[0]
+    top, forward, across = _sampled(PALLET, PALLET_M, x_m)
+    on = (forward > FACE_M) & (forward < FACE_M + 1.2) & (across > LEFT_M) & (across < RIGHT_M)
+    return np.clip(np.where(on, top, road), 0.0, 255.0).astype(np.uint8)
+
+
+def told(x_m: float, name: int, face_m: float = FACE_M) -> Obstacles:
+    place = vehicle_from_world(np.array([[face_m, 0.0]]), np.array([x_m, 0.0, 0.0]))[0]
+    one = [np.array([value]) for value in (place[0], LEFT_M, RIGHT_M, 0.3, np.inf)]
+    return Obstacles(*one, identity=np.array([name]))
+
+
+def walk(view: Callable[[float], Image], speed_mps: float = 1.0, face_m: float = FACE_M) -> tuple[SecondLook, int]:
+    """Walk from 6 m before the face to 3.5 m; the looker, and how many bodies are left."""
+    looker, left = SecondLook(CAMERA, CONFIG), 1
+    for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05):
+        left = len(looker.update(view(float(x)), np.array([x, 0.0, 0.0]), told(float(x), 7, face_m), speed_mps))
+    return looker, left
+
+
+def test_where_the_road_is_seen_there_is_no_body() -> None:
+    assert walk(empty)[1] == 0
+
+
+@pytest.mark.parametrize("view", [pallet, bare])
+def test_what_stands_stays(view: Callable[[float], Image]) -> None:
+    assert walk(view)[1] == 1
+
+
+def test_a_body_that_is_told_too_near_stays() -> None:
+    assert walk(pallet, face_m=FACE_M - 0.6)[1] == 1
+
+
+def test_no_look_is_taken_at_speed() -> None:
+    assert walk(empty, speed_mps=CONFIG.slow_mps)[1] == 1
+
+
+def test_a_refuted_body_that_is_told_elsewhere_is_another() -> None:
+    looker, _ = walk(empty)
+    x, pose = FACE_M - 3.5, np.array([FACE_M - 3.5, 0.0, 0.0])
+    assert len(looker.update(empty(x), pose, told(x, 7), 5.0)) == 0
+    assert len(looker.update(empty(x), pose, told(x, 8), 5.0)) == 1
+    assert len(looker.update(empty(x), pose, told(x, 7, FACE_M + 2.0 * CONFIG.moved_m), 5.0)) == 1
+
+
+def test_a_range_the_wrong_way_round_is_refused() -> None:
+    with pytest.raises(ValueError, match="nearest_m"):
+        SecondLookConfig(nearest_m=9.0)

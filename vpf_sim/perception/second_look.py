@@ -1,0 +1,156 @@
+"""A second look, at walking pace, at what was taken for a body: is there road where it should stand?
+
+A body is told from afar, by few points, and kept until the car has passed it; before one that was never there the
+car would stand for good. From a few metres the grain of the road is seen well enough to tell: two frames, some
+decimetres of way apart, are laid out as road from the body's face on. Where they show the road, their grain agrees
+without any shift along the way; what stands h above it seems to have moved on, by h / (H - h) of the camera's way. A
+body is refuted where the road lies all across its width, from its face to where even one that was told too near would
+stand. What has no grain, as dark paint, is never taken for road.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import cv2
+import numpy as np
+
+from vpf_sim.geometry import distort, project, vehicle_from_world, world_from_vehicle
+from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
+
+
+@dataclass(frozen=True, slots=True)
+class SecondLookConfig:
+    """When looks are taken, and when the road is seen in a body's place."""
+
+    slow_mps: float = 3.0  # looks are taken below this speed
+    step_m: float = 0.1  # of the car's way between two
+    baseline_m: float = 0.7  # and between the frames of one
+    nearest_m: float = 1.9  # range of the body's face, from the camera
+    farthest_m: float = 7.0
+    before_m: float = 0.1  # of the face, where the place begins
+    cell_m: float = 0.5  # the place is judged in cells so wide and long,
+    rows: int = 3  # so many behind each other
+    grain_m: float = 0.03  # spacing of the samples
+    shift_grains: int = 12  # the largest that is tried
+    near_grains: int = 1  # larger ones are none of the road
+    least_correlation: float = 0.3  # of the grain with none, in a cell of the road,
+    least_lead: float = 0.15  # and by how much it is above that with any other
+    road_share: float = 0.8  # of the cells, over all looks
+    least_looks: int = 4
+    moved_m: float = 0.6  # a body that is told elsewhere later is another
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.nearest_m < self.farthest_m:
+            raise ValueError(f"nearest_m: expected 0 < nearest_m < farthest_m, got {self.nearest_m}")
+
+
+@dataclass(slots=True)
+class _Place:
+    """Of a body in the world, and the correlation of the grain in it, summed over the looks."""
+
+    middle_m: Floats  # (2,)
+    width_m: float
+    products: Floats  # (3, shifts, cells): of now with then, of now with itself, of then with itself
+    looks: int = 0
+    refuted: bool = False
+
+
+class SecondLook:
+    """Remembers the last frames at walking pace, and takes away the bodies in whose place the road is."""
+
+    def __init__(self, camera: Camera, config: SecondLookConfig) -> None:
+        self._camera = camera
+        self._config = config
+        self._past: deque[tuple[Image, Floats]] = deque()
+        self._places: dict[int, _Place] = {}
+
+    def update(self, grey: Image, pose: Floats, bodies: Obstacles, speed_mps: float) -> Obstacles:
+        """The bodies without those that turned out to be road, in the axes of the vehicle at `pose`."""
+        if speed_mps >= self._config.slow_mps:
+            self._past.clear()
+            if not any(one.refuted for one in self._places.values()):
+                return bodies
+        places = [self._place(bodies, k, pose) for k in range(len(bodies))]
+        if speed_mps < self._config.slow_mps:
+            self._look(grey, pose, bodies, places)
+        there = np.array([not one.refuted for one in places], np.bool_)
+        return bodies if there.all() else _chosen(bodies, there)
+
+    def _place(self, bodies: Obstacles, k: int, pose: Floats) -> _Place:
+        """What is known of a body's; nothing where it is told elsewhere, or wider, than it was."""
+        width, name, moved = float(bodies.right_m[k] - bodies.left_m[k]), int(bodies.identity[k]), self._config.moved_m
+        middle = world_from_vehicle(np.array([bodies.forward_m[k], bodies.left_m[k] + 0.5 * width]), pose)
+        one = self._places.get(name)
+        if one is None or np.hypot(*(middle - one.middle_m)) > moved or abs(width - one.width_m) > moved:
+            cells = self._config.rows * max(1, round(width / self._config.cell_m))
+            one = self._places[name] = _Place(middle, width, np.zeros((3, 2 * self._config.shift_grains + 1, cells)))
+        return one
+
+    def _look(self, grey: Image, pose: Floats, bodies: Obstacles, places: Sequence[_Place]) -> None:
+        """Compare the frame with the one that was taken a baseline before, once in a step of way."""
+        config = self._config
+        if self._past and _way(self._past[-1][1], pose) < config.step_m:
+            return
+        self._past.append((grey, pose.copy()))
+        while len(self._past) > 1 and _way(self._past[1][1], pose) >= config.baseline_m:
+            self._past.popleft()
+        older, then = self._past[0]
+        if not config.baseline_m <= _way(then, pose) < 2.0 * config.baseline_m:
+            return
+        face = bodies.forward_m - self._camera.forward_m
+        for k, one in enumerate(places):
+            if config.nearest_m < face[k] < config.farthest_m and bodies.speed_mps[k] == 0.0 and not one.refuted:
+                self._compare(one, (grey, pose), (older, then), pose)
+
+    def _compare(self, one: _Place, now: tuple[Image, Floats], then: tuple[Image, Floats], pose: Floats) -> None:
+        """Add the products of the grains in a body's place, and judge by all looks."""
+        config = self._config
+        middle = vehicle_from_world(one.middle_m, pose)
+        margin, across = config.shift_grains, one.products.shape[2] // config.rows
+        cell = round(config.cell_m / config.grain_m)
+        length = config.rows * cell
+        forward = middle[0] - config.before_m + config.grain_m * np.arange(-margin, length + margin)
+        right = middle[1] + one.width_m * ((np.arange(across * cell) + 0.5) / (across * cell) - 0.5)
+        place = world_from_vehicle(np.stack(np.meshgrid(forward, right, indexing="ij"), axis=-1).reshape(-1, 2), pose)
+        shape = (len(forward), len(right))
+        fresh, old = (self._grain(*view, place, shape) for view in (now, then))
+        fresh = fresh[margin : margin + length]
+        for index in range(2 * margin + 1):
+            moved = old[index : index + length]
+            both = np.isfinite(fresh + moved)
+            for row, product in enumerate((fresh * moved, fresh * fresh, moved * moved)):
+                known = np.where(both, product, 0.0).reshape(config.rows, cell, across, cell)
+                one.products[row, index] += known.sum(axis=(1, 3)).ravel()
+        one.looks += 1
+        one.refuted = one.looks >= config.least_looks and self._is_road(one.products)
+
+    def _grain(self, grey: Image, pose: Floats, place_m: Floats, shape: tuple[int, int]) -> Floats:
+        """What is seen at places of the road, (N, 2) in the world, less what runs along the way as a line does."""
+        flat = vehicle_from_world(place_m, pose)
+        pixels = distort(self._camera, project(self._camera, np.column_stack([flat, np.zeros(len(flat))])))
+        x, y = np.nan_to_num(pixels, nan=-10.0).astype(np.float32).reshape(*shape, 2).transpose(2, 0, 1)
+        seen = cv2.remap(grey, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
+        seen = np.asarray(cv2.GaussianBlur(seen, (3, 3), 0), np.float32)
+        even = round(self._config.cell_m / self._config.grain_m)
+        inside = (x > 0.0) & (x < grey.shape[1] - 1.0) & (y > 0.0) & (y < grey.shape[0] - 1.0)
+        grain: Floats = np.where(inside, seen - cv2.blur(seen, (1, even)), np.nan).astype(np.float64)
+        return grain
+
+    def _is_road(self, products: Floats) -> bool:
+        """Whether the grain agrees without a shift in nearly all cells."""
+        config = self._config
+        correlation = products[0] / np.sqrt(np.maximum(products[1] * products[2], 1e-9))
+        shift = np.abs(np.arange(-config.shift_grains, config.shift_grains + 1))
+        with_none = correlation[shift <= config.near_grains].max(axis=0)
+        with_some = correlation[shift > config.near_grains + 1].max(axis=0)
+        road: Bools = (with_none > config.least_correlation) & (with_none > with_some + config.least_lead)
+        return bool(np.mean(road) >= config.road_share)
+
+
+def _way(before: Floats, pose: Floats) -> float:
+    return float(np.hypot(*(pose - before)[:2]))
+
+
+def _chosen(bodies: Obstacles, there: Bools) -> Obstacles:
+    return Obstacles(**{one.name: getattr(bodies, one.name)[there] for one in fields(bodies)})
