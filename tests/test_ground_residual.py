@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import ground_from_pixels, rotation
+from vpf_sim.perception.clearing import ClearingConfig
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
 from vpf_sim.perception.spots import SpotBook, SpotConfig, is_hidden
 from vpf_sim.seeding import stream
@@ -106,6 +107,20 @@ def test_a_known_body_is_left_out_with_what_it_hides_and_not_what_lies_beside_it
         assert found is seen
 
 
+@pytest.mark.parametrize(("right_m", "is_road"), [(0.2, False), (-1.5, True)])
+def test_where_a_body_should_begin_the_road_is_seen_or_it_is_not(right_m: float, is_road: bool) -> None:
+    """A body is told where the plate is, or beside it."""
+    residual, one, found = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), np.ones(1), []
+    for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
+        residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
+        face = (PLATE_M[0, 0] - forward) * one
+        body = Obstacles(face, (right_m - 0.3) * one, (right_m + 0.3) * one, 0.2 * one, one, np.array([1]))
+        found.append(float(residual.difference_at(body)[0]))
+    seen, config = np.array(found)[np.isfinite(found)], ClearingConfig()
+    assert len(seen) >= 4
+    assert np.count_nonzero(seen < config.road) >= config.looks if is_road else np.median(seen) > config.body
+
+
 def test_between_looks_and_without_a_way_nothing_is_told() -> None:
     residual = GroundResidual(CAMERA, ResidualConfig(), 60.0)
     image = frame(0.0, 0.15)
@@ -137,6 +152,17 @@ def test_a_spot_is_believed_when_it_stays_in_the_world() -> None:
 @pytest.mark.parametrize("speed_mps", [1.0, 3.0, 5.55])
 def test_a_drop_that_moves_with_the_car_is_never_believed(speed_mps: float) -> None:
     assert not any(len(bodies) for bodies in recorded([8.0] * 40, speed_mps))
+
+
+def test_a_spot_that_turns_out_to_be_road_is_forgotten() -> None:
+    book, pose = SpotBook(SpotConfig(), lambda: 4), np.zeros(3)
+    for forward in np.arange(0.0, 4.0, 0.555).tolist():
+        pose = np.array([forward, 0.0, 0.0])
+        book.record([Spot(14.0 - forward, -0.4, 0.4, 30.0)], pose)
+    book.forget(3)
+    assert len(book.bodies(pose)) == 1
+    book.forget(4)
+    assert len(book.bodies(pose)) == 0
 
 
 def test_what_flashes_up_is_forgotten() -> None:

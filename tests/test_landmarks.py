@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import project, vehicle_from_world, wrap_angle
-from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker, carriageway_offsets
+from vpf_sim.perception.carriageway import carriageway_offsets
+from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
 from vpf_sim.perception.outlines import Seen, at_least, nearest_extent, parted
 from vpf_sim.perception.triangulation import NoiseModel, information, triangulate
 from vpf_sim.seeding import stream

@@ -45,6 +45,9 @@ class ResidualConfig:
     outline_gain: float = 8.0  # what counts as outline of a spot
     least_width_m: float = 0.2  # narrower ones are the rim of something else
     body_m: tuple[float, float] = (0.8, 0.35)  # along and across, about a known body that is left out
+    foot_m: tuple[float, float] = (0.6, 0.15)  # along from where a body begins, and beside it, its foot is looked at;
+    foot_width_m: float = 0.5  # so much of it at least,
+    foot_share: float = 0.6  # and this share of that must be seen
     least_seen: float = 0.5  # share of a window that water must leave free
     water: WaterConfig = field(default_factory=WaterConfig)
 
@@ -89,6 +92,8 @@ class GroundResidual:
         self._maps = self._layout()
         self.baseline_pose: Floats | None = None  # of the older frame in the last look
         self._past: deque[_Layout] = deque()
+        self._contrast: Grid = np.empty((0, 0), np.float32)  # of the last look, in multiples of the noise
+        self._seen: Bools = np.empty((0, 0), np.bool_)  # where it saw the road or what stands on it
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
 
@@ -109,6 +114,27 @@ class GroundResidual:
         now = self._laid_out(grey, pose)
         self.baseline_pose = None if older is None else older.pose
         return None if older is None else self._compare(now, older, bodies)
+
+    def difference_at(self, bodies: Obstacles) -> Floats:
+        """(N,) largest difference in the last look where each body should begin, in multiples of the noise.
+
+        The bodies are in its vehicle axes; nan for one whose foot it did not see.
+        """
+        forward, right = self._forward_m[: self._rows], self._right_m[self._columns]
+        along_m, across_m = self.config.foot_m
+        found = np.full(len(bodies), np.nan)
+        for index, (face, left, side, sigma) in enumerate(
+            zip(bodies.forward_m, bodies.left_m, bodies.right_m, bodies.sigma_m, strict=True)
+        ):
+            rows = np.searchsorted(forward, (face - 0.5 * along_m - sigma, face + along_m + 2.0 * sigma))
+            columns = np.searchsorted(right, (left - across_m, side + across_m))
+            foot = slice(*rows), slice(*columns)
+            seen = self._seen[foot]
+            inside = face > forward[0] and face + along_m < forward[-1]
+            wide = seen.shape[1] * self.config.cell_m >= self.config.foot_width_m
+            if inside and wide and seen.mean() >= self.config.foot_share:
+                found[index] = self._contrast[foot][seen].max()
+        return found
 
     def _laid_out(self, grey: Image, pose: Floats) -> _Layout:
         """The frame as the newest of those remembered."""
@@ -159,14 +185,15 @@ class GroundResidual:
 
         road, free = difference(0.0)
         noise = float(np.median(road[::4, ::4])) + config.floor_levels2  # windows overlap: a few tell
+        self._contrast = road / np.float32(noise)
+        self._seen = self._seen_before(older.pose, pose) & (free > config.least_seen)
         if float(road.max()) < config.least_gain * noise:
             return []
         others = [difference(height) for height in (*config.above_m, *config.below_m)]
         above = np.minimum.reduce([change for change, _ in others[: len(config.above_m)]])
         below = np.minimum.reduce([change for change, _ in others[len(config.above_m) :]])
         gain = (road - above) / noise
-        seen = self._seen_before(older.pose, pose)
-        seen &= np.minimum.reduce([free, *(share for _, share in others)]) > config.least_seen
+        seen = self._seen & (np.minimum.reduce([share for _, share in others]) > config.least_seen)
         if bodies is not None and len(bodies):
             seen &= ~self._covered(bodies, older.pose, pose)
         stands = seen & (gain > config.least_gain) & (above < config.most_share * road) & (below > above)

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
+from vpf_sim.perception.clearing import Clearing, ClearingConfig
 from vpf_sim.perception.clusters import clusters
 from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
@@ -60,6 +62,7 @@ class LandmarkConfig:
     low: LowConfig = field(default_factory=LowConfig)
     residual: ResidualConfig = field(default_factory=ResidualConfig)
     spots: SpotConfig = field(default_factory=SpotConfig)
+    clearing: ClearingConfig = field(default_factory=ClearingConfig)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
@@ -70,32 +73,6 @@ class LandmarkConfig:
     @property
     def noise(self) -> NoiseModel:
         return NoiseModel(self.grey_levels, self.floor_px, self.growth_s, self.anisotropy, self.pitch_rad)
-
-
-def carriageway_offsets(forward_m: Floats, road: RoadEdges) -> tuple[Floats, Floats]:
-    """Lateral positions (N,) of the left and right edge at `forward_m`, vehicle axes, by a parabola for each edge."""
-
-    def edge(offset_m: float) -> Floats:
-        curvature = road.curvature_per_m / (1.0 - road.curvature_per_m * offset_m)
-        start = offset_m / np.cos(road.heading_rad)
-        along: Floats = forward_m / np.cos(road.heading_rad)
-        bend = 0.5 * curvature * along**2 / np.cos(road.heading_rad)
-        place: Floats = start + np.tan(road.heading_rad) * forward_m + bend
-        return place
-
-    return edge(road.left_m), edge(road.right_m)
-
-
-def near_edge_line(camera: Camera, points_px: Floats, road: RoadEdges, inside_m: float, outside_m: float) -> Bools:
-    """(N,) pixels whose place on the flat road is on the painted edge or the verge beside it.
-
-    Lucas-Kanade slides along these lines in the very direction of the epipolar line, so no residual tells.
-    """
-    place = ground_from_pixels(camera, points_px)
-    left, right = carriageway_offsets(place[:, 0], road)
-    aside = np.maximum(left - place[:, 1], place[:, 1] - right)  # how far outside the carriageway
-    near: Bools = (aside > -inside_m) & (aside < outside_m)
-    return near
 
 
 class LandmarkTracker:
@@ -125,6 +102,7 @@ class LandmarkTracker:
         self._next_body = 0
         self._residual = GroundResidual(camera, config.residual, rate_hz)
         self._spots = SpotBook(config.spots, self._number)
+        self._clearing = Clearing(config.clearing)
 
     def triangulate(self, flow: Flow) -> Triangulation:
         """The points of the flow, as if all of them stood."""
@@ -161,6 +139,8 @@ class LandmarkTracker:
         if spots is None or before is None:
             return
         bodies = from_here(self._seen, self._seen_from, pose, 0.0)
+        for index in self._clearing.record(bodies.identity, self._residual.difference_at(bodies)):
+            self._clear(bodies, index, pose)
         lens = np.array([self.camera.forward_m, 0.0])
         views = (lens, vehicle_from_world(world_from_vehicle(lens, before), pose))
         config = self.config.spots
@@ -172,6 +152,15 @@ class LandmarkTracker:
             ],
             pose,
         )
+
+    def _clear(self, bodies: Obstacles, index: int, pose: Floats) -> None:
+        """Forget a body where the road is seen instead of it; what was seen of it elsewhere stays."""
+        identity, (along_m, across_m) = int(bodies.identity[index]), self.config.clearing.about_m
+        place = vehicle_from_world(self._marks.place_m, pose)
+        far = np.abs(place[:, 0] - bodies.forward_m[index]) > along_m
+        far |= (place[:, 1] < bodies.left_m[index] - across_m) | (place[:, 1] > bodies.right_m[index] + across_m)
+        self._marks.keep(far | (self._marks.body != identity))
+        self._spots.forget(identity)
 
     def _number(self) -> int:
         self._next_body += 1

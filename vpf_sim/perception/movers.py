@@ -17,8 +17,8 @@ move as one when we move across.
 
 import numpy as np
 
+from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.closing import Closing
-from vpf_sim.perception.landmarks import carriageway_offsets, near_edge_line
 from vpf_sim.perception.marks import Integers
 from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines, suspect

@@ -74,6 +74,10 @@ class SpotBook:
         identity = np.array([one.identity for one in believed], np.int64)
         return Obstacles(place[:, 0], place[:, 1] - half, place[:, 1] + half, sigma, unknown, identity)
 
+    def forget(self, identity: int) -> None:
+        """One that is believed turned out to be road."""
+        self._known = [one for one in self._known if one.identity != identity]
+
     def _count(self, spot: Spot, pose: Floats) -> _Candidate:
         config = self.config
         here = np.array([spot.forward_m, 0.5 * (spot.left_m + spot.right_m)])

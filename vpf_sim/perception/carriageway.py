@@ -1,0 +1,32 @@
+"""Where the carriageway's edges are ahead, and what lies on or beside their lines."""
+
+import numpy as np
+
+from vpf_sim.geometry import ground_from_pixels
+from vpf_sim.types import Bools, Camera, Floats, RoadEdges
+
+
+def carriageway_offsets(forward_m: Floats, road: RoadEdges) -> tuple[Floats, Floats]:
+    """Lateral positions (N,) of the left and right edge at `forward_m`, vehicle axes, by a parabola for each edge."""
+
+    def edge(offset_m: float) -> Floats:
+        curvature = road.curvature_per_m / (1.0 - road.curvature_per_m * offset_m)
+        start = offset_m / np.cos(road.heading_rad)
+        along: Floats = forward_m / np.cos(road.heading_rad)
+        bend = 0.5 * curvature * along**2 / np.cos(road.heading_rad)
+        place: Floats = start + np.tan(road.heading_rad) * forward_m + bend
+        return place
+
+    return edge(road.left_m), edge(road.right_m)
+
+
+def near_edge_line(camera: Camera, points_px: Floats, road: RoadEdges, inside_m: float, outside_m: float) -> Bools:
+    """(N,) pixels whose place on the flat road is on the painted edge or the verge beside it.
+
+    Lucas-Kanade slides along these lines in the very direction of the epipolar line, so no residual tells.
+    """
+    place = ground_from_pixels(camera, points_px)
+    left, right = carriageway_offsets(place[:, 0], road)
+    aside = np.maximum(left - place[:, 1], place[:, 1] - right)  # how far outside the carriageway
+    near: Bools = (aside > -inside_m) & (aside < outside_m)
+    return near

@@ -1,0 +1,47 @@
+"""Bodies told by mistake: the road is seen where one should stand, over several looks, nearer and nearer.
+
+What stands on the road differs from it at its foot and outline in all looks but few, by several times the noise; bare
+road differs so little in every other look. So a few looks that show bare road, against those that show anything else,
+tell the two apart (Wald, Sequential Analysis, 1947, with steps of one).
+"""
+
+from dataclasses import dataclass
+
+from vpf_sim.perception.marks import Integers
+from vpf_sim.types import Floats
+
+
+@dataclass(frozen=True, slots=True)
+class ClearingConfig:
+    """What counts as a look at bare road, and how many it takes."""
+
+    road: float = 2.5  # largest difference where a body should begin, in multiples of the noise
+    body: float = 5.0  # from which on something stands there
+    looks: int = 3  # at bare road, more than at something
+    about_m: tuple[float, float] = (2.5, 0.5)  # along and across, what goes with a cleared body
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.road <= self.body:
+            raise ValueError(f"road, body: expected 0 < road <= body, got {self.road}, {self.body}")
+        if self.looks < 1:
+            raise ValueError(f"looks: expected >= 1, got {self.looks}")
+
+
+class Clearing:
+    """Counts the looks at each body that is told."""
+
+    def __init__(self, config: ClearingConfig) -> None:
+        self._config = config
+        self._score: dict[int, int] = {}
+
+    def record(self, identity: Integers, difference: Floats) -> list[int]:
+        """Which of the bodies (N,) a look clears that saw such differences (N,), nan where it saw too little."""
+        config, before = self._config, self._score
+        self._score, cleared = {}, []
+        for index, (one, value) in enumerate(zip(identity.tolist(), difference.tolist(), strict=True)):
+            score = max(before.get(one, 0) + (value < config.road) - (value > config.body), 0)
+            if score >= config.looks:
+                cleared.append(index)
+                score = 0
+            self._score[one] = score
+        return cleared
