@@ -18,6 +18,10 @@ PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass
 # Sightings further from the prediction than so many standard deviations, plus so much, are of something else.
 GATE, GATE_M = 4.0, 0.15
 NEIGHBOUR_M = 0.12  # and so are those that are further aside than the sightings in both rows beside them
+REACH_M = 0.5  # about the prediction, to which lines are sought
+# Of sightings of nothing, as likely anywhere within reach, the share that comes to lie on a line and along it.
+CHANCE = GATE_M / REACH_M * (1.0 - (1.0 - NEIGHBOUR_M / REACH_M) ** 2)
+BEYOND_CHANCE = 3.0  # standard deviations by which more of them must, for a look to have seen the lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +64,12 @@ class LaneFilter:
         for cut_m in PASSES:
             right, jacobian, reached = lines(state, sightings.numbers, sightings.forward_m)
             residual = sightings.right_m - right
-            tukey = np.maximum(1.0 - (residual / cut_m) ** 2, 0.0) ** 2
-            used = seen & reached
-            weight = (tukey / sightings.variance_m2)[used]
-            rows = jacobian[used]
+            tukey = np.clip(1.0 - (residual / cut_m) ** 2, 0.0, None) ** 2
+            weight = (tukey / sightings.variance_m2)[seen & reached]
+            rows = jacobian[seen & reached]
             weighted = rows * weight[:, None]
             normal = information + weighted.T @ rows
-            gradient = weighted.T @ residual[used] + information @ (prior - state)
+            gradient = weighted.T @ residual[seen & reached] + information @ (prior - state)
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
 
@@ -75,18 +78,29 @@ class LaneFilter:
         right, jacobian, _ = lines(self.state, sightings.numbers, sightings.forward_m)
         variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + sightings.variance_m2
         aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
-        with np.errstate(invalid="ignore"):
-            along = np.abs(np.diff(aside, axis=1)) < NEIGHBOUR_M
-        line = np.zeros(aside.shape, np.bool_)
-        line[:, 1:] = along
-        line[:, :-1] |= along
-        possible: Bools = line & (np.abs(aside) < GATE * np.sqrt(variance) + GATE_M)
+        possible: Bools = _along(aside) & (np.abs(aside) < GATE * np.sqrt(variance) + GATE_M)
         return possible
+
+    def agrees(self, sightings: Sightings) -> bool:
+        """Whether more of the sightings lie on the lines than of drops, streaks and grain would by chance."""
+        right, _, _ = lines(self.state, sightings.numbers, sightings.forward_m)
+        aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
+        expected = CHANCE * np.count_nonzero(sightings.seen)
+        found = np.count_nonzero(_along(aside) & (np.abs(aside) < GATE_M))
+        return bool(found > expected + BEYOND_CHANCE * np.sqrt(expected))
 
     @property
     def sigma_m(self) -> float:
         """Standard deviation of the lateral position."""
         return float(np.sqrt(self.covariance[0, 0]))
+
+
+def _along(aside_m: Floats) -> Bools:
+    """(L, R) sightings so far aside of their lines as one in a row beside them."""
+    with np.errstate(invalid="ignore"):
+        along = np.abs(np.diff(aside_m, axis=1)) < NEIGHBOUR_M
+    line: Bools = np.pad(along, ((0, 0), (1, 0))) | np.pad(along, ((0, 0), (0, 1)))
+    return line
 
 
 def is_sane(state: Floats) -> bool:

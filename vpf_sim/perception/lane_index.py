@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.birds_eye import BirdsEye
+from vpf_sim.perception.line_duty import LineDuty
 from vpf_sim.perception.line_search import RidgeMap, sight
 from vpf_sim.perception.road_model import WIDTH, lines
 from vpf_sim.types import Bools, Floats, Image, Integers
@@ -18,6 +19,8 @@ from vpf_sim.types import Bools, Floats, Image, Integers
 SOLID, DASHED, NONE = 0, 1, 2
 # Share of the length on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
 SHARES = np.array([[0.92, 0.12], [0.34, 0.12], [0.02, 0.06]])
+# Share of its length over which a line of each kind is painted.
+DUTIES = np.array([[0.92, 0.14], [0.37, 0.10]])
 # How much of its marks a road shows: wear, drops on the glass and bright water hide them on all lines alike.
 PRESENCES = np.array([1.0, 0.75, 0.55])
 SURPRISE = float(np.log(0.03))  # the least that one line can say, natural logarithm
@@ -75,6 +78,7 @@ class LaneIndex:
     prior: Floats  # (H,)
     log_odds: Floats  # (H,) of the evidence
     believed: int  # index in EDGES
+    duty: LineDuty
     agreement: float | None = None  # 0 .. 1, how much of the expected lines is seen, lately; None: nothing judged
     followed: int = 0  # judgements since these edges were taken
     rival: int | None = None  # hypothesis that is likelier now, None: none is
@@ -85,7 +89,7 @@ class LaneIndex:
         """Before any evidence: so many lanes, and the road was found in this one, counted from the right."""
         prior = np.where(EDGES[:, 1] - EDGES[:, 0] == lanes, 0.0, UNLIKELY)
         prior += np.where(EDGES[:, 1] == lane, 0.0, UNLIKELY_LANE)
-        return cls(prior, np.zeros(len(EDGES)), _index_of(lane - lanes, lane))
+        return cls(prior, np.zeros(len(EDGES)), _index_of(lane - lanes, lane), LineDuty.start(len(NUMBERS)))
 
     @property
     def edges(self) -> tuple[int, int]:
@@ -109,10 +113,18 @@ class LaneIndex:
         weight = np.exp(likely - likely.max())
         return np.asarray(weight / weight.sum())
 
-    def judge(self, state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye) -> None:
+    def judge(
+        self,
+        state: Floats,
+        travelled_m: float,
+        ridges: RidgeMap,
+        view: BirdsEye,
+        colour: Image,
+        colour_view: BirdsEye,
+    ) -> None:
         """Take in one frame, and other edges if they are likelier beyond doubt, and go on to be."""
         ground = _ground_evidence(state, ridges, view, colour, colour_view)
-        evidence = self._line_evidence(state, ridges, view) + GROUND * ground
+        evidence = self._line_evidence(state, travelled_m, ridges, view) + GROUND * ground
         self.log_odds = FORGET * self.log_odds + WEIGHT * (evidence - evidence.max())
         likely = self.probabilities(state)
         best = int(np.argmax(likely))
@@ -128,7 +140,7 @@ class LaneIndex:
         self.rival = rival
         return rival is not None and self.led >= min(LASTING_SHARE * self.followed, LASTING_MOST)
 
-    def _line_evidence(self, state: Floats, ridges: RidgeMap, view: BirdsEye) -> Floats:
+    def _line_evidence(self, state: Floats, travelled_m: float, ridges: RidgeMap, view: BirdsEye) -> Floats:
         """(H,) by the kinds of the lines."""
         right, _, reached = lines(state, NUMBERS, view.forward_m)
         columns = np.rint((right - view.right_m[0]) / view.column_m)
@@ -145,7 +157,18 @@ class LaneIndex:
         least: Floats = np.asarray(np.where(share < 0.1, HIDDEN, SURPRISE), np.float64)
         says = np.maximum(says - says.max(axis=(1, 2), keepdims=True), least[:, None, None])
         says = np.where(known[:, None, None], says, 0.0)
+        self.duty.look(ridges.response, view, right, visible, travelled_m)
+        says = self._by_duty(says)
         return np.asarray(says[np.arange(len(NUMBERS)), :, KINDS].sum(axis=1).max(axis=1))
+
+    def _by_duty(self, says: Floats) -> Floats:
+        """(L, presences, kinds) the evidence, where solid or dashed is told by the gaps, once they are known."""
+        duty, known = self.duty.duty()
+        gaps = np.maximum(-0.5 * ((duty[:, None] - DUTIES[:, 0]) / DUTIES[:, 1]) ** 2, SURPRISE)
+        gaps -= gaps.max(axis=1, keepdims=True)
+        told = says.copy()
+        told[..., [SOLID, DASHED]] = says[..., [SOLID, DASHED]].max(axis=-1, keepdims=True) + gaps[:, None]
+        return np.asarray(np.where(known[:, None, None], told, says))
 
     def _compare(self, share: Floats, known: Bools) -> None:
         """Note how much of the lines of the believed carriageway is seen."""

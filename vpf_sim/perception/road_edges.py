@@ -7,17 +7,17 @@ import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
-from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance, is_sane
+from vpf_sim.perception.lane_filter import REACH_M, LaneFilter, Sightings, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
 from vpf_sim.perception.line_search import CENTROID_M, RidgeMap, comb, noise_threshold, sight, sighting_variance
 from vpf_sim.perception.road_model import WIDTH, curvature_ahead, lines, state_of
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 
 RIDGE_REACH_M = 0.25
-SEARCH_REACH_M = 0.5
 AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
+NEW_ROAD_M = 0.8  # that comes into view between two judgements: who stands sees the same again, errors and all
 NEAR_M = 14.0  # of a look whose far part makes no sense
 LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is looked for from nothing
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, FIRST_LOOKS = 0.3, 0.04, 0.07, 3
@@ -80,6 +80,7 @@ class RoadEdgeTracker:
         self._lost: LaneFilter | None = None  # what was followed last, carried on by the own motion alone
         self._index = LaneIndex.start(config.lanes, config.likely_lane)
         self._pose: Floats | None = None
+        self._travelled_m, self._judged_m = 0.0, 0.0  # by the own motion; by the last judgement
         self._frame = -1
 
     def update(
@@ -99,7 +100,7 @@ class RoadEdgeTracker:
             self._find(image_rgb, self._ridges(grey, obstacles))
         elif self._filter is not None and look:
             ridges = self._ridges(grey, obstacles)
-            if self._look(self._filter, ridges) and judge:
+            if self._look(self._filter, ridges) and judge and self._travelled_m >= self._judged_m + NEW_ROAD_M:
                 self._judge(self._filter, image_rgb, ridges)
         return self._report(speed_mps, yaw_rate_radps)
 
@@ -107,6 +108,7 @@ class RoadEdgeTracker:
         followed = self._filter or self._lost
         if followed is not None and self._pose is not None:
             step = (pose[:2] - self._pose[:2]) @ rotation(self._pose[2])
+            self._travelled_m += float(np.hypot(*step))
             followed.predict(np.array([*step, wrap_angle(float(pose[2] - self._pose[2]))]))
         self._pose = pose
 
@@ -132,7 +134,7 @@ class RoadEdgeTracker:
         """Correct the state by the lines seen about their predicted places; whether there were enough."""
         numbers = self._index.numbers
         expected, _, reached = lines(tracked.state, numbers, self.view.forward_m)
-        found = sight(ridges, self.view, expected, reached, numbers, SEARCH_REACH_M, self._variance)
+        found = sight(ridges, self.view, expected, reached, numbers, REACH_M, self._variance)
         enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
         if enough:
             enough = self._correct(tracked, found)
@@ -145,8 +147,9 @@ class RoadEdgeTracker:
         """Take in a look, or its near part where far mirror images or drops were taken for lines; whether it served."""
         known = (tracked.state, tracked.covariance)
         for reach_m in (np.inf, NEAR_M):
-            tracked.correct(replace(found, seen=found.seen & (found.forward_m < reach_m)))
-            if is_sane(tracked.state):
+            near = replace(found, seen=found.seen & (found.forward_m < reach_m))
+            tracked.correct(near)
+            if is_sane(tracked.state) and tracked.agrees(near):
                 return True
             tracked.state, tracked.covariance = known
         return False
@@ -176,7 +179,9 @@ class RoadEdgeTracker:
         return state is not None and is_sane(state.state) and bool(state.sigma_m < LOST_SHARE * state.state[WIDTH])
 
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
-        self._index.judge(tracked.state, ridges, self.view, self._colour_view.warp(image_rgb), self._colour_view)
+        self._judged_m = self._travelled_m
+        colour = self._colour_view.warp(image_rgb)
+        self._index.judge(tracked.state, self._travelled_m, ridges, self.view, colour, self._colour_view)
 
     def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
         """The state as edges; its one curvature is the one that puts the road 10 m ahead where the state has it."""
