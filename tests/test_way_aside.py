@@ -106,8 +106,9 @@ def test_a_part_of_a_body_is_no_body_of_its_own() -> None:
     """An edge low on its side, or points that fell away from its others; not what stands beside or far behind it."""
     car = (10.0, 0.0, 2.0, 1)
     assert len(seen(car, (14.0, -0.2, 0.4, 2))) == 1
-    assert len(seen(car, (13.0, -1.0, 0.1, 1))) == 1
-    assert len(seen(car, (13.0, -1.0, 0.1, 2))) == 2
+    assert len(seen(car, (13.0, -0.5, 0.1, 1))) == 1
+    assert len(seen(car, (13.0, -1.5, 0.1, 1))) == 2
+    assert len(seen(car, (13.0, -0.5, 0.1, 2))) == 2
     assert len(seen(car, (10.3, 0.2, 0.8, 2))) == 2
     assert len(seen(car, (20.0, 0.2, 0.8, 2))) == 2
     assert seen((14.0, -0.2, 0.4, 2), car).along_m.tolist() == [10.0]

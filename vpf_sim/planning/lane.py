@@ -11,6 +11,7 @@ import numpy as np
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 BODY_M = (1.0, 6.0)  # so far behind its face a body may still go on,
+BODY_BEYOND_M = 0.6  # and so far beyond its sides its points may stray;
 BODY_SHARE = 0.5  # and what lies in its way with this share of its width is of it, since no two bodies are at one place
 
 
@@ -70,6 +71,8 @@ def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacle
     shared = np.minimum(right_m[:, None], right_m[None]) - np.maximum(left_m[:, None], left_m[None])
     within = shared > BODY_SHARE * (right_m - left_m)[:, None]
     named = (obstacles.identity[:, None] == obstacles.identity[None]) & (shared > 0.0)
+    beyond = np.maximum(left_m[None] - left_m[:, None], right_m[:, None] - right_m[None])
+    near = (behind > BODY_M[0]) & (behind < BODY_M[1]) & (beyond < BODY_BEYOND_M)
     stand = (obstacles.speed_mps[:, None] == 0.0) & (obstacles.speed_mps[None] == 0.0)
-    part: Bools = (stand & (behind > BODY_M[0]) & (behind < BODY_M[1]) & (within | named)).any(axis=1)
+    part: Bools = (stand & near & (within | named)).any(axis=1)
     return part

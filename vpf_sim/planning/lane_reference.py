@@ -47,6 +47,7 @@ class LaneReferenceConfig:
     walking_clearance_m: float  # the same at walking speed
     bend_acceleration_mps2: float  # lateral, limits the speed in bends
     brake_mps2: float  # of a stop before a blocked road
+    rise_mps2: float  # of the speed reference, afterwards
     standoff_m: float  # free road kept when stopping
     time_gap_s: float  # kept besides to a body that moves
     standing_s: float  # after which the car creeps up to a body that blocks it,
@@ -81,6 +82,7 @@ class LaneReference:
         self._acceleration_mps2 = 0.0
         self._shift_s = config.shift_s
         self._heading_rad: float | None = None
+        self._wanted_mps: float | None = None
         self._stood_s = 0.0
         self._reach = reach
 
@@ -97,7 +99,16 @@ class LaneReference:
             self._glide(minimum_m, self._time_left(obstacles, field, speed_mps), speed_mps)
             self.y_m = min(max(self.y_m, lane.y_m - self._config.lead_m), lane.y_m + self._config.lead_m)
         heading, rate = self._heading(lane, yaw_rad, speed_mps)
-        return Reference(heading, self._speed(lane, obstacles, field, minimum_m, speed_mps), rate)
+        wanted = self._speed(lane, obstacles, field, minimum_m, speed_mps)
+        return Reference(heading, self._risen(wanted, speed_mps), rate)
+
+    def _risen(self, wanted_mps: float, speed_mps: float) -> float:
+        """v_d, which falls at once and rises gently: what was braked for may be gone from one frame to the next."""
+        if self._config.speed == "ahead" and self._wanted_mps is not None:
+            rise = self._config.rise_mps2 * self._dt_s
+            wanted_mps = min(wanted_mps, max(self._wanted_mps, speed_mps) + rise)
+        self._wanted_mps = wanted_mps
+        return wanted_mps
 
     def _time_left(self, obstacles: LaneObstacles, field: LaneField, speed_mps: float) -> float:
         """s until the first body is reached that stands where y_r is now."""
