@@ -128,6 +128,11 @@ class LandmarkTracker:
             self._seen, self._seen_from = self._bodies(flow.pose), flow.pose
         return from_here(self._seen, self._seen_from, flow.pose, speed_mps)
 
+    @property
+    def looks(self) -> bool:
+        """Whether the next frame is one that `look` looks at."""
+        return self._residual.looks
+
     def look(self, grey: Image, pose: Floats, road: RoadEdges) -> None:
         """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.
 

@@ -83,6 +83,18 @@ class RoadEdgeTracker:
         self._travelled_m, self._judged_m = 0.0, 0.0  # by the own motion; by the last judgement
         self._frame = -1
 
+    @property
+    def looks(self) -> bool:
+        """Whether the next frame is looked at; in the others the road is only predicted."""
+        look, _, search = self._periods
+        return (self._frame + 1) % (search if self._filter is None else look) == 0
+
+    @property
+    def judges(self) -> bool:
+        """Whether the next frame's colours are."""
+        _, judge, search = self._periods
+        return (self._frame + 1) % (search if self._filter is None else judge) == 0
+
     def update(
         self,
         image_rgb: Image,

@@ -65,14 +65,18 @@ class SecondLook:
         self._past: deque[tuple[Image, Floats]] = deque()
         self._places: dict[int, _Place] = {}
 
+    def looks(self, speed_mps: float) -> bool:
+        """Whether a frame at that speed is looked at."""
+        return speed_mps < self._config.slow_mps
+
     def update(self, grey: Image, pose: Floats, bodies: Obstacles, speed_mps: float) -> Obstacles:
         """The bodies without those that turned out to be road, in the axes of the vehicle at `pose`."""
-        if speed_mps >= self._config.slow_mps:
+        if not self.looks(speed_mps):
             self._past.clear()
             if not any(one.refuted for one in self._places.values()):
                 return bodies
         places = [self._place(bodies, k, pose) for k in range(len(bodies))]
-        if speed_mps < self._config.slow_mps:
+        if self.looks(speed_mps):
             self._look(grey, pose, bodies, places)
         there = np.array([not one.refuted for one in places], np.bool_)
         return bodies if there.all() else _chosen(bodies, there)

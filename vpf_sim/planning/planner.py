@@ -49,7 +49,10 @@ class Planner:
         picture, steady = observation.image, flow
         if self._steadiness is not None:
             steady = self._steadiness.update(flow, foe, turned)
-            picture, image = self._steadiness.frame(picture), self._steadiness.frame(image)
+            if self._road.judges:
+                picture = self._steadiness.frame(picture)
+            if self._looks(observation.speed_mps):
+                image = self._steadiness.frame(image)
         obstacle_map = obstacles.detect(steady, self._camera, self._variant.obstacle_map)
         labels = obstacles.cluster_labels(obstacle_map, flow)
         ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
@@ -61,6 +64,12 @@ class Planner:
             if self._second_look is not None:
                 self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps)
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road)
+
+    def _looks(self, speed_mps: float) -> bool:
+        """Whether any stage after the flow looks at this frame: most do from time to time only."""
+        landmarks, second = self._landmarks, self._second_look
+        looked = landmarks is not None and (landmarks.looks or (second is not None and second.looks(speed_mps)))
+        return looked or self._road.looks
 
     def _find_bodies(
         self, landmarks: LandmarkTracker, flow: Flow, road: RoadEdges, observation: Observation
