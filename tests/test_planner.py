@@ -109,6 +109,8 @@ class Moved:
 class Replayed:
     """Stands in for the flow and the road tracker: gives what was prepared."""
 
+    looks = judges = True
+
     def __init__(self, records: list[object]) -> None:
         self._records = iter(records)
 
