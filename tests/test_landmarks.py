@@ -308,6 +308,8 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
         (12.0, (-6.5, -5.5), 4, 3, False),  # in the strip that the van hides
         (9.0, (-2.2, -1.8), 4, 3, False),  # along its side
         (16.0, (-2.2, -1.8), 4, 3, True),  # beyond it
+        (4.5, (-5.5, -5.5), 4, 1, True),  # its own side
+        (4.5, (-2.5, -0.5), 4, 3, True),
         (3.0, (-3.0, -2.5), 4, 3, True),  # nothing nearer hides it, and it hides not the larger
     ],
 )

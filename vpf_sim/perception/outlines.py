@@ -12,7 +12,7 @@ from vpf_sim.types import Bools, Floats, Obstacles
 LEAST_SIGMA_M = 0.05  # no point of a body tells its face better
 NEAREST_M = 0.5  # a body nearer to the camera hides nothing
 RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
-LENGTH_M = 8.0  # of the longest
+BEHIND_M, LENGTH_M = 2.0, 8.0  # what is less far behind is of the same side of a body; the length of the longest
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 
 
@@ -95,7 +95,7 @@ def parted(ahead_m: Floats, left_m: Floats, right_m: Floats, body: Integers, sup
     behind it: in line with it, in the strip that it hides, or one alone; `support` is their number.
     """
     behind_m = ahead_m[:, None] - ahead_m[None]
-    own = (body[:, None] == body[None]) & (body >= 0) & (behind_m > 0.0) & (support[:, None] <= support[None])
+    own = (body[:, None] == body[None]) & (body >= 0) & (behind_m > BEHIND_M) & (support[:, None] <= support[None])
     distance = np.maximum(ahead_m, NEAREST_M)
     hidden = _overlap(left_m / distance, right_m / distance, RIM_RAD) & (ahead_m > NEAREST_M)
     in_line = _overlap(left_m, right_m, RIM_M) & (behind_m < LENGTH_M)
