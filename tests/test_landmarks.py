@@ -8,7 +8,16 @@ import pytest
 from vpf_sim.geometry import project, vehicle_from_world, wrap_angle
 from vpf_sim.perception.carriageway import carriageway_offsets
 from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
-from vpf_sim.perception.outlines import Seen, at_least, nearest_extent, parted
+from vpf_sim.perception.outlines import (
+    Seen,
+    at_least,
+    direction_at,
+    nearest_extent,
+    parted,
+    sides,
+    turned,
+    turned_back,
+)
 from vpf_sim.perception.triangulation import NoiseModel, information, triangulate
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
@@ -291,12 +300,34 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
     label = np.concatenate([np.repeat(np.arange(count), 8), np.repeat(np.arange(count // 2, count), 2)])
     sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.5)])
     some = np.zeros_like(forward)
-    face, face_sigma = nearest_extent(Seen(np.column_stack([forward, some]), sigma, some, some), label, count)
+    face, face_sigma = nearest_extent(Seen(np.column_stack([forward, some]), sigma, some), label, count)
     alone, followed = face[: count // 2] - 20.0, face[count // 2 :] - 20.0
     assert -1.0 < np.mean(alone) < 0.0
     assert np.mean(np.abs(alone) < 1.5) > 0.9
     assert np.all(face_sigma < 0.5)
     assert np.mean(np.abs(followed) < 1.5) > 0.9
+
+
+def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car_is_turned() -> None:
+    """A truck of 2.5 x 9 m whose points err along the line of sight: 0.03 m on the face, 0.6 m on the roof."""
+    rng, heading_rad = stream(26, "sides"), 0.3
+    face = np.column_stack([np.full(40, 12.0), rng.uniform(-1.0, 1.5, 40)])
+    side = np.column_stack([rng.uniform(12.0, 21.0, 20), np.full(20, -1.0)])
+    roof = np.column_stack([rng.uniform(12.0, 21.0, 20), rng.uniform(-1.0, 1.5, 20)])
+    turn = np.array([[np.cos(heading_rad), np.sin(heading_rad)], [-np.sin(heading_rad), np.cos(heading_rad)]])
+    place = np.concatenate([face, side, roof]) @ turn
+    sigma = np.repeat([0.03, 0.03, 0.6], [40, 20, 20])
+    sight = np.arctan2(place[:, 1], place[:, 0])
+    place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
+    road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
+    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight)
+    angle = direction_at(seen, label, 1, road)
+    seen = turned(seen, angle[label])
+    begin, _ = nearest_extent(seen, label, 1)
+    forward, left, right = turned_back(begin, *sides(seen, label, begin, 0.12), angle)
+    assert right[0] - left[0] == pytest.approx(2.5, abs=0.3)
+    middle = turn @ [forward[0], 0.5 * (left[0] + right[0])]
+    assert middle == pytest.approx([12.0, 0.25], abs=0.2)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,19 @@ from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
 from vpf_sim.perception.low import LowConfig, is_low, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
-from vpf_sim.perception.outlines import Seen, from_here, joined, nearest_extent, none, parted, sides, widened
+from vpf_sim.perception.outlines import (
+    Seen,
+    direction_at,
+    from_here,
+    joined,
+    nearest_extent,
+    none,
+    parted,
+    sides,
+    turned,
+    turned_back,
+    widened,
+)
 from vpf_sim.perception.spots import SpotBook, SpotConfig, is_hidden
 from vpf_sim.perception.triangulation import NoiseModel, Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
@@ -125,7 +137,7 @@ class LandmarkTracker:
         self._frame += 1
         if self._frame % self._period_frames == 0:
             self._judge(flow, road, time_s, points, moving)
-            self._seen, self._seen_from = self._bodies(flow.pose), flow.pose
+            self._seen, self._seen_from = self._bodies(flow.pose, road), flow.pose
         return from_here(self._seen, self._seen_from, flow.pose, speed_mps)
 
     @property
@@ -262,12 +274,10 @@ class LandmarkTracker:
         bearing = points.right_m[above] / depth
         sight = flow.pose[2] + np.arctan(bearing)
         margin = points.chi2_ground[above] - points.chi2[above]
-        side_sigma = sigma * np.abs(bearing)
         return Sightings(
             flow.identity[above],
             place,
             sigma,
-            side_sigma,
             sight,
             depth,
             height,
@@ -290,11 +300,12 @@ class LandmarkTracker:
     def _frames(self, time_s: float) -> int:
         return max(2, round(time_s * self.rate_hz / self._period_frames))
 
-    def _bodies(self, pose: Floats) -> Obstacles:
+    def _bodies(self, pose: Floats, road: RoadEdges) -> Obstacles:
         """Those of points well above the road, then those of low points that are not beside one of these."""
         marks, low = self._marks, self.config.low
-        tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose)
-        flat = widened(self._of_points(marks.believed & marks.low, low, self._are_low, pose), low.least_width_m)
+        tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
+        flat = self._of_points(marks.believed & marks.low, low, self._are_low, pose, road)
+        flat = widened(flat, low.least_width_m)
         return joined(joined(tall, flat, low.beside_m), self._spots.bodies(pose), self.config.spots.beside_m)
 
     def _of_points(
@@ -303,6 +314,7 @@ class LandmarkTracker:
         links: LandmarkConfig | LowConfig,
         are_bodies: Callable[[Integers, Integers], Bools],
         pose: Floats,
+        road: RoadEdges,
     ) -> Obstacles:
         """The bodies that the chosen points (M,) make together."""
         believed = np.flatnonzero(chosen)
@@ -311,7 +323,8 @@ class LandmarkTracker:
         place = vehicle_from_world(self._marks.place_m[believed], pose)
         sigma = self._marks.sigma_m[believed]
         label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
-        return self._describe(believed, label, are_bodies(believed, label), place, sigma, pose[2])
+        seen = Seen(place, sigma, self._marks.sight_rad[believed] - pose[2])
+        return self._describe(believed, label, are_bodies(believed, label), seen, road)
 
     def _are_tall(self, believed: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are bodies beyond doubt."""
@@ -342,23 +355,21 @@ class LandmarkTracker:
         return together | (np.bincount(label, single, count) > 0)
 
     def _describe(
-        self,
-        believed: Integers,
-        label: Integers,
-        confirmed: Bools,
-        place: Floats,
-        sigma: Floats,
-        yaw_rad: float,
+        self, believed: Integers, label: Integers, confirmed: Bools, seen: Seen, road: RoadEdges
     ) -> Obstacles:
+        """Face and sides across the road, along which a body stands.
+
+        Across the car's way, when that is at an angle, the far end of a long one would count as its width.
+        """
         count = len(confirmed)
-        marks = self._marks
-        seen = Seen(place, sigma, marks.side_sigma_m[believed], marks.sight_rad[believed] - yaw_rad)
+        angle = direction_at(seen, label, count, road)
+        seen = turned(seen, angle[label])
         face, face_sigma = nearest_extent(seen, label, count)
         body = self._named(
             believed, label, confirmed, (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)
         )
         confirmed = confirmed & (body >= 0)
-        left, right = sides(seen, label, face, self.config.sharp_side_m)
+        face, left, right = turned_back(face, *sides(seen, label, face, self.config.sharp_side_m), angle)
         ahead = face - self.camera.forward_m
         c = confirmed & ~parted(ahead, left, right, np.where(confirmed, body, -1), np.bincount(label))
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])

@@ -17,7 +17,6 @@ class Sightings:
     identity: Integers  # (M,) of the track
     place_m: Floats  # (M, 2) in the world
     sigma_m: Floats  # (M,) of the depth
-    side_sigma_m: Floats  # (M,) of the place across, which errs with the depth by the bearing
     sight_rad: Floats  # (M,) direction in the world in which the point was seen, and its place may err
     depth_m: Floats  # (M,) from the camera
     height_m: Floats  # (M,) above the road
@@ -48,7 +47,6 @@ class Marks:
     since_s: Floats  # (M,) when the count began
     place_m: Floats  # (M, 2) in the world at the last hit
     sigma_m: Floats  # (M,)
-    side_sigma_m: Floats  # (M,)
     sight_rad: Floats  # (M,)
     depth_m: Floats  # (M,)
     height_m: Floats  # (M,)
@@ -69,7 +67,7 @@ class Marks:
             Sightings(
                 np.empty(0, np.int64),
                 np.empty((0, 2)),
-                *(number,) * 5,
+                *(number,) * 4,
                 *(truth,) * 2,
                 *(number,) * 2,
             ),
@@ -85,7 +83,6 @@ class Marks:
             since_s=np.full(count, time_s),
             place_m=seen.place_m,
             sigma_m=seen.sigma_m,
-            side_sigma_m=seen.side_sigma_m,
             sight_rad=seen.sight_rad,
             depth_m=seen.depth_m,
             height_m=seen.height_m,
@@ -154,7 +151,7 @@ class Marks:
     def _place(self, row: Integers, seen: Sightings, column: Integers) -> None:
         self.place_m[row], self.sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
         self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
-        self.side_sigma_m[row], self.sight_rad[row] = seen.side_sigma_m[column], seen.sight_rad[column]
+        self.sight_rad[row] = seen.sight_rad[column]
         self.founding[row], self.low[row] = seen.founding[column], seen.low[column]
         self.margin[row] = np.maximum(self.margin[row], seen.margin[column])
         self.texture[row] = seen.texture[column]

@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.marks import Integers
-from vpf_sim.types import Bools, Floats, Obstacles
+from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 LEAST_SIGMA_M = 0.05  # no point of a body tells its face better
 NEAREST_M = 0.5  # a body nearer to the camera hides nothing
@@ -22,7 +22,6 @@ class Seen:
 
     place_m: Floats  # (M, 2)
     sigma_m: Floats  # (M,) of the depth
-    side_sigma_m: Floats  # (M,) of the place across
     sight_rad: Floats  # (M,) to the right of ahead, the direction in which a point was seen, and its place may err
 
 
@@ -77,15 +76,39 @@ def nearest_extent(seen: Seen, label: Integers, count: int) -> tuple[Floats, Flo
 def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[Floats, Floats]:
     """(K,) m, where the left and the right side of each body is, from its points that are known well across.
 
-    Ahead of the car a point of poor depth still tells a side well; a poor one to the side would stretch the body.
+    A point of poor depth still tells a side well if it was seen along the body; one seen at an angle would stretch it.
     """
     count = len(face_m)
-    well = np.flatnonzero(_known_well(seen.side_sigma_m, sharp_m, label, count))
+    aside = seen.sigma_m * np.abs(np.sin(seen.sight_rad))  # a place errs along the line of sight
+    well = np.flatnonzero(_known_well(aside, sharp_m, label, count))
     across = at_least(face_m[label[well]], seen.place_m[well], seen.sight_rad[well])
     left, right = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(left, label[well], across)
     np.maximum.at(right, label[well], across)
     return left, right
+
+
+def direction_at(seen: Seen, label: Integers, count: int, road: RoadEdges) -> Floats:
+    """(K,) rad to the right of ahead, the road's direction where each of `count` bodies is."""
+    ahead = np.bincount(label, seen.place_m[:, 0], count) / np.bincount(label, minlength=count)
+    direction: Floats = road.heading_rad + road.curvature_per_m * np.maximum(ahead, 0.0)
+    return direction
+
+
+def turned(seen: Seen, angle_rad: Floats) -> Seen:
+    """The points in axes that are turned to the right by an angle (M,), each by that of its body."""
+    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+    forward, right = seen.place_m.T
+    place = np.stack([cosine * forward + sine * right, cosine * right - sine * forward], axis=1)
+    return replace(seen, place_m=place, sight_rad=seen.sight_rad - angle_rad)
+
+
+def turned_back(along_m: Floats, left_m: Floats, right_m: Floats, angle_rad: Floats) -> tuple[Floats, Floats, Floats]:
+    """(K,) m each: face, left and right side of bodies in vehicle axes, as wide as in axes turned by an angle (K,)."""
+    middle, half = 0.5 * (left_m + right_m), 0.5 * (right_m - left_m)
+    forward = np.cos(angle_rad) * along_m - np.sin(angle_rad) * middle
+    aside = np.sin(angle_rad) * along_m + np.cos(angle_rad) * middle
+    return forward, aside - half, aside + half
 
 
 def parted(ahead_m: Floats, left_m: Floats, right_m: Floats, body: Integers, support: Integers) -> Bools:
