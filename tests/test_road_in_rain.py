@@ -86,6 +86,22 @@ def test_a_faint_edge_line_is_no_dashed_one() -> None:
     assert edges.confidence > 0.8
 
 
+def test_the_image_of_a_coloured_body_in_the_own_lane_makes_the_others_no_verge() -> None:
+    """From 8 m on the own lane is as green as the verge; nearer, it has the hue of the other lanes."""
+    camera, place = Camera(), 1.75
+    road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
+    columns, rows = np.meshgrid(np.arange(float(camera.width_px)), np.arange(float(camera.height_px)))
+    ground = np.nan_to_num(ground_from_pixels(camera, np.stack([columns, rows], axis=-1)))
+    image = (ground[..., 0] > 8.0) & (np.abs(ground[..., 1]) < 1.6)
+    for i in range(20):
+        pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
+        frame = road.draw(pose, i)
+        frame[image] = (88, 100, 52)
+        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
+    assert edges.right_m == pytest.approx(7.0 - place, abs=0.1)
+    assert edges.left_m == pytest.approx(-7.0 - place, abs=0.1)
+
+
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:
     index = LaneIndex.start(4, 2)
     assert index.is_lasting(2)

@@ -27,6 +27,8 @@ SURPRISE = float(np.log(0.03))  # the least that one line can say, natural logar
 HIDDEN = float(np.log(0.15))  # the least that a line can say by not being seen: something may stand before it
 LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says nothing
 LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
+HUE_LEVELS = 8.0  # the same of its hue, brightness apart: water mirrors the bright and the dark, but hardly a meadow
+NEAR_M = 8.0  # of the own lane, whose hue the ground is compared with: hardly a body or its mirror image is there
 FORGET = 0.85  # of the evidence, kept from one judgement to the next
 WEIGHT = 0.7  # of one judgement's evidence: what is seen in the next is mostly the same road
 GROUND = 0.6  # weight of the ground beside that of the lines: on a wet road it has the colours of what it mirrors
@@ -124,7 +126,7 @@ class LaneIndex:
     ) -> None:
         """Take in one frame, and other edges if they are likelier beyond doubt, and go on to be."""
         ground = _ground_evidence(state, ridges, view, colour, colour_view)
-        evidence = self._line_evidence(state, travelled_m, ridges, view) + GROUND * ground
+        evidence = self._line_evidence(state, travelled_m, ridges, view) + ground
         self.log_odds = FORGET * self.log_odds + WEIGHT * (evidence - evidence.max())
         likely = self.probabilities(state)
         best = int(np.argmax(likely))
@@ -187,17 +189,18 @@ def _index_of(left: int, right: int) -> int:
 
 def _ground_evidence(state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye) -> Floats:
     """(H,) by the ground between the lines."""
-    unlike, known = _unlike_own_lane(state, ridges, view, colour, colour_view)
+    unlike, unlike_hue, known = _unlike_own_lane(state, ridges, view, colour, colour_view)
     like = 1.0 / (1.0 + (unlike / LIKE_LEVELS) ** 4)
-    says_road = np.where(known, np.log(0.05 + 0.95 * like), 0.0)
-    says_verge = np.where(known, np.log(0.35 + 0.65 * (1.0 - like)), 0.0)
+    like_hue = 1.0 / (1.0 + (unlike_hue / HUE_LEVELS) ** 4)
+    says_road = np.where(known, GROUND * np.log(0.05 + 0.95 * like) + np.log(0.05 + 0.95 * like_hue), 0.0)
+    says_verge = np.where(known, GROUND * np.log(0.35 + 0.65 * (1.0 - like)), 0.0)
     return np.asarray(np.where(ON_ROAD, says_road, says_verge).sum(axis=1))
 
 
 def _unlike_own_lane(
     state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye
-) -> tuple[Floats, Bools]:
-    """(strips,) levels by which the colour differs from that of the ego's own lane in the same rows, and if known.
+) -> tuple[Floats, Floats, Bools]:
+    """(strips,) levels by which colour and hue differ from those of the ego's own lane, and whether they are known.
 
     The median over a strip: what a wet road mirrors, and what stands on it, cover a part; another ground is everywhere.
     """
@@ -220,7 +223,22 @@ def _unlike_own_lane(
     difference = np.where(known[..., None], sample - reference, np.nan).reshape(len(STRIPS), -1, 3)
     unlike = np.zeros(len(STRIPS))
     unlike[enough] = np.linalg.norm(np.nanmedian(difference[enough], axis=1), axis=1)
-    return unlike, enough
+    return unlike, _unlike_in_hue(sample, known, own, colour_view.forward_m < NEAR_M, enough), enough
+
+
+def _unlike_in_hue(sample: Floats, known: Bools, own: int, near: Bools, enough: Bools) -> Floats:
+    """(strips,) levels by which the hue, brightness apart, differs from that of the ego's own lane nearby.
+
+    Of samples (strips, 3, rows, RGB) and which are known. The lane's far part may be of a body's hue, or its image's.
+    """
+    hue = np.where(known[..., None], sample - sample.mean(axis=-1, keepdims=True), np.nan)
+    reference = hue[own][:, near].reshape(-1, 3)
+    reference = reference[np.isfinite(reference[:, 0])]
+    unlike = np.zeros(len(STRIPS))
+    if len(reference) and enough.any():
+        median = np.nanmedian(hue.reshape(len(STRIPS), -1, 3)[enough], axis=1)
+        unlike[enough] = np.linalg.norm(median - np.median(reference, axis=0), axis=1)
+    return unlike
 
 
 def _nearest(view: BirdsEye, coarse: BirdsEye) -> Integers:
