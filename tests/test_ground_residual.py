@@ -18,23 +18,27 @@ SPEED_MPS, LOOKS_HZ = 5.55, 10.0
 PLATE_M = np.array([[30.0, -0.2], [31.2, 0.6]])  # its near left and far right corner in the world
 ROAD = 95.0 + cv2.GaussianBlur(stream(31, "asphalt").normal(0.0, 100.0, (1200, 320)), (0, 0), 3.0, sigmaY=14.0)  # 5 cm
 TOP_ROW, BOTTOM_ROW = 250, 340  # of the part of the frame that is drawn: the road from 43 to 4.5 m before the camera
-SHARP = 4  # rows drawn for one of the frame, and averaged as a pixel does
+SHARP = 4  # rows and columns drawn for one of the frame, and averaged as a pixel does
 BUMPER_M = 2.25
 
 
 @lru_cache
-def frame(forward_m: float, height_m: float) -> Image:
-    """What the camera sees from `forward_m`, looking along X: asphalt, and a bright plate at `height_m`."""
+def frame(forward_m: float, height_m: float, aside_m: float = 0.0, yaw_rad: float = 0.0) -> Image:
+    """What the camera of a car at (`forward_m`, `aside_m`) sees: asphalt, and a bright plate at `height_m`."""
+    place, turn = np.array([forward_m, aside_m]), rotation(yaw_rad)
     rows_px = TOP_ROW + (np.arange(SHARP * (BOTTOM_ROW - TOP_ROW)) + 0.5) / SHARP - 0.5
-    columns, rows = np.meshgrid(np.arange(CAMERA.width_px), rows_px)
+    columns_px = (np.arange(SHARP * CAMERA.width_px) + 0.5) / SHARP - 0.5
+    columns, rows = np.meshgrid(columns_px, rows_px)
     ground = ground_from_pixels(CAMERA, np.stack([columns, rows], axis=-1).astype(float))
-    cell = np.stack([(ground[..., 1] + 8.0) / 0.05, (ground[..., 0] + forward_m) / 0.05], axis=-1).astype(np.float32)
-    road = cv2.remap(ROAD.astype(np.float32), cell[..., 0], cell[..., 1], cv2.INTER_LINEAR)
+    cell = ((ground @ turn.T + place + [0.0, 8.0]) / 0.05).astype(np.float32)
+    road = cv2.remap(
+        ROAD.astype(np.float32), cell[..., 1], cell[..., 0], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT
+    )
     lens = np.array([CAMERA.forward_m, 0.0])
-    plate = lens + (ground - lens) * (CAMERA.height_m - height_m) / CAMERA.height_m + np.array([forward_m, 0.0])
+    plate = (lens + (ground - lens) * (CAMERA.height_m - height_m) / CAMERA.height_m) @ turn.T + place
     inside = np.all((plate > PLATE_M[0]) & (plate < PLATE_M[1]), axis=-1)
     image = np.full((CAMERA.height_px, CAMERA.width_px), 100, np.uint8)
-    drawn = np.where(inside, 160.0, road).reshape(BOTTOM_ROW - TOP_ROW, SHARP, -1).mean(axis=1)
+    drawn = np.where(inside, 160.0, road).reshape(BOTTOM_ROW - TOP_ROW, SHARP, -1, SHARP).mean(axis=(1, 3))
     noise = stream(32, f"noise {forward_m}").normal(0.0, 1.5, drawn.shape)
     image[TOP_ROW:BOTTOM_ROW] = np.clip(drawn + noise, 0, 255)
     return image
@@ -68,6 +72,22 @@ def test_a_flat_plate_is_seen_where_it_lies() -> None:
     for distance, spot in found:
         assert spot.forward_m == pytest.approx(distance, abs=1.1)
         assert (spot.left_m, spot.right_m) == pytest.approx((-0.2, 0.6), abs=0.7)
+
+
+@pytest.mark.parametrize(("aside_m", "turn_radpm"), [(-2.6, 0.0), (3.0, 0.0), (-2.0, 0.05)])
+def test_a_plate_in_the_next_lane_or_in_a_swerve_is_seen_and_nothing_beside_it(
+    aside_m: float, turn_radpm: float
+) -> None:
+    """The car passes it in the next lane, or swerves towards it: by 13 deg between the frames that are compared."""
+    residual, on_plate = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), 0
+    for way in np.arange(8.0, PLATE_M[0, 0] - ResidualConfig().near_m - 0.3, SPEED_MPS / LOOKS_HZ).tolist():
+        turning = max(0.0, way - 14.0)
+        pose = np.array([way, aside_m + 0.5 * turn_radpm * turning**2, turn_radpm * turning])
+        for spot in residual.update(frame(way, 0.15, float(pose[1]), float(pose[2])), pose) or []:
+            middle = rotation(pose[2]).T @ (PLATE_M.mean(axis=0) - pose[:2])
+            assert 0.5 * (spot.left_m + spot.right_m) == pytest.approx(middle[1], abs=0.7)
+            on_plate += abs(spot.forward_m + 0.6 - middle[0]) < 1.3
+    assert on_plate >= 3
 
 
 def test_drops_on_the_glass_are_no_spots_and_hide_no_plate() -> None:

@@ -31,8 +31,8 @@ class ResidualConfig:
     baseline_m: float = 4.5  # the own way between the two frames, at least
     near_m: float = 6.5  # of the patch, from the pose
     far_m: float = 13.5
-    half_width_m: float = 2.4
-    border_m: float = 1.0  # by which the older patch is wider, for turns
+    half_width_m: float = 3.4
+    border_m: float = 2.6  # by which the older patch is wider, for turns
     cell_m: float = 0.05
     above_m: tuple[float, ...] = (0.1, 0.15, 0.2)
     below_m: tuple[float, ...] = (-0.1, -0.2)
@@ -73,7 +73,7 @@ class _Layout:
     patch: Image  # (rows, columns)
     pose: Floats  # (3,)
     texture: Grid  # (rows, columns)
-    water: Image  # (rows, columns) 0 where the road is seen
+    water: Image  # (rows, columns) 0 where the road is seen, neither hidden nor beyond the frame
 
 
 class GroundResidual:
@@ -89,7 +89,7 @@ class GroundResidual:
         self._forward_m: Floats = np.arange(config.near_m, reach, config.cell_m)
         self._right_m: Floats = np.arange(-half, half + 1e-9, config.cell_m)
         self._rows = int(np.count_nonzero(self._forward_m < config.far_m))
-        self._maps = self._layout()
+        self._maps, self._outside = self._layout()
         self.baseline_pose: Floats | None = None  # of the older frame in the last look
         self._past: deque[_Layout] = deque()
         self._contrast: Grid = np.empty((0, 0), np.float32)  # of the last look, in multiples of the noise
@@ -140,12 +140,13 @@ class GroundResidual:
         """The frame as the newest of those remembered."""
         config = self.config
         patch = cv2.remap(grey, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
-        now = _Layout(patch, pose, texture(patch, config.cell_m, config.water), np.zeros(patch.shape, np.uint8))
+        now = _Layout(patch, pose, texture(patch, config.cell_m, config.water), self._outside)
         before = next((one for one in reversed(self._past) if self._way(one, pose) >= config.water.least_way_m), None)
         if before is not None:
             transform = self._transform(before.pose, pose, 0.0)
             moved = np.asarray(cv2.warpAffine(before.texture, transform, patch.shape[::-1], flags=WARP), np.float32)
-            now.water = what_stays(now.texture, before.texture, moved, config.cell_m, config.water)
+            stays = what_stays(now.texture, before.texture, moved, config.cell_m, config.water)
+            now.water = np.asarray(cv2.max(stays, self._outside), np.uint8)
             before.water = np.asarray(cv2.max(before.water, now.water), np.uint8)
         if not self._past or self._way(self._past[-1], pose) >= config.cell_m:
             self._past.append(now)
@@ -155,13 +156,14 @@ class GroundResidual:
         """m that the car has come since."""
         return float(np.hypot(*(pose - layout.pose)[:2]))
 
-    def _layout(self) -> tuple[Any, Any]:
-        """The look-up of the patch in a frame, as OpenCV wants it."""
+    def _layout(self) -> tuple[tuple[Any, Any], Image]:
+        """The look-up of the patch in a frame, as OpenCV wants it; (rows, columns) 1 where the frame does not reach."""
         forward, right = np.meshgrid(self._forward_m, self._right_m, indexing="ij")
         pixels = distort(self.camera, project(self.camera, np.stack([forward, right, np.zeros_like(right)], axis=-1)))
         x, y = np.nan_to_num(pixels, nan=-10.0).astype(np.float32).transpose(2, 0, 1)
+        inside = (x >= 0.0) & (x <= self.camera.width_px - 1) & (y >= 0.0) & (y <= self.camera.height_px - 1)
         exact, table = cv2.convertMaps(x, y, cv2.CV_16SC2)
-        return exact, table
+        return (exact, table), (~inside).astype(np.uint8)
 
     def _older(self, pose: Floats) -> _Layout | None:
         """The latest layout that was taken a baseline away; older ones are dropped."""
