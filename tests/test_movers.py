@@ -151,7 +151,7 @@ def obstacle(along_m: float, y_m: float, speed_mps: float) -> LaneObstacles:
 
 
 def field() -> LaneField:
-    return LaneField(ROBUST.field, VehicleModel(), SPEED_MPS)
+    return LaneField(ROBUST.field, VehicleModel(), SPEED_MPS, REACH)
 
 
 def test_a_slow_lead_is_overtaken_and_one_that_runs_away_is_not() -> None:

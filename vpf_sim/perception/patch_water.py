@@ -32,11 +32,11 @@ class WaterConfig:
 
     def __post_init__(self) -> None:
         if self.least_way_m <= 0.0 or self.contrast <= 0.0 or not 0.0 < self.share < 1.0:
-            raise ValueError("least_way_m, contrast: expected > 0; share: expected between 0 and 1")
+            raise ValueError(f"least_way_m, contrast: expected > 0; share: expected between 0 and 1; got {self}")
 
 
 def texture(patch: Image, cell_m: float, config: WaterConfig) -> Grid:
-    """(rows, columns) grey levels / cell, how the brightness changes along the way."""
+    """(rows, columns) grey levels in two cells, how the brightness changes along the way."""
     size = _odd(config.texture_m, cell_m)
     smooth = cv2.blur(patch.astype(np.float32), (3, size))
     return np.asarray(cv2.Sobel(smooth, cv2.CV_32F, 0, 1, ksize=1), np.float32)

@@ -18,6 +18,8 @@ import numpy as np
 from vpf_sim.geometry import distort, project, vehicle_from_world, world_from_vehicle
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
 
+PASSED_M = 30.0  # behind the car, where no body is told any more
+
 
 @dataclass(frozen=True, slots=True)
 class SecondLookConfig:
@@ -75,11 +77,18 @@ class SecondLook:
             self._past.clear()
             if not any(one.refuted for one in self._places.values()):
                 return bodies
+        self._forget(pose)
         places = [self._place(bodies, k, pose) for k in range(len(bodies))]
         if self.looks(speed_mps):
             self._look(grey, pose, bodies, places)
         there = np.array([not one.refuted for one in places], np.bool_)
         return bodies if there.all() else _chosen(bodies, there)
+
+    def _forget(self, pose: Floats) -> None:
+        """The places that the car has passed."""
+        passed = [k for k, one in self._places.items() if vehicle_from_world(one.middle_m, pose)[0] < -PASSED_M]
+        for name in passed:
+            del self._places[name]
 
     def _place(self, bodies: Obstacles, k: int, pose: Floats) -> _Place:
         """What is known of a body's; nothing where it is told elsewhere, or wider, than it was."""

@@ -93,9 +93,8 @@ class LaneField:
     """Composes the field of each frame and finds its minimum; remembers the last one."""
 
     def __init__(
-        self, config: LaneFieldConfig, vehicle: VehicleModel, speed_reference_mps: float, reach: Reach | None = None
+        self, config: LaneFieldConfig, vehicle: VehicleModel, speed_reference_mps: float, reach: Reach
     ) -> None:
-        """Without `reach`, every place counts as one that can be reached."""
         self._config = config
         self._reach = reach
         self._speed_reference_mps = speed_reference_mps
@@ -201,7 +200,7 @@ class LaneField:
 
         Beside a body, its other side and its own place are out of reach whatever else there is.
         """
-        if self._reach is None or not len(obstacles):
+        if not len(obstacles):
             return np.zeros_like(self._y_m)
         config, way = self._config, self.bumper(obstacles)[:, None]
         y, here = self._y_m[None], lane.y_m

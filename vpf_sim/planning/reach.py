@@ -76,7 +76,7 @@ class Reach:
         return min(self._config.acceleration_mps2, max(speed_mps, self._config.walking_mps) ** 2 / self._radius_m)
 
     def aside(self, way_m: Floats) -> Floats:
-        """(K,) m, the largest shift on a way at walking speed, from the road's direction and back to it."""
+        """m, the largest shift on each way at walking speed, from the road's direction and back to it."""
         way = np.maximum(way_m, 0.0)
         turning = way**2 / (PEAK_ACCELERATION * self._radius_m)
         aside: Floats = np.minimum(turning, way * self._config.walking_ratio / MEAN_SLOPE)
