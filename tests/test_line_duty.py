@@ -45,3 +45,10 @@ def test_what_is_no_line_is_neither_solid_nor_dashed() -> None:
 def test_nothing_is_known_before_a_dash_and_its_gap_have_passed_nor_by_standing() -> None:
     assert not driven(60.0, LEAST_MEMORY_M - 1.0).duty()[1].any()
     assert not driven(60.0, 0.02, 1e-4).duty()[1].any()
+
+
+def test_one_look_after_a_gap_tells_nothing_of_the_road_in_between() -> None:
+    duty = driven(60.0, 2.0)
+    response = np.full((len(VIEW.forward_m), len(VIEW.right_m)), 60, np.uint8)
+    duty.look(response, VIEW, RIGHT_M, VISIBLE, 40.0)
+    assert not duty.duty()[1].any()

@@ -48,16 +48,16 @@ def bare(x_m: float) -> Image:
     return np.full((CAMERA.height_px, CAMERA.width_px), round(40.0 + 0.0 * x_m), np.uint8)
 
 
-def pallet(x_m: float) -> Image:
+def pallet(x_m: float, left_m: float = LEFT_M, right_m: float = RIGHT_M) -> Image:
     road = _sampled(ROAD, 0.0, x_m)[0]
     top, forward, across = _sampled(PALLET, PALLET_M, x_m)
-    on = (forward > FACE_M) & (forward < FACE_M + 1.2) & (across > LEFT_M) & (across < RIGHT_M)
+    on = (forward > FACE_M) & (forward < FACE_M + 1.2) & (across > left_m) & (across < right_m)
     return np.clip(np.where(on, top, road), 0.0, 255.0).astype(np.uint8)
 
 
-def told(x_m: float, name: int, face_m: float = FACE_M) -> Obstacles:
+def told(x_m: float, name: int, face_m: float = FACE_M, side_m: float = RIGHT_M) -> Obstacles:
     place = vehicle_from_world(np.array([[face_m, 0.0]]), np.array([x_m, 0.0, 0.0]))[0]
-    one = [np.array([value]) for value in (place[0], LEFT_M, RIGHT_M, 0.3, np.inf)]
+    one = [np.array([value]) for value in (place[0], -side_m, side_m, 0.3, np.inf)]
     return Obstacles(*one, identity=np.array([name]))
 
 
@@ -76,6 +76,24 @@ def test_where_the_road_is_seen_there_is_no_body() -> None:
 @pytest.mark.parametrize("view", [pallet, bare])
 def test_what_stands_stays(view: Callable[[float], Image]) -> None:
     assert walk(view)[1] == 1
+
+
+@pytest.mark.parametrize("side_m", [1.3, 1.8])
+def test_a_wide_body_that_is_narrow_in_truth_stays(side_m: float) -> None:
+    looker, left = SecondLook(CAMERA, CONFIG), 1
+    for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05).tolist():
+        told_wide = told(x, 7, side_m=side_m)
+        left = len(looker.update(pallet(x, 0.1, 0.6), np.array([x, 0.0, 0.0]), told_wide, 1.0))
+    assert left == 1
+
+
+def test_parts_of_one_body_are_looked_at_each_in_its_place() -> None:
+    looker, left = SecondLook(CAMERA, CONFIG), 2
+    for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05).tolist():
+        near, far = told(x, 7), told(x, 7, FACE_M + 1.5)
+        both = Obstacles(*(np.concatenate([getattr(near, name), getattr(far, name)]) for name in Obstacles.__slots__))
+        left = len(looker.update(empty(x), np.array([x, 0.0, 0.0]), both, 1.0))
+    assert left == 0
 
 
 def test_a_body_that_is_told_too_near_stays() -> None:

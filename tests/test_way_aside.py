@@ -54,6 +54,17 @@ def test_a_body_that_leaves_no_way_before_it_is_not_crossed() -> None:
     assert minimum(-1.0) < -0.5
 
 
+def test_what_is_left_to_be_made_is_counted_to_the_side_that_was_chosen() -> None:
+    """Our body covers one by more to the right; a second is crossed on the way to the left, a third is not."""
+    row, margin = bodies((10.0, -1.6, 0.6), (10.0, -4.8, -2.8), (10.0, 4.0, 5.0)), 0.5 * CAR.width_m + 0.25
+    left = field().shift(row, 0.0, -6.0, 0.25)
+    assert left[:2] == pytest.approx([1.6 + margin, 4.8 + margin])
+    assert left[2] <= 0.0
+    right = field().shift(row, 0.0, 0.6 + margin, 0.25)
+    assert right[0] == pytest.approx(0.6 + margin)
+    assert np.all(right[1:] <= 0.0)
+
+
 def tightest(way_m: float) -> float:
     """m aside on a way at walking speed: full steering to the one side, then to the other until the heading is back."""
     best = 0.0
@@ -112,3 +123,4 @@ def test_a_part_of_a_body_is_no_body_of_its_own() -> None:
     assert len(seen(car, (10.3, 0.2, 0.8, 2))) == 2
     assert len(seen(car, (20.0, 0.2, 0.8, 2))) == 2
     assert seen((14.0, -0.2, 0.4, 2), car).along_m.tolist() == [10.0]
+    assert len(seen((10.0, 0.3, 1.5, 1), (15.5, 0.0, 1.8, 2))) == 2, "a car behind a pallet"

@@ -7,6 +7,8 @@ tell the two apart (Wald, Sequential Analysis, 1947, with steps of one).
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from vpf_sim.perception.marks import Integers
 from vpf_sim.types import Floats
 
@@ -18,6 +20,7 @@ class ClearingConfig:
     road: float = 2.5  # largest difference where a body should begin, in multiples of the noise
     body: float = 5.0  # from which on something stands there
     looks: int = 3  # at bare road, more than at something
+    way_m: float = 0.3  # of the car between two: standing, it sees the same picture again
     about_m: tuple[float, float] = (2.5, 0.5)  # along and across, what goes with a cleared body
 
     def __post_init__(self) -> None:
@@ -33,15 +36,23 @@ class Clearing:
     def __init__(self, config: ClearingConfig) -> None:
         self._config = config
         self._score: dict[int, int] = {}
+        self._place_m: Floats = np.full(2, np.inf)  # of the car at the last look
 
-    def record(self, identity: Integers, difference: Floats) -> list[int]:
-        """Which of the bodies (N,) a look clears that saw such differences (N,), nan where it saw too little."""
-        config, before = self._config, self._score
-        self._score, cleared = {}, []
-        for index, (one, value) in enumerate(zip(identity.tolist(), difference.tolist(), strict=True)):
+    def record(self, identity: Integers, difference: Floats, place_m: Floats) -> list[int]:
+        """Which of the bodies (N,) a look clears that saw such differences (N,), nan where it saw too little.
+
+        The car is at `place_m` (2,). Parts of a body that fell apart have one identity, and are looked at as one.
+        """
+        config, before, cleared = self._config, self._score, []
+        if np.hypot(*(place_m - self._place_m)) < config.way_m:
+            return []
+        self._place_m, self._score = place_m.copy(), {}
+        for one in np.unique(identity).tolist():
+            parts = np.flatnonzero(identity == one)
+            value = float(np.fmax.reduce(difference[parts]))
             score = max(before.get(one, 0) + (value < config.road) - (value > config.body), 0)
             if score >= config.looks:
-                cleared.append(index)
+                cleared += parts.tolist()
                 score = 0
             self._score[one] = score
         return cleared

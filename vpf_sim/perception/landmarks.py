@@ -156,7 +156,7 @@ class LandmarkTracker:
         if spots is None or before is None:
             return
         bodies = from_here(self._seen, self._seen_from, pose, 0.0)
-        for index in self._clearing.record(bodies.identity, self._residual.difference_at(bodies)):
+        for index in self._clearing.record(bodies.identity, self._residual.difference_at(bodies), pose[:2]):
             self._clear(bodies, index, pose)
         lens = np.array([self.camera.forward_m, 0.0])
         views = (lens, vehicle_from_world(world_from_vehicle(lens, before), pose))

@@ -48,7 +48,8 @@ class LineDuty:
         now = np.stack([np.ones_like(line), line, line**2, beside, beside**2])
         known = count >= 2
         keep = np.where(known, np.exp(-moved_m / MEMORY_M), 1.0)
-        self.sums = keep * self.sums + moved_m * np.where(known, now, 0.0)
+        seen_m = min(moved_m, STRETCH_M)  # after a gap in the looks, no more of the road than one shows
+        self.sums = keep * self.sums + seen_m * np.where(known, now, 0.0)
 
     def duty(self) -> tuple[Floats, Bools]:
         """(L,) share of each line that is painted, 0 .. 1, and whether it is known."""

@@ -51,6 +51,7 @@ class SecondLookConfig:
 class _Place:
     """Of a body in the world, and the correlation of the grain in it, summed over the looks."""
 
+    name: int  # the body's identity, which parts of one that fell apart have in common
     middle_m: Floats  # (2,)
     width_m: float
     products: Floats  # (3, shifts, cells): of now with then, of now with itself, of then with itself
@@ -65,7 +66,7 @@ class SecondLook:
         self._camera = camera
         self._config = config
         self._past: deque[tuple[Image, Floats]] = deque()
-        self._places: dict[int, _Place] = {}
+        self._places: list[_Place] = []
 
     def looks(self, speed_mps: float) -> bool:
         """Whether a frame at that speed is looked at."""
@@ -75,7 +76,7 @@ class SecondLook:
         """The bodies without those that turned out to be road, in the axes of the vehicle at `pose`."""
         if not self.looks(speed_mps):
             self._past.clear()
-            if not any(one.refuted for one in self._places.values()):
+            if not any(one.refuted for one in self._places):
                 return bodies
         self._forget(pose)
         places = [self._place(bodies, k, pose) for k in range(len(bodies))]
@@ -86,19 +87,18 @@ class SecondLook:
 
     def _forget(self, pose: Floats) -> None:
         """The places that the car has passed."""
-        passed = [k for k, one in self._places.items() if vehicle_from_world(one.middle_m, pose)[0] < -PASSED_M]
-        for name in passed:
-            del self._places[name]
+        self._places = [one for one in self._places if vehicle_from_world(one.middle_m, pose)[0] > -PASSED_M]
 
     def _place(self, bodies: Obstacles, k: int, pose: Floats) -> _Place:
         """What is known of a body's; nothing where it is told elsewhere, or wider, than it was."""
         width, name, moved = float(bodies.right_m[k] - bodies.left_m[k]), int(bodies.identity[k]), self._config.moved_m
         middle = world_from_vehicle(np.array([bodies.forward_m[k], bodies.left_m[k] + 0.5 * width]), pose)
-        one = self._places.get(name)
-        if one is None or np.hypot(*(middle - one.middle_m)) > moved or abs(width - one.width_m) > moved:
-            cells = self._config.rows * max(1, round(width / self._config.cell_m))
-            one = self._places[name] = _Place(middle, width, np.zeros((3, 2 * self._config.shift_grains + 1, cells)))
-        return one
+        for one in self._places:
+            if one.name == name and np.hypot(*(middle - one.middle_m)) < moved and abs(width - one.width_m) < moved:
+                return one
+        cells = self._config.rows * max(1, round(width / self._config.cell_m))
+        self._places.append(_Place(name, middle, width, np.zeros((3, 2 * self._config.shift_grains + 1, cells))))
+        return self._places[-1]
 
     def _look(self, grey: Image, pose: Floats, bodies: Obstacles, places: Sequence[_Place]) -> None:
         """Compare the frame with the one that was taken a baseline before, once in a step of way."""
@@ -151,14 +151,18 @@ class SecondLook:
         return grain
 
     def _is_road(self, products: Floats) -> bool:
-        """Whether the grain agrees without a shift in nearly all cells."""
+        """Whether the grain agrees without a shift in nearly all cells, and in none far better with one.
+
+        A body that is narrower than it was told fills but a few.
+        """
         config = self._config
         correlation = products[0] / np.sqrt(np.maximum(products[1] * products[2], 1e-9))
         shift = np.abs(np.arange(-config.shift_grains, config.shift_grains + 1))
         with_none = correlation[shift <= config.near_grains].max(axis=0)
         with_some = correlation[shift > config.near_grains + 1].max(axis=0)
         road: Bools = (with_none > config.least_correlation) & (with_none > with_some + config.least_lead)
-        return bool(np.mean(road) >= config.road_share)
+        stands = (with_some > config.least_correlation) & (with_some > with_none + config.least_lead)
+        return bool(np.mean(road) >= config.road_share and not stands.any())
 
 
 def _way(before: Floats, pose: Floats) -> float:

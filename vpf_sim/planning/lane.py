@@ -65,11 +65,12 @@ def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacle
     """(K,) which bodies are a part of another: an edge low on its side, or points that fell away from the others.
 
     Passed as bodies of their own they would keep the car aside for the length of two, and a part of a side that is seen
-    at a grazing angle is known worse than the face.
+    at a grazing angle is known worse than the face. What is wider than the body before it is no part of that.
     """
     behind = along_m[:, None] - along_m[None]
     shared = np.minimum(right_m[:, None], right_m[None]) - np.maximum(left_m[:, None], left_m[None])
-    within = shared > BODY_SHARE * (right_m - left_m)[:, None]
+    width = right_m - left_m
+    within = (shared > BODY_SHARE * width[:, None]) & (width[:, None] <= width[None])
     named = (obstacles.identity[:, None] == obstacles.identity[None]) & (shared > 0.0)
     beyond = np.maximum(left_m[None] - left_m[:, None], right_m[:, None] - right_m[None])
     near = (behind > BODY_M[0]) & (behind < BODY_M[1]) & (beyond < BODY_BEYOND_M)

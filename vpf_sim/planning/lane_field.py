@@ -120,6 +120,14 @@ class LaneField:
         """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
         return clearance_m - self._gap(obstacles, np.array([y_m]))[:, 0]
 
+    def shift(self, obstacles: LaneObstacles, y_m: float, goal_m: float, clearance_m: float) -> Floats:
+        """(K,) m from y towards a goal across the road until our body is clear of each; <= 0 where it is."""
+        margin = self._half_width_m + clearance_m
+        least, most = obstacles.left_m - margin, obstacles.right_m + margin
+        if goal_m >= y_m:
+            return np.where(goal_m > least, most - y_m, 0.0)
+        return np.where(goal_m < most, y_m - least, 0.0)
+
     def bumper(self, obstacles: LaneObstacles) -> Floats:
         """(K,) m from our bumper to each face."""
         return obstacles.along_m - self._half_length_m

@@ -206,9 +206,9 @@ class LaneReference:
         Where it cannot be done as wide as wanted, walking; where not at all, the car stops, as early as it can.
         """
         config, way = self._config, field.bumper(obstacles)
-        slope = -tan(lane.heading_rad) if minimum_m > lane.y_m else tan(lane.heading_rad)
-        wanted = field.overlap(obstacles, lane.y_m, config.minimum_clearance_m)
-        needed = field.overlap(obstacles, lane.y_m, config.walking_clearance_m)
+        slope = -float(np.sign(minimum_m - lane.y_m)) * tan(lane.heading_rad)
+        wanted = field.shift(obstacles, lane.y_m, minimum_m, config.minimum_clearance_m)
+        needed = field.shift(obstacles, lane.y_m, minimum_m, config.walking_clearance_m)
         there = np.maximum(self._reach.speed(way, wanted, slope), self._reach.walking_mps)
         there = np.where(self._reach.speed(way, needed, slope) > 0.0, there, 0.0)
         return obstacles.speed_mps + there
