@@ -37,24 +37,31 @@ def scenario(radius_m: float, bodies: tuple[dict[str, Any], ...] = ()) -> Scenar
 
 
 @cache
-def shots(radius_m: float, lane: int, right_m: float, body_s_m: float | None) -> tuple[tuple[Image, ...], Floats]:
+def shots(
+    radius_m: float, lane: int, right_m: float, body_s_m: float | None, frames: int
+) -> tuple[tuple[Image, ...], Floats]:
     """The pictures of a drive `right_m` right of the middle of a lane, and its poses (N, 3)."""
     bodies = () if body_s_m is None else ({"kind": "car", "s_m": body_s_m, "lane": lane},)
     road = scenario(radius_m, bodies)
     offset = road.road.lane_offset_m(lane) + right_m
     drive = ScriptedDrive(road, Path(START_M, SPEED_MPS, lambda _: offset), Rig(CAMERA), RATE_HZ)
-    taken = list(drive.shots(weathers.load("clear"), 1, FRAMES))
+    taken = list(drive.shots(weathers.load("clear"), 1, frames))
     return tuple(shot.image for shot in taken), np.array([shot.pose for shot in taken])
 
 
 def recording(
-    radius_m: float, lane: int = 2, right_m: float = 0.0, body_s_m: float | None = None, **changes: Any
+    radius_m: float,
+    lane: int = 2,
+    right_m: float = 0.0,
+    body_s_m: float | None = None,
+    frames: int = FRAMES,
+    **changes: Any,
 ) -> Recording:
     """All of it recorded, as a car drove that knows its steering."""
-    images, poses = shots(radius_m, lane, right_m, body_s_m)
+    images, poses = shots(radius_m, lane, right_m, body_s_m, frames)
     steps_m = np.hypot(*np.diff(poses[:, :2], axis=0).T)
     rate = np.gradient(np.unwrap(poses[:, 2]), 1.0 / RATE_HZ)
-    speed = np.full(FRAMES, steps_m.mean() * RATE_HZ)
+    speed = np.full(frames, steps_m.mean() * RATE_HZ)
 
     def pictures() -> Iterator[Frame]:
         return (Frame(k, image) for k, image in enumerate(images))
@@ -63,15 +70,15 @@ def recording(
         "name": "rendered",
         "layout": "rendered",
         "camera": CAMERA,
-        "times_s": np.arange(FRAMES) / RATE_HZ,
+        "times_s": np.arange(frames) / RATE_HZ,
         "poses": poses,
         "speed_mps": speed,
         "yaw_rate_radps": rate,
         "frames": pictures,
         "origins": dict.fromkeys(RECORDED, Origin("recorded", "rendered")),
-        "foe_px": np.full((FRAMES, 2), [CAMERA.cx_px, CAMERA.cy_px]),  # half way between, an arc leads straight ahead
+        "foe_px": np.full((frames, 2), [CAMERA.cx_px, CAMERA.cy_px]),  # half way between, an arc leads straight ahead
         "steering_rad": np.arctan(WHEELBASE_M * rate / speed),
-        "throttle": np.zeros(FRAMES),
+        "throttle": np.zeros(frames),
         "weather": "cloudy",
     }
     return Recording(**{**values, **changes})
@@ -96,7 +103,7 @@ def write(folder: File, radius_m: float) -> None:
     known = recording(radius_m)
     (folder / "images").mkdir(parents=True)
     (folder / "drive.toml").write_text(DRIVE_TOML)
-    images, _ = shots(radius_m, 2, 0.0, None)
+    images, _ = shots(radius_m, 2, 0.0, None, FRAMES)
     with (folder / "signals.csv").open("w", newline="") as table:
         rows = csv.writer(table)
         rows.writerow(("file", "time_s", "speed_mps", "yaw_rate_radps", "steering_wheel_deg", "acceleration_mps2"))

@@ -45,10 +45,10 @@ def test_so_is_that_of_a_bend_to_the_left(tmp_path: Path) -> None:
 def test_the_lane_that_is_driven_in_is_the_one_to_keep_to(tmp_path: Path) -> None:
     """Not the second from the right, which the driver prefers. The human drives 0.5 m right of the middle: the model
     vehicle steers there and then straight on, where the driver alone would go on steering."""
-    _, table = replayed(rendered.recording(np.inf, lane=3, right_m=0.5), tmp_path)
+    _, table = replayed(rendered.recording(np.inf, lane=3, right_m=0.5, frames=60), tmp_path)
     assert table.steering.min() < -0.005
     assert np.abs(table.steering).max() < 0.05
-    assert np.abs(table.steering[-4:]).max() < 0.015
+    assert np.abs(table.steering[-4:]).max() < 0.005
 
 
 def test_the_scores_stand_beside_those_of_touching_nothing(bend: tuple[dict[str, Any], FrameTable]) -> None:

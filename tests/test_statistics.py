@@ -229,7 +229,10 @@ def test_the_seeds_for_a_width_of_a_mean() -> None:
         return float(2.0 * stats.t.ppf(0.975, count - 1) * np.std(values, ddof=1) / np.sqrt(count))
 
     assert width(needed) <= 0.2 < width(needed - 1)
-    assert seeds_for_mean(values, 0.1) == pytest.approx(4 * needed, rel=0.03), "half the width, four times the seeds"
+    more = seeds_for_mean(values, 0.1)
+    assert more is not None
+    assert width(more) <= 0.1 < width(more - 1)
+    assert 3.5 * needed < more <= 4 * needed, "half the width, four times the seeds, less what a surer spread saves"
     assert seeds_for_mean(values[:1], 0.2) is None
     assert seeds_for_mean(np.ones(9), 0.2) is None
     assert seeds_for_mean(np.array([0.0, 1e-9]), 0.2) == 2
