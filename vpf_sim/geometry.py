@@ -21,6 +21,11 @@ def rotation(yaw_rad: float) -> Floats:
     return np.array([[cosine, -sine], [sine, cosine]])
 
 
+def distance_m(one: Floats, other: Floats) -> float:
+    """m between two places (2,) or poses (3,) in the world."""
+    return float(np.hypot(*(one - other)[:2]))
+
+
 def vehicle_from_world(points_m: Floats, pose: Floats) -> Floats:
     """(..., 2) world points in the axes of the vehicle at `pose` (x, y, yaw)."""
     relative: Floats = (points_m - pose[:2]) @ rotation(pose[2])

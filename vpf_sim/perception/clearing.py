@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vpf_sim.geometry import distance_m
 from vpf_sim.perception.marks import Integers
 from vpf_sim.types import Floats
 
@@ -44,7 +45,7 @@ class Clearing:
         The car is at `place_m` (2,). Parts of a body that fell apart have one identity, and are looked at as one.
         """
         config, before, cleared = self._config, self._score, []
-        if np.hypot(*(place_m - self._place_m)) < config.way_m:
+        if distance_m(place_m, self._place_m) < config.way_m:
             return []
         self._place_m, self._score = place_m.copy(), {}
         for one in np.unique(identity).tolist():

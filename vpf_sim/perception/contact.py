@@ -37,13 +37,13 @@ def as_printed(flow: Flow, expansion: Expansion, config: ContactConfig) -> Float
     return capped
 
 
-def _radial(flow: Flow, derotated: Derotated, expansion: Expansion, config: ContactConfig) -> Floats:
+def _radial(flow: Flow, turned: Derotated, expansion: Expansion, config: ContactConfig) -> Floats:
     """(N,) s from each point's derotated motion (N, 2) away from the FOE; inf where it does not approach.
 
     A standing point at distance r from the FOE came from r - d in the window T, so Z r is constant, and
     TTC now = Z / (dZ / T) = T (r - d) / d.
     """
-    ratio = _radial_ratio(flow, derotated, expansion, config)
+    ratio = _radial_ratio(flow, turned, expansion, config)
     with np.errstate(divide="ignore"):
         ttc = np.where(ratio > 0.0, flow.gap_s * (1.0 - ratio) / ratio, np.inf)
     return np.where(ttc > config.cap_s, np.inf, ttc)
@@ -58,12 +58,12 @@ def of_clusters(flow: Flow, camera: Camera, labels: Labels, config: ContactConfi
     return _of_clusters(flow, derotate(flow, camera), labels, config, least)
 
 
-def _of_clusters(flow: Flow, derotated: Floats, labels: Labels, config: ContactConfig, least: int = 3) -> Floats:
+def _of_clusters(flow: Flow, displacement_px: Floats, labels: Labels, config: ContactConfig, least: int = 3) -> Floats:
     count = int(labels.max(initial=-1)) + 1
     chosen = (labels >= 0) & (flow.gap_s > 0.0)
     label, gap = labels[chosen], flow.gap_s[chosen]
     points = flow.points_px[chosen]
-    rate = derotated[chosen] / gap[:, None]  # windows differ in length, their rates agree to first order
+    rate = displacement_px[chosen] / gap[:, None]  # windows differ in length, their rates agree to first order
     size = np.bincount(label, minlength=count)
 
     def centred(values: Floats) -> Floats:
@@ -106,11 +106,11 @@ def time_to_contact(
     return np.where(np.isfinite(together), together, ttc)
 
 
-def _radial_ratio(flow: Flow, derotated: Derotated, expansion: Expansion, config: ContactConfig) -> Floats:
+def _radial_ratio(flow: Flow, turned: Derotated, expansion: Expansion, config: ContactConfig) -> Floats:
     """(N,) d / r: radial motion over the distance from the chord's image; 0 where it is below the floor."""
-    x = flow.points_px[:, 0] - (expansion.x_px - derotated.shift_px)
+    x = flow.points_px[:, 0] - (expansion.x_px - turned.shift_px)
     y = flow.points_px[:, 1] - expansion.y_px
     distance_squared = x * x + y * y + 1e-12
-    along = derotated.flow_px[:, 0] * x + derotated.flow_px[:, 1] * y
+    along = turned.flow_px[:, 0] * x + turned.flow_px[:, 1] * y
     ratio: Floats = np.where(along > config.floor_px * np.sqrt(distance_squared), along / distance_squared, 0.0)
     return ratio

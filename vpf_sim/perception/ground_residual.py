@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.geometry import distort, project, rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.patch_water import WaterConfig, texture, what_stays
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
 
@@ -141,20 +141,17 @@ class GroundResidual:
         config = self.config
         patch = cv2.remap(grey, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
         now = _Layout(patch, pose, texture(patch, config.cell_m, config.water), self._outside)
-        before = next((one for one in reversed(self._past) if self._way(one, pose) >= config.water.least_way_m), None)
+        least_m = config.water.least_way_m
+        before = next((one for one in reversed(self._past) if distance_m(pose, one.pose) >= least_m), None)
         if before is not None:
             transform = self._transform(before.pose, pose, 0.0)
             moved = np.asarray(cv2.warpAffine(before.texture, transform, patch.shape[::-1], flags=WARP), np.float32)
             stays = what_stays(now.texture, before.texture, moved, config.cell_m, config.water)
             now.water = np.asarray(cv2.max(stays, self._outside), np.uint8)
             before.water = np.asarray(cv2.max(before.water, now.water), np.uint8)
-        if not self._past or self._way(self._past[-1], pose) >= config.cell_m:
+        if not self._past or distance_m(pose, self._past[-1].pose) >= config.cell_m:
             self._past.append(now)
         return now
-
-    def _way(self, layout: _Layout, pose: Floats) -> float:
-        """m that the car has come since."""
-        return float(np.hypot(*(pose - layout.pose)[:2]))
 
     def _layout(self) -> tuple[tuple[Any, Any], Image]:
         """The look-up of the patch in a frame, as OpenCV wants it; (rows, columns) 1 where the frame does not reach."""
@@ -168,11 +165,11 @@ class GroundResidual:
     def _older(self, pose: Floats) -> _Layout | None:
         """The latest layout that was taken a baseline away; older ones are dropped."""
         found = None
-        while self._past and self._way(self._past[0], pose) >= self.config.baseline_m:
+        while self._past and distance_m(pose, self._past[0].pose) >= self.config.baseline_m:
             found = self._past.popleft()
         if found is not None:
             self._past.appendleft(found)
-            if self._way(found, pose) > 1.4 * self.config.baseline_m:
+            if distance_m(pose, found.pose) > 1.4 * self.config.baseline_m:
                 return None
         return found
 

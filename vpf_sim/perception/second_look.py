@@ -15,7 +15,7 @@ from dataclasses import dataclass, fields
 import cv2
 import numpy as np
 
-from vpf_sim.geometry import distort, project, vehicle_from_world, world_from_vehicle
+from vpf_sim.geometry import distance_m, distort, project, vehicle_from_world, world_from_vehicle
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
 
 PASSED_M = 30.0  # behind the car, where no body is told any more
@@ -94,7 +94,7 @@ class SecondLook:
         width, name, moved = float(bodies.right_m[k] - bodies.left_m[k]), int(bodies.identity[k]), self._config.moved_m
         middle = world_from_vehicle(np.array([bodies.forward_m[k], bodies.left_m[k] + 0.5 * width]), pose)
         for one in self._places:
-            if one.name == name and np.hypot(*(middle - one.middle_m)) < moved and abs(width - one.width_m) < moved:
+            if one.name == name and distance_m(middle, one.middle_m) < moved and abs(width - one.width_m) < moved:
                 return one
         cells = self._config.rows * max(1, round(width / self._config.cell_m))
         self._places.append(_Place(name, middle, width, np.zeros((3, 2 * self._config.shift_grains + 1, cells))))
@@ -103,13 +103,13 @@ class SecondLook:
     def _look(self, grey: Image, pose: Floats, bodies: Obstacles, places: Sequence[_Place]) -> None:
         """Compare the frame with the one that was taken a baseline before, once in a step of way."""
         config = self._config
-        if self._past and _way(self._past[-1][1], pose) < config.step_m:
+        if self._past and distance_m(pose, self._past[-1][1]) < config.step_m:
             return
         self._past.append((grey, pose.copy()))
-        while len(self._past) > 1 and _way(self._past[1][1], pose) >= config.baseline_m:
+        while len(self._past) > 1 and distance_m(pose, self._past[1][1]) >= config.baseline_m:
             self._past.popleft()
         older, then = self._past[0]
-        if not config.baseline_m <= _way(then, pose) < 2.0 * config.baseline_m:
+        if not config.baseline_m <= distance_m(pose, then) < 2.0 * config.baseline_m:
             return
         face = bodies.forward_m - self._camera.forward_m
         for k, one in enumerate(places):
@@ -163,10 +163,6 @@ class SecondLook:
         road: Bools = (with_none > config.least_correlation) & (with_none > with_some + config.least_lead)
         stands = (with_some > config.least_correlation) & (with_some > with_none + config.least_lead)
         return bool(np.mean(road) >= config.road_share and not stands.any())
-
-
-def _way(before: Floats, pose: Floats) -> float:
-    return float(np.hypot(*(pose - before)[:2]))
 
 
 def _chosen(bodies: Obstacles, there: Bools) -> Obstacles:

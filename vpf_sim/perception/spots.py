@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
+from vpf_sim.geometry import distance_m, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.ground_residual import Spot
 from vpf_sim.types import Floats, Obstacles
 
@@ -88,7 +88,7 @@ class SpotBook:
                 one.hits, one.misses = one.hits + 1, 0
                 one.place_m = one.place_m + config.newest * (world_from_vehicle(here, pose) - one.place_m)
                 one.width_m += config.newest * (width - one.width_m)
-                way = float(np.hypot(*(pose[:2] - one.first_m)))
+                way = distance_m(pose[:2], one.first_m)
                 stands = way >= config.way_m and one.first_forward_m - spot.forward_m > config.nearer_share * way
                 if one.identity is None and one.hits >= self._hits_needed and stands:
                     one.identity = self._next_identity()

@@ -82,14 +82,14 @@ class Steadiness:
         ).astype(np.uint8, copy=False)
         return steady
 
-    def _add(self, flow: Flow, foe: Expansion, derotated: Derotated) -> None:
+    def _add(self, flow: Flow, foe: Expansion, turned: Derotated) -> None:
         frames = round(float(flow.gap_s.max(initial=0.0)) * self._rate_hz)
         if not self._sums:
             self._sums.append(0.0)
             return
         found = self._sums[-1]
         if 0 < frames <= len(self._sums):
-            change = self._change(flow, foe, derotated, frames / self._rate_hz)
+            change = self._change(flow, foe, turned, frames / self._rate_hz)
             # The last frame and the mean rate tie the sums of interleaved windows together.
             share = self._config.smoothness
             found = (1.0 - share) * (self._sums[-frames] + change) + share * (self._sums[-1] + change / frames)
@@ -111,12 +111,12 @@ class Steadiness:
         chosen = (np.abs(flow.gap_s - gap_s) < 0.5 / self._rate_hz) & ~flow.stuck
         if foe.confidence == 0.0 or np.count_nonzero(chosen) < LEAST_POINTS:
             return 0.0
-        points, derotated = flow.points_px[chosen], turned.flow_px[chosen]
+        points, displacement = flow.points_px[chosen], turned.flow_px[chosen]
         x = points[:, 0] + turned.shift_px[chosen] - foe.x_px
         y = points[:, 1] - foe.y_px
         nearness = 1.0 / (np.hypot(x, y) + NEAR_PX)
         turn = self._motion(points)
-        across = (derotated[:, 0] * y - derotated[:, 1] * x) * nearness
+        across = (displacement[:, 0] * y - displacement[:, 1] * x) * nearness
         slope = (turn[:, 0] * y - turn[:, 1] * x) * nearness
         return _agreed(across, slope)
 

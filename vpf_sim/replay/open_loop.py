@@ -12,6 +12,7 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
+from vpf_sim.geometry import distance_m
 from vpf_sim.perception.expansion import LEAST_CONFIDENCE
 from vpf_sim.perception.flow import grey
 from vpf_sim.planning import variant
@@ -217,7 +218,7 @@ def _interval(recording: Recording, k: int) -> Interval:
 
 
 def _step_m(recording: Recording, k: int) -> float:
-    return 0.0 if k == 0 else float(np.hypot(*(recording.poses[k, :2] - recording.poses[k - 1, :2])))
+    return 0.0 if k == 0 else distance_m(recording.poses[k], recording.poses[k - 1])
 
 
 def _recorded(recording: Recording, k: int, segment: int) -> FrameRow:
