@@ -1,5 +1,6 @@
 """Whole episodes of the drivers over the catalog, and the same bytes wherever they are driven."""
 
+import gc
 import json
 import subprocess
 import sys
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from highway_env.road.road import Road
 from short_scenario import write_short
 
 from vpf_sim.evaluation.episode import episode
@@ -43,6 +45,22 @@ def test_who_looks_at_no_frame_drives_the_same_without(driver: str, tmp_path: Pa
     assert [frame.shape for frame in frames] == (len(alone.steps)) * [(480, 640, 3)]
     assert "render" in watched.timing["stages_ms"]
     assert "render" not in alone.timing["stages_ms"]
+
+
+def test_no_world_outlives_its_episode(tmp_path: Path) -> None:
+    """Worlds are large and hold themselves: those that linger let a worker's memory grow from episode to episode."""
+    gc.collect()
+    before = roads_alive()
+    gc.disable()
+    try:
+        episode.run(str(write_short(tmp_path)), "rain", "pid", 5)
+        assert roads_alive() == before
+    finally:
+        gc.enable()
+
+
+def roads_alive() -> int:
+    return sum(isinstance(thing, Road) for thing in gc.get_objects())
 
 
 def test_the_pid_is_blind_to_obstacles() -> None:

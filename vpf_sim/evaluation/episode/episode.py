@@ -1,5 +1,6 @@
 """One episode: a driver in a world, from reset to end."""
 
+import gc
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -38,6 +39,13 @@ def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | No
 
     No frames are taken of an episode whose driver does not look at them and that nobody watches.
     """
+    result = _run(scenario, weather, driver, seed, watch)
+    # A world's objects hold each other: left until the collector comes by, the last few worlds would scatter the heap.
+    gc.collect()
+    return result
+
+
+def _run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None) -> EpisodeResult:
     started_s, stopwatch = perf_counter(), Stopwatch()
     tested = drivers.create(driver)
     truth, frames = (("foe",), True) if drivers.sees(tested) else ((), watch is not None)
