@@ -7,6 +7,7 @@ import pytest
 from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
 from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
+from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_search import MoverConfig, appear
 from vpf_sim.perception.movers import MoverTracker
 from vpf_sim.planning import variant
@@ -15,7 +16,7 @@ from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference import LaneReference
 from vpf_sim.planning.reach import Reach
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats, Obstacles, VehicleModel
+from vpf_sim.types import Floats, Flow, Obstacles, VehicleModel
 
 ROBUST = variant.load("robust").valley
 assert ROBUST is not None
@@ -229,3 +230,58 @@ def test_what_the_road_shines_through_is_no_body() -> None:
     drive = Traffic(np.concatenate([ghost, road]), np.concatenate([np.full(18, 3.0), np.zeros(900)]))
     found = Seen().run(drive, range(180))
     assert not any((bodies.identity < 0).any() for bodies in found)
+
+
+class Faint(Traffic):
+    """Traffic whose first points have a share of the contrast of the others."""
+
+    def __init__(self, scene_m: Floats, speed_mps: Floats, first: int, contrast: float) -> None:
+        super().__init__(scene_m, speed_mps)
+        self.first, self.contrast = first, contrast
+
+    def flow(self, frame: int) -> Flow:
+        flow: Flow = super().flow(frame)
+        share = np.where(flow.identity < self.first, self.contrast, 1.0)
+        return replace(flow, structure=flow.structure * share[:, None, None])
+
+
+def before_trees(contrast: float) -> Faint:
+    """A car at 14 m that drives at 3 m/s, before a row of trees with just its inverse depth, as it is a second on."""
+    car = vehicle(14.0, 3.2)
+    rng = stream(33, "trees")
+    depth = (14.0 - CAMERA.forward_m + 3.0 - SPEED_MPS) / (1.0 - 3.0 / SPEED_MPS) + SPEED_MPS
+    trees = np.column_stack(
+        [np.full(60, depth + CAMERA.forward_m), rng.uniform(4.0, 15.0, 60), rng.uniform(1.6, 7.0, 60)]
+    )
+    speeds = np.repeat([3.0, 0.0], [len(car), len(trees)])
+    return Faint(np.concatenate([car, trees]), speeds, len(car), contrast)
+
+
+def test_trees_behind_a_body_that_share_its_flow_do_not_hide_it() -> None:
+    found = Seen().run(before_trees(1.0), range(round(1.5 * RATE_HZ)))
+    last = found[-1]
+    assert np.count_nonzero(last.identity < 0) == 1
+    mover = int(np.argmin(last.identity))
+    assert last.forward_m[mover] == pytest.approx(14.0 + (3.0 - SPEED_MPS) * (len(found) - 1) / RATE_HZ, rel=0.08)
+    assert (last.left_m[mover], last.right_m[mover]) == pytest.approx((2.3, 4.1), abs=0.5)
+
+
+def test_an_image_as_faint_as_a_wet_road_mirrors_is_no_body() -> None:
+    found = Seen().run(before_trees(0.1), range(round(1.5 * RATE_HZ)))
+    assert not any((bodies.identity < 0).any() for bodies in found)
+
+
+def test_a_body_that_is_believed_keeps_its_place_against_a_nearer_suspect() -> None:
+    """A second reading of the same tracks, with the same time to contact: as far as its points say, it may be right."""
+    drive = traffic((vehicle(16.0, 0.0), 3.0))
+    seen = Seen()
+    seen.run(drive, range(round(2.0 * RATE_HZ)))
+    (mover,) = [mover for mover in seen.movers.movers if mover.identity is not None]
+    pose = drive.pose(round(2.0 * RATE_HZ) - 1)
+    place = mover.place(pose)
+    sight = Sight(place[0] - 3.0, 3.6, 0.5, -1.2, 1.2)
+    seen.movers.movers.append(Mover(sight, CAMERA, pose, 0.9, MoverConfig().filter))
+    found = seen.run(drive, range(round(2.0 * RATE_HZ), round(2.2 * RATE_HZ)))
+    assert [int(name) for name in found[-1].identity] == [-1]
+    expected = 16.0 + (3.0 - SPEED_MPS) * 2.2
+    assert found[-1].forward_m == pytest.approx([expected], abs=0.6)

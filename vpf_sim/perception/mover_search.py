@@ -7,6 +7,7 @@ import numpy as np
 from vpf_sim.perception.closing import ClosingConfig
 from vpf_sim.perception.marks import Integers
 from vpf_sim.perception.mover import FilterConfig, Sight
+from vpf_sim.perception.mover_evidence import EvidenceConfig
 from vpf_sim.perception.triangulation import NoiseModel, Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow
 
@@ -27,15 +28,12 @@ class MoverConfig:
     least_drop: float = 0.025  # tangent below the horizon of points that move
     near_m: float = 2.5  # range of depth in which bodies are found
     far_m: float = 25.0
+    least_upright: int = 5  # points above the horizon that contrast is measured by
     most_suspects: int = 3  # that are looked at beside those believed
     least_points: int = 2  # that raise suspicion
     least_members: int = 4  # of a look that speaks for a body
-    least_share: float = 0.6  # of the tracks in its outline
     stray: float = 0.35  # what a track counts against a body that nothing explains: rain slides down the glass
-    kept_share: float = 0.4  # once it is believed
     least_thickness_m: float = 0.2  # of its points about a line: tracks slip along lines
-    car_m: float = 2.0  # a body that is higher is no car's,
-    wide_m: float = 2.2  # and so not narrower
     least_height_m: float = 0.4  # from its lowest to its highest point
     front_m: float = 0.8  # of its face, and so of its width
     foot_m: float = 0.4  # its lowest point is not higher
@@ -45,6 +43,7 @@ class MoverConfig:
     follow_bearing: float = 0.7  # as beyond this tangent
     side_quantile: float = 0.05  # of its points, that make its sides
     link_m: float = 1.1  # half an outline's width
+    foot_side_m: float = 0.9  # from its middle to a foot at its side
     glass_m: float = 0.3  # of a vehicle, below the camera and up: windows show what is behind
     alike_ratio: float = 0.15
     slowest_share: float = 0.65  # of the closing speed in the own speed,
@@ -54,8 +53,7 @@ class MoverConfig:
     margin_m: float = 0.3  # about it
     tallest_m: float = 3.6
     prior: float = -4.0  # log-odds of what is suspected
-    speaks_for: float = 1.2  # change of the log-odds by a look
-    speaks_against: float = 1.0
+    speaks_against: float = 1.0  # change of the log-odds by a look at nothing upright
     independent_s: float = 0.1  # between looks that count in full
     believed: float = 1.0  # log-odds
     sure: float = 3.0  # from here on its points are no landmarks
@@ -68,6 +66,7 @@ class MoverConfig:
     edge_margin_m: float = 1.0  # inside the carriageway's edges is its middle
     noise: NoiseModel = field(default_factory=NoiseModel)  # of the tracks
     filter: FilterConfig = field(default_factory=FilterConfig)
+    evidence: EvidenceConfig = field(default_factory=EvidenceConfig)
     closing: ClosingConfig = field(default_factory=ClosingConfig)
 
 
@@ -85,6 +84,7 @@ class Apparent:
     road: Bools  # (N,) of the road
     standing: Floats  # (N,) chi2 of what stands or lies on the road
     moves: Bools  # (N,) below the road beyond doubt
+    contrast: Floats  # (N,) logarithm of their gradients' square, as a share of that of what stands upright
 
 
 def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, config: MoverConfig) -> Apparent:
@@ -104,14 +104,21 @@ def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, co
         moves &= points.chi2_ground - points.chi2 > config.chi2_margin
         road = ripe & (points.chi2_ground < config.chi2_limit)
         standing = np.where(inverse < below, points.chi2_ground, points.chi2)
-    return Apparent(inverse, sigma, drop, x, own, ripe, flow.stuck, road, standing, moves)
+    strength = np.log(np.maximum(flow.structure[:, 0, 0] + flow.structure[:, 1, 1], 1.0))
+    upright = ripe & ~flow.stuck & (drop < 0.0)
+    if np.count_nonzero(upright) < config.least_upright:
+        upright = ripe & ~flow.stuck
+    contrast = strength - (np.median(strength[upright]) if upright.any() else 0.0)
+    return Apparent(inverse, sigma, drop, x, own, ripe, flow.stuck, road, standing, moves, contrast)
 
 
 def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: MoverConfig) -> list[Integers]:
     """For the best of the suspected feet, the tracks that move as it does in the outline of a vehicle on it."""
     ripe = np.flatnonzero(seen.ripe & ~seen.still & (seen.drop > 0.0))
+    middle = np.repeat(np.array([-1.0, 0.0, 1.0]) * config.foot_side_m, len(feet))[:, None]
+    feet = np.tile(feet, 3)
     depth = camera.height_m / seen.drop[feet][:, None]
-    inside = np.abs(seen.bearing[ripe] - seen.bearing[feet][:, None]) * depth < config.link_m
+    inside = np.abs((seen.bearing[ripe] - seen.bearing[feet][:, None]) * depth - middle) < config.link_m
     inside &= (seen.drop[ripe] < 1.03 * seen.drop[feet][:, None]) & (seen.drop[ripe] * depth > config.glass_m)
     gap = np.abs(seen.inverse_per_m[ripe] - seen.inverse_per_m[feet][:, None])
     doubt = 3.0 * np.hypot(seen.sigma_per_m[ripe], seen.sigma_per_m[feet][:, None])

@@ -10,9 +10,10 @@ farther off than it is, and so its lower part below the road; one that runs away
 time to contact, never the distance. The distance comes from the foot: the lowest points of a body stand on the road.
 
 What is suspected so is then followed as one rigid body that drives along the road (`moving_frame`, `mover`), and each
-look speaks for it or against it: the mirror images of what stands, drops on the glass and tracks that slip along a line
-also lie below the road, but the road shines through them, they fill no upright outline as wide as a vehicle, and do not
-move as one when we move across.
+look speaks for it or against it, by the likelihood of its points, one by one (`mover_evidence`): the mirror images of
+what stands, drops on the glass and tracks that slip along a line also lie below the road, but the road shines through
+them, they are faint, fill no upright outline as wide as a vehicle, and do not move as one when we move across. What
+stands behind a body and may share its flow says nothing of it, neither of its being nor of its shape.
 """
 
 import numpy as np
@@ -21,6 +22,7 @@ from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.closing import Closing
 from vpf_sim.perception.marks import Integers
 from vpf_sim.perception.mover import Mover, Sight
+from vpf_sim.perception.mover_evidence import evidence
 from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines, suspect
 from vpf_sim.perception.moving_frame import Residuals, against, part
 from vpf_sim.perception.triangulation import Triangulation
@@ -77,6 +79,8 @@ class MoverTracker:
         for mover in self.movers:
             mine, within = self._follow(mover, seen, flow, speed_mps)
             free &= ~mine
+            if mover.identity is not None:
+                free &= ~within  # two bodies do not stand in one place
             if mover.log_odds > self.config.sure:
                 hidden |= (mine | within) & seen.ripe
         self._hidden = flow.identity[hidden]
@@ -132,21 +136,21 @@ class MoverTracker:
         chi2 = np.where(chi2 < standing + config.odds, chi2, np.inf)
         face = chi2 < config.chi2_limit
         mover.tracks = flow.identity[chosen[face]]
-        good = False
+        gain = -config.speaks_against
         if np.count_nonzero(face) >= 3:
             mover.grow(faster, int(np.count_nonzero(face)), dt_s)
-            foot = self._foot(seen.drop[chosen[face]])
+            sure = face & (standing - chi2 > config.chi2_limit)  # what else is in the outline may shine through
+            shape = sure if np.count_nonzero(sure) >= 3 else face
+            foot = self._foot(seen.drop[chosen[shape]])
             if foot is not None:
                 mover.stand(foot, own_mps, flow.pose, dt_s)
             depth = mover.depth_m(flow.pose)
-            front = (
-                face & (behind < config.front_m) if np.count_nonzero(face & (behind < config.front_m)) >= 3 else face
-            )
+            front = shape & (behind < config.front_m)
+            front = front if np.count_nonzero(front) >= 3 else shape
             across = seen.bearing[chosen[front]] * depth
             left, right = np.quantile(across, (config.side_quantile, 1.0 - config.side_quantile))
             mover.spread(float(left), float(right), flow.pose, dt_s)
-            good = self._speaks_for(mover, seen, chosen, chi2, own_mps, flow.pose)
-        gain = config.speaks_for if good else -config.speaks_against
+            gain = self._speaks_for(mover, seen, chosen, chi2, own_mps, flow.pose)
         mover.log_odds = min(mover.log_odds + gain * dt_s / config.independent_s, config.most)
         if mover.log_odds > config.sure:
             mover.credit = config.sure  # a body that was sure is not doubted for what the picture's edge leaves of it
@@ -183,31 +187,28 @@ class MoverTracker:
 
     def _speaks_for(
         self, mover: Mover, seen: Apparent, chosen: Integers, chi2: Floats, own_mps: float, pose: Floats
-    ) -> bool:
-        """Whether a look shows an upright body as wide as a vehicle, of which nothing shines through."""
+    ) -> float:
+        """Log-odds of a look: none for what is not upright and as wide as a vehicle, else what the points tell."""
         config = self.config
         forward, right = mover.place(pose)
         depth = forward - self.camera.forward_m
         height = self.camera.height_m - seen.drop[chosen] * depth
         across = seen.bearing[chosen] * depth - right
         face = chi2 < config.chi2_limit
-        inside = (height > 0.3) & (height < 1.3) & (np.abs(across) < mover.half_m)
-        count = int(np.count_nonzero(face & inside))
-        beyond_doubt = int(np.count_nonzero(face & (seen.standing[chosen] - chi2 > config.chi2_limit)))
-        strange = inside & ~face
-        stands = np.count_nonzero(strange & (seen.standing[chosen] < config.chi2_limit))
-        against_it = stands + config.stray * (np.count_nonzero(strange) - stands)
+        inside = (height > config.evidence.low_m) & (height < config.evidence.high_m)
+        inside &= np.abs(across) < mover.half_m + 0.1
         low, high = np.min(height[face]), np.max(height[face])
-        upright = count >= config.least_members and low < config.foot_m and high - low > config.least_height_m
-        least = config.least_share if mover.identity is None else config.kept_share
-        shown = upright and count >= least * (count + against_it) and mover.width_m > config.least_width_m
-        if mover.identity is not None or not shown:
-            return bool(shown)
-        share = 1.0 - mover.speed_mps / max(own_mps, 0.1)
-        as_fast = -0.5 * config.equal_share < share < config.equal_share  # like the mirror image of what is far off
-        tall = np.count_nonzero(face & (height > config.car_m)) >= 3 and mover.width_m < config.wide_m
-        thick = _thickness(across[face], height[face]) > config.least_thickness_m
-        return bool(thick and not tall and not as_fast and beyond_doubt >= 3 and mover.speed_mps > config.least_mps)
+        upright = np.count_nonzero(face & inside) >= config.least_members and low < config.foot_m
+        upright &= high - low > config.least_height_m and mover.width_m > config.least_width_m
+        if not upright:
+            return -config.speaks_against
+        if mover.identity is None:
+            share = 1.0 - mover.speed_mps / max(own_mps, 0.1)
+            as_fast = -0.5 * config.equal_share < share < config.equal_share  # like the mirror image of what is far off
+            thick = _thickness(across[face], height[face]) > config.least_thickness_m
+            if as_fast or not thick or mover.speed_mps < config.least_mps:
+                return -config.speaks_against
+        return evidence(inside, chi2, seen.standing[chosen], seen.contrast[chosen], config.evidence)
 
     def _merge(self, pose: Floats) -> None:
         """Two parts of one body, side by side in one lane or one before the other, become one: the surer."""
@@ -215,13 +216,11 @@ class MoverTracker:
             return
         config = self.config
         kept: list[Mover] = []
-        for mover in sorted(self.movers, key=lambda mover: mover.place(pose)[0]):
+        for mover in sorted(self.movers, key=lambda mover: (-mover.log_odds, mover.place(pose)[0])):
             forward, right = mover.place(pose)
             for other in kept:
                 ahead, aside = np.subtract((forward, right), other.place(pose))
                 alike = abs(mover.speed_mps - other.speed_mps) < 2.0
-                if other.log_odds < min(mover.log_odds, config.believed):
-                    continue
                 in_sight = other.depth_m(pose) > config.follow_m
                 near = other.half_m + mover.half_m + 0.2 if in_sight else config.same_m  # a prediction may be off
                 if alike and abs(ahead) < config.length_m + in_sight and abs(aside) < near:
