@@ -200,6 +200,7 @@ class Perception:
     obstacle_map: ObstacleMap
     obstacles: Obstacles
     road: RoadEdges
+    low_sight_m: float = np.inf  # from the pose, up to which a low body would be known by now; inf: not judged
 
 
 @dataclass(frozen=True, slots=True)

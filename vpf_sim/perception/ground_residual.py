@@ -15,11 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.patch_water import WaterConfig, texture, what_stays
+from vpf_sim.perception.low_sight import LookQuality, LowSight, LowSightConfig
+from vpf_sim.perception.patch_water import WaterConfig, odd_cells, texture, what_stays
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
 
 Grid = NDArray[np.float32]
 WARP, NEAREST = (way | cv2.WARP_INVERSE_MAP for way in (cv2.INTER_LINEAR, cv2.INTER_NEAREST))
+GRAIN_PERCENT = 10.0  # of the patch, that no mirror image disturbs
 FAINT = np.float32(0.05)  # share of a window, below which what is seen there is not scaled up
 
 
@@ -37,12 +39,13 @@ class ResidualConfig:
     above_m: tuple[float, ...] = (0.1, 0.15, 0.2)
     below_m: tuple[float, ...] = (-0.1, -0.2)
     window_m: tuple[float, float] = (0.45, 0.65)  # along and across, over which differences are summed
-    even_m: float = 2.0  # slower changes of brightness do not count
+    even_m: tuple[float, float] = (1.25, 0.25)  # slower changes do not count: mirror images are long along the way
     floor_levels2: float = 1.5  # of the noise, grey levels^2
-    least_gain: float = 20.0  # by which a height above the road fits better, in multiples of the noise
+    least_gain: float = 12.0  # by which a height above the road fits better, in multiples of the noise
     most_share: float = 0.3  # of the difference left with it
-    apart_m: tuple[float, float] = (0.3, 0.05)  # along and across, what two pictures of the road may be apart
-    outline_gain: float = 8.0  # what counts as outline of a spot
+    apart_m: tuple[float, float] = (0.2, 0.05)  # along and across, what two pictures of the road may be apart
+    outline_gain: float = 5.0  # what counts as outline of a spot
+    length_m: float = 2.5  # what begins so near behind a spot, and overlaps it, is its far edge
     least_width_m: float = 0.2  # narrower ones are the rim of something else
     body_m: tuple[float, float] = (0.8, 0.35)  # along and across, about a known body that is left out
     foot_m: tuple[float, float] = (0.6, 0.15)  # along from where a body begins, and beside it, its foot is looked at;
@@ -50,6 +53,7 @@ class ResidualConfig:
     foot_share: float = 0.6  # and this share of that must be seen
     least_seen: float = 0.5  # share of a window that water must leave free
     water: WaterConfig = field(default_factory=WaterConfig)
+    sight: LowSightConfig = field(default_factory=LowSightConfig)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
@@ -96,6 +100,8 @@ class GroundResidual:
         self._seen: Bools = np.empty((0, 0), np.bool_)  # where it saw the road or what stands on it
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
+        self.sight = LowSight(config.sight, config.near_m)
+        self.period_s = self._period_frames / rate_hz
 
     @property
     def looks(self) -> bool:
@@ -135,6 +141,13 @@ class GroundResidual:
             if inside and wide and seen.mean() >= self.config.foot_share:
                 found[index] = self._contrast[foot][seen].max()
         return found
+
+    def _seen_ahead(self) -> Floats:
+        """(K,) share of the road ahead that the last look saw, at each place of `sight`."""
+        near = np.abs(self._right_m[self._columns]) < self.config.sight.half_width_m
+        share = self._seen[:, near].mean(axis=1)
+        ahead: Floats = np.interp(self.sight.forward_m, self._forward_m[: self._rows], share)
+        return ahead
 
     def _laid_out(self, grey: Image, pose: Floats) -> _Layout:
         """The frame as the newest of those remembered."""
@@ -183,9 +196,11 @@ class GroundResidual:
             return self._difference(now, dry, older, pose, height_m)
 
         road, free = difference(0.0)
-        noise = float(np.median(road[::4, ::4])) + config.floor_levels2  # windows overlap: a few tell
+        grain, usual = np.percentile(road[::4, ::4], (GRAIN_PERCENT, 50.0)).tolist()  # windows overlap: a few tell
+        noise = usual + config.floor_levels2
         self._contrast = road / np.float32(noise)
         self._seen = self._seen_before(older.pose, pose) & (free > config.least_seen)
+        self.sight.record(LookQuality(config.least_gain * noise, grain, self._seen_ahead()))
         if float(road.max()) < config.least_gain * noise:
             return []
         others = [difference(height) for height in (*config.above_m, *config.below_m)]
@@ -210,8 +225,8 @@ class GroundResidual:
         wet = cv2.warpAffine(older.water, transform, size, flags=NEAREST, borderMode=cv2.BORDER_REPLICATE)
         seen = dry * (wet[:, self._columns] == 0)
         change = (now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]) * seen
-        even = round(config.even_m / config.cell_m)
-        change -= seen * cv2.blur(change, (even, even)) / np.maximum(cv2.blur(seen, (even, even)), FAINT)
+        even = (odd_cells(config.even_m[1], config.cell_m), odd_cells(config.even_m[0], config.cell_m))
+        change -= seen * cv2.blur(change, even) / np.maximum(cv2.blur(seen, even), FAINT)
         free = self._summed(seen)
         return np.asarray(self._summed(change * change) / np.maximum(free, FAINT), np.float32), free
 
@@ -272,11 +287,17 @@ class GroundResidual:
         np.maximum.at(best, parts[standing].astype(np.intp), gain[standing])
         half_along, half_across = 0.5 * config.window_m[0], 0.5 * config.window_m[1]
         right_m = self._right_m[self._columns]
-        found = []
+        found: list[Spot] = []
         for part in np.flatnonzero(best > 0.0).tolist():
             column, row, width = (int(value) for value in boxes[part, :3])
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
             if right - left >= config.least_width_m:
                 near = float(self._forward_m[row]) + half_along
                 found.append(Spot(near, left, right, float(best[part])))
-        return found
+        found.sort(key=lambda spot: spot.forward_m)
+        return [spot for index, spot in enumerate(found) if not any(self._is_end(spot, one) for one in found[:index])]
+
+    def _is_end(self, spot: Spot, nearer: Spot) -> bool:
+        """Whether a spot is the far edge of what a nearer one is the near edge of."""
+        overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m
+        return overlap and spot.forward_m - nearer.forward_m < self.config.length_m

@@ -145,6 +145,11 @@ class LandmarkTracker:
         """Whether the next frame is one that `look` looks at."""
         return self._residual.looks
 
+    def low_sight_m(self, speed_mps: float) -> float:
+        """m ahead of the pose, up to which a low body on the road would be known by now at that speed; 0 if nowhere."""
+        book, residual = self._spots, self._residual
+        return residual.sight.distance_m(speed_mps, residual.period_s, book.hits_needed, book.config.way_m)
+
     def look(self, grey: Image, pose: Floats, road: RoadEdges) -> None:
         """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.
 

@@ -37,7 +37,7 @@ class WaterConfig:
 
 def texture(patch: Image, cell_m: float, config: WaterConfig) -> Grid:
     """(rows, columns) grey levels in two cells, how the brightness changes along the way."""
-    size = _odd(config.texture_m, cell_m)
+    size = odd_cells(config.texture_m, cell_m)
     smooth = cv2.blur(patch.astype(np.float32), (3, size))
     return np.asarray(cv2.Sobel(smooth, cv2.CV_32F, 0, 1, ksize=1), np.float32)
 
@@ -47,15 +47,15 @@ def what_stays(now: Grid, before: Grid, moved: Grid, cell_m: float, config: Wate
 
     `moved` is the texture `before`, moved as the road has: what agrees with it better is on the road.
     """
-    window = (_odd(config.window_m[1], cell_m), _odd(config.window_m[0], cell_m))
+    window = (odd_cells(config.window_m[1], cell_m), odd_cells(config.window_m[0], cell_m))
     power = cv2.blur(0.5 * (now * now + before * before), window)
     common = cv2.blur(now * before, window)
     stays = (common > config.share * power) & (common > cv2.blur(now * moved, window))
     stays &= power > max(config.contrast * float(np.median(power[SPARSE, SPARSE])), config.floor_levels2)
-    rim = np.ones((_odd(config.rim_m[0], cell_m), _odd(config.rim_m[1], cell_m)), np.uint8)
+    rim = np.ones((odd_cells(config.rim_m[0], cell_m), odd_cells(config.rim_m[1], cell_m)), np.uint8)
     return np.asarray(cv2.dilate(stays.astype(np.uint8), rim), np.uint8)
 
 
-def _odd(size_m: float, cell_m: float) -> int:
+def odd_cells(size_m: float, cell_m: float) -> int:
     """Cells, an odd number."""
     return 2 * round(0.5 * (size_m / cell_m - 1.0)) + 1

@@ -90,14 +90,15 @@ class SpotBook:
                 one.width_m += config.newest * (width - one.width_m)
                 way = distance_m(pose[:2], one.first_m)
                 stands = way >= config.way_m and one.first_forward_m - spot.forward_m > config.nearer_share * way
-                if one.identity is None and one.hits >= self._hits_needed and stands:
+                if one.identity is None and one.hits >= self.hits_needed and stands:
                     one.identity = self._next_identity()
                 return one
         self._known.append(_Candidate(world_from_vehicle(here, pose), width, pose[:2].copy(), spot.forward_m))
         return self._known[-1]
 
     @property
-    def _hits_needed(self) -> int:
+    def hits_needed(self) -> int:
+        """Until a spot is believed."""
         return self.config.hits + (self.config.more_hits if self._fresh_rate > self.config.busy else 0)
 
     def _is_kept(self, one: _Candidate, pose: Floats) -> bool:

@@ -59,6 +59,7 @@ CHANGES = (
             "valley.field.beside_height": 0.0,
             "valley.reference.motion": "direct",
             "valley.reference.speed": "constant",
+            "valley.sight": None,
         },
     ),
     Change(
@@ -74,7 +75,7 @@ CHANGES = (
     Change(
         "speed",
         "speed by what is ahead: bends, bodies not cleared in time, a stop and a second look where no side is free",
-        ("valley.reference.speed", "second_look"),
+        ("valley.reference.speed", "valley.sight", "second_look"),
     ),
     Change(
         "road",

@@ -9,6 +9,7 @@ from vpf_sim.planning.lane import locate, place
 from vpf_sim.planning.lane_field import LaneField, LaneFieldConfig, LanePotential
 from vpf_sim.planning.lane_reference import LaneReference, LaneReferenceConfig
 from vpf_sim.planning.reach import Reach, ReachConfig
+from vpf_sim.planning.sight_speed import SightConfig, within_sight
 from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
 
 
@@ -17,6 +18,7 @@ class ValleyConfig:
     field: LaneFieldConfig
     reference: LaneReferenceConfig
     reach: ReachConfig
+    sight: SightConfig | None = None  # without it, as fast where little is seen
 
 
 class Valley:
@@ -24,6 +26,7 @@ class Valley:
 
     def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
         reach, speed_mps = Reach(config.reach, setup.vehicle), setup.speed_reference_mps
+        self._sight, self._vehicle = config.sight, setup.vehicle
         self._field = LaneField(config.field, setup.vehicle, speed_mps, reach)
         self._reference = LaneReference(config.reference, setup.vehicle, speed_mps, setup.rate_hz, reach)
 
@@ -34,6 +37,8 @@ class Valley:
         reference = self._reference.update(
             lane, obstacles, self._field, potential.minimum_m, observation.yaw_rad, observation.speed_mps
         )
+        if self._sight is not None:
+            reference = within_sight(reference, perception.low_sight_m, self._sight, self._vehicle)
         extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
         return _force(potential, lane.y_m), reference, extra
 

@@ -1,0 +1,69 @@
+"""How far ahead a low body would be known by now: by what the looks at the road could have made out.
+
+What stands on the road changes its layout the more the nearer it is, and the more contrast it has. Haze and dusk take
+contrast from a body and from the grain of the road alike, so the difference that a pallet makes is told in multiples of
+the grain's. A look makes one out at a place if that is more than the look's noise asks, and if no water hides the place
+(`ground_residual`). It is believed after several such looks, over some way (`spots`): coming nearer at speed v with a
+look each T, the car takes p(x) dx / (v T) of them on a way dx, p the share of looks that would do.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.types import Floats
+
+
+@dataclass(frozen=True, slots=True)
+class LowSightConfig:
+    """The difference that a pallet 0.12 to 0.15 m high makes, and how looks are averaged."""
+
+    grains: float = 95.0  # of a pallet, in multiples of the grain's difference, squared grey levels,
+    grains_at_m: float = 9.0  # from the pose;
+    power: float = 3.4  # it falls with this power of the distance
+    far_m: float = 12.0  # from where on its height is not told any more: pixels of the older frame are too long
+    step_m: float = 0.25
+    half_width_m: float = 1.5  # of the strip of road ahead that is judged
+    spare_looks: float = 1.0  # more than it takes: looks fail by chance
+    looks: float = 12.0  # averaged over,
+    grain_looks: float = 50.0  # and for the grain: mirror images pass, it stays
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, slots=True)
+class LookQuality:
+    """What one look at the road could have made out."""
+
+    noise: float  # difference that a body has to exceed, squared grey levels
+    grain: float  # difference that the road's grain alone makes
+    seen: Floats  # (K,) share of the road ahead that was seen at each place
+
+
+class LowSight:
+    """Averages over the looks. Before the first, the road is believed to be seen well."""
+
+    def __init__(self, config: LowSightConfig, near_m: float) -> None:
+        self.config = config
+        self.forward_m: Floats = np.arange(near_m, config.far_m, config.step_m)
+        self._share = np.ones(len(self.forward_m))  # of looks that make a low body out
+        self._grain: float | None = None
+
+    def record(self, look: LookQuality) -> None:
+        """Take in one look."""
+        config = self.config
+        if self._grain is None:
+            self._grain = look.grain
+        self._grain += (look.grain - self._grain) / config.grain_looks
+        difference = config.grains * self._grain * (config.grains_at_m / self.forward_m) ** config.power
+        self._share += (np.where(difference > look.noise, look.seen, 0.0) - self._share) / config.looks
+
+    def distance_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> float:
+        """m from the pose, at which a low body would be believed that takes so many hits over such a way; 0 if none."""
+        needed_m = max((hits + self.config.spare_looks) * period_s * speed_mps, way_m)
+        passed_m = np.cumsum(self._share[::-1])[::-1] * self.config.step_m  # of way with hits, on coming near
+        enough = np.flatnonzero(passed_m >= needed_m)
+        return float(self.forward_m[enough[-1]]) if len(enough) else 0.0
