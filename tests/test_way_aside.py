@@ -84,14 +84,29 @@ def test_what_is_in_reach_is_in_reach(way_m: float) -> None:
 
 
 def test_the_way_decides_the_speed() -> None:
-    """By t = sqrt(4.4 s / a) and what the heading brings; 0 where no speed is low enough, inf where nothing is left."""
-    way, shift = np.array([20.0, 20.0, 3.0, 3.0]), np.array([1.0, -0.2, 2.0, 0.0])
+    """By t = sqrt(4.4 s / a), or by the steering's rate, and what the heading brings; inf where nothing is left."""
+    way, shift = np.array([20.0, 5.0, 20.0, 3.0, 3.0]), np.array([1.0, 1.0, -0.2, 2.0, 0.0])
     speed = REACH.speed(way, shift, 0.0)
     assert speed[0] == pytest.approx(20.0 / (np.sqrt(4.4 / ROBUST.reach.acceleration_mps2) + 0.3))
-    assert speed[1] == inf
-    assert speed[2] == 0.0
-    assert speed[3] == inf
-    assert REACH.speed(way[2:3], shift[2:3], 0.55)[0] > 0.0
+    assert REACH.steering(speed[1]) == pytest.approx(15.0 / (5.0 - 0.3 * speed[1]) ** 3, rel=0.05)
+    assert speed[2] == inf
+    assert speed[3] < ROBUST.reach.walking_mps
+    assert speed[4] == inf
+    assert REACH.reaches(way, shift, 0.0).tolist() == [True, True, True, False, True]
+    assert REACH.reaches(way[3:4], shift[3:4], 0.55)[0]
+
+
+@pytest.mark.parametrize("speed_mps", [3.0, 5.0])
+def test_who_is_on_the_way_aside_already_is_as_far_as_one_who_began_before(speed_mps: float) -> None:
+    """Headed at a slope on the curve of least radius, as if from straight on a way longer by R slope."""
+    slope, shift, radius = 0.2, 2.0, float(1.0 / REACH.tightest(speed_mps))
+    whole = shift + 0.5 * radius * slope**2
+    way = (
+        float(REACH.way(whole, speed_mps))
+        - radius * slope
+        + 0.3 * speed_mps * (1.0 - slope / float(REACH.ratio(speed_mps)))
+    )
+    assert REACH.speed(np.array([way]), np.array([shift]), slope)[0] == pytest.approx(speed_mps, rel=0.02)
 
 
 def test_near_an_edge_the_car_turns_no_more_than_its_corners_allow() -> None:

@@ -7,7 +7,8 @@ has a least value that no speed changes,
     t v >= sqrt(4.4 s R),
 
 and on it the course leaves the road's direction by as much as the mean slope s / way asks. A wide angle is for walking
-speed alone. What the car's heading brings by itself until then is no shift that is left to be made.
+speed alone. The steering takes time too: at a rate w of it the curvature changes by w / (L v) a metre at most, and the
+least-jerk path with that as its bound needs the way (15 s L v / w)^(1/3) (`STEERED`).
 """
 
 from dataclasses import dataclass
@@ -16,13 +17,16 @@ from math import sin, tan
 import numpy as np
 
 from vpf_sim.planning.lane import Lane
-from vpf_sim.types import Floats, VehicleModel
+from vpf_sim.types import Bools, Floats, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift D in T: 1.4 D / T and 4.4 D / T^2
+STEERED = 15.0  # 15 D / S^3 bounds the jerk, a quarter of what it begins with: it still ends without an overshoot
 REACTION_S = 0.3  # until the steering shows across the lane
 EASE = 1.35  # of the tightest curve: the steering takes time to get there
 TURNING_M = 2.5  # of way until a corner turns back from the edge
 LEAST_RATIO = 0.05  # where there is no room at all
+SLOWEST_MPS = 0.3  # for the rate of the steering: at standstill it turns on no way at all
+SPEEDS_MPS: Floats = np.linspace(0.5, 15.0, 30)  # at which the way that a shift needs is looked up
 MEAN_SLOPE = 1.2  # largest over mean slope of a shift that is in a hurry
 
 
@@ -35,14 +39,22 @@ class ReachConfig:
     walking_mps: float
     fast_mps: float  # from here on it is `ratio`
     acceleration_mps2: float  # largest across
+    steering_radps: float  # rate that a path asks of the steering at most
+    yaw_acceleration_radps2: float  # and of the car
 
     def __post_init__(self) -> None:
         if not 0.0 < self.ratio <= self.walking_ratio < 1.0:
             raise ValueError(f"ratio, walking_ratio: expected 0 < ratio <= walking_ratio < 1, got {self}")
         if not 0.0 < self.walking_mps < self.fast_mps:
             raise ValueError(f"walking_mps: expected 0 < walking_mps < fast_mps, got {self}")
-        if not self.acceleration_mps2 > 0.0:
-            raise ValueError(f"acceleration_mps2: expected > 0, got {self.acceleration_mps2}")
+        for name in ("acceleration_mps2", "steering_radps", "yaw_acceleration_radps2"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+
+
+def rear_m(lane: Lane, vehicle: VehicleModel) -> float:
+    """y of the rear axle, which goes where the car is headed."""
+    return lane.y_m + vehicle.l_r_m * sin(lane.heading_rad)
 
 
 class Reach:
@@ -58,22 +70,43 @@ class Reach:
     def walking_mps(self) -> float:
         return self._config.walking_mps
 
-    def ratio(self, speed_mps: float) -> float:
+    @property
+    def radius_m(self) -> float:
+        """Of the tightest curve, with the way that the steering takes to get there."""
+        return self._radius_m
+
+    def ratio(self, speed_mps: Floats | float) -> Floats:
         """Largest speed across as a share of the vehicle's."""
         config = self._config
         speeds, ratios = (config.walking_mps, config.fast_mps), (config.walking_ratio, config.ratio)
-        return float(np.interp(speed_mps, speeds, ratios))
+        ratio: Floats = np.asarray(np.interp(speed_mps, speeds, ratios))
+        return ratio
 
     def between(self, lane: Lane, speed_mps: float) -> tuple[float, float]:
         """The same to the left and to the right: no more than leaves the corners of our body on the carriageway."""
-        most, arm = self.ratio(speed_mps), 0.5 * self._vehicle.length_m + TURNING_M
+        most, arm = float(self.ratio(speed_mps)), 0.5 * self._vehicle.length_m + TURNING_M
         left = lane.y_m - lane.left_m - 0.5 * self._vehicle.width_m
         right = lane.right_m - lane.y_m - 0.5 * self._vehicle.width_m
         return min(max(left / arm, LEAST_RATIO), most), min(max(right / arm, LEAST_RATIO), most)
 
-    def acceleration(self, speed_mps: float) -> float:
-        """Largest acceleration across, m/s2: what is comfortable, or less where the car cannot turn so tightly."""
-        return min(self._config.acceleration_mps2, max(speed_mps, self._config.walking_mps) ** 2 / self._radius_m)
+    def tightest(self, speed_mps: Floats | float) -> Floats:
+        """Largest curvature of the path across, 1/m: what is comfortable, or the car's tightest curve."""
+        comfortable = self._config.acceleration_mps2 / np.maximum(speed_mps, self._config.walking_mps) ** 2
+        return np.minimum(comfortable, 1.0 / self._radius_m)
+
+    def steering(self, speed_mps: Floats | float) -> Floats:
+        """Largest change of that curvature along the way, 1/m2: what the steering's rate and comfort leave of it."""
+        config, speed = self._config, np.maximum(speed_mps, SLOWEST_MPS)
+        by_steering = config.steering_radps / self._vehicle.wheelbase_m / speed
+        return np.minimum(by_steering, config.yaw_acceleration_radps2 / speed**2)
+
+    def way(self, shift_m: Floats | float, speed_mps: Floats | float) -> Floats:
+        """m on which the car goes aside by that much at that speed, from the road's direction and back to it."""
+        by_curve = np.sqrt(PEAK_ACCELERATION * shift_m / self.tightest(speed_mps))
+        by_slope = PEAK_SPEED * shift_m / self.ratio(speed_mps)
+        by_steering = np.cbrt(STEERED * shift_m / self.steering(speed_mps))
+        way: Floats = np.maximum(np.maximum(by_curve, by_slope), by_steering)
+        return way
 
     def aside(self, way_m: Floats) -> Floats:
         """m, the largest shift on each way at walking speed, from the road's direction and back to it."""
@@ -82,16 +115,21 @@ class Reach:
         aside: Floats = np.minimum(turning, way * self._config.walking_ratio / MEAN_SLOPE)
         return aside
 
-    def speed(self, way_m: Floats, shift_m: Floats, slope: float) -> Floats:
-        """(K,) m/s at which shifts are made on the way that is left, the car being headed at a slope towards them.
+    def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
+        """(K,) whether shifts can be made at all; a car headed at a slope towards them may go on so until there."""
+        reached: Bools = shift_m - np.maximum(way_m, 0.0) * max(slope, 0.0) <= self.aside(way_m)
+        return reached
 
-        0 where no speed is low enough, inf where nothing is left to do.
+    def speed(self, way_m: Floats, shift_m: Floats, slope: float) -> Floats:
+        """(K,) m/s at which shifts are made on the way that is left; inf where nothing is left to do.
+
+        A car that is headed at a slope towards them is as far as one that began before: on the curve of radius R, by
+        R slope of the way and by R slope^2 / 2 of the shift. No less than the least of `SPEEDS_MPS`.
         """
-        config, way = self._config, np.maximum(way_m, 1e-3)
-        left = np.maximum(shift_m - way * max(slope, 0.0), 0.0)
-        by_time = way / (np.sqrt(PEAK_ACCELERATION * left / self._config.acceleration_mps2) + REACTION_S)
-        steepness = MEAN_SLOPE * np.maximum(shift_m, 0.0) / way
-        ratios, speeds = (config.ratio, config.walking_ratio), (config.fast_mps, config.walking_mps)
-        by_slope = np.where(steepness <= config.ratio, np.inf, np.interp(steepness, ratios, speeds))
-        speed = np.where(left <= self.aside(way), np.minimum(by_time, by_slope), 0.0)
+        radius = 1.0 / self.tightest(SPEEDS_MPS)
+        whole = np.maximum(shift_m[:, None] + 0.5 * radius * slope**2, 0.0)
+        begun = np.minimum(slope / self.ratio(SPEEDS_MPS), 1.0)  # who turns already has no reaction to wait for
+        ways = self.way(whole, SPEEDS_MPS) - radius * slope + (1.0 - begun) * REACTION_S * SPEEDS_MPS
+        needed = np.maximum.accumulate(ways, axis=1)
+        speed = np.array([np.interp(*row, SPEEDS_MPS) for row in zip(way_m, needed, strict=True)])
         return np.where(shift_m > 0.0, speed, np.inf)

@@ -7,7 +7,8 @@ import numpy as np
 
 from vpf_sim.planning.lane import locate, place
 from vpf_sim.planning.lane_field import LaneField, LaneFieldConfig, LanePotential
-from vpf_sim.planning.lane_reference import LaneReference, LaneReferenceConfig
+from vpf_sim.planning.lane_reference import LaneReference
+from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import Reach, ReachConfig
 from vpf_sim.planning.sight_speed import SightConfig, within_sight
 from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference

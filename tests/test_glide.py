@@ -1,0 +1,83 @@
+"""The path across the road that the reference takes: the car can follow it, at walking speed too."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from bicycle import Bicycle
+from ideal import Road
+
+from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.planning import variant
+from vpf_sim.planning.glide import Glide
+from vpf_sim.planning.lane import Lane, LaneObstacles, locate
+from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.lane_reference import LaneReference
+from vpf_sim.planning.reach import Reach, rear_m
+from vpf_sim.types import Floats, VehicleModel
+
+ROBUST = variant.load("robust").valley
+assert ROBUST is not None
+CAR, RATE_HZ = VehicleModel(), 60.0
+REACH = Reach(ROBUST.reach, CAR)
+LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
+NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))
+
+
+def path(minima_m: Sequence[float], speed_mps: float) -> Floats:
+    """(N, 3) place, slope and bend at every step."""
+    glide, rows = Glide(ROBUST.reference, REACH, 0.0, 2.0 * speed_mps), []
+    for minimum_m in minima_m:
+        glide.advance(LANE, minimum_m, np.inf, speed_mps, speed_mps / RATE_HZ)
+        rows.append((glide.y_m, glide.slope, glide.bend_per_m))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("speed_mps", [0.6, 1.2, 2.0, 3.0, 5.55])
+@pytest.mark.parametrize("shift_m", [0.5, 1.0, 3.0])
+def test_a_shift_keeps_the_limits_of_the_car_and_ends_without_overshoot(speed_mps: float, shift_m: float) -> None:
+    y, slope, bend = path([shift_m] * round(30.0 / speed_mps * RATE_HZ), speed_mps).T
+    step = speed_mps / RATE_HZ
+    assert y[-1] == pytest.approx(shift_m, abs=0.01)
+    assert y.max() < 1.03 * shift_m
+    assert np.abs(bend).max() <= 1.0 / REACH.radius_m + 1e-9
+    assert np.abs(bend).max() * speed_mps**2 <= ROBUST.reach.acceleration_mps2 + 1e-9
+    assert np.abs(slope).max() <= ROBUST.reach.walking_ratio + 1e-9
+    steering = np.abs(np.diff(bend)) / step * speed_mps * CAR.wheelbase_m
+    assert steering.max() <= ROBUST.reach.steering_radps + 1e-9
+
+
+def test_who_stands_goes_along_no_path() -> None:
+    glide = Glide(ROBUST.reference, REACH, 0.0, 4.0)
+    for _ in range(60):
+        glide.advance(LANE, 3.0, np.inf, 1.0, 1.0 / RATE_HZ)
+    before = (glide.y_m, glide.slope, glide.bend_per_m)
+    for _ in range(600):
+        glide.advance(LANE, -3.0, np.inf, 0.0, 0.0)
+    assert (glide.y_m, glide.slope, glide.bend_per_m) == before
+
+
+def test_the_mirrored_minimum_gives_the_mirrored_path() -> None:
+    minima = [3.0] * 60 + [-0.5] * 200
+    assert np.array_equal(path(minima, 2.0), -path([-minimum for minimum in minima], 2.0))
+
+
+@pytest.mark.parametrize("speed_mps", [1.0, 2.0, 3.0])
+@pytest.mark.parametrize("turned_back_after_m", [1.5, 2.5])
+def test_the_car_follows_when_the_minimum_jumps_back(speed_mps: float, turned_back_after_m: float) -> None:
+    """On its way to a minimum 4 m aside that jumps to 0.7 m: the path turns back as fast as the car, and no faster."""
+    car, hands, road = Bicycle(speed_mps=speed_mps), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
+    way = LaneReference(ROBUST.reference, CAR, speed_mps, RATE_HZ, REACH)
+    field = LaneField(ROBUST.field, CAR, speed_mps, REACH)
+    off, beside = [], []
+    while car.x_m < 15.0:
+        lane = locate(road.edges(car))
+        minimum_m = 4.0 if car.x_m < turned_back_after_m else 0.7
+        reference = way.update(lane, NOTHING, field, minimum_m, car.yaw_rad, car.speed_mps)
+        off.append(abs(reference.heading_rad - car.yaw_rad))
+        assert way.y_m is not None
+        beside.append(abs(way.y_m - rear_m(lane, CAR)))
+        car.step(hands.command(car.observe(), reference))
+    assert max(off) < np.radians(6.0)
+    assert max(beside) < 0.12
+    assert car.y_m == pytest.approx(0.7, abs=0.1)

@@ -1,0 +1,35 @@
+"""The limits of how the robust variant moves across the lane, and of its speed."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, slots=True)
+class LaneReferenceConfig:
+    """Limits of the reference's own motion across the lane, and of the speed."""
+
+    speed_mps: float  # largest speed across
+    shift_s: float  # duration of a shift when there is time
+    shift_share: float  # and otherwise its share of the time that is left
+    correction_per_s: float  # k
+    correction_per_m: float  # k / v at most: the slower, the longer the car takes to turn
+    correction_mps: float  # largest speed of the correction
+    correction_ratio: float  # and its largest share of the vehicle's speed
+    lead_m: float  # y_r stays this near to the rear axle's own y
+    minimum_clearance_m: float  # nearer than this counts as blocked
+    walking_clearance_m: float  # the same at walking speed
+    bend_acceleration_mps2: float  # lateral, limits the speed in bends
+    brake_mps2: float  # of a stop before a blocked road
+    rise_mps2: float  # of the speed reference, afterwards
+    standoff_m: float  # free road kept when stopping
+    time_gap_s: float  # kept besides to a body that moves
+    standing_s: float  # after which the car creeps up to a body that blocks it,
+    creep_mps: float  # at this speed
+    creep_standoff_m: float  # and to this distance
+    motion: Literal["direct", "least_jerk"] = "least_jerk"
+    speed: Literal["constant", "ahead"] = "ahead"
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            if name not in ("motion", "speed") and not getattr(self, name) > 0.0:
+                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
