@@ -10,6 +10,7 @@ from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
 from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_search import MoverConfig, appear
 from vpf_sim.perception.movers import MoverTracker
+from vpf_sim.perception.moving_frame import part
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
@@ -285,3 +286,19 @@ def test_a_body_that_is_believed_keeps_its_place_against_a_nearer_suspect() -> N
     assert [int(name) for name in found[-1].identity] == [-1]
     expected = 16.0 + (3.0 - SPEED_MPS) * 2.2
     assert found[-1].forward_m == pytest.approx([expected], abs=0.6)
+
+
+def test_a_believed_body_is_not_given_up_for_a_second_in_which_little_of_it_is_seen() -> None:
+    """As while the wiper passes: of all its points three are left, side by side."""
+    drive = traffic((vehicle(16.0, 0.0), 3.0))
+    seen = Seen()
+    nothing = seen.run(drive, range(10))[-1]
+    assert not len(nothing)
+    seen.run(drive, range(10, round(2.0 * RATE_HZ)))
+    for frame in range(round(2.0 * RATE_HZ), round(3.0 * RATE_HZ)):
+        flow = drive.flow(frame)
+        left = part(flow, np.flatnonzero((flow.identity > 17) | ((flow.identity > 3) & (flow.identity < 7))))
+        seen.movers.update(left, seen.landmarks.triangulate(left), drive.road, SPEED_MPS, frame / RATE_HZ)
+    told = seen.movers.obstacles(flow.pose, SPEED_MPS, nothing)
+    assert [int(name) for name in told.identity] == [-1]
+    assert told.forward_m == pytest.approx([16.0 + (3.0 - SPEED_MPS) * 3.0], abs=1.0)

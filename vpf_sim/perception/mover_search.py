@@ -52,8 +52,10 @@ class MoverConfig:
     same_m: float = 1.2  # two that are nearer across are one, where the nearer is predicted
     margin_m: float = 0.3  # about it
     tallest_m: float = 3.6
-    prior: float = -4.0  # log-odds of what is suspected
+    prior: float = -4.0  # log-odds of what is suspected,
+    dropped: float = -6.0  # and where it is no more
     speaks_against: float = 1.0  # change of the log-odds by a look at nothing upright
+    doubts: float = 0.35  # at most against a body that is believed: the wiper passes, or another body
     independent_s: float = 0.1  # between looks that count in full
     believed: float = 1.0  # log-odds
     sure: float = 3.0  # from here on its points are no landmarks

@@ -151,6 +151,8 @@ class MoverTracker:
             left, right = np.quantile(across, (config.side_quantile, 1.0 - config.side_quantile))
             mover.spread(float(left), float(right), flow.pose, dt_s)
             gain = self._speaks_for(mover, seen, chosen, chi2, own_mps, flow.pose)
+        if mover.identity is not None:
+            gain = max(gain, -config.doubts)
         mover.log_odds = min(mover.log_odds + gain * dt_s / config.independent_s, config.most)
         if mover.log_odds > config.sure:
             mover.credit = config.sure  # a body that was sure is not doubted for what the picture's edge leaves of it
@@ -244,7 +246,7 @@ class MoverTracker:
             left_edge, right_edge = carriageway_offsets(np.array([forward]), road)
             on_road = left_edge[0] - 0.5 < right < right_edge[0] + 0.5 or abs(forward) > config.far_m
             known = -config.behind_m < forward < 1.5 * config.far_m and mover.sigma_m < config.vague_m
-            least = 0.0 if mover.identity is not None else config.prior - 1.0
+            least = 0.0 if mover.identity is not None else config.dropped
             return bool(known and on_road and mover.log_odds > least)
 
         self.movers = [mover for mover in self.movers if kept(mover)]
