@@ -42,8 +42,10 @@ class FilterConfig:
     track_sigma_mps: float = 0.5  # of what one track tells of the speed
     least_sigma_mps: float = 0.1
     side_s: float = 0.2  # time constant of the sides
-    narrowest_m: float = 1.7  # vehicle, and
+    narrowest_m: float = 1.9  # vehicle, with its mirrors, and
     widest_m: float = 2.6
+    drift_mps: float = 0.06  # by which its sides may lie farther out while they are predicted,
+    drift_m: float = 0.3  # and at most: it keeps its lane
     clip: float = 2.0  # standard deviations of an innovation that are taken
     chi2_limit: float = 9.0  # of a track that belongs to the body
 
@@ -69,6 +71,7 @@ class Mover:
         self.credit = -np.inf  # log-odds that it has at least once it cannot be looked at
         self.tracks = np.empty(0, np.int64)  # identities of those that were of it at the last look
         self.course = Course(sight.speed_mps, float(pose[2]), 0.0)
+        self._predicted_s = 0.0  # since its sides were seen
 
     def predict(self, dt_s: float, direction_rad: float, curvature_per_m: float) -> None:
         """dt seconds on along the road, which has that direction in the world and that bend there."""
@@ -77,6 +80,7 @@ class Mover:
         self.sigma_m = float(np.sqrt((self.sigma_m + 0.3 * self.sigma_mps * dt_s) ** 2 + config.slip_mps**2 * dt_s))
         self.sigma_mps = min(float(np.sqrt(self.sigma_mps**2 + config.acceleration_mps2**2 * dt_s)), 2.0)
         self.course = Course(self.speed_mps, direction_rad, curvature_per_m)
+        self._predicted_s += dt_s
 
     def place(self, pose: Floats) -> tuple[float, float]:
         """Forward m of the face and right m of its middle, in the axes of the vehicle."""
@@ -91,6 +95,11 @@ class Mover:
     def half_m(self) -> float:
         """m, half the width that it takes: what is seen, as wide as a vehicle is."""
         return 0.5 * min(max(self.width_m, self._config.narrowest_m), self._config.widest_m)
+
+    @property
+    def reach_m(self) -> float:
+        """m from its middle to where its sides may be by now."""
+        return self.half_m + min(self._config.drift_mps * self._predicted_s, self._config.drift_m)
 
     def mine(self, flow: Flow) -> Bools:
         """(N,) points that were of this body at the last look."""
@@ -148,6 +157,7 @@ class Mover:
 
     def spread(self, left_m: float, right_m: float, pose: Floats, dt_s: float) -> None:
         """Its sides, as seen in one look."""
+        self._predicted_s = 0.0
         forward, right = self.place(pose)
         gain = 1.0 - exp(-dt_s / self._config.side_s)
         right += gain * (0.5 * (left_m + right_m) - right)

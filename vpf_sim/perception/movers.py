@@ -100,7 +100,7 @@ class MoverTracker:
         met soon and is none of these."""
         believed = [mover for mover in self.movers if mover.identity is not None]
         place = np.array([mover.place(pose) for mover in believed]).reshape(-1, 2)
-        half = np.array([mover.half_m for mover in believed])
+        half = np.array([mover.reach_m for mover in believed])
         speed = np.array([mover.speed_mps for mover in believed])
         forward, closing = place[:, 0], speed_mps - speed
         with np.errstate(divide="ignore", invalid="ignore"):
