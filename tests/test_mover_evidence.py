@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.mover_evidence import EvidenceConfig, evidence
+from vpf_sim.perception.mover_evidence import EvidenceConfig, Mirror, evidence
 from vpf_sim.types import Bools, Floats
 
 CONFIG = EvidenceConfig()
@@ -19,7 +19,7 @@ def points(
 
 
 def test_points_speak_by_their_count() -> None:
-    values = [evidence(*points(count, standing=4), CONFIG) for count in (0, 1, 3, 8)]
+    values = [evidence(*points(count, standing=4), 1.0, CONFIG) for count in (0, 1, 3, 8)]
     assert values[0] == CONFIG.least
     assert values == sorted(values)
     assert values[-1] > 0.0
@@ -27,13 +27,13 @@ def test_points_speak_by_their_count() -> None:
 
 @pytest.mark.parametrize("against", [{"standing": 10}, {"stray": 500}, {"contrast": -1.2}])
 def test_what_stands_what_is_stray_and_what_is_faint_speak_against(against: dict[str, float]) -> None:
-    assert evidence(*points(5), CONFIG) > 0.0
-    assert evidence(*points(5, **against), CONFIG) < 0.0  # type: ignore[arg-type]
+    assert evidence(*points(5), 1.0, CONFIG) > 0.0
+    assert evidence(*points(5, **against), 1.0, CONFIG) < 0.0  # type: ignore[arg-type]
 
 
 def test_points_that_both_readings_explain_weigh_little_and_those_outside_nothing() -> None:
     inside, moving, standing, contrast = points(6)
-    alone = evidence(inside, moving, standing, contrast, CONFIG)
+    alone = evidence(inside, moving, standing, contrast, 1.0, CONFIG)
     both = np.concatenate([np.ones(3), np.full(6, 1.0)])
     more = (
         np.concatenate([np.ones(3, np.bool_), inside]),
@@ -41,11 +41,29 @@ def test_points_that_both_readings_explain_weigh_little_and_those_outside_nothin
         np.concatenate([np.ones(3), standing]),
         np.concatenate([np.full(3, -3.0), contrast]),
     )
-    assert alone - 1.0 <= evidence(*more, CONFIG) <= alone
+    assert alone - 1.0 <= evidence(*more, 1.0, CONFIG) <= alone
     outside = (more[0] & (np.arange(9) > 2), *more[1:])
-    assert evidence(*outside, CONFIG) == pytest.approx(alone)
+    assert evidence(*outside, 1.0, CONFIG) == pytest.approx(alone)
 
 
 def test_a_look_is_bounded() -> None:
-    assert evidence(*points(500, contrast=3.0), CONFIG) == CONFIG.most
-    assert evidence(*points(2, standing=500, contrast=-5.0), CONFIG) == CONFIG.least
+    assert evidence(*points(500, contrast=3.0), 1.0, CONFIG) == CONFIG.most
+    assert evidence(*points(2, standing=500, contrast=-5.0), 1.0, CONFIG) == CONFIG.least
+
+
+def test_what_is_faint_speaks_against_a_body_only_where_the_road_mirrors() -> None:
+    dark = points(5, contrast=-1.2)
+    values = [evidence(*dark, mirror, CONFIG) for mirror in (0.0, 0.5, 1.0)]
+    assert values == sorted(values, reverse=True)
+    assert values[0] > 0.0 > values[-1]
+    sharp = points(2, stray=20, contrast=0.3)
+    assert evidence(*sharp, 0.0, CONFIG) == evidence(*sharp, 1.0, CONFIG)
+
+
+@pytest.mark.parametrize(("below", "degree"), [(3, 0.0), (40, 1.0)])
+def test_how_far_the_road_mirrors_is_told_by_the_points_below_it(below: int, degree: float) -> None:
+    mirror = Mirror(CONFIG, 0.05)
+    assert mirror.degree == 1.0
+    for _ in range(40):
+        mirror.update(below, 100)
+    assert mirror.degree == pytest.approx(degree, abs=0.05)

@@ -4,11 +4,13 @@ Against it stand two other readings of the same points. What stands and lies on 
 mirror image of what stands on the wet road lies below the road as well, and moves like a body that drives: with w its
 inverse depth it cannot be told from one by any track while we drive straight on. But a wet road reflects a small share
 of the light at the angles at which it is looked at (Fresnel), and smears it: a mirror image has a fraction of the
-contrast of what stands in the picture, a body has as much. The weights are those of a logistic regression over looks at
-suspects on development drives in rain, rounded.
+contrast of what stands in the picture, a body has as much. How far that counts depends on how much the road mirrors: on
+a dry road hardly a point lies below it that is of no body, and a dark car is as good as any (`Mirror`). The weights are
+those of a logistic regression over looks at suspects on development drives in rain, rounded.
 """
 
 from dataclasses import dataclass
+from math import exp
 
 import numpy as np
 
@@ -29,16 +31,41 @@ class EvidenceConfig:
     per_other: float = 0.7  # and of neither
     per_contrast: float = 3.7  # times the upper quartile of their contrast,
     faint: float = -0.25  # less this, below which it speaks against it
+    dry_share: float = 0.12  # of the points on the road that lie below it and are of no body: on a dry road,
+    wet_share: float = 0.27  # and on one that mirrors
+    share_s: float = 2.0  # time constant of that share
     least_share: float = 0.5  # of those for it in those against it; with less it shines through
     least: float = -1.0  # of a look
     most: float = 2.0
 
 
-def evidence(inside: Bools, moving: Floats, standing: Floats, contrast: Floats, config: EvidenceConfig) -> float:
+class Mirror:
+    """How far the road mirrors, from 0 to 1: by the share of the points on it that lie below it and are of no body."""
+
+    def __init__(self, config: EvidenceConfig, look_s: float) -> None:
+        self._config = config
+        self._kept = exp(-look_s / config.share_s)
+        self._below, self._all = 20.0, 50.0  # until it is known, it mirrors
+
+    def update(self, below: int, count: int) -> None:
+        """A look at `count` points on the road and outside of all bodies, of which so many lie below it."""
+        self._below, self._all = self._kept * self._below + below, self._kept * self._all + count
+
+    @property
+    def degree(self) -> float:
+        """0 on a dry road, 1 on a wet one."""
+        dry, wet = self._config.dry_share, self._config.wet_share
+        return min(max((self._below / max(self._all, 1.0) - dry) / (wet - dry), 0.0), 1.0)
+
+
+def evidence(
+    inside: Bools, moving: Floats, standing: Floats, contrast: Floats, mirror: float, config: EvidenceConfig
+) -> float:
     """Log-odds of a look at N points, of which those `inside` (N,) the body's outline count.
 
     A track has the chi2 `moving` (N,) as one of the body and `standing` (N,) as one that stands; `contrast` (N,) is the
-    logarithm of its squared gradients, as a share of those of what stands upright in the picture.
+    logarithm of its squared gradients, as a share of those of what stands upright in the picture. So far as the road
+    mirrors, `mirror` from 0 to 1, faint points speak against it.
     """
     odds = 0.5 * (np.minimum(standing, config.cap) - np.minimum(moving, config.cap))[inside]
     speaks = odds > config.speaks_for
@@ -48,5 +75,6 @@ def evidence(inside: Bools, moving: Floats, standing: Floats, contrast: Floats, 
     other = len(odds) - number_for - number_against
     sharp = float(np.quantile(contrast[inside][speaks], 0.75))
     value = config.per_contrast * (sharp - config.faint)
+    value = max(value, mirror * value)
     value += config.per_for * np.log1p(number_for) - config.per_against * np.log1p(number_against)
     return float(min(max(value - config.per_other * np.log1p(other), config.least), config.most))

@@ -22,7 +22,7 @@ from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.closing import Closing
 from vpf_sim.perception.marks import Integers
 from vpf_sim.perception.mover import Mover, Sight
-from vpf_sim.perception.mover_evidence import evidence
+from vpf_sim.perception.mover_evidence import Mirror, evidence
 from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines, suspect
 from vpf_sim.perception.moving_frame import Residuals, against, part
 from vpf_sim.perception.triangulation import Triangulation
@@ -38,6 +38,7 @@ class MoverTracker:
         self._look = max(1, round(config.look_s * rate_hz))
         self._search = self._look * max(1, round(config.search_s / config.look_s))
         self._closing = Closing(camera, config.closing, self._look / rate_hz)
+        self._mirror = Mirror(config.evidence, self._look / rate_hz)
         self._frame = -1
         self._time_s = 0.0
         self._hidden = np.empty(0, np.int64)  # identities of tracks
@@ -76,6 +77,7 @@ class MoverTracker:
         seen = appear(flow, points, self.camera, self.rate_hz, self.config)
         free = seen.moves.copy()
         hidden = np.zeros(len(flow), np.bool_)
+        self._reflect(seen, flow.pose)
         for mover in self.movers:
             mine, within = self._follow(mover, seen, flow, speed_mps)
             free &= ~mine
@@ -89,6 +91,13 @@ class MoverTracker:
         self._forget(flow.pose, road)
         if self._searches:
             self._find(seen, free, flow, road)
+
+    def _reflect(self, seen: Apparent, pose: Floats) -> None:
+        """Look at how far the road mirrors, outside of all that moves."""
+        low = seen.ripe & ~seen.still & (seen.drop > self.config.least_drop)
+        for mover in self.movers:
+            low &= ~self._outline(mover, seen, pose)
+        self._mirror.update(int(np.count_nonzero(low & seen.moves)), int(np.count_nonzero(low)))
 
     @property
     def reports(self) -> bool:
@@ -210,7 +219,9 @@ class MoverTracker:
             thick = _thickness(across[face], height[face]) > config.least_thickness_m
             if as_fast or not thick or mover.speed_mps < config.least_mps:
                 return -config.speaks_against
-        return evidence(inside, chi2, seen.standing[chosen], seen.contrast[chosen], config.evidence)
+        return evidence(
+            inside, chi2, seen.standing[chosen], seen.contrast[chosen], self._mirror.degree, config.evidence
+        )
 
     def _merge(self, pose: Floats) -> None:
         """Two parts of one body, side by side in one lane or one before the other, become one: the surer."""
