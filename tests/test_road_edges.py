@@ -209,3 +209,17 @@ def test_distortion_is_that_of_opencv() -> None:
 def test_a_nonsense_configuration_is_refused(wrong: dict[str, float], says: str) -> None:
     with pytest.raises(ValueError, match=says):
         RoadEdgeConfig(**wrong)  # type: ignore[arg-type]
+
+
+def test_a_body_that_was_passed_and_is_behind_us_hides_no_line() -> None:
+    """It is predicted behind us in our own lane, and spans our axis; the road bends away meanwhile."""
+    behind = Obstacles(*(np.array([x]) for x in (-12.0, -0.8, 1.6, 1.0, np.inf)), identity=np.array([-1]))
+    camera = Camera()
+    picture, tracker = RoadPicture(camera, 0.01), RoadEdgeTracker(camera, RoadEdgeConfig(), 20.0)
+    known: list[RoadEdges] = []
+    for i in range(60):
+        pose = picture.pose(i * SPEED_MPS / 20.0, 1.75, 0.0)
+        frame = picture.draw(pose, i)
+        known.append(tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, behind if i >= 16 else None))
+    assert known[-1].sigma_m < 1.5 * known[15].sigma_m
+    assert known[-1].right_m == pytest.approx(5.25, abs=0.1)

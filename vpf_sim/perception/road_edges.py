@@ -16,6 +16,7 @@ from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 RIDGE_REACH_M = 0.25
 AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
+NEAREST_BODY_M = 0.5  # before the camera: what is nearer hides nothing of the patch
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
 NEW_ROAD_M = 0.8  # that comes into view between two judgements: who stands sees the same again, errors and all
 NEAR_M = 14.0  # of a look whose far part makes no sense
@@ -136,8 +137,11 @@ class RoadEdgeTracker:
             return hidden
         ahead = self.view.forward_m - self.camera.forward_m
         for face, left, right in zip(obstacles.forward_m, obstacles.left_m, obstacles.right_m, strict=True):
+            depth = float(face) - self.camera.forward_m
+            if depth < NEAREST_BODY_M:  # beside us or behind, where a mover that was passed is still predicted
+                continue
             rows = self.view.forward_m > face - BODY_MARGIN_M
-            scale = ahead[rows, None] / max(float(face) - self.camera.forward_m, 0.5)
+            scale = ahead[rows, None] / depth
             place = self.view.right_m / scale
             hidden[rows] |= (place > left - BODY_MARGIN_M) & (place < right + BODY_MARGIN_M)
         return hidden
