@@ -86,7 +86,7 @@ def test_what_is_in_reach_is_in_reach(way_m: float) -> None:
 def test_the_way_decides_the_speed() -> None:
     """By t = sqrt(4.4 s / a), or by the steering's rate, and what the heading brings; inf where nothing is left."""
     way, shift = np.array([20.0, 5.0, 20.0, 3.0, 3.0]), np.array([1.0, 1.0, -0.2, 2.0, 0.0])
-    speed = REACH.speed(way, shift, 0.0)
+    speed = REACH.speed(way, shift, 0.0, 0.0)
     assert speed[0] == pytest.approx(20.0 / (np.sqrt(4.4 / ROBUST.reach.acceleration_mps2) + 0.3))
     assert REACH.steering(speed[1]) == pytest.approx(15.0 / (5.0 - 0.3 * speed[1]) ** 3, rel=0.05)
     assert speed[2] == inf
@@ -106,7 +106,15 @@ def test_who_is_on_the_way_aside_already_is_as_far_as_one_who_began_before(speed
         - radius * slope
         + 0.3 * speed_mps * (1.0 - slope / float(REACH.ratio(speed_mps)))
     )
-    assert REACH.speed(np.array([way]), np.array([shift]), slope)[0] == pytest.approx(speed_mps, rel=0.02)
+    assert REACH.speed(np.array([way]), np.array([shift]), 0.0, slope)[0] == pytest.approx(speed_mps, rel=0.02)
+
+
+def test_the_first_half_of_a_shift_to_a_far_goal_takes_half_of_its_way() -> None:
+    """The car need not rest where it is clear of a body, if its path leads on."""
+    way, half = np.array([8.0]), np.array([1.0])
+    rests, goes_on = REACH.speed(way, half, 0.0, 0.0)[0], REACH.speed(way, half, 2.0, 0.0)[0]
+    assert 0.5 * float(REACH.way(2.0, goes_on)) + 0.3 * goes_on == pytest.approx(8.0, rel=0.03)
+    assert goes_on > 1.1 * rests
 
 
 def test_near_an_edge_the_car_turns_no_more_than_its_corners_allow() -> None:

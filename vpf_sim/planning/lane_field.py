@@ -120,13 +120,23 @@ class LaneField:
         """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
         return clearance_m - self._gap(obstacles, np.array([y_m]))[:, 0]
 
-    def shift(self, obstacles: LaneObstacles, y_m: float, goal_m: float, clearance_m: float) -> Floats:
+    def shift(self, obstacles: LaneObstacles, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
         """(K,) m from y towards a goal across the road until our body is clear of each; <= 0 where it is."""
         margin = self._half_width_m + clearance_m
         least, most = obstacles.left_m - margin, obstacles.right_m + margin
         if goal_m >= y_m:
             return np.where(goal_m > least, most - y_m, 0.0)
         return np.where(goal_m < most, y_m - least, 0.0)
+
+    def nearer_side(self, obstacles: LaneObstacles, lane: Lane, clearance_m: float) -> Floats:
+        """(K,) m from here to the nearer side of each body that lies on the road, clear of it; 0 where none does."""
+        margin = self._half_width_m + self._config.edge_gap_m
+        left = self.shift(obstacles, lane.y_m, -np.inf, clearance_m)
+        right = self.shift(obstacles, lane.y_m, np.inf, clearance_m)
+        left = np.where(lane.y_m - left < lane.left_m + margin, np.inf, left)
+        right = np.where(lane.y_m + right > lane.right_m - margin, np.inf, right)
+        nearer = np.maximum(np.minimum(left, right), 0.0)
+        return np.where(np.isinf(nearer), 0.0, nearer)
 
     def bumper(self, obstacles: LaneObstacles) -> Floats:
         """(K,) m from our bumper to each face."""

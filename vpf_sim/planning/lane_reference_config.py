@@ -21,7 +21,8 @@ class LaneReferenceConfig:
     bend_acceleration_mps2: float  # lateral, limits the speed in bends
     brake_mps2: float  # of a stop before a blocked road
     rise_mps2: float  # of the speed reference, afterwards
-    standoff_m: float  # free road kept when stopping
+    standoff_m: float  # free road kept when stopping,
+    far_standoff_m: float  # and at most, where that keeps a way aside open
     time_gap_s: float  # kept besides to a body that moves
     standing_s: float  # after which the car creeps up to a body that blocks it,
     creep_mps: float  # at this speed

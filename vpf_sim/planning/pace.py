@@ -4,17 +4,18 @@ from math import sqrt, tan
 
 import numpy as np
 
+from vpf_sim.planning.creep import Creep
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Floats
 
-STANDING_MPS = 0.1
+TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
 
 class Pace:
-    """The speed reference, with the memory of what was wanted and of how long the car has stood."""
+    """The speed reference, with the memory of what was wanted and of how near the car may creep."""
 
     def __init__(
         self,
@@ -28,7 +29,7 @@ class Pace:
         self._dt_s = 1.0 / rate_hz
         self._reach = reach
         self._wanted_mps: float | None = None
-        self._stood_s = 0.0
+        self._creep = Creep(config, reach, rate_hz)
 
     def update(
         self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
@@ -60,25 +61,25 @@ class Pace:
         way = field.bumper(obstacles)
         moves = obstacles.speed_mps > 0.0
         present = ((field.present(obstacles) > 0.0) | moves) & (way > 0.0)
-        clearance = config.minimum_clearance_m if speed_mps > self._reach.walking_mps else config.walking_clearance_m
-        blocked = present & (field.overlap(obstacles, minimum_m, clearance) > 0.0)
-        spare = way - config.standoff_m - config.time_gap_s * obstacles.speed_mps
+        spare = way - self._creep.standoff(lane, obstacles, field) - config.time_gap_s * obstacles.speed_mps
         follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + way), 0.0, 1.0)
         stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
-        there = self._before(lane, obstacles, field, minimum_m)
+        beside = np.maximum(stop, obstacles.speed_mps + self._beside(-field.overlap(obstacles, minimum_m, 0.0)))
+        blocked = field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0
+        there = np.minimum(self._before(lane, obstacles, field, minimum_m), beside)
         limits = np.where(blocked, stop, there)
-        if self._creeps(speed_mps):
-            creep = np.where(way > config.creep_standoff_m, config.creep_mps, 0.0)
-            limits = np.where(obstacles.speed_mps > 0.0, limits, np.maximum(limits, creep))
-        return float(np.min(limits, where=present, initial=limit))
+        nearest = self._creep.nearest(speed_mps)
+        creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
+        return float(np.min(np.maximum(limits, creep), where=present, initial=limit))
 
-    def _creeps(self, speed_mps: float) -> bool:
-        """Whether the car, having stood for a while, walks up to what blocks it: standing, a camera sees no flow."""
-        if speed_mps < STANDING_MPS:
-            self._stood_s += self._dt_s
-        elif speed_mps > self._reach.walking_mps:
-            self._stood_s = 0.0
-        return self._stood_s > self._config.standing_s
+    def _beside(self, gap_m: Floats) -> Floats:
+        """(K,) m/s at which bodies are passed at that gap; inf where it is as wide as wanted."""
+        config = self._config
+        gaps, speeds = (
+            (config.walking_clearance_m, config.minimum_clearance_m),
+            (self._reach.walking_mps, self._speed_reference_mps),
+        )
+        return np.where(gap_m < config.minimum_clearance_m, np.interp(gap_m, gaps, speeds), np.inf)
 
     def _before(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> Floats:
         """(K,) m/s before bodies that the minimum avoids, but the car not yet: be there only when the shift is done.
@@ -92,6 +93,14 @@ class Pace:
         turned = y + 0.5 * slope * turning
         if (minimum_m - turned) * slope < 0.0:  # even its tightest curve leads past the minimum, or farther from it
             y, way, slope = turned, way - turning, 0.0
-        wanted = field.shift(obstacles, y, minimum_m, config.minimum_clearance_m)
-        there = np.maximum(self._reach.speed(way, wanted, abs(slope)), self._reach.walking_mps)
+        room = -field.overlap(obstacles, minimum_m, 0.0) - 1e-6  # at the minimum: no more can be wanted
+        wanted = field.shift(obstacles, y, minimum_m, np.minimum(config.minimum_clearance_m, room))
+        goal_m = 0.0 if self._narrow(obstacles, field, minimum_m, y) else abs(minimum_m - y)
+        there = np.maximum(self._reach.speed(way, wanted, goal_m, abs(slope)), self._reach.walking_mps)
         return obstacles.speed_mps + np.where(reached, there, 0.0)
+
+    def _narrow(self, obstacles: LaneObstacles, field: LaneField, minimum_m: float, y_m: float) -> bool:
+        """Whether beyond the minimum there is no room for a car that is still turned while it passes."""
+        beyond = minimum_m + float(np.sign(minimum_m - y_m)) * TURNED_M
+        covers = field.overlap(obstacles, beyond, self._config.minimum_clearance_m) > 0.0
+        return bool(np.any(covers & (field.present(obstacles) > 0.0)))

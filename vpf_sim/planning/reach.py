@@ -27,6 +27,8 @@ TURNING_M = 2.5  # of way until a corner turns back from the edge
 LEAST_RATIO = 0.05  # where there is no room at all
 SLOWEST_MPS = 0.3  # for the rate of the steering: at standstill it turns on no way at all
 SPEEDS_MPS: Floats = np.linspace(0.5, 15.0, 30)  # at which the way that a shift needs is looked up
+SHARES: Floats = np.linspace(0.0, 1.0, 41)  # of the way of a least-jerk shift,
+PROFILE: Floats = SHARES**3 * (10.0 - 15.0 * SHARES + 6.0 * SHARES**2)  # and of the shift that is made on them
 MEAN_SLOPE = 1.2  # largest over mean slope of a shift that is in a hurry
 
 
@@ -115,21 +117,32 @@ class Reach:
         aside: Floats = np.minimum(turning, way * self._config.walking_ratio / MEAN_SLOPE)
         return aside
 
+    def least_way(self, shift_m: Floats) -> Floats:
+        """m, the way on which each shift is just in reach: what `aside` is the other way round."""
+        shift = np.maximum(shift_m, 0.0)
+        turning = np.sqrt(PEAK_ACCELERATION * self._radius_m * shift)
+        least: Floats = np.maximum(turning, shift * MEAN_SLOPE / self._config.walking_ratio)
+        return least
+
     def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
         """(K,) whether shifts can be made at all; a car headed at a slope towards them may go on so until there."""
         reached: Bools = shift_m - np.maximum(way_m, 0.0) * max(slope, 0.0) <= self.aside(way_m)
         return reached
 
-    def speed(self, way_m: Floats, shift_m: Floats, slope: float) -> Floats:
-        """(K,) m/s at which shifts are made on the way that is left; inf where nothing is left to do.
+    def speed(self, way_m: Floats, shift_m: Floats, goal_m: float, slope: float) -> Floats:
+        """(K,) m/s at which shifts are made on the way that is left, on a path to a goal so far aside or farther.
 
-        A car that is headed at a slope towards them is as far as one that began before: on the curve of radius R, by
-        R slope of the way and by R slope^2 / 2 of the shift. No less than the least of `SPEEDS_MPS`.
+        inf where nothing is left to do; no less than the least of `SPEEDS_MPS`. A car that is headed at a slope towards
+        the goal is as far as one that began before: on the curve of radius R, by R slope of the way and by half of
+        R slope^2 of the shift.
         """
         radius = 1.0 / self.tightest(SPEEDS_MPS)
-        whole = np.maximum(shift_m[:, None] + 0.5 * radius * slope**2, 0.0)
-        begun = np.minimum(slope / self.ratio(SPEEDS_MPS), 1.0)  # who turns already has no reaction to wait for
-        ways = self.way(whole, SPEEDS_MPS) - radius * slope + (1.0 - begun) * REACTION_S * SPEEDS_MPS
+        begun = 0.5 * radius * slope**2
+        shift = np.maximum(shift_m[:, None] + begun, 0.0)
+        whole = np.maximum(goal_m + begun, shift)
+        part = np.interp(shift / np.maximum(whole, 1e-6), PROFILE, SHARES)
+        waits = 1.0 - np.minimum(slope / self.ratio(SPEEDS_MPS), 1.0)  # who turns already has no reaction to wait for
+        ways = part * self.way(whole, SPEEDS_MPS) - radius * slope + waits * REACTION_S * SPEEDS_MPS
         needed = np.maximum.accumulate(ways, axis=1)
         speed = np.array([np.interp(*row, SPEEDS_MPS) for row in zip(way_m, needed, strict=True)])
         return np.where(shift_m > 0.0, speed, np.inf)

@@ -1,0 +1,90 @@
+"""The speed by what is ahead: between bodies, and when standing before what blocks the way."""
+
+import numpy as np
+import pytest
+
+from vpf_sim.planning import variant
+from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.pace import Pace
+from vpf_sim.planning.reach import Reach
+from vpf_sim.types import Floats, VehicleModel
+
+ROBUST = variant.load("robust").valley
+assert ROBUST is not None
+CONFIG = ROBUST.reference
+CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
+HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
+REACH = Reach(ROBUST.reach, CAR)
+LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
+
+
+def field() -> LaneField:
+    return LaneField(ROBUST.field, CAR, SPEED_MPS, REACH)
+
+
+def pace() -> Pace:
+    return Pace(CONFIG, SPEED_MPS, RATE_HZ, REACH)
+
+
+def wanted(obstacles: LaneObstacles, speed_mps: float = 3.0) -> float:
+    """v_d at first sight, the minimum being where the car is."""
+    return pace().update(LANE, obstacles, field(), 0.0, speed_mps)
+
+
+def gate(gap_m: float, way_m: float) -> LaneObstacles:
+    """Two bodies with the car's width and that gap on either side between them."""
+    inner = HALF_M + gap_m
+    rows = ((way_m + BUMPER_M, -inner - 2.0, -inner), (way_m + BUMPER_M, inner, inner + 2.0))
+    return LaneObstacles(*np.array(rows).T)
+
+
+def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
+    gaps = np.linspace(CONFIG.walking_clearance_m + 1e-6, CONFIG.minimum_clearance_m + 0.05, 50)
+    speeds = np.array([wanted(gate(gap, 2.0)) for gap in gaps])
+    assert speeds[0] == pytest.approx(ROBUST.reach.walking_mps, abs=1e-3)
+    assert speeds[-1] == SPEED_MPS
+    assert np.all(np.diff(speeds) >= 0.0)
+    assert np.diff(speeds).max() < 0.15
+    assert wanted(gate(CONFIG.walking_clearance_m - 0.01, 2.0)) == 0.0
+
+
+def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> None:
+    speeds = [wanted(gate(0.2, 2.0), ROBUST.reach.walking_mps + off) for off in (-0.01, 0.01)]
+    assert speeds[0] == speeds[1] > ROBUST.reach.walking_mps
+
+
+def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
+    """(N,) m left to a body ahead of a car that follows what is wanted as the controller does."""
+    speed, watch, believed, left = SPEED_MPS, pace(), field(), []
+    for _ in range(round(seconds * RATE_HZ)):
+        body = LaneObstacles(*np.array([[way_m + BUMPER_M, -half_width_m, half_width_m]]).T)
+        error = watch.update(LANE, body, believed, 0.0, speed) - speed
+        speed = max(0.0, speed + 3.6 * min(max(error, -1.0), 1.0) / RATE_HZ)
+        way_m -= speed / RATE_HZ
+        left.append(way_m)
+    return np.array(left)
+
+
+def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up_to_what_blocks_it() -> None:
+    """A body 1.6 m wide with a side 1.87 m aside, and a wider one."""
+    side = 0.8 + HALF_M + CONFIG.walking_clearance_m
+    least = float(REACH.least_way(np.array([side]))[0])
+    assert REACH.aside(np.array([least]))[0] == pytest.approx(side)
+    for half_width_m, first in ((0.8, min(least, CONFIG.far_standoff_m)), (3.0, CONFIG.far_standoff_m)):
+        left = walk(half_width_m, 12.0, 60.0)
+        stops = np.array([first, CONFIG.standoff_m, CONFIG.creep_standoff_m])
+        rests = left[np.flatnonzero(np.abs(np.diff(left)) < 1e-5)]
+        beyond = stops[None] - rests[:, None]  # the car's speed falls a little late
+        near = (beyond > -0.05) & (beyond < 0.35)
+        assert near.any(axis=1).all()
+        assert near.any(axis=0).all()
+
+
+def test_short_stands_do_not_add_up() -> None:
+    watch, body, walls = pace(), field(), LaneObstacles(*np.array([[5.0, -1.0, 1.0]]).T)
+    for second in range(10):
+        for _ in range(round(2.0 * RATE_HZ)):
+            assert watch.update(LANE, walls, body, 0.0, 0.0) == 0.0, second
+        for _ in range(round(0.5 * RATE_HZ)):
+            watch.update(LANE, walls, body, 0.0, 0.5)
