@@ -13,6 +13,7 @@ from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 BODY_M = (1.0, 6.0)  # so far behind its face a body may still go on,
 BODY_BEYOND_M = 0.6  # and so far beyond its sides its points may stray;
 BODY_SHARE = 0.5  # and what lies in its way with this share of its width is of it, since no two bodies are at one place
+PARTS_OF_PARTS = 2  # doublings: a truck's side tells itself in up to four
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,10 +35,12 @@ class LaneObstacles:
     left_m: Floats  # (K,) y of the left side
     right_m: Floats  # (K,) y of the right side
     speed_mps: Floats = field(default_factory=lambda: np.empty(0))  # (K,) along the road; left out, all stand
+    length_m: Floats = field(default_factory=lambda: np.empty(0))  # (K,) from the face to the last part seen; or 0
 
     def __post_init__(self) -> None:
-        if len(self.speed_mps) != len(self.along_m):
-            object.__setattr__(self, "speed_mps", np.zeros(len(self.along_m)))
+        for name in ("speed_mps", "length_m"):
+            if len(getattr(self, name)) != len(self.along_m):
+                object.__setattr__(self, name, np.zeros(len(self.along_m)))
 
     def __len__(self) -> int:
         return len(self.along_m)
@@ -57,12 +60,13 @@ def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     across = cosine * middle - sine * obstacles.forward_m
     y = lane.y_m + across - 0.5 * lane.curvature_per_m * along**2
     half = 0.5 * (obstacles.right_m - obstacles.left_m)
-    whole = ~_parts(along, y - half, y + half, obstacles)
-    return LaneObstacles(along[whole], (y - half)[whole], (y + half)[whole], obstacles.speed_mps[whole])
+    part = _parts(along, y - half, y + half, obstacles)
+    whole, length = ~part.any(axis=1), _lengths(along, part)
+    return LaneObstacles(along[whole], (y - half)[whole], (y + half)[whole], obstacles.speed_mps[whole], length[whole])
 
 
 def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacles) -> Bools:
-    """(K,) which bodies are a part of another: an edge low on its side, or points that fell away from the others.
+    """(K, K) which bodies are a part of which: an edge low on its side, or points that fell away from the others.
 
     Passed as bodies of their own they would keep the car aside for the length of two, and a part of a side that is seen
     at a grazing angle is known worse than the face. What is wider than the body before it is no part of that.
@@ -75,5 +79,16 @@ def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacle
     beyond = np.maximum(left_m[None] - left_m[:, None], right_m[:, None] - right_m[None])
     near = (behind > BODY_M[0]) & (behind < BODY_M[1]) & (beyond < BODY_BEYOND_M)
     stand = (obstacles.speed_mps[:, None] == 0.0) & (obstacles.speed_mps[None] == 0.0)
-    part: Bools = (stand & near & (within | named)).any(axis=1)
+    part: Bools = stand & near & (within | named)
     return part
+
+
+def _lengths(along_m: Floats, part: Bools) -> Floats:
+    """(K,) m from each face to the farthest of its parts, and of their parts."""
+    if not part.any():
+        return np.zeros(len(along_m))
+    for _ in range(PARTS_OF_PARTS):
+        part = part | (part @ part)
+    behind = np.where(part, along_m[:, None] - along_m[None], 0.0)
+    longest: Floats = behind.max(axis=0)
+    return longest

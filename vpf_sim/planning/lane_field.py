@@ -150,6 +150,7 @@ class LaneField:
         faster = obstacles.speed_mps - self._speed_reference_mps
         runs = (faster > -config.slower_mps) & (gap > config.beside_m)
         length = np.where(obstacles.speed_mps > 0.0, config.moving_length_m, config.body_length_m)
+        length = np.maximum(length, obstacles.length_m)
         catches_up = np.maximum(faster, 0.0) * CATCH_UP_S
         passed = obstacles.along_m + length + catches_up < -self._half_length_m
         return np.where(passed | runs, 0.0, weight)

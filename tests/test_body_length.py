@@ -1,0 +1,55 @@
+"""How long a body is, from its parts: the way back begins behind the last of them."""
+
+import numpy as np
+import pytest
+
+from vpf_sim.planning import variant
+from vpf_sim.planning.lane import Lane, LaneObstacles, place
+from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.reach import Reach
+from vpf_sim.types import Obstacles, VehicleModel
+
+VEHICLE = VehicleModel()
+LANE = Lane(y_m=0.0, right_m=5.25, left_m=-8.75, heading_rad=0.0, curvature_per_m=0.0)
+
+
+def told(*rows: tuple[float, float, float]) -> Obstacles:
+    """Standing bodies of identities of their own: face, left and right side."""
+    forward, left, right = np.array(rows).T
+    count = len(rows)
+    return Obstacles(
+        forward_m=forward,
+        left_m=left,
+        right_m=right,
+        sigma_m=np.full(count, 0.1),
+        ttc_s=np.full(count, np.inf),
+        identity=np.arange(count),
+        speed_mps=np.zeros(count),
+    )
+
+
+def field() -> LaneField:
+    valley = variant.load("robust").valley
+    assert valley is not None
+    return LaneField(valley.field, VEHICLE, 5.55, Reach(valley.reach, VEHICLE))
+
+
+def test_a_side_told_in_parts_is_one_body_as_long_as_they_reach() -> None:
+    truck = place(told((6.0, -4.4, -1.9), (8.4, -2.5, -1.9), (12.9, -2.5, -1.9)), LANE)
+    assert len(truck) == 1
+    assert truck.length_m == pytest.approx([6.9])
+
+
+def test_bodies_that_are_no_parts_have_no_length() -> None:
+    alone = place(told((6.0, -4.4, -1.9), (20.0, -4.4, -1.9), (8.0, 1.0, 2.0)), LANE)
+    assert alone.length_m.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_the_way_back_begins_behind_the_last_part() -> None:
+    """Face 6 m behind: a car of 5 m is passed, a truck of 8.5 m is still beside us."""
+    rows = np.array([[-6.7, -4.0, -1.3]]).T
+    car, truck = LaneObstacles(*rows), LaneObstacles(*rows, length_m=np.array([7.0]))
+    assert field().present(car).tolist() == [0.0]
+    assert field().present(truck).tolist() == [1.0]
+    past = LaneObstacles(rows[0] - 3.0, *rows[1:], length_m=np.array([7.0]))
+    assert field().present(past).tolist() == [0.0]
