@@ -34,6 +34,7 @@ class EvidenceConfig:
     dry_share: float = 0.12  # of the points on the road that lie below it and are of no body: on a dry road,
     wet_share: float = 0.27  # and on one that mirrors
     share_s: float = 2.0  # time constant of that share
+    dry_weight: float = 0.25  # of faintness on a dry road: far asphalt and its seams are faint, too
     least_share: float = 0.5  # of those for it in those against it; with less it shines through
     least: float = -1.0  # of a look
     most: float = 2.0
@@ -75,6 +76,6 @@ def evidence(
     other = len(odds) - number_for - number_against
     sharp = float(np.quantile(contrast[inside][speaks], 0.75))
     value = config.per_contrast * (sharp - config.faint)
-    value = max(value, mirror * value)
+    value = max(value, max(mirror, config.dry_weight) * value)
     value += config.per_for * np.log1p(number_for) - config.per_against * np.log1p(number_against)
     return float(min(max(value - config.per_other * np.log1p(other), config.least), config.most))
