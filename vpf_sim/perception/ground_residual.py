@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.evidence import Evidence
 from vpf_sim.perception.low_sight import LookQuality, LowSight, LowSightConfig
 from vpf_sim.perception.patch_water import WaterConfig, odd_cells, texture, what_stays
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
@@ -41,10 +42,11 @@ class ResidualConfig:
     window_m: tuple[float, float] = (0.45, 0.65)  # along and across, over which differences are summed
     even_m: tuple[float, float] = (1.25, 0.25)  # slower changes do not count: mirror images are long along the way
     floor_levels2: float = 1.5  # of the noise, grey levels^2
-    least_gain: float = 12.0  # by which a height above the road fits better, in multiples of the noise
+    newest: float = 0.3  # share of a look in the averages over looks, of which is asked:
+    least_gain: float = 6.0  # by which a height above the road fits better, in multiples of the noise
     most_share: float = 0.3  # of the difference left with it
     apart_m: tuple[float, float] = (0.2, 0.05)  # along and across, what two pictures of the road may be apart
-    outline_gain: float = 5.0  # what counts as outline of a spot
+    outline_gain: float = 3.0  # what counts as outline of a spot
     length_m: float = 2.5  # what begins so near behind a spot, and overlaps it, is its far edge
     least_width_m: float = 0.2  # narrower ones are the rim of something else
     body_m: tuple[float, float] = (0.8, 0.35)  # along and across, about a known body that is left out
@@ -100,6 +102,7 @@ class GroundResidual:
         self._seen: Bools = np.empty((0, 0), np.bool_)  # where it saw the road or what stands on it
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
+        self._evidence = Evidence(config.newest)
         self.sight = LowSight(config.sight, config.near_m)
         self.period_s = self._period_frames / rate_hz
 
@@ -202,17 +205,28 @@ class GroundResidual:
         self._seen = self._seen_before(older.pose, pose) & (free > config.least_seen)
         self.sight.record(LookQuality(config.least_gain * noise, grain, self._seen_ahead()))
         if float(road.max()) < config.least_gain * noise:
+            self._evidence.fade()
             return []
         others = [difference(height) for height in (*config.above_m, *config.below_m)]
         above = np.minimum.reduce([change for change, _ in others[: len(config.above_m)]])
         below = np.minimum.reduce([change for change, _ in others[len(config.above_m) :]])
-        gain = (road - above) / noise
         seen = self._seen & (np.minimum.reduce([share for _, share in others]) > config.least_seen)
         if bodies is not None and len(bodies):
             seen &= ~self._covered(bodies, older.pose, pose)
+        weight = seen / np.float32(noise)
+        grids = [weight * grid for grid in (road, above, below, self._of_edges(now))]
+        road, above, below, edges = self._evidence.add(grids, pose, self._between_grids)
+        gain = road - above
         stands = seen & (gain > config.least_gain) & (above < config.most_share * road) & (below > above)
-        stands &= road > self._of_edges(now)
-        return self._spots(seen & (road > config.outline_gain * noise), np.where(stands, gain, 0.0))
+        stands &= road > edges
+        return self._spots(seen & (road > config.outline_gain), np.where(stands, gain, 0.0))
+
+    def _between_grids(self, older_pose: Floats, pose: Floats) -> Grid:
+        """(2, 3) as `_transform`, of the road itself and without the border."""
+        transform = self._transform(older_pose, pose, 0.0)
+        border = np.array([self._columns.start, 0.0])
+        transform[:, 2] += transform[:, :2] @ border - border
+        return transform
 
     def _difference(self, now: Grid, dry: Grid, older: _Layout, pose: Floats, height_m: float) -> tuple[Grid, Grid]:
         """Squared grey levels between the patch now and the older one, if all stood `height_m` above the road.

@@ -18,13 +18,13 @@ from vpf_sim.types import Floats
 class LowSightConfig:
     """The difference that a pallet 0.12 to 0.15 m high makes, and how looks are averaged."""
 
-    grains: float = 95.0  # of a pallet, in multiples of the grain's difference, squared grey levels,
+    grains: float = 50.0  # of the fainter quarter of pallets, in multiples of what the grain makes, grey levels^2,
     grains_at_m: float = 9.0  # from the pose;
     power: float = 3.4  # it falls with this power of the distance
-    far_m: float = 12.0  # from where on its height is not told any more: pixels of the older frame are too long
+    far_m: float = 12.5  # from where on its height is not told any more: pixels of the older frame are too long
     step_m: float = 0.25
     half_width_m: float = 1.5  # of the strip of road ahead that is judged
-    spare_looks: float = 1.0  # more than it takes: looks fail by chance
+    spare_looks: float = 1.5  # more than it takes: looks are averaged, and fail by chance
     looks: float = 12.0  # averaged over,
     grain_looks: float = 50.0  # and for the grain: mirror images pass, it stays
 

@@ -25,7 +25,8 @@ class WaterConfig:
     least_way_m: float = 0.3  # of the car between two layouts
     texture_m: float = 0.15  # of the road, over which brightness is averaged
     window_m: tuple[float, float] = (0.45, 0.25)  # over which they are compared
-    share: float = 0.6  # of what is seen there, that both have in common, and
+    share: float = 0.6  # of what is seen there, that both have in common,
+    lead: float = 0.5  # so much of it more than when the older is moved: far away pixels are longer than the way, and
     contrast: float = 4.0  # times the median of its power, that it needs,
     floor_levels2: float = 3.0  # and at least this power: the grain of asphalt agrees by chance
     rim_m: tuple[float, float] = (0.45, 0.25)  # about it that is hidden as well, half to each side
@@ -50,7 +51,7 @@ def what_stays(now: Grid, before: Grid, moved: Grid, cell_m: float, config: Wate
     window = (odd_cells(config.window_m[1], cell_m), odd_cells(config.window_m[0], cell_m))
     power = cv2.blur(0.5 * (now * now + before * before), window)
     common = cv2.blur(now * before, window)
-    stays = (common > config.share * power) & (common > cv2.blur(now * moved, window))
+    stays = (common > config.share * power) & (common > cv2.blur(now * moved, window) + config.lead * power)
     stays &= power > max(config.contrast * float(np.median(power[SPARSE, SPARSE])), config.floor_levels2)
     rim = np.ones((odd_cells(config.rim_m[0], cell_m), odd_cells(config.rim_m[1], cell_m)), np.uint8)
     return np.asarray(cv2.dilate(stays.astype(np.uint8), rim), np.uint8)

@@ -1,0 +1,46 @@
+"""Grids of the road ahead, averaged over several looks while the road moves by: what stands on it stays there."""
+
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.types import Floats
+
+Grid = NDArray[np.float32]
+
+
+class Evidence:
+    """Exponential averages of grids that move with the road.
+
+    Noise of single looks, as of rain, averages out; a body's difference does not. What comes into the grid begins at 0.
+    """
+
+    def __init__(self, share: float) -> None:
+        self._share = np.float32(share)  # of the newest look
+        self._grids: list[Grid] = []
+        self._pose: Floats = np.zeros(3)
+
+    def add(self, grids: list[Grid], pose: Floats, transform: Callable[[Floats, Floats], Grid]) -> list[Grid]:
+        """The averages, each (rows, columns), with a look at `pose`; `transform` leads to cells at a past pose."""
+        self._grids = [
+            self._share * grid + past for grid, past in zip(grids, self._moved(grids, pose, transform), strict=True)
+        ]
+        self._pose = pose.copy()
+        return self._grids
+
+    def fade(self) -> None:
+        """A look that shows nothing at all."""
+        self._grids = [(1 - self._share) * grid for grid in self._grids]
+
+    def _moved(self, grids: list[Grid], pose: Floats, transform: Callable[[Floats, Floats], Grid]) -> list[Grid]:
+        """What stays of the averages, where it is now."""
+        if not self._grids:
+            return [np.zeros_like(grid) for grid in grids]
+        way, size = transform(self._pose, pose), grids[0].shape[::-1]
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        return [
+            (1 - self._share) * np.asarray(cv2.warpAffine(grid, way, size, flags=flags), np.float32)
+            for grid in self._grids
+        ]
