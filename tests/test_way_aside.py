@@ -96,6 +96,17 @@ def test_the_way_decides_the_speed() -> None:
     assert REACH.reaches(way[3:4], shift[3:4], 0.55)[0]
 
 
+@pytest.mark.parametrize("slope", [0.0, 0.1, 0.45])
+@pytest.mark.parametrize("way_m", [0.1, 2.0])
+def test_a_turned_car_that_goes_straight_on_clears_what_that_brings(way_m: float, slope: float) -> None:
+    """Its side, half a width from the pose, as a straight line along its heading: where it meets the body's face."""
+    heading, side = np.arctan(slope), 0.5 * CAR.width_m
+    sine, cosine = np.sin(heading), np.cos(heading)
+    ahead = way_m + 0.5 * CAR.length_m
+    at_face = -side * cosine + (ahead - side * sine) * sine / cosine
+    assert REACH.brought(np.array([way_m]), slope)[0] == pytest.approx(at_face + side)
+
+
 @pytest.mark.parametrize("speed_mps", [3.0, 5.0])
 def test_who_is_on_the_way_aside_already_is_as_far_as_one_who_began_before(speed_mps: float) -> None:
     """Headed at a slope on the curve of least radius, as if from straight on a way longer by R slope."""

@@ -229,7 +229,7 @@ class LaneField:
         meets = (np.minimum(y, here) < most) & (np.maximum(y, here) > least)
         behind = meets & ((y <= least) | (y >= most))
         slope = np.where(y > here, -tan(lane.heading_rad), tan(lane.heading_rad))
-        shift = np.where(y > here, most - here, here - least) - np.maximum(slope * way, 0.0)
+        shift = np.where(y > here, most - here, here - least) - self._reach.brought(way, slope)
         far = behind & (way > 0.0) & (shift > self._reach.aside(way))
         stands = (self.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)
         cost = np.where(meets & apart & (way <= 0.0), config.beside_height, config.unreached_height * far)

@@ -125,9 +125,21 @@ class Reach:
         return least
 
     def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
-        """(K,) whether shifts can be made at all; a car headed at a slope towards them may go on so until there."""
-        reached: Bools = shift_m - np.maximum(way_m, 0.0) * max(slope, 0.0) <= self.aside(way_m)
+        """(K,) whether shifts can be made at all, a car being headed at a slope towards them (`brought`)."""
+        reached: Bools = shift_m - self.brought(way_m, slope) <= self.aside(way_m)
         return reached
+
+    def brought(self, way_m: Floats, slope: Floats | float) -> Floats:
+        """m aside that a car headed at a slope gets by going straight on until its bumper is there.
+
+        It is the side at the front that must be clear by then, and that is ahead of the pose by half a length; the side
+        behind it comes by farther away, as long as the car is not turned back before it is past.
+        """
+        slope = np.maximum(slope, 0.0)
+        way = np.maximum(way_m, 0.0) + 0.5 * self._vehicle.length_m
+        wider = 0.5 * self._vehicle.width_m * (np.sqrt(1.0 + slope**2) - 1.0)
+        brought: Floats = way * slope - wider
+        return brought
 
     def speed(self, way_m: Floats, shift_m: Floats, goal_m: float, slope: float) -> Floats:
         """(K,) m/s at which shifts are made on the way that is left, on a path to a goal so far aside or farther.
