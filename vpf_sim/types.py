@@ -200,7 +200,7 @@ class Perception:
     obstacle_map: ObstacleMap
     obstacles: Obstacles
     road: RoadEdges
-    low_sight_m: float = np.inf  # from the pose, up to which a low body would be known by now; inf: not judged
+    low_sight_m: tuple[float, float] = (np.inf, np.inf)  # to where a low body would be known, now and at best; or inf
 
 
 @dataclass(frozen=True, slots=True)

@@ -145,8 +145,11 @@ class LandmarkTracker:
         """Whether the next frame is one that `look` looks at."""
         return self._residual.looks
 
-    def low_sight_m(self, speed_mps: float) -> float:
-        """m ahead of the pose, up to which a low body on the road would be known by now at that speed; 0 if nowhere."""
+    def low_sight_m(self, speed_mps: float) -> tuple[float, float]:
+        """m ahead of the pose, up to which a low body on the road would be known by now at that speed; 0 if nowhere.
+
+        And up to which it would be on a road that is seen as well as can be.
+        """
         book, residual = self._spots, self._residual
         return residual.sight.distance_m(speed_mps, residual.period_s, book.hits_needed, book.config.way_m)
 

@@ -25,6 +25,7 @@ class LowSightConfig:
     step_m: float = 0.25
     half_width_m: float = 1.5  # of the strip of road ahead that is judged
     spare_looks: float = 1.5  # more than it takes: looks are averaged, and fail by chance
+    good_share: float = 0.85  # of looks that make one out on a dry, grainy road: some fail in any weather
     looks: float = 12.0  # averaged over,
     grain_looks: float = 50.0  # and for the grain: mirror images pass, it stays
 
@@ -61,9 +62,17 @@ class LowSight:
         difference = config.grains * self._grain * (config.grains_at_m / self.forward_m) ** config.power
         self._share += (np.where(difference > look.noise, look.seen, 0.0) - self._share) / config.looks
 
-    def distance_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> float:
-        """m from the pose, at which a low body would be believed that takes so many hits over such a way; 0 if none."""
+    def distance_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> tuple[float, float]:
+        """m from the pose, at which a low body would be believed that takes so many hits over such a way; 0 if none.
+
+        And the same of a good view, `good_share` of whose looks would make one out, wherever it is.
+        """
         needed_m = max((hits + self.config.spare_looks) * period_s * speed_mps, way_m)
-        passed_m = np.cumsum(self._share[::-1])[::-1] * self.config.step_m  # of way with hits, on coming near
-        enough = np.flatnonzero(passed_m >= needed_m)
-        return float(self.forward_m[enough[-1]]) if len(enough) else 0.0
+        good = np.full(len(self._share), self.config.good_share)
+        return self._where(self._share, needed_m), self._where(good, needed_m)
+
+    def _where(self, share: Floats, needed_m: float) -> float:
+        passed_m = np.cumsum(share[::-1])[::-1] * self.config.step_m  # of way with hits, on coming near
+        if passed_m[0] < needed_m:
+            return 0.0
+        return float(np.interp(needed_m, passed_m[::-1], self.forward_m[::-1]))

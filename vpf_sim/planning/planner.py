@@ -63,7 +63,9 @@ class Planner:
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
                 self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps)
-        sight_m = self._landmarks.low_sight_m(observation.speed_mps) if self._landmarks is not None else np.inf
+        sight_m = (
+            self._landmarks.low_sight_m(observation.speed_mps) if self._landmarks is not None else (np.inf, np.inf)
+        )
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road, sight_m)
 
     def _looks(self, speed_mps: float) -> bool:

@@ -1,11 +1,13 @@
-"""Speed by what can be seen: the car can always stop on the way on which a low body would be known by now.
+"""Speed by what can be seen: the less of the road a low body would be known on, the slower.
 
-The rule of the assured clear distance ahead. With D from the bumper to where such a body would be known, less what is
-kept free, reaction time t and deceleration b, the speed is that of v t + v^2 / (2 b) = D.
+The rule of the assured clear distance ahead: with D from the bumper to where such a body would be known, less what is
+kept free, reaction time t and deceleration b, the car can stop from the speed of v t + v^2 / (2 b) = D. How fast to go
+where all can be seen is the user's choice, the reference speed. It is cut by as much as that speed is less now than on
+a road that is seen as well as can be. At speeds at which no low body could be known in time at all, it is left.
 """
 
 from dataclasses import dataclass, replace
-from math import inf, isinf, sqrt
+from math import isinf, sqrt
 
 from vpf_sim.types import Reference, VehicleModel
 
@@ -26,14 +28,23 @@ class SightConfig:
 
 
 def safe_speed(sight_m: float, config: SightConfig, vehicle: VehicleModel) -> float:
-    """m/s from which the car stops within the distance seen, from the pose; inf where that is not known."""
-    if isinf(sight_m):
-        return inf
+    """m/s from which the car stops within the distance seen, from the pose."""
     way = max(sight_m - 0.5 * vehicle.length_m - config.standoff_m, 0.0)
     brake, reaction = config.brake_mps2, config.reaction_s
     return max(brake * (sqrt(reaction**2 + 2.0 * way / brake) - reaction), config.least_mps)
 
 
-def within_sight(reference: Reference, sight_m: float, config: SightConfig, vehicle: VehicleModel) -> Reference:
-    """The reference, no faster than is safe."""
-    return replace(reference, speed_mps=min(reference.speed_mps, safe_speed(sight_m, config, vehicle)))
+def within_sight(
+    reference: Reference,
+    sight_m: tuple[float, float],
+    speed_reference_mps: float,
+    config: SightConfig,
+    vehicle: VehicleModel,
+) -> Reference:
+    """The reference, slowed by what is not seen; `sight_m` is what is seen now, and what would be at best."""
+    now_m, best_m = sight_m
+    if isinf(best_m) or best_m == 0.0:
+        return reference
+    share = safe_speed(now_m, config, vehicle) / safe_speed(best_m, config, vehicle)
+    most = max(min(share, 1.0) * speed_reference_mps, config.least_mps)
+    return replace(reference, speed_mps=min(reference.speed_mps, most))

@@ -26,10 +26,10 @@ class Valley:
     """Follows the valley of the field from frame to frame."""
 
     def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
-        reach, speed_mps = Reach(config.reach, setup.vehicle), setup.speed_reference_mps
+        reach, self._speed_mps = Reach(config.reach, setup.vehicle), setup.speed_reference_mps
         self._sight, self._vehicle = config.sight, setup.vehicle
-        self._field = LaneField(config.field, setup.vehicle, speed_mps, reach)
-        self._reference = LaneReference(config.reference, setup.vehicle, speed_mps, setup.rate_hz, reach)
+        self._field = LaneField(config.field, setup.vehicle, self._speed_mps, reach)
+        self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
 
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
         lane = locate(perception.road)
@@ -39,7 +39,7 @@ class Valley:
             lane, obstacles, self._field, potential.minimum_m, observation.yaw_rad, observation.speed_mps
         )
         if self._sight is not None:
-            reference = within_sight(reference, perception.low_sight_m, self._sight, self._vehicle)
+            reference = within_sight(reference, perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
         extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
         return _force(potential, lane.y_m), reference, extra
 
