@@ -158,3 +158,13 @@ def test_a_part_of_a_body_is_no_body_of_its_own() -> None:
     assert len(seen(car, (20.0, 0.2, 0.8, 2))) == 2
     assert seen((14.0, -0.2, 0.4, 2), car).along_m.tolist() == [10.0]
     assert len(seen((10.0, 0.3, 1.5, 1), (15.5, 0.0, 1.8, 2))) == 2, "a car behind a pallet"
+
+
+def test_where_no_place_is_free_it_keeps_clear_of_what_is_too_near_for_a_stop() -> None:
+    """A wall on the left, a car near on the right, a pallet farther on in the gap between: it can stop for the pallet."""
+    near, pallet, wall = (4.5, 1.4, 5.3), (6.5, -1.0, -0.2), (6.5, -8.8, -1.4)
+    lane = replace(LANE, right_m=5.25, left_m=-8.75)
+    at_once = field(lane).update(lane, bodies(near, pallet, wall), speed_mps=4.5).minimum_m
+    standing = field(lane).update(lane, bodies(near, pallet, wall), speed_mps=0.0).minimum_m
+    assert standing > 0.5, "least of all is overlapped between pallet and car"
+    assert at_once < 1.4 - 0.5 * CAR.width_m, "clear of the car"

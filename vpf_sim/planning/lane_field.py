@@ -8,6 +8,8 @@ All three are functions of y, the place across the road (`vpf_sim.planning.lane`
 
 d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
 in with the distance t to the body. Bodies take the maximum, not the sum, so that many points of one body weigh as one.
+Where no place is free, h_o and s_o are larger for bodies before which the car can no longer stop: it keeps clear of
+those, and stops before the others.
 
 The paper follows the local gradient; here the car goes to the global minimum, since dead ahead of a body the gradient
 vanishes and the side would be left to chance (METHOD A9, A10). What has been decided is kept: a term in the distance
@@ -28,6 +30,7 @@ from vpf_sim.types import Floats, VehicleModel
 TIE = 1e-9
 NO_CHOICE = 1e3  # more than any body, side or memory costs
 CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
+STOP_MPS2, STOP_REACTION_S = 3.0, 0.3  # of a stop in need
 CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
 
 
@@ -43,6 +46,7 @@ class LaneFieldConfig:
     edge_gap_m: float  # nearer to an edge no place is chosen, whatever stands on the road
     obstacle_height: float  # h_o
     obstacle_slope_per_m: float  # s_o
+    unstopped_share: float  # by which both are more for a body too near for a stop, where no place is free
     tail_height: float  # h_t
     tail_decay_m: float  # d_t
     clearance_m: float  # c
@@ -103,14 +107,18 @@ class LaneField:
         half = np.arange(1, round(config.reach_m / config.spacing_m) + 1) * config.spacing_m
         self._y_m: Floats = np.concatenate([-half[::-1], [0.0], half])  # symmetric to the last bit
         self._target: Floats = config.target_per_m2 * self._y_m**2
+        self._touching = config.obstacle_height + config.obstacle_slope_per_m * config.clearance_m  # U at no gap
         self._last_m: float | None = None
 
-    def update(self, lane: Lane, obstacles: LaneObstacles) -> LanePotential:
+    def update(self, lane: Lane, obstacles: LaneObstacles, speed_mps: float = 0.0) -> LanePotential:
         """The field about the vehicle now."""
         road = self._road(lane)
         obstacle = self._obstacle(obstacles)
+        shut = self._beyond(lane) + self._unreached(obstacles, lane)
+        if not np.any((obstacle < self._touching) & (shut == 0.0)):
+            obstacle = self._obstacle(obstacles, self._unstopped(obstacles, speed_mps))
         total = self._target + road + obstacle
-        kept = total + self._beyond(lane) + self._unreached(obstacles, lane)
+        kept = total + shut
         if self._last_m is not None:
             kept = kept + self._memory(obstacles, lane)
         self._last_m = self._minimum(kept, lane)
@@ -173,16 +181,24 @@ class LaneField:
         left: Floats = self._y_m - lane.left_m - self._half_width_m
         return right, left
 
-    def _obstacle(self, obstacles: LaneObstacles) -> Floats:
+    def _obstacle(self, obstacles: LaneObstacles, unstopped: Floats | float = 0.0) -> Floats:
         config = self._config
         if not len(obstacles):
             return np.zeros_like(self._y_m)
         lacking = config.clearance_m - self._gap(obstacles, self._y_m)
         inside = config.obstacle_height + config.obstacle_slope_per_m * lacking
+        inside = inside * (1.0 + config.unstopped_share * np.reshape(unstopped, (-1, 1)))
         outside = config.tail_height * np.exp(np.minimum(lacking, 0.0) / config.tail_decay_m)
         each = self.present(obstacles)[:, None] * np.where(lacking > 0.0, inside, outside)
         worst: Floats = each.max(axis=0)
         return worst
+
+    def _unstopped(self, obstacles: LaneObstacles, speed_mps: float) -> Floats:
+        """(K,) 0 .. 1, which bodies are too near for a stop."""
+        way = self.bumper(obstacles)
+        closing = np.maximum(speed_mps - obstacles.speed_mps, 0.0)
+        stop = closing**2 / (2.0 * STOP_MPS2) + closing * STOP_REACTION_S
+        return np.where(way > 0.0, np.clip(stop - way, 0.0, 1.0), 0.0)
 
     def _gap(self, obstacles: LaneObstacles, y_m: Floats) -> Floats:
         """(K, G) m between our body at y and each body, across the road."""

@@ -34,7 +34,7 @@ class Valley:
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
         lane = locate(perception.road)
         obstacles = place(perception.obstacles, lane)
-        potential = self._field.update(lane, obstacles)
+        potential = self._field.update(lane, obstacles, observation.speed_mps)
         reference = self._reference.update(
             lane, obstacles, self._field, potential.minimum_m, observation.yaw_rad, observation.speed_mps
         )
