@@ -161,7 +161,7 @@ def test_a_part_of_a_body_is_no_body_of_its_own() -> None:
 
 
 def test_where_no_place_is_free_it_keeps_clear_of_what_is_too_near_for_a_stop() -> None:
-    """A wall on the left, a car near on the right, a pallet farther on in the gap between: it can stop for the pallet."""
+    """A wall on the left, a car near on the right, in the gap between, farther on, a pallet for which it can stop."""
     near, pallet, wall = (4.5, 1.4, 5.3), (6.5, -1.0, -0.2), (6.5, -8.8, -1.4)
     lane = replace(LANE, right_m=5.25, left_m=-8.75)
     at_once = field(lane).update(lane, bodies(near, pallet, wall), speed_mps=4.5).minimum_m
