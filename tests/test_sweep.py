@@ -22,7 +22,7 @@ from vpf_sim.evaluation.sweeps.run_folder import manifest
 from vpf_sim.evaluation.sweeps.sweep import changes, drive_and_store
 
 DRIVERS = ("pid", "neutral")
-SEEDS, EPISODES = "0:8", 16  # enough for a signal to reach a sweep before its end on a busy machine
+SEEDS = "0:3"
 
 
 def command(folder: Path, out: Path, *more: str) -> list[str]:
@@ -58,7 +58,7 @@ def wait_for(out: Path, records: int) -> None:
 def test_a_run_folder_holds_what_was_asked_and_what_came(undisturbed: Path) -> None:
     records = read_lines(undisturbed / "episodes.jsonl")
     manifest = json.loads((undisturbed / "manifest.json").read_text())
-    assert len(records) == len({record["id"] for record in records}) == EPISODES
+    assert len(records) == len({record["id"] for record in records}) == 6
     assert {record["status"] for record in records} == {"success"}
     assert manifest["plan"]["driver"] == list(DRIVERS)
     assert manifest["plan"]["seeds"] == SEEDS
@@ -81,7 +81,7 @@ def test_a_killed_sweep_resumes_to_the_same_records(folder: Path, undisturbed: P
         wait_for(out, records=2)
         parent.kill()
     stored = read_lines(out / "episodes.jsonl")
-    assert 2 <= len(stored) < EPISODES
+    assert 2 <= len(stored) < 6
     with (out / "episodes.jsonl").open("a") as file:
         file.write('{"accuracy": {"sha')  # the line that was being written
     subprocess.run(command(folder, out, "--resume"), check=True, capture_output=True)
