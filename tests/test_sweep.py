@@ -88,9 +88,16 @@ def test_a_killed_sweep_resumes_to_the_same_records(folder: Path, undisturbed: P
     assert contents(out) == contents(undisturbed)
 
 
+def listen_to_ctrl_c() -> None:
+    """Of tests that a shell runs in the background, it is ignored, and so it would be by the sweep."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_ctrl_c_stops_and_says_how_to_go_on(folder: Path, undisturbed: Path) -> None:
     out = folder / "stopped"
-    with subprocess.Popen(command(folder, out, "--workers", "1"), stderr=subprocess.PIPE, text=True) as parent:
+    with subprocess.Popen(
+        command(folder, out, "--workers", "1"), stderr=subprocess.PIPE, text=True, preexec_fn=listen_to_ctrl_c
+    ) as parent:
         wait_for(out, records=1)
         os.kill(parent.pid, signal.SIGINT)
         _, said = parent.communicate()
