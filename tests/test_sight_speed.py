@@ -24,9 +24,9 @@ def test_it_never_stands_for_what_cannot_be_seen() -> None:
         assert safe_speed(sight_m, CONFIG, VEHICLE) == CONFIG.least_mps
 
 
-def slowed(speed_mps: float, now_m: float, best_m: float, wanted_mps: float = 5.55) -> float:
+def slowed(speed_mps: float, now_m: float, good_m: float, wanted_mps: float = 5.55) -> float:
     reference = Reference(0.3, speed_mps, 0.01)
-    found = within_sight(reference, (now_m, best_m), wanted_mps, CONFIG, VEHICLE)
+    found = within_sight(reference, (now_m, good_m), wanted_mps, CONFIG, VEHICLE)
     assert found == replace(reference, speed_mps=found.speed_mps)
     return found.speed_mps
 
@@ -36,10 +36,14 @@ def test_who_sees_all_that_can_be_seen_goes_as_fast_as_asked(wanted_mps: float) 
     assert slowed(wanted_mps, 10.0, 10.0, wanted_mps) == wanted_mps
 
 
-@pytest.mark.parametrize("wanted_mps", [5.55, 15.0])
+@pytest.mark.parametrize("wanted_mps", [4.5, 5.55])
 def test_who_sees_less_goes_slower_by_as_much_as_the_stop_asks(wanted_mps: float) -> None:
-    share = safe_speed(7.0, CONFIG, VEHICLE) / safe_speed(10.0, CONFIG, VEHICLE)
-    assert slowed(wanted_mps, 7.0, 10.0, wanted_mps) == pytest.approx(share * wanted_mps)
+    share = safe_speed(8.0, CONFIG, VEHICLE) / safe_speed(10.0, CONFIG, VEHICLE)
+    assert slowed(wanted_mps, 8.0, 10.0, wanted_mps) == pytest.approx(share * wanted_mps)
+
+
+def test_who_asks_for_more_than_a_good_view_allows_is_not_slowed_by_a_bad_one() -> None:
+    assert slowed(15.0, 7.0, 10.0, wanted_mps=15.0) == 15.0
 
 
 def test_the_reference_is_slowed_only() -> None:
@@ -48,9 +52,9 @@ def test_the_reference_is_slowed_only() -> None:
     assert slowed(3.0, 0.0, 10.0, wanted_mps=3.0) == CONFIG.least_mps
 
 
-@pytest.mark.parametrize("best_m", [0.0, np.inf])
-def test_what_cannot_be_seen_at_that_speed_or_is_not_judged_slows_nobody(best_m: float) -> None:
-    assert slowed(15.0, best_m, best_m, wanted_mps=15.0) == 15.0
+@pytest.mark.parametrize("good_m", [0.0, np.inf])
+def test_what_cannot_be_seen_at_that_speed_or_is_not_judged_slows_nobody(good_m: float) -> None:
+    assert slowed(15.0, good_m, good_m, wanted_mps=15.0) == 15.0
 
 
 def test_a_stop_that_makes_no_sense_is_refused() -> None:

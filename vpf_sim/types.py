@@ -200,7 +200,7 @@ class Perception:
     obstacle_map: ObstacleMap
     obstacles: Obstacles
     road: RoadEdges
-    low_sight_m: tuple[float, float] = (np.inf, np.inf)  # to where a low body would be known, now and at best; or inf
+    low_sight_m: tuple[float, float] = (np.inf, np.inf)  # to where a low body would be known, now and with a good view
 
 
 @dataclass(frozen=True, slots=True)

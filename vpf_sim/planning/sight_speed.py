@@ -2,14 +2,16 @@
 
 The rule of the assured clear distance ahead: with D from the bumper to where such a body would be known, less what is
 kept free, reaction time t and deceleration b, the car can stop from the speed of v t + v^2 / (2 b) = D. How fast to go
-where all can be seen is the user's choice, the reference speed. It is cut by as much as that speed is less now than on
-a road that is seen as well as can be. At speeds at which no low body could be known in time at all, it is left.
+where all can be seen is the user's choice, the reference speed. It is cut by as much as that speed is less now than with
+a good view. Who asks for more than even a good view would allow has chosen not to stop for low bodies, and is left so.
 """
 
 from dataclasses import dataclass, replace
 from math import isinf, sqrt
 
 from vpf_sim.types import Reference, VehicleModel
+
+ENOUGH = 0.8  # of the reference speed
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +43,10 @@ def within_sight(
     config: SightConfig,
     vehicle: VehicleModel,
 ) -> Reference:
-    """The reference, slowed by what is not seen; `sight_m` is what is seen now, and what would be at best."""
-    now_m, best_m = sight_m
-    if isinf(best_m) or best_m == 0.0:
+    """The reference, slowed by what is not seen; `sight_m` is what is seen now, and with a good view."""
+    now_m, good_m = sight_m
+    if isinf(good_m) or safe_speed(good_m, config, vehicle) < ENOUGH * speed_reference_mps:
         return reference
-    share = safe_speed(now_m, config, vehicle) / safe_speed(best_m, config, vehicle)
+    share = safe_speed(now_m, config, vehicle) / safe_speed(good_m, config, vehicle)
     most = max(min(share, 1.0) * speed_reference_mps, config.least_mps)
     return replace(reference, speed_mps=min(reference.speed_mps, most))
