@@ -2,8 +2,8 @@
 
 The rule of the assured clear distance ahead: with D from the bumper to where such a body would be known, less what is
 kept free, reaction time t and deceleration b, the car can stop from the speed of v t + v^2 / (2 b) = D. How fast to go
-where all can be seen is the user's choice, the reference speed. It is cut by as much as that speed is less now than with
-a good view. Who asks for more than even a good view would allow has chosen not to stop for low bodies, and is left so.
+where all can be seen is the user's choice, the reference speed. It is cut by as much as that speed is less now than
+with a good view. Who asks for more than even a good view would allow has chosen not to stop for low bodies.
 """
 
 from dataclasses import dataclass, replace
