@@ -116,6 +116,8 @@ def main() -> None:
     parser.add_argument("--resume", action="store_true", help="go on with what is in DIR")
     arguments = parser.parse_args()
     worlds = {name: parts for name, parts in WORLDS.items() if arguments.only in name}
+    if not worlds:
+        parser.error(f"argument --only: expected a part of one of {', '.join(WORLDS)}, got {arguments.only!r}")
     arguments.out.mkdir(parents=True, exist_ok=True)
     by_driver: dict[str, list[Path]] = {}
     for name, parts in worlds.items():

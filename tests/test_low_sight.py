@@ -14,7 +14,7 @@ def told(noise: float, seen: float = 1.0, speed_mps: float = 5.0, looks: int = 2
     sight = LowSight(CONFIG, NEAR_M)
     for _ in range(looks):
         sight.record(LookQuality(noise, grain, np.full(len(sight.forward_m), seen)))
-    return sight.distance_m(speed_mps, PERIOD_S, HITS, WAY_M)[0]
+    return sight.distance_m(speed_mps, PERIOD_S, HITS, WAY_M)
 
 
 def difference(forward_m: float) -> float:
@@ -62,10 +62,11 @@ def test_a_good_view_is_known_beside_whatever_is_seen() -> None:
     sight = LowSight(CONFIG, NEAR_M)
     for _ in range(50):
         sight.record(LookQuality(np.inf, GRAIN, np.zeros(len(sight.forward_m))))
-    now, good = sight.distance_m(5.0, PERIOD_S, HITS, WAY_M)
-    assert now == 0.0
-    assert good == pytest.approx(CONFIG.far_m - way / CONFIG.good_share, abs=CONFIG.step_m)
-    assert sight.distance_m(20.0, PERIOD_S, HITS, WAY_M) == (0.0, 0.0), "too fast for any"
+    assert sight.distance_m(5.0, PERIOD_S, HITS, WAY_M) == 0.0
+    assert sight.good_m(5.0, PERIOD_S, HITS, WAY_M) == pytest.approx(
+        CONFIG.far_m - way / CONFIG.good_share, abs=CONFIG.step_m
+    )
+    assert sight.good_m(20.0, PERIOD_S, HITS, WAY_M) == 0.0, "too fast for any"
 
 
 def test_one_bad_look_is_no_blindness() -> None:
@@ -73,7 +74,7 @@ def test_one_bad_look_is_no_blindness() -> None:
     whole = np.ones(len(sight.forward_m))
     for noise in (1.0, 1.0, np.inf, 1.0):
         sight.record(LookQuality(noise, GRAIN, whole))
-    assert sight.distance_m(5.0, PERIOD_S, HITS, WAY_M)[0] > told(noise=1.0) - 0.6
+    assert sight.distance_m(5.0, PERIOD_S, HITS, WAY_M) > told(noise=1.0) - 0.6
 
 
 def test_a_configuration_that_makes_no_sense_is_refused() -> None:

@@ -67,3 +67,6 @@ def test_how_far_the_road_mirrors_is_told_by_the_points_below_it(below: int, deg
     for _ in range(40):
         mirror.update(below, 100)
     assert mirror.degree == pytest.approx(degree, abs=0.05)
+    for _ in range(200):
+        mirror.update(0, 0)
+    assert mirror.degree == pytest.approx(degree, abs=0.05), "standing, nothing is learned and nothing forgotten"

@@ -60,6 +60,8 @@ class ResidualConfig:
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
             raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
+        if not 0.0 < self.newest <= 1.0:
+            raise ValueError(f"newest: expected 0 < newest <= 1, got {self.newest}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,14 +62,17 @@ class LowSight:
         difference = config.grains * self._grain * (config.grains_at_m / self.forward_m) ** config.power
         self._share += (np.where(difference > look.noise, look.seen, 0.0) - self._share) / config.looks
 
-    def distance_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> tuple[float, float]:
-        """m from the pose, at which a low body would be believed that takes so many hits over such a way; 0 if none.
+    def distance_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> float:
+        """m from the pose, at which a low body would be believed that takes so many hits over such a way; 0 if none."""
+        return self._where(self._share, self._needed_m(speed_mps, period_s, hits, way_m))
 
-        And the same of a good view, `good_share` of whose looks would make one out, wherever it is.
-        """
-        needed_m = max((hits + self.config.spare_looks) * period_s * speed_mps, way_m)
+    def good_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> float:
+        """The same of a good view, `good_share` of whose looks would make one out, wherever it is."""
         good = np.full(len(self._share), self.config.good_share)
-        return self._where(self._share, needed_m), self._where(good, needed_m)
+        return self._where(good, self._needed_m(speed_mps, period_s, hits, way_m))
+
+    def _needed_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> float:
+        return max((hits + self.config.spare_looks) * period_s * speed_mps, way_m)
 
     def _where(self, share: Floats, needed_m: float) -> float:
         passed_m = np.cumsum(share[::-1])[::-1] * self.config.step_m  # of way with hits, on coming near

@@ -39,6 +39,10 @@ class EvidenceConfig:
     least: float = -1.0  # of a look
     most: float = 2.0
 
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.dry_share < self.wet_share:
+            raise ValueError(f"dry_share: expected 0 <= dry_share < wet_share = {self.wet_share}, got {self.dry_share}")
+
 
 class Mirror:
     """How far the road mirrors, from 0 to 1: by the share of the points on it that lie below it and are of no body."""
@@ -49,7 +53,12 @@ class Mirror:
         self._below, self._all = 20.0, 50.0  # until it is known, it mirrors
 
     def update(self, below: int, count: int) -> None:
-        """A look at `count` points on the road and outside of all bodies, of which so many lie below it."""
+        """A look at `count` points on the road and outside of all bodies, of which so many lie below it.
+
+        One at none, standing, leaves the road as it is known.
+        """
+        if not count:
+            return
         self._below, self._all = self._kept * self._below + below, self._kept * self._all + count
 
     @property

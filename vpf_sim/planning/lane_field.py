@@ -67,6 +67,8 @@ class LaneFieldConfig:
         for key in ("reach_m", "spacing_m", "target_per_m2", "wall_reach_m", "tail_decay_m", "memory_m"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+        if not self.unstopped_share >= 0.0:
+            raise ValueError(f"unstopped_share: expected >= 0, got {self.unstopped_share}")
         if not self.full_m < self.visible_m:
             raise ValueError(f"full_m: expected < visible_m = {self.visible_m}, got {self.full_m}")
 

@@ -16,8 +16,8 @@ class LaneReferenceConfig:
     correction_mps: float  # largest speed of the correction
     correction_ratio: float  # and its largest share of the vehicle's speed
     lead_m: float  # y_r stays this near to the rear axle's own y
-    minimum_clearance_m: float  # nearer than this counts as blocked
-    walking_clearance_m: float  # the same at walking speed
+    minimum_clearance_m: float  # passed so near at full speed
+    walking_clearance_m: float  # and so near walking; nearer is blocked
     bend_acceleration_mps2: float  # lateral, limits the speed in bends
     brake_mps2: float  # of a stop before a blocked road
     rise_mps2: float  # of the speed reference, afterwards
@@ -34,3 +34,13 @@ class LaneReferenceConfig:
         for name in self.__slots__:
             if name not in ("motion", "speed") and not getattr(self, name) > 0.0:
                 raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+        if not self.walking_clearance_m < self.minimum_clearance_m:
+            raise ValueError(
+                f"walking_clearance_m: expected < minimum_clearance_m = {self.minimum_clearance_m}, "
+                f"got {self.walking_clearance_m}"
+            )
+        if not self.creep_standoff_m <= self.standoff_m <= self.far_standoff_m:
+            raise ValueError(
+                "standoff_m: expected creep_standoff_m <= standoff_m <= far_standoff_m, "
+                f"got {self.creep_standoff_m}, {self.standoff_m}, {self.far_standoff_m}"
+            )

@@ -29,6 +29,7 @@ class Planner:
         self._movers = MoverTracker(camera, variant.movers, rate_hz) if variant.movers else None
         self._steadiness = Steadiness(camera, variant.steadiness, rate_hz) if variant.steadiness else None
         self._second_look = SecondLook(camera, variant.second_look) if variant.second_look else None
+        self._speed_reference_mps = setup.speed_reference_mps
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
         self._bodies = _nothing()
@@ -63,9 +64,9 @@ class Planner:
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
                 self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps)
-        sight_m = (
-            self._landmarks.low_sight_m(observation.speed_mps) if self._landmarks is not None else (np.inf, np.inf)
-        )
+        sight_m = (np.inf, np.inf)
+        if self._landmarks is not None:
+            sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road, sight_m)
 
     def _looks(self, speed_mps: float) -> bool:
