@@ -199,7 +199,7 @@ class MoverTracker:
     def _speaks_for(
         self, mover: Mover, seen: Apparent, chosen: Integers, chi2: Floats, own_mps: float, pose: Floats
     ) -> float:
-        """Log-odds of a look: none for what is not upright and as wide as a vehicle, else what the points tell."""
+        """Log-odds of a look: against it where nothing upright is as wide as a vehicle, else what the points tell."""
         config = self.config
         forward, right = mover.place(pose)
         depth = forward - self.camera.forward_m

@@ -82,9 +82,9 @@ class Pace:
         return np.where(gap_m < config.minimum_clearance_m, np.interp(gap_m, gaps, speeds), np.inf)
 
     def _before(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> Floats:
-        """(K,) m/s before bodies that the minimum avoids, but the car not yet: be there only when the shift is done.
+        """(K,) m/s before bodies that the minimum avoids, but the car not yet.
 
-        Where it cannot be done as wide as wanted, walking; where not at all, the car stops, as early as it can.
+        It shall be there only when as much of the shift is done as they need. Where it cannot be done as wide as wanted, walking; where not at all, the car stops, as early as it can.
         """
         config, way, slope = self._config, field.bumper(obstacles), -tan(lane.heading_rad)
         needed = field.shift(obstacles, lane.y_m, minimum_m, config.walking_clearance_m)

@@ -11,7 +11,7 @@ from math import isinf, sqrt
 
 from vpf_sim.types import Reference, VehicleModel
 
-ENOUGH = 0.8  # of the reference speed
+ENOUGH = 0.8  # of the reference speed: a good view that allows as much is one
 
 
 @dataclass(frozen=True, slots=True)
