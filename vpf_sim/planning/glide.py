@@ -6,8 +6,9 @@ rear axle, s the way along it, gives heading and steering without a lag, and wha
     |y_r'| <= sine of the largest angle,    |y_r''| <= 1 / R,    |y_r'''| <= (largest d delta / dt) / (L v),
 
 or less, where comfort asks for less (`vpf_sim.planning.reach`). All are of the way, not of time: a car at walking speed
-follows the same path more slowly, and one that stands follows none. Within them the path begins at every step with the third derivative of the least-jerk path (T. Flash, N. Hogan, J.
-Neurosci. 5, 1985: a polynomial of fifth order) from place y, slope p, bend c to rest at y_m on the way S, S receding:
+follows the same path more slowly, and one that stands follows none. Within them the path begins at every step with the
+third derivative of the least-jerk path (T. Flash, N. Hogan, J. Neurosci. 5, 1985: a polynomial of fifth order) from
+place y, slope p, bend c to rest at y_m on the way S, S receding:
 
     60 (y_m - y) / S^3 - 36 p / S^2 - 9 c / S.
 

@@ -84,7 +84,8 @@ class Pace:
     def _before(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> Floats:
         """(K,) m/s before bodies that the minimum avoids, but the car not yet.
 
-        It shall be there only when as much of the shift is done as they need. Where it cannot be done as wide as wanted, walking; where not at all, the car stops, as early as it can.
+        It shall be there only when as much of the shift is done as they need. Where it cannot be done as wide as
+        wanted, walking; where not at all, the car stops, as early as it can.
         """
         config, way, slope = self._config, field.bumper(obstacles), -tan(lane.heading_rad)
         needed = field.shift(obstacles, lane.y_m, minimum_m, config.walking_clearance_m)
