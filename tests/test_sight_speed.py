@@ -26,7 +26,7 @@ def test_it_never_stands_for_what_cannot_be_seen() -> None:
 
 def slowed(speed_mps: float, now_m: float, good_m: float, wanted_mps: float = 5.55) -> float:
     reference = Reference(0.3, speed_mps, 0.01)
-    found = within_sight(reference, (now_m, good_m), wanted_mps, CONFIG, VEHICLE)
+    found = within_sight(reference, (now_m, good_m, good_m), wanted_mps, CONFIG, VEHICLE)
     assert found == replace(reference, speed_mps=found.speed_mps)
     return found.speed_mps
 

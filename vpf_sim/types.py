@@ -200,7 +200,8 @@ class Perception:
     obstacle_map: ObstacleMap
     obstacles: Obstacles
     road: RoadEdges
-    low_sight_m: tuple[float, float] = (np.inf, np.inf)  # to where a low body would be known, now and with a good view
+    low_sight_m: tuple[float, float, float] = (np.inf, np.inf, np.inf)  # to where a low body would be known: now, with
+    # a good view, and with one at the reference speed
 
 
 @dataclass(frozen=True, slots=True)

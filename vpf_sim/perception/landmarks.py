@@ -145,15 +145,16 @@ class LandmarkTracker:
         """Whether the next frame is one that `look` looks at."""
         return self._residual.looks
 
-    def low_sight_m(self, speed_mps: float, speed_reference_mps: float) -> tuple[float, float]:
+    def low_sight_m(self, speed_mps: float, speed_reference_mps: float) -> tuple[float, float, float]:
         """m ahead of the pose, up to which a low body on the road would be known by now at that speed; 0 if nowhere.
 
-        And up to which it would be with a good view at the reference speed, whatever there is to be seen.
+        Then up to which it would be with a good view, and with one at the reference speed while no false spots show up.
         """
         book, residual = self._spots, self._residual
         way_m, period_s = book.config.way_m, residual.period_s
         now_m = residual.sight.distance_m(speed_mps, period_s, book.hits_needed, way_m)
-        return now_m, residual.sight.good_m(speed_reference_mps, period_s, book.config.hits, way_m)
+        good_m = residual.sight.good_m(speed_mps, period_s, book.hits_needed, way_m)
+        return now_m, good_m, residual.sight.good_m(speed_reference_mps, period_s, book.config.hits, way_m)
 
     def look(self, grey: Image, pose: Floats, road: RoadEdges) -> None:
         """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.

@@ -64,7 +64,7 @@ class Planner:
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
                 self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps)
-        sight_m = (np.inf, np.inf)
+        sight_m = (np.inf, np.inf, np.inf)
         if self._landmarks is not None:
             sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road, sight_m)

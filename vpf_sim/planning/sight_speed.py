@@ -38,14 +38,14 @@ def safe_speed(sight_m: float, config: SightConfig, vehicle: VehicleModel) -> fl
 
 def within_sight(
     reference: Reference,
-    sight_m: tuple[float, float],
+    sight_m: tuple[float, float, float],
     speed_reference_mps: float,
     config: SightConfig,
     vehicle: VehicleModel,
 ) -> Reference:
-    """The reference, slowed by what is not seen; `sight_m` is what is seen now, and with a good view."""
-    now_m, good_m = sight_m
-    if isinf(good_m) or safe_speed(good_m, config, vehicle) < ENOUGH * speed_reference_mps:
+    """The reference, slowed by what is not seen; `sight_m` as in `Perception.low_sight_m`."""
+    now_m, good_m, good_at_reference_m = sight_m
+    if isinf(good_m) or safe_speed(good_at_reference_m, config, vehicle) < ENOUGH * speed_reference_mps:
         return reference
     share = safe_speed(now_m, config, vehicle) / safe_speed(good_m, config, vehicle)
     most = max(min(share, 1.0) * speed_reference_mps, config.least_mps)
