@@ -8,7 +8,8 @@ from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points
 from test_movers import Traffic, vehicle
 
 from vpf_sim.perception.closing import Closing, ClosingConfig
-from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
+from vpf_sim.perception.landmark_config import LandmarkConfig
+from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.types import Floats, Obstacles
 
 LOOK_FRAMES = 3

@@ -7,7 +7,8 @@ import pytest
 
 from vpf_sim.geometry import project, vehicle_from_world, wrap_angle
 from vpf_sim.perception.carriageway import carriageway_offsets
-from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
+from vpf_sim.perception.landmark_config import LandmarkConfig
+from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.outlines import (
     Seen,
     at_least,

@@ -11,10 +11,10 @@ GRAIN = 3.0
 
 
 def told(noise: float, seen: float = 1.0, speed_mps: float = 5.0, looks: int = 200, grain: float = GRAIN) -> float:
-    sight = LowSight(CONFIG, NEAR_M)
+    sight = LowSight(CONFIG, NEAR_M, PERIOD_S)
     for _ in range(looks):
         sight.record(LookQuality(noise, grain, np.full(len(sight.forward_m), seen)))
-    return sight.distance_m(speed_mps, PERIOD_S, HITS, WAY_M)
+    return sight.distance_m(sight.needed_m(speed_mps, HITS, WAY_M))
 
 
 def difference(forward_m: float) -> float:
@@ -59,22 +59,22 @@ def test_before_the_first_look_the_road_is_believed_to_be_seen() -> None:
 
 def test_a_good_view_is_known_beside_whatever_is_seen() -> None:
     way = (HITS + CONFIG.spare_looks) * PERIOD_S * 5.0
-    sight = LowSight(CONFIG, NEAR_M)
+    sight = LowSight(CONFIG, NEAR_M, PERIOD_S)
     for _ in range(50):
         sight.record(LookQuality(np.inf, GRAIN, np.zeros(len(sight.forward_m))))
-    assert sight.distance_m(5.0, PERIOD_S, HITS, WAY_M) == 0.0
-    assert sight.good_m(5.0, PERIOD_S, HITS, WAY_M) == pytest.approx(
+    assert sight.distance_m(sight.needed_m(5.0, HITS, WAY_M)) == 0.0
+    assert sight.good_m(sight.needed_m(5.0, HITS, WAY_M)) == pytest.approx(
         CONFIG.far_m - way / CONFIG.good_share, abs=CONFIG.step_m
     )
-    assert sight.good_m(20.0, PERIOD_S, HITS, WAY_M) == 0.0, "too fast for any"
+    assert sight.good_m(sight.needed_m(20.0, HITS, WAY_M)) == 0.0, "too fast for any"
 
 
 def test_one_bad_look_is_no_blindness() -> None:
-    sight = LowSight(CONFIG, NEAR_M)
+    sight = LowSight(CONFIG, NEAR_M, PERIOD_S)
     whole = np.ones(len(sight.forward_m))
     for noise in (1.0, 1.0, np.inf, 1.0):
         sight.record(LookQuality(noise, GRAIN, whole))
-    assert sight.distance_m(5.0, PERIOD_S, HITS, WAY_M) > told(noise=1.0) - 0.6
+    assert sight.distance_m(sight.needed_m(5.0, HITS, WAY_M)) > told(noise=1.0) - 0.6
 
 
 def test_a_configuration_that_makes_no_sense_is_refused() -> None:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
-from vpf_sim.perception.landmarks import LandmarkConfig, LandmarkTracker
+from vpf_sim.perception.landmark_config import LandmarkConfig
+from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_search import MoverConfig, appear
 from vpf_sim.perception.movers import MoverTracker

@@ -12,15 +12,13 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.evidence import Evidence
+from vpf_sim.perception.evidence import Evidence, Grid
 from vpf_sim.perception.low_sight import LookQuality, LowSight, LowSightConfig
 from vpf_sim.perception.patch_water import WaterConfig, odd_cells, texture, what_stays
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
 
-Grid = NDArray[np.float32]
 WARP, NEAREST = (way | cv2.WARP_INVERSE_MAP for way in (cv2.INTER_LINEAR, cv2.INTER_NEAREST))
 GRAIN_PERCENT = 10.0  # of the patch, that no mirror image disturbs
 FAINT = np.float32(0.05)  # share of a window, below which what is seen there is not scaled up
@@ -105,8 +103,7 @@ class GroundResidual:
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
         self._evidence = Evidence(config.newest)
-        self.sight = LowSight(config.sight, config.near_m)
-        self.period_s = self._period_frames / rate_hz
+        self.sight = LowSight(config.sight, config.near_m, self._period_frames / rate_hz)
 
     @property
     def looks(self) -> bool:

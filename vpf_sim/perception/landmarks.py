@@ -1,16 +1,16 @@
 """Bodies on the road: followed points that stand above it, kept in the world until the car has passed them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
-from vpf_sim.perception.clearing import Clearing, ClearingConfig
+from vpf_sim.perception.clearing import Clearing
 from vpf_sim.perception.clusters import clusters
 from vpf_sim.perception.ground import past_image
-from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
+from vpf_sim.perception.ground_residual import GroundResidual, Spot
+from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.low import LowConfig, is_low, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
 from vpf_sim.perception.outlines import (
@@ -26,65 +26,9 @@ from vpf_sim.perception.outlines import (
     turned_back,
     widened,
 )
-from vpf_sim.perception.spots import SpotBook, SpotConfig, is_hidden
-from vpf_sim.perception.triangulation import NoiseModel, Triangulation, triangulate
+from vpf_sim.perception.spots import SpotBook, is_hidden
+from vpf_sim.perception.triangulation import Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
-
-
-@dataclass(frozen=True, slots=True)
-class LandmarkConfig:
-    """When a point counts as standing above the road, and how many of them make a body."""
-
-    update_period_s: float = 0.05  # between judgements of the points
-    window_px: int = 11  # of the flow, for the noise of a track
-    grey_levels: float = 5.0  # noise of a track, see NoiseModel
-    floor_px: float = 0.1
-    growth_s: float = 0.17
-    anisotropy: float = 0.04
-    pitch_rad: float = 0.0005
-    min_age_s: float = 0.05
-    chi2_limit: float = 9.0  # of a point against its own depth
-    chi2_margin: float = 20.0  # by which the road must fit worse
-    depth_ratio: float = 0.10  # largest sigma_Z / Z
-    min_height_m: float = 0.2
-    max_height_m: float = 1.8
-    near_m: float = 6.5  # range of depth in which points are judged
-    far_m: float = 28.0
-    hits_s: float = 0.13  # a point is believed after so long,
-    hits_share: float = 0.5  # if it stood above the road in this share of the frames since it first did
-    steady_m: float = 0.1  # and its place in the world changed by no more than this, plus
-    steady_ratio: float = 0.04  # this share of the depth
-    single_hits_s: float = 0.3  # and one alone after so long,
-    single_depth_ratio: float = 0.035  # at this accuracy
-    single_min_height_m: float = 0.35  # and at this height: the ends of dashes seem to stand 0.3 m high at times
-    single_max_height_m: float = 1.1
-    single_far_m: float = 20.0
-    recent_px: float = 0.3  # largest error of the motion in the last window, plus
-    recent_ratio: float = 0.05  # this share of its length
-    edge_margin_m: float = 0.3  # inside the carriageway's edges
-    edge_line_m: float = 0.4  # points whose foot lies so near the edge line inside,
-    verge_m: float = 1.8  # and so near outside, are not trusted
-    foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there
-    link_right_m: float = 1.0  # points nearer than this belong to one body
-    link_forward_m: float = 2.0
-    face_sigma_m: float = 0.65  # a body is told once its face is known so well
-    told_m: float = 21.0  # and so near, from the pose: depth errs with the square of the distance
-    sharp_side_m: float = 0.12  # points with a smaller sigma across count for the sides, or those near the best
-    behind_m: float = 11.0  # where a body is forgotten
-    low: LowConfig = field(default_factory=LowConfig)
-    residual: ResidualConfig = field(default_factory=ResidualConfig)
-    spots: SpotConfig = field(default_factory=SpotConfig)
-    clearing: ClearingConfig = field(default_factory=ClearingConfig)
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.near_m < self.far_m:
-            raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
-        if self.min_height_m >= self.max_height_m:
-            raise ValueError(f"min_height_m: expected < max_height_m, got {self.min_height_m}")
-
-    @property
-    def noise(self) -> NoiseModel:
-        return NoiseModel(self.grey_levels, self.floor_px, self.growth_s, self.anisotropy, self.pitch_rad)
 
 
 class LandmarkTracker:
@@ -150,11 +94,10 @@ class LandmarkTracker:
 
         Then up to which it would be with a good view, and with one at the reference speed while no false spots show up.
         """
-        book, residual = self._spots, self._residual
-        way_m, period_s = book.config.way_m, residual.period_s
-        now_m = residual.sight.distance_m(speed_mps, period_s, book.hits_needed, way_m)
-        good_m = residual.sight.good_m(speed_mps, period_s, book.hits_needed, way_m)
-        return now_m, good_m, residual.sight.good_m(speed_reference_mps, period_s, book.config.hits, way_m)
+        book, sight = self._spots, self._residual.sight
+        needed_m = sight.needed_m(speed_mps, book.hits_needed, book.config.way_m)
+        least_m = sight.needed_m(speed_reference_mps, book.config.hits, book.config.way_m)
+        return sight.distance_m(needed_m), sight.good_m(needed_m), sight.good_m(least_m)
 
     def look(self, grey: Image, pose: Floats, road: RoadEdges) -> None:
         """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.

@@ -47,10 +47,13 @@ class LookQuality:
 class LowSight:
     """Averages over the looks. Before the first, the road is believed to be seen well."""
 
-    def __init__(self, config: LowSightConfig, near_m: float) -> None:
+    def __init__(self, config: LowSightConfig, near_m: float, period_s: float) -> None:
         self.config = config
         self.forward_m: Floats = np.arange(near_m, config.far_m, config.step_m)
+        self._period_s = period_s  # between looks
         self._share = np.ones(len(self.forward_m))  # of looks that make a low body out
+        self._passed_m = self._way_with_hits(self._share)
+        self._good_m = self._way_with_hits(np.full(len(self.forward_m), config.good_share))
         self._grain: float | None = None
 
     def record(self, look: LookQuality) -> None:
@@ -61,21 +64,26 @@ class LowSight:
         self._grain += (look.grain - self._grain) / config.grain_looks
         difference = config.grains * self._grain * (config.grains_at_m / self.forward_m) ** config.power
         self._share += (np.where(difference > look.noise, look.seen, 0.0) - self._share) / config.looks
+        self._passed_m = self._way_with_hits(self._share)
 
-    def distance_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> float:
-        """m from the pose, at which a low body would be believed that takes so many hits over such a way; 0 if none."""
-        return self._where(self._share, self._needed_m(speed_mps, period_s, hits, way_m))
+    def needed_m(self, speed_mps: float, hits: int, way_m: float) -> float:
+        """m of way with looks that make a body out, until one is believed that takes so many over such a way."""
+        return max((hits + self.config.spare_looks) * self._period_s * speed_mps, way_m)
 
-    def good_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> float:
+    def distance_m(self, needed_m: float) -> float:
+        """m from the pose, at which a low body would be believed that takes so much of the way; 0 if none."""
+        return self._where(self._passed_m, needed_m)
+
+    def good_m(self, needed_m: float) -> float:
         """The same of a good view, `good_share` of whose looks would make one out, wherever it is."""
-        good = np.full(len(self._share), self.config.good_share)
-        return self._where(good, self._needed_m(speed_mps, period_s, hits, way_m))
+        return self._where(self._good_m, needed_m)
 
-    def _needed_m(self, speed_mps: float, period_s: float, hits: int, way_m: float) -> float:
-        return max((hits + self.config.spare_looks) * period_s * speed_mps, way_m)
+    def _way_with_hits(self, share: Floats) -> Floats:
+        """(K,) m, on coming as near as each place."""
+        passed: Floats = np.cumsum(share[::-1])[::-1] * self.config.step_m
+        return passed
 
-    def _where(self, share: Floats, needed_m: float) -> float:
-        passed_m = np.cumsum(share[::-1])[::-1] * self.config.step_m  # of way with hits, on coming near
+    def _where(self, passed_m: Floats, needed_m: float) -> float:
         if passed_m[0] < needed_m:
             return 0.0
         return float(np.interp(needed_m, passed_m[::-1], self.forward_m[::-1]))

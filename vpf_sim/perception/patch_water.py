@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from vpf_sim.perception.evidence import Grid
 from vpf_sim.types import Image
 
-Grid = NDArray[np.float32]
 SPARSE = slice(None, None, 3)  # windows overlap: a few tell
 
 
