@@ -109,13 +109,16 @@ class Moved:
 class Replayed:
     """Stands in for the flow and the road tracker: gives what was prepared."""
 
-    looks = judges = True
+    pitch = None
 
     def __init__(self, records: list[object]) -> None:
         self._records = iter(records)
 
     def update(self, *_: object) -> object:
         return next(self._records)
+
+    def turn(self, down_rad: float) -> None:
+        assert down_rad == 0.0
 
 
 def drive(configuration: Variant, moved: Moved, goal_m: Floats) -> list[tuple[Plan, Command]]:

@@ -23,7 +23,7 @@ def test_bright_spots_do_not_bend_the_road_ahead() -> None:
     rng = stream(31, "spots")
     forward: Floats = np.arange(4.0, 29.0, 0.5)
     truth = state_of(1.75, 0.0, 0.005, 3.5)
-    tracked = LaneFilter(truth.copy(), initial_covariance(0.05, 0.005, 0.05))
+    tracked = LaneFilter(truth.copy(), initial_covariance(0.05, 0.005, 0.05, 0.001), Camera())
     variance = np.full((len(NUMBERS), len(forward)), 0.02**2)
     bend = []
     for _ in range(300):

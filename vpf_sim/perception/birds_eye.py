@@ -28,6 +28,7 @@ class BirdsEye:
     """
 
     def __init__(self, camera: Camera, patch: Patch) -> None:
+        self.camera = camera
         self.forward_m = rows_ahead(camera, patch)  # (rows,) from the pose
         self.length_m: Floats = np.gradient(self.forward_m)  # (rows,) of road that a row stands for
         self.right_m: Floats = np.arange(-patch.half_width_m, patch.half_width_m + 1e-9, patch.column_m)  # (columns,)

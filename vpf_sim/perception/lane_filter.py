@@ -4,16 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.road_model import CURVATURES, NODES_M, SIZE, WIDTH, lines, moved
-from vpf_sim.types import Bools, Floats
+from vpf_sim.perception.road_model import CURVATURES, NODES_M, PITCH, SIZE, WIDTH, moved, seen_lines
+from vpf_sim.types import Bools, Camera, Floats
 
 # Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node, a lane's width
-# (m). The far node sees new road; the others are told of it as the vehicle moves on.
-DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002, 0.0005])
+# (m), the camera's pitch against the road (rad). The far node sees new road; the others are told of it as the vehicle
+# moves on.
+DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002, 0.0005, 0.0002])
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
 SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
 TIGHTEST = 0.025  # 1/m, curvature of a carriageway
 NARROWEST_M, WIDEST_M = 2.5, 4.5  # lanes
+STEEPEST_RAD = 0.02  # pitch: beyond it the camera is mounted otherwise, or these are no parallel lines
 PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass
 # Sightings further from the prediction than so many standard deviations, plus so much, are of something else.
 GATE, GATE_M = 4.0, 0.15
@@ -35,9 +37,9 @@ class Sightings:
     seen: Bools  # (L, R)
 
 
-def initial_covariance(y_m: float, heading_rad: float, width_m: float) -> Floats:
-    """(7, 7) of a state just found, with these standard deviations of place, heading and a lane's width."""
-    covariance = np.diag([y_m**2, heading_rad**2, *np.zeros(len(NODES_M)), width_m**2])
+def initial_covariance(y_m: float, heading_rad: float, width_m: float, pitch_rad: float) -> Floats:
+    """(8, 8) of a state just found, with these standard deviations of place, heading, a lane's width and the pitch."""
+    covariance = np.diag([y_m**2, heading_rad**2, *np.zeros(len(NODES_M)), width_m**2, pitch_rad**2])
     steps = np.minimum.outer(np.arange(len(NODES_M)), np.arange(len(NODES_M)))
     covariance[CURVATURES, CURVATURES] = SHARED_CURVATURE**2 + ADDED_CURVATURE**2 * steps
     return covariance
@@ -47,8 +49,9 @@ def initial_covariance(y_m: float, heading_rad: float, width_m: float) -> Floats
 class LaneFilter:
     """Extended Kalman filter of the road's state."""
 
-    state: Floats  # (7,)
-    covariance: Floats  # (7, 7)
+    state: Floats  # (8,)
+    covariance: Floats  # (8, 8)
+    camera: Camera
 
     def predict(self, step: Floats) -> None:
         """After the vehicle moved by `step` (forward m, right m, yaw rad) in its own axes."""
@@ -62,7 +65,7 @@ class LaneFilter:
         seen = sightings.seen & self._possible(sightings)
         state, normal = prior, information
         for cut_m in PASSES:
-            right, jacobian, reached = lines(state, sightings.numbers, sightings.forward_m)
+            right, jacobian, reached = seen_lines(state, sightings.numbers, sightings.forward_m, self.camera)
             residual = sightings.right_m - right
             tukey = np.clip(1.0 - (residual / cut_m) ** 2, 0.0, None) ** 2
             weight = (tukey / sightings.variance_m2)[seen & reached]
@@ -75,7 +78,7 @@ class LaneFilter:
 
     def _possible(self, sightings: Sightings) -> Bools:
         """(L, R) sightings that the prediction allows: drops, puddles and mirror images are bright in other places."""
-        right, jacobian, _ = lines(self.state, sightings.numbers, sightings.forward_m)
+        right, jacobian, _ = seen_lines(self.state, sightings.numbers, sightings.forward_m, self.camera)
         variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + sightings.variance_m2
         aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
         possible: Bools = _along(aside) & (np.abs(aside) < GATE * np.sqrt(variance) + GATE_M)
@@ -83,11 +86,20 @@ class LaneFilter:
 
     def agrees(self, sightings: Sightings) -> bool:
         """Whether more of the sightings lie on the lines than of drops, streaks and grain would by chance."""
-        right, _, _ = lines(self.state, sightings.numbers, sightings.forward_m)
+        right, _, _ = seen_lines(self.state, sightings.numbers, sightings.forward_m, self.camera)
         aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
         expected = CHANCE * np.count_nonzero(sightings.seen)
         found = np.count_nonzero(_along(aside) & (np.abs(aside) < GATE_M))
         return bool(found > expected + BEYOND_CHANCE * np.sqrt(expected))
+
+    def turn(self, down_rad: float) -> None:
+        """The camera has come to look so much farther down."""
+        self.state[PITCH] += down_rad
+
+    @property
+    def pitch_sigma_rad(self) -> float:
+        """Standard deviation of the pitch against the road."""
+        return float(np.sqrt(self.covariance[PITCH, PITCH]))
 
     @property
     def sigma_m(self) -> float:
@@ -107,4 +119,5 @@ def is_sane(state: Floats) -> bool:
     """Whether the model can still draw this road."""
     finite = state.shape == (SIZE,) and bool(np.all(np.isfinite(state)))
     bent = bool(np.all(np.abs(state[CURVATURES]) < TIGHTEST))
-    return finite and abs(state[1]) < 1.0 and bent and NARROWEST_M < state[WIDTH] < WIDEST_M
+    straight = abs(state[1]) < 1.0 and abs(state[PITCH]) < STEEPEST_RAD
+    return finite and straight and bent and NARROWEST_M < state[WIDTH] < WIDEST_M

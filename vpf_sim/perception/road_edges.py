@@ -10,7 +10,7 @@ from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
 from vpf_sim.perception.lane_filter import REACH_M, LaneFilter, Sightings, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
 from vpf_sim.perception.line_search import CENTROID_M, RidgeMap, comb, noise_threshold, sight, sighting_variance
-from vpf_sim.perception.road_model import WIDTH, curvature_ahead, lines, state_of
+from vpf_sim.perception.road_model import PITCH, WIDTH, curvature_ahead, rows_seen, seen_lines, state_of
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 
 RIDGE_REACH_M = 0.25
@@ -18,10 +18,13 @@ AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
 NEAREST_BODY_M = 0.5  # before the camera: what is nearer hides nothing of the patch
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
+LEAST_CERTAIN = 0.5  # of the lines, without which they do not tell where the camera looks
 NEW_ROAD_M = 0.8  # that comes into view between two judgements: who stands sees the same again, errors and all
 NEAR_M = 14.0  # of a look whose far part makes no sense
 LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is looked for from nothing
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, FIRST_LOOKS = 0.3, 0.04, 0.07, 3
+MOUNTED_RAD = 0.006  # how far off a camera looks, usually, in pitch, before a road has been followed,
+PITCHED_RAD = 0.0015  # and where one has been
 WIDTHS_M = np.arange(2.75, 4.26, 0.125)  # of a lane, looked for
 
 
@@ -83,18 +86,7 @@ class RoadEdgeTracker:
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # by the own motion; by the last judgement
         self._frame = -1
-
-    @property
-    def looks(self) -> bool:
-        """Whether the next frame is looked at; in the others the road is only predicted."""
-        look, _, search = self._periods
-        return (self._frame + 1) % (search if self._filter is None else look) == 0
-
-    @property
-    def judges(self) -> bool:
-        """Whether the next frame's colours are."""
-        _, judge, search = self._periods
-        return (self._frame + 1) % (search if self._filter is None else judge) == 0
+        self._pitch_rad: float | None = None  # of the camera against the road, as last seen
 
     def update(
         self,
@@ -117,6 +109,26 @@ class RoadEdgeTracker:
                 self._judge(self._filter, image_rgb, ridges)
         return self._report(speed_mps, yaw_rate_radps)
 
+    @property
+    def pitch(self) -> tuple[float, float] | None:
+        """rad that the camera looks farther down, against the road, than it should, and the standard deviation.
+
+        None while the road's lines do not tell: what is taken for lines on a road without them says anything.
+        """
+        if self._filter is None or self._pitch_rad is None or self._frame % self._periods[0]:
+            return None
+        if self._lane_confidence(self._filter) < LEAST_CERTAIN:
+            return None
+        return self._pitch_rad, self._filter.pitch_sigma_rad
+
+    def turn(self, down_rad: float) -> None:
+        """The camera has come to look so much farther down since the last frame."""
+        if self._pitch_rad is not None:
+            self._pitch_rad += down_rad
+        for followed in (self._filter, self._lost):
+            if followed is not None:
+                followed.turn(down_rad)
+
     def _predict(self, pose: Floats) -> None:
         followed = self._filter or self._lost
         if followed is not None and self._pose is not None:
@@ -135,12 +147,13 @@ class RoadEdgeTracker:
         hidden = np.zeros(self.view.visible.shape, np.bool_)
         if obstacles is None:
             return hidden
+        seen_m, _ = rows_seen(self._pitch_rad or 0.0, self.view.forward_m, self.camera)
         ahead = self.view.forward_m - self.camera.forward_m
         for face, left, right in zip(obstacles.forward_m, obstacles.left_m, obstacles.right_m, strict=True):
             depth = float(face) - self.camera.forward_m
             if depth < NEAREST_BODY_M:  # beside us or behind, where a mover that was passed is still predicted
                 continue
-            rows = self.view.forward_m > face - BODY_MARGIN_M
+            rows = seen_m > face - BODY_MARGIN_M
             scale = ahead[rows, None] / depth
             place = self.view.right_m / scale
             hidden[rows] |= (place > left - BODY_MARGIN_M) & (place < right + BODY_MARGIN_M)
@@ -149,7 +162,7 @@ class RoadEdgeTracker:
     def _look(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
         """Correct the state by the lines seen about their predicted places; whether there were enough."""
         numbers = self._index.numbers
-        expected, _, reached = lines(tracked.state, numbers, self.view.forward_m)
+        expected, _, reached = seen_lines(tracked.state, numbers, self.view.forward_m, self.camera)
         found = sight(ridges, self.view, expected, reached, numbers, REACH_M, self._variance)
         enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
         if enough:
@@ -157,6 +170,8 @@ class RoadEdgeTracker:
         if not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
             self._filter, self._lost = None, tracked
             return False
+        if enough:
+            self._pitch_rad = float(tracked.state[PITCH])
         return enough
 
     def _correct(self, tracked: LaneFilter, found: Sightings) -> bool:
@@ -174,18 +189,22 @@ class RoadEdgeTracker:
         """The road that explains most ridges: in the lane where the own motion has led since it was lost, or, from
         nothing, in whichever lane the pose is."""
         config, lost = self.config, self._lost if self._is_known(self._lost) else None
-        widths = WIDTHS_M if lost is None else lost.state[WIDTH:]
+        widths = WIDTHS_M if lost is None else lost.state[[WIDTH]]
         score, (y, heading, curvature, width) = comb(ridges, self.view, widths, config.lane_width_m)
         if score < config.least_comb:
             return
         place = y % width if lost is None else y + width * round((lost.state[0] - y) / width)
         if lost is None:
             self._index = LaneIndex.start(config.lanes, config.likely_lane)
-        found = LaneFilter(state_of(place, heading, curvature, width), np.empty(0))
+        found = LaneFilter(state_of(place, heading, curvature, width), np.empty(0), self.camera)
+        pitch_rad = self._pitch_rad
+        found.state[PITCH] = pitch_rad or 0.0
         for _ in range(FIRST_LOOKS):
-            found.covariance = initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M)
+            found.covariance = initial_covariance(
+                FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, MOUNTED_RAD if pitch_rad is None else PITCHED_RAD
+            )
             if not self._look(found, ridges):
-                self._filter, self._lost = None, lost
+                self._filter, self._lost, self._pitch_rad = None, lost, pitch_rad
                 return
         self._filter, self._lost = found, None
         self._judge(found, image_rgb, ridges)
@@ -209,10 +228,7 @@ class RoadEdgeTracker:
         left, right = self._index.edges
         bend = curvature_ahead(state, AHEAD_M)
         likely = self._index.probabilities(state)[self._index.believed]
-        lines_seen = float(
-            np.clip(((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT), 0.0, 1.0)
-        )
-        lane_certain = lines_seen * float(np.exp(-tracked.sigma_m / 0.3)) * (self._filter is not None)
+        lane_certain = self._lane_confidence(tracked)
         return RoadEdges(
             left_m=left * width - place,
             right_m=right * width - place,
@@ -224,6 +240,13 @@ class RoadEdgeTracker:
             lane_width_m=width,
             lane_confidence=lane_certain,
         )
+
+    def _lane_confidence(self, tracked: LaneFilter) -> float:
+        """By how many of the expected lines are seen, lately, and how well the place is known; 0 of a lost road."""
+        lines_seen = float(
+            np.clip(((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT), 0.0, 1.0)
+        )
+        return lines_seen * float(np.exp(-tracked.sigma_m / 0.3)) * (self._filter is not None)
 
     def _likely(self, curvature_per_m: float) -> RoadEdges:
         """The middle of the likely lane, while no line has been seen."""

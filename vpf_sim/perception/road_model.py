@@ -1,18 +1,24 @@
 """The shape of the road ahead: parallel lines, a lane's width apart, whose curvature is piecewise linear.
 
-The state is (y, h, k_0 .. k_3, w): m, the pose's place right of line 0; rad, the road's direction minus yaw at the
-foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the width of a lane. Line
-i is i lanes right of line 0; which of the lines are the edges of the carriageway is not the model's business.
+The state is (y, h, k_0 .. k_3, w, p): m, the pose's place right of line 0; rad, the road's direction minus yaw at the
+foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the width of a lane; rad,
+how far the camera looks below where it is believed to, against the road that it sees. Line i is i lanes right of line
+0; which of the lines are the edges of the carriageway is not the model's business.
+
+A camera that looks farther down than is believed sees each row of the road from farther away, and what it shows there
+narrower: parallel lines seem to meet. A frame with lines a few metres apart tells p to a hundredth of a degree.
 """
 
 import numpy as np
 
-from vpf_sim.types import Bools, Floats
+from vpf_sim.types import Bools, Camera, Floats
 
 NODES_M = np.array([0.0, 8.0, 16.0, 24.0])
 CURVATURES = slice(2, 2 + len(NODES_M))
 WIDTH = 2 + len(NODES_M)
-SIZE = WIDTH + 1
+PITCH = WIDTH + 1
+SIZE = PITCH + 1
+LEAST_DIP_RAD = 0.02  # of a row below the horizon; what is higher shows no line
 STEP_M = 0.5
 ALONG_M = np.arange(-6.0, 48.0 + 1e-9, STEP_M)  # (G,) stations along line 0
 ORIGIN = int(np.searchsorted(ALONG_M, 0.0))
@@ -35,17 +41,23 @@ UNIT = np.eye(len(NODES_M))
 
 
 def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_width_m: float) -> Floats:
-    """(7,) the state of a road of one curvature."""
-    return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m])
+    """(8,) the state of a road of one curvature, seen by a camera that looks where it is believed to."""
+    return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m, 0.0])
 
 
 def lines(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools]:
     """Where lines of the road cross rows ahead.
 
     Of L lines, by their numbers, at R rows `forward_m` ahead of the pose: right of the vehicle (L, R) m, its derivative
-    by the state (L, R, 7), and (L, R) whether the line reaches the row. A number may be a fraction: the middle of the
+    by the state (L, R, 8), and (L, R) whether the line reaches the row. A number may be a fraction: the middle of the
     lane right of line i is i + 1/2.
     """
+    right, jacobian, reached, _ = _crossings(state, numbers, forward_m)
+    return right, jacobian, reached
+
+
+def _crossings(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools, Floats]:
+    """`lines`, and the slope d right / d forward of each line at each row (L, R)."""
     y, heading = state[0], state[1]
     offsets_m = numbers * state[WIDTH]
     direction = heading + TURNS @ state[CURVATURES]
@@ -67,10 +79,36 @@ def lines(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Fl
     jacobian = np.empty((*right.shape, SIZE))
     secant = 1.0 / cosines
     np.multiply(-np.cos(direction - heading).take(lower), secant, out=jacobian[..., 0])
-    np.add(forward_m, right * sine.take(lower) * secant, out=jacobian[..., 1])
+    slope = sine.take(lower) * secant
+    np.add(forward_m, right * slope, out=jacobian[..., 1])
     np.multiply(BENDS.take(lower, axis=0), secant[..., None], out=jacobian[..., CURVATURES])
     np.multiply(numbers[:, None], secant, out=jacobian[..., WIDTH])
-    return right, jacobian, reached
+    jacobian[..., PITCH] = 0.0
+    return right, jacobian, reached, slope
+
+
+def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats, Bools]:
+    """`lines` as the camera shows them: on rows that lie `forward_m` (R,) ahead if it looks where it is believed to.
+
+    What a row shows seems larger by sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
+    """
+    ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
+    right, jacobian, reached, slope = _crossings(state, numbers, ahead)
+    sine, cosine, believed = np.sin(dip), np.cos(dip), np.sin(dip - state[PITCH])
+    scale = sine / believed
+    jacobian *= scale[:, None]
+    jacobian[..., PITCH] = right * cosine / believed - slope * scale * camera.height_m / sine**2
+    return right * scale, jacobian, reached & (dip > LEAST_DIP_RAD)
+
+
+def rows_seen(pitch_rad: float, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats]:
+    """(R,) m from the pose what rows show, taken for `forward_m`, and (R,) rad how far they dip below the horizon.
+
+    A row that should dip by a dips by a + p, if the camera looks so much farther down, and shows the road
+    h / tan(a + p) before the lens.
+    """
+    dip = np.maximum(np.arctan2(camera.height_m, forward_m - camera.forward_m) + pitch_rad, LEAST_DIP_RAD)
+    return camera.forward_m + camera.height_m / np.tan(dip), dip
 
 
 def moved(state: Floats, step: Floats) -> tuple[Floats, Floats]:

@@ -8,18 +8,20 @@ the road 15 m ahead by 3 cm.
 
 The changes add up to the pitch but for a constant. Their sum serves to compare a point with its first sighting; what it
 has of slow changes is left out where the pitch itself is wanted, so that its error does not grow. A car that does not
-pitch is left alone: its flow and frames pass as they are.
+pitch is left alone: its flow and frames pass as they are. How the camera is mounted comes from elsewhere
+(`perception.mounting`), is `mounted_rad` here, and taken out by the same way.
 """
 
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import exp
 
 import cv2
 import numpy as np
 
 from vpf_sim.perception.expansion import Derotated, derotated
-from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
+from vpf_sim.perception.mounting import MountedPitch, MountingConfig
+from vpf_sim.types import Camera, Expansion, Floats, Flow, Image, Integers
 
 NEAR_PX = 5.0  # from the focus the radial direction is not known well
 PASSES, CUT, LEAST_CUT_PX = 4, 3.7, 0.3  # of Tukey's biweight, in standard deviations of the flow across
@@ -32,6 +34,7 @@ class SteadinessConfig:
     settle_s: float = 1.0  # slower changes of the pitch are not told from a drift of the sum
     smoothness: float = 0.1  # weight of a steady rate of pitching within the window
     least_rad: float = 0.0012  # root mean square of the pitch from which on it is taken out; until it is half of that
+    mounting: MountingConfig = field(default_factory=MountingConfig)
 
     def __post_init__(self) -> None:
         if not self.settle_s > 0.0:
@@ -50,8 +53,39 @@ class Steadiness:
         self._sums: deque[float] = deque(maxlen=round(REMEMBERED_S * rate_hz))
         self._slow_rad = 0.0
         self._square_rad2 = 0.0
-        self.is_needed = False
+        self._pitches = False
+        self._mounting = MountedPitch(config.mounting)
         self.pitch_rad = 0.0  # how far the camera looks below its mounting, but for slow changes
+
+    def level(self, pitch_rad: float, sigma_rad: float, time_s: float) -> None:
+        """Take in what the road tells of the pitch in the frame of `update`: what does not pass is the mounting's."""
+        self._mounting.update(pitch_rad - self.passing_rad, sigma_rad, time_s)
+
+    def mounted(self, camera: Camera) -> Camera:
+        """The camera as it is believed to be mounted: the flow and frames that come in are of this one."""
+        if self.mounted_rad == 0.0:
+            return camera
+        return replace(camera, pitch_rad=camera.pitch_rad + self.mounted_rad)
+
+    @property
+    def mounted_rad(self) -> float:
+        """How far the camera's mounting looks below where it should."""
+        return self._mounting.pitch_rad
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether flow and frames change."""
+        return self._pitches or self.mounted_rad != 0.0
+
+    @property
+    def turned_rad(self) -> float:
+        """How far the camera looks down, as far as it is known: flow and frames are turned back by it."""
+        return self.mounted_rad + self.passing_rad
+
+    @property
+    def passing_rad(self) -> float:
+        """The part of it that changes from frame to frame."""
+        return self.pitch_rad if self._pitches else 0.0
 
     def update(self, flow: Flow, foe: Expansion, turned: Derotated | None = None) -> Flow:
         """The flow of the same points for a camera that does not pitch; `turned` is the flow as it is, `derotated`,
@@ -59,21 +93,16 @@ class Steadiness:
         self._add(flow, foe, turned or derotated(flow, self._camera))
         if not self.is_needed:
             return flow
-        frames = np.rint(flow.gap_s * self._rate_hz).astype(np.int64)
-        now = self._steady(flow.points_px, np.full(len(flow), self.pitch_rad))
-        past = self._steady(flow.points_px - flow.displacement_px, self._then(frames))
-        return replace(
-            flow,
-            points_px=now,
-            displacement_px=now - past,
-            first_px=self._steady(flow.first_px, self._then(flow.age_frames)),
-        )
+        now = self._steady(flow.points_px, np.full(len(flow), self.turned_rad))
+        past = self._steady(flow.points_px - flow.displacement_px, self._then(np.rint(flow.gap_s * self._rate_hz)))
+        first = self._steady(flow.first_px, self._then(flow.age_frames))
+        return replace(flow, points_px=now, displacement_px=now - past, first_px=first)
 
     def frame(self, image: Image) -> Image:
         """(H, W) or (H, W, 3) the frame of `update` as such a camera would have taken it, its rim repeated."""
         if not self.is_needed:
             return image
-        camera, (c, s) = self._camera, (np.cos(self.pitch_rad), np.sin(self.pitch_rad))
+        camera, (c, s) = self._camera, (np.cos(self.turned_rad), np.sin(self.turned_rad))
         matrix = np.array([[camera.fx_px, 0.0, camera.cx_px], [0.0, camera.fy_px, camera.cy_px], [0.0, 0.0, 1.0]])
         turn = np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
         size = (image.shape[1], image.shape[0])
@@ -98,13 +127,15 @@ class Steadiness:
         self._slow_rad += share * (found - self._slow_rad)
         self.pitch_rad = found - self._slow_rad
         self._square_rad2 += share * (self.pitch_rad**2 - self._square_rad2)
-        least = self._config.least_rad * (0.5 if self.is_needed else 1.0)
-        self.is_needed = self._square_rad2 > least**2
+        least = self._config.least_rad * (0.5 if self._pitches else 1.0)
+        self._pitches = self._square_rad2 > least**2
 
-    def _then(self, frames: "np.typing.NDArray[np.int64]") -> Floats:
-        """(N,) rad, the pitch so many frames ago, from the sum, as far as it is remembered."""
-        sums = np.array(self._sums)
-        return np.asarray(self.pitch_rad - sums[-1] + sums[np.maximum(len(sums) - 1 - frames, 0)])
+    def _then(self, frames: Floats | Integers) -> Floats:
+        """(N,) rad, `turned_rad` so many frames ago, from the sum, as far as it is remembered."""
+        if not self._pitches:
+            return np.full(len(frames), self.mounted_rad)
+        sums, index = np.array(self._sums), np.asarray(frames, np.int64)
+        return np.asarray(self.turned_rad - sums[-1] + sums[np.maximum(len(sums) - 1 - index, 0)])
 
     def _change(self, flow: Flow, foe: Expansion, turned: Derotated, gap_s: float) -> float:
         """rad, over the windows that are `gap_s` long."""

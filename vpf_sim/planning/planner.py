@@ -45,20 +45,24 @@ class Planner:
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         flow = self._flow.update(image, pose)
         turned = expansion.derotated(flow, self._camera)
-        foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe, turned)
+        camera = self._camera if self._steadiness is None else self._steadiness.mounted(self._camera)
+        foe = expansion.estimate(flow, camera, self._variant.expansion, self._random, self._foe, turned)
         self._foe = foe
-        picture, steady = observation.image, flow
+        steady = flow
         if self._steadiness is not None:
+            before_rad = self._steadiness.passing_rad
             steady = self._steadiness.update(flow, foe, turned)
-            if self._road.judges:
-                picture = self._steadiness.frame(picture)
-            if self._looks(observation.speed_mps):
-                image = self._steadiness.frame(image)
+            self._road.turn(self._steadiness.passing_rad - before_rad)
         obstacle_map = obstacles.detect(steady, self._camera, self._variant.obstacle_map)
         labels = obstacles.cluster_labels(obstacle_map, flow)
         ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
-        road = self._road.update(picture, image, pose, *motion, self._bodies)
+        road = self._road.update(observation.image, image, pose, *motion, self._bodies)
+        if self._steadiness is not None:
+            if self._road.pitch is not None:
+                self._steadiness.level(*self._road.pitch, observation.time_s)
+            if self._looks(observation.speed_mps):
+                image = self._steadiness.frame(image)
         if self._landmarks is not None:
             self._landmarks.look(image, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
@@ -70,10 +74,9 @@ class Planner:
         return Perception(flow, foe, ttc, obstacle_map, self._bodies, road, sight_m)
 
     def _looks(self, speed_mps: float) -> bool:
-        """Whether any stage after the flow looks at this frame: most do from time to time only."""
+        """Whether any stage after the road's looks at this frame: most do from time to time only."""
         landmarks, second = self._landmarks, self._second_look
-        looked = landmarks is not None and (landmarks.looks or (second is not None and second.looks(speed_mps)))
-        return looked or self._road.looks
+        return landmarks is not None and (landmarks.looks or (second is not None and second.looks(speed_mps)))
 
     def _find_bodies(
         self, landmarks: LandmarkTracker, flow: Flow, road: RoadEdges, observation: Observation
