@@ -81,3 +81,22 @@ def test_the_car_follows_when_the_minimum_jumps_back(speed_mps: float, turned_ba
     assert max(off) < np.radians(6.0)
     assert max(beside) < 0.12
     assert car.y_m == pytest.approx(0.7, abs=0.1)
+
+
+@pytest.mark.parametrize("speed_mps", [1.0, 2.0, 4.0])
+@pytest.mark.parametrize("first_m", [4.15, -3.0])
+def test_the_corners_stay_on_the_carriageway(speed_mps: float, first_m: float) -> None:
+    """On the way to the last place beside the right edge, from straight ahead and from having turned away before."""
+    car, hands, road = Bicycle(y_m=1.3, speed_mps=speed_mps), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
+    way = LaneReference(ROBUST.reference, CAR, speed_mps, RATE_HZ, REACH)
+    field, front = LaneField(ROBUST.field, CAR, speed_mps, REACH), []
+    edge_m = locate(road.edges(car)).right_m
+    while car.x_m < 30.0:
+        lane = locate(road.edges(car))
+        minimum_m = first_m if 2.0 < car.x_m < 5.0 else edge_m - 1.1
+        reference = way.update(lane, NOTHING, field, minimum_m, car.yaw_rad, car.speed_mps)
+        car.step(hands.command(car.observe(), reference))
+        middle = car.y_m + 0.5 * CAR.length_m * np.sin(car.yaw_rad)
+        front.append(middle + 0.5 * CAR.width_m * np.cos(car.yaw_rad))
+    assert max(front) < edge_m
+    assert car.y_m == pytest.approx(edge_m - 1.1, abs=0.1)

@@ -15,7 +15,7 @@ place y, slope p, bend c to rest at y_m on the way S, S receding:
 For a constant S that is a filter of third order; after a step D it is done in 1.1 S, with an overshoot of 2 %.
 """
 
-from math import sqrt
+from math import copysign, sqrt
 
 from vpf_sim.planning.lane import Lane
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
@@ -62,12 +62,24 @@ class Glide:
         return self._way_m
 
     def _bounded(self, bend_per_m: float, lane: Lane, speed_mps: float, step_m: float) -> float:
-        """The bend, no more than lets the slope come to rest at its own bounds."""
+        """The bend, no more than lets the slope come to rest at its own bounds, as fast as the steering turns."""
+        change = float(self._reach.steering(speed_mps)) * step_m
+        left, right = self._reach.path_between(lane, self.y_m)
+        largest = max(self._largest(right, self.slope, speed_mps, change), self.bend_per_m - change)
+        least = min(-self._largest(left, -self.slope, speed_mps, change), self.bend_per_m + change)
+        return min(max(bend_per_m, least), largest)
+
+    def _largest(self, edge: float, slope: float, speed_mps: float, change_per_m: float) -> float:
+        """The largest bend towards a side, for the slope towards it: of what its angle and its edge allow.
+
+        The slope that leads along an edge falls as the path comes nearer, by slope / arm a metre: the bend rests there.
+        """
         steering, tightest = float(self._reach.steering(speed_mps)), float(self._reach.tightest(speed_mps))
-        left, right = self._reach.between(lane, speed_mps)
-        half = 0.5 * steering * step_m
+        half = 0.5 * change_per_m
 
         def braked(room: float) -> float:
-            return min(tightest, sqrt(half**2 + 2.0 * steering * max(room, 0.0)) - half)
+            return copysign(sqrt(half**2 + 2.0 * steering * abs(room)) - half, room)
 
-        return min(max(bend_per_m, -braked(self.slope + left)), braked(right - self.slope))
+        by_angle = braked(float(self._reach.ratio(speed_mps)) - slope)
+        by_edge = braked(edge - slope) - max(slope, 0.0) / self._reach.path_arm_m
+        return min(max(min(by_angle, by_edge), -tightest), tightest)

@@ -86,10 +86,28 @@ class Reach:
 
     def between(self, lane: Lane, speed_mps: float) -> tuple[float, float]:
         """The same to the left and to the right: no more than leaves the corners of our body on the carriageway."""
-        most, arm = float(self.ratio(speed_mps)), 0.5 * self._vehicle.length_m + TURNING_M
-        left = lane.y_m - lane.left_m - 0.5 * self._vehicle.width_m
-        right = lane.right_m - lane.y_m - 0.5 * self._vehicle.width_m
+        most, arm = float(self.ratio(speed_mps)), self._arm_m
+        left, right = self._gaps(lane, lane.y_m)
         return min(max(left / arm, LEAST_RATIO), most), min(max(right / arm, LEAST_RATIO), most)
+
+    def path_between(self, lane: Lane, rear_y_m: float) -> tuple[float, float]:
+        """The same for the slope of the rear axle's path, at a place of it: it closes in as `path_arm_m` tells."""
+        left, right = self._gaps(lane, rear_y_m)
+        return left / self.path_arm_m, right / self.path_arm_m
+
+    @property
+    def path_arm_m(self) -> float:
+        """m from the rear axle to where its path must have turned back for the corners to stay on the carriageway."""
+        return self._arm_m + self._vehicle.l_r_m
+
+    @property
+    def _arm_m(self) -> float:
+        return 0.5 * self._vehicle.length_m + TURNING_M
+
+    def _gaps(self, lane: Lane, y_m: float) -> tuple[float, float]:
+        """m between our body at y and the left and the right edge."""
+        half_width = 0.5 * self._vehicle.width_m
+        return y_m - lane.left_m - half_width, lane.right_m - y_m - half_width
 
     def tightest(self, speed_mps: Floats | float) -> Floats:
         """Largest curvature of the path across, 1/m: what is comfortable, or the car's tightest curve."""
