@@ -331,6 +331,22 @@ def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car
     assert middle == pytest.approx([12.0, 0.25], abs=0.2)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_what_shows_beside_a_body_farther_away_does_not_make_it_wider(side: float) -> None:
+    """A car's face from 1 m left to 1 m right of the axis, 12 m ahead, and points that slide along its far edge; the
+    points on a side that is turned to the camera are where they seem."""
+    face = np.array([[12.0, across] for across in np.linspace(-1.0, 1.0, 9)])
+    slides = np.array([[20.0, side * 20.0 / 12.0], [16.0, side * 16.0 / 12.0]])
+    place = np.concatenate([face, slides])
+    seen = Seen(place, np.full(len(place), 0.1), np.arctan2(place[:, 1], place[:, 0]))
+    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]), 0.12)
+    assert (left[0], right[0]) == pytest.approx((-1.0, 1.0), abs=0.25)
+    near_side = np.array([[12.0, 3.0 * side], [12.0, 5.0 * side], [16.0, 3.0 * side], [19.0, 3.0 * side]])
+    seen = Seen(near_side, np.full(4, 0.1), np.arctan2(near_side[:, 1], near_side[:, 0]))
+    left, right = sides(seen, np.zeros(4, np.int64), np.array([12.0]), 0.12)
+    assert sorted((side * left[0], side * right[0])) == pytest.approx([3.0, 5.0], abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("ahead_m", "across_m", "body", "support", "own"),
     [

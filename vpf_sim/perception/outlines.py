@@ -13,6 +13,7 @@ LEAST_SIGMA_M = 0.05  # no point of a body tells its face better
 NEAREST_M = 0.5  # a body nearer to the camera hides nothing
 RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
 BEHIND_M, LENGTH_M = 2.0, 8.0  # what is less far behind is of the same side of a body; the length of the longest
+FACE_M = 2.5  # what is less far behind a face may be of one beside it
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 
 
@@ -77,14 +78,16 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     """(K,) m, where the left and the right side of each body is, from its points that are known well across.
 
     A point of poor depth still tells a side well if it was seen along the body; one seen at an angle would stretch it.
+    The side that is turned away is where the face ends: what shows beside it farther away slides along that edge.
     """
     count = len(face_m)
     aside = seen.sigma_m * np.abs(np.sin(seen.sight_rad))  # a place errs along the line of sight
     well = np.flatnonzero(_known_well(aside, sharp_m, label, count))
-    across = at_least(face_m[label[well]], seen.place_m[well], seen.sight_rad[well])
+    face, place, sight = face_m[label[well]], seen.place_m[well], seen.sight_rad[well]
+    across, beyond = at_least(face, place, sight), np.maximum(place[:, 0] - face - FACE_M, 0.0) * np.tan(sight)
     left, right = np.full(count, np.inf), np.full(count, -np.inf)
-    np.minimum.at(left, label[well], across)
-    np.maximum.at(right, label[well], across)
+    np.minimum.at(left, label[well], across - np.minimum(beyond, 0.0))
+    np.maximum.at(right, label[well], across - np.maximum(beyond, 0.0))
     return left, right
 
 
