@@ -10,7 +10,7 @@ from vpf_sim.types import Bools, Camera, Floats
 # Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node, a lane's width
 # (m), the camera's pitch against the road (rad). The far node sees new road; the others are told of it as the vehicle
 # moves on.
-DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002, 0.0005, 0.0002])
+DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002, 0.0005, 0.0001])
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
 SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
 TIGHTEST = 0.025  # 1/m, curvature of a carriageway

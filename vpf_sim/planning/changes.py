@@ -46,8 +46,9 @@ CHANGES = (
     ),
     Change(
         "steadiness",
-        "the body's pitching on its springs, seen in the flow, is taken out of flow and frames",
-        ("steadiness",),
+        "the body's pitching and the camera's mounting, seen, are taken out of flow and frames; speed and yaw rate "
+        "stand in for a rough pose",
+        ("steadiness", "odometry"),
     ),
     Change(
         "valley",

@@ -18,6 +18,7 @@ from vpf_sim.perception.flow import FlowConfig
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.mover_search import MoverConfig
 from vpf_sim.perception.obstacles import ObstacleMapConfig
+from vpf_sim.perception.odometry import OdometryConfig
 from vpf_sim.perception.road_edges import RoadEdgeConfig
 from vpf_sim.perception.second_look import SecondLookConfig
 from vpf_sim.perception.steadiness import SteadinessConfig
@@ -39,6 +40,7 @@ class Variant:
     contact: ContactConfig
     obstacle_map: ObstacleMapConfig
     road_edges: RoadEdgeConfig
+    odometry: OdometryConfig | None = None  # without it, the pose is smooth
     steadiness: SteadinessConfig | None = None  # without it, the car does not pitch
     landmarks: LandmarkConfig | None = None  # without it, no bodies: only the obstacle map
     second_look: SecondLookConfig | None = None  # without it, the car stands for good before what is not there
