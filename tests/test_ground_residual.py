@@ -174,6 +174,42 @@ def test_a_drop_that_moves_with_the_car_is_never_believed(speed_mps: float) -> N
     assert not any(len(bodies) for bodies in recorded([8.0] * 40, speed_mps))
 
 
+def suspected(sightings: list[tuple[float, bool, bool]]) -> list[tuple[int, int]]:
+    """How many are suspected and believed after each look at a spot so far ahead (nan: none), `sure`, `cut`."""
+    book, found = SpotBook(SpotConfig(), lambda: 0, near_m=6.5), []
+    for k, (place, sure, cut) in enumerate(sightings):
+        pose = np.array([k * SPEED_MPS / LOOKS_HZ, 0.0, 0.0])
+        book.record([Spot(place, -0.4, 0.4, 4.0, sure, cut)] if np.isfinite(place) else [], pose)
+        found.append((len(book.suspects(pose)), len(book.bodies(pose))))
+    return found
+
+
+def test_what_is_seen_again_is_suspected_until_it_is_believed_and_never_believed_on_doubts_alone() -> None:
+    step = SPEED_MPS / LOOKS_HZ
+    assert suspected([(12.0 - k * step, False, False) for k in range(9)]) == [(0, 0), *[(1, 0)] * 8]
+    sure = [(12.0 - k * step, k > 1, False) for k in range(6)]
+    assert suspected(sure) == [(0, 0), (1, 0), (1, 0), (1, 0), (0, 1), (0, 1)]
+
+
+def test_a_suspicion_ends_with_the_looks_that_do_not_show_it_but_not_where_none_can() -> None:
+    step = SPEED_MPS / LOOKS_HZ
+    far = [(12.0 - k * step, False, False) for k in range(3)] + [(np.nan, False, False)] * 5
+    assert [one for one, _ in suspected(far)] == [0, 1, 1, 1, 1, 0, 0, 0]
+    near = [(7.6 - k * step, False, False) for k in range(3)] + [(np.nan, False, False)] * 12
+    assert [one for one, _ in suspected(near)] == [0, *[1] * 13, 0], "until the car is there"
+
+
+def test_a_drop_is_not_suspected_either() -> None:
+    assert not any(one for one, _ in suspected([(8.0, True, False)] * 30))
+
+
+def test_the_near_end_of_one_cut_off_tells_no_place() -> None:
+    step = SPEED_MPS / LOOKS_HZ
+    assert not any(one or two for one, two in suspected([(6.7, True, True)] * 10))
+    assert not any(two for _, two in suspected([(7.9, True, False), *[(6.7, True, True)] * 3]))
+    assert suspected([(7.9, True, False), (7.9 - step, True, False), (6.7, True, True)])[-1] == (0, 1)
+
+
 def test_a_spot_that_turns_out_to_be_road_is_forgotten() -> None:
     book, pose = SpotBook(SpotConfig(), lambda: 4), np.zeros(3)
     for forward in np.arange(0.0, 4.0, 0.555).tolist():

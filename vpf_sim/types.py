@@ -202,6 +202,7 @@ class Perception:
     road: RoadEdges
     low_sight_m: tuple[float, float, float] = (np.inf, np.inf, np.inf)  # to where a low body would be known: now, with
     # a good view, and with one at the reference speed
+    suspects: Obstacles | None = None  # low things that were seen too seldom yet to be told as bodies
 
 
 @dataclass(frozen=True, slots=True)

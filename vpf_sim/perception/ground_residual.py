@@ -41,9 +41,10 @@ class ResidualConfig:
     even_m: tuple[float, float] = (1.25, 0.25)  # slower changes do not count: mirror images are long along the way
     floor_levels2: float = 1.5  # of the noise, grey levels^2
     newest: float = 0.3  # share of a look in the averages over looks, of which is asked:
-    least_gain: float = 6.0  # by which a height above the road fits better, in multiples of the noise
+    least_gain: float = 6.0  # by which a height above the road fits better, in multiples of the noise,
+    doubt_gain: float = 3.0  # and from which on it is suspected to
     most_share: float = 0.3  # of the difference left with it
-    apart_m: tuple[float, float] = (0.2, 0.05)  # along and across, what two pictures of the road may be apart
+    apart_m: tuple[float, float] = (0.11, 0.03)  # along and across, what two pictures of the road may be apart
     outline_gain: float = 3.0  # what counts as outline of a spot
     length_m: float = 2.5  # what begins so near behind a spot, and overlaps it, is its far edge
     least_width_m: float = 0.2  # narrower ones are the rim of something else
@@ -69,7 +70,9 @@ class Spot:
     forward_m: float  # where it begins
     left_m: float
     right_m: float
-    gain: float
+    gain: float  # of a height above the road, in multiples of the noise
+    sure: bool = True  # whether that is enough; otherwise it is suspected
+    cut: bool = False  # whether it may begin nearer, where nothing is looked at
 
 
 @dataclass(slots=True)
@@ -203,7 +206,7 @@ class GroundResidual:
         self._contrast = road / np.float32(noise)
         self._seen = self._seen_before(older.pose, pose) & (free > config.least_seen)
         self.sight.record(LookQuality(config.least_gain * noise, grain, self._seen_ahead()))
-        if float(road.max()) < config.least_gain * noise:
+        if float(road.max()) < config.doubt_gain * noise:
             self._evidence.fade()
             return []
         others = [difference(height) for height in (*config.above_m, *config.below_m)]
@@ -216,7 +219,7 @@ class GroundResidual:
         grids = [weight * grid for grid in (road, above, below, self._of_edges(now))]
         road, above, below, edges = self._evidence.add(grids, pose, self._between_grids)
         gain = road - above
-        stands = seen & (gain > config.least_gain) & (above < config.most_share * road) & (below > above)
+        stands = seen & (gain > config.doubt_gain) & (above < config.most_share * road) & (below > above)
         stands &= road > edges
         return self._spots(seen & (road > config.outline_gain), np.where(stands, gain, 0.0))
 
@@ -306,11 +309,11 @@ class GroundResidual:
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
             if right - left >= config.least_width_m:
                 near = float(self._forward_m[row]) + half_along
-                found.append(Spot(near, left, right, float(best[part])))
+                found.append(Spot(near, left, right, float(best[part]), bool(best[part] > config.least_gain), row == 0))
         found.sort(key=lambda spot: spot.forward_m)
         return [spot for index, spot in enumerate(found) if not any(self._is_end(spot, one) for one in found[:index])]
 
     def _is_end(self, spot: Spot, nearer: Spot) -> bool:
-        """Whether a spot is the far edge of what a nearer one is the near edge of."""
-        overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m
+        """Whether a spot is the far edge of what a nearer one, as sure as it is, is the near edge of."""
+        overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m and nearer.sure >= spot.sure
         return overlap and spot.forward_m - nearer.forward_m < self.config.length_m

@@ -57,7 +57,7 @@ class LandmarkTracker:
         self._marks = Marks.none()
         self._next_body = 0
         self._residual = GroundResidual(camera, config.residual, rate_hz)
-        self._spots = SpotBook(config.spots, self._number)
+        self._spots = SpotBook(config.spots, self._number, config.residual.near_m)
         self._clearing = Clearing(config.clearing)
 
     def triangulate(self, flow: Flow) -> Triangulation:
@@ -98,6 +98,10 @@ class LandmarkTracker:
         needed_m = sight.needed_m(speed_mps, book.hits_needed, book.config.way_m)
         least_m = sight.needed_m(speed_reference_mps, book.config.hits, book.config.way_m)
         return sight.distance_m(needed_m), sight.good_m(needed_m), sight.good_m(least_m)
+
+    def suspects(self, pose: Floats) -> Obstacles:
+        """What seems to lie low on the road and is not believed yet, in the axes of the vehicle at `pose`."""
+        return self._spots.suspects(pose)
 
     def look(self, grey: Image, pose: Floats, road: RoadEdges) -> None:
         """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.

@@ -31,6 +31,7 @@ class SpotConfig:
     beside_m: float = 0.1  # a spot so near a taller body is of it: what that body covers is left out beforehand
     least_width_m: float = 0.6  # a body is told no narrower
     behind_m: float = 11.0  # where one is forgotten
+    doubts: int = 2  # sightings, sure ones or not, until one that is not believed is suspected
 
 
 @dataclass(slots=True)
@@ -41,7 +42,9 @@ class _Candidate:
     width_m: float
     first_m: Floats  # (2,) of the car at the first hit
     first_forward_m: float  # from the car then
-    hits: int = 1
+    hits: int  # sure ones
+    sightings: int = 1
+    came_nearer: bool = False  # by as much as the car went on
     misses: int = 0
     identity: int | None = None  # of the body that it is believed to be
 
@@ -49,8 +52,10 @@ class _Candidate:
 class SpotBook:
     """Counts where spots are seen again."""
 
-    def __init__(self, config: SpotConfig, next_identity: Callable[[], int]) -> None:
+    def __init__(self, config: SpotConfig, next_identity: Callable[[], int], near_m: float = 0.0) -> None:
+        """`near_m` from the pose nothing is looked at any more."""
         self.config = config
+        self._near_m = near_m
         self._next_identity = next_identity
         self._known: list[_Candidate] = []
         self._fresh_rate = 0.0  # new spots a look
@@ -58,43 +63,65 @@ class SpotBook:
     def record(self, spots: list[Spot], pose: Floats) -> None:
         """Count one look, of the vehicle at `pose`."""
         before = len(self._known)
-        hit = [self._count(spot, pose) for spot in spots]
-        self._fresh_rate += (len(self._known) - before - self._fresh_rate) / self.config.busy_looks
         for one in self._known:
-            if not any(one is other for other in hit):
+            if self._forward_m(one, pose) > self._near_m:
                 one.misses += 1
+        for spot in spots:
+            self._count(spot, pose)
+        fresh = sum(one.hits > 0 for one in self._known[before:])
+        self._fresh_rate += (fresh - self._fresh_rate) / self.config.busy_looks
         self._known = [one for one in self._known if self._is_kept(one, pose)]
 
     def bodies(self, pose: Floats) -> Obstacles:
         """Those believed, in the axes of the vehicle at `pose`."""
-        believed = [one for one in self._known if one.identity is not None]
-        place = vehicle_from_world(np.array([one.place_m for one in believed]).reshape(-1, 2), pose)
-        half = 0.5 * np.maximum([one.width_m for one in believed], self.config.least_width_m)
-        sigma, unknown = np.full(len(believed), self.config.sigma_m), np.full(len(believed), np.inf)
-        identity = np.array([one.identity for one in believed], np.int64)
+        return self._told([one for one in self._known if one.identity is not None], pose)
+
+    def suspects(self, pose: Floats) -> Obstacles:
+        """Those that were seen again, but are not believed, in the axes of the vehicle at `pose`; all are number -1."""
+        unsure = [one for one in self._known if one.identity is None and one.came_nearer]
+        return self._told([one for one in unsure if one.sightings >= self.config.doubts], pose)
+
+    def _told(self, chosen: list[_Candidate], pose: Floats) -> Obstacles:
+        place = vehicle_from_world(np.array([one.place_m for one in chosen]).reshape(-1, 2), pose)
+        half = 0.5 * np.maximum([one.width_m for one in chosen], self.config.least_width_m)
+        sigma, unknown = np.full(len(chosen), self.config.sigma_m), np.full(len(chosen), np.inf)
+        identity = np.array([-1 if one.identity is None else one.identity for one in chosen], np.int64)
         return Obstacles(place[:, 0], place[:, 1] - half, place[:, 1] + half, sigma, unknown, identity)
 
     def forget(self, identity: int) -> None:
         """One that is believed turned out to be road."""
         self._known = [one for one in self._known if one.identity != identity]
 
-    def _count(self, spot: Spot, pose: Floats) -> _Candidate:
-        config = self.config
+    def _count(self, spot: Spot, pose: Floats) -> None:
+        """Add it to the spot that it is seen again, or remember it; the near end of one cut off tells no place."""
         here = np.array([spot.forward_m, 0.5 * (spot.left_m + spot.right_m)])
-        width = spot.right_m - spot.left_m
+        one = self._known_at(here, pose)
+        if one is None:
+            if not spot.cut:
+                width, place = spot.right_m - spot.left_m, world_from_vehicle(here, pose)
+                self._known.append(_Candidate(place, width, pose[:2].copy(), spot.forward_m, int(spot.sure)))
+            return
+        one.hits, one.sightings, one.misses = one.hits + spot.sure, one.sightings + 1, 0
+        if not spot.cut:
+            self._place(one, spot, here, pose)
+        way = distance_m(pose[:2], one.first_m)
+        if one.identity is None and one.hits >= self.hits_needed and way >= self.config.way_m and one.came_nearer:
+            one.identity = self._next_identity()
+
+    def _known_at(self, here: Floats, pose: Floats) -> _Candidate | None:
+        """The first that is remembered about a place."""
         for one in self._known:
             gap = np.abs(vehicle_from_world(one.place_m, pose) - here)
-            if gap[0] < config.along_m and gap[1] < config.across_m:
-                one.hits, one.misses = one.hits + 1, 0
-                one.place_m = one.place_m + config.newest * (world_from_vehicle(here, pose) - one.place_m)
-                one.width_m += config.newest * (width - one.width_m)
-                way = distance_m(pose[:2], one.first_m)
-                stands = way >= config.way_m and one.first_forward_m - spot.forward_m > config.nearer_share * way
-                if one.identity is None and one.hits >= self.hits_needed and stands:
-                    one.identity = self._next_identity()
+            if gap[0] < self.config.along_m and gap[1] < self.config.across_m:
                 return one
-        self._known.append(_Candidate(world_from_vehicle(here, pose), width, pose[:2].copy(), spot.forward_m))
-        return self._known[-1]
+        return None
+
+    def _place(self, one: _Candidate, spot: Spot, here: Floats, pose: Floats) -> None:
+        """Average over the sightings."""
+        newest, way = self.config.newest, distance_m(pose[:2], one.first_m)
+        one.place_m = one.place_m + newest * (world_from_vehicle(here, pose) - one.place_m)
+        one.width_m += newest * (spot.right_m - spot.left_m - one.width_m)
+        one.came_nearer = one.first_forward_m - spot.forward_m > self.config.nearer_share * way
 
     @property
     def hits_needed(self) -> int:
@@ -102,9 +129,13 @@ class SpotBook:
         return self.config.hits + (self.config.more_hits if self._fresh_rate > self.config.busy else 0)
 
     def _is_kept(self, one: _Candidate, pose: Floats) -> bool:
+        ahead_m = self._forward_m(one, pose)
         if one.identity is None:
-            return one.misses < self.config.misses
-        return float(vehicle_from_world(one.place_m, pose)[0]) > -self.config.behind_m
+            return one.misses < self.config.misses and ahead_m > 0.0
+        return ahead_m > -self.config.behind_m
+
+    def _forward_m(self, one: _Candidate, pose: Floats) -> float:
+        return float(vehicle_from_world(one.place_m, pose)[0])
 
 
 def is_hidden(spot: Spot, lens_m: Floats, bodies: Obstacles, config: SpotConfig) -> bool:

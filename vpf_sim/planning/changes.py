@@ -61,6 +61,7 @@ CHANGES = (
             "valley.reference.motion": "direct",
             "valley.reference.speed": "constant",
             "valley.sight": None,
+            "valley.caution": None,
         },
     ),
     Change(
@@ -76,7 +77,7 @@ CHANGES = (
     Change(
         "speed",
         "speed by what is ahead: bends, bodies not cleared in time, a stop and a second look where no side is free",
-        ("valley.reference.speed", "valley.sight", "second_look"),
+        ("valley.reference.speed", "valley.sight", "valley.caution", "second_look"),
     ),
     Change(
         "road",

@@ -68,10 +68,11 @@ class Planner:
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
                 self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps)
-        sight_m = (np.inf, np.inf, np.inf)
+        sight_m, suspects = (np.inf, np.inf, np.inf), None
         if self._landmarks is not None:
             sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
-        return Perception(flow, foe, ttc, obstacle_map, self._bodies, road, sight_m)
+            suspects = self._landmarks.suspects(pose)
+        return Perception(flow, foe, ttc, obstacle_map, self._bodies, road, sight_m, suspects)
 
     def _looks(self, speed_mps: float) -> bool:
         """Whether any stage after the road's looks at this frame: most do from time to time only."""

@@ -32,8 +32,12 @@ class SightConfig:
 def safe_speed(sight_m: float, config: SightConfig, vehicle: VehicleModel) -> float:
     """m/s from which the car stops within the distance seen, from the pose."""
     way = max(sight_m - 0.5 * vehicle.length_m - config.standoff_m, 0.0)
-    brake, reaction = config.brake_mps2, config.reaction_s
-    return max(brake * (sqrt(reaction**2 + 2.0 * way / brake) - reaction), config.least_mps)
+    return max(stopping_speed(way, config.brake_mps2, config.reaction_s), config.least_mps)
+
+
+def stopping_speed(way_m: float, brake_mps2: float, reaction_s: float) -> float:
+    """m/s from which the car stops on such a way."""
+    return brake_mps2 * (sqrt(reaction_s**2 + 2.0 * way_m / brake_mps2) - reaction_s)
 
 
 def within_sight(

@@ -1,11 +1,12 @@
 """The robust variant's way: to the lowest place of the field across the lane, along the road's direction."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from vpf_sim.planning.lane import locate, place
+from vpf_sim.planning.caution import Caution, CautionConfig
+from vpf_sim.planning.lane import Lane, locate, place
 from vpf_sim.planning.lane_field import LaneField, LaneFieldConfig, LanePotential
 from vpf_sim.planning.lane_reference import LaneReference
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
@@ -20,6 +21,7 @@ class ValleyConfig:
     reference: LaneReferenceConfig
     reach: ReachConfig
     sight: SightConfig | None = None  # without it, as fast where little is seen
+    caution: CautionConfig | None = None  # without it, as fast before what is suspected
 
 
 class Valley:
@@ -28,6 +30,9 @@ class Valley:
     def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
         reach, self._speed_mps = Reach(config.reach, setup.vehicle), setup.speed_reference_mps
         self._sight, self._vehicle = config.sight, setup.vehicle
+        self._caution = (
+            Caution(config.caution, setup.vehicle, self._speed_mps, setup.rate_hz) if config.caution else None
+        )
         self._field = LaneField(config.field, setup.vehicle, self._speed_mps, reach)
         self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
 
@@ -38,10 +43,19 @@ class Valley:
         reference = self._reference.update(
             lane, obstacles, self._field, potential.minimum_m, observation.yaw_rad, observation.speed_mps
         )
-        if self._sight is not None:
-            reference = within_sight(reference, perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
+        reference = self._slowed(reference, perception, lane, observation.speed_mps)
         extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
         return _force(potential, lane.y_m), reference, extra
+
+    def _slowed(self, reference: Reference, perception: Perception, lane: Lane, speed_mps: float) -> Reference:
+        """The reference, slowed by what is suspected in the way and by what cannot be seen."""
+        if self._caution is not None and perception.suspects is not None:
+            goal_m = lane.y_m if self._reference.y_m is None else self._reference.y_m
+            allowed = self._caution.update(lane, place(perception.suspects, lane), goal_m, speed_mps)
+            reference = replace(reference, speed_mps=min(reference.speed_mps, allowed))
+        if self._sight is None:
+            return reference
+        return within_sight(reference, perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
 
 
 def _force(potential: LanePotential, y_m: float) -> Force:

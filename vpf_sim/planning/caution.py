@@ -1,0 +1,71 @@
+"""Speed by what may lie ahead: before what is suspected in the way, the car slows so far that it could stop.
+
+A low body is suspected one or two metres of way before it is believed. To slow down then costs little where nothing is
+there; where something is, that way is not lost. The car never stops for a suspicion: near enough, looks decide.
+"""
+
+from dataclasses import dataclass
+from math import inf
+
+from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.sight_speed import stopping_speed
+from vpf_sim.types import Bools, VehicleModel
+
+
+@dataclass(frozen=True, slots=True)
+class CautionConfig:
+    """The stop that must be possible, and how the speed changes: suspicions flash up."""
+
+    brake_mps2: float  # of the stop, and at most until what is suspected is believed
+    reaction_s: float
+    standoff_m: float  # from the bumper: a way aside begins there
+    clearance_m: float  # beside the car, in which something is in the way
+    least_mps: float
+    rise_mps2: float  # once the suspicion is gone
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+
+
+class Caution:
+    """The speed that suspicion allows, with the memory of the last one."""
+
+    def __init__(
+        self, config: CautionConfig, vehicle: VehicleModel, speed_reference_mps: float, rate_hz: float
+    ) -> None:
+        self._config = config
+        self._vehicle = vehicle
+        self._dt_s = 1.0 / rate_hz
+        self._reference_mps = speed_reference_mps
+        self._allowed_mps = speed_reference_mps
+
+    def update(self, lane: Lane, suspects: LaneObstacles, goal_m: float, speed_mps: float) -> float:
+        """m/s after one step, where the car goes from `lane.y_m` to `goal_m` across the road.
+
+        The reference speed at most: it falls as the car may brake from `speed_mps`, and rises gently.
+        """
+        config = self._config
+        bumper_m = suspects.along_m - 0.5 * self._vehicle.length_m
+        ahead_m = bumper_m[self._is_in_way(lane, suspects, goal_m) & (bumper_m > 0.0)]
+        wanted = self._before(float(ahead_m.min(initial=inf)))
+        least = min(self._allowed_mps, speed_mps) - config.brake_mps2 * self._dt_s
+        most = self._allowed_mps + config.rise_mps2 * self._dt_s
+        self._allowed_mps = min(max(wanted, least), most, self._reference_mps)
+        return self._allowed_mps
+
+    def _before(self, gap_m: float) -> float:
+        """m/s at such a distance from the bumper."""
+        config = self._config
+        if gap_m == inf:
+            return inf
+        way_m = max(gap_m - config.standoff_m, 0.0)
+        return max(stopping_speed(way_m, config.brake_mps2, config.reaction_s), config.least_mps)
+
+    def _is_in_way(self, lane: Lane, suspects: LaneObstacles, goal_m: float) -> Bools:
+        """(K,) which of them the car may touch on its way aside."""
+        margin = 0.5 * self._vehicle.width_m + self._config.clearance_m
+        least, most = min(lane.y_m, goal_m) - margin, max(lane.y_m, goal_m) + margin
+        meets: Bools = (suspects.right_m > least) & (suspects.left_m < most)
+        return meets
