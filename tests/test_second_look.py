@@ -115,3 +115,27 @@ def test_a_refuted_body_that_is_told_elsewhere_is_another() -> None:
 def test_a_range_the_wrong_way_round_is_refused() -> None:
     with pytest.raises(ValueError, match="nearest_m"):
         SecondLookConfig(nearest_m=9.0)
+
+
+POST_M, POST_WIDTH_M, POST_HEIGHT_M = -1.9, 0.35, 0.75  # its middle, beside our way
+
+
+def post(x_m: float) -> Image:
+    """A narrow body that stands beside our way: road is seen past it on both sides."""
+    road = _sampled(ROAD, 0.0, x_m)[0]
+    right, down = _rays()
+    depth = FACE_M - x_m - CAMERA.forward_m
+    across, height = depth * right, CAMERA.height_m - depth * down
+    on = (np.abs(across - POST_M) < 0.5 * POST_WIDTH_M) & (height > 0.0) & (height < POST_HEIGHT_M)
+    column, row = (across / GRAIN_M + 200.0).astype(np.float32), (height / GRAIN_M).astype(np.float32)
+    grain = cv2.remap(PALLET, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+    return np.clip(np.where(on, grain, road), 0.0, 255.0).astype(np.uint8)
+
+
+def test_a_narrow_body_beside_our_way_stays() -> None:
+    looker = SecondLook(CAMERA, CONFIG)
+    for x in np.arange(FACE_M - 7.0, FACE_M - 3.5, 0.05):
+        ahead = np.array([FACE_M - float(x) + 0.1])
+        sides = (np.array([POST_M - 0.1]), np.array([POST_M + 0.1]))
+        bodies = Obstacles(ahead, *sides, np.array([0.3]), np.array([np.inf]), identity=np.array([7]))
+        assert len(looker.update(post(float(x)), np.array([x, 0.0, 0.0]), bodies, 1.0)) == 1

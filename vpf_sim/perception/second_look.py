@@ -117,16 +117,23 @@ class SecondLook:
                 self._compare(one, (grey, pose), (older, then), pose)
 
     def _compare(self, one: _Place, now: tuple[Image, Floats], then: tuple[Image, Floats], pose: Floats) -> None:
-        """Add the products of the grains in a body's place, and judge by all looks."""
+        """Add the products of the grains in a body's place, and judge by all looks.
+
+        The place goes away from the camera: beside the road that a narrow body hides, off our way, lies road that is
+        seen past it.
+        """
         config = self._config
         middle = vehicle_from_world(one.middle_m, pose)
         margin, across = config.shift_grains, one.products.shape[2] // config.rows
         cell = round(config.cell_m / config.grain_m)
         length = config.rows * cell
         forward = middle[0] - config.before_m + config.grain_m * np.arange(-margin, length + margin)
-        right = middle[1] + one.width_m * ((np.arange(across * cell) + 0.5) / (across * cell) - 0.5)
-        place = world_from_vehicle(np.stack(np.meshgrid(forward, right, indexing="ij"), axis=-1).reshape(-1, 2), pose)
-        shape = (len(forward), len(right))
+        aside = one.width_m * ((np.arange(across * cell) + 0.5) / (across * cell) - 0.5)
+        lens_m = self._camera.forward_m
+        right = aside + (middle[1] * (forward - lens_m) / (middle[0] - lens_m))[:, None]
+        shape = right.shape
+        flat = np.stack([np.broadcast_to(forward[:, None], shape), right], axis=-1)
+        place = world_from_vehicle(flat.reshape(-1, 2), pose)
         fresh, old = (self._grain(*view, place, shape) for view in (now, then))
         fresh = fresh[margin : margin + length]
         for index in range(2 * margin + 1):
