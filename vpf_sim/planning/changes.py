@@ -62,6 +62,7 @@ CHANGES = (
             "valley.reference.speed": "constant",
             "valley.sight": None,
             "valley.caution": None,
+            "valley.way_out": None,
         },
     ),
     Change(
@@ -77,7 +78,7 @@ CHANGES = (
     Change(
         "speed",
         "speed by what is ahead: bends, bodies not cleared in time, a stop and a second look where no side is free",
-        ("valley.reference.speed", "valley.sight", "valley.caution", "second_look"),
+        ("valley.reference.speed", "valley.sight", "valley.caution", "valley.way_out", "second_look"),
     ),
     Change(
         "road",

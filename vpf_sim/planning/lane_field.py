@@ -18,7 +18,7 @@ before it (`vpf_sim.planning.reach`) costs, and places beyond an edge are no cho
 A tie goes to the minimum that is nearer to the last one, then to the side with more road, then to the left.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import tan
 
 import numpy as np
@@ -126,6 +126,10 @@ class LaneField:
         self._last_m = self._minimum(kept, lane)
         return LanePotential(self._y_m, self._target, road, obstacle, self._last_m)
 
+    def keep(self, y_m: float) -> None:
+        """Decide for a place: the car got there by other means."""
+        self._last_m = y_m
+
     def overlap(self, obstacles: LaneObstacles, y_m: float, clearance_m: float) -> Floats:
         """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
         return clearance_m - self._gap(obstacles, np.array([y_m]))[:, 0]
@@ -147,6 +151,17 @@ class LaneField:
         right = np.where(lane.y_m + right > lane.right_m - margin, np.inf, right)
         nearer = np.maximum(np.minimum(left, right), 0.0)
         return np.where(np.isinf(nearer), 0.0, nearer)
+
+    def beside(self, obstacles: LaneObstacles, lane: Lane) -> Lane:
+        """The lane between the bodies that the car is passing, instead of between the edges of the road."""
+        front, rear = (
+            self.bumper(obstacles),
+            obstacles.along_m + np.maximum(obstacles.length_m, self._config.body_length_m),
+        )
+        passing = (front < 0.0) & (rear > -self._half_length_m)
+        right = np.min(obstacles.left_m, where=passing & (obstacles.left_m > lane.y_m), initial=lane.right_m)
+        left = np.max(obstacles.right_m, where=passing & (obstacles.right_m < lane.y_m), initial=lane.left_m)
+        return replace(lane, right_m=float(right), left_m=float(left))
 
     def bumper(self, obstacles: LaneObstacles) -> Floats:
         """(K,) m from our bumper to each face."""

@@ -44,11 +44,16 @@ class LaneReference:
         self._vehicle = vehicle
         self._dt_s = 1.0 / rate_hz
         self._shift_m = config.shift_s * speed_reference_mps
-        self._heading_rad: float | None = None
-        self._glide: Glide | None = None
         self._pace = Pace(config, speed_reference_mps, rate_hz, reach)
         self._reach = reach
         self.y_m: float | None = None
+        self.restart(speed_reference_mps)
+
+    def restart(self, speed_mps: float) -> None:
+        """Begin anew from where the car is."""
+        self._pace.restart(speed_mps)
+        self._heading_rad: float | None = None
+        self._glide: Glide | None = None
 
     def update(
         self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, yaw_rad: float, speed_mps: float
@@ -62,7 +67,8 @@ class LaneReference:
         if self._glide is None:
             self._glide = Glide(self._config, self._reach, rear, self._shift_m)
         time_s = self._time_left(obstacles, field, self._glide.y_m, speed_mps)
-        self._glide.advance(lane, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
+        between = field.beside(obstacles, lane)
+        self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
         self._glide.hold(rear)
         self.y_m = self._glide.y_m
         heading, rate = self._heading(lane, self._glide, yaw_rad, speed_mps)

@@ -28,8 +28,13 @@ class Pace:
         self._speed_reference_mps = speed_reference_mps
         self._dt_s = 1.0 / rate_hz
         self._reach = reach
-        self._wanted_mps: float | None = None
-        self._creep = Creep(config, reach, rate_hz)
+        self._rate_hz = rate_hz
+        self.restart(speed_reference_mps)
+
+    def restart(self, speed_mps: float) -> None:
+        """Begin anew at a speed."""
+        self._wanted_mps = speed_mps
+        self._creep = Creep(self._config, self._reach, self._rate_hz)
 
     def update(
         self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
@@ -41,11 +46,9 @@ class Pace:
 
     def _risen(self, wanted_mps: float, speed_mps: float) -> float:
         """v_d, which falls at once and rises gently: what was braked for may be gone from one frame to the next."""
-        if self._wanted_mps is not None:
-            rise = self._config.rise_mps2 * self._dt_s
-            wanted_mps = min(wanted_mps, max(self._wanted_mps, speed_mps) + rise)
-        self._wanted_mps = wanted_mps
-        return wanted_mps
+        rise = self._config.rise_mps2 * self._dt_s
+        self._wanted_mps = min(wanted_mps, max(self._wanted_mps, speed_mps) + rise)
+        return self._wanted_mps
 
     def _speed(
         self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float

@@ -12,7 +12,8 @@ from vpf_sim.planning.lane_reference import LaneReference
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import Reach, ReachConfig
 from vpf_sim.planning.sight_speed import SightConfig, within_sight
-from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
+from vpf_sim.planning.way_out import WayOut, WayOutConfig
+from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +23,7 @@ class ValleyConfig:
     reach: ReachConfig
     sight: SightConfig | None = None  # without it, as fast where little is seen
     caution: CautionConfig | None = None  # without it, as fast before what is suspected
+    way_out: WayOutConfig | None = None  # without it, the car stands for good in a dead end
 
 
 class Valley:
@@ -35,15 +37,18 @@ class Valley:
         )
         self._field = LaneField(config.field, setup.vehicle, self._speed_mps, reach)
         self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
+        self._way_out = WayOut(config.way_out, setup.vehicle, setup.rate_hz) if config.way_out else None
 
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
-        lane = locate(perception.road)
+        road, out = perception.road, self._way_out
+        lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane)
         potential = self._field.update(lane, obstacles, observation.speed_mps)
         reference = self._reference.update(
             lane, obstacles, self._field, potential.minimum_m, observation.yaw_rad, observation.speed_mps
         )
         reference = self._slowed(reference, perception, lane, observation.speed_mps)
+        reference = self._turned_out(lane, perception.obstacles, observation, reference)
         extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
         return _force(potential, lane.y_m), reference, extra
 
@@ -56,6 +61,19 @@ class Valley:
         if self._sight is None:
             return reference
         return within_sight(reference, perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
+
+    def _turned_out(
+        self, lane: Lane, obstacles: Obstacles, observation: Observation, reference: Reference
+    ) -> Reference:
+        """The reference of the way out of a dead end, where one is driven; after it, all begins anew from there."""
+        if self._way_out is None:
+            return reference
+        was_driven = self._way_out.is_driven
+        turned = self._way_out.update(lane, obstacles, observation, reference)
+        if was_driven or turned is not None:
+            self._field.keep(lane.y_m)
+            self._reference.restart(observation.speed_mps)
+        return reference if turned is None else turned
 
 
 def _force(potential: LanePotential, y_m: float) -> Force:
