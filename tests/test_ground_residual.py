@@ -207,7 +207,9 @@ def test_the_near_end_of_one_cut_off_tells_no_place() -> None:
     step = SPEED_MPS / LOOKS_HZ
     assert not any(one or two for one, two in suspected([(6.7, True, True)] * 10))
     assert not any(two for _, two in suspected([(7.9, True, False), *[(6.7, True, True)] * 3]))
-    assert suspected([(7.9, True, False), (7.9 - step, True, False), (6.7, True, True)])[-1] == (0, 1)
+    seen = [(8.4 - k * step, True, False) for k in range(3)]
+    assert suspected([*seen[:2], (7.0, True, True), (6.7, True, True)])[-1] == (1, 0), "too short a way"
+    assert suspected(seen)[-1] == (0, 1)
 
 
 def test_a_spot_that_turns_out_to_be_road_is_forgotten() -> None:

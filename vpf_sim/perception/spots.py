@@ -44,7 +44,8 @@ class _Candidate:
     first_forward_m: float  # from the car then
     hits: int  # sure ones
     sightings: int = 1
-    came_nearer: bool = False  # by as much as the car went on
+    way_m: float = 0.0  # of the car from the first sighting to the last that told the place,
+    came_nearer: bool = False  # and whether the spot came nearer by as much
     misses: int = 0
     identity: int | None = None  # of the body that it is believed to be
 
@@ -104,8 +105,8 @@ class SpotBook:
         one.hits, one.sightings, one.misses = one.hits + spot.sure, one.sightings + 1, 0
         if not spot.cut:
             self._place(one, spot, here, pose)
-        way = distance_m(pose[:2], one.first_m)
-        if one.identity is None and one.hits >= self.hits_needed and way >= self.config.way_m and one.came_nearer:
+        stands = one.way_m >= self.config.way_m and one.came_nearer
+        if one.identity is None and one.hits >= self.hits_needed and stands:
             one.identity = self._next_identity()
 
     def _known_at(self, here: Floats, pose: Floats) -> _Candidate | None:
@@ -118,10 +119,10 @@ class SpotBook:
 
     def _place(self, one: _Candidate, spot: Spot, here: Floats, pose: Floats) -> None:
         """Average over the sightings."""
-        newest, way = self.config.newest, distance_m(pose[:2], one.first_m)
+        newest, one.way_m = self.config.newest, distance_m(pose[:2], one.first_m)
         one.place_m = one.place_m + newest * (world_from_vehicle(here, pose) - one.place_m)
         one.width_m += newest * (spot.right_m - spot.left_m - one.width_m)
-        one.came_nearer = one.first_forward_m - spot.forward_m > self.config.nearer_share * way
+        one.came_nearer = one.first_forward_m - spot.forward_m > self.config.nearer_share * one.way_m
 
     @property
     def hits_needed(self) -> int:
