@@ -47,6 +47,23 @@ def test_a_shift_keeps_the_limits_of_the_car_and_ends_without_overshoot(speed_mp
     assert steering.max() <= ROBUST.reach.steering_radps + 1e-9
 
 
+@pytest.mark.parametrize("speed_mps", [1.0, 2.0, 3.0])
+@pytest.mark.parametrize("turned_back_after_m", [1.5, 2.5])
+def test_a_reversal_overshoots_as_little_as_the_limits_of_the_car_allow(
+    speed_mps: float, turned_back_after_m: float
+) -> None:
+    """The minimum jumps from 4.0 to 0.7 m: from then on the bend falls as fast as it may, until the slope is none."""
+    step = speed_mps / RATE_HZ
+    before = round(turned_back_after_m / step)
+    track = path([4.0] * before + [0.7] * round(15.0 / step), speed_mps)
+    y, slope, bend = track[before - 1]
+    while slope > 0.0:
+        bend = max(bend - float(REACH.steering(speed_mps)) * step, -float(REACH.tightest(speed_mps)))
+        slope += bend * step
+        y += slope * step
+    assert track[:, 0].max() < max(y, 0.7) + 0.02
+
+
 def test_who_stands_goes_along_no_path() -> None:
     glide = Glide(ROBUST.reference, REACH, 0.0, 4.0)
     for _ in range(60):
