@@ -108,6 +108,17 @@ def test_looks_are_averaged_and_believed_in_steps() -> None:
     assert steps[steps > 0.0].min() >= MountingConfig().step_rad
 
 
+def test_next_to_nothing_is_not_believed() -> None:
+    random, pitch = stream(6, "looks"), MountedPitch(MountingConfig())
+    for i in range(200):
+        pitch.update(0.0002 + 0.0002 * float(random.standard_normal()), 0.0002, 0.05 * i)
+        assert pitch.pitch_rad == 0.0
+    for i in range(200, 500):
+        pitch.update(0.002 if i < 300 else 0.0, 0.0002, 0.05 * i)
+        assert i != 299 or pitch.pitch_rad > 0.001
+    assert pitch.pitch_rad == 0.0
+
+
 def test_the_flow_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
     random, count = stream(6, "points"), 60
     place = np.column_stack([random.uniform(5, 40, count), random.uniform(-6, 6, count), random.uniform(0, 2, count)])

@@ -4,7 +4,8 @@ A camera is mounted some tenths of a degree askew, a car sits lower behind when 
 rise. Whichever it is, the plane of the road is turned against the one that is believed in: by 0.005 rad the road 15 m
 ahead seems to lie 8 cm below or above its place, and is a body. Parallel lines tell the turn in a single frame
 (`perception.road_model`), each frame anew: here their word is gathered by a scalar Kalman filter. What is believed
-changes in steps only, so that frames and flow stay as they are where a camera looks where it should.
+changes in steps only, and flow and frames stay as they are where a camera looks where it should: hard rain pretends up
+to 0.03 deg at first, while nothing else is known.
 """
 
 from dataclasses import dataclass
@@ -16,10 +17,11 @@ class MountingConfig:
     first_sd_rad: float = 0.006  # how far off cameras are mounted
     look_sd_rad: float = 0.0015  # of what one look tells, its own standard deviation apart: looks repeat each other
     drift_sd_rad: float = 0.00017  # in a second, as a random walk
+    least_rad: float = 0.0007  # that is believed at all; once it is, until it is half of that
     step_rad: float = 0.0003  # from which on a change is worth while
 
     def __post_init__(self) -> None:
-        for key in ("first_sd_rad", "look_sd_rad", "drift_sd_rad", "step_rad"):
+        for key in ("first_sd_rad", "look_sd_rad", "drift_sd_rad", "least_rad", "step_rad"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
 
@@ -47,5 +49,7 @@ class MountedPitch:
         gain = self._variance_rad2 / (self._variance_rad2 + sigma_rad**2 + config.look_sd_rad**2)
         self._found_rad += gain * (pitch_rad - self._found_rad)
         self._variance_rad2 *= 1.0 - gain
-        if abs(self._found_rad - self.pitch_rad) >= config.step_rad:
+        if abs(self._found_rad) < config.least_rad * (1.0 if self.pitch_rad == 0.0 else 0.5):
+            self.pitch_rad = 0.0
+        elif abs(self._found_rad - self.pitch_rad) >= config.step_rad:
             self.pitch_rad = self._found_rad
