@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vpf_sim.drivers import FieldDriver
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.perception.odometry import Odometry, OdometryConfig
 from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats, Image, Observation, VehicleModel
+from vpf_sim.types import Camera, DriverSetup, Floats, Image, Observation, VehicleModel
 
 RATE_HZ, FRAMES = 60.0, 900
 L_R_M = VehicleModel().l_r_m
@@ -131,6 +132,21 @@ def test_a_car_that_stands_does_not_turn() -> None:
     assert odometry.is_needed
     assert hypot(believed[-1].x_m, believed[-1].y_m) < 0.007
     assert believed[-1].yaw_rad == 1.0
+
+
+def test_the_driver_goes_by_it() -> None:
+    driver = FieldDriver("robust")
+    camera = Camera()
+    driver.reset(DriverSetup(camera, VehicleModel(), RATE_HZ, 5.55, (200.0, 0.0), 1))
+    blank: Image = np.zeros((camera.height_px, camera.width_px, 3), np.uint8)
+    seen = [replace(one, image=blank) for one in observations({"noise_m": 0.05})[:30]]
+    _, believed = followed(seen)
+    for one, other in zip(seen, believed, strict=True):
+        driver.act(one)
+        plan = driver.trace()
+        assert plan is not None
+        assert plan.perception.flow.pose == pytest.approx([other.x_m, other.y_m, other.yaw_rad])
+    assert believed[-1] is not seen[-1]
 
 
 def test_a_wrong_setting_is_named(tmp_path: Path) -> None:
