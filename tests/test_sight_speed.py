@@ -26,7 +26,7 @@ def test_it_never_stands_for_what_cannot_be_seen() -> None:
 
 def slowed(speed_mps: float, now_m: float, good_m: float, wanted_mps: float = 5.55) -> float:
     reference = Reference(0.3, speed_mps, 0.01)
-    found = within_sight(reference, (now_m, good_m, good_m), wanted_mps, CONFIG, VEHICLE)
+    found = within_sight(reference, (now_m, good_m), wanted_mps, CONFIG, VEHICLE)
     assert found == replace(reference, speed_mps=found.speed_mps)
     return found.speed_mps
 
@@ -37,9 +37,17 @@ def test_who_sees_all_that_can_be_seen_goes_as_fast_as_asked(wanted_mps: float) 
 
 
 @pytest.mark.parametrize("wanted_mps", [4.5, 5.55])
-def test_who_sees_less_goes_slower_by_as_much_as_the_stop_asks(wanted_mps: float) -> None:
+def test_who_sees_less_goes_as_fast_as_the_stop_allows(wanted_mps: float) -> None:
+    assert slowed(wanted_mps, 7.0, 10.0, wanted_mps) == pytest.approx(safe_speed(7.0, CONFIG, VEHICLE))
+
+
+def test_to_see_farther_than_a_stop_takes_is_no_reason_to_be_slowed_when_that_ends() -> None:
+    assert slowed(4.5, 8.0, 10.0, 4.5) == 4.5
+
+
+def test_where_a_good_view_is_not_enough_either_both_are_compared() -> None:
     share = safe_speed(8.0, CONFIG, VEHICLE) / safe_speed(10.0, CONFIG, VEHICLE)
-    assert slowed(wanted_mps, 8.0, 10.0, wanted_mps) == pytest.approx(share * wanted_mps)
+    assert slowed(6.5, 8.0, 10.0, 6.5) == pytest.approx(share * 6.5)
 
 
 def test_who_asks_for_more_than_a_good_view_allows_is_not_slowed_by_a_bad_one() -> None:

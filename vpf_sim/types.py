@@ -200,8 +200,7 @@ class Perception:
     obstacle_map: ObstacleMap
     obstacles: Obstacles
     road: RoadEdges
-    low_sight_m: tuple[float, float, float] = (np.inf, np.inf, np.inf)  # to where a low body would be known: now, with
-    # a good view, and with one at the reference speed
+    low_sight_m: tuple[float, float] = (np.inf, np.inf)  # to where a low body would be suspected: now, with a good view
     suspects: Obstacles | None = None  # low things that were seen too seldom yet to be told as bodies
 
 

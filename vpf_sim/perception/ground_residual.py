@@ -205,7 +205,7 @@ class GroundResidual:
         noise = usual + config.floor_levels2
         self._contrast = road / np.float32(noise)
         self._seen = self._seen_before(older.pose, pose) & (free > config.least_seen)
-        self.sight.record(LookQuality(config.least_gain * noise, grain, self._seen_ahead()))
+        self.sight.record(LookQuality(config.doubt_gain * noise, grain, self._seen_ahead()))
         if float(road.max()) < config.doubt_gain * noise:
             self._evidence.fade()
             return []

@@ -89,15 +89,14 @@ class LandmarkTracker:
         """Whether the next frame is one that `look` looks at."""
         return self._residual.looks
 
-    def low_sight_m(self, speed_mps: float, speed_reference_mps: float) -> tuple[float, float, float]:
-        """m ahead of the pose, up to which a low body on the road would be known by now at that speed; 0 if nowhere.
+    def low_sight_m(self, speed_mps: float, speed_reference_mps: float) -> tuple[float, float]:
+        """m ahead of the pose, up to which a low body on the road would be suspected by now at that speed; 0: nowhere.
 
-        Then up to which it would be with a good view, and with one at the reference speed while no false spots show up.
+        Then up to which it would be with a good view at the reference speed.
         """
-        book, sight = self._spots, self._residual.sight
-        needed_m = sight.needed_m(speed_mps, book.hits_needed, book.config.way_m)
-        least_m = sight.needed_m(speed_reference_mps, book.config.hits, book.config.way_m)
-        return sight.distance_m(needed_m), sight.good_m(needed_m), sight.good_m(least_m)
+        sight, sightings = self._residual.sight, self._spots.config.doubts
+        good_m = sight.good_m(sight.needed_m(speed_reference_mps, sightings))
+        return sight.distance_m(sight.needed_m(speed_mps, sightings)), good_m
 
     def suspects(self, pose: Floats) -> Obstacles:
         """What seems to lie low on the road and is not believed yet, in the axes of the vehicle at `pose`."""

@@ -1,10 +1,10 @@
-"""How far ahead a low body would be known by now: by what the looks at the road could have made out.
+"""How far ahead a low body would be suspected by now: by what the looks at the road could have made out.
 
 What stands on the road changes its layout the more the nearer it is, and the more contrast it has. Haze and dusk take
 contrast from a body and from the grain of the road alike, so the difference that a pallet makes is told in multiples of
 the grain's. A look makes one out at a place if that is more than the look's noise asks, and if no water hides the place
-(`ground_residual`). It is believed after several such looks, over some way (`spots`): coming nearer at speed v with a
-look each T, the car takes p(x) dx / (v T) of them on a way dx, p the share of looks that would do.
+(`ground_residual`). It is suspected after several such looks (`spots`): coming nearer at speed v with a look each T,
+the car takes p(x) dx / (v T) of them on a way dx, p the share of looks that would do.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from vpf_sim.types import Floats
 class LowSightConfig:
     """The difference that a pallet 0.12 to 0.15 m high makes, and how looks are averaged."""
 
-    grains: float = 50.0  # of the fainter quarter of pallets, in multiples of what the grain makes, grey levels^2,
+    grains: float = 30.0  # of the fainter pallets, in multiples of what the grain makes, grey levels^2,
     grains_at_m: float = 9.0  # from the pose;
     power: float = 3.4  # it falls with this power of the distance
     far_m: float = 12.5  # from where on its height is not told any more: pixels of the older frame are too long
@@ -39,7 +39,7 @@ class LowSightConfig:
 class LookQuality:
     """What one look at the road could have made out."""
 
-    noise: float  # difference that a body has to exceed, squared grey levels
+    noise: float  # difference that a body has to exceed to be suspected, squared grey levels
     grain: float  # difference that the road's grain alone makes
     seen: Floats  # (K,) share of the road ahead that was seen at each place
 
@@ -66,12 +66,12 @@ class LowSight:
         self._share += (np.where(difference > look.noise, look.seen, 0.0) - self._share) / config.looks
         self._passed_m = self._way_with_hits(self._share)
 
-    def needed_m(self, speed_mps: float, hits: int, way_m: float) -> float:
-        """m of way with looks that make a body out, until one is believed that takes so many over such a way."""
-        return max((hits + self.config.spare_looks) * self._period_s * speed_mps, way_m)
+    def needed_m(self, speed_mps: float, sightings: int) -> float:
+        """m of way with looks that make a body out, until one is suspected that takes so many."""
+        return (sightings + self.config.spare_looks) * self._period_s * speed_mps
 
     def distance_m(self, needed_m: float) -> float:
-        """m from the pose, at which a low body would be believed that takes so much of the way; 0 if none."""
+        """m from the pose, at which a low body would be suspected that takes so much of the way; 0 if none."""
         return self._where(self._passed_m, needed_m)
 
     def good_m(self, needed_m: float) -> float:

@@ -68,7 +68,7 @@ class Planner:
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
                 self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps)
-        sight_m, suspects = (np.inf, np.inf, np.inf), None
+        sight_m, suspects = (np.inf, np.inf), None
         if self._landmarks is not None:
             sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
             suspects = self._landmarks.suspects(pose)

@@ -1,9 +1,10 @@
-"""Speed by what can be seen: the less of the road a low body would be known on, the slower.
+"""Speed by what can be seen: the less of the road a low body would be suspected on, the slower.
 
-The rule of the assured clear distance ahead: with D from the bumper to where such a body would be known, less what is
-kept free, reaction time t and deceleration b, the car can stop from the speed of v t + v^2 / (2 b) = D. How fast to go
-where all can be seen is the user's choice, the reference speed. It is cut by as much as that speed is less now than
-with a good view. Who asks for more than even a good view would allow has chosen not to stop for low bodies.
+The rule of the assured clear distance ahead: with D from the bumper to where such a body would be suspected, less what
+is kept free, reaction time t and deceleration b, the car can stop from the speed of v t + v^2 / (2 b) = D. How fast to
+go where all can be seen is the user's choice, the reference speed: it is kept where it allows the stop. Where even a
+good view does not, it is cut by as much as the speed that does is less now than with one. Who asks for far more than a
+good view would allow has chosen not to stop for low bodies.
 """
 
 from dataclasses import dataclass, replace
@@ -42,15 +43,16 @@ def stopping_speed(way_m: float, brake_mps2: float, reaction_s: float) -> float:
 
 def within_sight(
     reference: Reference,
-    sight_m: tuple[float, float, float],
+    sight_m: tuple[float, float],
     speed_reference_mps: float,
     config: SightConfig,
     vehicle: VehicleModel,
 ) -> Reference:
     """The reference, slowed by what is not seen; `sight_m` as in `Perception.low_sight_m`."""
-    now_m, good_m, good_at_reference_m = sight_m
-    if isinf(good_m) or safe_speed(good_at_reference_m, config, vehicle) < ENOUGH * speed_reference_mps:
+    now_m, good_m = sight_m
+    with_good_view = safe_speed(good_m, config, vehicle)
+    if isinf(good_m) or with_good_view < ENOUGH * speed_reference_mps:
         return reference
-    share = safe_speed(now_m, config, vehicle) / safe_speed(good_m, config, vehicle)
+    share = safe_speed(now_m, config, vehicle) / min(with_good_view, speed_reference_mps)
     most = max(min(share, 1.0) * speed_reference_mps, config.least_mps)
     return replace(reference, speed_mps=min(reference.speed_mps, most))
