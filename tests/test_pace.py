@@ -49,6 +49,14 @@ def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
     assert wanted(gate(CONFIG.walking_clearance_m - 0.01, 2.0)) == 0.0
 
 
+def test_a_gap_is_left_as_slowly_as_it_is_entered() -> None:
+    """Until the rear has passed the bodies, which are 3.5 m long at least."""
+    through = 2.0 * BUMPER_M + ROBUST.field.body_length_m
+    before, beside, past = (wanted(gate(0.15, way_m)) for way_m in (0.5, 0.1 - through, -0.1 - through))
+    assert beside == pytest.approx(before, abs=1e-6)
+    assert before < SPEED_MPS == past
+
+
 def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> None:
     speeds = [wanted(gate(0.2, 2.0), ROBUST.reach.walking_mps + off) for off in (-0.01, 0.01)]
     assert speeds[0] == speeds[1] > ROBUST.reach.walking_mps

@@ -63,17 +63,20 @@ class Pace:
             return limit
         way = field.bumper(obstacles)
         moves = obstacles.speed_mps > 0.0
-        present = ((field.present(obstacles) > 0.0) | moves) & (way > 0.0)
+        present = field.present(obstacles) > 0.0
+        counts, passing = (present | moves) & (way > 0.0), present & ~moves & (way <= 0.0)
         spare = way - self._creep.standoff(lane, obstacles, field) - config.time_gap_s * obstacles.speed_mps
         follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + way), 0.0, 1.0)
         stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
-        beside = np.maximum(stop, obstacles.speed_mps + self._beside(-field.overlap(obstacles, minimum_m, 0.0)))
+        passed = obstacles.speed_mps + self._beside(-field.overlap(obstacles, minimum_m, 0.0))
+        beside = np.maximum(stop, passed)
         blocked = field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0
         there = np.minimum(self._before(lane, obstacles, field, minimum_m), beside)
         limits = np.where(blocked, stop, there)
         nearest = self._creep.nearest(speed_mps)
         creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
-        return float(np.min(np.maximum(limits, creep), where=present, initial=limit))
+        limit = float(np.min(passed, where=passing, initial=limit))
+        return float(np.min(np.maximum(limits, creep), where=counts, initial=limit))
 
     def _beside(self, gap_m: Floats) -> Floats:
         """(K,) m/s at which bodies are passed at that gap; inf where it is as wide as wanted."""
