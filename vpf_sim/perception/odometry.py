@@ -1,10 +1,10 @@
 """The car's own way by its speed and yaw rate, where its pose is too rough for that.
 
-All that follows points over a second lives on the way between the two frames: a landmark's depth is as wrong as the
-base line, and 5 cm aside in a second, as satellite and inertial navigation drift, is the third of the half degree that
-tells a flat body from the road. Speed and yaw rate, added up, are smooth over such times; they have a scale and a bias,
-which the pose tells over longer ones. Where the car is in the world matters to nobody here: what is remembered is
-remembered relative to where the car has been.
+All that follows points over a second lives on the way between the two frames: 5 cm aside in a second, as satellite and
+inertial navigation drift, turn the direction of a car at 5.55 m/s by half a degree, and a body 15 m ahead is told by
+less. Speed and yaw rate, added up, are smooth over such times; they have a scale and a bias, which the pose tells over
+longer ones. Where the car is in the world matters to nobody here: what is remembered is remembered relative to where
+the car has been.
 
 How rough a pose is shows in itself: what it adds to the way by speed and yaw rate should be the same from one frame to
 the next, for scale and bias are. A pose that is smooth is used as it is, to the bit.
