@@ -63,6 +63,15 @@ def test_the_speed_falls_as_the_car_brakes_and_rises_gently() -> None:
     assert after[-1] == REFERENCE_MPS
 
 
+def test_a_sight_that_fails_for_a_moment_does_not_jerk() -> None:
+    caution = Caution(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
+    seen = [4.0, *[2.8] * 6, *[4.0] * 30]
+    speeds = [caution.update(LANE, NOTHING, 0.0, 4.0, mps) for mps in [4.0] * 60 + seen]
+    assert speeds[59] == 4.0
+    assert speeds[66] == pytest.approx(4.0 - 6.0 * CONFIG.brake_mps2 / RATE_HZ)
+    assert speeds[-1] == 4.0
+
+
 def test_a_car_that_is_slow_already_is_not_slowed_later() -> None:
     caution = Caution(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
     assert caution.update(LANE, suspect(5.0), 0.0, 3.5) == pytest.approx(3.5 - CONFIG.brake_mps2 / RATE_HZ)

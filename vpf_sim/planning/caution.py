@@ -41,15 +41,18 @@ class Caution:
         self._reference_mps = speed_reference_mps
         self._allowed_mps = speed_reference_mps
 
-    def update(self, lane: Lane, suspects: LaneObstacles, goal_m: float, speed_mps: float) -> float:
+    def update(
+        self, lane: Lane, suspects: LaneObstacles, goal_m: float, speed_mps: float, seen_mps: float = inf
+    ) -> float:
         """m/s after one step, where the car goes from `lane.y_m` to `goal_m` across the road.
 
-        The reference speed at most: it falls as the car may brake from `speed_mps`, and rises gently.
+        The reference speed at most, and `seen_mps`, which what is seen allows: it falls as the car may brake from
+        `speed_mps`, and rises gently.
         """
         config = self._config
         bumper_m = suspects.along_m - 0.5 * self._vehicle.length_m
         ahead_m = bumper_m[self._is_in_way(lane, suspects, goal_m) & (bumper_m > 0.0)]
-        wanted = self._before(float(ahead_m.min(initial=inf)))
+        wanted = min(self._before(float(ahead_m.min(initial=inf))), seen_mps)
         least = min(self._allowed_mps, speed_mps) - config.brake_mps2 * self._dt_s
         most = self._allowed_mps + config.rise_mps2 * self._dt_s
         self._allowed_mps = min(max(wanted, least), most, self._reference_mps)

@@ -1,6 +1,7 @@
 """The robust variant's way: to the lowest place of the field across the lane, along the road's direction."""
 
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -54,13 +55,15 @@ class Valley:
 
     def _slowed(self, reference: Reference, perception: Perception, lane: Lane, speed_mps: float) -> Reference:
         """The reference, slowed by what is suspected in the way and by what cannot be seen."""
+        most = replace(reference, speed_mps=inf)
+        if self._sight is not None:
+            most = within_sight(most, perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
+        allowed = most.speed_mps
         if self._caution is not None and perception.suspects is not None:
             goal_m = lane.y_m if self._reference.y_m is None else self._reference.y_m
-            allowed = self._caution.update(lane, place(perception.suspects, lane), goal_m, speed_mps)
-            reference = replace(reference, speed_mps=min(reference.speed_mps, allowed))
-        if self._sight is None:
-            return reference
-        return within_sight(reference, perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
+            suspects = place(perception.suspects, lane)
+            allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
+        return replace(reference, speed_mps=min(reference.speed_mps, allowed))
 
     def _turned_out(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, reference: Reference
