@@ -117,3 +117,16 @@ def test_the_corners_stay_on_the_carriageway(speed_mps: float, first_m: float) -
         front.append(middle + 0.5 * CAR.width_m * np.cos(car.yaw_rad))
     assert max(front) < edge_m
     assert car.y_m == pytest.approx(edge_m - 1.1, abs=0.1)
+
+
+@pytest.mark.parametrize(("way_m", "right_m", "leaves"), [(16.0, 12.0, False), (9.0, 12.0, True), (16.0, 2.6, True)])
+def test_the_own_lane_is_left_no_sooner_than_it_must_be(way_m: float, right_m: float, leaves: bool) -> None:
+    """1.5 m aside before a body, at 5.55 m/s; at once where another body leaves no room to spare."""
+    half = 0.5 * CAR.width_m
+    faces = np.full(2, way_m + 0.5 * CAR.length_m)
+    bodies = LaneObstacles(faces, np.array([-1.0, right_m]), np.array([1.5 - half - 0.43, right_m + 1.0]))
+    way, field = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH), LaneField(ROBUST.field, CAR, 5.55, REACH)
+    for _ in range(5):
+        way.update(LANE, bodies, field, 1.5, 0.0, 5.55)
+    assert way.y_m is not None
+    assert (way.y_m > 0.0) == leaves

@@ -25,7 +25,7 @@ import numpy as np
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.reach import Reach
-from vpf_sim.types import Floats, VehicleModel
+from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
 NO_CHOICE = 1e3  # more than any body, side or memory costs
@@ -133,6 +133,12 @@ class LaneField:
     def overlap(self, obstacles: LaneObstacles, y_m: float, clearance_m: float) -> Floats:
         """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
         return clearance_m - self._gap(obstacles, np.array([y_m]))[:, 0]
+
+    def hinders(self, obstacles: LaneObstacles, y_m: float) -> Bools:
+        """(K,) which bodies ahead have not the clearance that is wanted from our body at y."""
+        near = (self.present(obstacles) > 0.0) & (self.bumper(obstacles) > 0.0)
+        hinders: Bools = near & (self.overlap(obstacles, y_m, self._config.clearance_m) > 0.0)
+        return hinders
 
     def shift(self, obstacles: LaneObstacles, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
         """(K,) m from y towards a goal across the road until our body is clear of each; <= 0 where it is."""

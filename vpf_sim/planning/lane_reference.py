@@ -27,6 +27,8 @@ from vpf_sim.planning.reach import Reach, rear_m
 from vpf_sim.types import Reference, VehicleModel
 
 SLOWEST_CLOSING_MPS = 0.5
+RESTS_SLOPE = 0.02  # of a path that has not left its place yet
+WAITS_S = 0.4  # besides the way that a shift takes
 
 
 class LaneReference:
@@ -67,6 +69,8 @@ class LaneReference:
         if self._glide is None:
             self._glide = Glide(self._config, self._reach, rear, self._shift_m)
         time_s = self._time_left(obstacles, field, self._glide.y_m, speed_mps)
+        if self._waits(obstacles, field, minimum_m, speed_mps):
+            minimum_m = self._glide.y_m
         between = field.beside(obstacles, lane)
         self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
         self._glide.hold(rear)
@@ -82,6 +86,27 @@ class LaneReference:
         hit = (field.overlap(obstacles, y_m, self._config.minimum_clearance_m) > 0.0) & (way > 0.0)
         closing = np.maximum(max(speed_mps, self._reach.walking_mps) - obstacles.speed_mps, SLOWEST_CLOSING_MPS)
         return float(np.min(way / closing, where=hit, initial=np.inf))
+
+    def _waits(self, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float) -> bool:
+        """Whether there is more way than it takes before the first body for which the path must leave where it is.
+
+        From nearer a body's side is known better, and the own lane is left no longer than it must be. Where there is no
+        room to spare beside the bodies it does not wait.
+        """
+        glide = self._glide
+        assert glide is not None
+        if not len(obstacles) or abs(glide.slope) > RESTS_SLOPE:
+            return False
+        way = field.bumper(obstacles)
+        least = self._config.minimum_clearance_m
+        hit = field.hinders(obstacles, glide.y_m)
+        narrow = (field.overlap(obstacles, minimum_m, least) > 0.0) & (field.present(obstacles) > 0.0)
+        if not np.any(hit) or np.any(narrow):
+            return False
+        closing = max(speed_mps, self._reach.walking_mps)
+        left = way / np.maximum(closing - obstacles.speed_mps, SLOWEST_CLOSING_MPS) * closing
+        needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps)) + WAITS_S * closing
+        return float(left[hit].min()) > needed
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""
