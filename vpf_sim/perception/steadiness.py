@@ -61,12 +61,6 @@ class Steadiness:
         """Take in what the road tells of the pitch in the frame of `update`: what does not pass is the mounting's."""
         self._mounting.update(pitch_rad - self.passing_rad, sigma_rad, time_s)
 
-    def mounted(self, camera: Camera) -> Camera:
-        """The camera as it is believed to be mounted: the flow and frames that come in are of this one."""
-        if self.mounted_rad == 0.0:
-            return camera
-        return replace(camera, pitch_rad=camera.pitch_rad + self.mounted_rad)
-
     @property
     def mounted_rad(self) -> float:
         """How far the camera's mounting looks below where it should."""

@@ -45,8 +45,7 @@ class Planner:
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         flow = self._flow.update(image, pose)
         turned = expansion.derotated(flow, self._camera)
-        camera = self._camera if self._steadiness is None else self._steadiness.mounted(self._camera)
-        foe = expansion.estimate(flow, camera, self._variant.expansion, self._random, self._foe, turned)
+        foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe, turned)
         self._foe = foe
         steady = flow
         if self._steadiness is not None:
