@@ -7,7 +7,7 @@ in OpenCV's convention: the centre of the first pixel is (0, 0). The pose of the
 the centre of its body. N is a number of image points, K a number of obstacles.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from math import radians
 from typing import Any, Literal, Protocol
 
@@ -169,6 +169,10 @@ class Obstacles:
 
     def __len__(self) -> int:
         return len(self.forward_m)
+
+    def chosen(self, which: Bools) -> "Obstacles":
+        """Those of which `which` (K,) is true."""
+        return Obstacles(**{one.name: getattr(self, one.name)[which] for one in fields(self)})
 
 
 @dataclass(frozen=True, slots=True)

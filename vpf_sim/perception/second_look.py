@@ -10,7 +10,7 @@ stand. What has no grain, as dark paint, is never taken for road.
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -83,7 +83,7 @@ class SecondLook:
         if self.looks(speed_mps):
             self._look(grey, pose, bodies, places)
         there = np.array([not one.refuted for one in places], np.bool_)
-        return bodies if there.all() else _chosen(bodies, there)
+        return bodies if there.all() else bodies.chosen(there)
 
     def _forget(self, pose: Floats) -> None:
         """The places that the car has passed."""
@@ -170,7 +170,3 @@ class SecondLook:
         road: Bools = (with_none > config.least_correlation) & (with_none > with_some + config.least_lead)
         stands = (with_some > config.least_correlation) & (with_some > with_none + config.least_lead)
         return bool(np.mean(road) >= config.road_share and not stands.any())
-
-
-def _chosen(bodies: Obstacles, there: Bools) -> Obstacles:
-    return Obstacles(**{one.name: getattr(bodies, one.name)[there] for one in fields(bodies)})

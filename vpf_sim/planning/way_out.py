@@ -6,18 +6,18 @@ then out of reach, but not the turn of `vpf_sim.planning.turning`. It leads far 
 camera sees little of the road: where the car is on it is known from before and from the own motion.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from math import atan, cos, sin
 
 import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
+from vpf_sim.planning.creep import STANDING_MPS
 from vpf_sim.planning.lane import Lane, LaneObstacles, locate, place
 from vpf_sim.planning.reach import rear_m
 from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, Courses, courses, separation
-from vpf_sim.types import Bools, Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
+from vpf_sim.types import Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
 
-STANDING_MPS = 0.1
 STEERS_MPS = 0.25  # from here on the yaw rate tells how the wheels stand
 RELEVANT_M = 25.0  # ahead: bodies that count
 LEAST_M = 0.05  # to bodies, wherever a course begins
@@ -163,7 +163,7 @@ class WayOut:
         known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
         width = obstacles.right_m - obstacles.left_m
         new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
-        fresh = place(_chosen(obstacles, new & (width < NARROW_M)), lane)
+        fresh = place(obstacles.chosen(new & (width < NARROW_M)), lane)
         both = (np.concatenate([getattr(one, name) for one in (known, fresh)]) for name in LaneObstacles.__slots__)
         return _near(LaneObstacles(*both))
 
@@ -244,7 +244,3 @@ def _shifted(lane: Lane, shift_m: float) -> Lane:
 def _near(bodies: LaneObstacles) -> LaneObstacles:
     near = bodies.along_m < RELEVANT_M
     return LaneObstacles(*(getattr(bodies, name)[near] for name in LaneObstacles.__slots__))
-
-
-def _chosen(obstacles: Obstacles, which: Bools) -> Obstacles:
-    return Obstacles(**{one.name: getattr(obstacles, one.name)[which] for one in fields(obstacles)})
