@@ -70,12 +70,12 @@ def courses(lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float
         left_m = left_m - STEP_M * (stage == 1)
         stage = stage + ((stage == 1) & (left_m <= 0.0))
         stage = stage + ((stage == 2) & (side * turned <= unwound * (side * steering < 0.0)))
-        straight = (stage == 3) & (np.abs(steering) < most)
-        end = np.where(straight & (end == steps), step, end)
+        is_back = (stage == 3) & (np.abs(steering) < most)
+        end = np.where(is_back & (end == steps), step, end)
         wanted = lock * vehicle.steering_limit_rad * side * np.array([1.0, 0.0, -1.0, 0.0])[stage]
         before, steering = steering, steering + np.clip(wanted - steering, -most, most)
         bend = np.tan(0.5 * (before + steering)) / vehicle.wheelbase_m - lane.curvature_per_m
-        bend = np.where(straight, 0.0, bend)
+        bend = np.where(is_back, 0.0, bend)
         middle = turned + 0.5 * STEP_M * bend
         along, y = along + STEP_M * np.cos(middle), y + STEP_M * np.sin(middle)
         turned = turned + STEP_M * bend
