@@ -256,3 +256,7 @@ def test_behind_a_body_the_road_is_hidden_from_either_place() -> None:
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 13\.5"):
         ResidualConfig(near_m=20.0)
+    with pytest.raises(ValueError, match=r"doubt_gain: expected > 0 and <= least_gain = 6\.0, got 7\.0"):
+        ResidualConfig(doubt_gain=7.0)
+    with pytest.raises(ValueError, match="doubts: expected > 0, got 0"):
+        SpotConfig(doubts=0)

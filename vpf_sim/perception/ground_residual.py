@@ -61,6 +61,8 @@ class ResidualConfig:
             raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
         if not 0.0 < self.newest <= 1.0:
             raise ValueError(f"newest: expected 0 < newest <= 1, got {self.newest}")
+        if not 0.0 < self.doubt_gain <= self.least_gain:
+            raise ValueError(f"doubt_gain: expected > 0 and <= least_gain = {self.least_gain}, got {self.doubt_gain}")
 
 
 @dataclass(frozen=True, slots=True)

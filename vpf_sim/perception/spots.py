@@ -18,7 +18,7 @@ class SpotConfig:
     more_hits: int = 4  # that it takes besides while spots flash up everywhere, as they do in rain:
     busy: float = 0.3  # that many new ones a look,
     busy_looks: float = 20.0  # on average over so many
-    way_m: float = 1.0  # of the car between the first and the last hit,
+    way_m: float = 1.0  # of the car between the first and the last sighting that told the place,
     nearer_share: float = 0.6  # and by how much of it the spot came nearer: a drop on the glass does not
     misses: int = 3  # in a row, after which one that is not believed is forgotten
     along_m: float = 0.8  # sightings nearer than this
@@ -33,6 +33,10 @@ class SpotConfig:
     behind_m: float = 11.0  # where one is forgotten
     doubts: int = 2  # sightings, sure ones or not, until one that is not believed is suspected
 
+    def __post_init__(self) -> None:
+        if not self.doubts > 0:
+            raise ValueError(f"doubts: expected > 0, got {self.doubts}")
+
 
 @dataclass(slots=True)
 class _Candidate:
@@ -40,7 +44,7 @@ class _Candidate:
 
     place_m: Floats  # (2,) the middle of its face
     width_m: float
-    first_m: Floats  # (2,) of the car at the first hit
+    first_m: Floats  # (2,) of the car at the first sighting
     first_forward_m: float  # from the car then
     hits: int  # sure ones
     sightings: int = 1
