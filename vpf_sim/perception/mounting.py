@@ -14,6 +14,8 @@ from math import sqrt
 
 @dataclass(frozen=True, slots=True)
 class MountingConfig:
+    """How much looks tell, and from where on they are believed."""
+
     first_sd_rad: float = 0.006  # how far off cameras are mounted
     look_sd_rad: float = 0.0015  # of what one look tells, its own standard deviation apart: looks repeat each other
     drift_sd_rad: float = 0.00017  # in a second, as a random walk
@@ -21,9 +23,9 @@ class MountingConfig:
     step_rad: float = 0.0003  # from which on a change is worth while
 
     def __post_init__(self) -> None:
-        for key in ("first_sd_rad", "look_sd_rad", "drift_sd_rad", "least_rad", "step_rad"):
-            if not getattr(self, key) > 0.0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+        for name in self.__slots__:
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
 class MountedPitch:

@@ -31,18 +31,9 @@ class OdometryConfig:
     drift_share: float = 0.02  # of those, by which they may change in a second, as a random walk
 
     def __post_init__(self) -> None:
-        for key in (
-            "rough_m",
-            "rough_rad",
-            "settle_s",
-            "walk_m",
-            "walk_rad",
-            "scale_sd",
-            "bias_sd_radps",
-            "drift_share",
-        ):
-            if not getattr(self, key) > 0.0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+        for name in self.__slots__:
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
 @dataclass(slots=True)
