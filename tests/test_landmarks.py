@@ -1,12 +1,13 @@
 """Landmarks from simulated tracks: bodies at known places, empty roads, bends, remembering and forgetting."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 from vpf_sim.geometry import project, vehicle_from_world, wrap_angle
 from vpf_sim.perception.carriageway import carriageway_offsets
+from vpf_sim.perception.clusters import stepped
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.outlines import (
@@ -16,6 +17,7 @@ from vpf_sim.perception.outlines import (
     nearest_extent,
     parted,
     sides,
+    stands_behind,
     turned,
     turned_back,
 )
@@ -345,6 +347,27 @@ def test_what_shows_beside_a_body_farther_away_does_not_make_it_wider(side: floa
     seen = Seen(near_side, np.full(4, 0.1), np.arctan2(near_side[:, 1], near_side[:, 0]))
     left, right = sides(seen, np.zeros(4, np.int64), np.array([12.0]), 0.12)
     assert sorted((side * left[0], side * right[0])) == pytest.approx([3.0, 5.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_who_stands_behind_a_body_and_beside_it_is_a_body_of_its_own(side: float) -> None:
+    """A van on one side, its flank turned to the camera, what slides along its outer edge, and a pedestrian."""
+    face = [(8.0, side * across) for across in (3.0, 3.5, 4.0, 4.5, 5.0)]
+    flank = [(forward, side * 3.0) for forward in (9.5, 11.0, 12.5)]
+    slides = [(14.0, side * 5.0 * 14.0 / 8.0)]
+    pedestrian = [(11.0, side * 1.2), (11.0, side * 1.6), (11.1, side * 1.4)]
+    place = np.array(face + flank + slides + pedestrian)
+    seen = Seen(place, np.full(len(place), 0.1), np.arctan2(place[:, 1], place[:, 0]))
+    label = np.zeros(len(place), np.int64)
+    behind = stands_behind(seen, label, 1)
+    assert behind.tolist() == [False] * 9 + [True] * 3
+    assert not stands_behind(replace(seen, sigma_m=np.full(len(place), 1.5)), label, 1).any(), "depth known badly"
+    parts, apart = stepped(label, behind, lambda parts: np.ones(parts.max() + 1, np.bool_))
+    assert parts.tolist() == [0] * 9 + [1] * 3
+    assert apart.tolist() == [False, True]
+    parts, apart = stepped(label, behind, lambda parts: np.arange(parts.max() + 1) == 0)
+    assert parts.tolist() == [0] * 12, "what would be no body by itself stays a part of the other"
+    assert apart.tolist() == [False]
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Which points belong together."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from vpf_sim.perception.marks import Integers
@@ -11,6 +13,19 @@ def clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float)
     gap = np.abs(place_m[:, None] - place_m[None])
     reach = np.maximum(forward_m, 2.5 * np.hypot(sigma_m[:, None], sigma_m[None]))
     return connected((gap[..., 1] < right_m) & (gap[..., 0] < reach))
+
+
+def stepped(label: Integers, behind: Bools, are_bodies: Callable[[Integers], Bools]) -> tuple[Integers, Bools]:
+    """The label (M,) with the points `behind` (M,) as clusters of their own, and which of the clusters (K,) these are.
+
+    Only where they and what is left both are bodies, of several points: else a side of a body would be lost.
+    """
+    count = int(label.max()) + 1
+    parts = np.unique(label + count * behind, return_inverse=True)[1]
+    several = are_bodies(parts) & (np.bincount(parts) > 1)
+    behind = behind & ~np.isin(label, label[~several[parts]])
+    names, parts = np.unique(label + count * behind, return_inverse=True)
+    return parts.astype(np.int64), names >= count
 
 
 def connected(linked: Bools) -> Integers:

@@ -7,7 +7,7 @@ import numpy as np
 from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.clearing import Clearing
-from vpf_sim.perception.clusters import clusters
+from vpf_sim.perception.clusters import clusters, stepped
 from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, Spot
 from vpf_sim.perception.landmark_config import LandmarkConfig
@@ -22,6 +22,7 @@ from vpf_sim.perception.outlines import (
     none,
     parted,
     sides,
+    stands_behind,
     turned,
     turned_back,
     widened,
@@ -280,8 +281,10 @@ class LandmarkTracker:
         place = vehicle_from_world(self._marks.place_m[believed], pose)
         sigma = self._marks.sigma_m[believed]
         label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
-        seen = Seen(place, sigma, self._marks.sight_rad[believed] - pose[2])
-        return self._describe(believed, label, are_bodies(believed, label), seen, road)
+        seen, count = Seen(place, sigma, self._marks.sight_rad[believed] - pose[2]), int(label.max()) + 1
+        behind = stands_behind(turned(seen, direction_at(seen, label, count, road)[label]), label, count)
+        label, apart = stepped(label, behind, lambda parts: are_bodies(believed, parts))
+        return self._describe(believed, label, are_bodies(believed, label), seen, road, apart)
 
     def _are_tall(self, believed: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are bodies beyond doubt."""
@@ -312,9 +315,9 @@ class LandmarkTracker:
         return together | (np.bincount(label, single, count) > 0)
 
     def _describe(
-        self, believed: Integers, label: Integers, confirmed: Bools, seen: Seen, road: RoadEdges
+        self, believed: Integers, label: Integers, confirmed: Bools, seen: Seen, road: RoadEdges, apart: Bools
     ) -> Obstacles:
-        """Face and sides across the road, along which a body stands.
+        """Face and sides across the road, along which a body stands; those `apart` (K,) parted from no other.
 
         Across the car's way, when that is at an angle, the far end of a long one would count as its width.
         """
@@ -328,7 +331,7 @@ class LandmarkTracker:
         confirmed = confirmed & (body >= 0)
         face, left, right = turned_back(face, *sides(seen, label, face, self.config.sharp_side_m), angle)
         ahead = face - self.camera.forward_m
-        c = confirmed & ~parted(ahead, left, right, np.where(confirmed, body, -1), np.bincount(label))
+        c = confirmed & ~parted(ahead, left, right, np.where(confirmed & ~apart, body, -1), np.bincount(label))
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 
     def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools) -> Integers:

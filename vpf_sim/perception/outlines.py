@@ -14,6 +14,7 @@ NEAREST_M = 0.5  # a body nearer to the camera hides nothing
 RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
 BEHIND_M, LENGTH_M = 2.0, 8.0  # what is less far behind is of the same side of a body; the length of the longest
 FACE_M = 2.5  # what is less far behind a face may be of one beside it
+STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 
 
@@ -89,6 +90,21 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     np.minimum.at(left, label[well], across - np.minimum(beyond, 0.0))
     np.maximum.at(right, label[well], across - np.maximum(beyond, 0.0))
     return left, right
+
+
+def stands_behind(seen: Seen, label: Integers, count: int) -> Bools:
+    """(M,) points behind the face of their body and beside all that lies near it, wherever along their line of sight
+    they are: another body's, which from afar seemed to stand where this one does."""
+    face, _ = nearest_extent(seen, label, count)
+    behind, across = seen.place_m[:, 0] - face[label], seen.place_m[:, 1]
+    near = behind < np.maximum(STEP_M, STEP_SIGMAS * seen.sigma_m)
+    left, right = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(left, label[near], across[near])
+    np.maximum.at(right, label[near], across[near])
+    at_face = across - behind * np.tan(seen.sight_rad)
+    beside = np.minimum(across, at_face) > right[label] + RIM_M
+    beside |= np.maximum(across, at_face) < left[label] - RIM_M
+    return ~near & beside
 
 
 def direction_at(seen: Seen, label: Integers, count: int, road: RoadEdges) -> Floats:
