@@ -1,6 +1,7 @@
 """The path across the road that the reference takes: the car can follow it, at walking speed too."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -130,3 +131,25 @@ def test_the_own_lane_is_left_no_sooner_than_it_must_be(way_m: float, right_m: f
         way.update(LANE, bodies, field, 1.5, 0.0, 5.55)
     assert way.y_m is not None
     assert (way.y_m > 0.0) == leaves
+
+
+def test_between_two_bodies_the_path_is_that_of_the_mirrored_world() -> None:
+    """Where no slope is free to either side, it is neither's."""
+
+    def ended(side: float) -> float:
+        glide, edges = Glide(ROBUST.reference, REACH, 0.1 * side, 4.0), sorted((-0.9 * side, 1.0 * side))
+        for _ in range(60):
+            glide.advance(replace(LANE, left_m=edges[0], right_m=edges[1]), 0.0, np.inf, 2.0, 2.0 / RATE_HZ)
+        return glide.y_m
+
+    assert ended(1.0) == -ended(-1.0)
+
+
+def test_the_way_back_does_not_wait() -> None:
+    """A car 1.5 m aside, its lane free, and a body beside its present way far ahead."""
+    body = LaneObstacles(np.array([14.0]), np.array([1.0]), np.array([3.0]))
+    way, field = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH), LaneField(ROBUST.field, CAR, 5.55, REACH)
+    for _ in range(30):
+        way.update(replace(LANE, y_m=1.5), body, field, 0.0, 0.0, 5.55)
+    assert way.y_m is not None
+    assert way.y_m < 1.45

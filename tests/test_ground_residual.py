@@ -184,6 +184,23 @@ def suspected(sightings: list[tuple[float, bool, bool]]) -> list[tuple[int, int]
     return found
 
 
+def test_a_car_that_stands_suspects_nothing_that_shows_up_again() -> None:
+    """What sticks to the glass, while the pose trembles by a millimetre."""
+    book = SpotBook(SpotConfig(), lambda: 0)
+    for k in range(6):
+        book.record([Spot(9.0 - 0.001 * k, -0.4, 0.4, 4.0, False)], np.array([0.001 * k, 0.0, 0.0]))
+    assert len(book.suspects(np.zeros(3))) == 0
+
+
+def test_suspects_are_told_apart() -> None:
+    book, step = SpotBook(SpotConfig(), lambda: 0), SPEED_MPS / LOOKS_HZ
+    for k in range(3):
+        spots = [Spot(place - k * step, left, left + 0.8, 4.0, False) for place, left in ((9.0, 1.3), (11.0, -0.4))]
+        book.record(spots, np.array([k * step, 0.0, 0.0]))
+    suspects = book.suspects(np.array([2 * step, 0.0, 0.0]))
+    assert len(set(suspects.identity.tolist())) == 2
+
+
 def test_what_is_seen_again_is_suspected_until_it_is_believed_and_never_believed_on_doubts_alone() -> None:
     step = SPEED_MPS / LOOKS_HZ
     assert suspected([(12.0 - k * step, False, False) for k in range(9)]) == [(0, 0), *[(1, 0)] * 8]

@@ -134,6 +134,18 @@ def test_a_car_that_stands_does_not_turn() -> None:
     assert believed[-1].yaw_rad == 1.0
 
 
+def test_a_car_that_stands_stays_where_it_is() -> None:
+    """Its speedometer's noise is cut off at 0, so that it adds up."""
+    noise = np.maximum(stream(8, "speed").normal(0.0, 0.05, FRAMES), 0.0)
+    still = [
+        replace(one, x_m=0.003 * (k % 3), y_m=0.0, yaw_rad=1.0, speed_mps=float(noise[k]), yaw_rate_radps=0.01)
+        for k, one in enumerate(observations({}))
+    ]
+    odometry, believed = followed(still)
+    assert odometry.is_needed
+    assert hypot(believed[-1].x_m, believed[-1].y_m) < 0.03
+
+
 def test_the_driver_goes_by_it() -> None:
     driver = FieldDriver("robust")
     camera = Camera()

@@ -17,6 +17,7 @@ from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Observation, VehicleModel
 
 WATCHED_S = 0.15  # without which nothing is known of a pose
+STANDING_MPS = 0.15  # what is slower may be the noise of a speedometer, which tells no negative speeds
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +118,8 @@ class Odometry:
             way = 0.5 * (last.speed_mps + observation.speed_mps) * time_s
             self._compare(last, observation, way, turn, time_s)
             if self.is_needed:
+                if way < STANDING_MPS * time_s:
+                    way = turn = 0.0
                 return self._go_on(observation, self.scale * way, turn - self.bias_radps * time_s)
         self._pose = (observation.x_m, observation.y_m, observation.yaw_rad)
         return observation

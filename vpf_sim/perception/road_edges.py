@@ -86,7 +86,8 @@ class RoadEdgeTracker:
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # by the own motion; by the last judgement
         self._frame = -1
-        self._pitch_rad: float | None = None  # of the camera against the road, as last seen
+        self._pitch_rad: float | None = None  # of the camera against the road, as last seen,
+        self._pitch_frame = -1  # and when
 
     def update(
         self,
@@ -115,7 +116,7 @@ class RoadEdgeTracker:
 
         None while the road's lines do not tell: what is taken for lines on a road without them says anything.
         """
-        if self._filter is None or self._pitch_rad is None or self._frame % self._periods[0]:
+        if self._filter is None or self._pitch_rad is None or self._frame != self._pitch_frame:
             return None
         if self._lane_confidence(self._filter) < LEAST_CERTAIN:
             return None
@@ -171,7 +172,7 @@ class RoadEdgeTracker:
             self._filter, self._lost = None, tracked
             return False
         if enough:
-            self._pitch_rad = float(tracked.state[PITCH])
+            self._pitch_rad, self._pitch_frame = float(tracked.state[PITCH]), self._frame
         return enough
 
     def _correct(self, tracked: LaneFilter, found: Sightings) -> bool:

@@ -9,6 +9,8 @@ from vpf_sim.geometry import distance_m, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.ground_residual import Spot
 from vpf_sim.types import Floats, Obstacles
 
+LEAST_WAY_M = 0.2  # without which nothing has come nearer: a standing car sees what sticks to the glass again
+
 
 @dataclass(frozen=True, slots=True)
 class SpotConfig:
@@ -82,7 +84,7 @@ class SpotBook:
         return self._told([one for one in self._known if one.identity is not None], pose)
 
     def suspects(self, pose: Floats) -> Obstacles:
-        """Those that were seen again, but are not believed, in the axes of the vehicle at `pose`; all are number -1."""
+        """Those that were seen again, but are not believed, in the axes of the vehicle at `pose`."""
         unsure = [one for one in self._known if one.identity is None and one.came_nearer]
         return self._told([one for one in unsure if one.sightings >= self.config.doubts], pose)
 
@@ -90,7 +92,9 @@ class SpotBook:
         place = vehicle_from_world(np.array([one.place_m for one in chosen]).reshape(-1, 2), pose)
         half = 0.5 * np.maximum([one.width_m for one in chosen], self.config.least_width_m)
         sigma, unknown = np.full(len(chosen), self.config.sigma_m), np.full(len(chosen), np.inf)
-        identity = np.array([-1 if one.identity is None else one.identity for one in chosen], np.int64)
+        identity = np.array(
+            [-1 - k if one.identity is None else one.identity for k, one in enumerate(chosen)], np.int64
+        )
         return Obstacles(place[:, 0], place[:, 1] - half, place[:, 1] + half, sigma, unknown, identity)
 
     def forget(self, identity: int) -> None:
@@ -126,7 +130,8 @@ class SpotBook:
         newest, one.way_m = self.config.newest, distance_m(pose[:2], one.first_m)
         one.place_m = one.place_m + newest * (world_from_vehicle(here, pose) - one.place_m)
         one.width_m += newest * (spot.right_m - spot.left_m - one.width_m)
-        one.came_nearer = one.first_forward_m - spot.forward_m > self.config.nearer_share * one.way_m
+        nearer_m = one.first_forward_m - spot.forward_m
+        one.came_nearer = one.way_m > LEAST_WAY_M and nearer_m > self.config.nearer_share * one.way_m
 
     @property
     def hits_needed(self) -> int:

@@ -67,6 +67,8 @@ class Glide:
         left, right = self._reach.path_between(lane, self.y_m)
         largest = max(self._largest(right, self.slope, speed_mps, change), self.bend_per_m - change)
         least = min(-self._largest(left, -self.slope, speed_mps, change), self.bend_per_m + change)
+        if least > largest:
+            return 0.5 * (least + largest)
         return min(max(bend_per_m, least), largest)
 
     def _largest(self, edge: float, slope: float, speed_mps: float, change_per_m: float) -> float:

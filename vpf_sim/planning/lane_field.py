@@ -160,10 +160,7 @@ class LaneField:
 
     def beside(self, obstacles: LaneObstacles, lane: Lane) -> Lane:
         """The lane between the bodies that the car is passing, instead of between the edges of the road."""
-        front, rear = (
-            self.bumper(obstacles),
-            obstacles.along_m + np.maximum(obstacles.length_m, self._config.body_length_m),
-        )
+        front, rear = self.bumper(obstacles), obstacles.along_m + self._length(obstacles)
         passing = (front < 0.0) & (rear > -self._half_length_m)
         right = np.min(obstacles.left_m, where=passing & (obstacles.left_m > lane.y_m), initial=lane.right_m)
         left = np.max(obstacles.right_m, where=passing & (obstacles.right_m < lane.y_m), initial=lane.left_m)
@@ -180,11 +177,16 @@ class LaneField:
         weight = np.clip((config.visible_m - gap) / (config.visible_m - config.full_m), 0.0, 1.0)
         faster = obstacles.speed_mps - self._speed_reference_mps
         runs = (faster > -config.slower_mps) & (gap > config.beside_m)
-        length = np.where(obstacles.speed_mps > 0.0, config.moving_length_m, config.body_length_m)
-        length = np.maximum(length, obstacles.length_m)
         catches_up = np.maximum(faster, 0.0) * CATCH_UP_S
-        passed = obstacles.along_m + length + catches_up < -self._half_length_m
+        passed = obstacles.along_m + self._length(obstacles) + catches_up < -self._half_length_m
         return np.where(passed | runs, 0.0, weight)
+
+    def _length(self, obstacles: LaneObstacles) -> Floats:
+        """(K,) m from each face to where the body ends, at least."""
+        moves = obstacles.speed_mps > 0.0
+        least = np.where(moves, self._config.moving_length_m, self._config.body_length_m)
+        length: Floats = np.maximum(least, obstacles.length_m)
+        return length
 
     def _road(self, lane: Lane) -> Floats:
         config = self._config

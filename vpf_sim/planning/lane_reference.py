@@ -69,7 +69,7 @@ class LaneReference:
         if self._glide is None:
             self._glide = Glide(self._config, self._reach, rear, self._shift_m)
         time_s = self._time_left(obstacles, field, self._glide.y_m, speed_mps)
-        if self._waits(obstacles, field, minimum_m, speed_mps):
+        if self._waits(self._glide, obstacles, field, minimum_m, speed_mps):
             minimum_m = self._glide.y_m
         between = field.beside(obstacles, lane)
         self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
@@ -87,15 +87,15 @@ class LaneReference:
         closing = np.maximum(max(speed_mps, self._reach.walking_mps) - obstacles.speed_mps, SLOWEST_CLOSING_MPS)
         return float(np.min(way / closing, where=hit, initial=np.inf))
 
-    def _waits(self, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float) -> bool:
+    def _waits(
+        self, glide: Glide, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
+    ) -> bool:
         """Whether there is more way than it takes before the first body for which the path must leave where it is.
 
-        From nearer a body's side is known better, and the own lane is left no longer than it must be. Where there is no
-        room to spare beside the bodies it does not wait.
+        From nearer a body's side is known better, and the own lane is left no longer than it must be: the way back does
+        not wait. Where there is no room to spare beside the bodies it does not wait either.
         """
-        glide = self._glide
-        assert glide is not None
-        if not len(obstacles) or abs(glide.slope) > RESTS_SLOPE:
+        if not len(obstacles) or abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
             return False
         way = field.bumper(obstacles)
         least = self._config.minimum_clearance_m

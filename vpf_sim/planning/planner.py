@@ -57,16 +57,15 @@ class Planner:
         ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         road = self._road.update(observation.image, image, pose, *motion, self._bodies)
-        if self._steadiness is not None:
-            if self._road.pitch is not None:
-                self._steadiness.level(*self._road.pitch, observation.time_s)
-            if self._looks(observation.speed_mps):
-                image = self._steadiness.frame(image)
+        if self._steadiness is not None and self._looks(observation.speed_mps):
+            image = self._steadiness.frame(image)
         if self._landmarks is not None:
             self._landmarks.look(image, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
                 self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps)
+        if self._steadiness is not None and self._road.pitch is not None:
+            self._steadiness.level(*self._road.pitch, observation.time_s)
         sight_m, suspects = (np.inf, np.inf), None
         if self._landmarks is not None:
             sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)

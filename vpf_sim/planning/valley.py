@@ -48,19 +48,20 @@ class Valley:
         reference = self._reference.update(
             lane, obstacles, self._field, potential.minimum_m, observation.yaw_rad, observation.speed_mps
         )
-        reference = self._slowed(reference, perception, lane, observation.speed_mps)
+        reference = self._slowed(reference, perception, lane, potential.minimum_m, observation.speed_mps)
         reference = self._turned_out(lane, perception.obstacles, observation, reference)
         extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
         return _force(potential, lane.y_m), reference, extra
 
-    def _slowed(self, reference: Reference, perception: Perception, lane: Lane, speed_mps: float) -> Reference:
-        """The reference, slowed by what is suspected in the way and by what cannot be seen."""
+    def _slowed(
+        self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
+    ) -> Reference:
+        """The reference, slowed by what is suspected on the way to a goal aside and by what cannot be seen."""
         most = replace(reference, speed_mps=inf)
         if self._sight is not None:
             most = within_sight(most, perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
         allowed = most.speed_mps
         if self._caution is not None and perception.suspects is not None:
-            goal_m = lane.y_m if self._reference.y_m is None else self._reference.y_m
             suspects = place(perception.suspects, lane)
             allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=min(reference.speed_mps, allowed))

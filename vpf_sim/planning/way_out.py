@@ -86,7 +86,7 @@ class WayOut:
         self._start: _Start | None = None  # kept until the road is seen again
         self._course: Courses | None = None
         self._left_road = False  # whether any course was driven: since then lanes are counted here,
-        self._lanes_m, self._last_m = 0.0, 0.0  # by how much the seen one is off, and where the car was
+        self._lanes, self._last_m = 0, 0.0  # by how many the seen one is off, and where the car was
 
     @property
     def is_driven(self) -> bool:
@@ -100,16 +100,24 @@ class WayOut:
         """
         seen = locate(road)
         if self._start is None:
-            self._lanes_m += _lanes(self._last_m - seen.y_m - self._lanes_m, road) if self._left_road else 0.0
-            self._last_m = seen.y_m + self._lanes_m
-            return _shifted(seen, self._lanes_m)
+            if self._left_road:
+                self._lanes = _lanes(self._last_m - seen.y_m, road)
+            return self._counted(seen, road)
         lane, along = self._start.lane_at(observation)
         lanes = _lanes(lane.y_m - seen.y_m, road)
-        agrees = abs(seen.y_m + lanes - lane.y_m) < AGREES_M and abs(seen.heading_rad - lane.heading_rad) < AGREES_RAD
-        if self._course is None and abs(lane.heading_rad) < BACK_RAD and (agrees or along > FORGOTTEN_M):
-            self._start, self._lanes_m, self._last_m = None, lanes, seen.y_m + lanes
-            return _shifted(seen, lanes)
+        aside = seen.y_m + lanes * road.lane_width_m - lane.y_m
+        agrees = abs(aside) < AGREES_M and abs(seen.heading_rad - lane.heading_rad) < AGREES_RAD
+        is_back = agrees and abs(lane.heading_rad) < BACK_RAD
+        if self._course is None and (is_back or along > FORGOTTEN_M):
+            self._start, self._lanes = None, lanes
+            return self._counted(seen, road)
         return lane
+
+    def _counted(self, seen: Lane, road: RoadEdges) -> Lane:
+        """The lane as it is seen, from the own one."""
+        counted = _shifted(seen, self._lanes * road.lane_width_m)
+        self._last_m = counted.y_m
+        return counted
 
     def update(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, reference: Reference
@@ -232,9 +240,9 @@ class WayOut:
         return Reference(wrap_angle(heading), speed, float(soon - turned) / STEP_M * observation.speed_mps)
 
 
-def _lanes(shift_m: float, road: RoadEdges) -> float:
+def _lanes(shift_m: float, road: RoadEdges) -> int:
     """The shift in whole lanes."""
-    return round(shift_m / road.lane_width_m) * road.lane_width_m
+    return round(shift_m / road.lane_width_m)
 
 
 def _shifted(lane: Lane, shift_m: float) -> Lane:
