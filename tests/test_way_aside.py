@@ -168,3 +168,17 @@ def test_where_no_place_is_free_it_keeps_clear_of_what_is_too_near_for_a_stop() 
     standing = field(lane).update(lane, bodies(near, pallet, wall), speed_mps=0.0).minimum_m
     assert standing > 0.5, "least of all is overlapped between pallet and car"
     assert at_once < 1.4 - 0.5 * CAR.width_m, "clear of the car"
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("gap_m", "passes"), [(2.3, True), (2.2, True), (2.0, False)])
+def test_a_gap_beside_the_edge_is_chosen_before_a_place_that_touches(side: float, gap_m: float, passes: bool) -> None:
+    """A barrier closes the road but for a gap at one edge: 0.1 m are kept to the edge and 0.12 m to the barrier."""
+    edges, barrier = sorted((-12.0 * side, 5.25 * side)), sorted((-12.0 * side, (5.25 - gap_m) * side))
+    lane = Lane(0.0, edges[1], edges[0], 0.0, 0.0)
+    body = LaneObstacles(np.array([12.0]), np.array([barrier[0]]), np.array([barrier[1]]))
+    field = LaneField(ROBUST.field, CAR, 5.55, REACH)
+    minimum_m = field.update(lane, body).minimum_m
+    free_m = side * minimum_m - (5.25 - gap_m) - 0.5 * CAR.width_m
+    assert (free_m > 0.11) == passes
+    assert 5.25 - side * minimum_m - 0.5 * CAR.width_m > 0.09

@@ -5,6 +5,7 @@ All three are functions of y, the place across the road (`vpf_sim.planning.lane`
     U(y) = k y^2                                                            target: the middle of the own lane
          + h_w ((1 - g_r(y) / d_w)^2 + (1 - g_l(y) / d_w)^2), each for g < d_w    road: g is the gap to the edge
          + max over bodies of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}     obstacles
+           to which nearer than d_n, where no gap is passed, comes h_n (1 - d / d_n), h_n at most
 
 d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
 in with the distance t to the body. Bodies take the maximum, not the sum, so that many points of one body weigh as one.
@@ -50,6 +51,8 @@ class LaneFieldConfig:
     tail_height: float  # h_t
     tail_decay_m: float  # d_t
     clearance_m: float  # c
+    narrow_height: float  # h_n, more than the wall of an edge asks for where a gap is left beside a body
+    narrow_m: float  # d_n
     visible_m: float  # from here on a body counts, bumper to face
     full_m: float  # and from here on in full
     body_length_m: float  # a body counts until our rear is this far past its face,
@@ -64,7 +67,7 @@ class LaneFieldConfig:
     unreached_height: float  # of places that lie behind a body and cannot be reached before it
 
     def __post_init__(self) -> None:
-        for key in ("reach_m", "spacing_m", "target_per_m2", "wall_reach_m", "tail_decay_m", "memory_m"):
+        for key in ("reach_m", "spacing_m", "target_per_m2", "wall_reach_m", "tail_decay_m", "memory_m", "narrow_m"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
         if not self.unstopped_share >= 0.0:
@@ -109,7 +112,8 @@ class LaneField:
         half = np.arange(1, round(config.reach_m / config.spacing_m) + 1) * config.spacing_m
         self._y_m: Floats = np.concatenate([-half[::-1], [0.0], half])  # symmetric to the last bit
         self._target: Floats = config.target_per_m2 * self._y_m**2
-        self._touching = config.obstacle_height + config.obstacle_slope_per_m * config.clearance_m  # U at no gap
+        touching = config.obstacle_height + config.obstacle_slope_per_m * config.clearance_m + config.narrow_height
+        self._touching = touching  # U at no gap
         self._last_m: float | None = None
 
     def update(self, lane: Lane, obstacles: LaneObstacles, speed_mps: float = 0.0) -> LanePotential:
@@ -211,7 +215,8 @@ class LaneField:
         if not len(obstacles):
             return np.zeros_like(self._y_m)
         lacking = config.clearance_m - self._gap(obstacles, self._y_m)
-        inside = config.obstacle_height + config.obstacle_slope_per_m * lacking
+        narrow = 1.0 - np.clip((config.clearance_m - lacking) / config.narrow_m, 0.0, 1.0)
+        inside = config.obstacle_height + config.obstacle_slope_per_m * lacking + config.narrow_height * narrow
         inside = inside * (1.0 + config.unstopped_share * np.reshape(unstopped, (-1, 1)))
         outside = config.tail_height * np.exp(np.minimum(lacking, 0.0) / config.tail_decay_m)
         each = self.present(obstacles)[:, None] * np.where(lacking > 0.0, inside, outside)
