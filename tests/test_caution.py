@@ -1,6 +1,6 @@
 """Speed before what is suspected: a stop would be possible, nothing jerks, and what is not in the way slows nobody."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -77,7 +77,7 @@ def test_a_car_that_is_slow_already_is_not_slowed_later() -> None:
     assert caution.update(LANE, suspect(5.0), 0.0, 3.5) == pytest.approx(3.5 - CONFIG.brake_mps2 / RATE_HZ)
 
 
-@pytest.mark.parametrize("name", CautionConfig.__slots__)
+@pytest.mark.parametrize("name", [one.name for one in fields(CautionConfig)])
 def test_nonsense_is_refused(name: str) -> None:
     with pytest.raises(ValueError, match=f"{name}: expected > 0, got 0"):
         replace(CONFIG, **{name: 0.0})

@@ -282,9 +282,14 @@ class LandmarkTracker:
         sigma = self._marks.sigma_m[believed]
         label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
         seen, count = Seen(place, sigma, self._marks.sight_rad[believed] - pose[2]), int(label.max()) + 1
-        behind = stands_behind(turned(seen, direction_at(seen, label, count, road)[label]), label, count)
-        label, apart = stepped(label, behind, lambda parts: are_bodies(believed, parts))
-        return self._describe(believed, label, are_bodies(believed, label), seen, road, apart)
+        angle, apart = direction_at(seen, label, count, road), np.zeros(count, np.bool_)
+        along = turned(seen, angle[label])
+        behind = stands_behind(along, label, count)
+        if behind.any():
+            label, apart = stepped(label, behind, lambda parts: are_bodies(believed, parts))
+            angle = direction_at(seen, label, len(apart), road)
+            along = turned(seen, angle[label])
+        return self._describe(believed, label, are_bodies(believed, label), along, angle, apart)
 
     def _are_tall(self, believed: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are bodies beyond doubt."""
@@ -315,15 +320,14 @@ class LandmarkTracker:
         return together | (np.bincount(label, single, count) > 0)
 
     def _describe(
-        self, believed: Integers, label: Integers, confirmed: Bools, seen: Seen, road: RoadEdges, apart: Bools
+        self, believed: Integers, label: Integers, confirmed: Bools, seen: Seen, angle: Floats, apart: Bools
     ) -> Obstacles:
         """Face and sides across the road, along which a body stands; those `apart` (K,) parted from no other.
 
-        Across the car's way, when that is at an angle, the far end of a long one would count as its width.
+        Across the car's way, when that is at an angle, the far end of a long one would count as its width: `seen` is
+        turned by `angle` (K,), the road's direction at each body.
         """
         count = len(confirmed)
-        angle = direction_at(seen, label, count, road)
-        seen = turned(seen, angle[label])
         face, face_sigma = nearest_extent(seen, label, count)
         body = self._named(
             believed, label, confirmed, (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)

@@ -50,9 +50,8 @@ def joined(tall: Obstacles, low: Obstacles, beside_m: float) -> Obstacles:
     """Both, without the low ones beside or under a tall one."""
     apart = np.maximum(tall.left_m[None] - low.right_m[:, None], low.left_m[:, None] - tall.right_m[None])
     along = np.abs(low.forward_m[:, None] - tall.forward_m[None])
-    own = ~np.any((apart < beside_m) & (along < 2.0), axis=1)
-    columns = {one.name: getattr(low, one.name)[own] for one in fields(low)}
-    return Obstacles(**{name: np.concatenate([getattr(tall, name), column]) for name, column in columns.items()})
+    own = low.chosen(~np.any((apart < beside_m) & (along < 2.0), axis=1))
+    return Obstacles(*(np.concatenate([getattr(tall, one.name), getattr(own, one.name)]) for one in fields(own)))
 
 
 def nearest_extent(seen: Seen, label: Integers, count: int) -> tuple[Floats, Floats]:

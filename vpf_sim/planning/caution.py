@@ -8,25 +8,17 @@ from dataclasses import dataclass
 from math import inf
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.sight_speed import stopping_speed
+from vpf_sim.planning.sight_speed import SightConfig, safe_speed
 from vpf_sim.types import Bools, VehicleModel
 
 
 @dataclass(frozen=True, slots=True)
-class CautionConfig:
-    """The stop that must be possible, and how the speed changes: suspicions flash up."""
+class CautionConfig(SightConfig):
+    """The stop that must be possible, its standoff where a way aside begins, and how the speed changes: suspicions
+    flash up. Nor is it braked harder until what is suspected is believed."""
 
-    brake_mps2: float  # of the stop, and at most until what is suspected is believed
-    reaction_s: float
-    standoff_m: float  # from the bumper: a way aside begins there
     clearance_m: float  # beside the car, in which something is in the way
-    least_mps: float
     rise_mps2: float  # once the suspicion is gone
-
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
 class Caution:
@@ -50,21 +42,13 @@ class Caution:
         `speed_mps`, and rises gently.
         """
         config = self._config
-        bumper_m = suspects.along_m - 0.5 * self._vehicle.length_m
-        ahead_m = bumper_m[self._is_in_way(lane, suspects, goal_m) & (bumper_m > 0.0)]
-        wanted = min(self._before(float(ahead_m.min(initial=inf))), seen_mps)
+        ahead = suspects.along_m > 0.5 * self._vehicle.length_m
+        nearest_m = float(suspects.along_m.min(where=self._is_in_way(lane, suspects, goal_m) & ahead, initial=inf))
+        wanted = min(safe_speed(nearest_m, config, self._vehicle), seen_mps)
         least = min(self._allowed_mps, speed_mps) - config.brake_mps2 * self._dt_s
         most = self._allowed_mps + config.rise_mps2 * self._dt_s
         self._allowed_mps = min(max(wanted, least), most, self._reference_mps)
         return self._allowed_mps
-
-    def _before(self, gap_m: float) -> float:
-        """m/s at such a distance from the bumper."""
-        config = self._config
-        if gap_m == inf:
-            return inf
-        way_m = max(gap_m - config.standoff_m, 0.0)
-        return max(stopping_speed(way_m, config.brake_mps2, config.reaction_s), config.least_mps)
 
     def _is_in_way(self, lane: Lane, suspects: LaneObstacles, goal_m: float) -> Bools:
         """(K,) which of them the car may touch on its way aside."""

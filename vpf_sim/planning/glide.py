@@ -42,7 +42,7 @@ class Glide:
         jerk = (60.0 * error / way - 36.0 * self.slope) / way**2 - 9.0 * self.bend_per_m / way
         most = float(self._reach.steering(speed_mps))
         bend = self.bend_per_m + min(max(jerk, -most), most) * step_m
-        self.bend_per_m = self._bounded(bend, lane, speed_mps, step_m)
+        self.bend_per_m = self._bounded(bend, lane, speed_mps, most, step_m)
         self.slope += self.bend_per_m * step_m
         self.y_m += self.slope * step_m
 
@@ -61,27 +61,26 @@ class Glide:
         self._way_m = max(least, min(wanted, self._way_m + step_m))
         return self._way_m
 
-    def _bounded(self, bend_per_m: float, lane: Lane, speed_mps: float, step_m: float) -> float:
-        """The bend, no more than lets the slope come to rest at its own bounds, as fast as the steering turns."""
-        change = float(self._reach.steering(speed_mps)) * step_m
-        left, right = self._reach.path_between(lane, self.y_m)
-        largest = max(self._largest(right, self.slope, speed_mps, change), self.bend_per_m - change)
-        least = min(-self._largest(left, -self.slope, speed_mps, change), self.bend_per_m + change)
-        if least > largest:
-            return 0.5 * (least + largest)
-        return min(max(bend_per_m, least), largest)
+    def _bounded(self, bend_per_m: float, lane: Lane, speed_mps: float, steering: float, step_m: float) -> float:
+        """The bend, no more than lets the slope come to rest at its own bounds, as fast as the steering turns.
 
-    def _largest(self, edge: float, slope: float, speed_mps: float, change_per_m: float) -> float:
-        """The largest bend towards a side, for the slope towards it: of what its angle and its edge allow.
-
-        The slope that leads along an edge falls as the path comes nearer, by slope / arm a metre: the bend rests there.
+        To each side these are its angle and its edge. The slope that leads along an edge falls as the path comes
+        nearer, by slope / arm a metre: the bend rests there.
         """
-        steering, tightest = float(self._reach.steering(speed_mps)), float(self._reach.tightest(speed_mps))
-        half = 0.5 * change_per_m
+        tightest, ratio = float(self._reach.tightest(speed_mps)), float(self._reach.ratio(speed_mps))
+        change = steering * step_m
+        half = 0.5 * change
 
         def braked(room: float) -> float:
             return copysign(sqrt(half**2 + 2.0 * steering * abs(room)) - half, room)
 
-        by_angle = braked(float(self._reach.ratio(speed_mps)) - slope)
-        by_edge = braked(edge - slope) - max(slope, 0.0) / self._reach.path_arm_m
-        return min(max(min(by_angle, by_edge), -tightest), tightest)
+        def largest_to(edge: float, slope: float) -> float:
+            by_edge = braked(edge - slope) - max(slope, 0.0) / self._reach.path_arm_m
+            return min(max(min(braked(ratio - slope), by_edge), -tightest), tightest)
+
+        left, right = self._reach.path_between(lane, self.y_m)
+        largest = max(largest_to(right, self.slope), self.bend_per_m - change)
+        least = min(-largest_to(left, -self.slope), self.bend_per_m + change)
+        if least > largest:
+            return 0.5 * (least + largest)
+        return min(max(bend_per_m, least), largest)

@@ -24,7 +24,7 @@ from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.pace import Pace
 from vpf_sim.planning.reach import Reach, rear_m
-from vpf_sim.types import Reference, VehicleModel
+from vpf_sim.types import Floats, Reference, VehicleModel
 
 SLOWEST_CLOSING_MPS = 0.5
 RESTS_SLOPE = 0.02  # of a path that has not left its place yet
@@ -82,10 +82,14 @@ class LaneReference:
         """s until the first body is reached that stands where y_r is now."""
         if not len(obstacles):
             return np.inf
-        way = field.bumper(obstacles)
-        hit = (field.overlap(obstacles, y_m, self._config.minimum_clearance_m) > 0.0) & (way > 0.0)
+        hit = (field.overlap(obstacles, y_m, self._config.minimum_clearance_m) > 0.0) & (field.bumper(obstacles) > 0.0)
+        return float(np.min(self._times(obstacles, field, speed_mps), where=hit, initial=np.inf))
+
+    def _times(self, obstacles: LaneObstacles, field: LaneField, speed_mps: float) -> Floats:
+        """(K,) s until each body is reached, walking at least."""
         closing = np.maximum(max(speed_mps, self._reach.walking_mps) - obstacles.speed_mps, SLOWEST_CLOSING_MPS)
-        return float(np.min(way / closing, where=hit, initial=np.inf))
+        times: Floats = field.bumper(obstacles) / closing
+        return times
 
     def _waits(
         self, glide: Glide, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
@@ -97,14 +101,13 @@ class LaneReference:
         """
         if not len(obstacles) or abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
             return False
-        way = field.bumper(obstacles)
         least = self._config.minimum_clearance_m
         hit = field.hinders(obstacles, glide.y_m)
         narrow = (field.overlap(obstacles, minimum_m, least) > 0.0) & (field.present(obstacles) > 0.0)
         if not np.any(hit) or np.any(narrow):
             return False
         closing = max(speed_mps, self._reach.walking_mps)
-        left = way / np.maximum(closing - obstacles.speed_mps, SLOWEST_CLOSING_MPS) * closing
+        left = self._times(obstacles, field, speed_mps) * closing
         needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps)) + WAITS_S * closing
         return float(left[hit].min()) > needed
 

@@ -7,7 +7,7 @@ good view does not, it is cut by as much as the speed that does is less now than
 good view would allow has chosen not to stop for low bodies.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from math import isinf, sqrt
 
 from vpf_sim.types import Reference, VehicleModel
@@ -25,20 +25,16 @@ class SightConfig:
     least_mps: float  # however little is seen: as near as the car then comes, its other ways of seeing tell a body
 
     def __post_init__(self) -> None:
-        for name in self.__slots__:
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+        for one in fields(self):
+            if not getattr(self, one.name) > 0.0:
+                raise ValueError(f"{one.name}: expected > 0, got {getattr(self, one.name)}")
 
 
 def safe_speed(sight_m: float, config: SightConfig, vehicle: VehicleModel) -> float:
-    """m/s from which the car stops within the distance seen, from the pose."""
+    """m/s from which the car stops within a distance from the pose."""
     way = max(sight_m - 0.5 * vehicle.length_m - config.standoff_m, 0.0)
-    return max(stopping_speed(way, config.brake_mps2, config.reaction_s), config.least_mps)
-
-
-def stopping_speed(way_m: float, brake_mps2: float, reaction_s: float) -> float:
-    """m/s from which the car stops on such a way."""
-    return brake_mps2 * (sqrt(reaction_s**2 + 2.0 * way_m / brake_mps2) - reaction_s)
+    brake, reaction = config.brake_mps2, config.reaction_s
+    return max(brake * (sqrt(reaction**2 + 2.0 * way / brake) - reaction), config.least_mps)
 
 
 def within_sight(
