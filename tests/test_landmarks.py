@@ -303,7 +303,7 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
     label = np.concatenate([np.repeat(np.arange(count), 8), np.repeat(np.arange(count // 2, count), 2)])
     sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.5)])
     some = np.zeros_like(forward)
-    face, face_sigma = nearest_extent(Seen(np.column_stack([forward, some]), sigma, some), label, count)
+    face, face_sigma = nearest_extent(Seen(np.column_stack([forward, some]), sigma, some, some), label, count)
     alone, followed = face[: count // 2] - 20.0, face[count // 2 :] - 20.0
     assert -1.0 < np.mean(alone) < 0.0
     assert np.mean(np.abs(alone) < 1.5) > 0.9
@@ -323,7 +323,7 @@ def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car
     sight = np.arctan2(place[:, 1], place[:, 0])
     place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
-    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight)
+    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80))
     angle = direction_at(seen, label, 1, road)
     seen = turned(seen, angle[label])
     begin, _ = nearest_extent(seen, label, 1)
@@ -338,15 +338,33 @@ def test_what_shows_beside_a_body_farther_away_does_not_make_it_wider(side: floa
     """A car's face from 1 m left to 1 m right of the axis, 12 m ahead, and points that slide along its far edge; the
     points on a side that is turned to the camera are where they seem."""
     face = np.array([[12.0, across] for across in np.linspace(-1.0, 1.0, 9)])
-    slides = np.array([[20.0, side * 20.0 / 12.0], [16.0, side * 16.0 / 12.0]])
+    slides = np.array([[depth, side * depth / 12.0] for depth in (20.0, 16.0, 14.0, 13.0)])
     place = np.concatenate([face, slides])
-    seen = Seen(place, np.full(len(place), 0.1), np.arctan2(place[:, 1], place[:, 0]))
+    seen = points(place)
     left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]), 0.12)
-    assert (left[0], right[0]) == pytest.approx((-1.0, 1.0), abs=0.25)
+    assert (left[0], right[0]) == pytest.approx((-1.0, 1.0), abs=1e-9)
     near_side = np.array([[12.0, 3.0 * side], [12.0, 5.0 * side], [16.0, 3.0 * side], [19.0, 3.0 * side]])
-    seen = Seen(near_side, np.full(4, 0.1), np.arctan2(near_side[:, 1], near_side[:, 0]))
-    left, right = sides(seen, np.zeros(4, np.int64), np.array([12.0]), 0.12)
+    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]), 0.12)
     assert sorted((side * left[0], side * right[0])) == pytest.approx([3.0, 5.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_what_was_seen_from_afar_beside_an_edge_does_not_move_it(side: float) -> None:
+    """A car's face between 1 and 3 m aside, seen from 8 m; from 20 m a point was told 0.5 m beside its outer edge, as
+    far as half a window reaches there, and those of a barrier that has not been seen since."""
+    face = [(8.0, side * across) for across in np.linspace(1.0, 3.0, 9)]
+    place = np.array([*face, (8.0, side * 3.5), (8.0, side * 5.0), (8.0, side * 6.0)])
+    rim = np.repeat([0.14, 0.35], [9, 3])
+    for count, outer in ((10, 3.0), (12, 6.0)):
+        seen = replace(points(place[:count], 0.01), rim_m=rim[:count])
+        found = sides(seen, np.zeros(count, np.int64), np.array([8.0]), 0.12)
+        assert sorted(side * edge[0] for edge in found) == pytest.approx([1.0, outer], abs=1e-9)
+
+
+def points(place_m: Floats, sigma_m: float = 0.1) -> Seen:
+    """Points (N, 2) in vehicle axes, seen sharply from the origin."""
+    count = len(place_m)
+    return Seen(place_m, np.full(count, sigma_m), np.arctan2(place_m[:, 1], place_m[:, 0]), np.zeros(count))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -357,7 +375,7 @@ def test_who_stands_behind_a_body_and_beside_it_is_a_body_of_its_own(side: float
     slides = [(14.0, side * 5.0 * 14.0 / 8.0)]
     pedestrian = [(11.0, side * 1.2), (11.0, side * 1.6), (11.1, side * 1.4)]
     place = np.array(face + flank + slides + pedestrian)
-    seen = Seen(place, np.full(len(place), 0.1), np.arctan2(place[:, 1], place[:, 0]))
+    seen = points(place)
     label = np.zeros(len(place), np.int64)
     behind = stands_behind(seen, label, 1)
     assert behind.tolist() == [False] * 9 + [True] * 3

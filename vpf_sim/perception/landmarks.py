@@ -281,7 +281,8 @@ class LandmarkTracker:
         place = vehicle_from_world(self._marks.place_m[believed], pose)
         sigma = self._marks.sigma_m[believed]
         label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
-        seen, count = Seen(place, sigma, self._marks.sight_rad[believed] - pose[2]), int(label.max()) + 1
+        rim = 0.5 * self.config.window_px / self.camera.fx_px * self._marks.depth_m[believed]
+        seen, count = Seen(place, sigma, self._marks.sight_rad[believed] - pose[2], rim), int(label.max()) + 1
         angle, apart = direction_at(seen, label, count, road), np.zeros(count, np.bool_)
         along = turned(seen, angle[label])
         behind = stands_behind(along, label, count)

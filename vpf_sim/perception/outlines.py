@@ -13,7 +13,8 @@ LEAST_SIGMA_M = 0.05  # no point of a body tells its face better
 NEAREST_M = 0.5  # a body nearer to the camera hides nothing
 RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
 BEHIND_M, LENGTH_M = 2.0, 8.0  # what is less far behind is of the same side of a body; the length of the longest
-FACE_M = 2.5  # what is less far behind a face may be of one beside it
+SHARPEST, SHARP_RATIO = 3, 1.5  # a point is sharp across up to so many times what the body's third best may be off;
+RIMS = 2.0  # another counts where it lies farther out by so many times what it may be off itself
 STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 
@@ -25,6 +26,7 @@ class Seen:
     place_m: Floats  # (M, 2)
     sigma_m: Floats  # (M,) of the depth
     sight_rad: Floats  # (M,) to the right of ahead, the direction in which a point was seen, and its place may err
+    rim_m: Floats  # (M,) half a window of the flow when it was seen: the edge that it follows may be so far beside it
 
 
 def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float) -> Obstacles:
@@ -84,11 +86,28 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     aside = seen.sigma_m * np.abs(np.sin(seen.sight_rad))  # a place errs along the line of sight
     well = np.flatnonzero(_known_well(aside, sharp_m, label, count))
     face, place, sight = face_m[label[well]], seen.place_m[well], seen.sight_rad[well]
-    across, beyond = at_least(face, place, sight), np.maximum(place[:, 0] - face - FACE_M, 0.0) * np.tan(sight)
-    left, right = np.full(count, np.inf), np.full(count, -np.inf)
-    np.minimum.at(left, label[well], across - np.minimum(beyond, 0.0))
-    np.maximum.at(right, label[well], across - np.maximum(beyond, 0.0))
-    return left, right
+    across, beyond = at_least(face, place, sight), np.maximum(place[:, 0] - face, 0.0) * np.tan(sight)
+    blur = np.hypot(aside, seen.rim_m)[well]
+    left = -_farthest(np.minimum(beyond, 0.0) - across, blur, label[well], count)
+    right = _farthest(across - np.maximum(beyond, 0.0), blur, label[well], count)
+    return np.minimum(left, right), np.maximum(left, right)  # crossed where all sharp points lie behind the face
+
+
+def _farthest(outward_m: Floats, blur_m: Floats, label: Integers, count: int) -> Floats:
+    """(K,) m, how far out each body reaches by its points (M,), each of which may lie `blur_m` too far out.
+
+    An edge carries along what is seen beside it, so what was seen from nearer tells better where it is; but what was
+    seen only from afar, and lies farther out than that explains, is of the body as well.
+    """
+    order = np.lexsort((blur_m, label))
+    first = np.searchsorted(label[order], np.arange(count + 1))
+    best = blur_m[order][np.minimum(first[:-1] + SHARPEST, first[1:]) - 1]
+    sharp = blur_m <= SHARP_RATIO * best[label]
+    reach = np.full(count, -np.inf)
+    np.maximum.at(reach, label[sharp], outward_m[sharp])
+    farther = outward_m - RIMS * blur_m > reach[label]
+    np.maximum.at(reach, label[farther], outward_m[farther])
+    return reach
 
 
 def stands_behind(seen: Seen, label: Integers, count: int) -> Bools:
