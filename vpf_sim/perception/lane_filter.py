@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.road_model import CURVATURES, NODES_M, PITCH, SIZE, WIDTH, moved, seen_lines
+from vpf_sim.perception.road_model import CURVATURES, NODES_M, PITCH, SIZE, WIDTH, moved, seen_lines, seen_places
 from vpf_sim.types import Bools, Camera, Floats
 
 # Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node, a lane's width
@@ -37,6 +37,15 @@ class Sightings:
     seen: Bools  # (L, R)
 
 
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """Where the lines should be seen, on the same grid."""
+
+    right_m: Floats  # (L, R)
+    jacobian: Floats  # (L, R, 8) its derivative by the state
+    reached: Bools  # (L, R) whether the line reaches the row
+
+
 def initial_covariance(y_m: float, heading_rad: float, width_m: float, pitch_rad: float) -> Floats:
     """(8, 8) of a state just found, with these standard deviations of place, heading, a lane's width and the pitch."""
     covariance = np.diag([y_m**2, heading_rad**2, *np.zeros(len(NODES_M)), width_m**2, pitch_rad**2])
@@ -59,34 +68,45 @@ class LaneFilter:
         distance = float(np.hypot(step[0], step[1]))
         self.covariance = derivative @ self.covariance @ derivative.T + np.diag(DRIFT**2 * distance)
 
-    def correct(self, sightings: Sightings) -> None:
-        """Iterated robust least squares with the prediction as prior: sightings far off the lines count for nothing."""
+    def expected(self, numbers: Floats, forward_m: Floats) -> Expected:
+        """Where lines should be seen on rows (R,) ahead."""
+        return Expected(*seen_lines(self.state, numbers, forward_m, self.camera))
+
+    def correct(self, sightings: Sightings, expected: Expected | None = None) -> None:
+        """Iterated robust least squares with the prediction as prior: sightings far off the lines count for nothing.
+
+        `expected` is where the lines of the sightings should be, where it is at hand.
+        """
         prior, information = self.state, np.linalg.inv(self.covariance)
-        seen = sightings.seen & self._possible(sightings)
+        expected = expected or self.expected(sightings.numbers, sightings.forward_m)
+        seen = sightings.seen & self._possible(sightings, expected)
+        right, jacobian, reached = expected.right_m, expected.jacobian, expected.reached
         state, normal = prior, information
         for cut_m in PASSES:
-            right, jacobian, reached = seen_lines(state, sightings.numbers, sightings.forward_m, self.camera)
-            residual = sightings.right_m - right
-            tukey = np.clip(1.0 - (residual / cut_m) ** 2, 0.0, None) ** 2
-            weight = (tukey / sightings.variance_m2)[seen & reached]
-            rows = jacobian[seen & reached]
+            if state is not prior:
+                right, jacobian, reached = seen_lines(state, sightings.numbers, sightings.forward_m, self.camera)
+            chosen = seen & reached
+            residual = (sightings.right_m - right)[chosen]
+            tukey = np.maximum(1.0 - (residual / cut_m) ** 2, 0.0) ** 2
+            weight = tukey / sightings.variance_m2[chosen]
+            rows = jacobian[chosen]
             weighted = rows * weight[:, None]
             normal = information + weighted.T @ rows
-            gradient = weighted.T @ residual[seen & reached] + information @ (prior - state)
+            gradient = weighted.T @ residual + information @ (prior - state)
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
 
-    def _possible(self, sightings: Sightings) -> Bools:
+    def _possible(self, sightings: Sightings, expected: Expected) -> Bools:
         """(L, R) sightings that the prediction allows: drops, puddles and mirror images are bright in other places."""
-        right, jacobian, _ = seen_lines(self.state, sightings.numbers, sightings.forward_m, self.camera)
+        jacobian = expected.jacobian
         variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + sightings.variance_m2
-        aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
+        aside = np.where(sightings.seen, sightings.right_m - expected.right_m, np.inf)
         possible: Bools = _along(aside) & (np.abs(aside) < GATE * np.sqrt(variance) + GATE_M)
         return possible
 
     def agrees(self, sightings: Sightings) -> bool:
         """Whether more of the sightings lie on the lines than of drops, streaks and grain would by chance."""
-        right, _, _ = seen_lines(self.state, sightings.numbers, sightings.forward_m, self.camera)
+        right, _ = seen_places(self.state, sightings.numbers, sightings.forward_m, self.camera)
         aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
         expected = CHANCE * np.count_nonzero(sightings.seen)
         found = np.count_nonzero(_along(aside) & (np.abs(aside) < GATE_M))
@@ -111,7 +131,9 @@ def _along(aside_m: Floats) -> Bools:
     """(L, R) sightings so far aside of their lines as one in a row beside them."""
     with np.errstate(invalid="ignore"):
         along = np.abs(np.diff(aside_m, axis=1)) < NEIGHBOUR_M
-    line: Bools = np.pad(along, ((0, 0), (1, 0))) | np.pad(along, ((0, 0), (0, 1)))
+    line = np.zeros(aside_m.shape, np.bool_)
+    line[:, 1:] = along
+    line[:, :-1] |= along
     return line
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from vpf_sim.perception.birds_eye import BirdsEye
 from vpf_sim.perception.line_duty import LineDuty
 from vpf_sim.perception.line_search import RidgeMap, sight
-from vpf_sim.perception.road_model import WIDTH, seen_lines
+from vpf_sim.perception.road_model import WIDTH, seen_places
 from vpf_sim.types import Bools, Floats, Image, Integers
 
 SOLID, DASHED, NONE = 0, 1, 2
@@ -144,7 +144,7 @@ class LaneIndex:
 
     def _line_evidence(self, state: Floats, travelled_m: float, ridges: RidgeMap, view: BirdsEye) -> Floats:
         """(H,) by the kinds of the lines."""
-        right, _, reached = seen_lines(state, NUMBERS, view.forward_m, view.camera)
+        right, reached = seen_places(state, NUMBERS, view.forward_m, view.camera)
         columns = np.rint((right - view.right_m[0]) / view.column_m)
         inside = reached & (columns >= 0) & (columns < ridges.response.shape[1])
         rows = np.arange(len(view.forward_m))[None, :]
@@ -205,7 +205,7 @@ def _unlike_own_lane(
     The median over a strip: what a wet road mirrors, and what stands on it, cover a part; another ground is everywhere.
     """
     numbers = (STRIPS[:, None] + np.array([0.3, 0.5, 0.7])).ravel()
-    right, _, reached = seen_lines(state, numbers, colour_view.forward_m, colour_view.camera)
+    right, reached = seen_places(state, numbers, colour_view.forward_m, colour_view.camera)
     columns = np.rint((right - colour_view.right_m[0]) / colour_view.column_m)
     inside = reached & (columns >= 0) & (columns < len(colour_view.right_m))
     columns = np.where(inside, columns, 0).astype(np.intp)

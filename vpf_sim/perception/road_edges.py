@@ -7,10 +7,10 @@ import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
-from vpf_sim.perception.lane_filter import REACH_M, LaneFilter, Sightings, initial_covariance, is_sane
+from vpf_sim.perception.lane_filter import REACH_M, Expected, LaneFilter, Sightings, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
 from vpf_sim.perception.line_search import CENTROID_M, RidgeMap, comb, noise_threshold, sight, sighting_variance
-from vpf_sim.perception.road_model import PITCH, WIDTH, curvature_ahead, rows_seen, seen_lines, state_of
+from vpf_sim.perception.road_model import PITCH, WIDTH, curvature_ahead, rows_seen, state_of
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 
 RIDGE_REACH_M = 0.25
@@ -163,11 +163,11 @@ class RoadEdgeTracker:
     def _look(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
         """Correct the state by the lines seen about their predicted places; whether there were enough."""
         numbers = self._index.numbers
-        expected, _, reached = seen_lines(tracked.state, numbers, self.view.forward_m, self.camera)
-        found = sight(ridges, self.view, expected, reached, numbers, REACH_M, self._variance)
+        expected = tracked.expected(numbers, self.view.forward_m)
+        found = sight(ridges, self.view, expected.right_m, expected.reached, numbers, REACH_M, self._variance)
         enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
         if enough:
-            enough = self._correct(tracked, found)
+            enough = self._correct(tracked, found, expected)
         if not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
             self._filter, self._lost = None, tracked
             return False
@@ -175,12 +175,12 @@ class RoadEdgeTracker:
             self._pitch_rad, self._pitch_frame = float(tracked.state[PITCH]), self._frame
         return enough
 
-    def _correct(self, tracked: LaneFilter, found: Sightings) -> bool:
+    def _correct(self, tracked: LaneFilter, found: Sightings, expected: Expected) -> bool:
         """Take in a look, or its near part where far mirror images or drops were taken for lines; whether it served."""
         known = (tracked.state, tracked.covariance)
         for reach_m in (np.inf, NEAR_M):
             near = replace(found, seen=found.seen & (found.forward_m < reach_m))
-            tracked.correct(near)
+            tracked.correct(near, expected)
             if is_sane(tracked.state) and tracked.agrees(near):
                 return True
             tracked.state, tracked.covariance = known

@@ -9,7 +9,10 @@ A camera that looks farther down than is believed sees each row of the road from
 narrower: parallel lines seem to meet. A frame with lines a few metres apart tells p to a hundredth of a degree.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.types import Bools, Camera, Floats
 
@@ -45,6 +48,52 @@ def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_wi
     return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m, 0.0])
 
 
+@dataclass(frozen=True, slots=True)
+class _Crossings:
+    """Where L lines cross R rows, and what their derivatives are made of."""
+
+    right_m: Floats  # (L, R)
+    reached: Bools  # (L, R) whether the line reaches the row
+    lower: NDArray[np.intp]  # (L, R) the last station before the row
+    secant: Floats  # (L, R) one over the cosine of the line's direction there
+    slope: Floats  # (L, R) d right / d forward
+    direction_rad: Floats  # (G,) of line 0 at all stations
+
+    @classmethod
+    def of(cls, state: Floats, numbers: Floats, forward_m: Floats) -> "_Crossings":
+        """Those of a road's lines with rows so far ahead of the pose (R,)."""
+        y, heading = state[0], state[1]
+        offsets_m = numbers * state[WIDTH]
+        direction = heading + TURNS @ state[CURVATURES]
+        cosine, sine = np.cos(direction), np.sin(direction)
+        centre_x = _integrated(cosine) + y * np.sin(heading)
+        centre_y = _integrated(sine) - y * np.cos(heading)
+        index = np.empty((len(offsets_m), len(forward_m)))
+        for row, offset in enumerate(offsets_m):
+            index[row] = np.interp(forward_m, centre_x - offset * sine, STATIONS, left=-1.0, right=-1.0)
+        reached = index >= 0.0
+        lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
+        share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
+        offsets = offsets_m[:, None]
+        cosines = cosine.take(lower)
+        before = centre_y.take(lower) + offsets * cosines
+        upper = lower + 1
+        after = centre_y.take(upper) + offsets * cosine.take(upper)
+        secant = 1.0 / cosines
+        return cls(before + share * (after - before), reached, lower, secant, sine.take(lower) * secant, direction)
+
+    def jacobian(self, state: Floats, numbers: Floats, forward_m: Floats) -> Floats:
+        """(L, R, 8) the derivative of `right_m` by the state."""
+        jacobian = np.empty((*self.right_m.shape, SIZE))
+        across = -np.cos(self.direction_rad - state[1])
+        np.multiply(across.take(self.lower), self.secant, out=jacobian[..., 0])
+        np.add(forward_m, self.right_m * self.slope, out=jacobian[..., 1])
+        np.multiply(BENDS.take(self.lower, axis=0), self.secant[..., None], out=jacobian[..., CURVATURES])
+        np.multiply(numbers[:, None], self.secant, out=jacobian[..., WIDTH])
+        jacobian[..., PITCH] = 0.0
+        return jacobian
+
+
 def lines(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools]:
     """Where lines of the road cross rows ahead.
 
@@ -52,39 +101,8 @@ def lines(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Fl
     by the state (L, R, 8), and (L, R) whether the line reaches the row. A number may be a fraction: the middle of the
     lane right of line i is i + 1/2.
     """
-    right, jacobian, reached, _ = _crossings(state, numbers, forward_m)
-    return right, jacobian, reached
-
-
-def _crossings(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools, Floats]:
-    """`lines`, and the slope d right / d forward of each line at each row (L, R)."""
-    y, heading = state[0], state[1]
-    offsets_m = numbers * state[WIDTH]
-    direction = heading + TURNS @ state[CURVATURES]
-    cosine, sine = np.cos(direction), np.sin(direction)
-    centre_x = _integrated(cosine) + y * np.sin(heading)
-    centre_y = _integrated(sine) - y * np.cos(heading)
-    index = np.empty((len(offsets_m), len(forward_m)))
-    for row, offset in enumerate(offsets_m):
-        index[row] = np.interp(forward_m, centre_x - offset * sine, STATIONS, left=-1.0, right=-1.0)
-    reached = index >= 0.0
-    lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
-    share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
-    offsets = offsets_m[:, None]
-    cosines = cosine.take(lower)
-    before = centre_y.take(lower) + offsets * cosines
-    upper = lower + 1
-    after = centre_y.take(upper) + offsets * cosine.take(upper)
-    right = before + share * (after - before)
-    jacobian = np.empty((*right.shape, SIZE))
-    secant = 1.0 / cosines
-    np.multiply(-np.cos(direction - heading).take(lower), secant, out=jacobian[..., 0])
-    slope = sine.take(lower) * secant
-    np.add(forward_m, right * slope, out=jacobian[..., 1])
-    np.multiply(BENDS.take(lower, axis=0), secant[..., None], out=jacobian[..., CURVATURES])
-    np.multiply(numbers[:, None], secant, out=jacobian[..., WIDTH])
-    jacobian[..., PITCH] = 0.0
-    return right, jacobian, reached, slope
+    found = _Crossings.of(state, numbers, forward_m)
+    return found.right_m, found.jacobian(state, numbers, forward_m), found.reached
 
 
 def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats, Bools]:
@@ -93,12 +111,21 @@ def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera
     What a row shows seems larger by sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
     """
     ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
-    right, jacobian, reached, slope = _crossings(state, numbers, ahead)
+    found = _Crossings.of(state, numbers, ahead)
+    jacobian = found.jacobian(state, numbers, ahead)
     sine, cosine, believed = np.sin(dip), np.cos(dip), np.sin(dip - state[PITCH])
     scale = sine / believed
     jacobian *= scale[:, None]
-    jacobian[..., PITCH] = right * cosine / believed - slope * scale * camera.height_m / sine**2
-    return right * scale, jacobian, reached & (dip > LEAST_DIP_RAD)
+    jacobian[..., PITCH] = found.right_m * cosine / believed - found.slope * scale * camera.height_m / sine**2
+    return found.right_m * scale, jacobian, found.reached & (dip > LEAST_DIP_RAD)
+
+
+def seen_places(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera) -> tuple[Floats, Bools]:
+    """`seen_lines` for who asks for no derivative."""
+    ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
+    found = _Crossings.of(state, numbers, ahead)
+    scale = np.sin(dip) / np.sin(dip - state[PITCH])
+    return found.right_m * scale, found.reached & (dip > LEAST_DIP_RAD)
 
 
 def rows_seen(pitch_rad: float, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats]:
