@@ -1,6 +1,7 @@
 """The focus of expansion (FOE): the image of the direction in which the camera moves (paper, section III-A)."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, sqrt
 from typing import Literal
 
@@ -11,6 +12,7 @@ from vpf_sim.perception.focus_fit import Prior, fit
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 LEAST_CONFIDENCE = 0.1  # below it what rests on the flow is not to be trusted
+UNIT = np.eye(2)
 SHARP_RAD = 0.016  # standard deviation of the FOE's direction at which it is half as useful as an exact one
 
 
@@ -148,7 +150,10 @@ def _robust(
     voters = np.flatnonzero((length > config.min_flow_px) & ~flow.stuck)
     tolerance = np.sqrt(steps) * (config.tolerance_px + config.tolerance_ratio * length / steps)
     prior = _prior(camera, config, before, rate_hz)
-    found = fit(points[voters], turned.flow_px[voters], flow.gap_s[voters], tolerance[voters], camera, prior, rng)
+    points, moved, gap_s, tolerance = (
+        values.take(voters, axis=0) for values in (points, turned.flow_px, flow.gap_s, tolerance)
+    )
+    found = fit(points, moved, gap_s, tolerance, camera, prior, rng)
     if found is None:
         return _held(before, camera, config, rate_hz, len(flow))
     inliers = np.zeros(len(flow), np.bool_)
@@ -161,18 +166,25 @@ def _robust(
 
 def _prior(camera: Camera, config: ExpansionConfig, before: Expansion | None, rate_hz: float) -> Prior:
     """The usual direction and rates of a vehicle, and where the FOE was a frame ago."""
-    ahead = _straight_ahead(camera)
-    information = np.zeros((5, 5))
-    sides = np.array(config.direction_sd_rad) * [camera.fx_px, camera.fy_px]
-    information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in config.rotation_sd_radps)]
-    if before is None or not np.all(np.isfinite(before.covariance_px2)):
-        return Prior(np.array([*ahead, 0.0, 0.0, 0.0]), information, None)
+    usual = _usual(camera, config)
+    if before is None or not np.isfinite(before.covariance_px2).all():
+        return usual
+    information = usual.information.copy()
     last = np.array([before.x_px, before.y_px])
     known = _inverse(_drifted(before.covariance_px2, camera, config, rate_hz))
-    pull = information[:2, :2] @ ahead + known @ last
+    pull = information[:2, :2] @ usual.state[:2] + known @ last
     information[:2, :2] += known
     x, y = (_inverse(information[:2, :2]) @ pull).tolist()
     return Prior(np.array([x, y, 0.0, 0.0, 0.0]), information, last)
+
+
+@lru_cache(maxsize=8)
+def _usual(camera: Camera, config: ExpansionConfig) -> Prior:
+    """What is known of a vehicle without a frame before; not to be changed."""
+    information = np.zeros((5, 5))
+    sides = np.array(config.direction_sd_rad) * [camera.fx_px, camera.fy_px]
+    information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in config.rotation_sd_radps)]
+    return Prior(np.array([*_straight_ahead(camera), 0.0, 0.0, 0.0]), information, None)
 
 
 def _inverse(matrix: Floats) -> Floats:
@@ -184,14 +196,14 @@ def _inverse(matrix: Floats) -> Floats:
 
 def _drifted(covariance_px2: Floats, camera: Camera, config: ExpansionConfig, rate_hz: float) -> Floats:
     """(2, 2) px^2, a frame later."""
-    later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * np.eye(2)
+    later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * UNIT
     return later
 
 
 def _rate_hz(flow: Flow) -> float:
     """Frames a second: the youngest points are no older than their windows. inf without a point that was followed."""
     young = flow.gap_s > 0.0
-    return float(np.min(flow.age_frames[young] / flow.gap_s[young], initial=inf))
+    return float((flow.age_frames[young] / flow.gap_s[young]).min(initial=inf))
 
 
 def _straight_ahead(camera: Camera) -> Floats:

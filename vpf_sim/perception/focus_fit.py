@@ -157,9 +157,9 @@ def _reweighted(
     points_px: Floats, flow_px: Floats, tolerance_px: Floats, turn: Floats, start_px: Floats, prior: Prior
 ) -> tuple[Floats, Floats] | None:
     """(5,) FOE px and pitch, yaw and roll rates rad/s, and the FOE's (2, 2) covariance px^2; None if it has none."""
-    state = np.array([*start_px, 0.0, 0.0, 0.0])
+    state, steady_px = np.array([*start_px, 0.0, 0.0, 0.0]), flow_px
     for _ in range(ITERATIONS):
-        weight, slope, across = _linearised(points_px, flow_px - (turn @ state[2:]).T, turn, state[:2], tolerance_px)
+        weight, slope, across = _linearised(points_px, steady_px, turn, state[:2], tolerance_px)
         weighted = (slope * weight[:, None]).T
         normal = weighted @ slope
         if np.count_nonzero(weight) < LEAST or normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2 < 1e-12:
@@ -169,6 +169,7 @@ def _reweighted(
         state = state - step
         if abs(step[0]) + abs(step[1]) < SETTLED_PX:
             break
+        steady_px = flow_px - (turn @ state[2:]).T
     spread = BIWEIGHT * float(weight @ (across * across)) / np.count_nonzero(weight)
     return state, np.asarray(np.linalg.inv(normal)[:2, :2], np.float64) * max(1.0, spread)
 
@@ -189,5 +190,7 @@ def _linearised(
     weight[u * x + v * y <= 0.0] = 0.0
     slope = np.empty((len(across), 5))
     slope[:, 0], slope[:, 1] = v * nearness, -u * nearness
-    slope[:, 2:] = turn[1] * x[:, None] - turn[0] * y[:, None]
+    by_turn = slope[:, 2:]
+    np.multiply(turn[1], x[:, None], out=by_turn)
+    by_turn -= turn[0] * y[:, None]
     return weight, slope, across
