@@ -8,6 +8,7 @@ import pytest
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import project, rotation, vehicle_from_world, wrap_angle
+from vpf_sim.perception import obstacles
 from vpf_sim.planning import variant
 from vpf_sim.planning.planner import Planner
 from vpf_sim.planning.variant import Variant
@@ -191,3 +192,13 @@ def test_literal_is_not_equivariant() -> None:
     (here, _), (away, _) = (drive(literal, moved, GOAL)[-1] for moved in (STILL, Moved(radians(30.0))))
     turn = wrap_angle(away.reference.heading_rad - here.reference.heading_rad)
     assert abs(wrap_angle(turn - radians(30.0))) > radians(10.0)
+
+
+def test_the_obstacle_map_is_worked_out_once_where_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    detect = obstacles.detect
+    monkeypatch.setattr(obstacles, "detect", lambda *given: asked.append(0) or detect(*given))
+    seen = [plan.perception for plan, _ in drive(variant.load("robust"), STILL, GOAL)]
+    assert not asked, "the valley goes by bodies"
+    assert seen[-1].obstacle_map.on_obstacle.shape == seen[-1].ttc_s.shape == seen[-1].flow.points_px.shape[:1]
+    assert len(asked) == 1

@@ -7,6 +7,7 @@ in OpenCV's convention: the centre of the first pixel is (0, 0). The pose of the
 the centre of its body. N is a number of image points, K a number of obstacles.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from math import radians
 from typing import Any, Literal, Protocol
@@ -195,17 +196,34 @@ class RoadEdges:
 
 
 @dataclass(frozen=True, slots=True)
+class Salience:
+    """What the paper's fields ask of the points of the flow: which stand out, and when they are reached."""
+
+    obstacle_map: ObstacleMap
+    ttc_s: Floats  # (N,) time to contact of each point; inf where unknown
+
+
+@dataclass(frozen=True, slots=True)
 class Perception:
     """All that the planner knows of one frame."""
 
     flow: Flow
     expansion: Expansion
-    ttc_s: Floats  # (N,) time to contact of each point; inf where unknown
-    obstacle_map: ObstacleMap
+    salience: Callable[[], Salience]  # worked out when it is asked for: a field of bodies does without
     obstacles: Obstacles
     road: RoadEdges
     low_sight_m: tuple[float, float] = (np.inf, np.inf)  # to where a low body would be suspected: now, with a good view
     suspects: Obstacles | None = None  # low things that were seen too seldom yet to be told as bodies
+
+    @property
+    def obstacle_map(self) -> ObstacleMap:
+        """The paper's O_t."""
+        return self.salience().obstacle_map
+
+    @property
+    def ttc_s(self) -> Floats:
+        """(N,) time to contact of each point; inf where unknown."""
+        return self.salience().ttc_s
 
 
 @dataclass(frozen=True, slots=True)

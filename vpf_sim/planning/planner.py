@@ -1,8 +1,11 @@
 """The planner: the stages of the paper in their order, from a frame to a reference."""
 
+from functools import cache, partial
+
 import numpy as np
 
 from vpf_sim.perception import contact, expansion, obstacles
+from vpf_sim.perception.expansion import Derotated
 from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.movers import MoverTracker
@@ -13,7 +16,7 @@ from vpf_sim.planning.gradient_line import GradientLine
 from vpf_sim.planning.valley import Valley
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
-from vpf_sim.types import DriverSetup, Expansion, Flow, Observation, Obstacles, Perception, Plan, RoadEdges
+from vpf_sim.types import DriverSetup, Expansion, Flow, Observation, Obstacles, Perception, Plan, RoadEdges, Salience
 
 
 class Planner:
@@ -40,7 +43,7 @@ class Planner:
         return self.plan(self.perceive(observation), observation)
 
     def perceive(self, observation: Observation) -> Perception:
-        """Flow, focus of expansion, obstacle map, time to contact, road edges, bodies of one frame."""
+        """Flow, focus of expansion, road edges, bodies of one frame; obstacle map and time to contact on request."""
         image = grey(observation.image)
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         flow = self._flow.update(image, pose)
@@ -52,9 +55,6 @@ class Planner:
             before_rad = self._steadiness.passing_rad
             steady = self._steadiness.update(flow, foe, turned)
             self._road.turn(self._steadiness.passing_rad - before_rad)
-        obstacle_map = obstacles.detect(steady, self._camera, self._variant.obstacle_map)
-        labels = obstacles.cluster_labels(obstacle_map, flow)
-        ttc = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         road = self._road.update(observation.image, image, pose, *motion, self._bodies)
         if self._steadiness is not None and self._looks(observation.speed_mps):
@@ -70,7 +70,15 @@ class Planner:
         if self._landmarks is not None:
             sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
             suspects = self._landmarks.suspects(pose)
-        return Perception(flow, foe, ttc, obstacle_map, self._bodies, road, sight_m, suspects)
+        salience = cache(partial(self._salience, flow, steady, foe, turned))
+        return Perception(flow, foe, salience, self._bodies, road, sight_m, suspects)
+
+    def _salience(self, flow: Flow, steady: Flow, foe: Expansion, turned: Derotated) -> Salience:
+        """Obstacle map and time to contact of a frame's points."""
+        obstacle_map = obstacles.detect(steady, self._camera, self._variant.obstacle_map)
+        labels = obstacles.cluster_labels(obstacle_map, flow)
+        ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
+        return Salience(obstacle_map, ttc_s)
 
     def _looks(self, speed_mps: float) -> bool:
         """Whether any stage after the road's looks at this frame: most do from time to time only."""
