@@ -7,6 +7,9 @@ Lateral, with psi_e = psi - psi_d, the steering actuator as an integrator:
 Longitudinal: s_l = c_l v - v_d, a = -a_0 sign(s_l). With a boundary layer, sign(s) becomes clip(s / layer, -1, 1). The
 law of second order (`super_twisting`) stands in the place of the lateral sign.
 
+In the layer, of slope k = u_0 / layer, psi_e'' + k v / L psi_e' + c_r k v / L psi_e = 0, damped by
+sqrt(k v / (4 c_r L)). The gains `robust` keep that at low speed, by a layer that narrows with v.
+
 Since d s_r / dt = (v / L) u + phi, phi = c_r d psi_e / dt - d^2 psi_d / dt^2, the manifold is reached only while the
 authority u_0 v / L exceeds |phi|, and at standstill the steering has no authority at all: there it is held. Along a
 road whose curvature changes at k' a metre phi is k' v^2, which grows faster with the speed than the authority: where it
@@ -19,6 +22,7 @@ from typing import Literal
 
 from vpf_sim import tables
 from vpf_sim.controllers.super_twisting import SuperTwisting
+from vpf_sim.controllers.swing import Swing
 from vpf_sim.errors import unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Observation, Reference, VehicleModel
@@ -26,6 +30,7 @@ from vpf_sim.types import Command, Observation, Reference, VehicleModel
 STANDSTILL_MPS = 0.1
 SLOWEST_MPS = 2.0  # to slow down further for the reaching condition would take the authority itself
 DEMAND_FILTER_HZ = 2.0
+NARROWEST = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,18 +51,26 @@ class Gains:
     lateral_law: Literal["first_order", "super_twisting"] = "first_order"
     disturbance_radps3: float = 0.0  # D of the super-twisting law: how fast what disturbs s_r may change
     slows_to_reach: bool = False  # where the reaching condition does not hold
+    boundary_speed_mps: float = 0.0  # below it the layer of s_r narrows with the authority, so the loop does not ring
+    swing_mps2: float = 0.0  # most by which the acceleration changes within `swing_s`; 0 is no limit
+    swing_s: float = 0.0
 
     def __post_init__(self) -> None:
         for key in ("c_r_per_s", "u0_radps", "c_l", "a0_mps2", "brake_a0_mps2"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
-        for key in ("boundary_layer_radps", "reference_filter_hz", "speed_boundary_mps", "yaw_rate_filter_hz"):
+        for key in ("boundary_layer_radps", "boundary_speed_mps", "reference_filter_hz", "yaw_rate_filter_hz"):
+            if not getattr(self, key) >= 0.0:
+                raise ValueError(f"{key}: expected >= 0, got {getattr(self, key)}")
+        for key in ("speed_boundary_mps", "swing_mps2", "swing_s"):
             if not getattr(self, key) >= 0.0:
                 raise ValueError(f"{key}: expected >= 0, got {getattr(self, key)}")
         if (self.lateral_law == "super_twisting") != (self.disturbance_radps3 > 0.0):
             raise ValueError(
                 f"disturbance_radps3: expected > 0 with super_twisting alone, got {self.disturbance_radps3}"
             )
+        if (self.swing_mps2 > 0.0) != (self.swing_s > 0.0):
+            raise ValueError(f"swing_mps2, swing_s: expected both > 0 or both 0, got {self.swing_mps2}, {self.swing_s}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +118,8 @@ class Gtsmc:
         self._phi_radps2 = 0.0
         self._yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
+        swings = self._gains.swing_mps2 > 0.0
+        self._swing = Swing(self._gains.swing_mps2, self._gains.swing_s, self._dt_s) if swings else None
         twists = self._gains.lateral_law == "super_twisting"
         self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if twists else None
 
@@ -126,16 +141,20 @@ class Gtsmc:
         authority = observation.speed_mps / self._vehicle.wheelbase_m
         self._check(observation, rate, authority)
         if observation.speed_mps > STANDSTILL_MPS:
-            step = self._rate(self.manifold(observation, reference, rate), authority) * self._dt_s
+            s_r = self.manifold(observation, reference, rate)
+            step = self._rate(s_r, authority, observation.speed_mps) * self._dt_s
             limit = self._vehicle.steering_limit_rad
             self.steering_rad = max(-limit, min(limit, self.steering_rad + step))
         return self.steering_rad
 
-    def _rate(self, s_r: float, authority_per_s: float) -> float:
+    def _rate(self, s_r: float, authority_per_s: float, speed_mps: float) -> float:
         """u, rad/s."""
         if self._twisting is not None:
             return self._twisting.rate(s_r, authority_per_s, self._gains.u0_radps)
-        return -self._gains.u0_radps * relay(s_r, self._gains.boundary_layer_radps)
+        layer, whole_mps = self._gains.boundary_layer_radps, self._gains.boundary_speed_mps
+        if speed_mps < whole_mps:
+            layer *= max(speed_mps / whole_mps, NARROWEST)
+        return -self._gains.u0_radps * relay(s_r, layer)
 
     def _check(self, observation: Observation, rate_radps: float, authority_per_s: float) -> None:
         """The reaching condition; d^2 psi_d / dt^2 is differentiated, so phi is low-passed."""
@@ -180,6 +199,9 @@ class Gtsmc:
         """Normalised throttle (> 0) or brake (< 0)."""
         s_l = self._gains.c_l * speed_mps - reference_mps
         wish = relay(-s_l, self._gains.speed_boundary_mps)
-        if wish > 0.0:
-            return min(1.0, wish * self._gains.a0_mps2 / self._vehicle.full_throttle_mps2)
-        return max(-1.0, wish * self._gains.brake_a0_mps2 / self._vehicle.full_brake_mps2)
+        acceleration = wish * (self._gains.a0_mps2 if wish > 0.0 else self._gains.brake_a0_mps2)
+        if self._swing is not None:
+            acceleration = self._swing.limit(acceleration)
+        if acceleration > 0.0:
+            return min(1.0, acceleration / self._vehicle.full_throttle_mps2)
+        return max(-1.0, acceleration / self._vehicle.full_brake_mps2)

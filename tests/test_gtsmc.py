@@ -83,6 +83,25 @@ def test_at_standstill_the_steering_holds() -> None:
     assert hands.steering_rad == held
 
 
+def overshoot(gains: Gains, speed_mps: float) -> float:
+    """Of a step of the heading so small that the layer is not left, as a share of it."""
+    car, hands, most = Bicycle(speed_mps=speed_mps), controller(gains), 0.0
+    while car.time_s < 10.0:
+        car.step(hands.command(car.observe(), Reference(0.004, speed_mps, 0.0)))
+        most = max(most, car.yaw_rad / 0.004 - 1.0)
+    return most
+
+
+def test_the_loop_is_damped_at_low_speed_as_it_is_at_two_metres_per_second() -> None:
+    """exp(-pi z / sqrt(1 - z^2)) with the damping z = sqrt(k v / (4 c_r L))."""
+    slope = ROBUST.u0_radps / ROBUST.boundary_layer_radps
+    damping = np.sqrt(slope * 2.0 / (4.0 * ROBUST.c_r_per_s * CAR.wheelbase_m))
+    expected = np.exp(-pi * damping / np.sqrt(1.0 - damping**2))
+    for speed_mps in (0.4, 1.0, 2.0):
+        assert overshoot(ROBUST, speed_mps) == pytest.approx(expected, abs=0.03)
+    assert overshoot(replace(ROBUST, boundary_speed_mps=0.0), 0.4) > 0.3
+
+
 def test_relay_is_sign_or_its_saturation() -> None:
     assert [relay(s, 0.0) for s in (-0.1, 0.0, 2.0)] == [-1.0, 0.0, 1.0]
     assert [relay(s, 0.5) for s in (-1.0, -0.25, 0.0, 0.25, 1.0)] == [-1.0, -0.5, 0.0, 0.5, 1.0]
