@@ -29,6 +29,7 @@ from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
+FREE_M = 1e-6  # a body's own side is free of it
 NO_CHOICE = 1e3  # more than any body, side or memory costs
 CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
 STOP_MPS2, STOP_REACTION_S = 3.0, 0.3  # of a stop in need
@@ -153,14 +154,18 @@ class LaneField:
         return np.where(goal_m < most, y_m - least, 0.0)
 
     def nearer_side(self, obstacles: LaneObstacles, lane: Lane, clearance_m: float) -> Floats:
-        """(K,) m from here to the nearer side of each body that lies on the road, clear of it; 0 where none does."""
+        """(K,) m from here to the nearer side of each body that lies on the road and where no other stands; else 0."""
         margin = self._half_width_m + self._config.edge_gap_m
-        left = self.shift(obstacles, lane.y_m, -np.inf, clearance_m)
-        right = self.shift(obstacles, lane.y_m, np.inf, clearance_m)
-        left = np.where(lane.y_m - left < lane.left_m + margin, np.inf, left)
-        right = np.where(lane.y_m + right > lane.right_m - margin, np.inf, right)
-        nearer = np.maximum(np.minimum(left, right), 0.0)
-        return np.where(np.isinf(nearer), 0.0, nearer)
+        here, aside = lane.y_m, self._half_width_m + clearance_m
+        least, most = obstacles.left_m - aside, obstacles.right_m + aside  # of the places that each takes
+        sides = np.concatenate([least, most])
+        stands = (self.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)
+        taken = (least[:, None] < sides - FREE_M) & (sides + FREE_M < most[:, None]) & stands[:, None]
+        off = (sides < lane.left_m + margin) | (sides > lane.right_m - margin) | np.any(taken, axis=0)
+        free = np.where(off, np.inf, np.abs(sides - here))
+        in_way = (least < here) & (here < most)
+        nearer = float(free.min(initial=np.inf))
+        return np.where(in_way & (nearer < np.inf), nearer, 0.0)
 
     def beside(self, obstacles: LaneObstacles, lane: Lane) -> Lane:
         """The lane between the bodies that the car is passing, instead of between the edges of the road."""

@@ -28,6 +28,7 @@ from vpf_sim.types import Floats, Reference, VehicleModel
 
 SLOWEST_CLOSING_MPS = 0.5
 RESTS_SLOPE = 0.02  # of a path that has not left its place yet
+ROW_M = 5.0  # what stands so far behind another is of its row
 WAITS_S = 0.4  # besides the way that a shift takes
 
 
@@ -61,7 +62,7 @@ class LaneReference:
         self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, yaw_rad: float, speed_mps: float
     ) -> Reference:
         """One step of 1 / rate_hz towards the field's minimum."""
-        wanted = self._pace.update(lane, obstacles, field, minimum_m, speed_mps)
+        wanted = self._pace.update(lane, obstacles, field, minimum_m, speed_mps, self._glide)
         if self._config.motion == "direct":
             self.y_m = minimum_m
             return Reference(self._straight(lane, minimum_m, yaw_rad, speed_mps), wanted)
@@ -71,6 +72,8 @@ class LaneReference:
         time_s = self._time_left(obstacles, field, self._glide.y_m, speed_mps)
         if self._waits(self._glide, obstacles, field, minimum_m, speed_mps):
             minimum_m = self._glide.y_m
+        else:
+            minimum_m = self._held(self._glide, obstacles, field, minimum_m, speed_mps)
         between = field.beside(obstacles, lane)
         self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
         self._glide.hold(rear)
@@ -110,6 +113,31 @@ class LaneReference:
         left = self._times(obstacles, field, speed_mps) * closing
         needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps)) + WAITS_S * closing
         return float(left[hit].min()) > needed
+
+    def _held(
+        self, glide: Glide, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
+    ) -> float:
+        """Where the path shall lead: to the minimum, or where it is soonest straight if no place is free there, either.
+
+        Turned towards a gap that may be none a car has neither the way nor the angle left for another. It goes back to
+        its own lane all the same, and holds only where it can stop, and not because of what is far behind the first
+        that is in its way.
+        """
+        if not len(obstacles):
+            return minimum_m
+        config, way = self._config, field.bumper(obstacles)
+        ahead = (field.present(obstacles) > 0.0) & (way > 0.0) & (obstacles.speed_mps == 0.0)
+        taken = ahead & (field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0)
+        if not np.any(taken):
+            return minimum_m
+        rest_m = glide.y_m + self._reach.rest_shift(glide.slope, glide.bend_per_m, speed_mps)
+        if abs(minimum_m) < abs(rest_m):
+            return minimum_m
+        hit = ahead & (field.overlap(obstacles, rest_m, config.walking_clearance_m) > 0.0)
+        first_m = float(np.min(way, where=hit, initial=np.inf))
+        stops = 0.5 * speed_mps**2 / config.brake_mps2 + config.creep_standoff_m < first_m
+        same_row = float(way[taken].min()) < first_m + ROW_M
+        return rest_m if stops and same_row else minimum_m
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""

@@ -5,12 +5,15 @@ from math import sqrt, tan
 import numpy as np
 
 from vpf_sim.planning.creep import Creep
+from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
-from vpf_sim.planning.reach import Reach
+from vpf_sim.planning.reach import SPEEDS_MPS, Reach
+from vpf_sim.planning.settling import rest
 from vpf_sim.types import Floats
 
+RUNS_WIDE_M = 0.02  # beyond what is kept from a body: less is not seen
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
 
@@ -37,12 +40,21 @@ class Pace:
         self._creep = Creep(self._config, self._reach, self._rate_hz)
 
     def update(
-        self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
+        self,
+        lane: Lane,
+        obstacles: LaneObstacles,
+        field: LaneField,
+        minimum_m: float,
+        speed_mps: float,
+        glide: Glide | None = None,
     ) -> float:
-        """m/s after one step of 1 / rate_hz."""
+        """m/s after one step of 1 / rate_hz, where the car follows a path or, without one, goes along the road."""
         if self._config.speed == "constant":
             return self._speed_reference_mps
-        return self._risen(self._speed(lane, obstacles, field, minimum_m, speed_mps), speed_mps)
+        wanted = self._speed(lane, obstacles, field, minimum_m, speed_mps)
+        if glide is not None and len(obstacles):
+            wanted = min(wanted, self._settled(obstacles, field, minimum_m, glide))
+        return self._risen(wanted, speed_mps)
 
     def _risen(self, wanted_mps: float, speed_mps: float) -> float:
         """v_d, which falls at once and rises gently: what was braked for may be gone from one frame to the next."""
@@ -111,3 +123,18 @@ class Pace:
         beyond = minimum_m + float(np.sign(minimum_m - y_m)) * TURNED_M
         covers = field.overlap(obstacles, beyond, self._config.minimum_clearance_m) > 0.0
         return bool(np.any(covers & (field.present(obstacles) > 0.0)))
+
+    def _settled(self, obstacles: LaneObstacles, field: LaneField, minimum_m: float, glide: Glide) -> float:
+        """m/s at which the path, bent as it is, comes to rest before it is too near to bodies beyond the minimum."""
+        steering, tightest = self._reach.steering(SPEEDS_MPS), self._reach.tightest(SPEEDS_MPS)
+        way, shift = rest(glide.slope, glide.bend_per_m, steering, tightest)
+        room = -field.overlap(obstacles, minimum_m, 0.0)
+        kept = np.minimum(room, self._config.minimum_clearance_m)
+        side = np.where(0.5 * (obstacles.left_m + obstacles.right_m) < minimum_m, -1.0, 1.0)
+        last = minimum_m + side * (room - kept + RUNS_WIDE_M)  # (K,) place from which there is less than that
+        beyond = side[:, None] * (glide.y_m + shift - last[:, None])
+        counts = (field.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)
+        reached = counts[:, None] & (field.bumper(obstacles)[:, None] < way)
+        worst = np.max(beyond, axis=0, where=reached, initial=-1.0)
+        settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
+        return max(settled, self._reach.walking_mps)

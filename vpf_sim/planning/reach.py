@@ -17,6 +17,7 @@ from math import sin, tan
 import numpy as np
 
 from vpf_sim.planning.lane import Lane
+from vpf_sim.planning.settling import rest
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift D in T: 1.4 D / T and 4.4 D / T^2
@@ -119,6 +120,11 @@ class Reach:
         config, speed = self._config, np.maximum(speed_mps, SLOWEST_MPS)
         by_steering = config.steering_radps / self._vehicle.wheelbase_m / speed
         return np.minimum(by_steering, config.yaw_acceleration_radps2 / speed**2)
+
+    def rest_shift(self, slope: float, bend_per_m: float, speed_mps: float) -> float:
+        """m by which a path at that speed goes on across the road until it leads along it (`settling`)."""
+        speed = np.array([speed_mps])
+        return float(rest(slope, bend_per_m, self.steering(speed), self.tightest(speed))[1][0])
 
     def way(self, shift_m: Floats | float, speed_mps: Floats | float) -> Floats:
         """m on which the car goes aside by that much at that speed, from the road's direction and back to it."""
