@@ -10,6 +10,7 @@ from bicycle import Bicycle
 from ideal import Body, Eyes, Road, clearance, perception
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.turning import LOCKS, STEP_M, courses, separation
@@ -22,6 +23,7 @@ assert ROBUST is not None
 CONFIG = ROBUST.way_out
 assert CONFIG is not None
 CAR = VehicleModel()
+SETUP = DriverSetup(Camera(), CAR, 60.0, 5.55, (1e3, 0.0), 0)
 LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
 FRONT_M, HALF_M = CAR.l_r_m + 0.5 * CAR.length_m, 0.5 * CAR.width_m  # from the rear axle
 DEAD_END = (Body(28.0, 0.0, width_m=3.0), Body(28.0, 2.9))  # no gap to the right edge
@@ -35,8 +37,7 @@ def drive(
     road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
     x, y = road.point(20.0, 0.0)
     car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
-    setup = DriverSetup(Camera(), car.model, 60.0, 5.55, (1e3, 0.0), 0)
-    way, hands = Valley(setup, config), Gtsmc(load_gains("robust"), car.model, 60.0)
+    way, hands = Valley(SETUP, config), Gtsmc(load_gains("robust"), car.model, 60.0)
     eyes, corners, nearest, turned = Eyes(road, bodies, 16.0), [road.corners(body) for body in bodies], inf, 0.0
     while car.time_s < time_s and road.local(car.x_m, car.y_m)[0] < 40.0:
         _, reference, _ = way.step(perception(road.edges(car), eyes.look(car)), car.observe())
@@ -66,6 +67,23 @@ def test_it_stays_where_all_of_the_road_is_blocked() -> None:
     assert car.speed_mps < 0.05
     assert car.x_m < 28.0
     assert nearest > 0.5
+
+
+@pytest.mark.parametrize("curvature_per_m", [0.0, 0.01, -0.01])
+def test_the_car_is_turned_as_its_course_is(curvature_per_m: float) -> None:
+    """At full lock a lag is not made up for, so the course counts the way of the axle that it is of."""
+    road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
+    x, y = road.point(20.0, 0.0)
+    car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
+    way, hands = Valley(SETUP, ROBUST), Gtsmc(load_gains("robust"), CAR, 60.0)
+    eyes, off = Eyes(road, DEAD_END, 16.0), []
+    while car.time_s < 40.0 and road.local(car.x_m, car.y_m)[0] < 40.0:
+        _, reference, _ = way.step(perception(road.edges(car), eyes.look(car)), car.observe())
+        if way._way_out is not None and way._way_out.is_driven:
+            off.append(abs(wrap_angle(reference.heading_rad - car.yaw_rad)))
+        car.step(hands.command(car.observe(), reference))
+    assert len(off) > 300
+    assert max(off) < radians(2.0)
 
 
 def corner(along_m: Floats, y_m: Floats, turned_rad: Floats, side: float) -> tuple[Floats, Floats]:

@@ -25,7 +25,7 @@ WAY_M = 28.0  # on which courses are looked at
 LOCKS = (0.9, 1.0)  # shares of the full lock: what is left is for following the course
 BEYOND_M = 8.0  # a course leads out where it is free so far behind its end
 ANGLES_RAD: Floats = np.radians([5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0])
-STRAIGHTS_M: Floats = np.arange(0.0, 7.6, 0.5)
+STRAIGHT_M, ASIDE_M = 7.5, 0.2  # the longest, and how much farther aside each leads than the one before
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +41,15 @@ class Courses:
     def __len__(self) -> int:
         return len(self.end)
 
+    def chosen(self, rows: "Bools | slice") -> "Courses":
+        """Some of them."""
+        return Courses(
+            self.along_m[rows], self.y_m[rows], self.turned_rad[rows], self.steering_rad[rows], self.end[rows]
+        )
+
     def one(self, index: int) -> "Courses":
         """A single one of them, N = 1."""
-        row = slice(index, index + 1)
-        return Courses(self.along_m[row], self.y_m[row], self.turned_rad[row], self.steering_rad[row], self.end[row])
+        return self.chosen(slice(index, index + 1))
 
     def rest(self, step: int) -> "Courses":
         """What is left of them."""
@@ -55,47 +60,85 @@ class Courses:
 
 def courses(lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float) -> Courses:
     """All courses from here with a share of the full lock; `per_m` rad the steering turns on a metre of way at most."""
-    sides = np.array([-1.0, 1.0])
-    side, angle, straight = (one.ravel() for one in np.meshgrid(sides, ANGLES_RAD, STRAIGHTS_M, indexing="ij"))
+    turn, wheels_straight = _turns(lane, steering_rad, vehicle, per_m, lock)
+    steps = turn.along_m.shape[1]
+    every = np.arange(len(turn))
+    angle = turn.turned_rad[every, np.minimum(wheels_straight, steps - 1)]
+    aside = np.maximum(np.abs(np.sin(angle)), ASIDE_M / STRAIGHT_M)
+    count = np.where(wheels_straight < steps, (STRAIGHT_M * aside / ASIDE_M).astype(np.intp), 0) + 1
+    row = np.repeat(every, count)
+    nth = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    straight = np.round(nth * ASIDE_M / aside[row] / STEP_M).astype(np.intp)[:, None]
+    step, begin = np.arange(steps)[None], wheels_straight[row][:, None]
+    source = row[:, None] * steps + np.where(step <= begin, step, np.maximum(step - straight, begin))
+    gone = np.clip(step - begin, 0, straight) * STEP_M
+    along, y, turned, steering = (
+        part.ravel()[source] for part in (turn.along_m, turn.y_m, turn.turned_rad, turn.steering_rad)
+    )
+    along, y = along + gone * np.cos(angle[row])[:, None], y + gone * np.sin(angle[row])[:, None]
+    return Courses(along, y, turned, steering, np.minimum(turn.end[row] + straight[:, 0], steps))
+
+
+def _turns(
+    lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float
+) -> tuple[Courses, "np.typing.NDArray[np.intp]"]:
+    """The courses without a straight, and the step of each with which that could begin: T where there is none."""
+    side, angle = (one.ravel() for one in np.meshgrid(np.array([-1.0, 1.0]), ANGLES_RAD, indexing="ij"))
     count, steps = len(side), round(WAY_M / STEP_M)
     turned, steering = np.full(count, -lane.heading_rad), np.full(count, steering_rad)
-    along = np.full(count, -vehicle.l_r_m * np.cos(turned))
-    y = lane.y_m - vehicle.l_r_m * np.sin(turned)
-    stage, left_m = np.zeros(count, np.intp), straight.copy()
-    rows, end, most = [], np.full(count, steps), per_m * STEP_M
-    for step in range(steps):
+    along, y = -vehicle.l_r_m * np.cos(turned), lane.y_m - vehicle.l_r_m * np.sin(turned)
+    stage, straight = np.zeros(count, np.intp), np.full(count, steps)
+    rows: list[tuple[Floats, Floats, Floats, Floats]] = []
+    end, most = np.full(count, steps), per_m * STEP_M
+    full = lock * vehicle.steering_limit_rad * side
+    wishes = np.stack([full, -full, 0.0 * full])
+    while len(rows) < steps and end.max() + 1 >= len(rows):
         rows.append((along, y, turned, steering))
         unwound = -np.log(np.cos(steering)) / vehicle.wheelbase_m / per_m  # rad, while the wheels are turned back
-        stage = stage + ((stage == 0) & (angle - side * turned <= unwound * (side * steering > 0.0)))
-        left_m = left_m - STEP_M * (stage == 1)
-        stage = stage + ((stage == 1) & (left_m <= 0.0))
-        stage = stage + ((stage == 2) & (side * turned <= unwound * (side * steering < 0.0)))
-        is_back = (stage == 3) & (np.abs(steering) < most)
-        end = np.where(is_back & (end == steps), step, end)
-        wanted = lock * vehicle.steering_limit_rad * side * np.array([1.0, 0.0, -1.0, 0.0])[stage]
-        before, steering = steering, steering + np.clip(wanted - steering, -most, most)
+        turns_on = side * steering
+        stage = stage + ((stage == 0) & (angle - side * turned <= unwound * (turns_on > 0.0)))
+        straight = np.where((stage > 0) & (turns_on <= 0.0), np.minimum(straight, len(rows) - 1), straight)
+        stage = stage + ((stage == 1) & (side * turned <= unwound * (turns_on < 0.0)))
+        is_back = (stage == 2) & (np.abs(steering) < most)
+        end = np.where(is_back, np.minimum(end, len(rows) - 1), end)
+        before, steering = steering, steering + np.clip(wishes[stage, np.arange(count)] - steering, -most, most)
         bend = np.tan(0.5 * (before + steering)) / vehicle.wheelbase_m - lane.curvature_per_m
         bend = np.where(is_back, 0.0, bend)
         middle = turned + 0.5 * STEP_M * bend
         along, y = along + STEP_M * np.cos(middle), y + STEP_M * np.sin(middle)
         turned = turned + STEP_M * bend
     along, y, turned, steering = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
-    return Courses(along, y, turned, steering, end)
+    return Courses(*_straight_on(along, y, turned, steering, steps - len(rows)), end), straight
+
+
+def _straight_on(
+    along_m: Floats, y_m: Floats, turned_rad: Floats, steering_rad: Floats, steps: int
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Ways that end straight, longer by some steps."""
+    gone = STEP_M * np.arange(1, steps + 1)
+    last, none = turned_rad[:, -1:], np.zeros((len(turned_rad), steps))
+    return (
+        np.concatenate([along_m, along_m[:, -1:] + gone * np.cos(last)], axis=1),
+        np.concatenate([y_m, y_m[:, -1:] + gone * np.sin(last)], axis=1),
+        np.concatenate([turned_rad, last + none], axis=1),
+        np.concatenate([steering_rad, none], axis=1),
+    )
 
 
 def separation(
-    course: Courses, lane: Lane, obstacles: LaneObstacles, length_m: Floats, vehicle: VehicleModel
+    course: Courses, lane: Lane, obstacles: LaneObstacles, length_m: Floats, vehicle: VehicleModel, every: int = 1
 ) -> tuple[Floats, Floats]:
     """(N, T) m by which our body is apart at least from all bodies, and (N,) from both edges, until it is past its end.
 
     Rectangles are apart by no less than along any of their sides' directions. `length_m` (K,) is how long bodies are
-    taken to be.
+    taken to be. Of `every` steps only one is looked at.
     """
-    cosine, sine = np.cos(course.turned_rad), np.sin(course.turned_rad)
+    look = slice(None, None, every)
+    cosine, sine = np.cos(course.turned_rad[:, look]), np.sin(course.turned_rad[:, look])
     half_length, half_width = 0.5 * vehicle.length_m, 0.5 * vehicle.width_m
-    along, y = course.along_m + vehicle.l_r_m * cosine, course.y_m + vehicle.l_r_m * sine
+    along, y = course.along_m[:, look] + vehicle.l_r_m * cosine, course.y_m[:, look] + vehicle.l_r_m * sine
     ahead, aside = half_length * cosine + half_width * np.abs(sine), half_length * np.abs(sine) + half_width * cosine
-    counts: Bools = np.arange(along.shape[1])[None] <= course.end[:, None] + round(BEYOND_M / STEP_M)
+    counts: Bools = np.arange(course.along_m.shape[1])[None, look] <= course.end[:, None] + round(BEYOND_M / STEP_M)
     edges = np.minimum(y - aside - lane.left_m, lane.right_m - y - aside)
     apart = np.full(along.shape, np.inf)
     for face, left, right, length in zip(obstacles.along_m, obstacles.left_m, obstacles.right_m, length_m, strict=True):

@@ -7,7 +7,8 @@ camera sees little of the road: where the car is on it is known from before and 
 """
 
 from dataclasses import dataclass, replace
-from math import atan, cos, sin
+from itertools import product
+from math import asin, atan, cos, sin, tan
 
 import numpy as np
 
@@ -26,9 +27,11 @@ AGREES_M, AGREES_RAD = 0.6, 0.1  # the road is seen where the own motion says th
 BACK_RAD = 0.3  # by a car that goes along it again;
 FORGOTTEN_M = 30.0  # after so much of the road's way the own motion says no more
 WIDE_BODY_M, LONGEST_M = 1.4, 9.0  # what is as wide may be a truck
+TIGHTER = (1.0, 0.7)  # shares of the clearance: with less only where there is no other way
 FIRM = 0.5  # of what a course keeps to bodies: with less, its rest is no longer driven
 WIDE_M, WIDER = 0.5, 2.0  # more clearance than this is not better; rad of turning less are worth a metre of it
 FARTHER = 0.02  # rad of turning that a metre of way is worth
+COARSE = 8  # steps
 SETTLING = 10  # steps straight on after the end, since the car lags behind the course
 SOON, STRAIGHT_RAD = 5, 0.02  # steps ahead in which the wheels are turned, or are not
 PULL_PER_M, MOST_PULL = 0.5, 0.2  # back to the course, as an angle
@@ -83,6 +86,7 @@ class WayOut:
         self._stood_s = 0.0
         self._steering_rad = 0.0
         self._gone_m = 0.0
+        self._clearance_m = config.clearance_m  # that the course keeps
         self._start: _Start | None = None  # kept until the road is seen again
         self._course: Courses | None = None
         self._left_road = False  # whether any course was driven: since then lanes are counted here,
@@ -140,23 +144,28 @@ class WayOut:
         return followed
 
     def _feel(self, observation: Observation) -> None:
-        """How the wheels stand; they stay as they are while the car does."""
+        """How the car slips and its wheels stand; they stay as they are while the car does."""
+        vehicle = self._vehicle
         if observation.speed_mps > STEERS_MPS:
-            limit = self._vehicle.steering_limit_rad
-            bend = observation.yaw_rate_radps / observation.speed_mps
-            self._steering_rad = min(max(atan(self._vehicle.wheelbase_m * bend), -limit), limit)
+            bend = vehicle.l_r_m * observation.yaw_rate_radps / observation.speed_mps
+            limit, slip = vehicle.steering_limit_rad, asin(min(max(bend, -1.0), 1.0))
+            steering = atan(vehicle.wheelbase_m / vehicle.l_r_m * tan(slip))
+            self._steering_rad = min(max(steering, -limit), limit)
 
     def _begin(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> None:
         """Look for a course from here; before what moves the car waits."""
         if np.any((obstacles.speed_mps > 0.0) & (obstacles.forward_m < RELEVANT_M)):
             return
         bodies = self._bodies(lane, obstacles, observation)
-        for lock in LOCKS:
-            self._course = self._best(lane, bodies, lock)
+        per_m = self._config.steering_radps / self._config.steering_mps
+        found = [courses(lane, self._steering_rad, self._vehicle, per_m, lock) for lock in LOCKS]
+        for share, some in product(TIGHTER, found):
+            clearance_m = share * self._config.clearance_m
+            self._course = self._best(some, lane, bodies, clearance_m)
             if self._course is not None:
                 pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
                 self._start = _Start(lane, pose, bodies, frozenset(obstacles.identity.tolist()))
-                self._gone_m, self._left_road = 0.0, True
+                self._gone_m, self._clearance_m, self._left_road = 0.0, clearance_m, True
                 return
 
     def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> LaneObstacles:
@@ -175,35 +184,33 @@ class WayOut:
         both = (np.concatenate([getattr(one, name) for one in (known, fresh)]) for name in LaneObstacles.__slots__)
         return _near(LaneObstacles(*both))
 
-    def _best(self, lane: Lane, bodies: LaneObstacles, lock: float) -> Courses | None:
+    def _best(self, found: Courses, lane: Lane, bodies: LaneObstacles, clearance_m: float) -> Courses | None:
         """Of the courses that keep far enough from all the one that turns least and keeps farthest."""
-        config = self._config
-        per_m = config.steering_radps / config.steering_mps
-        found = courses(lane, self._steering_rad, self._vehicle, per_m, lock)
-        apart, edges = self._separation(found, lane, bodies)
-        least = apart.min(axis=1)
-        drivable = (least >= self._kept(apart[0])) & (edges >= config.edge_gap_m)
-        drivable &= found.end + round(BEYOND_M / STEP_M) < found.along_m.shape[1]
-        if not np.any(drivable):
+        found = found.chosen(found.end + round(BEYOND_M / STEP_M) < found.along_m.shape[1])
+        for every in COARSE, 1:  # most courses fail at a coarse look
+            if not len(found):
+                return None
+            apart, edges = self._separation(found, lane, bodies, every)
+            least = apart.min(axis=1)
+            drivable = (least >= _kept(clearance_m, apart[0])) & (edges >= self._config.edge_gap_m)
+            found, least = found.chosen(drivable), least[drivable]
+        if not len(found):
             return None
         cost = np.abs(found.turned_rad).max(axis=1) + FARTHER * found.end * STEP_M - WIDER * np.minimum(least, WIDE_M)
-        return found.one(int(np.argmin(np.where(drivable, cost, np.inf))))
+        return found.one(int(np.argmin(cost)))
 
-    def _separation(self, course: Courses, lane: Lane, bodies: LaneObstacles) -> tuple[Floats, Floats]:
+    def _separation(self, course: Courses, lane: Lane, bodies: LaneObstacles, every: int = 1) -> tuple[Floats, Floats]:
         """From the bodies and from the edges (`turning.separation`)."""
         length = np.maximum(bodies.length_m, self._config.body_length_m)
-        return separation(course, lane, bodies, length, self._vehicle)
-
-    def _kept(self, apart_m: Floats) -> float:
-        """m to bodies that a course keeps: the clearance, or as much as there is where it begins."""
-        return min(self._config.clearance_m, max(float(apart_m[0]), LEAST_M))
+        return separation(course, lane, bodies, length, self._vehicle, every)
 
     def _follow(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Reference | None:
         """On along the course, until it leads back to the road's direction, or nowhere any longer."""
         if self._course is None:
             return None
         last = int(self._gone_m / STEP_M)
-        self._gone_m += observation.speed_mps * self._dt_s
+        slip = atan(self._vehicle.l_r_m / self._vehicle.wheelbase_m * tan(self._steering_rad))
+        self._gone_m += observation.speed_mps * cos(slip) * self._dt_s  # of the rear axle
         step = int(self._gone_m / STEP_M)
         rest = self._course.rest(step)
         if step > last:
@@ -211,7 +218,7 @@ class WayOut:
             if self._has_ended(step, bodies) or not self._is_free(rest, lane, bodies):
                 self._course, self._stood_s = None, 0.0
                 return None
-        return self._reference(rest, lane, observation)
+        return self._reference(rest, self._gone_m / STEP_M - step, lane, observation)
 
     def _has_ended(self, step: int, bodies: LaneObstacles) -> bool:
         """Whether the car goes along the road again and has passed all bodies that may be long: no side was seen."""
@@ -228,16 +235,23 @@ class WayOut:
         here = -self._vehicle.l_r_m * cos(lane.heading_rad)
         rest = replace(rest, along_m=rest.along_m - rest.along_m[0, 0] + here)
         apart, _ = self._separation(rest, lane, bodies)
-        return bool(apart.min() >= FIRM * self._kept(apart[0]))
+        return bool(apart.min() >= FIRM * _kept(self._clearance_m, apart[0]))
 
-    def _reference(self, rest: Courses, lane: Lane, observation: Observation) -> Reference:
-        """Heading, its rate and speed where the course is now."""
-        pull = PULL_PER_M * (float(rest.y_m[0, 0]) - rear_m(lane, self._vehicle)) * cos(lane.heading_rad)
-        turned, soon = rest.turned_rad[0, :2]
-        heading = observation.yaw_rad + lane.heading_rad + float(turned) + min(max(pull, -MOST_PULL), MOST_PULL)
+    def _reference(self, rest: Courses, share: float, lane: Lane, observation: Observation) -> Reference:
+        """Heading, its rate and speed where the course is now: a share of a step after the first that is left."""
+        y = (1.0 - share) * float(rest.y_m[0, 0]) + share * float(rest.y_m[0, 1])
+        pull = PULL_PER_M * (y - rear_m(lane, self._vehicle)) * cos(lane.heading_rad)
+        before, soon = rest.turned_rad[0, :2].tolist()
+        turned = (1.0 - share) * before + share * soon
+        heading = observation.yaw_rad + lane.heading_rad + turned + min(max(pull, -MOST_PULL), MOST_PULL)
         turns = np.ptp(rest.steering_rad[0, :SOON]) > STRAIGHT_RAD
         speed = self._config.steering_mps if turns else self._config.speed_mps
-        return Reference(wrap_angle(heading), speed, float(soon - turned) / STEP_M * observation.speed_mps)
+        return Reference(wrap_angle(heading), speed, (soon - before) / STEP_M * observation.speed_mps)
+
+
+def _kept(clearance_m: float, apart_m: Floats) -> float:
+    """m to bodies that a course keeps: the clearance, or as much as there is where it begins."""
+    return min(clearance_m, max(float(apart_m[0]), LEAST_M))
 
 
 def _lanes(shift_m: float, road: RoadEdges) -> int:
