@@ -59,20 +59,17 @@ def fit(
     if start is None:
         return None
     turn = _tilt_flow(camera, points_px, gap_s)
-    solved = _reweighted(points_px, flow_px, tolerance_px, turn, start, prior)
+    points, flow = np.ascontiguousarray(points_px.T), np.ascontiguousarray(flow_px.T)
+    solved = _reweighted(points, flow, tolerance_px, turn, start, prior)
     if solved is None:
         return None
     state, covariance = solved
-    x, y, u, v = _columns(points_px, flow_px - (turn @ state[2:]).T, state[:2])
+    away, (u, v) = points - state[:2, None], _turned_back(flow, turn, state[2:])
+    x, y = away
     inliers = (np.abs(u * y - v * x) < tolerance_px * np.sqrt(x * x + y * y)) & (u * x + v * y > 0.0)
     # Those that disagree have not all been told apart from those that do: the fewer agree, the less is sure.
     share = max(float(np.count_nonzero(inliers)) / len(inliers), 0.05)
     return Fit(state[:2], covariance / share**2, inliers)
-
-
-def _columns(points_px: Floats, flow_px: Floats, foe_px: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """(N,) each: x and y from the FOE, and the flow u, v."""
-    return points_px[:, 0] - foe_px[0], points_px[:, 1] - foe_px[1], flow_px[:, 0], flow_px[:, 1]
 
 
 def _start(
@@ -140,26 +137,29 @@ def _intersections(points_px: Reals, flow_px: Reals, rng: np.random.Generator) -
 
 
 def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
-    """(2, N, 3) px per rad/s: motion of the image under a slow turn about the camera's x, y and z axes in each window.
+    """(2, 3, N) px per rad/s: motion of the image under a slow turn about the camera's x, y and z axes in each window.
 
     To first order and up to sign (Longuet-Higgins and Prazdny 1980); the turns it measures are small and unknown.
     """
     x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
     y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
     along_x, along_y = camera.fx_px * gap_s, camera.fy_px * gap_s
-    motion = np.empty((2, len(x), 3))
-    motion[0, :, 0], motion[0, :, 1], motion[0, :, 2] = along_x * x * y, along_x * (1.0 + x * x), -along_x * y
-    motion[1, :, 0], motion[1, :, 1], motion[1, :, 2] = along_y * (1.0 + y * y), along_y * x * y, along_y * x
+    motion = np.empty((2, 3, len(x)))
+    motion[0, 0], motion[0, 1], motion[0, 2] = along_x * x * y, along_x * (1.0 + x * x), -along_x * y
+    motion[1, 0], motion[1, 1], motion[1, 2] = along_y * (1.0 + y * y), along_y * x * y, along_y * x
     return motion
 
 
 def _reweighted(
-    points_px: Floats, flow_px: Floats, tolerance_px: Floats, turn: Floats, start_px: Floats, prior: Prior
+    points: Floats, flow: Floats, tolerance_px: Floats, turn: Floats, start_px: Floats, prior: Prior
 ) -> tuple[Floats, Floats] | None:
-    """(5,) FOE px and pitch, yaw and roll rates rad/s, and the FOE's (2, 2) covariance px^2; None if it has none."""
-    state, steady_px = np.array([*start_px, 0.0, 0.0, 0.0]), flow_px
+    """(5,) FOE px and pitch, yaw and roll rates rad/s, and the FOE's (2, 2) covariance px^2; None if it has none.
+
+    `points` and `flow` are (2, N) px here.
+    """
+    state, steady = np.array([*start_px, 0.0, 0.0, 0.0]), flow
     for _ in range(ITERATIONS):
-        weight, slope, across = _linearised(points_px, steady_px, turn, state[:2], tolerance_px)
+        weight, slope, across = _linearised(points, steady, turn, state[:2], tolerance_px)
         weighted = (slope * weight[:, None]).T
         normal = weighted @ slope
         if np.count_nonzero(weight) < LEAST or normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2 < 1e-12:
@@ -169,18 +169,19 @@ def _reweighted(
         state = state - step
         if abs(step[0]) + abs(step[1]) < SETTLED_PX:
             break
-        steady_px = flow_px - (turn @ state[2:]).T
+        steady = _turned_back(flow, turn, state[2:])
     spread = BIWEIGHT * float(weight @ (across * across)) / np.count_nonzero(weight)
     return state, np.asarray(np.linalg.inv(normal)[:2, :2], np.float64) * max(1.0, spread)
 
 
 def _linearised(
-    points_px: Floats, flow_px: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats
+    points: Floats, flow: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Weights (N,), slopes (N, 5) and values (N,) px of the flow across the radial direction, at a FOE and rates."""
-    x, y, u, v = _columns(points_px, flow_px, foe_px)
+    away, (u, v) = points - foe_px[:, None], flow
+    x, y = away
     nearness = 1.0 / (np.sqrt(x * x + y * y) + NEAR_PX)
-    x, y = x * nearness, y * nearness
+    away *= nearness
     across = u * y - v * x
     # The tolerance is some three standard deviations of the flow.
     size = across / tolerance_px
@@ -188,9 +189,14 @@ def _linearised(
     weight = np.maximum(1.0 - 0.25 * size, 0.0) * (3.0 / tolerance_px)
     weight *= weight
     weight[u * x + v * y <= 0.0] = 0.0
-    slope = np.empty((len(across), 5))
-    slope[:, 0], slope[:, 1] = v * nearness, -u * nearness
-    by_turn = slope[:, 2:]
-    np.multiply(turn[1], x[:, None], out=by_turn)
-    by_turn -= turn[0] * y[:, None]
-    return weight, slope, across
+    slope = np.empty((5, len(across)))
+    np.multiply(v, nearness, out=slope[0])
+    np.multiply(-u, nearness, out=slope[1])
+    np.multiply(turn[1], x, out=slope[2:])
+    slope[2:] -= turn[0] * y
+    return weight, np.ascontiguousarray(slope.T), across
+
+
+def _turned_back(flow: Floats, turn: Floats, rates: Floats) -> Floats:
+    """(2, N) px, the flow without what slow turns at these rates (3,) rad/s add."""
+    return np.asarray(flow - np.ascontiguousarray(turn.swapaxes(1, 2)) @ rates)
