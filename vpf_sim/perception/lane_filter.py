@@ -1,16 +1,18 @@
 """The state of the road over time: predicted by the vehicle's own motion, corrected by the lines that are seen."""
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
-from vpf_sim.perception.road_model import CURVATURES, NODES_M, PITCH, SIZE, WIDTH, moved, seen_lines, seen_places
+from vpf_sim.perception.road_model import CURVATURES, NODES_M, PITCH, SIZE, moved, seen_lines, seen_places
 from vpf_sim.types import Bools, Camera, Floats
 
 # Standard deviations that a metre of road adds: pose (m), heading (rad), curvature (1/m) at each node, a lane's width
 # (m), the camera's pitch against the road (rad). The far node sees new road; the others are told of it as the vehicle
 # moves on.
 DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002, 0.0005, 0.0001])
+DRIFTS = np.diag(DRIFT**2)
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
 SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
 TIGHTEST = 0.025  # 1/m, curvature of a carriageway
@@ -66,7 +68,7 @@ class LaneFilter:
         """After the vehicle moved by `step` (forward m, right m, yaw rad) in its own axes."""
         self.state, derivative = moved(self.state, step)
         distance = float(np.hypot(step[0], step[1]))
-        self.covariance = derivative @ self.covariance @ derivative.T + np.diag(DRIFT**2 * distance)
+        self.covariance = derivative @ self.covariance @ derivative.T + DRIFTS * distance
 
     def expected(self, numbers: Floats, forward_m: Floats) -> Expected:
         """Where lines should be seen on rows (R,) ahead."""
@@ -139,7 +141,9 @@ def _along(aside_m: Floats) -> Bools:
 
 def is_sane(state: Floats) -> bool:
     """Whether the model can still draw this road."""
-    finite = state.shape == (SIZE,) and bool(np.all(np.isfinite(state)))
-    bent = bool(np.all(np.abs(state[CURVATURES]) < TIGHTEST))
-    straight = abs(state[1]) < 1.0 and abs(state[PITCH]) < STEEPEST_RAD
-    return finite and straight and bent and NARROWEST_M < state[WIDTH] < WIDEST_M
+    if state.shape != (SIZE,):
+        return False
+    _, heading, *curvatures, width, pitch = values = state.tolist()
+    bent = all(abs(curvature) < TIGHTEST for curvature in curvatures)
+    straight = abs(heading) < 1.0 and abs(pitch) < STEEPEST_RAD
+    return all(map(isfinite, values)) and straight and bent and NARROWEST_M < width < WIDEST_M

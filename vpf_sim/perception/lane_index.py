@@ -222,7 +222,7 @@ def _unlike_own_lane(
     enough = weight.sum(axis=(1, 2))[:, 0] >= 3.0 * LEAST_LENGTH_M
     difference = np.where(known[..., None], sample - reference, np.nan).reshape(len(STRIPS), -1, 3)
     unlike = np.zeros(len(STRIPS))
-    unlike[enough] = np.linalg.norm(np.nanmedian(difference[enough], axis=1), axis=1)
+    unlike[enough] = np.linalg.norm(_median(difference[enough]), axis=1)
     return unlike, _unlike_in_hue(sample, known, own, colour_view.forward_m < NEAR_M, enough), enough
 
 
@@ -236,9 +236,18 @@ def _unlike_in_hue(sample: Floats, known: Bools, own: int, near: Bools, enough: 
     reference = reference[np.isfinite(reference[:, 0])]
     unlike = np.zeros(len(STRIPS))
     if len(reference) and enough.any():
-        median = np.nanmedian(hue.reshape(len(STRIPS), -1, 3)[enough], axis=1)
+        median = _median(hue.reshape(len(STRIPS), -1, 3)[enough])
         unlike[enough] = np.linalg.norm(median - np.median(reference, axis=0), axis=1)
     return unlike
+
+
+def _median(samples: Floats) -> Floats:
+    """(S, 3) medians of S sets of samples (S, n, 3), nan left out; each has some. `np.nanmedian` takes far longer."""
+    ordered = np.sort(samples, axis=1)  # nan comes last
+    known = np.count_nonzero(np.isfinite(samples), axis=1, keepdims=True)
+    middle = [np.take_along_axis(ordered, index, axis=1)[:, 0] for index in ((known - 1) // 2, known // 2)]
+    median: Floats = 0.5 * (middle[0] + middle[1])
+    return median
 
 
 def _nearest(view: BirdsEye, coarse: BirdsEye) -> Integers:

@@ -244,10 +244,10 @@ class RoadEdgeTracker:
 
     def _lane_confidence(self, tracked: LaneFilter) -> float:
         """By how many of the expected lines are seen, lately, and how well the place is known; 0 of a lost road."""
-        lines_seen = float(
-            np.clip(((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT), 0.0, 1.0)
-        )
-        return lines_seen * float(np.exp(-tracked.sigma_m / 0.3)) * (self._filter is not None)
+        if self._filter is None:
+            return 0.0
+        lines_seen = ((self._index.agreement or 0.0) - LEAST_AGREEMENT) / (1.0 - 2.0 * LEAST_AGREEMENT)
+        return min(max(lines_seen, 0.0), 1.0) * float(np.exp(-tracked.sigma_m / 0.3))
 
     def _likely(self, curvature_per_m: float) -> RoadEdges:
         """The middle of the likely lane, while no line has been seen."""
