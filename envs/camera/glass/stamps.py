@@ -28,7 +28,7 @@ class Stamp:
     source: NDArray[np.int32]  # (h, w) which pixel of the small pictures it shows, counted from its anchor
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=4096)
 def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tuple[int, int], stride: int) -> Stamp:
     """The stamp of a spot of `size` (width, height) with a disc of `blur`, all in 1/8 px of the planes; `scene` is the
     (height, width) of the small picture. Pictures of all `SHADES` lie one below the other, in rows of `stride` pixels.
