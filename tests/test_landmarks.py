@@ -167,6 +167,18 @@ def test_one_corner_is_enough_for_a_cone() -> None:
     assert 50.0 - drive.pose(first)[0] > 10.0
 
 
+def test_the_corner_of_a_shadow_and_a_wheel_are_no_body_beside_the_car() -> None:
+    """A car's face and flank, low points of its wheel, and one 0.8 m beside these that seems to stand 0.1 m high."""
+    face = body(40.0, 3.0, 2.0, 1.4, 10)
+    flank = [[along, 2.0, 0.6] for along in (42.0, 44.0, 44.3)]
+    low = np.array([[44.2, 2.0, 0.15], [44.1, 1.2, 0.1]])
+    found = Drive(np.concatenate([face, flank, low, road_points(100)])).run(tracker(), range(400))
+    assert all(len(bodies) <= 1 and bodies.left_m.min(initial=2.0) > 1.7 for bodies in found)
+    assert len(found[-1]) == 1
+    alone = Drive(np.concatenate([low, road_points(100)])).run(tracker(), range(430))
+    assert any(len(bodies) for bodies in alone), "without the car they are a pallet"
+
+
 @pytest.mark.parametrize("curvature_per_m", [0.0, 0.01, -0.0125])
 def test_an_empty_road_stays_empty(curvature_per_m: float) -> None:
     drive = Drive(road_points(400, curvature_per_m), noise_px=0.1, curvature_per_m=curvature_per_m)

@@ -262,9 +262,31 @@ class LandmarkTracker:
         """Those of points well above the road, then those of low points that are not beside one of these."""
         marks, low = self._marks, self.config.low
         tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
-        flat = self._of_points(marks.believed & marks.low, low, self._are_low, pose, road)
+        shaded = self._beside(tall, pose)
+        flat = self._of_points(
+            self._apart(pose), low, lambda believed, label: self._are_low(believed, label, shaded[believed]), pose, road
+        )
         flat = widened(flat, low.least_width_m)
         return joined(joined(tall, flat, low.beside_m), self._spots.bodies(pose), self.config.spots.beside_m)
+
+    def _beside(self, tall: Obstacles, pose: Floats) -> Bools:
+        """(M,) points beside a taller body, where its shadow may lie: the corner of one seems to stand a little."""
+        place, (along_m, across_m) = vehicle_from_world(self._marks.place_m, pose), self.config.low.shade_m
+        behind, right = place[:, :1] - tall.forward_m, place[:, 1:]
+        near = (behind > -across_m) & (behind < along_m)
+        near &= (right > tall.left_m - across_m) & (right < tall.right_m + across_m)
+        beside: Bools = np.any(near, axis=1)
+        return beside
+
+    def _apart(self, pose: Floats) -> Bools:
+        """(M,) believed low points that are not beside one of a taller body: its wheels are low as well."""
+        marks, (along_m, across_m) = self._marks, self.config.low.part_m
+        apart, tall = marks.believed & marks.low, marks.believed & ~marks.low & (marks.body >= 0)
+        low = np.flatnonzero(apart)
+        place = vehicle_from_world(marks.place_m, pose)
+        gap = np.abs(place[low, None] - place[tall])
+        apart[low] = ~np.any((gap[..., 0] < along_m) & (gap[..., 1] < across_m), axis=1)
+        return apart
 
     def _of_points(
         self,
@@ -308,16 +330,18 @@ class LandmarkTracker:
         together: Bools = (founders >= 2) | ((founders >= 1) & (support >= 3))
         return together | (np.bincount(label, single, count) > 0)
 
-    def _are_low(self, believed: Integers, label: Integers) -> Bools:
-        """(K,) clusters of low points that are bodies beyond doubt."""
+    def _are_low(self, believed: Integers, label: Integers, shaded: Bools) -> Bools:
+        """(K,) clusters of low points that are bodies beyond doubt; it takes one more where any is `shaded` (B,)."""
         marks, config, count = self._marks, self.config.low, int(label.max()) + 1
         single = (
             (marks.hits[believed] >= self._frames(config.single_hits_s))
             & (marks.margin[believed] > config.single_margin)
             & (marks.texture[believed] > config.single_texture)
+            & ~shaded
         )
+        wanted = config.least_points + (np.bincount(label, shaded, count) > 0)
         margin = np.bincount(label, np.minimum(marks.margin[believed], config.most_margin), count)
-        together: Bools = (np.bincount(label, minlength=count) >= config.least_points) & (margin > config.least_margin)
+        together: Bools = (np.bincount(label, minlength=count) >= wanted) & (margin > config.least_margin)
         return together | (np.bincount(label, single, count) > 0)
 
     def _describe(
