@@ -23,13 +23,13 @@ class Sight:
         self._objects = ObjectBook()
 
     def observe(self, observation: Observation, env: Any) -> None:
-        """Remember where everything is in a frame."""
+        """Remember where everything is in a frame, if one of the next is judged that reaches back to it."""
         self._env, self._frames = env, self._frames + 1
         renderer = getattr(env, "renderer", None)
-        if renderer is None:
+        if renderer is None or -self._frames % self._every > (longest := round(LONGEST_S * env.rate_hz)):
             return
         if self._motion is None:
-            self._motion = TrueMotion(env.camera, round(LONGEST_S * env.rate_hz))
+            self._motion = TrueMotion(env.camera, longest)
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         self._motion.note(Shot(self._frames, observation.image, pose, renderer))
 
@@ -37,10 +37,14 @@ class Sight:
         """The columns of the step table that say how right the driver was about that frame."""
         env = self._env
         found = self._objects.columns(plan.perception.obstacles, env.ego, env.road.network)
-        every = round(JUDGED_EVERY_S * env.rate_hz)
-        if self._motion is None or self._frames % every != 0:
+        if self._motion is None or self._frames % self._every != 0:
             return found
         return found | self._judged(plan.perception.flow, plan.perception.ttc_s, self._motion)
+
+    @property
+    def _every(self) -> int:
+        """Frames from one that is judged to the next."""
+        return round(JUDGED_EVERY_S * self._env.rate_hz)
 
     def _judged(self, flow: Flow, ttc_s: Any, motion: TrueMotion) -> dict[str, float]:
         """Medians over the points of the frame; nan where it has none."""
