@@ -1,12 +1,10 @@
 """Speed by what can be seen: a stop within it, from any speed that is allowed."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from vpf_sim.planning.sight_speed import SightConfig, safe_speed, within_sight
-from vpf_sim.types import Reference, VehicleModel
+from vpf_sim.planning.sight_speed import SightConfig, safe_speed, speed_within_sight
+from vpf_sim.types import VehicleModel
 
 CONFIG = SightConfig(brake_mps2=3.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)
 VEHICLE = VehicleModel()
@@ -25,10 +23,7 @@ def test_it_never_stands_for_what_cannot_be_seen() -> None:
 
 
 def slowed(speed_mps: float, now_m: float, good_m: float, wanted_mps: float = 5.55) -> float:
-    reference = Reference(0.3, speed_mps, 0.01)
-    found = within_sight(reference, (now_m, good_m), wanted_mps, CONFIG, VEHICLE)
-    assert found == replace(reference, speed_mps=found.speed_mps)
-    return found.speed_mps
+    return min(speed_mps, speed_within_sight((now_m, good_m), wanted_mps, CONFIG, VEHICLE))
 
 
 @pytest.mark.parametrize("wanted_mps", [3.0, 5.55, 15.0])

@@ -7,10 +7,10 @@ good view does not, it is cut by as much as the speed that does is less now than
 good view would allow has chosen not to stop for low bodies.
 """
 
-from dataclasses import dataclass, fields, replace
-from math import isinf, sqrt
+from dataclasses import dataclass, fields
+from math import inf, isinf, sqrt
 
-from vpf_sim.types import Reference, VehicleModel
+from vpf_sim.types import VehicleModel
 
 ENOUGH = 0.8  # of the reference speed: a good view that allows as much is one
 
@@ -37,18 +37,13 @@ def safe_speed(sight_m: float, config: SightConfig, vehicle: VehicleModel) -> fl
     return max(brake * (sqrt(reaction**2 + 2.0 * way / brake) - reaction), config.least_mps)
 
 
-def within_sight(
-    reference: Reference,
-    sight_m: tuple[float, float],
-    speed_reference_mps: float,
-    config: SightConfig,
-    vehicle: VehicleModel,
-) -> Reference:
-    """The reference, slowed by what is not seen; `sight_m` as in `Perception.low_sight_m`."""
+def speed_within_sight(
+    sight_m: tuple[float, float], speed_reference_mps: float, config: SightConfig, vehicle: VehicleModel
+) -> float:
+    """m/s at most by what is not seen, inf where that is no reason; `sight_m` as in `Perception.low_sight_m`."""
     now_m, good_m = sight_m
     with_good_view = safe_speed(good_m, config, vehicle)
     if isinf(good_m) or with_good_view < ENOUGH * speed_reference_mps:
-        return reference
+        return inf
     share = safe_speed(now_m, config, vehicle) / min(with_good_view, speed_reference_mps)
-    most = max(min(share, 1.0) * speed_reference_mps, config.least_mps)
-    return replace(reference, speed_mps=min(reference.speed_mps, most))
+    return max(min(share, 1.0) * speed_reference_mps, config.least_mps)

@@ -12,7 +12,7 @@ from vpf_sim.planning.lane_field import LaneField, LaneFieldConfig, LanePotentia
 from vpf_sim.planning.lane_reference import LaneReference
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import Reach, ReachConfig
-from vpf_sim.planning.sight_speed import SightConfig, within_sight
+from vpf_sim.planning.sight_speed import SightConfig, speed_within_sight
 from vpf_sim.planning.way_out import WayOut, WayOutConfig
 from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference
 
@@ -57,10 +57,9 @@ class Valley:
         self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
     ) -> Reference:
         """The reference, slowed by what is suspected on the way to a goal aside and by what cannot be seen."""
-        most = replace(reference, speed_mps=inf)
+        allowed = inf
         if self._sight is not None:
-            most = within_sight(most, perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
-        allowed = most.speed_mps
+            allowed = speed_within_sight(perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
         if self._caution is not None and perception.suspects is not None:
             suspects = place(perception.suspects, lane)
             allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
