@@ -102,6 +102,14 @@ def test_the_loop_is_damped_at_low_speed_as_it_is_at_two_metres_per_second() -> 
     assert overshoot(replace(ROBUST, boundary_speed_mps=0.0), 0.4) > 0.3
 
 
+def test_what_is_seen_too_late_is_braked_for_in_full_and_what_is_not_within_comfort() -> None:
+    """At 5 m/s: up to an error of 3 m/s the brake is a_0, from 4 m/s on the car's own."""
+    comfort = -ROBUST.brake_a0_mps2 / CAR.full_brake_mps2
+    for error_mps, brake in ((1.0, comfort), (3.0, comfort), (3.5, 0.5 * (comfort - 1.0)), (4.0, -1.0), (5.0, -1.0)):
+        command = controller(ROBUST).command(Bicycle(speed_mps=5.0).observe(), Reference(0.0, 5.0 - error_mps, 0.0))
+        assert command.throttle == pytest.approx(brake)
+
+
 def test_relay_is_sign_or_its_saturation() -> None:
     assert [relay(s, 0.0) for s in (-0.1, 0.0, 2.0)] == [-1.0, 0.0, 1.0]
     assert [relay(s, 0.5) for s in (-1.0, -0.25, 0.0, 0.25, 1.0)] == [-1.0, -0.5, 0.0, 0.5, 1.0]

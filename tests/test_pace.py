@@ -6,7 +6,7 @@ import pytest
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
-from vpf_sim.planning.pace import Pace
+from vpf_sim.planning.pace import EASY_MPS, FIRM_MPS2, Pace
 from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Floats, VehicleModel
 
@@ -96,3 +96,16 @@ def test_short_stands_do_not_add_up() -> None:
             assert watch.update(LANE, walls, body, 0.0, 0.0) == 0.0, second
         for _ in range(round(0.5 * RATE_HZ)):
             watch.update(LANE, walls, body, 0.0, 0.5)
+
+
+def test_no_more_is_asked_for_than_comfort_gives_unless_a_body_is_too_near_for_that() -> None:
+    """A wall closes the road: the car shall stand either way, but the brakes go beyond comfort only if they must."""
+    speeds = np.linspace(2.6, 8.0, 12)
+    firm = 0.5 * speeds**2 / FIRM_MPS2 + CONFIG.creep_standoff_m
+    for speed_mps, way_m in zip(speeds, firm, strict=True):
+        far, near = (
+            wanted(LaneObstacles(*np.array([[way + BUMPER_M, -9.0, 9.0]]).T), speed_mps)
+            for way in (way_m + 0.01, min(way_m, CONFIG.standoff_m) - 0.01)
+        )
+        assert far >= min(speed_mps, SPEED_MPS) - EASY_MPS
+        assert near == 0.0

@@ -1,6 +1,6 @@
 """v_d: how fast the robust variant goes by what is ahead: bends, and bodies that are not cleared in time."""
 
-from math import sqrt, tan
+from math import inf, sqrt, tan
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from vpf_sim.planning.reach import SPEEDS_MPS, Reach
 from vpf_sim.planning.settling import rest
 from vpf_sim.types import Floats
 
+STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
 RUNS_WIDE_M = 0.02  # beyond what is kept from a body: less is not seen
+EASY_MPS, FIRM_MPS2 = 2.5, 3.2  # no more below the present speed where braking so firmly is enough
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
 
@@ -32,6 +34,7 @@ class Pace:
         self._dt_s = 1.0 / rate_hz
         self._reach = reach
         self._rate_hz = rate_hz
+        self._steering, self._tightest = reach.steering(SPEEDS_MPS), reach.tightest(SPEEDS_MPS)
         self.restart(speed_reference_mps)
 
     def restart(self, speed_mps: float) -> None:
@@ -85,6 +88,8 @@ class Pace:
         blocked = field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0
         there = np.minimum(self._before(lane, obstacles, field, minimum_m), beside)
         limits = np.where(blocked, stop, there)
+        firm_m = 0.5 * speed_mps**2 / FIRM_MPS2 + config.creep_standoff_m
+        limits = np.where((way < firm_m) | moves, limits, np.maximum(limits, speed_mps - EASY_MPS))
         nearest = self._creep.nearest(speed_mps)
         creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
         limit = float(np.min(passed, where=passing, initial=limit))
@@ -126,8 +131,9 @@ class Pace:
 
     def _settled(self, obstacles: LaneObstacles, field: LaneField, minimum_m: float, glide: Glide) -> float:
         """m/s at which the path, bent as it is, comes to rest before it is too near to bodies beyond the minimum."""
-        steering, tightest = self._reach.steering(SPEEDS_MPS), self._reach.tightest(SPEEDS_MPS)
-        way, shift = rest(glide.slope, glide.bend_per_m, steering, tightest)
+        if max(abs(glide.slope), abs(glide.bend_per_m) * self._reach.radius_m) < STRAIGHT:
+            return inf
+        way, shift = rest(glide.slope, glide.bend_per_m, self._steering, self._tightest)
         room = -field.overlap(obstacles, minimum_m, 0.0)
         kept = np.minimum(room, self._config.minimum_clearance_m)
         side = np.where(0.5 * (obstacles.left_m + obstacles.right_m) < minimum_m, -1.0, 1.0)
