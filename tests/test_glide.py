@@ -120,6 +120,26 @@ def test_the_corners_stay_on_the_carriageway(speed_mps: float, first_m: float) -
     assert car.y_m == pytest.approx(edge_m - 1.1, abs=0.1)
 
 
+@pytest.mark.parametrize("speed_mps", [1.2, 2.0, 3.0])
+@pytest.mark.parametrize("way_m", [0.5, 1.5, 2.5, 3.5])
+@pytest.mark.parametrize("gap_m", [0.8, 1.2])
+def test_the_corners_stay_clear_of_a_body_that_is_passed_next(gap_m: float, way_m: float, speed_mps: float) -> None:
+    """A body stands to the right, farther than the car shall go: it gets there turned, its corner first."""
+    car, hands, road = Bicycle(speed_mps=speed_mps), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
+    field = LaneField(ROBUST.field, CAR, 5.55, REACH)
+    way, front = LaneReference(ROBUST.reference, CAR, speed_mps, RATE_HZ, REACH), []
+    half_length, half_width = 0.5 * CAR.length_m, 0.5 * CAR.width_m
+    face_m, side_m = way_m + half_length, gap_m + half_width
+    while car.x_m < face_m + 4.0:
+        body = LaneObstacles(np.array([face_m - car.x_m]), np.array([side_m]), np.array([side_m + 2.0]))
+        reference = way.update(locate(road.edges(car)), body, field, gap_m - 0.15, car.yaw_rad, car.speed_mps)
+        car.step(hands.command(car.observe(), replace(reference, speed_mps=speed_mps)))
+        ahead = car.x_m + half_length * np.cos(car.yaw_rad) - half_width * np.sin(car.yaw_rad)
+        aside = car.y_m + half_length * np.sin(car.yaw_rad) + half_width * np.cos(car.yaw_rad)
+        front.append(side_m - aside if ahead > face_m else side_m)
+    assert min(front) > 0.05
+
+
 @pytest.mark.parametrize(("way_m", "right_m", "leaves"), [(16.0, 12.0, False), (9.0, 12.0, True), (16.0, 2.6, True)])
 def test_the_own_lane_is_left_no_sooner_than_it_must_be(way_m: float, right_m: float, leaves: bool) -> None:
     """1.5 m aside before a body, at 5.55 m/s; at once where another body leaves no room to spare."""

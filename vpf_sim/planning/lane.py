@@ -45,6 +45,10 @@ class LaneObstacles:
     def __len__(self) -> int:
         return len(self.along_m)
 
+    def chosen(self, rows: Bools) -> "LaneObstacles":
+        """Some of them."""
+        return LaneObstacles(*(getattr(self, name)[rows] for name in self.__slots__))
+
 
 def locate(road: RoadEdges) -> Lane:
     """Where the vehicle is; the preferred position is the middle of its own lane."""
@@ -61,8 +65,9 @@ def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     y = lane.y_m + across - 0.5 * lane.curvature_per_m * along**2
     half = 0.5 * (obstacles.right_m - obstacles.left_m)
     part = _parts(along, y - half, y + half, obstacles)
-    whole, length = ~part.any(axis=1), _lengths(along, part)
-    return LaneObstacles(along[whole], (y - half)[whole], (y + half)[whole], obstacles.speed_mps[whole], length[whole])
+    all_parts = LaneObstacles(along, y - half, y + half, obstacles.speed_mps, _lengths(along, part))
+    whole: Bools = np.logical_not(part.any(axis=1))
+    return all_parts if whole.all() else all_parts.chosen(whole)
 
 
 def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacles) -> Bools:
@@ -71,6 +76,8 @@ def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacle
     Passed as bodies of their own they would keep the car aside for the length of two, and a part of a side that is seen
     at a grazing angle is known worse than the face. What is wider than the body before it is no part of that.
     """
+    if len(along_m) < 2:
+        return np.zeros((len(along_m), len(along_m)), np.bool_)
     behind = along_m[:, None] - along_m[None]
     shared = np.minimum(right_m[:, None], right_m[None]) - np.maximum(left_m[:, None], left_m[None])
     width = right_m - left_m

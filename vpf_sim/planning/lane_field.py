@@ -29,6 +29,7 @@ from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
+NEXT_M = 4.0  # ahead, what stands beside our way is passed next
 FREE_M = 1e-6  # a body's own side is free of it
 NO_CHOICE = 1e3  # more than any body, side or memory costs
 CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
@@ -167,12 +168,20 @@ class LaneField:
         nearer = float(free.min(initial=np.inf))
         return np.where(in_way & (nearer < np.inf), nearer, 0.0)
 
-    def beside(self, obstacles: LaneObstacles, lane: Lane) -> Lane:
-        """The lane between the bodies that the car is passing, instead of between the edges of the road."""
+    def beside(self, obstacles: LaneObstacles, lane: Lane, path_m: float) -> Lane:
+        """The lane between the bodies that the car is passing, instead of between the edges of the road.
+
+        A body that is passed next counts as well where neither the car nor its path, now at `path_m`, leads into it:
+        who turns towards it reaches it with a corner first.
+        """
+        if not len(obstacles):
+            return lane
         front, rear = self.bumper(obstacles), obstacles.along_m + self._length(obstacles)
-        passing = (front < 0.0) & (rear > -self._half_length_m)
-        right = np.min(obstacles.left_m, where=passing & (obstacles.left_m > lane.y_m), initial=lane.right_m)
-        left = np.max(obstacles.right_m, where=passing & (obstacles.right_m < lane.y_m), initial=lane.left_m)
+        passing = (front < NEXT_M) & (rear > -self._half_length_m)
+        least = np.where(front < 0.0, lane.y_m, min(lane.y_m, path_m) - self._half_width_m)
+        most = np.where(front < 0.0, lane.y_m, max(lane.y_m, path_m) + self._half_width_m)
+        right = np.min(obstacles.left_m, where=passing & (obstacles.left_m > most), initial=lane.right_m)
+        left = np.max(obstacles.right_m, where=passing & (obstacles.right_m < least), initial=lane.left_m)
         return replace(lane, right_m=float(right), left_m=float(left))
 
     def bumper(self, obstacles: LaneObstacles) -> Floats:

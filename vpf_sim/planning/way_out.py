@@ -264,5 +264,4 @@ def _shifted(lane: Lane, shift_m: float) -> Lane:
 
 
 def _near(bodies: LaneObstacles) -> LaneObstacles:
-    near = bodies.along_m < RELEVANT_M
-    return LaneObstacles(*(getattr(bodies, name)[near] for name in LaneObstacles.__slots__))
+    return bodies.chosen(bodies.along_m < RELEVANT_M)
