@@ -174,11 +174,11 @@ def test_a_drop_that_moves_with_the_car_is_never_believed(speed_mps: float) -> N
     assert not any(len(bodies) for bodies in recorded([8.0] * 40, speed_mps))
 
 
-def suspected(sightings: list[tuple[float, bool, bool]]) -> list[tuple[int, int]]:
+def suspected(sightings: list[tuple[float, bool, bool]], step_m: float = SPEED_MPS / LOOKS_HZ) -> list[tuple[int, int]]:
     """How many are suspected and believed after each look at a spot so far ahead (nan: none), `sure`, `cut`."""
     book, found = SpotBook(SpotConfig(), lambda: 0, near_m=6.5), []
     for k, (place, sure, cut) in enumerate(sightings):
-        pose = np.array([k * SPEED_MPS / LOOKS_HZ, 0.0, 0.0])
+        pose = np.array([k * step_m, 0.0, 0.0])
         book.record([Spot(place, -0.4, 0.4, 4.0, sure, cut)] if np.isfinite(place) else [], pose)
         found.append((len(book.suspects(pose)), len(book.bodies(pose))))
     return found
@@ -227,6 +227,13 @@ def test_the_near_end_of_one_cut_off_tells_no_place() -> None:
     seen = [(8.4 - k * step, True, False) for k in range(3)]
     assert suspected([*seen[:2], (7.0, True, True), (6.7, True, True)])[-1] == (1, 0), "too short a way"
     assert suspected(seen)[-1] == (0, 1)
+
+
+def test_one_first_seen_near_is_believed_by_sightings_cut_off_if_there_are_more_of_them() -> None:
+    seen = [(7.9, True, False), (np.nan, False, False), *[(6.7, True, True)] * 4]
+    told = suspected(seen, step_m=0.3)
+    assert told[2:] == [(1, 0), (1, 0), (1, 0), (0, 1)]
+    assert not any(two for _, two in suspected([(7.1, True, False), *[(6.7, True, True)] * 9], 0.3)), "a drop"
 
 
 def test_a_spot_that_turns_out_to_be_road_is_forgotten() -> None:

@@ -33,6 +33,7 @@ class SpotConfig:
     beside_m: float = 0.1  # a spot so near a taller body is of it: what that body covers is left out beforehand
     least_width_m: float = 0.6  # a body is told no narrower
     behind_m: float = 11.0  # where one is forgotten
+    cut_hits: int = 2  # that it takes besides where its place was not told all the way
     doubts: int = 2  # sightings, sure ones or not, until one that is not believed is suspected
 
     def __post_init__(self) -> None:
@@ -50,8 +51,9 @@ class _Candidate:
     first_forward_m: float  # from the car then
     hits: int  # sure ones
     sightings: int = 1
-    way_m: float = 0.0  # of the car from the first sighting to the last that told the place,
-    came_nearer: bool = False  # and whether the spot came nearer by as much
+    told_m: float = 0.0  # way of the car from the first sighting to the last that told the place,
+    way_m: float = 0.0  # and to the last,
+    came_nearer: bool = False  # by as much of which the spot came nearer
     misses: int = 0
     identity: int | None = None  # of the body that it is believed to be
 
@@ -111,11 +113,17 @@ class SpotBook:
                 self._known.append(_Candidate(place, width, pose[:2].copy(), spot.forward_m, int(spot.sure)))
             return
         one.hits, one.sightings, one.misses = one.hits + spot.sure, one.sightings + 1, 0
+        self._approach(one, spot, pose)
         if not spot.cut:
             self._place(one, spot, here, pose)
-        stands = one.way_m >= self.config.way_m and one.came_nearer
-        if one.identity is None and one.hits >= self.hits_needed and stands:
+        if one.identity is None and self._stands(one):
             one.identity = self._next_identity()
+
+    def _stands(self, one: _Candidate) -> bool:
+        """Whether it was seen often enough, over way enough, as what stands comes nearer."""
+        config = self.config
+        needed = self.hits_needed + (0 if one.told_m >= config.way_m else config.cut_hits)
+        return one.came_nearer and one.way_m >= config.way_m and one.hits >= needed
 
     def _known_at(self, here: Floats, pose: Floats) -> _Candidate | None:
         """The first that is remembered about a place."""
@@ -127,9 +135,16 @@ class SpotBook:
 
     def _place(self, one: _Candidate, spot: Spot, here: Floats, pose: Floats) -> None:
         """Average over the sightings."""
-        newest, one.way_m = self.config.newest, distance_m(pose[:2], one.first_m)
+        newest, one.told_m = self.config.newest, one.way_m
         one.place_m = one.place_m + newest * (world_from_vehicle(here, pose) - one.place_m)
         one.width_m += newest * (spot.right_m - spot.left_m - one.width_m)
+
+    def _approach(self, one: _Candidate, spot: Spot, pose: Floats) -> None:
+        """How far the car has come since the first sighting, and whether the spot came nearer by as much.
+
+        One that is cut off has come at least so near.
+        """
+        one.way_m = distance_m(pose[:2], one.first_m)
         nearer_m = one.first_forward_m - spot.forward_m
         one.came_nearer = one.way_m > LEAST_WAY_M and nearer_m > self.config.nearer_share * one.way_m
 
