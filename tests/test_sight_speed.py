@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.planning.sight_speed import SightConfig, safe_speed, speed_within_sight
+from vpf_sim.planning.sight_speed import SightConfig, safe_speed, speed_within_sight, stopping_way
 from vpf_sim.types import VehicleModel
 
 CONFIG = SightConfig(brake_mps2=3.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)
@@ -13,7 +13,8 @@ VEHICLE = VehicleModel()
 @pytest.mark.parametrize("sight_m", [6.0, 8.0, 10.0, 15.0, 40.0])
 def test_the_car_stops_before_what_comes_into_sight(sight_m: float) -> None:
     speed = safe_speed(sight_m, CONFIG, VEHICLE)
-    way = speed * CONFIG.reaction_s + speed**2 / (2.0 * CONFIG.brake_mps2)
+    way = stopping_way(speed, CONFIG.brake_mps2, CONFIG.reaction_s)
+    assert way == pytest.approx(speed * CONFIG.reaction_s + speed**2 / (2.0 * CONFIG.brake_mps2))
     assert 0.5 * VEHICLE.length_m + way + CONFIG.standoff_m == pytest.approx(sight_m)
 
 

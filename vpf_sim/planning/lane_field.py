@@ -26,6 +26,7 @@ import numpy as np
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.reach import Reach
+from vpf_sim.planning.sight_speed import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
@@ -241,7 +242,7 @@ class LaneField:
         """(K,) 0 .. 1, which bodies are too near for a stop."""
         way = self.bumper(obstacles)
         closing = np.maximum(speed_mps - obstacles.speed_mps, 0.0)
-        stop = closing**2 / (2.0 * STOP_MPS2) + closing * STOP_REACTION_S
+        stop = stopping_way(closing, STOP_MPS2, STOP_REACTION_S)
         return np.where(way > 0.0, np.clip(stop - way, 0.0, 1.0), 0.0)
 
     def _gap(self, obstacles: LaneObstacles, y_m: Floats) -> Floats:

@@ -24,6 +24,7 @@ from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.pace import Pace
 from vpf_sim.planning.reach import Reach, rear_m
+from vpf_sim.planning.sight_speed import stopping_way
 from vpf_sim.types import Floats, Reference, VehicleModel
 
 SLOWEST_CLOSING_MPS = 0.5
@@ -135,7 +136,7 @@ class LaneReference:
             return minimum_m
         hit = ahead & (field.overlap(obstacles, rest_m, config.walking_clearance_m) > 0.0)
         first_m = float(np.min(way, where=hit, initial=np.inf))
-        stops = 0.5 * speed_mps**2 / config.brake_mps2 + config.creep_standoff_m < first_m
+        stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.creep_standoff_m < first_m
         same_row = float(way[taken].min()) < first_m + ROW_M
         return rest_m if stops and same_row else minimum_m
 

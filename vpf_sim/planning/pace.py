@@ -11,6 +11,7 @@ from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import SPEEDS_MPS, Reach
 from vpf_sim.planning.settling import rest
+from vpf_sim.planning.sight_speed import stopping_way
 from vpf_sim.types import Floats
 
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
@@ -88,7 +89,7 @@ class Pace:
         blocked = field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0
         there = np.minimum(self._before(lane, obstacles, field, minimum_m), beside)
         limits = np.where(blocked, stop, there)
-        firm_m = 0.5 * speed_mps**2 / FIRM_MPS2 + config.creep_standoff_m
+        firm_m = stopping_way(speed_mps, FIRM_MPS2) + config.creep_standoff_m
         limits = np.where((way < firm_m) | moves, limits, np.maximum(limits, speed_mps - EASY_MPS))
         nearest = self._creep.nearest(speed_mps)
         creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
