@@ -44,7 +44,7 @@ class Sight:
     @property
     def _every(self) -> int:
         """Frames from one that is judged to the next."""
-        return round(JUDGED_EVERY_S * self._env.rate_hz)
+        return round(JUDGED_EVERY_S * float(self._env.rate_hz))
 
     def _judged(self, flow: Flow, ttc_s: Any, motion: TrueMotion) -> dict[str, float]:
         """Medians over the points of the frame; nan where it has none."""
