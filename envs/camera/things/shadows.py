@@ -28,7 +28,7 @@ class Shadow:
         distance = np.hypot(*(pose[:2] - view.centre[:2]).tolist())
         if distance > RANGE_M:
             return
-        if not np.array_equal(pose, self._pose):
+        if pose is not self._pose and not np.array_equal(pose, self._pose):
             self._pose, self._outlines = pose, self._cast(pose)
         polygons = [_in_picture(view, outline) for outline in self._outlines]
         full = min(1.0, (RANGE_M - distance) / (RANGE_M - FADED_IN_M))

@@ -75,7 +75,7 @@ class Solid:
 
     def _go(self, pose: Floats) -> None:
         """Stand at a pose."""
-        if np.array_equal(pose, self._pose):
+        if pose is self._pose or np.array_equal(pose, self._pose):
             return
         if pose[2] != self._pose[2]:
             self._contrasts = self._look = None

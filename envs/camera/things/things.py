@@ -90,7 +90,7 @@ class Things:
         body = now.bodies[index]
         pose = now.poses[id(body)]
         earlier = before.poses.get(id(body), pose)
-        motion = STILL if np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
+        motion = STILL if earlier is pose or np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
         drawing = self._of(body).solid.seen(now.view, pose)
         return None if drawing is None else Drawn(drawing, index + 1, motion)
 
