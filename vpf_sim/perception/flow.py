@@ -252,9 +252,9 @@ class FlowTracker:
         good &= (now[:, 0] >= 0) & (now[:, 0] <= self.camera.width_px - 1)
         good &= (now[:, 1] >= self._top) & (now[:, 1] <= self._bottom - 1)
         tracks = self._tracks
-        tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
-        tracks.age, tracks.next_age = tracks.age + 1, tracks.next_age + 1
+        tracks.trail, tracks.age, tracks.next_age = tracks.trail[:-1], tracks.age + 1, tracks.next_age + 1
         tracks.keep(good)
+        tracks.trail = np.concatenate([now[None, good], tracks.trail])
 
     def _report(self, pose: Floats) -> Flow:
         tracks = self._tracks
