@@ -140,6 +140,20 @@ def test_the_corners_stay_clear_of_a_body_that_is_passed_next(gap_m: float, way_
     assert min(front) > 0.05
 
 
+@pytest.mark.parametrize(("way_m", "gap_m", "leaves"), [(6.0, 1.9, False), (12.0, 1.9, True), (6.0, 2.3, True)])
+def test_near_a_gap_that_is_too_narrow_the_car_is_not_turned_towards_it(
+    way_m: float, gap_m: float, leaves: bool
+) -> None:
+    """A row closes the road but for a gap 1 m to the right: it can still stop, and the gap may be none."""
+    faces, half = np.full(2, way_m + 0.5 * CAR.length_m), 0.5 * gap_m
+    bodies = LaneObstacles(faces, np.array([-12.0, 1.0 + half]), np.array([1.0 - half, 12.0]))
+    way, field = LaneReference(ROBUST.reference, CAR, 1.5, RATE_HZ, REACH), LaneField(ROBUST.field, CAR, 5.55, REACH)
+    for _ in range(150):
+        way.update(LANE, bodies, field, 1.0, 0.0, 1.5)
+    assert way.y_m is not None
+    assert (way.y_m > 0.1) == leaves
+
+
 @pytest.mark.parametrize(("way_m", "right_m", "leaves"), [(16.0, 12.0, False), (9.0, 12.0, True), (16.0, 2.6, True)])
 def test_the_own_lane_is_left_no_sooner_than_it_must_be(way_m: float, right_m: float, leaves: bool) -> None:
     """1.5 m aside before a body, at 5.55 m/s; at once where another body leaves no room to spare."""

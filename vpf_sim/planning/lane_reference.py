@@ -29,6 +29,7 @@ from vpf_sim.types import Floats, Reference, VehicleModel
 
 SLOWEST_CLOSING_MPS = 0.5
 RESTS_SLOPE = 0.02  # of a path that has not left its place yet
+HOLDS_M = 7.0  # bumper to face: from farther away a gap may still prove wider, and is entered from before it
 ROW_M = 5.0  # what stands so far behind another is of its row
 WAITS_S = 0.4  # besides the way that a shift takes
 
@@ -121,8 +122,8 @@ class LaneReference:
         """Where the path shall lead: to the minimum, or where it is soonest straight if no place is free there, either.
 
         Turned towards a gap that may be none a car has neither the way nor the angle left for another. It goes back to
-        its own lane all the same, and holds only where it can stop, and not because of what is far behind the first
-        that is in its way.
+        its own lane all the same, and holds only near, where it can stop, and not because of what is far behind the
+        first that is in its way.
         """
         if not len(obstacles):
             return minimum_m
@@ -138,7 +139,7 @@ class LaneReference:
         first_m = float(np.min(way, where=hit, initial=np.inf))
         stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.creep_standoff_m < first_m
         same_row = float(way[taken].min()) < first_m + ROW_M
-        return rest_m if stops and same_row else minimum_m
+        return rest_m if stops and same_row and first_m < HOLDS_M else minimum_m
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""
