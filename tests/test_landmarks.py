@@ -167,6 +167,15 @@ def test_one_corner_is_enough_for_a_cone() -> None:
     assert 50.0 - drive.pose(first)[0] > 10.0
 
 
+@pytest.mark.parametrize(("count", "kept"), [(3, 0), (12, 1)])
+def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
+    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()
+    bodies = drive.run(found, range(330))[-1]
+    assert len(bodies) == 1
+    found._clear(bodies, 0, drive.pose(329))
+    assert len(drive.run(found, range(330, 334))[-1]) == kept
+
+
 def test_the_corner_of_a_shadow_and_a_wheel_are_no_body_beside_the_car() -> None:
     """A car's face and flank, low points of its wheel, and one 0.8 m beside these that seems to stand 0.1 m high."""
     face = body(40.0, 3.0, 2.0, 1.4, 10)

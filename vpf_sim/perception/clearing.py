@@ -22,11 +22,14 @@ class ClearingConfig:
     body: float = 5.0  # from which on something stands there
     looks: int = 3  # at bare road, more than at something
     way_m: float = 0.3  # of the car between two: standing, it sees the same picture again
-    about_m: tuple[float, float] = (2.5, 0.5)  # along and across, what goes with a cleared body
+    about_m: tuple[float, float] = (2.5, 0.5)  # along and across, what goes with a cleared body,
+    most_points: int = 6  # unless more points than this: so many do not err together, and a shadow hides a car's foot
 
     def __post_init__(self) -> None:
         if not 0.0 < self.road <= self.body:
             raise ValueError(f"road, body: expected 0 < road <= body, got {self.road}, {self.body}")
+        if self.most_points < 1:
+            raise ValueError(f"most_points: expected >= 1, got {self.most_points}")
         if self.looks < 1:
             raise ValueError(f"looks: expected >= 1, got {self.looks}")
 

@@ -129,13 +129,15 @@ class LandmarkTracker:
         )
 
     def _clear(self, bodies: Obstacles, index: int, pose: Floats) -> None:
-        """Forget a body where the road is seen instead of it; what was seen of it elsewhere stays."""
+        """Forget a body of few points where the road is seen instead of it; what was seen of it elsewhere stays."""
         identity, (along_m, across_m) = int(bodies.identity[index]), self.config.clearing.about_m
         place = vehicle_from_world(self._marks.place_m, pose)
         far = np.abs(place[:, 0] - bodies.forward_m[index]) > along_m
         far |= (place[:, 1] < bodies.left_m[index] - across_m) | (place[:, 1] > bodies.right_m[index] + across_m)
-        self._marks.keep(far | (self._marks.body != identity))
-        self._spots.forget(identity)
+        own = ~far & (self._marks.body == identity) & self._marks.believed
+        if np.count_nonzero(own) <= self.config.clearing.most_points:
+            self._marks.keep(far | (self._marks.body != identity))
+            self._spots.forget(identity)
 
     def _number(self) -> int:
         self._next_body += 1
