@@ -30,7 +30,19 @@ from vpf_sim.types import Command, Observation, Reference, VehicleModel
 STANDSTILL_MPS = 0.1
 SLOWEST_MPS = 2.0  # to slow down further for the reaching condition would take the authority itself
 DEMAND_FILTER_HZ = 2.0
+HARD_SHARE, HARD_LEAST_MPS = 0.7, 1.2  # of the speed, by which a car that is too fast brakes beyond a_0; no less
 NARROWEST = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
+
+NOT_NEGATIVE = (
+    "boundary_layer_radps",
+    "boundary_speed_mps",
+    "reference_filter_hz",
+    "yaw_rate_filter_hz",
+    "speed_boundary_mps",
+    "hard_error_mps",
+    "swing_mps2",
+    "swing_s",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +64,8 @@ class Gains:
     disturbance_radps3: float = 0.0  # D of the super-twisting law: how fast what disturbs s_r may change
     slows_to_reach: bool = False  # where the reaching condition does not hold
     boundary_speed_mps: float = 0.0  # below it the layer of s_r narrows with the authority, so the loop does not ring
-    hard_error_mps: float = 0.0  # so much too fast the brake goes beyond a_0, 1 m/s more to its full; 0 is never
+    hard_error_mps: float = 0.0  # so much too fast, or by `HARD_SHARE` of the speed, the brake goes beyond a_0, 1 m/s
+    # more to its full; 0 is never
     swing_mps2: float = 0.0  # most by which the acceleration changes within `swing_s`; 0 is no limit
     swing_s: float = 0.0
 
@@ -60,10 +73,7 @@ class Gains:
         for key in ("c_r_per_s", "u0_radps", "c_l", "a0_mps2", "brake_a0_mps2"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
-        for key in ("boundary_layer_radps", "boundary_speed_mps", "reference_filter_hz", "yaw_rate_filter_hz"):
-            if not getattr(self, key) >= 0.0:
-                raise ValueError(f"{key}: expected >= 0, got {getattr(self, key)}")
-        for key in ("speed_boundary_mps", "hard_error_mps", "swing_mps2", "swing_s"):
+        for key in NOT_NEGATIVE:
             if not getattr(self, key) >= 0.0:
                 raise ValueError(f"{key}: expected >= 0, got {getattr(self, key)}")
         if (self.lateral_law == "super_twisting") != (self.disturbance_radps3 > 0.0):
@@ -196,21 +206,24 @@ class Gtsmc:
         self._heading_rate_radps += self._share(self._gains.reference_filter_hz) * (raw - self._heading_rate_radps)
         return self._heading_rate_radps
 
-    def _hard(self, s_l: float) -> float:
-        """m/s2 of braking besides a_0: only what was seen too late asks for a speed so far below the present one."""
-        hard = self._gains.hard_error_mps
-        if hard == 0.0:
+    def _hard(self, s_l: float, speed_mps: float) -> float:
+        """0 .. 1 of the full brake: only what was seen too late asks for a speed so far below the present one."""
+        if self._gains.hard_error_mps == 0.0:
             return 0.0
-        return min(max(s_l - hard, 0.0), 1.0) * (self._vehicle.full_brake_mps2 - self._gains.brake_a0_mps2)
+        hard = max(min(self._gains.hard_error_mps, HARD_SHARE * speed_mps), HARD_LEAST_MPS)
+        return min(max(s_l - hard, 0.0), 1.0)
 
     def _accelerate(self, speed_mps: float, reference_mps: float) -> float:
         """Normalised throttle (> 0) or brake (< 0)."""
         s_l = self._gains.c_l * speed_mps - reference_mps
         wish = relay(-s_l, self._gains.speed_boundary_mps)
         acceleration = wish * (self._gains.a0_mps2 if wish > 0.0 else self._gains.brake_a0_mps2)
+        hard = self._hard(s_l, speed_mps)
         if self._swing is not None:
+            if hard > 0.0:
+                self._swing.forget()
             acceleration = self._swing.limit(acceleration)
-        acceleration -= self._hard(s_l)
+        acceleration -= hard * (acceleration + self._vehicle.full_brake_mps2)
         if acceleration > 0.0:
             return min(1.0, acceleration / self._vehicle.full_throttle_mps2)
         return max(-1.0, acceleration / self._vehicle.full_brake_mps2)

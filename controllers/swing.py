@@ -15,6 +15,10 @@ class Swing:
         self._most_mps2 = most_mps2
         self._last: deque[float] = deque(maxlen=max(1, round(within_s / dt_s)))
 
+    def forget(self) -> None:
+        """What comes next has nothing to be smooth with: the car brakes in need."""
+        self._last.clear()
+
     def limit(self, wish_mps2: float) -> float:
         """m/s2 of the next step of dt, as near to the wish as the bound lets it."""
         if self._last:

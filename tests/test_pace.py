@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from vpf_sim.planning import variant
+from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
-from vpf_sim.planning.pace import EASY_MPS, FIRM_MPS2, Pace
+from vpf_sim.planning.pace import EASY_MPS, EASY_SHARE, FIRM_MPS2, LEAST_MPS, Pace
 from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Floats, VehicleModel
 
@@ -107,5 +108,56 @@ def test_no_more_is_asked_for_than_comfort_gives_unless_a_body_is_too_near_for_t
             wanted(LaneObstacles(*np.array([[way + BUMPER_M, -9.0, 9.0]]).T), speed_mps)
             for way in (way_m + 0.01, min(way_m, CONFIG.standoff_m) - 0.01)
         )
-        assert far >= min(speed_mps, SPEED_MPS) - EASY_MPS
+        assert far >= min(speed_mps, SPEED_MPS) - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)
         assert near == 0.0
+
+
+def bent(
+    rows: list[tuple[float, float, float]], minimum_m: float, path: tuple[float, float, float], mirrored: bool
+) -> float:
+    """v_d of a car at 5 m/s on a path at y with a slope and a bend, before bodies (face, left, right), or mirrored."""
+    sign = -1.0 if mirrored else 1.0
+    sides = [(face, *sorted((sign * left, sign * right))) for face, left, right in rows]
+    y_m, slope, bend = (sign * one for one in path)
+    glide = Glide(CONFIG, REACH, y_m, 5.0)
+    glide.slope, glide.bend_per_m = slope, bend
+    lane = Lane(y_m, 9.0, -9.0, -slope, 0.0)
+    return pace().update(lane, LaneObstacles(*np.array(sides).T), field(), sign * minimum_m, 5.0, glide)
+
+
+def test_a_path_that_would_run_wide_into_what_stands_beyond_the_gap_is_slowed_and_its_mirror_image_alike() -> None:
+    beyond = [(BUMPER_M + 3.0, 1.5 + HALF_M + 0.5, 5.0)]
+    path = (1.2, 0.35, 0.05)
+    assert bent(beyond, 1.5, path, False) == pytest.approx(2.5)  # no more below 5 m/s than comfort lets it
+    assert bent(beyond, 1.5, path, True) == bent(beyond, 1.5, path, False)
+    assert bent([(BUMPER_M + 3.0, 7.0, 8.0)], 1.5, path, False) > 5.0
+
+
+@pytest.mark.parametrize(("y_m", "slope", "bend"), [(1.6, 0.3, -0.05), (2.0, 0.2, -0.08), (2.25, 0.1, -0.05)])
+def test_a_path_that_leads_away_from_the_only_body_is_not_slowed_by_how_it_comes_to_rest(
+    y_m: float, slope: float, bend: float
+) -> None:
+    passed = [(BUMPER_M + 0.5, -1.0, 1.0)]
+    straight = pace().update(Lane(y_m, 9.0, -9.0, -slope, 0.0), LaneObstacles(*np.array(passed).T), field(), 2.3, 5.0)
+    assert bent(passed, 2.3, (y_m, slope, bend), False) == straight
+
+
+def test_a_wall_on_both_sides_slows_a_path_to_the_left_as_one_to_the_right() -> None:
+    wall = [(7.0, -5.0, 5.0)]
+    assert bent(wall, 0.0, (0.0, 0.2, 0.0), False) == bent(wall, 0.0, (0.0, 0.2, 0.0), True)
+
+
+def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_comfort() -> None:
+    for gap_m in (0.17, 0.13, 0.0):
+        assert wanted(gate(gap_m, -1.0), 5.0) >= 5.0 - EASY_MPS
+
+
+def test_the_nearer_side_is_one_where_no_other_body_stands() -> None:
+    """Two bodies side by side: between them there is no room; their outer sides are 3.5 and 4.5 m from the middle."""
+    rows = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 2.5)])
+    free = field().nearer_side(LaneObstacles(*rows.T), LANE, 0.1)
+    assert free[0] == pytest.approx(1.0 + HALF_M + 0.1)
+    to_the_left = np.array([(8.0, -1.0, 0.9), (8.0, -3.0, -1.5)])
+    assert field().nearer_side(LaneObstacles(*to_the_left.T), LANE, 0.1)[0] == pytest.approx(0.9 + HALF_M + 0.1)
+    both = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 9.0), (8.0, -9.0, -1.5)])
+    assert np.all(field().nearer_side(LaneObstacles(*both.T), LANE, 0.1) == 0.0)

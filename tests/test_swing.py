@@ -7,6 +7,7 @@ from bicycle import Bicycle
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.controllers.swing import Swing
 from vpf_sim.evaluation.metrics.comfort import BOUNDS, nuplan_signals
+from vpf_sim.planning.pace import eased
 from vpf_sim.types import Floats, Reference, VehicleModel
 
 RATE_HZ = 60.0
@@ -38,7 +39,7 @@ def test_braking_out_of_speeding_up_and_speeding_up_after_it_keep_nuplans_bounds
     """As hard as the gains allow where nothing is seen too late."""
     car, hands, rows = Bicycle(speed_mps=3.0), Gtsmc(load_gains(name), VehicleModel(), RATE_HZ), []
     while car.time_s < 4.0 + braking_s:
-        wanted = max(car.speed_mps - 2.0, 0.0) if 1.0 <= car.time_s < 1.0 + braking_s else 9.0
+        wanted = max(eased(car.speed_mps), 0.0) if 1.0 <= car.time_s < 1.0 + braking_s else 9.0
         car.step(hands.command(car.observe(), Reference(0.0, wanted, 0.0)))
         rows.append((car.time_s, car.speed_mps, car.yaw_rad, car.yaw_rate_radps))
     signals = nuplan_signals(*np.array(rows).T)
@@ -46,3 +47,16 @@ def test_braking_out_of_speeding_up_and_speeding_up_after_it_keep_nuplans_bounds
     for signal, bound in ((signals[key], BOUNDS[key]) for key in BOUNDS):
         assert bound.low < signal.min()
         assert signal.max() < bound.high
+
+
+@pytest.mark.parametrize("speed_mps", [1.6, 2.1, 2.6, 3.6, 5.1])
+def test_who_must_stop_out_of_speeding_up_stops_sooner_than_by_a_0_whatever_the_speed(speed_mps: float) -> None:
+    """A pallet seen late just after a body was passed: comfort's bound of the swing does not hold the brakes back."""
+    car, hands = Bicycle(speed_mps=speed_mps - 1.5), Gtsmc(load_gains("robust"), VehicleModel(), RATE_HZ)
+    while car.speed_mps < speed_mps:
+        car.step(hands.command(car.observe(), Reference(0.0, car.speed_mps + 0.8, 0.0)))
+    start_m, speed = car.x_m, car.speed_mps
+    while car.speed_mps > 0.05 and car.time_s < 10.0:
+        car.step(hands.command(car.observe(), Reference(0.0, 0.0, 0.0)))
+    by_a_0 = (speed**2 - 1.0) / (2.0 * 3.6) + 1.0 / 3.6  # in the boundary layer of 1 m/s the speed decays
+    assert car.x_m - start_m < by_a_0

@@ -134,7 +134,7 @@ class LandmarkTracker:
         place = vehicle_from_world(self._marks.place_m, pose)
         far = np.abs(place[:, 0] - bodies.forward_m[index]) > along_m
         far |= (place[:, 1] < bodies.left_m[index] - across_m) | (place[:, 1] > bodies.right_m[index] + across_m)
-        own = ~far & (self._marks.body == identity) & self._marks.believed
+        own = (self._marks.body == identity) & self._marks.believed
         if np.count_nonzero(own) <= self.config.clearing.most_points:
             self._marks.keep(far | (self._marks.body != identity))
             self._spots.forget(identity)

@@ -44,6 +44,9 @@ class LowConfig:
             raise ValueError(
                 f"min_height_m, max_height_m: expected 0 < min < max, got {self.min_height_m}, {self.max_height_m}"
             )
+        for key in ("part_m", "shade_m"):
+            if not min(getattr(self, key)) > 0.0:
+                raise ValueError(f"{key}: expected both > 0, got {getattr(self, key)}")
 
 
 def is_low(points: Triangulation, age_s: Floats, config: LowConfig) -> Bools:

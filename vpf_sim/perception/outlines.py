@@ -94,7 +94,7 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
 
 
 def _farthest(outward_m: Floats, blur_m: Floats, label: Integers, count: int) -> Floats:
-    """(K,) m, how far out each body reaches by its points (M,), each of which may lie `blur_m` too far out.
+    """(K,) m, how far out each body reaches by its points (M,), one at least, each `blur_m` too far out at most.
 
     An edge carries along what is seen beside it, so what was seen from nearer tells better where it is; but what was
     seen only from afar, and lies farther out than that explains, is of the body as well.

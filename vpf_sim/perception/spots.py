@@ -39,6 +39,8 @@ class SpotConfig:
     def __post_init__(self) -> None:
         if not self.doubts > 0:
             raise ValueError(f"doubts: expected > 0, got {self.doubts}")
+        if not self.cut_hits >= 0:
+            raise ValueError(f"cut_hits: expected >= 0, got {self.cut_hits}")
 
 
 @dataclass(slots=True)
@@ -51,9 +53,9 @@ class _Candidate:
     first_forward_m: float  # from the car then
     hits: int  # sure ones
     sightings: int = 1
-    told_m: float = 0.0  # way of the car from the first sighting to the last that told the place,
-    way_m: float = 0.0  # and to the last,
-    came_nearer: bool = False  # by as much of which the spot came nearer
+    told_m: float = 0.0  # way of the car from the first sighting to the last that told the place
+    way_m: float = 0.0  # of the car from the first sighting to the last
+    came_nearer: bool = False  # by about that way
     misses: int = 0
     identity: int | None = None  # of the body that it is believed to be
 

@@ -65,9 +65,9 @@ def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     y = lane.y_m + across - 0.5 * lane.curvature_per_m * along**2
     half = 0.5 * (obstacles.right_m - obstacles.left_m)
     part = _parts(along, y - half, y + half, obstacles)
-    all_parts = LaneObstacles(along, y - half, y + half, obstacles.speed_mps, _lengths(along, part))
+    everything = LaneObstacles(along, y - half, y + half, obstacles.speed_mps, _lengths(along, part))
     whole: Bools = np.logical_not(part.any(axis=1))
-    return all_parts if whole.all() else all_parts.chosen(whole)
+    return everything if whole.all() else everything.chosen(whole)
 
 
 def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacles) -> Bools:

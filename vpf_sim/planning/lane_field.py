@@ -26,7 +26,7 @@ import numpy as np
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.reach import Reach
-from vpf_sim.planning.sight_speed import stopping_way
+from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9

@@ -24,7 +24,7 @@ from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.pace import Pace
 from vpf_sim.planning.reach import Reach, rear_m
-from vpf_sim.planning.sight_speed import stopping_way
+from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Floats, Reference, VehicleModel
 
 SLOWEST_CLOSING_MPS = 0.5

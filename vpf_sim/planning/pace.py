@@ -11,12 +11,13 @@ from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import SPEEDS_MPS, Reach
 from vpf_sim.planning.settling import rest
-from vpf_sim.planning.sight_speed import stopping_way
+from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Floats
 
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
 RUNS_WIDE_M = 0.02  # beyond what is kept from a body: less is not seen
-EASY_MPS, FIRM_MPS2 = 2.5, 3.2  # no more below the present speed where braking so firmly is enough
+EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0  # below the present speed, or such a share of it but no less:
+FIRM_MPS2 = 3.2  # no more where braking so firmly is enough, since it asks for the brake beyond comfort
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
 
@@ -57,7 +58,7 @@ class Pace:
             return self._speed_reference_mps
         wanted = self._speed(lane, obstacles, field, minimum_m, speed_mps)
         if glide is not None and len(obstacles):
-            wanted = min(wanted, self._settled(obstacles, field, minimum_m, glide))
+            wanted = min(wanted, max(self._settled(obstacles, field, minimum_m, glide), eased(speed_mps)))
         return self._risen(wanted, speed_mps)
 
     def _risen(self, wanted_mps: float, speed_mps: float) -> float:
@@ -90,10 +91,10 @@ class Pace:
         there = np.minimum(self._before(lane, obstacles, field, minimum_m), beside)
         limits = np.where(blocked, stop, there)
         firm_m = stopping_way(speed_mps, FIRM_MPS2) + config.creep_standoff_m
-        limits = np.where((way < firm_m) | moves, limits, np.maximum(limits, speed_mps - EASY_MPS))
+        limits = np.where((way < firm_m) | moves, limits, np.maximum(limits, eased(speed_mps)))
         nearest = self._creep.nearest(speed_mps)
         creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
-        limit = float(np.min(passed, where=passing, initial=limit))
+        limit = float(np.min(np.maximum(passed, eased(speed_mps)), where=passing, initial=limit))
         return float(np.min(np.maximum(limits, creep), where=counts, initial=limit))
 
     def _beside(self, gap_m: Floats) -> Floats:
@@ -137,11 +138,16 @@ class Pace:
         way, shift = rest(glide.slope, glide.bend_per_m, self._steering, self._tightest)
         room = -field.overlap(obstacles, minimum_m, 0.0)
         kept = np.minimum(room, self._config.minimum_clearance_m)
-        side = np.where(0.5 * (obstacles.left_m + obstacles.right_m) < minimum_m, -1.0, 1.0)
+        side = np.sign(0.5 * (obstacles.left_m + obstacles.right_m) - minimum_m)
         last = minimum_m + side * (room - kept + RUNS_WIDE_M)  # (K,) place from which there is less than that
-        beyond = side[:, None] * (glide.y_m + shift - last[:, None])
+        beyond, towards = side[:, None] * (glide.y_m + shift - last[:, None]), side[:, None] * shift > 0.0
         counts = (field.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)
-        reached = counts[:, None] & (field.bumper(obstacles)[:, None] < way)
+        reached = counts[:, None] & towards & (field.bumper(obstacles)[:, None] < way)
         worst = np.max(beyond, axis=0, where=reached, initial=-1.0)
         settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
         return max(settled, self._reach.walking_mps)
+
+
+def eased(speed_mps: float) -> float:
+    """m/s, the least that is asked of a car at that speed for what comfortable braking is enough for."""
+    return speed_mps - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)

@@ -10,9 +10,7 @@ good view would allow has chosen not to stop for low bodies.
 from dataclasses import dataclass, fields
 from math import inf, isinf, sqrt
 
-import numpy as np
-
-from vpf_sim.types import Floats, VehicleModel
+from vpf_sim.types import VehicleModel
 
 ENOUGH = 0.8  # of the reference speed: a good view that allows as much is one
 
@@ -32,14 +30,8 @@ class SightConfig:
                 raise ValueError(f"{one.name}: expected > 0, got {getattr(self, one.name)}")
 
 
-def stopping_way(speed_mps: Floats | float, brake_mps2: float, reaction_s: float = 0.0) -> Floats:
-    """m until the car stands: v t + v^2 / (2 b)."""
-    way: Floats = np.asarray(speed_mps**2 / (2.0 * brake_mps2) + speed_mps * reaction_s)
-    return way
-
-
 def safe_speed(sight_m: float, config: SightConfig, vehicle: VehicleModel) -> float:
-    """m/s from which the car stops within a distance from the pose: what `stopping_way` is the other way round."""
+    """m/s from which the car stops within a distance from the pose: `stopping_way` the other way round."""
     way = max(sight_m - 0.5 * vehicle.length_m - config.standoff_m, 0.0)
     brake, reaction = config.brake_mps2, config.reaction_s
     return max(brake * (sqrt(reaction**2 + 2.0 * way / brake) - reaction), config.least_mps)

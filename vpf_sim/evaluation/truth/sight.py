@@ -25,8 +25,8 @@ class Sight:
     def observe(self, observation: Observation, env: Any) -> None:
         """Remember where everything is in a frame, if one of the next is judged that reaches back to it."""
         self._env, self._frames = env, self._frames + 1
-        renderer = getattr(env, "renderer", None)
-        if renderer is None or -self._frames % self._every > (longest := round(LONGEST_S * env.rate_hz)):
+        renderer, longest = getattr(env, "renderer", None), round(LONGEST_S * env.rate_hz)
+        if renderer is None or -self._frames % self._every > longest:
             return
         if self._motion is None:
             self._motion = TrueMotion(env.camera, longest)
