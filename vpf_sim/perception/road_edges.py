@@ -21,6 +21,7 @@ LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is n
 LEAST_CERTAIN = 0.5  # of the lines, without which they do not tell where the camera looks
 NEW_ROAD_M = 0.8  # that comes into view between two judgements: who stands sees the same again, errors and all
 NEAR_M = 14.0  # of a look whose far part makes no sense
+REFUTED_LOOKS, REFUTED_M = 10, 2.0  # in a row, on so much way, that show other lines: the road is another one
 LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is looked for from nothing
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, FIRST_LOOKS = 0.3, 0.04, 0.07, 3
 MOUNTED_RAD = 0.006  # how far off a camera looks, usually, in pitch, before a road has been followed,
@@ -85,6 +86,7 @@ class RoadEdgeTracker:
         self._index = LaneIndex.start(config.lanes, config.likely_lane)
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # by the own motion; by the last judgement
+        self._refuted, self._agreed_m = 0, 0.0  # looks since lines were last where they should be, and the way then
         self._frame = -1
         self._pitch_rad: float | None = None  # of the camera against the road, as last seen,
         self._pitch_frame = -1  # and when
@@ -168,7 +170,11 @@ class RoadEdgeTracker:
         enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
         if enough:
             enough = self._correct(tracked, found, expected)
-        if not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
+            self._refuted = 0 if enough else self._refuted + 1
+            self._agreed_m = self._travelled_m if enough else self._agreed_m
+        refuted = self._refuted >= REFUTED_LOOKS and self._travelled_m > self._agreed_m + REFUTED_M
+        if refuted or not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
+            self._refuted = 0
             self._filter, self._lost = None, tracked
             return False
         if enough:
