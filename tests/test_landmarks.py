@@ -430,3 +430,15 @@ def test_what_parted_from_a_body_behind_it_is_no_other(
     left, right = np.array([-4.0, across_m[0]]), np.array([-2.0, across_m[1]])
     is_part = parted(np.array([4.0, ahead_m]), left, right, np.array([4, body]), np.array([20, support]))
     assert is_part.tolist() == [False, not own]
+
+
+def test_what_lies_low_before_the_face_that_is_told_of_a_body_is_not_of_that_body() -> None:
+    """Some corners of something 2.5 m before a wide wall make one body with it, whose face is the wall's."""
+    wall = body(43.0, 0.0, 6.0, 1.4, 60)
+    corners = [[40.5, -0.3, 0.5], [40.5, 0.3, 0.5], [41.8, 0.0, 0.9]]
+    low = [[40.5, -0.2, 0.15], [40.5, 0.2, 0.15], [40.5, 0.0, 0.12]]
+    points = np.concatenate([wall, corners, low, road_points(100)])
+    drive, found = Drive(points), tracker()
+    bodies = drive.run(found, range(380))[-1]
+    ahead = bodies.forward_m + drive.pose(379)[0]
+    assert ahead.min() == pytest.approx(40.5, abs=0.4)

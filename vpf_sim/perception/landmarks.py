@@ -266,7 +266,7 @@ class LandmarkTracker:
         tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
         shaded = self._beside(tall, pose)
         flat = self._of_points(
-            self._apart(pose), low, lambda believed, label: self._are_low(believed, label, shaded[believed]), pose, road
+            self._apart(tall, pose), low, lambda believed, label: self._are_low(believed, label, shaded[believed]), pose, road
         )
         flat = widened(flat, low.least_width_m)
         return joined(joined(tall, flat, low.beside_m), self._spots.bodies(pose), self.config.spots.beside_m)
@@ -280,14 +280,20 @@ class LandmarkTracker:
         beside: Bools = np.any(near, axis=1)
         return beside
 
-    def _apart(self, pose: Floats) -> Bools:
-        """(M,) believed low points that are not beside one of a taller body: its wheels are low as well."""
+    def _apart(self, told: Obstacles, pose: Floats) -> Bools:
+        """(M,) believed low points that are not beside one of a taller body: its wheels are low as well.
+
+        What lies before the face that is `told` of that body is not of it, whatever was taken for one of its points.
+        """
         marks, (along_m, across_m) = self._marks, self.config.low.part_m
         apart, tall = marks.believed & marks.low, marks.believed & ~marks.low & (marks.body >= 0)
         low = np.flatnonzero(apart)
         place = vehicle_from_world(marks.place_m, pose)
         gap = np.abs(place[low, None] - place[tall])
-        apart[low] = ~np.any((gap[..., 0] < along_m) & (gap[..., 1] < across_m), axis=1)
+        same = marks.body[tall, None] == told.identity
+        face = np.min(np.broadcast_to(told.forward_m, same.shape), axis=1, where=same, initial=np.inf)
+        behind = place[low, None, 0] > face - along_m
+        apart[low] = ~np.any((gap[..., 0] < along_m) & (gap[..., 1] < across_m) & behind, axis=1)
         return apart
 
     def _of_points(
