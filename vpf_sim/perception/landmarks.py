@@ -266,7 +266,11 @@ class LandmarkTracker:
         tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
         shaded = self._beside(tall, pose)
         flat = self._of_points(
-            self._apart(tall, pose), low, lambda believed, label: self._are_low(believed, label, shaded[believed]), pose, road
+            self._apart(tall, pose),
+            low,
+            lambda believed, label: self._are_low(believed, label, shaded[believed]),
+            pose,
+            road,
         )
         flat = widened(flat, low.least_width_m)
         return joined(joined(tall, flat, low.beside_m), self._spots.bodies(pose), self.config.spots.beside_m)
