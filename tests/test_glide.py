@@ -167,6 +167,20 @@ def test_the_own_lane_is_left_no_sooner_than_it_must_be(way_m: float, right_m: f
     assert (way.y_m > 0.0) == leaves
 
 
+@pytest.mark.parametrize(("speed_mps", "leaves"), [(0.0, False), (3.0, True)])
+def test_a_slower_car_is_not_waited_for(speed_mps: float, leaves: bool) -> None:
+    """Who is still behind it when it is near is no longer let past."""
+    half = 0.5 * CAR.width_m
+    ahead = LaneObstacles(
+        np.array([16.0 + 0.5 * CAR.length_m]), np.array([-1.0]), np.array([1.5 - half - 0.43]), np.array([speed_mps])
+    )
+    way, field = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH), LaneField(ROBUST.field, CAR, 5.55, REACH)
+    for _ in range(5):
+        way.update(LANE, ahead, field, 1.5, 0.0, 5.55)
+    assert way.y_m is not None
+    assert (way.y_m > 0.0) == leaves
+
+
 def test_between_two_bodies_the_path_is_that_of_the_mirrored_world() -> None:
     """Where no slope is free to either side, it is neither's."""
 

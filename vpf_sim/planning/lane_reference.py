@@ -102,14 +102,15 @@ class LaneReference:
         """Whether there is more way than it takes before the first body for which the path must leave where it is.
 
         From nearer a body's side is known better, and the own lane is left no longer than it must be: the way back does
-        not wait. Where there is no room to spare beside the bodies it does not wait either.
+        not wait. Where there is no room to spare beside the bodies it does not wait either, nor before one that moves:
+        who is still behind it when it is near is no longer let past (`LaneField`).
         """
         if not len(obstacles) or abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
             return False
         least = self._config.minimum_clearance_m
         hit = field.hinders(obstacles, glide.y_m)
         narrow = (field.overlap(obstacles, minimum_m, least) > 0.0) & (field.present(obstacles) > 0.0)
-        if not np.any(hit) or np.any(narrow):
+        if not np.any(hit) or np.any(narrow) or np.any(hit & (obstacles.speed_mps > 0.0)):
             return False
         closing = max(speed_mps, self._reach.walking_mps)
         left = self._times(obstacles, field, speed_mps) * closing
