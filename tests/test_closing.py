@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points
 from test_movers import Traffic, vehicle
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points
 
 from vpf_sim.perception.closing import Closing, ClosingConfig
 from vpf_sim.perception.landmark_config import LandmarkConfig

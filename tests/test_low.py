@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_landmarks import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.landmarks import LandmarkTracker
