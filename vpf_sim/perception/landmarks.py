@@ -11,7 +11,7 @@ from vpf_sim.perception.clusters import clusters, stepped
 from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, Spot
 from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.low import LowConfig, is_low, off_lines
+from vpf_sim.perception.low import LowConfig, is_low, is_part, is_shaded, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
 from vpf_sim.perception.outlines import (
     Seen,
@@ -264,41 +264,23 @@ class LandmarkTracker:
         """Those of points well above the road, then those of low points that are not beside one of these."""
         marks, low = self._marks, self.config.low
         tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
-        shaded = self._beside(tall, pose)
-        flat = self._of_points(
-            self._apart(tall, pose),
-            low,
-            lambda believed, label: self._are_low(believed, label, shaded[believed]),
-            pose,
-            road,
-        )
-        flat = widened(flat, low.least_width_m)
+        flat = widened(self._flat(tall, pose, road), low.least_width_m)
         return joined(joined(tall, flat, low.beside_m), self._spots.bodies(pose), self.config.spots.beside_m)
 
-    def _beside(self, tall: Obstacles, pose: Floats) -> Bools:
-        """(M,) points beside a taller body, where its shadow may lie: the corner of one seems to stand a little."""
-        place, (along_m, across_m) = vehicle_from_world(self._marks.place_m, pose), self.config.low.shade_m
-        behind, right = place[:, :1] - tall.forward_m, place[:, 1:]
-        near = (behind > -across_m) & (behind < along_m)
-        near &= (right > tall.left_m - across_m) & (right < tall.right_m + across_m)
-        beside: Bools = np.any(near, axis=1)
-        return beside
+    def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:
+        """Those of low points that are neither of the taller bodies told nor of their shadows."""
+        marks, low = self._marks, self.config.low
+        chosen = marks.believed & marks.low
+        if not chosen.any():
+            return none()
+        place, parts = vehicle_from_world(marks.place_m, pose), marks.believed & ~marks.low & (marks.body >= 0)
+        chosen[chosen] = ~is_part(place[chosen], place[parts], marks.body[parts], tall, low)
+        shaded = is_shaded(place, tall, low)
 
-    def _apart(self, told: Obstacles, pose: Floats) -> Bools:
-        """(M,) believed low points that are not beside one of a taller body: its wheels are low as well.
+        def are_bodies(believed: Integers, label: Integers) -> Bools:
+            return self._are_low(believed, label, shaded[believed])
 
-        What lies before the face that is `told` of that body is not of it, whatever was taken for one of its points.
-        """
-        marks, (along_m, across_m) = self._marks, self.config.low.part_m
-        apart, tall = marks.believed & marks.low, marks.believed & ~marks.low & (marks.body >= 0)
-        low = np.flatnonzero(apart)
-        place = vehicle_from_world(marks.place_m, pose)
-        gap = np.abs(place[low, None] - place[tall])
-        same = marks.body[tall, None] == told.identity
-        face = np.min(np.broadcast_to(told.forward_m, same.shape), axis=1, where=same, initial=np.inf)
-        behind = place[low, None, 0] > face - along_m
-        apart[low] = ~np.any((gap[..., 0] < along_m) & (gap[..., 1] < across_m) & behind, axis=1)
-        return apart
+        return self._of_points(chosen, low, are_bodies, pose, road)
 
     def _of_points(
         self,

@@ -143,7 +143,8 @@ def is_sane(state: Floats) -> bool:
     """Whether the model can still draw this road."""
     if state.shape != (SIZE,):
         return False
-    _, heading, *curvatures, width, pitch = values = state.tolist()
+    values = state.tolist()
+    _, heading, *curvatures, width, pitch = values
     bent = all(abs(curvature) < TIGHTEST for curvature in curvatures)
     straight = abs(heading) < 1.0 and abs(pitch) < STEEPEST_RAD
     return all(map(isfinite, values)) and straight and bent and NARROWEST_M < width < WIDEST_M

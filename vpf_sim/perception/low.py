@@ -6,7 +6,7 @@ import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.triangulation import Triangulation
-from vpf_sim.types import Bools, Camera, Floats
+from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,3 +75,27 @@ def off_lines(
     is_edge = (np.rint(across) <= 0.0) | (np.rint(across) >= lanes)
     off: Bools = (across > 0.0) & (across < lanes) & (aside > np.where(is_edge, config.edge_m, config.line_m) + halo)
     return off
+
+
+def is_shaded(place_m: Floats, tall: Obstacles, config: LowConfig) -> Bools:
+    """(M,) points (M, 2), vehicle axes, beside a taller body, where its shadow may lie: its corner seems to stand."""
+    along_m, across_m = config.shade_m
+    behind, right = place_m[:, :1] - tall.forward_m, place_m[:, 1:]
+    near = (behind > -across_m) & (behind < along_m)
+    near &= (right > tall.left_m - across_m) & (right < tall.right_m + across_m)
+    shaded: Bools = np.any(near, axis=1)
+    return shaded
+
+
+def is_part(place_m: Floats, parts_m: Floats, parts_of: Integers, tall: Obstacles, config: LowConfig) -> Bools:
+    """(M,) low points (M, 2) beside one (P, 2) of a taller body, as its wheels are; `parts_of` (P,) tells of which.
+
+    What lies before the face that is told of that body is not of it, whatever was taken for one of its points.
+    """
+    along_m, across_m = config.part_m
+    gap = np.abs(place_m[:, None] - parts_m)
+    same = parts_of[:, None] == tall.identity
+    face = np.min(np.broadcast_to(tall.forward_m, same.shape), axis=1, where=same, initial=np.inf)
+    behind = place_m[:, :1] > face - along_m
+    part: Bools = np.any((gap[..., 0] < along_m) & (gap[..., 1] < across_m) & behind, axis=1)
+    return part

@@ -25,7 +25,7 @@ from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.pace import Pace
 from vpf_sim.planning.reach import Reach, rear_m
 from vpf_sim.planning.stopping import stopping_way
-from vpf_sim.types import Floats, Reference, VehicleModel
+from vpf_sim.types import Reference, VehicleModel
 
 SLOWEST_CLOSING_MPS = 0.5
 RESTS_SLOPE = 0.02  # of a path that has not left its place yet
@@ -87,14 +87,10 @@ class LaneReference:
         """s until the first body is reached that stands where y_r is now."""
         if not len(obstacles):
             return np.inf
-        hit = (field.overlap(obstacles, y_m, self._config.minimum_clearance_m) > 0.0) & (field.bumper(obstacles) > 0.0)
-        return float(np.min(self._times(obstacles, field, speed_mps), where=hit, initial=np.inf))
-
-    def _times(self, obstacles: LaneObstacles, field: LaneField, speed_mps: float) -> Floats:
-        """(K,) s until each body is reached, walking at least."""
+        way = field.bumper(obstacles)
+        hit = (field.overlap(obstacles, y_m, self._config.minimum_clearance_m) > 0.0) & (way > 0.0)
         closing = np.maximum(max(speed_mps, self._reach.walking_mps) - obstacles.speed_mps, SLOWEST_CLOSING_MPS)
-        times: Floats = field.bumper(obstacles) / closing
-        return times
+        return float(np.min(way / closing, where=hit, initial=np.inf))
 
     def _waits(
         self, glide: Glide, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
@@ -112,10 +108,9 @@ class LaneReference:
         narrow = (field.overlap(obstacles, minimum_m, least) > 0.0) & (field.present(obstacles) > 0.0)
         if not np.any(hit) or np.any(narrow) or np.any(hit & (obstacles.speed_mps > 0.0)):
             return False
-        closing = max(speed_mps, self._reach.walking_mps)
-        left = self._times(obstacles, field, speed_mps) * closing
-        needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps)) + WAITS_S * closing
-        return float(left[hit].min()) > needed
+        needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps))
+        needed += WAITS_S * max(speed_mps, self._reach.walking_mps)
+        return float(field.bumper(obstacles)[hit].min()) > needed
 
     def _held(
         self, glide: Glide, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
@@ -133,7 +128,8 @@ class LaneReference:
         taken = ahead & (field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0)
         if not np.any(taken):
             return minimum_m
-        rest_m = glide.y_m + self._reach.rest_shift(glide.slope, glide.bend_per_m, speed_mps)
+        _, shift = self._reach.rest(glide.slope, glide.bend_per_m, np.array([speed_mps]))
+        rest_m = glide.y_m + float(shift[0])
         if abs(minimum_m) < abs(rest_m):
             return minimum_m
         hit = ahead & (field.overlap(obstacles, rest_m, config.walking_clearance_m) > 0.0)

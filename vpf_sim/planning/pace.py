@@ -10,14 +10,13 @@ from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import SPEEDS_MPS, Reach
-from vpf_sim.planning.settling import rest
 from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Floats
 
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
 RUNS_WIDE_M = 0.02  # beyond what is kept from a body: less is not seen
-EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0  # below the present speed, or such a share of it but no less:
-FIRM_MPS2 = 3.2  # no more where braking so firmly is enough, since it asks for the brake beyond comfort
+FIRM_MPS2 = 3.2  # where braking so firmly is enough, v_d is not so far below the speed that the brake goes beyond a_0:
+EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0  # by that much, or that share of the speed, but that may always be
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
 
@@ -36,7 +35,6 @@ class Pace:
         self._dt_s = 1.0 / rate_hz
         self._reach = reach
         self._rate_hz = rate_hz
-        self._steering, self._tightest = reach.steering(SPEEDS_MPS), reach.tightest(SPEEDS_MPS)
         self.restart(speed_reference_mps)
 
     def restart(self, speed_mps: float) -> None:
@@ -135,7 +133,7 @@ class Pace:
         """m/s at which the path, bent as it is, comes to rest before it is too near to bodies beyond the minimum."""
         if max(abs(glide.slope), abs(glide.bend_per_m) * self._reach.radius_m) < STRAIGHT:
             return inf
-        way, shift = rest(glide.slope, glide.bend_per_m, self._steering, self._tightest)
+        way, shift = self._reach.rest(glide.slope, glide.bend_per_m, SPEEDS_MPS)
         room = -field.overlap(obstacles, minimum_m, 0.0)
         kept = np.minimum(room, self._config.minimum_clearance_m)
         side = np.sign(0.5 * (obstacles.left_m + obstacles.right_m) - minimum_m)

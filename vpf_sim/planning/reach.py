@@ -121,10 +121,9 @@ class Reach:
         by_steering = config.steering_radps / self._vehicle.wheelbase_m / speed
         return np.minimum(by_steering, config.yaw_acceleration_radps2 / speed**2)
 
-    def rest_shift(self, slope: float, bend_per_m: float, speed_mps: float) -> float:
-        """m by which a path at that speed goes on across the road until it leads along it (`settling`)."""
-        speed = np.array([speed_mps])
-        return float(rest(slope, bend_per_m, self.steering(speed), self.tightest(speed))[1][0])
+    def rest(self, slope: float, bend_per_m: float, speed_mps: Floats) -> tuple[Floats, Floats]:
+        """(N,) m of way until a path at each speed can lead along the road, and m across it until then (`settling`)."""
+        return rest(slope, bend_per_m, self.steering(speed_mps), self.tightest(speed_mps))
 
     def way(self, shift_m: Floats | float, speed_mps: Floats | float) -> Floats:
         """m on which the car goes aside by that much at that speed, from the road's direction and back to it."""
