@@ -38,6 +38,15 @@ def test_one_corner_is_enough_for_a_cone() -> None:
     assert 50.0 - drive.pose(first)[0] > 10.0
 
 
+@pytest.mark.parametrize(("small", "told"), [(100.0, True), (15.0, False)])
+def test_a_cone_before_the_edge_line_is_told_by_its_corners(small: float, told: bool) -> None:
+    """It stands 0.9 m inside the carriageway: seen against the verge. There an edge is taken for one of the line's."""
+    cone = np.array([[50.0, 4.2, 0.35], [50.0, 4.4, 0.35], [50.0, 4.3, 0.45]])
+    drive = Drive(np.concatenate([cone, road_points(200)]), structure=np.diag([small, 100.0]))
+    found = drive.run(tracker(), range(430))
+    assert any(len(bodies) and bodies.forward_m[0] > 13.0 for bodies in found) == told
+
+
 @pytest.mark.parametrize(("count", "kept"), [(3, 0), (12, 1)])
 def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()

@@ -10,13 +10,20 @@ from vpf_sim.types import Camera, Floats, Flow, Obstacles, RoadEdges
 CAMERA = Camera()
 RATE_HZ, SPEED_MPS = 60.0, 5.55
 ANCHOR_FRAMES = 42
+CORNER = 100.0 * np.eye(2)
 
 
 class Drive:
     """A car on the x axis, or on a circle, and standing points (N, 3), tracked while seen, with renewed anchors."""
 
-    def __init__(self, scene_m: Floats, noise_px: float = 0.05, curvature_per_m: float = 0.0) -> None:
-        self.scene, self.noise_px, self.curvature = scene_m, noise_px, curvature_per_m
+    def __init__(
+        self,
+        scene_m: Floats,
+        noise_px: float = 0.05,
+        curvature_per_m: float = 0.0,
+        structure: Floats = CORNER,
+    ) -> None:
+        self.scene, self.noise_px, self.curvature, self.structure = scene_m, noise_px, curvature_per_m, structure
         self.rng = stream(21, "landmarks")
         self.first_px = np.full((len(scene_m), 2), np.nan)
         self.first_pose = np.zeros((len(scene_m), 3))
@@ -57,7 +64,7 @@ class Drive:
             first_px=self.first_px[old],
             first_pose=self.first_pose[old],
             age_frames=self.age[old],
-            structure=np.tile(100.0 * np.eye(2), (count, 1, 1)),
+            structure=np.tile(self.structure, (count, 1, 1)),
         )
 
     def run(self, tracker: LandmarkTracker, frames: range) -> list[Obstacles]:

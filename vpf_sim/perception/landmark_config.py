@@ -42,6 +42,8 @@ class LandmarkConfig:
     edge_margin_m: float = 0.3  # inside the carriageway's edges
     edge_line_m: float = 0.4  # points whose foot lies so near the edge line inside,
     verge_m: float = 1.8  # and so near outside, are not trusted
+    corner_texture: float = 60.0  # unless so clear a corner (small eigenvalue, grey levels^2 / px^2)
+    corner_ratio: float = 0.25  # that is no less than this share of the large one: edges have .2
     foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there
     link_right_m: float = 1.0  # points nearer than this belong to one body
     link_forward_m: float = 2.0

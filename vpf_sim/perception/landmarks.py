@@ -8,6 +8,7 @@ from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.clearing import Clearing
 from vpf_sim.perception.clusters import clusters, stepped
+from vpf_sim.perception.corners import eigenvalues, is_corner
 from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, Spot
 from vpf_sim.perception.landmark_config import LandmarkConfig
@@ -182,6 +183,7 @@ class LandmarkTracker:
         sliding = near_edge_line(
             self.camera, flow.points_px[chosen], road, self.config.edge_line_m, self.config.verge_m
         )
+        sliding &= ~is_corner(flow.structure[chosen], config.corner_texture, config.corner_ratio)
         chosen = chosen[inside & ~sliding]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
@@ -244,7 +246,7 @@ class LandmarkTracker:
             founding & ~low[above],
             low[above],
             margin,
-            _texture(flow.structure[above]),
+            eigenvalues(flow.structure[above])[0],
         )
 
     def _forget(self, flow: Flow) -> None:
@@ -369,10 +371,3 @@ class LandmarkTracker:
         body[body == unknown] = -1
         self._marks.body[believed] = np.where(confirmed[label], body[label], known)
         return body
-
-
-def _texture(structure: Floats) -> Floats:
-    """(N,) small eigenvalues of symmetric (N, 2, 2)."""
-    a, b, d = structure[:, 0, 0], structure[:, 0, 1], structure[:, 1, 1]
-    small: Floats = 0.5 * (a + d) - np.hypot(0.5 * (a - d), b)
-    return small
