@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
+from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.mover import Mover, Sight
@@ -304,3 +305,52 @@ def test_a_believed_body_is_not_given_up_for_a_second_in_which_little_of_it_is_s
     told = seen.movers.obstacles(flow.pose, SPEED_MPS, nothing)
     assert [int(name) for name in told.identity] == [-1]
     assert told.forward_m == pytest.approx([16.0 + (3.0 - SPEED_MPS) * 3.0], abs=1.0)
+
+
+def two(ahead_m: float, right_m: float, pose: Floats) -> list[Mover]:
+    """Two believed bodies on a road along the x axis, the second so far ahead of the first and right of it."""
+    movers = []
+    for name, (x, y) in enumerate([(12.0, 0.0), (12.0 + ahead_m, right_m)], start=1):
+        forward, right = vehicle_from_world(np.array([x, y]), pose)
+        sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+        mover = Mover(sight, CAMERA, pose, 4.0, MoverConfig().filter)
+        mover.predict(0.0, 0.0, 0.0)
+        mover.identity = name
+        movers.append(mover)
+    return movers
+
+
+@pytest.mark.parametrize(("ahead_m", "right_m", "count"), [(4.0, 3.5, 2), (4.0, -3.5, 2), (4.0, 0.0, 1), (0.0, 2.0, 1)])
+@pytest.mark.parametrize("yaw_rad", [-0.35, 0.0, 0.35])
+def test_two_bodies_are_one_by_how_they_lie_along_the_road_wherever_we_look(
+    ahead_m: float, right_m: float, count: int, yaw_rad: float
+) -> None:
+    """Cars in neighbouring lanes, 4 m apart along the road, are 1.9 m apart across the axis of one turned by .35."""
+    seen, pose = Seen(), np.array([0.0, 0.0, yaw_rad])
+    seen.movers.movers = two(ahead_m, right_m, pose)
+    seen.movers._merge(pose)
+    assert len(seen.movers.movers) == count
+
+
+def test_no_point_is_of_two_bodies_the_nearer_of_which_hides_the_farther() -> None:
+    """Where both are met at one time the near one's side, seen beside the far one, grows as the far one does."""
+    side = np.column_stack(
+        [9.0 + np.repeat([2.5, 3.4, 4.2], 5), np.full(15, 2.4), np.tile(np.linspace(0.2, 1.2, 5), 3)]
+    )
+    near = np.concatenate([vehicle(9.0, 3.3), side])
+    drive, seen = traffic((near, 5.05), (vehicle(16.0, 1.3), 4.6)), Seen()
+    seen.run(drive, range(60))
+    pose = drive.pose(59)
+    seen.movers.movers = []
+    for name, (start_m, right_m, speed_mps) in enumerate([(16.0, 1.3, 4.6), (9.0, 3.3, 5.05)], start=1):
+        depth = start_m + speed_mps - SPEED_MPS - CAMERA.forward_m
+        mover = Mover(
+            Sight(depth, speed_mps, 0.2, right_m - 1.0, right_m + 1.0), CAMERA, pose, 5.0, MoverConfig().filter
+        )
+        mover.identity = name
+        seen.movers.movers.append(mover)
+    found = seen.run(drive, range(60, 120))
+    far, nearer = sorted(seen.movers.movers, key=lambda mover: mover.identity or 0)
+    assert len(far.tracks)
+    assert not np.isin(far.tracks, nearer.tracks).any()
+    assert sorted(0.5 * (found[-1].left_m + found[-1].right_m)) == pytest.approx([1.3, 3.3], abs=0.35)

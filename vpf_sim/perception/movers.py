@@ -18,6 +18,7 @@ stands behind a body and may share its flow says nothing of it, neither of its b
 
 import numpy as np
 
+from vpf_sim.geometry import rotation
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.closing import Closing
 from vpf_sim.perception.marks import Integers
@@ -77,12 +78,14 @@ class MoverTracker:
         seen = appear(flow, points, self.camera, self.rate_hz, self.config)
         free = seen.moves.copy()
         hidden = np.zeros(len(flow), np.bool_)
+        taken = np.zeros(len(flow), np.bool_)
         self._reflect(seen, flow.pose)
-        for mover in self.movers:
-            mine, within = self._follow(mover, seen, flow, speed_mps)
+        for mover in sorted(self.movers, key=lambda mover: mover.place(flow.pose)[0]):
+            mine, within = self._follow(mover, seen, flow, speed_mps, ~taken)
             free &= ~mine
             if mover.identity is not None:
                 free &= ~within  # two bodies do not stand in one place
+                taken |= mine | self._outline(mover, seen, flow.pose, 0.0)  # nor is the farther seen through the nearer
             if mover.log_odds > self.config.sure:
                 hidden |= (mine | within) & seen.ripe
         self._hidden = flow.identity[hidden]
@@ -96,7 +99,7 @@ class MoverTracker:
         """Look at how far the road mirrors, outside of all that moves."""
         low = seen.ripe & ~seen.still & (seen.drop > self.config.least_drop)
         for mover in self.movers:
-            low &= ~self._outline(mover, seen, pose)
+            low &= ~self._outline(mover, seen, pose, self.config.margin_m)
         self._mirror.update(int(np.count_nonzero(low & seen.moves)), int(np.count_nonzero(low)))
 
     @property
@@ -126,10 +129,13 @@ class MoverTracker:
         known = together(standing, moving)
         return together(known, self._closing.obstacles(speed_mps, known))
 
-    def _follow(self, mover: Mover, seen: Apparent, flow: Flow, own_mps: float) -> tuple[Bools, Bools]:
-        """Bring a body to this frame by its tracks; (N,) points that are of it, and (N,) those seen through it."""
+    def _follow(self, mover: Mover, seen: Apparent, flow: Flow, own_mps: float, free: Bools) -> tuple[Bools, Bools]:
+        """Bring a body to this frame by its tracks; (N,) points that are of it, and (N,) those seen through it.
+
+        Its tracks are among those that are `free` (N,): of no nearer body.
+        """
         config, dt_s = self.config, self._look / self.rate_hz
-        within = self._outline(mover, seen, flow.pose)
+        within = self._outline(mover, seen, flow.pose, config.margin_m)
         forward, right = mover.place(flow.pose)
         depth = forward - self.camera.forward_m
         if not (depth > config.follow_m and abs(right) < config.follow_bearing * depth) or not seen.ripe.any():
@@ -139,7 +145,7 @@ class MoverTracker:
                 mover.log_odds = -np.inf
             return mover.mine(flow), within
         follows = abs(own_mps - mover.speed_mps) < config.equal_share * own_mps  # then what is on it stands still
-        chosen = np.flatnonzero(within & seen.ripe & (follows | ~seen.still))
+        chosen = np.flatnonzero(within & free & seen.ripe & (follows | ~seen.still))
         tracks, standing = part(flow, chosen), seen.standing[chosen]
         chi2, behind, faster = mover.fit(self._against(mover, tracks, depth), standing, own_mps, depth)
         chi2 = np.where(chi2 < standing + config.odds, chi2, np.inf)
@@ -168,14 +174,14 @@ class MoverTracker:
         with np.errstate(invalid="ignore"):
             return mover.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
 
-    def _outline(self, mover: Mover, seen: Apparent, pose: Floats) -> Bools:
-        """(N,) points in the outline of a body."""
+    def _outline(self, mover: Mover, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
+        """(N,) points in the outline of a body, or so near beside it."""
         config = self.config
         forward, right = mover.place(pose)
         depth = forward - self.camera.forward_m
         if depth < 1.0:
             return np.zeros(len(seen.drop), np.bool_)
-        margin = config.margin_m + 0.02 * depth
+        margin = margin_m + 0.02 * depth
         sides = np.array([right - mover.half_m - margin, right + mover.half_m + margin])
         bearings = sides / np.array([[depth], [depth + config.length_m]])
         within = (seen.bearing > bearings.min()) & (seen.bearing < bearings.max())
@@ -232,7 +238,8 @@ class MoverTracker:
         for mover in sorted(self.movers, key=lambda mover: (-mover.log_odds, mover.place(pose)[0])):
             forward, right = mover.place(pose)
             for other in kept:
-                ahead, aside = np.subtract((forward, right), other.place(pose))
+                apart = np.subtract((forward, right), other.place(pose))
+                ahead, aside = rotation(pose[2] - other.course.direction_rad) @ apart  # along its course and across
                 alike = abs(mover.speed_mps - other.speed_mps) < 2.0
                 in_sight = other.depth_m(pose) > config.follow_m
                 near = other.half_m + mover.half_m + 0.2 if in_sight else config.same_m  # a prediction may be off
