@@ -17,7 +17,7 @@ is too much, the gains `robust` slow down, to v times authority / |phi|, at whic
 """
 
 from dataclasses import dataclass, replace
-from math import atan, copysign, exp, pi, sin, tan
+from math import atan, copysign, exp, inf, pi, sin, tan
 from typing import Literal
 
 from vpf_sim import tables
@@ -29,6 +29,7 @@ from vpf_sim.types import Command, Observation, Reference, VehicleModel
 
 STANDSTILL_MPS = 0.1
 SLOWEST_MPS = 2.0  # to slow down further for the reaching condition would take the authority itself
+AGAIN_MPS2 = 1.5  # how fast the speed may rise when it holds again
 DEMAND_FILTER_HZ = 2.0
 HARD_SHARE, HARD_LEAST_MPS = 0.7, 1.2  # of the speed, by which a car that is too fast brakes beyond a_0; no less
 NARROWEST = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
@@ -129,6 +130,7 @@ class Gtsmc:
         self._phi_radps2 = 0.0
         self._yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
+        self._reached_mps = inf  # v_d at most
         swings = self._gains.swing_mps2 > 0.0
         self._swing = Swing(self._gains.swing_mps2, self._gains.swing_s, self._dt_s) if swings else None
         twists = self._gains.lateral_law == "super_twisting"
@@ -187,11 +189,14 @@ class Gtsmc:
         return self._yaw_rate_radps
 
     def _speed(self, speed_mps: float, reference_mps: float) -> float:
-        """v_d, less where the manifold could not be reached."""
-        if not self._gains.slows_to_reach or self.reaching.holds:
+        """v_d, less where the manifold could not be reached: it falls at once and rises gently."""
+        if not self._gains.slows_to_reach:
             return reference_mps
-        slower = speed_mps * self.reaching.authority_radps2 / self.reaching.demand_radps2
-        return min(reference_mps, max(slower, SLOWEST_MPS))
+        self._reached_mps = max(self._reached_mps, speed_mps) + AGAIN_MPS2 * self._dt_s
+        if not self.reaching.holds:
+            slower = speed_mps * self.reaching.authority_radps2 / self.reaching.demand_radps2
+            self._reached_mps = min(self._reached_mps, max(slower, SLOWEST_MPS))
+        return min(reference_mps, self._reached_mps)
 
     def _share(self, cutoff_hz: float) -> float:
         """Of a new value in a low-pass of first order; all of it without one."""

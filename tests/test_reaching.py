@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 
-from vpf_sim.controllers.gtsmc import Gains, Gtsmc, load_gains
+from vpf_sim.controllers.gtsmc import AGAIN_MPS2, Gains, Gtsmc, load_gains
 from vpf_sim.types import Reference, VehicleModel
 
 CAR = VehicleModel()
@@ -72,3 +72,21 @@ def test_at_low_speed_it_is_not_slowed_down_further() -> None:
         noise = 0.5 * sin(2.0 * pi * step / 60.0)
         car.step(hands.command(car.observe(), Reference(0.0, 5.55, noise)))
     assert car.speed_mps > 1.9
+
+
+def test_when_it_holds_again_the_speed_rises_gently() -> None:
+    """A reference that winds for a second, faster than the steering turns at 3 m/s, and then leads straight on."""
+    car, hands = Bicycle(speed_mps=3.0), Gtsmc(ROBUST, CAR, 60.0)
+    held, throttle = [], []
+    for step in range(240):
+        winds = step < 60
+        rate = 0.6 * sin(2.0 * pi * step / 30.0) if winds else 0.0
+        command = hands.command(car.observe(), Reference(0.0, 5.55, rate))
+        car.step(command)
+        held.append(hands.reaching.holds)
+        throttle.append(command.throttle * CAR.full_throttle_mps2)
+    assert not all(held[:60])
+    assert all(held[120:])
+    assert max(throttle[60:]) < 1.05 * AGAIN_MPS2 < ROBUST.a0_mps2
+    assert max(np.diff(throttle[60:])) < 0.1
+    assert car.speed_mps > 5.0
