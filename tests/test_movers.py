@@ -180,15 +180,15 @@ def test_a_body_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -
     config = ROBUST.reference
     kept = 0.5 * VehicleModel().length_m + config.standoff_m + config.time_gap_s * speed_mps
 
-    def wanted(along_m: float, body_mps: float) -> float:
+    def wanted(along_m: float, body_mps: float, own_mps: float) -> float:
         way, watch = LaneReference(config, VehicleModel(), SPEED_MPS, RATE_HZ, REACH), field()
-        return way.update(LANE, obstacle(along_m, 0.0, body_mps), watch, 0.0, 0.0, SPEED_MPS).speed_mps
+        return way.update(LANE, obstacle(along_m, 0.0, body_mps), watch, 0.0, 0.0, own_mps).speed_mps
 
-    assert wanted(kept, speed_mps) == pytest.approx(speed_mps, abs=1e-6)
-    assert wanted(kept - 1.0, speed_mps) < speed_mps - 0.1
-    assert speed_mps < wanted(kept + 1.0, speed_mps) <= SPEED_MPS
-    assert wanted(0.5 * VehicleModel().length_m + config.standoff_m, 0.0) == 0.0
-    assert wanted(60.0, speed_mps) == SPEED_MPS
+    assert wanted(kept, speed_mps, speed_mps) == pytest.approx(speed_mps, abs=1e-6)
+    assert wanted(kept - 1.0, speed_mps, speed_mps) < speed_mps - 0.1
+    assert speed_mps < wanted(kept + 1.0, speed_mps, SPEED_MPS) <= SPEED_MPS
+    assert wanted(0.5 * VehicleModel().length_m + config.standoff_m, 0.0, SPEED_MPS) == 0.0
+    assert wanted(60.0, speed_mps, SPEED_MPS) == SPEED_MPS
 
 
 @pytest.mark.parametrize(("speed_mps", "room_m", "crosses"), [(3.0, 2.0, False), (3.0, 9.0, True), (5.4, 2.5, True)])

@@ -1,5 +1,7 @@
 """The speed by what is ahead: between bodies, and when standing before what blocks the way."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,16 @@ from vpf_sim.planning import variant
 from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
-from vpf_sim.planning.pace import EASY_MPS, EASY_SHARE, FIRM_MPS2, LEAST_MPS, Pace
+from vpf_sim.planning.pace import (
+    EASY_MPS,
+    EASY_SHARE,
+    FALL_BACK_MPS,
+    FIRM_MPS2,
+    FULL_MPS2,
+    LEAST_MPS,
+    NEAR_M,
+    Pace,
+)
 from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Floats, VehicleModel
 
@@ -47,7 +58,7 @@ def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
     assert speeds[-1] == SPEED_MPS
     assert np.all(np.diff(speeds) >= 0.0)
     assert np.diff(speeds).max() < 0.15
-    assert wanted(gate(CONFIG.walking_clearance_m - 0.01, 2.0)) == 0.0
+    assert wanted(gate(CONFIG.walking_clearance_m - 0.01, 1.0)) == 0.0  # no longer far enough for a stop in comfort
 
 
 def test_a_gap_is_left_as_slowly_as_it_is_entered() -> None:
@@ -102,14 +113,28 @@ def test_short_stands_do_not_add_up() -> None:
 def test_no_more_is_asked_for_than_comfort_gives_unless_a_body_is_too_near_for_that() -> None:
     """A wall closes the road: the car shall stand either way, but the brakes go beyond comfort only if they must."""
     speeds = np.linspace(2.6, 8.0, 12)
-    firm = 0.5 * speeds**2 / FIRM_MPS2 + CONFIG.creep_standoff_m
-    for speed_mps, way_m in zip(speeds, firm, strict=True):
-        far, near = (
+    firm, full = (0.5 * speeds**2 / brake + NEAR_M for brake in (FIRM_MPS2, FULL_MPS2))
+    for speed_mps, firm_m, full_m in zip(speeds, firm, full, strict=True):
+        far, between, near = (
             wanted(LaneObstacles(*np.array([[way + BUMPER_M, -9.0, 9.0]]).T), speed_mps)
-            for way in (way_m + 0.01, min(way_m, CONFIG.standoff_m) - 0.01)
+            for way in (firm_m + 0.01, 0.5 * (firm_m + full_m), min(full_m, CONFIG.standoff_m) - 0.01)
         )
-        assert far >= min(speed_mps, SPEED_MPS) - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)
-        assert near == 0.0
+        eased = speed_mps - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)
+        assert far >= min(eased, SPEED_MPS)
+        assert near == 0.0 <= between < eased
+
+
+@pytest.mark.parametrize(("speed_mps", "body_mps", "way_m"), [(4.5, 3.1, 6.8), (5.55, 3.0, 4.0), (5.55, 2.0, 5.0)])
+def test_a_body_that_moves_and_is_told_late_is_fallen_in_behind_in_comfort(
+    speed_mps: float, body_mps: float, way_m: float
+) -> None:
+    """What counts is how fast it is come nearer to, not how fast the car is; too near, it is let go ahead."""
+    lead = LaneObstacles(*(np.array([one]) for one in (way_m + BUMPER_M, -0.9, 0.9, body_mps)))
+    assert pace().update(LANE, lead, field(), 0.0, speed_mps) >= speed_mps - EASY_MPS
+    too_near = replace(lead, along_m=np.array([NEAR_M + 0.1 + BUMPER_M]))
+    assert pace().update(LANE, too_near, field(), 0.0, body_mps) == pytest.approx(body_mps - FALL_BACK_MPS)
+    touching = replace(lead, along_m=np.array([0.1 + BUMPER_M]))
+    assert pace().update(LANE, touching, field(), 0.0, speed_mps) < body_mps - FALL_BACK_MPS
 
 
 def bent(

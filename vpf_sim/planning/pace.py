@@ -10,13 +10,15 @@ from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import SPEEDS_MPS, Reach
-from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Floats
 
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
 RUNS_WIDE_M = 0.02  # beyond what is kept from a body: less is not seen
-FIRM_MPS2 = 3.2  # where braking so firmly is enough, v_d is not so far below the speed that the brake goes beyond a_0:
-EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0  # by that much, or that share of the speed, but that may always be
+FIRM_MPS2, FULL_MPS2 = 3.5, 6.0  # what the brake does in comfort, a_0, and at all
+NEAR_M = 0.6  # from the bumper to a face, where a stop in need ends
+EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0  # v_d is by that much or that share below the speed for a_0, and always
+HARD_MPS, HARD_SHARE, HARD_LEAST_MPS = 3.0, 0.7, 1.2  # may be by that; and by so much where more than a_0 begins
+FALL_BACK_MPS = 1.0  # by which a body that moves and is too near is let go ahead
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
 
@@ -82,14 +84,14 @@ class Pace:
         counts, passing = (present | moves) & (way > 0.0), present & ~moves & (way <= 0.0)
         spare = way - self._creep.standoff(lane, obstacles, field) - config.time_gap_s * obstacles.speed_mps
         follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + way), 0.0, 1.0)
+        follow = np.maximum(follow, np.where(way > NEAR_M, obstacles.speed_mps - FALL_BACK_MPS, 0.0))
         stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
         passed = obstacles.speed_mps + self._beside(-field.overlap(obstacles, minimum_m, 0.0))
         beside = np.maximum(stop, passed)
         blocked = field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0
         there = np.minimum(self._before(lane, obstacles, field, minimum_m), beside)
         limits = np.where(blocked, stop, there)
-        firm_m = stopping_way(speed_mps, FIRM_MPS2) + config.creep_standoff_m
-        limits = np.where((way < firm_m) | moves, limits, np.maximum(limits, eased(speed_mps)))
+        limits = np.maximum(limits, braked(speed_mps, speed_mps - obstacles.speed_mps, way))
         nearest = self._creep.nearest(speed_mps)
         creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
         limit = float(np.min(np.maximum(passed, eased(speed_mps)), where=passing, initial=limit))
@@ -149,3 +151,15 @@ class Pace:
 def eased(speed_mps: float) -> float:
     """m/s, the least that is asked of a car at that speed for what comfortable braking is enough for."""
     return speed_mps - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)
+
+
+def braked(speed_mps: float, closing_mps: Floats, way_m: Floats) -> Floats:
+    """(K,) m/s, the least that is asked of a car before each body: it brakes beyond comfort as far as a stop needs.
+
+    Stopped is who has the speed of the body before it has come nearer than `NEAR_M`; where not even the full brake does
+    that, there is no least.
+    """
+    needed = np.maximum(closing_mps, 0.0) ** 2 / (2.0 * np.maximum(way_m - NEAR_M, 1e-3))
+    hard = (needed - FIRM_MPS2) / (FULL_MPS2 - FIRM_MPS2)
+    begins = speed_mps - max(min(HARD_MPS, HARD_SHARE * speed_mps), HARD_LEAST_MPS)
+    return np.where(hard > 0.0, np.where(hard < 1.0, begins - hard, -np.inf), eased(speed_mps))
