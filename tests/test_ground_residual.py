@@ -9,7 +9,7 @@ import pytest
 from vpf_sim.geometry import ground_from_pixels, rotation
 from vpf_sim.perception.clearing import ClearingConfig
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
-from vpf_sim.perception.spots import SpotBook, SpotConfig, is_hidden
+from vpf_sim.perception.spots import SpotBook, SpotConfig, in_sight
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image, Obstacles
 
@@ -269,12 +269,26 @@ def test_behind_a_body_the_road_is_hidden_from_either_place() -> None:
     none, config = np.full(1, np.inf), SpotConfig()
     body = Obstacles(np.array([8.0]), np.array([-1.0]), np.array([1.0]), np.ones(1), none, np.zeros(1, np.int64))
     lens, before = np.array([0.8, 0.0]), np.array([-4.0, 5.0])
-    assert is_hidden(Spot(12.0, -0.4, 0.4, 30.0), lens, body, config)
-    assert not is_hidden(Spot(12.0, 2.6, 3.4, 30.0), lens, body, config), "beside it"
-    assert not is_hidden(Spot(7.0, -0.4, 0.4, 30.0), lens, body, config), "before it"
+    assert in_sight(Spot(12.0, -0.4, 0.4, 30.0), lens, body, config) is None
+    beside, in_front = Spot(12.0, 2.6, 3.4, 30.0), Spot(7.0, -0.4, 0.4, 30.0)
+    assert in_sight(beside, lens, body, config) == beside
+    assert in_sight(in_front, lens, body, config) == in_front
     seen_aslant = Spot(12.0, -3.6, -3.0, 30.0)
-    assert is_hidden(seen_aslant, before, body, config)
-    assert not is_hidden(seen_aslant, lens, body, config)
+    assert in_sight(seen_aslant, before, body, config) is None
+    assert in_sight(seen_aslant, lens, body, config) == seen_aslant
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_of_a_spot_half_behind_a_body_the_other_half_is_seen(side: float) -> None:
+    """From 0.8 m, what is 1.3 m aside at 8 m hides up to 1.3 * 11.2 / 7.2 = 2.02 m aside at 12 m."""
+    none, config = np.full(1, np.inf), SpotConfig(margin_m=0.3)
+    body = Obstacles(np.array([8.0]), np.array([-1.0]), np.array([1.0]), np.ones(1), none, np.zeros(1, np.int64))
+    lens = np.array([0.8, 0.0])
+    ends = sorted((side * 1.5, side * 2.9))
+    seen = in_sight(Spot(12.0, *ends, 30.0), lens, body, config)
+    assert seen is not None
+    assert (seen.left_m, seen.right_m) == pytest.approx(sorted((side * 2.02, side * 2.9)), abs=0.01)
+    assert in_sight(Spot(12.0, *sorted((side * 1.5, side * 2.2)), 30.0), lens, body, config) is None, "a rim of it"
 
 
 def test_nonsense_is_refused_with_what_was_given() -> None:

@@ -1,6 +1,6 @@
 """Bodies on the road: followed points that stand above it, kept in the world until the car has passed them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from vpf_sim.perception.outlines import (
     turned_back,
     widened,
 )
-from vpf_sim.perception.spots import SpotBook, is_hidden
+from vpf_sim.perception.spots import SpotBook, in_sight
 from vpf_sim.perception.triangulation import Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
 
@@ -119,15 +119,15 @@ class LandmarkTracker:
             self._clear(bodies, index, pose)
         lens = np.array([self.camera.forward_m, 0.0])
         views = (lens, vehicle_from_world(world_from_vehicle(lens, before), pose))
-        config = self.config.spots
-        self._spots.record(
-            [
-                spot
-                for spot in spots
-                if self._is_inside(spot, road) and not any(is_hidden(spot, view, bodies, config) for view in views)
-            ],
-            pose,
-        )
+        seen = (self._in_sight(spot, views, bodies) for spot in spots if self._is_inside(spot, road))
+        self._spots.record([spot for spot in seen if spot is not None], pose)
+
+    def _in_sight(self, spot: Spot, views: Iterable[Floats], bodies: Obstacles) -> Spot | None:
+        """What is seen of a spot from each of the places (2,)."""
+        seen: Spot | None = spot
+        for view in views:
+            seen = seen and in_sight(seen, view, bodies, self.config.spots)
+        return seen
 
     def _clear(self, bodies: Obstacles, index: int, pose: Floats) -> None:
         """Forget a body of few points where the road is seen instead of it; what was seen of it elsewhere stays."""

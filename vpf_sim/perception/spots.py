@@ -1,7 +1,7 @@
 """Spots of the road that stand above it: confirmed over several looks, kept in the world until passed."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class SpotConfig:
     edge_m: float = 0.3  # inside the carriageway's edges
     beyond_m: float = 0.8  # this far behind a body's face begins what it hides
     margin_m: float = 0.3  # beside a body, hidden as well
+    least_seen_m: float = 0.4  # a spot of which less is seen beside a body is none
     sigma_m: float = 0.4  # of a spot's face
     beside_m: float = 0.1  # a spot so near a taller body is of it: what that body covers is left out beforehand
     least_width_m: float = 0.6  # a body is told no narrower
@@ -39,6 +40,8 @@ class SpotConfig:
     def __post_init__(self) -> None:
         if not self.doubts > 0:
             raise ValueError(f"doubts: expected > 0, got {self.doubts}")
+        if not self.least_seen_m > 0.0:
+            raise ValueError(f"least_seen_m: expected > 0, got {self.least_seen_m}")
         if not self.cut_hits >= 0:
             raise ValueError(f"cut_hits: expected >= 0, got {self.cut_hits}")
 
@@ -165,15 +168,19 @@ class SpotBook:
         return float(vehicle_from_world(one.place_m, pose)[0])
 
 
-def is_hidden(spot: Spot, lens_m: Floats, bodies: Obstacles, config: SpotConfig) -> bool:
-    """Whether a known body stood before the spot, for a camera at `lens_m` (2,), vehicle axes: then its picture is the
-    body's, not the road's."""
+def in_sight(spot: Spot, lens_m: Floats, bodies: Obstacles, config: SpotConfig) -> Spot | None:
+    """What a camera at `lens_m` (2,), vehicle axes, sees of a spot beside the known bodies that stand before it.
+
+    Where one stood, its picture is the body's, not the road's.
+    """
     between = (bodies.forward_m > lens_m[0]) & (bodies.forward_m + config.beyond_m < spot.forward_m)
-    if not between.any():
-        return False
-    share = (bodies.forward_m[between] - lens_m[0]) / (spot.forward_m - lens_m[0])
-    left = lens_m[1] + (spot.left_m - lens_m[1]) * share
-    right = lens_m[1] + (spot.right_m - lens_m[1]) * share
-    margin = config.margin_m
-    overlap = (right > bodies.left_m[between] - margin) & (left < bodies.right_m[between] + margin)
-    return bool(overlap.any())
+    left, right = spot.left_m, spot.right_m
+    for body in np.flatnonzero(between):
+        beyond = (spot.forward_m - lens_m[0]) / (bodies.forward_m[body] - lens_m[0])
+        begins = lens_m[1] + (bodies.left_m[body] - config.margin_m - lens_m[1]) * beyond
+        ends = lens_m[1] + (bodies.right_m[body] + config.margin_m - lens_m[1]) * beyond
+        if begins < right and ends > left:
+            left, right = (left, begins) if begins - left > right - ends else (ends, right)
+            if right - left < config.least_seen_m:
+                return None
+    return replace(spot, left_m=float(left), right_m=float(right))
