@@ -1,15 +1,17 @@
 """One body that moves: where its face is, how fast it drives along the road, and how sure that is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import exp
 
 import numpy as np
 
 from vpf_sim.geometry import rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.mover_sides import Sides, SidesConfig
 from vpf_sim.perception.moving_frame import Course, Residuals
 from vpf_sim.types import Bools, Camera, Floats, Flow
 
 FITS = 3
+LEAST_SLOPE = 0.2  # of a ray along its course: a face is not seen along its plane
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,17 +43,16 @@ class FilterConfig:
     memory_s: float = 0.5  # tracks that are looked at again within this time say the same
     track_sigma_mps: float = 0.5  # of what one track tells of the speed
     least_sigma_mps: float = 0.1
-    side_s: float = 0.2  # time constant of the sides
-    narrowest_m: float = 1.9  # vehicle, with its mirrors, and
-    widest_m: float = 2.6
+    side_s: float = 0.2  # time constant of the width seen
     drift_mps: float = 0.06  # by which its sides may lie farther out while they are predicted,
     drift_m: float = 0.3  # and at most: it keeps its lane
     clip: float = 2.0  # standard deviations of an innovation that are taken
     chi2_limit: float = 9.0  # of a track that belongs to the body
+    sides: SidesConfig = field(default_factory=SidesConfig)
 
 
 class Mover:
-    """Two filters, of the distance and of the speed along the road, and a low-pass on the place across.
+    """Filters of the distance, of the speed along the road, and of the place across (`Sides`).
 
     Tracks fix the rate (v - v_b) / Z at which the body grows, its foot the distance Z; so a correction of Z corrects
     v_b with it, at the same rate. It lives in the world, so what is not seen for a while is predicted: along the road
@@ -72,6 +73,7 @@ class Mover:
         self.tracks = np.empty(0, np.int64)  # identities of those that were of it at the last look
         self.course = Course(sight.speed_mps, float(pose[2]), 0.0)
         self._predicted_s = 0.0  # since its sides were seen
+        self._sides = Sides(config.sides)
 
     def predict(self, dt_s: float, direction_rad: float, curvature_per_m: float) -> None:
         """dt seconds on along the road, which has that direction in the world and that bend there."""
@@ -81,6 +83,7 @@ class Mover:
         self.sigma_mps = min(float(np.sqrt(self.sigma_mps**2 + config.acceleration_mps2**2 * dt_s)), 2.0)
         self.course = Course(self.speed_mps, direction_rad, curvature_per_m)
         self._predicted_s += dt_s
+        self._sides.predict(dt_s)
 
     def place(self, pose: Floats) -> tuple[float, float]:
         """Forward m of the face and right m of its middle, in the axes of the vehicle."""
@@ -93,8 +96,8 @@ class Mover:
 
     @property
     def half_m(self) -> float:
-        """m, half the width that it takes: what is seen, as wide as a vehicle is."""
-        return 0.5 * min(max(self.width_m, self._config.narrowest_m), self._config.widest_m)
+        """m, half the width that it takes, as wide as a vehicle is."""
+        return self._sides.half_m
 
     @property
     def reach_m(self) -> float:
@@ -105,9 +108,11 @@ class Mover:
         """(N,) points that were of this body at the last look."""
         return np.isin(flow.identity, self.tracks)
 
-    def fit(self, tracks: Residuals, standing: Floats, own_mps: float, depth_m: float) -> tuple[Floats, Floats, float]:
-        """(M,) chi2 of the tracks on the one rigid body that explains them best, (M,) m, by how much each point lies
-        behind its face, and the change of speed it has.
+    def fit(
+        self, tracks: Residuals, standing: Floats, own_mps: float, depth_m: float, counts: Bools
+    ) -> tuple[Floats, Floats, float]:
+        """(M,) chi2 of the tracks on the one rigid body that explains those best that count (M,), (M,) m, by how much
+        each point lies behind its face, and the change of speed it has.
 
         Speed, course and distance may differ from what is believed by what is not known of them, for all tracks alike;
         a track by its own noise and by where on the face its point is. Reweighted least squares (Cauchy); a track that
@@ -121,7 +126,7 @@ class Mover:
         change, residual = np.zeros(3), tracks.residual_px
         for _ in range(FITS):
             chi2 = _quadratic(inverse, residual)
-            trust = 1.0 / (1.0 + chi2 / self._config.chi2_limit)
+            trust = counts / (1.0 + chi2 / self._config.chi2_limit)
             trust /= 1.0 + np.exp(np.clip(0.5 * (chi2 - standing), -20.0, 20.0))
             normal = prior + np.einsum("m,mij,mjk->ik", trust, gain, slope)
             change = np.linalg.solve(normal, np.einsum("m,mij,mj->i", trust, gain, tracks.residual_px))
@@ -155,14 +160,18 @@ class Mover:
         self.speed_mps = max(self.speed_mps - rate * change, 0.0)
         self._place_m = world_from_vehicle(np.array([forward + change, right * (1.0 + change / depth)]), pose)
 
-    def spread(self, left_m: float, right_m: float, pose: Floats, dt_s: float) -> None:
-        """Its sides, as seen in one look."""
+    def spread(self, width_m: float, bearing: Floats, odds: Floats, pose: Floats, dt_s: float) -> None:
+        """One look at its sides: how wide it seems, and the bearings (N,) of points about it, tangents, with their
+        log-odds (N,) to be of it and not of what stands behind it."""
         self._predicted_s = 0.0
+        self.width_m += (1.0 - exp(-dt_s / self._config.side_s)) * (width_m - self.width_m)
         forward, right = self.place(pose)
-        gain = 1.0 - exp(-dt_s / self._config.side_s)
-        right += gain * (0.5 * (left_m + right_m) - right)
-        self.width_m += gain * (right_m - left_m - self.width_m)
-        self._place_m = world_from_vehicle(np.array([forward, right]), pose)
+        own = rotation(self.course.direction_rad - pose[2])  # of its axes in the vehicle's
+        camera = own.T @ [self._camera.forward_m - forward, -right]  # in its axes, from the face's middle
+        ray = np.stack([np.ones(len(bearing)), bearing], axis=1) @ own
+        across = camera[1] - camera[0] * ray[:, 1] / np.maximum(ray[:, 0], LEAST_SLOPE)
+        change = self._sides.look(across, odds, float(camera[1]), -float(camera[0]), dt_s)
+        self._place_m = world_from_vehicle(np.array([forward, right]) + change * own[:, 1], pose)
 
 
 def _outer(vectors: Floats) -> Floats:

@@ -50,7 +50,8 @@ class MoverConfig:
     equal_share: float = 0.1  # and least
     length_m: float = 4.5  # of a body
     same_m: float = 1.2  # two that are nearer across are one, where the nearer is predicted
-    margin_m: float = 0.3  # about it
+    margin_m: float = 0.3  # about it,
+    about_m: float = 1.0  # and beyond that its sides are looked for
     tallest_m: float = 3.6
     prior: float = -4.0  # log-odds of what is suspected,
     dropped: float = -6.0  # and where it is no more

@@ -145,16 +145,17 @@ class MoverTracker:
                 mover.log_odds = -np.inf
             return mover.mine(flow), within
         follows = abs(own_mps - mover.speed_mps) < config.equal_share * own_mps  # then what is on it stands still
-        chosen = np.flatnonzero(within & free & seen.ripe & (follows | ~seen.still))
-        tracks, standing = part(flow, chosen), seen.standing[chosen]
-        chi2, behind, faster = mover.fit(self._against(mover, tracks, depth), standing, own_mps, depth)
-        chi2 = np.where(chi2 < standing + config.odds, chi2, np.inf)
+        about = self._outline(mover, seen, flow.pose, config.margin_m + config.about_m)
+        chosen = np.flatnonzero(about & free & seen.ripe & (follows | ~seen.still))
+        tracks, standing, inner = part(flow, chosen), seen.standing[chosen], within[chosen]
+        fitted, behind, faster = mover.fit(self._against(mover, tracks, depth), standing, own_mps, depth, inner)
+        chi2 = np.where(inner & (fitted < standing + config.odds), fitted, np.inf)
         face = chi2 < config.chi2_limit
         mover.tracks = flow.identity[chosen[face]]
         gain = -config.speaks_against
         if np.count_nonzero(face) >= 3:
             mover.grow(faster, int(np.count_nonzero(face)), dt_s)
-            sure = face & (standing - chi2 > config.chi2_limit)  # what else is in the outline may shine through
+            sure = face & (standing > chi2 + config.chi2_limit)  # what else is in the outline may shine through
             shape = sure if np.count_nonzero(sure) >= 3 else face
             foot = self._foot(seen.drop[chosen[shape]])
             if foot is not None:
@@ -162,9 +163,7 @@ class MoverTracker:
             depth = mover.depth_m(flow.pose)
             front = shape & (behind < config.front_m)
             front = front if np.count_nonzero(front) >= 3 else shape
-            across = seen.bearing[chosen[front]] * depth
-            left, right = np.quantile(across, (config.side_quantile, 1.0 - config.side_quantile))
-            mover.spread(float(left), float(right), flow.pose, dt_s)
+            self._spread(mover, seen, chosen, front, fitted, flow.pose)
             gain = self._speaks_for(mover, seen, chosen, chi2, own_mps, flow.pose)
         if mover.identity is not None:
             gain = max(gain, -config.doubts)
@@ -173,6 +172,19 @@ class MoverTracker:
             mover.credit = config.sure  # a body that was sure is not doubted for what the picture's edge leaves of it
         with np.errstate(invalid="ignore"):
             return mover.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
+
+    def _spread(self, mover: Mover, seen: Apparent, chosen: Integers, front: Bools, chi2: Floats, pose: Floats) -> None:
+        """Look at a body's sides by the chosen points, of which those in `front` (M,) make its face.
+
+        What lies on the road tells nothing of them: paint is long, and tracks slip along it.
+        """
+        config, depth = self.config, mover.depth_m(pose)
+        bearing, height = seen.bearing[chosen], self.camera.height_m - seen.drop[chosen] * depth
+        left, right = np.quantile(bearing[front], (config.side_quantile, 1.0 - config.side_quantile))
+        upright = (height > config.evidence.low_m) & (height < config.evidence.high_m)
+        odds = np.minimum(seen.standing[chosen], config.chi2_limit) - np.minimum(chi2, config.chi2_limit)
+        width = float(right - left) * depth
+        mover.spread(width, bearing[upright], 0.5 * odds[upright], pose, self._look / self.rate_hz)
 
     def _outline(self, mover: Mover, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
         """(N,) points in the outline of a body, or so near beside it."""
