@@ -34,6 +34,9 @@ NEXT_M = 4.0  # ahead, what stands beside our way is passed next
 FREE_M = 1e-6  # a body's own side is free of it
 NO_CHOICE = 1e3  # more than any body, side or memory costs
 CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
+BEHIND_M = 0.5  # off its middle: who is not farther aside goes behind it, and has not chosen a side yet
+SOON_S, SOON_M = 3.0, 5.0  # until a body that moves is met, and what is kept from it
+PASSING_M = 3.0  # from bumper to face: a body that moves is being passed
 STOP_MPS2, STOP_REACTION_S = 3.0, 0.3  # of a stop in need
 CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
 
@@ -185,6 +188,21 @@ class LaneField:
         left = np.max(obstacles.right_m, where=passing & (obstacles.right_m < least), initial=lane.left_m)
         return replace(lane, right_m=float(right), left_m=float(left))
 
+    def kept_beside(self, obstacles: LaneObstacles, y_m: float, minimum_m: float) -> float:
+        """The minimum, no nearer to bodies that move and are being passed by a path at y than the clearance wanted.
+
+        Their sides are told with large errors, and what is farther ahead must not push the path towards them.
+        """
+        passing = (self.present(obstacles) > 0.0) & (obstacles.speed_mps > 0.0) & (self.bumper(obstacles) < PASSING_M)
+        if not np.any(passing):
+            return minimum_m
+        margin = self._half_width_m + self._config.clearance_m
+        middle = 0.5 * (obstacles.left_m + obstacles.right_m)
+        least = np.max(obstacles.right_m + margin, where=passing & (middle < y_m), initial=-np.inf)
+        most = np.min(obstacles.left_m - margin, where=passing & (middle > y_m), initial=np.inf)
+        least, most = min(float(least), y_m), max(float(most), y_m)  # the path is not pushed away: the field does that
+        return min(max(minimum_m, least), most)
+
     def bumper(self, obstacles: LaneObstacles) -> Floats:
         """(K,) m from our bumper to each face."""
         return obstacles.along_m - self._half_length_m
@@ -193,12 +211,18 @@ class LaneField:
         """(K,) 0 .. 1, the weight w of each body by its distance; 0 once it has been passed, or runs away."""
         config = self._config
         gap = self.bumper(obstacles)
-        weight = np.clip((config.visible_m - gap) / (config.visible_m - config.full_m), 0.0, 1.0)
+        weight = np.clip((self._visible(obstacles) - gap) / (config.visible_m - config.full_m), 0.0, 1.0)
         faster = obstacles.speed_mps - self._speed_reference_mps
         runs = (faster > -config.slower_mps) & (gap > config.beside_m)
         catches_up = np.maximum(faster, 0.0) * CATCH_UP_S
         passed = obstacles.along_m + self._length(obstacles) + catches_up < -self._half_length_m
         return np.where(passed | runs, 0.0, weight)
+
+    def _visible(self, obstacles: LaneObstacles) -> Floats:
+        """(K,) m from bumper to face, from which each body begins to count: one that moves only when it is met soon."""
+        closing = np.maximum(self._speed_reference_mps - obstacles.speed_mps, 0.0)
+        soon = np.minimum(SOON_M + SOON_S * closing, self._config.visible_m)
+        return np.where(obstacles.speed_mps > 0.0, soon, self._config.visible_m)
 
     def _length(self, obstacles: LaneObstacles) -> Floats:
         """(K,) m from each face to where the body ends, at least."""
@@ -268,7 +292,8 @@ class LaneField:
         # Behind a body that moves there is room to change sides only if it is not reached meanwhile.
         speed = obstacles.speed_mps[near]
         room = CROSSING_M + CROSSING_S * np.maximum(self._speed_reference_mps - speed, 0.0)
-        beside = gap[near] < np.where(speed > 0.0, room, 0.0)
+        aside = (np.abs(lane.y_m - middle) > BEHIND_M) | (gap[near] < CROSSING_M)
+        beside = (gap[near] < np.where(speed > 0.0, room, 0.0)) & aside
         chosen = np.where(beside, lane.y_m, last) - middle
         other = (self._y_m[None] - middle[:, None]) * np.sign(chosen)[:, None] < 0.0
         height = np.where(beside, config.beside_height, config.latch_height)

@@ -76,6 +76,7 @@ class LaneReference:
             minimum_m = self._glide.y_m
         else:
             minimum_m = self._held(self._glide, obstacles, field, minimum_m, speed_mps)
+        minimum_m = field.kept_beside(obstacles, self._glide.y_m, minimum_m)
         between = field.beside(obstacles, lane, self._glide.y_m)
         self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
         self._glide.hold(rear)
