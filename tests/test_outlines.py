@@ -12,6 +12,7 @@ from vpf_sim.perception.outlines import (
     at_least,
     direction_at,
     nearest_extent,
+    nearest_sure,
     parted,
     sides,
     stands_behind,
@@ -45,6 +46,38 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
     assert np.mean(np.abs(alone) < 1.5) > 0.9
     assert np.all(face_sigma < 0.5)
     assert np.mean(np.abs(followed) < 1.5) > 0.9
+
+
+@pytest.mark.parametrize(("count", "begins_m"), [(2, 14.0), (4, 12.0)])
+def test_a_body_begins_where_several_points_lie_nearer_beyond_doubt(count: int, begins_m: float) -> None:
+    """A barrier of few points 2 m before a wall of 40, all known to .2 m."""
+    rng = stream(27, "barrier")
+    forward = np.concatenate([rng.normal(14.0, 0.2, 40), rng.normal(12.0, 0.2, count)])
+    sigma, some = np.full(len(forward), 0.2), np.zeros(len(forward))
+    seen, label = Seen(np.column_stack([forward, some]), sigma, some, some), np.zeros(len(forward), np.int64)
+    face, _ = nearest_extent(seen, label, 1)
+    assert face[0] == pytest.approx(14.0, abs=0.25)
+    assert nearest_sure(seen, label, face)[0] == pytest.approx(begins_m, abs=0.75)
+
+
+def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
+    """200 faces of 30 points each, known to 1.2 m: of 30 the third nearest errs by -1.6 m."""
+    rng, count = stream(28, "errors"), 200
+    forward, label = rng.normal(20.0, 1.2, 30 * count), np.repeat(np.arange(count), 30)
+    sigma, some = np.full(30 * count, 1.2), np.zeros(30 * count)
+    seen = Seen(np.column_stack([forward, some]), sigma, some, some)
+    face, _ = nearest_extent(seen, label, count)
+    assert np.mean(nearest_sure(seen, label, face) < face) < 0.01
+
+
+def test_a_body_at_an_angle_begins_at_its_corner() -> None:
+    """A van 5 m long whose side is seen all along: a quarter of its points lie within 1.25 m of the corner."""
+    forward = np.linspace(8.0, 13.0, 61)
+    sigma, some = np.full(61, 0.05), np.zeros(61)
+    seen, label = Seen(np.column_stack([forward, some]), sigma, some, some), np.zeros(61, np.int64)
+    face, _ = nearest_extent(seen, label, 1)
+    assert face[0] > 9.0
+    assert nearest_sure(seen, label, face)[0] == pytest.approx(8.0, abs=0.35)
 
 
 def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car_is_turned() -> None:

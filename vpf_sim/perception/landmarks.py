@@ -20,6 +20,7 @@ from vpf_sim.perception.outlines import (
     from_here,
     joined,
     nearest_extent,
+    nearest_sure,
     none,
     parted,
     sides,
@@ -354,7 +355,8 @@ class LandmarkTracker:
             believed, label, confirmed, (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)
         )
         confirmed = confirmed & (body >= 0)
-        face, left, right = turned_back(face, *sides(seen, label, face, self.config.sharp_side_m), angle)
+        across = sides(seen, label, face, self.config.sharp_side_m)  # where most of it is: behind a corner it slides
+        face, left, right = turned_back(nearest_sure(seen, label, face), *across, angle)
         ahead = face - self.camera.forward_m
         c = confirmed & ~parted(ahead, left, right, np.where(confirmed & ~apart, body, -1), np.bincount(label))
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
