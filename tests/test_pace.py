@@ -16,6 +16,7 @@ from vpf_sim.planning.pace import (
     FIRM_MPS2,
     FULL_MPS2,
     LEAST_MPS,
+    MET_S,
     NEAR_M,
     Pace,
 )
@@ -135,6 +136,23 @@ def test_a_body_that_moves_and_is_told_late_is_fallen_in_behind_in_comfort(
     assert pace().update(LANE, too_near, field(), 0.0, body_mps) == pytest.approx(body_mps - FALL_BACK_MPS)
     touching = replace(lead, along_m=np.array([0.1 + BUMPER_M]))
     assert pace().update(LANE, touching, field(), 0.0, speed_mps) < body_mps - FALL_BACK_MPS
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_who_is_headed_at_a_body_leaves_the_time_to_turn_away_from_it(side: float) -> None:
+    """Where the car is it is clear of the body, and shall stay: but as it is headed now it would meet it."""
+
+    def towards(slope: float, body_mps: float, speed_mps: float) -> float:
+        sides = sorted((side * (HALF_M + 0.5), side * 4.0))
+        body = LaneObstacles(*(np.array([one]) for one in (BUMPER_M + 1.5, *sides, body_mps)))
+        lane = Lane(0.0, 9.0, -9.0, -np.arctan(side * slope), 0.0)
+        return pace().update(lane, body, field(), 0.0, speed_mps)
+
+    assert towards(0.25, 0.0, 2.5) == pytest.approx(1.5 / MET_S)  # its face
+    assert towards(0.1, 0.0, 4.5) == pytest.approx((0.5 / 0.1 - BUMPER_M) / MET_S)  # its flank, farther behind
+    assert towards(0.1, 0.0, 5.5) == 5.5 - EASY_MPS  # in comfort
+    assert towards(-0.1, 0.0, 4.5) > 4.4
+    assert towards(0.1, 4.0, 4.5) > 4.4
 
 
 def bent(

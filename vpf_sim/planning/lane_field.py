@@ -207,6 +207,16 @@ class LaneField:
         """(K,) m from our bumper to each face."""
         return obstacles.along_m - self._half_length_m
 
+    def met(self, obstacles: LaneObstacles, lane: Lane) -> Floats:
+        """(K,) m until our body meets each with its front, if it goes straight on as it is headed; inf where never."""
+        way, slope = self.bumper(obstacles), -tan(lane.heading_rad)
+        y = lane.y_m + slope * obstacles.along_m  # of our front where it is abreast of the face
+        beyond = np.maximum(obstacles.left_m - y, y - obstacles.right_m) - self._half_width_m
+        nears = (obstacles.left_m + obstacles.right_m - 2.0 * y) * slope > 0.0
+        further = np.maximum(beyond, 0.0) / max(abs(slope), FREE_M)
+        meets = (beyond <= 0.0) | (nears & (further < self._length(obstacles)))
+        return np.where(meets & (way > 0.0), way + further, np.inf)
+
     def present(self, obstacles: LaneObstacles) -> Floats:
         """(K,) 0 .. 1, the weight w of each body by its distance; 0 once it has been passed, or runs away."""
         config = self._config

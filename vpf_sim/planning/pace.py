@@ -18,6 +18,7 @@ FIRM_MPS2, FULL_MPS2 = 3.5, 6.0  # what the brake does in comfort, a_0, and at a
 NEAR_M = 0.6  # from the bumper to a face, where a stop in need ends
 EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0  # v_d is by that much or that share below the speed for a_0, and always
 HARD_MPS, HARD_SHARE, HARD_LEAST_MPS = 3.0, 0.7, 1.2  # may be by that; and by so much where more than a_0 begins
+MET_S = 1.3  # until a body is met by who goes straight on: nuPlan's bound is .95, and slowing down takes time
 FALL_BACK_MPS = 1.0  # by which a body that moves and is too near is let go ahead
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
@@ -92,6 +93,8 @@ class Pace:
         there = np.minimum(self._before(lane, obstacles, field, minimum_m), beside)
         limits = np.where(blocked, stop, there)
         limits = np.maximum(limits, braked(speed_mps, speed_mps - obstacles.speed_mps, way))
+        met = obstacles.speed_mps + np.maximum(field.met(obstacles, lane) / MET_S, config.creep_mps)
+        limits = np.minimum(limits, np.maximum(met, eased(speed_mps)))
         nearest = self._creep.nearest(speed_mps)
         creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
         limit = float(np.min(np.maximum(passed, eased(speed_mps)), where=passing, initial=limit))
