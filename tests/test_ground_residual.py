@@ -292,8 +292,10 @@ def test_of_a_spot_half_behind_a_body_the_other_half_is_seen(side: float) -> Non
 
 
 def test_nonsense_is_refused_with_what_was_given() -> None:
-    with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 13\.5"):
+    with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 16\.0"):
         ResidualConfig(near_m=20.0)
+    with pytest.raises(ValueError, match=r"noise_far_m: expected 6\.5 to 16\.0, got 17\.0"):
+        ResidualConfig(noise_far_m=17.0)
     with pytest.raises(ValueError, match=r"doubt_gain: expected > 0 and <= least_gain = 6\.0, got 7\.0"):
         ResidualConfig(doubt_gain=7.0)
     with pytest.raises(ValueError, match="doubts: expected > 0, got 0"):

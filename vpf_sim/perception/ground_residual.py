@@ -31,7 +31,8 @@ class ResidualConfig:
     period_s: float = 0.1  # between looks
     baseline_m: float = 4.5  # the own way between the two frames, at least
     near_m: float = 6.5  # of the patch, from the pose
-    far_m: float = 13.5
+    far_m: float = 16.0
+    noise_far_m: float = 13.5  # up to which the noise is measured: beyond, two pictures of a road hardly differ
     half_width_m: float = 3.4
     border_m: float = 2.6  # by which the older patch is wider, for turns
     cell_m: float = 0.05
@@ -59,6 +60,8 @@ class ResidualConfig:
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
             raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
+        if not self.near_m < self.noise_far_m <= self.far_m:
+            raise ValueError(f"noise_far_m: expected {self.near_m} to {self.far_m}, got {self.noise_far_m}")
         if not 0.0 < self.newest <= 1.0:
             raise ValueError(f"newest: expected 0 < newest <= 1, got {self.newest}")
         if not 0.0 < self.doubt_gain <= self.least_gain:
@@ -100,6 +103,7 @@ class GroundResidual:
         self._forward_m: Floats = np.arange(config.near_m, reach, config.cell_m)
         self._right_m: Floats = np.arange(-half, half + 1e-9, config.cell_m)
         self._rows = int(np.count_nonzero(self._forward_m < config.far_m))
+        self._noise_rows = int(np.count_nonzero(self._forward_m < config.noise_far_m))
         self._maps, self._outside = self._layout()
         self.baseline_pose: Floats | None = None  # of the older frame in the last look
         self._past: deque[_Layout] = deque()
@@ -203,7 +207,8 @@ class GroundResidual:
             return self._difference(now, dry, older, pose, height_m)
 
         road, free = difference(0.0)
-        grain, usual = np.percentile(road[::4, ::4], (GRAIN_PERCENT, 50.0)).tolist()  # windows overlap: a few tell
+        some = road[: self._noise_rows : 4, ::4]  # windows overlap: a few tell
+        grain, usual = np.percentile(some, (GRAIN_PERCENT, 50.0)).tolist()
         noise = usual + config.floor_levels2
         self._contrast = road / np.float32(noise)
         self._seen = self._seen_before(older.pose, pose) & (free > config.least_seen)
