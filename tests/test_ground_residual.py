@@ -68,7 +68,7 @@ def looks(height_m: float, turn_rad: float = 0.0, rain: bool = False) -> list[tu
 def test_a_flat_plate_is_seen_where_it_lies() -> None:
     found = [(PLATE_M[0, 0] - pose[0], spot) for pose, spots in looks(0.15) for spot in spots]
     assert len(found) >= 3
-    assert found[0][0] - BUMPER_M > 8.0
+    assert found[0][0] > 13.6, "from farther away than the noise is measured"
     for distance, spot in found:
         assert spot.forward_m == pytest.approx(distance, abs=1.1)
         assert (spot.left_m, spot.right_m) == pytest.approx((-0.2, 0.6), abs=0.7)
