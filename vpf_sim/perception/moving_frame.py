@@ -11,6 +11,7 @@ from vpf_sim.types import Camera, Floats, Flow
 
 STEP_MPS = 0.1  # of the numerical derivatives
 STEP_RATIO = 0.02
+NEVER_PX = 1e3  # residual of a point that would have been behind the camera
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,8 @@ def against(
     """The tracks of `flow` against a body on `course` that has each of them at `depth_m` (M,) now.
 
     The point is put in space, and looked at from where the camera was when the track began, which has been moved on by
-    the body's own way since: in the frame of the body the camera alone has moved.
+    the body's own way since: in the frame of the body the camera alone has moved. A faster body came from behind: what
+    would have been behind the camera when its track began is not of it (`NEVER_PX`).
     """
     ray, age_s = rays(camera, flow.points_px), flow.age_frames / rate_hz
 
@@ -80,4 +82,9 @@ def against(
     by_speed = (first(depth_m, course.speed_mps + STEP_MPS) - expected) / STEP_MPS
     by_turn = (first(depth_m, course.speed_mps, STEP_RATIO) - expected) / STEP_RATIO
     weight = information(flow, window_px, age_s, noise)
-    return Residuals(flow.first_px - expected, by_depth, by_speed, by_turn, weight)
+    residual = flow.first_px - expected
+    never = np.isnan(residual + by_depth + by_speed + by_turn).any(axis=1)
+    residual[never] = NEVER_PX
+    for slope in (by_depth, by_speed, by_turn):
+        slope[never] = 0.0
+    return Residuals(residual, by_depth, by_speed, by_turn, weight)
