@@ -1,6 +1,7 @@
 """The speed by what is ahead: between bodies, and when standing before what blocks the way."""
 
 from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 import pytest
@@ -10,12 +11,15 @@ from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.pace import (
+    CLOSED_M,
     EASY_MPS,
     EASY_SHARE,
     FALL_BACK_MPS,
     FIRM_MPS2,
     FULL_MPS2,
     LEAST_MPS,
+    LOOKED_M,
+    LOOKING_MPS,
     MET_S,
     NEAR_M,
     Pace,
@@ -153,6 +157,29 @@ def test_who_is_headed_at_a_body_leaves_the_time_to_turn_away_from_it(side: floa
     assert towards(0.1, 0.0, 5.5) == 5.5 - EASY_MPS  # in comfort
     assert towards(-0.1, 0.0, 4.5) > 4.4
     assert towards(0.1, 4.0, 4.5) > 4.4
+
+
+def test_before_a_gap_that_one_body_more_would_close_the_car_looks_while_a_turn_is_left() -> None:
+    """A wall to the right edge but for the gap; as soon as what is low in it would have been told, on."""
+
+    def towards(gap_m: float, way_m: float, speed_mps: float) -> float:
+        wall = LaneObstacles(*(np.array([one]) for one in (way_m + BUMPER_M, -7.0, LANE.right_m - gap_m)))
+        middle_m = LANE.right_m - 0.5 * gap_m
+        lane = replace(LANE, y_m=middle_m)
+        return pace().update(lane, wall, field(), middle_m, speed_mps)
+
+    for way_m in (LOOKED_M + 0.01, 6.0, 8.0):
+        speed_mps = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (way_m - LOOKED_M))
+        assert towards(3.4, way_m, speed_mps) == pytest.approx(speed_mps)
+        assert towards(CLOSED_M + 0.1, way_m, SPEED_MPS) == SPEED_MPS
+    assert towards(3.4, LOOKED_M - 0.01, SPEED_MPS) == SPEED_MPS
+
+
+def test_who_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:
+    """A wall on either side of a path that bends towards one: the faster, the later the wheels are straight."""
+    wall = [(BUMPER_M - 3.0, 3.0, 5.0)]
+    steep, gentle = (bent(wall, 0.0, (0.0, 0.15, bend), False) for bend in (0.15, 0.02))
+    assert steep == bent(wall, 0.0, (0.0, 0.15, 0.15), True) < gentle
 
 
 def bent(

@@ -19,6 +19,8 @@ NEAR_M = 0.6  # from the bumper to a face, where a stop in need ends
 EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0  # v_d is by that much or that share below the speed for a_0, and always
 HARD_MPS, HARD_SHARE, HARD_LEAST_MPS = 3.0, 0.7, 1.2  # may be by that; and by so much where more than a_0 begins
 MET_S = 1.3  # until a body is met by who goes straight on: nuPlan's bound is .95, and slowing down takes time
+CLOSED_M = 6.0  # a gap so wide is not closed by one body more
+LOOKED_M, LOOKING_MPS = 3.8, 2.0  # before a row: the tightest turn before it takes 3 m, and what is low is told at 6
 FALL_BACK_MPS = 1.0  # by which a body that moves and is too near is let go ahead
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
@@ -59,7 +61,10 @@ class Pace:
             return self._speed_reference_mps
         wanted = self._speed(lane, obstacles, field, minimum_m, speed_mps)
         if glide is not None and len(obstacles):
-            wanted = min(wanted, max(self._settled(obstacles, field, minimum_m, glide), eased(speed_mps)))
+            settled = min(
+                self._settled(obstacles, field, minimum_m, glide), self._unwound(obstacles, field, lane, glide)
+            )
+            wanted = min(wanted, max(settled, eased(speed_mps)))
         return self._risen(wanted, speed_mps)
 
     def _risen(self, wanted_mps: float, speed_mps: float) -> float:
@@ -84,7 +89,7 @@ class Pace:
         present = field.present(obstacles) > 0.0
         counts, passing = (present | moves) & (way > 0.0), present & ~moves & (way <= 0.0)
         spare = way - self._creep.standoff(lane, obstacles, field) - config.time_gap_s * obstacles.speed_mps
-        follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + way), 0.0, 1.0)
+        follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + np.maximum(way, 0.0)), 0.0, 1.0)
         follow = np.maximum(follow, np.where(way > NEAR_M, obstacles.speed_mps - FALL_BACK_MPS, 0.0))
         stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
         passed = obstacles.speed_mps + self._beside(-field.overlap(obstacles, minimum_m, 0.0))
@@ -97,8 +102,16 @@ class Pace:
         limits = np.minimum(limits, np.maximum(met, eased(speed_mps)))
         nearest = self._creep.nearest(speed_mps)
         creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
+        limit = min(limit, self._looking(lane, obstacles, field, minimum_m))
         limit = float(np.min(np.maximum(passed, eased(speed_mps)), where=passing, initial=limit))
         return float(np.min(np.maximum(limits, creep), where=counts, initial=limit))
+
+    def _looking(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> float:
+        """m/s before a gap that something low, not seen yet, would close: a stop shall leave the way for a turn."""
+        width_m, way_m = field.gap(obstacles, lane, minimum_m)
+        if not (0.0 < width_m < CLOSED_M and LOOKED_M < way_m < inf):
+            return inf
+        return sqrt(LOOKING_MPS**2 + 2.0 * self._config.brake_mps2 * (way_m - LOOKED_M))
 
     def _beside(self, gap_m: Floats) -> Floats:
         """(K,) m/s at which bodies are passed at that gap; inf where it is as wide as wanted."""
@@ -149,6 +162,17 @@ class Pace:
         worst = np.max(beyond, axis=0, where=reached, initial=-1.0)
         settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
         return max(settled, self._reach.walking_mps)
+
+    def _unwound(self, obstacles: LaneObstacles, field: LaneField, lane: Lane, glide: Glide) -> float:
+        """m/s up to which the wheels are straight before the path is headed at what is beside it too steeply.
+
+        The slope is largest where they are, p + b^2 / (2 j), and j falls with the speed (`settling`).
+        """
+        side = 1.0 if glide.bend_per_m > 0.0 else -1.0
+        largest = self._reach.path_between(field.beside(obstacles, lane, glide.y_m), glide.y_m)[side > 0.0]
+        peak = side * glide.slope + 0.5 * glide.bend_per_m**2 / self._reach.steering(SPEEDS_MPS)
+        unwound = float(np.interp(largest + STRAIGHT, peak, SPEEDS_MPS, right=inf))
+        return max(unwound, self._reach.walking_mps)
 
 
 def eased(speed_mps: float) -> float:
