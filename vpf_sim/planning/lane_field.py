@@ -209,9 +209,9 @@ class LaneField:
             return minimum_m
         margin = self._half_width_m + self._config.clearance_m
         middle = 0.5 * (obstacles.left_m + obstacles.right_m)
-        least = np.max(obstacles.right_m + margin, where=passing & (middle < y_m), initial=-np.inf)
-        most = np.min(obstacles.left_m - margin, where=passing & (middle > y_m), initial=np.inf)
-        least, most = min(float(least), y_m), max(float(most), y_m)  # the path is not pushed away: the field does that
+        least = float(np.max(obstacles.right_m + margin, where=passing & (middle < y_m), initial=-np.inf))
+        most = float(np.min(obstacles.left_m - margin, where=passing & (middle > y_m), initial=np.inf))
+        least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the field does that
         return min(max(minimum_m, least), most)
 
     def bumper(self, obstacles: LaneObstacles) -> Floats:
