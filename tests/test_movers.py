@@ -368,3 +368,18 @@ def test_tracks_older_than_a_fast_body_is_in_sight_are_not_of_it_and_do_not_spoi
     chi2, _, change = mover.fit(tracks, np.ones(len(flow)), SPEED_MPS, 3.0, np.ones(len(flow), np.bool_))
     assert np.isfinite(change)
     assert (chi2[old] > 1e3).all()
+
+
+def test_a_body_that_is_only_predicted_hides_none_behind_it() -> None:
+    """Beside us, beyond the picture, one is believed still; where it would be the right half of another is seen."""
+    drive, seen = traffic((vehicle(9.5, 3.2), 3.0)), Seen()
+    seen.run(drive, range(60))
+    beside = Mover(Sight(3.6, 3.0, 0.2, 4.7, 6.7), CAMERA, drive.pose(59), 5.0, MoverConfig().filter)
+    beside.identity = 99
+    passed = next(mover for mover in seen.movers.movers if mover.identity is not None)
+    seen.movers.movers.append(beside)
+    for frame in range(60, 84):
+        seen.run(drive, range(frame, frame + 1))
+        assert beside in seen.movers.movers
+        right_half = np.arange(10, 18)
+        assert np.isin(passed.tracks, right_half).sum() >= 4

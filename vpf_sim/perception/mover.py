@@ -104,6 +104,11 @@ class Mover:
         """m from its middle to where its sides may be by now."""
         return self.half_m + min(self._config.drift_mps * self._predicted_s, self._config.drift_m)
 
+    @property
+    def is_seen(self) -> bool:
+        """Whether its sides were seen since it was last predicted."""
+        return self._predicted_s == 0.0
+
     def mine(self, flow: Flow) -> Bools:
         """(N,) points that were of this body at the last look."""
         return np.isin(flow.identity, self.tracks)

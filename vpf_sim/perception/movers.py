@@ -85,7 +85,8 @@ class MoverTracker:
             free &= ~mine
             if mover.identity is not None:
                 free &= ~within  # two bodies do not stand in one place
-                taken |= mine | self._outline(mover, seen, flow.pose, 0.0)  # nor is the farther seen through the nearer
+            if mover.identity is not None and mover.is_seen:  # nor is the farther seen through the nearer
+                taken |= mine | self._outline(mover, seen, flow.pose, 0.0)
             if mover.log_odds > self.config.sure:
                 hidden |= (mine | within) & seen.ripe
         self._hidden = flow.identity[hidden]
