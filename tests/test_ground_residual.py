@@ -141,6 +141,20 @@ def test_where_a_body_should_begin_the_road_is_seen_or_it_is_not(right_m: float,
     assert np.count_nonzero(seen < config.road) >= config.looks if is_road else np.median(seen) > config.body
 
 
+def test_where_the_noise_is_not_measured_no_road_is_seen_instead_of_a_body() -> None:
+    """So far away a faint body looks like road."""
+    residual, one, config = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), np.ones(1), ResidualConfig()
+    found = []
+    for forward in np.arange(0.0, PLATE_M[0, 0] - 8.0, SPEED_MPS / LOOKS_HZ).tolist():
+        residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
+        face = (PLATE_M[0, 0] - forward) * one
+        body = Obstacles(face, -0.3 * one, 0.3 * one, 0.2 * one, one, np.array([1]))
+        found.append((face[0], float(residual.difference_at(body)[0])))
+    assert any(config.noise_far_m < face < config.far_m for face, _ in found)
+    assert all(np.isnan(difference) for face, difference in found if face > config.noise_far_m)
+    assert any(np.isfinite(difference) for _, difference in found)
+
+
 def test_between_looks_and_without_a_way_nothing_is_told() -> None:
     residual = GroundResidual(CAMERA, ResidualConfig(), 60.0)
     image = frame(0.0, 0.15)

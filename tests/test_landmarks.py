@@ -47,6 +47,14 @@ def test_a_cone_before_the_edge_line_is_told_by_its_corners(small: float, told: 
     assert any(len(bodies) and bodies.forward_m[0] > 13.0 for bodies in found) == told
 
 
+def test_a_body_begins_at_the_few_points_of_what_stands_close_before_it() -> None:
+    """A post 1.8 m before a wall, of which eight times as many points are seen."""
+    scene = np.concatenate([body(40.0, -1.5, 0.6, 1.0, 4), body(41.8, 0.0, 6.0, 1.2, 32), road_points(100)])
+    drive = Drive(scene)
+    found = drive.run(tracker(), range(340))[-1]
+    assert found.forward_m.min() == pytest.approx(40.0 - drive.pose(339)[0], abs=0.5)
+
+
 @pytest.mark.parametrize(("count", "kept"), [(3, 0), (12, 1)])
 def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()

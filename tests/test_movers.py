@@ -383,3 +383,30 @@ def test_a_body_that_is_only_predicted_hides_none_behind_it() -> None:
         assert beside in seen.movers.movers
         right_half = np.arange(10, 18)
         assert np.isin(passed.tracks, right_half).sum() >= 4
+
+
+@pytest.mark.parametrize("yaw_rad", [-0.3, 0.0, 0.3])
+def test_the_sides_of_a_body_are_where_they_are_in_the_world_however_the_car_is_turned(yaw_rad: float) -> None:
+    """Points all over a rear whose middle lies .5 m right of what is believed, on a road along the x axis."""
+    pose, face_m = np.array([0.0, 0.0, yaw_rad]), 12.0
+    forward, right = vehicle_from_world(np.array([face_m, 1.0]), pose)
+    sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+    mover = Mover(sight, CAMERA, pose, 4.0, MoverConfig().filter)
+    mover.course = Course(3.0, 0.0, 0.0)
+    rear = vehicle_from_world(np.column_stack([np.full(20, face_m), 1.5 + np.linspace(-0.95, 0.95, 20)]), pose)
+    for _ in range(20):
+        mover.spread(1.9, rear[:, 1] / (rear[:, 0] - CAMERA.forward_m), np.full(20, 4.0), pose, 0.05)
+        mover._sides.predict(0.05)
+    assert mover._place_m == pytest.approx([face_m, 1.5], abs=0.2)
+    assert mover.is_seen
+
+
+def test_a_body_seen_from_its_side_tells_nothing_of_its_rear() -> None:
+    pose = np.array([0.0, 0.0, 1.2])
+    mover = Mover(Sight(7.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 4.0, MoverConfig().filter)
+    mover.predict(0.0, 0.0, 0.0)
+    mover.predict(0.05, 0.0, 0.0)
+    before = mover._place_m.copy()
+    mover.spread(2.0, np.linspace(-0.2, 0.2, 9), np.full(9, 4.0), pose, 0.05)
+    assert mover._place_m == pytest.approx(before)
+    assert not mover.is_seen

@@ -6,10 +6,12 @@ from math import sqrt
 import numpy as np
 import pytest
 
+from vpf_sim.controllers import gtsmc
+from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.lane_field import ROW_M, LaneField
 from vpf_sim.planning.pace import (
     CLOSED_M,
     EASY_MPS,
@@ -17,6 +19,9 @@ from vpf_sim.planning.pace import (
     FALL_BACK_MPS,
     FIRM_MPS2,
     FULL_MPS2,
+    HARD_LEAST_MPS,
+    HARD_MPS,
+    HARD_SHARE,
     LEAST_MPS,
     LOOKED_M,
     LOOKING_MPS,
@@ -173,6 +178,37 @@ def test_before_a_gap_that_one_body_more_would_close_the_car_looks_while_a_turn_
         assert towards(3.4, way_m, speed_mps) == pytest.approx(speed_mps)
         assert towards(CLOSED_M + 0.1, way_m, SPEED_MPS) == SPEED_MPS
     assert towards(3.4, LOOKED_M - 0.01, SPEED_MPS) == SPEED_MPS
+
+
+def test_a_gap_told_late_is_looked_at_in_comfort_and_bodies_behind_the_row_are_not_of_it() -> None:
+    right = LANE.right_m - 4.0
+    late = LaneObstacles(*(np.array([one]) for one in (LOOKED_M + 0.1 + BUMPER_M, -7.0, right)))
+    lane = replace(LANE, y_m=right + 2.0)
+    assert pace().update(lane, late, field(), lane.y_m, 5.5) == pytest.approx(5.5 - EASY_MPS)
+    for behind_m, slowed in ((ROW_M - 0.1, True), (ROW_M + 0.1, False)):
+        rows = np.array([[6.0 + BUMPER_M, -7.0, -1.5], [6.0 + behind_m + BUMPER_M, 2.0, 4.0]])
+        assert (wanted(LaneObstacles(*rows.T), SPEED_MPS) < SPEED_MPS) is slowed
+
+
+def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:
+    gains = load_gains("robust")
+    assert gains.hard_error_mps == HARD_MPS
+    assert (gtsmc.HARD_SHARE, gtsmc.HARD_LEAST_MPS) == (HARD_SHARE, HARD_LEAST_MPS)
+    assert CAR.full_brake_mps2 == FULL_MPS2
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_wheels_are_straight_before_the_path_is_too_steep(side: float) -> None:
+    """On p + b^2 / (2 j) the path is headed most steeply at the wall beside it, and not at all where it is straight."""
+    wall = LaneObstacles(*(np.array([one]) for one in (BUMPER_M - 3.0, *sorted((side * 2.0, side * 5.0)))))
+    glide = Glide(CONFIG, REACH, 0.0, 5.0)
+    glide.slope, glide.bend_per_m = side * 0.05, side * 0.12
+    speed_mps = pace()._unwound(wall, field(), LANE, glide)
+    assert ROBUST.reach.walking_mps < speed_mps < SPEED_MPS
+    allowed = REACH.path_between(field().beside(wall, LANE, 0.0), 0.0)[side > 0.0]
+    assert 0.05 + 0.12**2 / (2.0 * REACH.steering(np.array([speed_mps]))[0]) == pytest.approx(allowed + 0.02, abs=0.01)
+    glide.slope, glide.bend_per_m = side * 0.3, 0.0
+    assert pace()._unwound(wall, field(), LANE, glide) == np.inf
 
 
 def test_who_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:

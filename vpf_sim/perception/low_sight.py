@@ -21,7 +21,7 @@ class LowSightConfig:
     grains: float = 30.0  # of the fainter pallets, in multiples of what the grain makes, grey levels^2,
     grains_at_m: float = 9.0  # from the pose;
     power: float = 3.4  # it falls with this power of the distance
-    far_m: float = 12.5  # from where on its height is not told any more: pixels of the older frame are too long
+    far_m: float = 12.5  # from where on few looks tell its height: pixels of the older frame are long
     step_m: float = 0.25
     half_width_m: float = 1.5  # of the strip of road ahead that is judged
     spare_looks: float = 1.5  # more than it takes: looks are averaged, and fail by chance

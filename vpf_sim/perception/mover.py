@@ -11,6 +11,7 @@ from vpf_sim.perception.moving_frame import Course, Residuals
 from vpf_sim.types import Bools, Camera, Floats, Flow
 
 FITS = 3
+NEAREST_M = 1.0  # before a face, from where its sides are looked at
 LEAST_SLOPE = 0.2  # of a ray along its course: a face is not seen along its plane
 
 
@@ -167,12 +168,14 @@ class Mover:
 
     def spread(self, width_m: float, bearing: Floats, odds: Floats, pose: Floats, dt_s: float) -> None:
         """One look at its sides: how wide it seems, and the bearings (N,) of points about it, tangents, with their
-        log-odds (N,) to be of it and not of what stands behind it."""
-        self._predicted_s = 0.0
+        log-odds (N,) to be of it and not of what stands behind it. From its side more than from behind nothing is."""
         self.width_m += (1.0 - exp(-dt_s / self._config.side_s)) * (width_m - self.width_m)
         forward, right = self.place(pose)
         own = rotation(self.course.direction_rad - pose[2])  # of its axes in the vehicle's
         camera = own.T @ [self._camera.forward_m - forward, -right]  # in its axes, from the face's middle
+        if not len(bearing) or -camera[0] < max(NEAREST_M, abs(camera[1])):
+            return
+        self._predicted_s = 0.0
         ray = np.stack([np.ones(len(bearing)), bearing], axis=1) @ own
         across = camera[1] - camera[0] * ray[:, 1] / np.maximum(ray[:, 0], LEAST_SLOPE)
         change = self._sides.look(across, odds, float(camera[1]), -float(camera[0]), dt_s)

@@ -33,7 +33,8 @@ TIE = 1e-9
 NEXT_M = 4.0  # ahead, what stands beside our way is passed next
 FREE_M = 1e-6  # a body's own side is free of it
 NO_CHOICE = 1e3  # more than any body, side or memory costs
-BESIDE_M = 1.5  # of our body, what stands bounds the gap that it goes through
+BOUNDS_M = 1.5  # of our body, what stands bounds the gap that it goes through
+ROW_M = 5.0  # what stands so far behind another is of its row
 CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
 BEHIND_M = 0.5  # off its middle: who is not farther aside goes behind it, and has not chosen a side yet
 SOON_S, SOON_M = 3.0, 5.0  # until a body that moves is met, and what is kept from it
@@ -190,14 +191,16 @@ class LaneField:
         return replace(lane, right_m=float(right), left_m=float(left))
 
     def gap(self, obstacles: LaneObstacles, lane: Lane, y_m: float) -> tuple[float, float]:
-        """m, how wide the gap at y is between what stands ahead and the edges, and the way to the first, or inf."""
+        """m, how wide the gap at y is between the edges and what stands in the next row, and the way to it, or inf."""
         way = self.bumper(obstacles)
         stands = (self.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0) & (way > 0.0)
+        near = stands & (self.overlap(obstacles, y_m, BOUNDS_M) > 0.0)
+        first = float(np.min(way, where=near, initial=np.inf))
+        stands &= way < first + ROW_M
         middle = 0.5 * (obstacles.left_m + obstacles.right_m)
         right = float(np.min(obstacles.left_m, where=stands & (middle > y_m), initial=lane.right_m))
         left = float(np.max(obstacles.right_m, where=stands & (middle <= y_m), initial=lane.left_m))
-        near = stands & (self.overlap(obstacles, y_m, BESIDE_M) > 0.0)
-        return right - left, float(np.min(way, where=near, initial=np.inf))
+        return right - left, first
 
     def kept_beside(self, obstacles: LaneObstacles, y_m: float, minimum_m: float) -> float:
         """The minimum, no nearer to bodies that move and are being passed by a path at y than the clearance wanted.
@@ -219,7 +222,10 @@ class LaneField:
         return obstacles.along_m - self._half_length_m
 
     def met(self, obstacles: LaneObstacles, lane: Lane) -> Floats:
-        """(K,) m until our body meets each with its front, if it goes straight on as it is headed; inf where never."""
+        """(K,) m until our body meets each with its front, if it goes straight on as it is headed; inf where never.
+
+        As if all stood: of one that drives on, that is less than it takes.
+        """
         way, slope = self.bumper(obstacles), -tan(lane.heading_rad)
         y = lane.y_m + slope * obstacles.along_m  # of our front where it is abreast of the face
         beyond = np.maximum(obstacles.left_m - y, y - obstacles.right_m) - self._half_width_m

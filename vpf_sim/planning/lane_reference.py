@@ -20,7 +20,7 @@ import numpy as np
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.lane_field import ROW_M, LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.pace import Pace
 from vpf_sim.planning.reach import Reach, rear_m
@@ -30,7 +30,6 @@ from vpf_sim.types import Reference, VehicleModel
 SLOWEST_CLOSING_MPS = 0.5
 RESTS_SLOPE = 0.02  # of a path that has not left its place yet
 HOLDS_M = 7.0  # bumper to face: from farther away a gap may still prove wider, and is entered from before it
-ROW_M = 5.0  # what stands so far behind another is of its row
 WAITS_S = 0.4  # besides the way that a shift takes
 
 

@@ -12,12 +12,17 @@ from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import SPEEDS_MPS, Reach
 from vpf_sim.types import Floats
 
+SHORTEST_M = 0.1  # of a stop: a face is told no better
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
 RUNS_WIDE_M = 0.02  # beyond what is kept from a body: less is not seen
 FIRM_MPS2, FULL_MPS2 = 3.5, 6.0  # what the brake does in comfort, a_0, and at all
-NEAR_M = 0.6  # from the bumper to a face, where a stop in need ends
-EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0  # v_d is by that much or that share below the speed for a_0, and always
-HARD_MPS, HARD_SHARE, HARD_LEAST_MPS = 3.0, 0.7, 1.2  # may be by that; and by so much where more than a_0 begins
+NEAR_M = 1.0  # from the bumper to a face, where a stop in need ends
+EASY_MPS, EASY_SHARE, LEAST_MPS = (
+    2.5,
+    0.6,
+    1.0,
+)  # v_d so far below the speed, or by that share and no less, asks for a_0
+HARD_MPS, HARD_SHARE, HARD_LEAST_MPS = 3.0, 0.7, 1.2  # and so far for more, as the gains of `robust` have it
 MET_S = 1.3  # until a body is met by who goes straight on: nuPlan's bound is .95, and slowing down takes time
 CLOSED_M = 6.0  # a gap so wide is not closed by one body more
 LOOKED_M, LOOKING_MPS = 3.8, 2.0  # before a row: the tightest turn before it takes 3 m, and what is low is told at 6
@@ -102,7 +107,7 @@ class Pace:
         limits = np.minimum(limits, np.maximum(met, eased(speed_mps)))
         nearest = self._creep.nearest(speed_mps)
         creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
-        limit = min(limit, self._looking(lane, obstacles, field, minimum_m))
+        limit = min(limit, max(self._looking(lane, obstacles, field, minimum_m), eased(speed_mps)))
         limit = float(np.min(np.maximum(passed, eased(speed_mps)), where=passing, initial=limit))
         return float(np.min(np.maximum(limits, creep), where=counts, initial=limit))
 
@@ -168,6 +173,8 @@ class Pace:
 
         The slope is largest where they are, p + b^2 / (2 j), and j falls with the speed (`settling`).
         """
+        if abs(glide.bend_per_m) * self._reach.radius_m < STRAIGHT:
+            return inf
         side = 1.0 if glide.bend_per_m > 0.0 else -1.0
         largest = self._reach.path_between(field.beside(obstacles, lane, glide.y_m), glide.y_m)[side > 0.0]
         peak = side * glide.slope + 0.5 * glide.bend_per_m**2 / self._reach.steering(SPEEDS_MPS)
@@ -186,7 +193,7 @@ def braked(speed_mps: float, closing_mps: Floats, way_m: Floats) -> Floats:
     Stopped is who has the speed of the body before it has come nearer than `NEAR_M`; where not even the full brake does
     that, there is no least.
     """
-    needed = np.maximum(closing_mps, 0.0) ** 2 / (2.0 * np.maximum(way_m - NEAR_M, 1e-3))
+    needed = np.maximum(closing_mps, 0.0) ** 2 / (2.0 * np.maximum(way_m - NEAR_M, SHORTEST_M))
     hard = (needed - FIRM_MPS2) / (FULL_MPS2 - FIRM_MPS2)
     begins = speed_mps - max(min(HARD_MPS, HARD_SHARE * speed_mps), HARD_LEAST_MPS)
     return np.where(hard > 0.0, np.where(hard < 1.0, begins - hard, -np.inf), eased(speed_mps))
