@@ -147,9 +147,7 @@ class GroundResidual:
             columns = np.searchsorted(right, (left - across_m, side + across_m))
             foot = slice(*rows), slice(*columns)
             seen = self._seen[foot]
-            inside = (
-                face > forward[0] and face + along_m < self.config.noise_far_m
-            )  # beyond, the road hides a faint one
+            inside = face > forward[0] and face + along_m < self.config.noise_far_m  # beyond, faint ones look like road
             wide = seen.shape[1] * self.config.cell_m >= self.config.foot_width_m
             if inside and wide and seen.mean() >= self.config.foot_share:
                 found[index] = self._contrast[foot][seen].max()
