@@ -90,3 +90,16 @@ def test_when_it_holds_again_the_speed_rises_gently() -> None:
     assert max(throttle[60:]) < 1.05 * AGAIN_MPS2 < ROBUST.a0_mps2
     assert max(np.diff(throttle[60:])) < 0.1
     assert car.speed_mps > 5.0
+
+
+def test_a_new_episode_begins_at_the_speed_that_is_wanted() -> None:
+    """Not held back by what could not be reached in the last."""
+    hands, fresh, car = Gtsmc(ROBUST, CAR, 60.0), Gtsmc(ROBUST, CAR, 60.0), Bicycle(speed_mps=3.0)
+    for step in range(60):
+        hands.command(car.observe(), Reference(0.0, 5.55, 0.6 * sin(2.0 * pi * step / 30.0)))
+    assert not hands.reaching.holds
+    hands.reset()
+    for _ in range(3):
+        assert hands.command(car.observe(), Reference(0.0, 5.55, 0.0)) == fresh.command(
+            car.observe(), Reference(0.0, 5.55, 0.0)
+        )
