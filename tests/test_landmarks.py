@@ -60,6 +60,7 @@ def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: i
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()
     bodies = drive.run(found, range(330))[-1]
     assert len(bodies) == 1
+    assert found.tells_surely(bodies).tolist() == [bool(kept)]
     found._clear(bodies, 0, drive.pose(329))
     assert len(drive.run(found, range(330, 334))[-1]) == kept
 

@@ -136,10 +136,16 @@ class LandmarkTracker:
         place = vehicle_from_world(self._marks.place_m, pose)
         far = np.abs(place[:, 0] - bodies.forward_m[index]) > along_m
         far |= (place[:, 1] < bodies.left_m[index] - across_m) | (place[:, 1] > bodies.right_m[index] + across_m)
-        own = (self._marks.body == identity) & self._marks.believed
-        if np.count_nonzero(own) <= self.config.clearing.most_points:
+        if not self.tells_surely(bodies)[index]:
             self._marks.keep(far | (self._marks.body != identity))
             self._spots.forget(identity)
+
+    def tells_surely(self, bodies: Obstacles) -> Bools:
+        """(K,) bodies that more points tell of than err together: no look at the road refutes these."""
+        own = self._marks.body[self._marks.believed]
+        count = np.count_nonzero(own == bodies.identity[:, None], axis=1)
+        sure: Bools = (count > self.config.clearing.most_points) & (bodies.identity >= 0)
+        return sure
 
     def _number(self) -> int:
         self._next_body += 1

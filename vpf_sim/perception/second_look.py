@@ -72,8 +72,13 @@ class SecondLook:
         """Whether a frame at that speed is looked at."""
         return speed_mps < self._config.slow_mps
 
-    def update(self, grey: Image, pose: Floats, bodies: Obstacles, speed_mps: float) -> Obstacles:
-        """The bodies without those that turned out to be road, in the axes of the vehicle at `pose`."""
+    def update(
+        self, grey: Image, pose: Floats, bodies: Obstacles, speed_mps: float, sure: Bools | None = None
+    ) -> Obstacles:
+        """The bodies without those that turned out to be road, in the axes of the vehicle at `pose`.
+
+        But none of those that are `sure` (K,): between the legs of who stands there, and past them, the road is seen.
+        """
         if not self.looks(speed_mps):
             self._past.clear()
             if not any(one.refuted for one in self._places):
@@ -83,6 +88,8 @@ class SecondLook:
         if self.looks(speed_mps):
             self._look(grey, pose, bodies, places)
         there = np.array([not one.refuted for one in places], np.bool_)
+        if sure is not None:
+            there |= sure
         return bodies if there.all() else bodies.chosen(there)
 
     def _forget(self, pose: Floats) -> None:
