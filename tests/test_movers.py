@@ -13,18 +13,8 @@ from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_search import MoverConfig, appear
 from vpf_sim.perception.movers import MoverTracker
 from vpf_sim.perception.moving_frame import Course, against, part
-from vpf_sim.planning import variant
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LaneField
-from vpf_sim.planning.lane_reference import LaneReference
-from vpf_sim.planning.reach import Reach
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats, Flow, Obstacles, VehicleModel
-
-ROBUST = variant.load("robust").valley
-assert ROBUST is not None
-LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
-REACH = Reach(ROBUST.reach, VehicleModel())
+from vpf_sim.types import Floats, Flow, Obstacles
 
 
 def vehicle(forward_m: float, right_m: float, count: int = 16, width_m: float = 1.8) -> Floats:
@@ -149,61 +139,6 @@ def test_a_body_is_predicted_while_it_is_passed_and_then_forgotten() -> None:
     assert found[beside].left_m[0] < 3.2 - 0.9  # by then it may have drifted
     assert np.isinf(found[beside].ttc_s[0])
     assert not len(found[-1])
-
-
-def obstacle(along_m: float, y_m: float, speed_mps: float) -> LaneObstacles:
-    return LaneObstacles(*(np.array([value]) for value in (along_m, y_m - 0.9, y_m + 0.9, speed_mps)))
-
-
-def field() -> LaneField:
-    return LaneField(ROBUST.field, VehicleModel(), SPEED_MPS, REACH)
-
-
-def test_a_slow_lead_is_overtaken_and_one_that_runs_away_is_not() -> None:
-    assert abs(field().update(LANE, obstacle(12.0, 0.3, 3.0)).minimum_m) > 1.5
-    for speed_mps in (5.5, 9.0):
-        assert field().update(LANE, obstacle(12.0, 0.3, speed_mps)).minimum_m == pytest.approx(0.0, abs=0.05)
-
-
-def test_nobody_is_cut_off() -> None:
-    """We drive in the lane to the left and would go back; the body is beside, behind and passed, behind and faster."""
-    left = replace(LANE, y_m=-3.5)
-    for along_m, speed_mps, free in ((-4.0, 3.0, False), (-10.0, 3.0, True), (-20.0, 9.0, False), (6.0, 9.0, False)):
-        watch = field()
-        watch._last_m = -3.5
-        assert (watch.update(left, obstacle(along_m, 0.0, speed_mps)).minimum_m > -1.0) == free
-
-
-@pytest.mark.parametrize("speed_mps", [2.0, 4.0])
-def test_a_body_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -> None:
-    """v_d is the body's speed where the gap is what is kept, less nearer by, more farther off; 0 behind what stands."""
-    config = ROBUST.reference
-    kept = 0.5 * VehicleModel().length_m + config.standoff_m + config.time_gap_s * speed_mps
-
-    def wanted(along_m: float, body_mps: float, own_mps: float) -> float:
-        way, watch = LaneReference(config, VehicleModel(), SPEED_MPS, RATE_HZ, REACH), field()
-        return way.update(LANE, obstacle(along_m, 0.0, body_mps), watch, 0.0, 0.0, own_mps).speed_mps
-
-    assert wanted(kept, speed_mps, speed_mps) == pytest.approx(speed_mps, abs=1e-6)
-    assert wanted(kept - 1.0, speed_mps, speed_mps) < speed_mps - 0.1
-    assert speed_mps < wanted(kept + 1.0, speed_mps, SPEED_MPS) <= SPEED_MPS
-    assert wanted(0.5 * VehicleModel().length_m + config.standoff_m, 0.0, SPEED_MPS) == 0.0
-    assert wanted(60.0, speed_mps, SPEED_MPS) == SPEED_MPS
-
-
-@pytest.mark.parametrize(("speed_mps", "room_m", "crosses"), [(3.0, 2.0, False), (3.0, 9.0, True), (5.4, 2.5, True)])
-def test_nobody_changes_sides_behind_a_body_that_is_reached_meanwhile(
-    speed_mps: float, room_m: float, crosses: bool
-) -> None:
-    """A body ahead in the lane to the right; the own lane and the one to the left become blocked by what stands."""
-    watch = field()
-    along_m = 0.5 * VehicleModel().length_m + room_m
-    ahead = obstacle(along_m, 3.5, speed_mps)
-    watch._last_m = 0.0
-    wall = LaneObstacles(*(np.array([value]) for value in (14.0, -12.0, 1.0, 0.0)))
-    both = LaneObstacles(*(np.concatenate([getattr(ahead, n), getattr(wall, n)]) for n in LaneObstacles.__slots__))
-    wide = replace(LANE, right_m=12.0, left_m=-12.0)
-    assert (watch.update(wide, both).minimum_m > 4.4) == crosses
 
 
 def test_a_body_that_is_faster_comes_up_beside_and_draws_ahead() -> None:
