@@ -17,11 +17,8 @@ STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs n
 RUNS_WIDE_M = 0.02  # beyond what is kept from a body: less is not seen
 FIRM_MPS2, FULL_MPS2 = 3.5, 6.0  # what the brake does in comfort, a_0, and at all
 NEAR_M = 1.0  # from the bumper to a face, where a stop in need ends
-EASY_MPS, EASY_SHARE, LEAST_MPS = (
-    2.5,
-    0.6,
-    1.0,
-)  # v_d so far below the speed, or by that share and no less, asks for a_0
+# v_d so far below the speed, or by that share of it but no less, asks the controller for a_0 at most:
+EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0
 HARD_MPS, HARD_SHARE, HARD_LEAST_MPS = 3.0, 0.7, 1.2  # and so far for more, as the gains of `robust` have it
 MET_S = 1.3  # until a body is met by who goes straight on: nuPlan's bound is .95, and slowing down takes time
 CLOSED_M = 6.0  # a gap so wide is not closed by one body more
