@@ -47,9 +47,16 @@ def test_bodies_that_are_no_parts_have_no_length() -> None:
 
 def test_the_way_back_begins_behind_the_last_part() -> None:
     """Face 6 m behind: a car of 5 m is passed, a truck of 8.5 m is still beside us."""
-    rows = np.array([[-6.7, -4.0, -1.3]]).T
+    rows = np.array([[-6.7, -3.4, -1.3]]).T
     car, truck = LaneObstacles(*rows), LaneObstacles(*rows, length_m=np.array([7.0]))
     assert field().present(car).tolist() == [0.0]
     assert field().present(truck).tolist() == [1.0]
     past = LaneObstacles(rows[0] - 3.0, *rows[1:], length_m=np.array([7.0]))
     assert field().present(past).tolist() == [0.0]
+
+
+def test_what_is_as_wide_as_a_truck_is_as_long_though_nothing_is_seen_of_its_side() -> None:
+    """Our rear 5 m past the faces of a car 2.1 m wide and a truck 2.5 m wide, without parts; and 9 m past both."""
+    along, left, right = np.full(2, -7.25), np.array([-3.4, 1.3]), np.array([-1.3, 3.8])
+    assert field().present(LaneObstacles(along, left, right)).tolist() == [0.0, 1.0]
+    assert field().present(LaneObstacles(along - 4.0, left, right)).tolist() == [0.0, 0.0]

@@ -64,7 +64,8 @@ class LaneFieldConfig:
     visible_m: float  # from here on a body counts, bumper to face
     full_m: float  # and from here on in full
     body_length_m: float  # a body counts until our rear is this far past its face,
-    moving_length_m: float  # one that moves until so far
+    long_m: float  # one that moves, or may be a truck, until so far:
+    truck_width_m: float  # from here on it may be one
     slower_mps: float  # than the reference speed is a body that moves and is overtaken
     beside_m: float  # others count only nearer than this: they are followed
     memory_height: float  # for leaving the surroundings of the last minimum
@@ -253,8 +254,8 @@ class LaneField:
 
     def _length(self, obstacles: LaneObstacles) -> Floats:
         """(K,) m from each face to where the body ends, at least."""
-        moves = obstacles.speed_mps > 0.0
-        least = np.where(moves, self._config.moving_length_m, self._config.body_length_m)
+        long = (obstacles.speed_mps > 0.0) | (obstacles.right_m - obstacles.left_m > self._config.truck_width_m)
+        least = np.where(long, self._config.long_m, self._config.body_length_m)
         length: Floats = np.maximum(least, obstacles.length_m)
         return length
 
