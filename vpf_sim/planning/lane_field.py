@@ -124,6 +124,7 @@ class LaneField:
         touching = config.obstacle_height + config.obstacle_slope_per_m * config.clearance_m + config.narrow_height
         self._touching = touching  # U at no gap
         self._last_m: float | None = None
+        self._weighed: tuple[LaneObstacles, Floats] | None = None  # the bodies of this step, and their weights
 
     def update(self, lane: Lane, obstacles: LaneObstacles, speed_mps: float = 0.0) -> LanePotential:
         """The field about the vehicle now."""
@@ -237,6 +238,11 @@ class LaneField:
 
     def present(self, obstacles: LaneObstacles) -> Floats:
         """(K,) 0 .. 1, the weight w of each body by its distance; 0 once it has been passed, or runs away."""
+        if self._weighed is None or self._weighed[0] is not obstacles:
+            self._weighed = obstacles, self._weight(obstacles)
+        return self._weighed[1]
+
+    def _weight(self, obstacles: LaneObstacles) -> Floats:
         config = self._config
         gap = self.bumper(obstacles)
         weight = np.clip((self._visible(obstacles) - gap) / (config.visible_m - config.full_m), 0.0, 1.0)
