@@ -350,11 +350,20 @@ class LaneField:
         behind = meets & ((y <= least) | (y >= most))
         slope = np.where(y > here, -tan(lane.heading_rad), tan(lane.heading_rad))
         shift = np.where(y > here, most - here, here - least) - self._reach.brought(way, slope)
-        far = behind & (way > 0.0) & (shift > self._reach.aside(way))
+        far = behind & (way > 0.0) & ((shift > self._reach.aside(way)) | (self._edge_way(least, most, y, lane) > way))
         stands = (self.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)
         cost = np.where(meets & apart & (way <= 0.0), config.beside_height, config.unreached_height * far)
         unreached: Floats = (cost * stands[:, None]).max(axis=0)
         return unreached
+
+    def _edge_way(self, least_m: Floats, most_m: Floats, y_m: Floats, lane: Lane) -> Floats:
+        """(K, G) m of way that it takes to y, free of a body's places between `least_m` and `most_m` (K, 1), because
+        the edge on that side lets the car come near but slowly."""
+        right, left = lane.right_m - self._half_width_m, lane.left_m + self._half_width_m
+        slope = -tan(lane.heading_rad)
+        to_right = self._reach.edge_way(max(right - lane.y_m, 0.0), right - most_m, slope)
+        to_left = self._reach.edge_way(max(lane.y_m - left, 0.0), least_m - left, -slope)
+        return np.where(y_m > lane.y_m, to_right, to_left)
 
     def _minimum(self, total: Floats, lane: Lane) -> float:
         """y of the global minimum, between the grid's points by a parabola."""

@@ -101,6 +101,21 @@ class Reach:
         """m from the rear axle to where its path must have turned back for the corners to stay on the carriageway."""
         return self._arm_m + self._vehicle.l_r_m
 
+    def edge_way(self, gap_m: float, left_m: Floats, slope: float) -> Floats:
+        """(K,) m of way before bodies, on which a walking car gets from one gap to an edge to the less that they leave.
+
+        A car headed at a slope towards the edge turns to its largest angle; from there on, or from sooner, it comes
+        near by `path_between`, g' = -g / arm. The rear axle is there when it is abreast of the face; inf where no gap
+        is left.
+        """
+        arm, steepest = self.path_arm_m, self._config.walking_ratio
+        turning = 0.5 * self._radius_m * max(min(gap_m / arm, steepest) - slope, 0.0)
+        near = np.clip(left_m, 0.0, gap_m)
+        begins = np.clip(steepest * arm, near, gap_m)
+        with np.errstate(divide="ignore"):
+            way: Floats = turning + (gap_m - begins) / steepest + arm * np.log(begins / near)
+        return np.where(near < gap_m, way - 0.5 * self._vehicle.length_m - self._vehicle.l_r_m, -np.inf)
+
     @property
     def _arm_m(self) -> float:
         return 0.5 * self._vehicle.length_m + TURNING_M
