@@ -11,6 +11,7 @@ from vpf_sim.perception.outlines import (
     Seen,
     at_least,
     direction_at,
+    joined,
     nearest_extent,
     nearest_sure,
     parted,
@@ -20,7 +21,7 @@ from vpf_sim.perception.outlines import (
     turned_back,
 )
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats, RoadEdges
+from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 
 def test_what_lies_before_the_face_is_moved_along_its_line_of_sight() -> None:
@@ -178,3 +179,21 @@ def test_what_parted_from_a_body_behind_it_is_no_other(
     left, right = np.array([-4.0, across_m[0]]), np.array([-2.0, across_m[1]])
     is_part = parted(np.array([4.0, ahead_m]), left, right, np.array([4, body]), np.array([20, support]))
     assert is_part.tolist() == [False, not own]
+
+
+def standing(*rows: tuple[float, float, float]) -> Obstacles:
+    """Bodies by face, left and right side."""
+    forward, left, right = np.array(rows).T
+    some = np.zeros(len(rows))
+    return Obstacles(forward, left, right, some + 0.1, some + np.inf, np.arange(len(rows)))
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_low_body_that_sticks_out_of_a_taller_one_is_not_taken_for_a_part_of_it(side: float) -> None:
+    """Beside a car's flank: a wheel under it, its corner's shadow, and a pallet told 0.05 m from it."""
+    car = standing((5.5, *sorted((side * 2.5, side * 4.7))))
+    wheel, shadow, pallet = ((6.5, *sorted((side * a, side * b))) for a, b in ((2.3, 2.9), (2.15, 2.45), (1.6, 2.45)))
+    for one in (wheel, shadow):
+        assert len(joined(car, standing(one), 0.1, 0.6)) == 1
+    both = joined(car, standing(pallet), 0.1, 0.6)
+    assert sorted(both.left_m.tolist()) == sorted((car.left_m[0], pallet[1]))

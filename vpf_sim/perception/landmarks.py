@@ -274,7 +274,9 @@ class LandmarkTracker:
         marks, low = self._marks, self.config.low
         tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
         flat = widened(self._flat(tall, pose, road), low.least_width_m)
-        return joined(joined(tall, flat, low.beside_m), self._spots.bodies(pose), self.config.spots.beside_m)
+        spots = self.config.spots
+        bodies = joined(tall, flat, low.beside_m, low.sticks_out_m)
+        return joined(bodies, self._spots.bodies(pose), spots.beside_m, spots.sticks_out_m)
 
     def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:
         """Those of low points that are neither of the taller bodies told nor of their shadows."""

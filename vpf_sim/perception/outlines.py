@@ -49,11 +49,13 @@ def widened(bodies: Obstacles, width_m: float) -> Obstacles:
     return replace(bodies, left_m=bodies.left_m - lacking, right_m=bodies.right_m + lacking)
 
 
-def joined(tall: Obstacles, low: Obstacles, beside_m: float) -> Obstacles:
-    """Both, without the low ones beside or under a tall one."""
-    apart = np.maximum(tall.left_m[None] - low.right_m[:, None], low.left_m[:, None] - tall.right_m[None])
+def joined(tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float) -> Obstacles:
+    """Both, without the low ones beside or under a tall one: but what sticks out of it by more is a body of its own."""
+    left, right = low.left_m[:, None], low.right_m[:, None]
+    apart = np.maximum(tall.left_m[None] - right, left - tall.right_m[None])
+    out = np.maximum(tall.left_m[None] - left, right - tall.right_m[None])
     along = np.abs(low.forward_m[:, None] - tall.forward_m[None])
-    own = low.chosen(~np.any((apart < beside_m) & (along < 2.0), axis=1))
+    own = low.chosen(~np.any((apart < beside_m) & (out < sticks_out_m) & (along < 2.0), axis=1))
     return Obstacles(*(np.concatenate([getattr(tall, one.name), getattr(own, one.name)]) for one in fields(own)))
 
 
