@@ -7,6 +7,10 @@ Lateral, with psi_e = psi - psi_d, the steering actuator as an integrator:
 Longitudinal: s_l = c_l v - v_d, a = -a_0 sign(s_l). With a boundary layer, sign(s) becomes clip(s / layer, -1, 1). The
 law of second order (`super_twisting`) stands in the place of the lateral sign.
 
+With `foresees` the reference's part of the equivalent control (Utkin, Sliding Modes in Control and Optimization, 1992,
+ch. 2), L / v d^2 psi_d / dt^2, is added to u: by itself the law follows a bend that changes only with an error in its
+layer.
+
 In the layer, of slope k = u_0 / layer, psi_e'' + k v / L psi_e' + c_r k v / L psi_e = 0, damped by
 sqrt(k v / (4 c_r L)). The gains `robust` keep that at low speed, by a layer that narrows with v.
 
@@ -69,6 +73,7 @@ class Gains:
     # more to its full; 0 is never
     swing_mps2: float = 0.0  # most by which the acceleration changes within `swing_s`; 0 is no limit
     swing_s: float = 0.0
+    foresees: bool = False  # turns the steering as the bends of a reference do whose rate is given, before s_r tells
 
     def __post_init__(self) -> None:
         for key in ("c_r_per_s", "u0_radps", "c_l", "a0_mps2", "brake_a0_mps2"):
@@ -127,7 +132,7 @@ class Gtsmc:
         self._last_heading_rad: float | None = None
         self._heading_rate_radps = 0.0
         self._last_rate_radps: float | None = None
-        self._phi_radps2 = 0.0
+        self._phi_radps2, self._turning_radps2 = 0.0, 0.0
         self._yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
         self._reached_mps = inf  # v_d at most
@@ -152,10 +157,11 @@ class Gtsmc:
         """The angle of the actuator after one step, rad; clamping the integrator itself is its anti-windup."""
         rate = self._reference_rate(reference)
         authority = observation.speed_mps / self._vehicle.wheelbase_m
-        self._check(observation, rate, authority)
+        self._check(observation, reference, rate, authority)
         if observation.speed_mps > STANDSTILL_MPS:
-            s_r = self.manifold(observation, reference, rate)
-            step = self._rate(s_r, authority, observation.speed_mps) * self._dt_s
+            s_r, most = self.manifold(observation, reference, rate), self._gains.u0_radps
+            wish = self._rate(s_r, authority, observation.speed_mps) + self._foreseen(authority, observation.speed_mps)
+            step = max(-most, min(most, wish)) * self._dt_s
             limit = self._vehicle.steering_limit_rad
             self.steering_rad = max(-limit, min(limit, self.steering_rad + step))
         return self.steering_rad
@@ -169,12 +175,23 @@ class Gtsmc:
             layer *= max(speed_mps / whole_mps, NARROWEST)
         return -self._gains.u0_radps * relay(s_r, layer)
 
-    def _check(self, observation: Observation, rate_radps: float, authority_per_s: float) -> None:
+    def _foreseen(self, authority_per_s: float, speed_mps: float) -> float:
+        """rad/s that the reference's bends ask of the steering; less at walking speed, where the authority is small."""
+        if not self._gains.foresees:
+            return 0.0
+        whole_mps = self._gains.boundary_speed_mps
+        share = speed_mps / whole_mps if speed_mps < whole_mps else 1.0
+        return share * self._turning_radps2 / authority_per_s
+
+    def _check(self, observation: Observation, reference: Reference, rate_radps: float, authority_per_s: float) -> None:
         """The reaching condition; d^2 psi_d / dt^2 is differentiated, so phi is low-passed."""
         last, self._last_rate_radps = self._last_rate_radps, rate_radps
         second = 0.0 if last is None else (rate_radps - last) / self._dt_s
         phi = self._gains.c_r_per_s * (observation.yaw_rate_radps - rate_radps) - second
-        self._phi_radps2 += self._share(DEMAND_FILTER_HZ) * (phi - self._phi_radps2)
+        share = self._share(DEMAND_FILTER_HZ)
+        self._phi_radps2 += share * (phi - self._phi_radps2)
+        told = second if reference.heading_rate_radps is not None else 0.0  # differentiated twice it is noise
+        self._turning_radps2 += share * (told - self._turning_radps2)
         self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._phi_radps2))
 
     def _yaw_rate(self, observation: Observation) -> float:
@@ -192,7 +209,7 @@ class Gtsmc:
         """v_d, less where the manifold could not be reached: it falls at once and rises gently."""
         if not self._gains.slows_to_reach:
             return reference_mps
-        self._reached_mps = max(self._reached_mps, speed_mps) + AGAIN_MPS2 * self._dt_s
+        self._reached_mps = max(self._reached_mps + AGAIN_MPS2 * self._dt_s, speed_mps)
         if not self.reaching.holds:
             slower = speed_mps * self.reaching.authority_radps2 / self.reaching.demand_radps2
             self._reached_mps = min(self._reached_mps, max(slower, SLOWEST_MPS))

@@ -103,3 +103,27 @@ def test_a_new_episode_begins_at_the_speed_that_is_wanted() -> None:
         assert hands.command(car.observe(), Reference(0.0, 5.55, 0.0)) == fresh.command(
             car.observe(), Reference(0.0, 5.55, 0.0)
         )
+
+
+def bend_error_deg(gains: Gains, speed_mps: float) -> float:
+    """Largest heading error of a car on a path whose bend changes as fast as it may, by 0.45 rad/s.
+
+    The curvature goes to 0.1 1/m and back.
+    """
+    car, hands, worst = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0
+    curvature, psi_d, change = 0.0, 0.0, 0.45 / CAR.wheelbase_m / 60.0
+    ramp = round(0.1 / change)
+    for step in range(3 * ramp):
+        curvature += change * (1.0, 0.0, -1.0)[step // ramp]
+        psi_d += curvature * speed_mps / 60.0
+        car.step(hands.command(car.observe(), Reference(psi_d, speed_mps, curvature * speed_mps)))
+        worst = max(worst, abs(np.degrees(car.yaw_rad - psi_d)))
+    return worst
+
+
+@pytest.mark.parametrize("speed_mps", [2.0, 3.5, 5.0])
+def test_a_path_is_followed_where_its_bend_changes(speed_mps: float) -> None:
+    """Foreseen, it takes no error in the layer to turn the steering."""
+    assert ROBUST.foresees
+    assert bend_error_deg(ROBUST, speed_mps) < 0.8
+    assert bend_error_deg(replace(ROBUST, foresees=False), speed_mps) > 1.5
