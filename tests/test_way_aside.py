@@ -219,3 +219,20 @@ def test_the_way_to_an_edge_is_that_of_the_law_by_which_the_path_comes_near(gap_
         reached = np.where((gap <= left_m) & (reached == np.inf), way, reached)
     assert told == pytest.approx(reached, abs=0.6)
     assert REACH.edge_way(gap_m, np.array([-0.1, gap_m + 0.1]), slope).tolist() == [np.inf, -np.inf]
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_who_has_turned_to_one_side_of_a_body_keeps_to_it_though_the_body_is_told_wider(side: float) -> None:
+    """12 m ahead, farther away than sides are kept to otherwise: the part seen first lies on the other side."""
+    edges = sorted((-8.75 * side, 8.75 * side))
+
+    def kept(heading_rad: float) -> float:
+        lane = Lane(0.3 * side, edges[1], edges[0], -side * heading_rad, 0.0)
+        one = field(replace(lane, heading_rad=0.0))
+        for far_side_m in (0.5, 1.6):
+            row = bodies((12.0 + 0.5 * CAR.length_m, *sorted((-side * 0.8, side * far_side_m))))
+            minimum = one.update(lane, row).minimum_m
+        return side * minimum
+
+    assert kept(0.1) > 1.6
+    assert kept(0.0) < -0.8

@@ -30,6 +30,7 @@ from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
+TURNS_RAD = 0.05  # to the road: who has turned to one side of a body has chosen it, however far off that is
 NEXT_M = 4.0  # ahead, what stands beside our way is passed next
 FREE_M = 1e-6  # a body's own side is free of it
 NO_CHOICE = 1e3  # more than any body, side or memory costs
@@ -311,15 +312,18 @@ class LaneField:
         return gap
 
     def _memory(self, obstacles: LaneObstacles, lane: Lane) -> Floats:
-        """(G,) what keeps the decision: leaving the last minimum costs, changing the side of a near body costs more."""
+        """(G,) what keeps the decision: leaving the last minimum costs, changing the side of a near body costs more.
+
+        Of any body, if the car has turned already.
+        """
         config = self._config
         last = self._last_m if self._last_m is not None else 0.0
         away = np.abs(self._y_m - last) / config.memory_m
         memory: Floats = config.memory_height * np.minimum(np.maximum(away - 1.0, 0.0), 1.0)
         if not len(obstacles):
             return memory
-        gap = self.bumper(obstacles)
-        near = (self.present(obstacles) > 0.0) & (gap < config.latch_m)
+        gap, turns = self.bumper(obstacles), abs(lane.heading_rad) > TURNS_RAD
+        near = (self.present(obstacles) > 0.0) & ((gap < config.latch_m) | turns)
         if not np.any(near):
             return memory
         middle = 0.5 * (obstacles.left_m + obstacles.right_m)[near]
