@@ -8,8 +8,8 @@ Longitudinal: s_l = c_l v - v_d, a = -a_0 sign(s_l). With a boundary layer, sign
 law of second order (`super_twisting`) stands in the place of the lateral sign.
 
 With `foresees` the reference's part of the equivalent control (Utkin, Sliding Modes in Control and Optimization, 1992,
-ch. 2), L / v d^2 psi_d / dt^2, is added to u: by itself the law follows a bend that changes only with an error in its
-layer.
+ch. 2), L v db / ds of the bend b = (d psi_d / dt) / v, is added to u: in its layer the law by itself follows a bend
+that changes only with an error.
 
 In the layer, of slope k = u_0 / layer, psi_e'' + k v / L psi_e' + c_r k v / L psi_e = 0, damped by
 sqrt(k v / (4 c_r L)). The gains `robust` keep that at low speed, by a layer that narrows with v.
@@ -132,6 +132,7 @@ class Gtsmc:
         self._last_heading_rad: float | None = None
         self._heading_rate_radps = 0.0
         self._last_rate_radps: float | None = None
+        self._last_bend_per_m: float | None = None
         self._phi_radps2, self._turning_radps2 = 0.0, 0.0
         self._yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
@@ -175,6 +176,18 @@ class Gtsmc:
             layer *= max(speed_mps / whole_mps, NARROWEST)
         return -self._gains.u0_radps * relay(s_r, layer)
 
+    def _bending(self, observation: Observation, reference: Reference) -> float:
+        """rad/s^2, v^2 db / ds of the told bend b = (d psi_d / dt) / v; the rest, v' b, the wheels make as they stand.
+
+        0 where no rate is told: a heading that is differentiated twice is noise.
+        """
+        if reference.heading_rate_radps is None:
+            return 0.0
+        speed = max(observation.speed_mps, STANDSTILL_MPS)
+        bend = reference.heading_rate_radps / speed
+        last, self._last_bend_per_m = self._last_bend_per_m, bend
+        return 0.0 if last is None else speed * (bend - last) / self._dt_s
+
     def _foreseen(self, authority_per_s: float, speed_mps: float) -> float:
         """rad/s that the reference's bends ask of the steering; less at walking speed, where the authority is small."""
         if not self._gains.foresees:
@@ -190,8 +203,7 @@ class Gtsmc:
         phi = self._gains.c_r_per_s * (observation.yaw_rate_radps - rate_radps) - second
         share = self._share(DEMAND_FILTER_HZ)
         self._phi_radps2 += share * (phi - self._phi_radps2)
-        told = second if reference.heading_rate_radps is not None else 0.0  # differentiated twice it is noise
-        self._turning_radps2 += share * (told - self._turning_radps2)
+        self._turning_radps2 += share * (self._bending(observation, reference) - self._turning_radps2)
         self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._phi_radps2))
 
     def _yaw_rate(self, observation: Observation) -> float:

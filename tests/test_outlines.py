@@ -190,10 +190,10 @@ def standing(*rows: tuple[float, float, float]) -> Obstacles:
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_low_body_that_sticks_out_of_a_taller_one_is_not_taken_for_a_part_of_it(side: float) -> None:
-    """Beside a car's flank: a wheel under it, its corner's shadow, and a pallet told 0.05 m from it."""
+    """Beside a car's flank, 0.6 m wide or more as what is low is told: a wheel, a shadow's corner, and a pallet."""
     car = standing((5.5, *sorted((side * 2.5, side * 4.7))))
-    wheel, shadow, pallet = ((6.5, *sorted((side * a, side * b))) for a, b in ((2.3, 2.9), (2.15, 2.45), (1.6, 2.45)))
+    wheel, shadow, pallet = ((6.5, *sorted((side * a, side * b))) for a, b in ((2.2, 2.8), (1.85, 2.45), (1.6, 2.45)))
     for one in (wheel, shadow):
-        assert len(joined(car, standing(one), 0.1, 0.6)) == 1
-    both = joined(car, standing(pallet), 0.1, 0.6)
+        assert len(joined(car, standing(one), 0.1, 0.75)) == 1
+    both = joined(car, standing(pallet), 0.1, 0.75)
     assert sorted(both.left_m.tolist()) == sorted((car.left_m[0], pallet[1]))

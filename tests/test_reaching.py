@@ -8,7 +8,7 @@ import pytest
 from bicycle import Bicycle
 
 from vpf_sim.controllers.gtsmc import AGAIN_MPS2, Gains, Gtsmc, load_gains
-from vpf_sim.types import Reference, VehicleModel
+from vpf_sim.types import Command, Reference, VehicleModel
 
 CAR = VehicleModel()
 ROBUST = load_gains("robust")
@@ -127,3 +127,23 @@ def test_a_path_is_followed_where_its_bend_changes(speed_mps: float) -> None:
     assert ROBUST.foresees
     assert bend_error_deg(ROBUST, speed_mps) < 0.8
     assert bend_error_deg(replace(ROBUST, foresees=False), speed_mps) > 1.5
+
+
+@pytest.mark.parametrize(("speed_mps", "acceleration_mps2"), [(2.0, 1.5), (5.0, -2.5)])
+def test_in_a_bend_the_wheels_stay_as_they_are_while_the_speed_changes(
+    speed_mps: float, acceleration_mps2: float
+) -> None:
+    """A bend of 0.1 1/m: the rate of the reference changes, the bend does not, and foresight asks for nothing."""
+
+    def worst_deg(gains: Gains) -> float:
+        car, hands, psi_d, worst = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0, 0.0
+        for step in range(240):
+            if step > 120:
+                car.speed_mps += acceleration_mps2 / 60.0
+                worst = max(worst, abs(np.degrees(car.yaw_rad - psi_d)))
+            psi_d += 0.1 * car.speed_mps / 60.0
+            steering = hands.command(car.observe(), Reference(psi_d, car.speed_mps, 0.1 * car.speed_mps)).steering
+            car.step(Command(0.0, steering))
+        return worst
+
+    assert worst_deg(ROBUST) < worst_deg(replace(ROBUST, foresees=False)) + 0.05

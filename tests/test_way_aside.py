@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 
+from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.lane_reference import LaneReference
 from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Command, Obstacles, RoadEdges, VehicleModel
 
@@ -207,7 +209,24 @@ def test_a_gap_beside_the_edge_is_not_chosen_from_too_near(side: float) -> None:
     assert chosen(8.5) < -2.2 - 0.5 * CAR.width_m
 
 
-@pytest.mark.parametrize(("gap_m", "slope"), [(6.0, 0.0), (4.3, 0.0), (4.3, 0.2), (1.5, 0.05)])
+@pytest.mark.parametrize("way_m", [10.2, 10.5, 10.8])
+def test_a_gap_beside_the_edge_that_is_chosen_is_gone_through(way_m: float) -> None:
+    """The same row, in a closed loop from 5.55 m/s: what has been begun is not given up halfway."""
+    row, car, past = [(-2.2, 2.65), (-12.0, -6.2)], Bicycle(speed_mps=SPEED_MPS), way_m + CAR.length_m + 2.0
+    one, hands = field(replace(LANE, left_m=-12.0)), Gtsmc(load_gains("robust"), CAR, 60.0)
+    path = LaneReference(ROBUST.reference, CAR, SPEED_MPS, 60.0, REACH)
+    one.keep(4.0)
+    while car.x_m < past and car.time_s < 15.0:
+        lane = Lane(car.y_m, 5.25, -12.0, -car.yaw_rad, 0.0)
+        ahead = bodies(*((way_m + 0.5 * CAR.length_m - car.x_m, *body) for body in row))
+        minimum_m = one.update(lane, ahead, car.speed_mps).minimum_m
+        reference = path.update(lane, ahead, one, minimum_m, car.yaw_rad, car.speed_mps)
+        car.step(hands.command(car.observe(), reference))
+    assert car.x_m >= past
+    assert car.y_m > 2.65 + 0.5 * CAR.width_m
+
+
+@pytest.mark.parametrize(("gap_m", "slope"), [(6.0, 0.0), (4.3, 0.0), (4.3, 0.2), (4.3, -0.3), (1.5, 0.05)])
 def test_the_way_to_an_edge_is_that_of_the_law_by_which_the_path_comes_near(gap_m: float, slope: float) -> None:
     """Integrated: turning on the tightest curve, then g' = -g / arm, until the rear axle is abreast of the face."""
     left_m, step_m = np.array([0.3, 0.8, 1.2]), 1e-3
@@ -217,7 +236,8 @@ def test_the_way_to_an_edge_is_that_of_the_law_by_which_the_path_comes_near(gap_
         slope = min(slope + step_m / REACH.radius_m, ROBUST.reach.walking_ratio, gap / REACH.path_arm_m)
         gap, way = gap - slope * step_m, way + step_m
         reached = np.where((gap <= left_m) & (reached == np.inf), way, reached)
-    assert told == pytest.approx(reached, abs=0.6)
+    assert told == pytest.approx(reached, abs=0.3)
+    assert REACH.edge_way(0.0, left_m, slope).tolist() == [-np.inf] * 3
     assert REACH.edge_way(gap_m, np.array([-0.1, gap_m + 0.1]), slope).tolist() == [np.inf, -np.inf]
 
 
@@ -236,3 +256,4 @@ def test_who_has_turned_to_one_side_of_a_body_keeps_to_it_though_the_body_is_tol
 
     assert kept(0.1) > 1.6
     assert kept(0.0) < -0.8
+    assert kept(-0.1) < -0.8, "turned to the other side"

@@ -30,7 +30,7 @@ from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
-TURNS_RAD = 0.05  # to the road: who has turned to one side of a body has chosen it, however far off that is
+TURNED_RAD = 0.05  # to one side of a body, from the road: it has been chosen, however far off the body is
 NEXT_M = 4.0  # ahead, what stands beside our way is passed next
 FREE_M = 1e-6  # a body's own side is free of it
 NO_CHOICE = 1e3  # more than any body, side or memory costs
@@ -314,7 +314,7 @@ class LaneField:
     def _memory(self, obstacles: LaneObstacles, lane: Lane) -> Floats:
         """(G,) what keeps the decision: leaving the last minimum costs, changing the side of a near body costs more.
 
-        Of any body, if the car has turned already.
+        As much if the car has turned to that side already.
         """
         config = self._config
         last = self._last_m if self._last_m is not None else 0.0
@@ -322,11 +322,13 @@ class LaneField:
         memory: Floats = config.memory_height * np.minimum(np.maximum(away - 1.0, 0.0), 1.0)
         if not len(obstacles):
             return memory
-        gap, turns = self.bumper(obstacles), abs(lane.heading_rad) > TURNS_RAD
-        near = (self.present(obstacles) > 0.0) & ((gap < config.latch_m) | turns)
+        gap, middle = self.bumper(obstacles), 0.5 * (obstacles.left_m + obstacles.right_m)
+        turned = (abs(lane.heading_rad) > TURNED_RAD) & (-lane.heading_rad * (last - middle) > 0.0)
+        turned &= obstacles.speed_mps == 0.0
+        near = (self.present(obstacles) > 0.0) & ((gap < config.latch_m) | turned)
         if not np.any(near):
             return memory
-        middle = 0.5 * (obstacles.left_m + obstacles.right_m)[near]
+        middle = middle[near]
         # Behind a body that moves there is room to change sides only if it is not reached meanwhile.
         speed = obstacles.speed_mps[near]
         room = CROSSING_M + CROSSING_S * np.maximum(self._speed_reference_mps - speed, 0.0)
@@ -354,7 +356,8 @@ class LaneField:
         behind = meets & ((y <= least) | (y >= most))
         slope = np.where(y > here, -tan(lane.heading_rad), tan(lane.heading_rad))
         shift = np.where(y > here, most - here, here - least) - self._reach.brought(way, slope)
-        far = behind & (way > 0.0) & ((shift > self._reach.aside(way)) | (self._edge_way(least, most, y, lane) > way))
+        slow = self._edge_way(least, most, y, lane) > way
+        far = behind & (way > 0.0) & ((shift > self._reach.aside(way)) | slow)
         stands = (self.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)
         cost = np.where(meets & apart & (way <= 0.0), config.beside_height, config.unreached_height * far)
         unreached: Floats = (cost * stands[:, None]).max(axis=0)
@@ -362,11 +365,16 @@ class LaneField:
 
     def _edge_way(self, least_m: Floats, most_m: Floats, y_m: Floats, lane: Lane) -> Floats:
         """(K, G) m of way that it takes to y, free of a body's places between `least_m` and `most_m` (K, 1), because
-        the edge on that side lets the car come near but slowly."""
+        the edge on that side lets the car come near but slowly.
+
+        It counts for who has not chosen that side yet: halfway there, no other may be left.
+        """
         right, left = lane.right_m - self._half_width_m, lane.left_m + self._half_width_m
         slope = -tan(lane.heading_rad)
         to_right = self._reach.edge_way(max(right - lane.y_m, 0.0), right - most_m, slope)
         to_left = self._reach.edge_way(max(lane.y_m - left, 0.0), least_m - left, -slope)
+        last = lane.y_m if self._last_m is None else self._last_m
+        to_right, to_left = np.where(last < most_m, to_right, -np.inf), np.where(last > least_m, to_left, -np.inf)
         return np.where(y_m > lane.y_m, to_right, to_left)
 
     def _minimum(self, total: Floats, lane: Lane) -> float:

@@ -108,8 +108,11 @@ class Reach:
         near by `path_between`, g' = -g / arm. The rear axle is there when it is abreast of the face; inf where no gap
         is left.
         """
-        arm, steepest = self.path_arm_m, self._config.walking_ratio
-        turning = 0.5 * self._radius_m * max(min(gap_m / arm, steepest) - slope, 0.0)
+        if gap_m <= 0.0:
+            return np.full_like(left_m, -np.inf)
+        arm = self.path_arm_m
+        steepest = min(gap_m / arm, self._config.walking_ratio)
+        turning = 0.5 * self._radius_m * max(steepest - slope, 0.0) ** 2 / steepest
         near = np.clip(left_m, 0.0, gap_m)
         begins = np.clip(steepest * arm, near, gap_m)
         with np.errstate(divide="ignore"):
