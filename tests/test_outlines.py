@@ -177,8 +177,18 @@ def test_what_parted_from_a_body_behind_it_is_no_other(
 ) -> None:
     """A van 4 m ahead, from 4 to 2 m left of the camera's axis, has the number 4."""
     left, right = np.array([-4.0, across_m[0]]), np.array([-2.0, across_m[1]])
-    is_part = parted(np.array([4.0, ahead_m]), left, right, np.array([4, body]), np.array([20, support]))
+    ahead, straight = np.array([4.0, ahead_m]), np.zeros(2)
+    is_part = parted(ahead, left, right, straight, np.array([4, body]), np.array([20, support]))
     assert is_part.tolist() == [False, not own]
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_who_stands_beside_the_way_of_a_flank_is_no_part_of_it_though_in_line_as_the_car_is_turned(side: float) -> None:
+    """A truck's face 2.4 m ahead and, 4.7 m behind that and 1.1 m off its flank, another; the car is turned 13 deg."""
+    ahead, truck, other = np.array([2.4, 7.1]), sorted((side * 3.3, side * 5.8)), sorted((side * 2.6, side * 3.1))
+    left, right = np.array([truck, other]).T
+    for angle, parts in ((0.0, [False, True]), (side * 0.23, [False, False])):
+        assert parted(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6])).tolist() == parts
 
 
 def standing(*rows: tuple[float, float, float]) -> Obstacles:

@@ -366,7 +366,8 @@ class LandmarkTracker:
         across = sides(seen, label, face, self.config.sharp_side_m)  # where most of it is: behind a corner it slides
         face, left, right = turned_back(nearest_sure(seen, label, face), *across, angle)
         ahead = face - self.camera.forward_m
-        c = confirmed & ~parted(ahead, left, right, np.where(confirmed & ~apart, body, -1), np.bincount(label))
+        parts_of = np.where(confirmed & ~apart, body, -1)
+        c = confirmed & ~parted(ahead, left, right, angle, parts_of, np.bincount(label))
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 
     def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools) -> Integers:

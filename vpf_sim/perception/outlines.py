@@ -166,17 +166,22 @@ def turned_back(along_m: Floats, left_m: Floats, right_m: Floats, angle_rad: Flo
     return forward, aside - half, aside + half
 
 
-def parted(ahead_m: Floats, left_m: Floats, right_m: Floats, body: Integers, support: Integers) -> Bools:
+def parted(
+    ahead_m: Floats, left_m: Floats, right_m: Floats, angle_rad: Floats, body: Integers, support: Integers
+) -> Bools:
     """(K,) clusters that parted from a nearer, larger one of the same `body` (-1: none) and are no body of their own.
 
     `ahead_m` is from the camera. Points along a body's side, and those that slide along its outline, seem to stand
-    behind it: in line with it, in the strip that it hides, or one alone; `support` is their number.
+    behind it: in line with it along the road, which leads `angle_rad` to the right of ahead there, in the strip that it
+    hides, or one alone; `support` is their number.
     """
     behind_m = ahead_m[:, None] - ahead_m[None]
     own = (body[:, None] == body[None]) & (body >= 0) & (behind_m > BEHIND_M) & (support[:, None] <= support[None])
     distance = np.maximum(ahead_m, NEAREST_M)
     hidden = _overlap(left_m / distance, right_m / distance, RIM_RAD) & (ahead_m > NEAREST_M)
-    in_line = _overlap(left_m, right_m, RIM_M) & (behind_m < LENGTH_M)
+    middle, half = 0.5 * (left_m + right_m), 0.5 * (right_m - left_m)
+    aside = np.cos(angle_rad) * (middle[:, None] - middle[None]) - np.sin(angle_rad) * behind_m
+    in_line = (np.abs(aside) < half[:, None] + half[None] + RIM_M) & (behind_m < LENGTH_M)
     no_body: Bools = np.any(own & (hidden | in_line | (support == 1)[:, None]), axis=1)
     return no_body
 
