@@ -193,7 +193,7 @@ def test_a_gap_beside_the_edge_is_chosen_before_a_place_that_touches(side: float
 def test_a_gap_beside_the_edge_is_not_chosen_from_too_near(side: float) -> None:
     """A row leaves 2.6 m at one edge and, on the other side, 4 m; the edge lets the car come near but slowly.
 
-    The narrow gap was chosen before the row was known, and is kept to while there is the way for it.
+    The narrow gap was chosen before the row was known, and is kept to while the shift is in reach at all.
     """
     edges = sorted((-12.0 * side, 5.25 * side))
     row = [sorted((a * side, b * side)) for a, b in ((-2.2, 2.65), (-12.0, -6.2))]
@@ -207,6 +207,25 @@ def test_a_gap_beside_the_edge_is_not_chosen_from_too_near(side: float) -> None:
 
     assert chosen(10.8) > 2.65 + 0.5 * CAR.width_m
     assert chosen(8.5) < -2.2 - 0.5 * CAR.width_m
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_gap_that_the_edge_keeps_the_car_from_is_not_chosen_though_its_side_was(side: float) -> None:
+    """A row 10 m ahead closes the gap between two bodies that was meant, and leaves 2.5 m at the edge, or 4 m.
+
+    With the edge farther off on that side as much is free beside the row, and the side is kept.
+    """
+    row = [sorted((a * side, b * side)) for a, b in ((-2.2, 2.75), (-12.0, -6.2))]
+
+    def chosen(edge_m: float) -> float:
+        edges = sorted((-12.0 * side, edge_m * side))
+        lane = Lane(0.0, edges[1], edges[0], 0.0, 0.0)
+        one = field(lane)
+        one.keep(side * 0.6)
+        return side * one.update(lane, bodies(*((10.0 + 0.5 * CAR.length_m, *body) for body in row))).minimum_m
+
+    assert chosen(5.25) < -2.2 - 0.5 * CAR.width_m
+    assert chosen(7.0) > 2.75 + 0.5 * CAR.width_m
 
 
 @pytest.mark.parametrize("way_m", [10.2, 10.5, 10.8])

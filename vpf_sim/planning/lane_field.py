@@ -371,8 +371,8 @@ class LaneField:
         """
         right, left = lane.right_m - self._half_width_m, lane.left_m + self._half_width_m
         slope = -tan(lane.heading_rad)
-        to_right = self._reach.edge_way(max(right - lane.y_m, 0.0), right - most_m, slope)
-        to_left = self._reach.edge_way(max(lane.y_m - left, 0.0), least_m - left, -slope)
+        to_right = self._reach.edge_way(right - lane.y_m, right - most_m, slope)
+        to_left = self._reach.edge_way(lane.y_m - left, least_m - left, -slope)
         last = lane.y_m if self._last_m is None else self._last_m
         to_right, to_left = np.where(last < most_m, to_right, -np.inf), np.where(last > least_m, to_left, -np.inf)
         return np.where(y_m > lane.y_m, to_right, to_left)
