@@ -8,10 +8,11 @@ import pytest
 
 from vpf_sim.geometry import ground_from_pixels, rotation
 from vpf_sim.perception.clearing import ClearingConfig
+from vpf_sim.perception.covered import CoverConfig, footprints
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
 from vpf_sim.perception.spots import SpotBook, SpotConfig, in_sight
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Floats, Image, Obstacles
+from vpf_sim.types import Camera, Floats, Image, Obstacles, RoadEdges
 
 CAMERA = Camera()
 SPEED_MPS, LOOKS_HZ = 5.55, 10.0
@@ -20,6 +21,7 @@ ROAD = 95.0 + cv2.GaussianBlur(stream(31, "asphalt").normal(0.0, 100.0, (1200, 3
 TOP_ROW, BOTTOM_ROW = 250, 340  # of the part of the frame that is drawn: the road from 43 to 4.5 m before the camera
 SHARP = 4  # rows and columns drawn for one of the frame, and averaged as a pixel does
 BUMPER_M = 2.25
+STRAIGHT = RoadEdges(-7.0, 7.0, 0.0, 0.0, 0.05, 1.0, 0.0, 3.5)
 
 
 @lru_cache
@@ -116,15 +118,27 @@ def test_the_direction_of_travel_in_the_world_does_not_matter() -> None:
             assert a.forward_m == pytest.approx(b.forward_m, abs=0.06)
 
 
-def test_a_known_body_is_left_out_with_what_it_hides_and_not_what_lies_beside_it() -> None:
-    """The plate lies from 0.2 m left to 0.6 m right: a body on it, one before it, one beside it."""
-    for left, right, ahead, seen in ((-0.3, 0.7, 0.0, False), (-1.0, 1.0, 2.5, False), (1.1, 3.0, 0.0, True)):
-        residual, found = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), False
-        for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
-            face, one = PLATE_M[0, 0] - forward - ahead, np.ones(1)
-            body = Obstacles(face * one, left * one, right * one, 0.1 * one, one, np.array([1]))
-            found |= bool(residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]), body))
-        assert found is seen
+@pytest.mark.parametrize(
+    ("left_m", "right_m", "ahead_m", "seen"),
+    [
+        (-0.3, 0.7, 0.0, False),  # on the plate
+        (-1.0, 1.0, 2.5, False),  # before it
+        (1.1, 3.0, 0.0, True),  # beside it
+        (0.7, 3.3, 6.0, False),  # its flank beside it, a truck's
+        (0.7, 1.2, 6.0, True),  # a short one
+    ],
+)
+def test_a_known_body_is_left_out_with_what_it_hides_and_not_what_lies_beside_it(
+    left_m: float, right_m: float, ahead_m: float, seen: bool
+) -> None:
+    """The plate lies from 0.2 m left to 0.6 m right."""
+    residual, found, one = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), False, np.ones(1)
+    for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
+        face = PLATE_M[0, 0] - forward - ahead_m
+        body = Obstacles(face * one, left_m * one, right_m * one, 0.1 * one, one, np.array([1]))
+        known = footprints(body, STRAIGHT, CoverConfig())
+        found |= bool(residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]), known))
+    assert found is seen
 
 
 @pytest.mark.parametrize(("right_m", "is_road"), [(0.2, False), (-1.5, True)])

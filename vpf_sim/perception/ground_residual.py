@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.covered import shadow
 from vpf_sim.perception.evidence import Evidence, Grid
 from vpf_sim.perception.low_sight import LookQuality, LowSight, LowSightConfig
 from vpf_sim.perception.patch_water import WaterConfig, odd_cells, texture, what_stays
@@ -49,7 +50,6 @@ class ResidualConfig:
     outline_gain: float = 3.0  # what counts as outline of a spot
     length_m: float = 2.5  # what begins so near behind a spot, and overlaps it, is its far edge
     least_width_m: float = 0.2  # narrower ones are the rim of something else
-    body_m: tuple[float, float] = (0.8, 0.35)  # along and across, about a known body that is left out
     foot_m: tuple[float, float] = (0.6, 0.15)  # along from where a body begins, and beside it, its foot is looked at;
     foot_width_m: float = 0.5  # so much of it at least,
     foot_share: float = 0.6  # and this share of that must be seen
@@ -119,10 +119,11 @@ class GroundResidual:
         """Whether the next frame is one that is looked at."""
         return (self._frame + 1) % self._period_frames == 0
 
-    def update(self, grey: Image, pose: Floats, bodies: Obstacles | None = None) -> list[Spot] | None:
+    def update(self, grey: Image, pose: Floats, footprints: Floats | None = None) -> list[Spot] | None:
         """What stands on the road in the frame taken at `pose`; None between looks and before there is a baseline.
 
-        What known `bodies` (vehicle axes) cover and hide is left out: what lies beside one would run together with it.
+        What known bodies cover and hide is left out: what lies beside one would run together with it. `footprints`
+        (K, 4, 2) are their corners in vehicle axes.
         """
         self._frame += 1
         if self._frame % self._period_frames:
@@ -130,7 +131,7 @@ class GroundResidual:
         older = self._older(pose)
         now = self._laid_out(grey, pose)
         self.baseline_pose = None if older is None else older.pose
-        return None if older is None else self._compare(now, older, bodies)
+        return None if older is None else self._compare(now, older, footprints)
 
     def difference_at(self, bodies: Obstacles) -> Floats:
         """(N,) largest difference in the last look where each body should begin, in multiples of the noise.
@@ -197,7 +198,7 @@ class GroundResidual:
                 return None
         return found
 
-    def _compare(self, layout: _Layout, older: _Layout, bodies: Obstacles | None) -> list[Spot]:
+    def _compare(self, layout: _Layout, older: _Layout, footprints: Floats | None) -> list[Spot]:
         config, pose = self.config, layout.pose
         sharp = layout.patch[: self._rows].astype(np.float32)
         now = np.asarray(cv2.GaussianBlur(sharp, (3, 15), 0), np.float32)[:, self._columns]
@@ -220,8 +221,8 @@ class GroundResidual:
         above = np.minimum.reduce([change for change, _ in others[: len(config.above_m)]])
         below = np.minimum.reduce([change for change, _ in others[len(config.above_m) :]])
         seen = self._seen & (np.minimum.reduce([share for _, share in others]) > config.least_seen)
-        if bodies is not None and len(bodies):
-            seen &= ~self._covered(bodies, older.pose, pose)
+        if footprints is not None and len(footprints):
+            seen &= ~self._covered(footprints, older.pose, pose)
         weight = seen / np.float32(noise)
         grids = [weight * grid for grid in (road, above, below, self._of_edges(now))]
         road, above, below, edges = self._evidence.add(grids, pose, self._between_grids)
@@ -273,20 +274,17 @@ class GroundResidual:
         inside: Bools = cv2.erode(seen, np.ones((along, across), np.uint8))[:, self._columns] == 255
         return inside
 
-    def _covered(self, bodies: Obstacles, older_pose: Floats, pose: Floats) -> Bools:
-        """(rows, columns) cells on which a body stands, or that it hides from the camera now or in the older frame."""
+    def _covered(self, footprints: Floats, older_pose: Floats, pose: Floats) -> Bools:
+        """(rows, columns) cells that bodies cover, or hide from the camera now or in the older frame."""
         lens = np.array([self.camera.forward_m, 0.0])
         before = vehicle_from_world(world_from_vehicle(lens, older_pose), pose)
-        forward, right = self._forward_m[: self._rows, None], self._right_m[None, self._columns]
-        covered = np.zeros((forward.size, right.size), np.bool_)
-        along_m, across_m = self.config.body_m
-        for face, left_m, right_m in zip(bodies.forward_m, bodies.left_m, bodies.right_m, strict=True):
-            for x, y in (lens, before):
-                if face > x:
-                    across = y + (right - y) * (face - x) / (np.maximum(forward, face) - x)
-                    beside = (across > left_m - across_m) & (across < right_m + across_m)
-                    covered |= (forward > face - along_m) & beside
-        return covered
+        right = self._right_m[self._columns]
+        covered, start = np.zeros((self._rows, right.size), np.uint8), (right[0], self._forward_m[0])
+        for corners in footprints:
+            for place in (lens, before):
+                cells = (shadow(corners, place)[:, ::-1] - start) / self.config.cell_m
+                cv2.fillConvexPoly(covered, np.rint(cells).astype(np.int32), 1)
+        return covered > 0
 
     def _transform(self, older_pose: Floats, pose: Floats, height_m: float) -> Grid:
         """(2, 3) from cells (column, row) of the patch now to those of the older one."""

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from vpf_sim.perception.clearing import ClearingConfig
+from vpf_sim.perception.covered import CoverConfig
 from vpf_sim.perception.ground_residual import ResidualConfig
 from vpf_sim.perception.low import LowConfig
 from vpf_sim.perception.spots import SpotConfig
@@ -53,6 +54,7 @@ class LandmarkConfig:
     behind_m: float = 11.0  # where a body is forgotten
     low: LowConfig = field(default_factory=LowConfig)
     residual: ResidualConfig = field(default_factory=ResidualConfig)
+    cover: CoverConfig = field(default_factory=CoverConfig)
     spots: SpotConfig = field(default_factory=SpotConfig)
     clearing: ClearingConfig = field(default_factory=ClearingConfig)
 

@@ -9,6 +9,7 @@ from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.clearing import Clearing
 from vpf_sim.perception.clusters import clusters, stepped
 from vpf_sim.perception.corners import eigenvalues, is_corner
+from vpf_sim.perception.covered import footprints
 from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, Spot
 from vpf_sim.perception.landmark_config import LandmarkConfig
@@ -110,8 +111,10 @@ class LandmarkTracker:
 
         What is no road counts where no body is known that hides it.
         """
-        tall = from_here(self._tall, self._seen_from, pose, 0.0) if self._residual.looks else None
-        spots = self._residual.update(grey, pose, tall)
+        known = None
+        if self._residual.looks:
+            known = footprints(from_here(self._tall, self._seen_from, pose, 0.0), road, self.config.cover)
+        spots = self._residual.update(grey, pose, known)
         before = self._residual.baseline_pose
         if spots is None or before is None:
             return

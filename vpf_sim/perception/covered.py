@@ -1,0 +1,53 @@
+"""The road that known bodies cover and hide, as long as they may be: of most only the end that faces us is told."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from vpf_sim.types import Floats, Obstacles, RoadEdges
+
+FAR_M = 40.0  # from the camera, up to which a body hides the road
+
+
+@dataclass(frozen=True, slots=True)
+class CoverConfig:
+    """How far the road is left out about a known body."""
+
+    before_m: float = 0.8  # its face
+    beside_m: float = 0.35
+    car_width_m: float = 1.0  # from here on it may be one,
+    car_length_m: float = 5.5
+    truck_width_m: float = 2.25  # and from here on one of these
+    truck_length_m: float = 9.0
+    length_m: float = 1.0  # of any other
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+
+
+def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig) -> Floats:
+    """(K, 4, 2) corners of what each body covers at most, vehicle axes: it stands along the road."""
+    width = bodies.right_m - bodies.left_m
+    length = np.select(
+        [width > config.truck_width_m, width > config.car_width_m],
+        [config.truck_length_m, config.car_length_m],
+        config.length_m,
+    )
+    angle = road.heading_rad + road.curvature_per_m * np.maximum(bodies.forward_m, 0.0)
+    along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    across = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+    half = (0.5 * width + config.beside_m)[:, None] * across
+    middle = np.stack([bodies.forward_m, 0.5 * (bodies.left_m + bodies.right_m)], axis=1)
+    near, far = middle - config.before_m * along, middle + length[:, None] * along
+    return np.stack([near - half, near + half, far + half, far - half], axis=1)
+
+
+def shadow(corners_m: Floats, lens_m: Floats) -> Floats:
+    """(N, 2) outline of what a body with these corners (4, 2) covers and hides from a camera at `lens_m` (2,)."""
+    sight = corners_m - lens_m
+    beyond = lens_m + sight * (FAR_M / np.hypot(*sight.T))[:, None]
+    hull = cv2.convexHull(np.concatenate([corners_m, beyond]).astype(np.float32))
+    return np.asarray(hull[:, 0], np.float64)
