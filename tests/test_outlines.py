@@ -9,6 +9,7 @@ from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.clusters import stepped
 from vpf_sim.perception.outlines import (
     Seen,
+    as_wide_as_seen,
     at_least,
     direction_at,
     joined,
@@ -207,3 +208,21 @@ def test_a_low_body_that_sticks_out_of_a_taller_one_is_not_taken_for_a_part_of_i
         assert len(joined(car, standing(one), 0.1, 0.75)) == 1
     both = joined(car, standing(pallet), 0.1, 0.75)
     assert sorted(both.left_m.tolist()) == sorted((car.left_m[0], pallet[1]))
+
+
+def test_a_low_body_is_as_wide_as_the_look_at_the_road_saw_it_and_where_its_points_are() -> None:
+    """A pallet from 1.0 to 1.8 m right, of which points show the left rim, and a spot that is told 0.2 m off."""
+    seen = as_wide_as_seen(standing((8.0, 0.98, 1.1), (8.0, -3.0, -2.9)), standing((8.3, 1.2, 2.0)), 0.4)
+    assert [*seen.left_m, *seen.right_m] == pytest.approx([0.98, -3.0, 1.78, -2.9])
+    mirrored = as_wide_as_seen(standing((8.0, -1.1, -0.98)), standing((8.3, -2.0, -1.2)), 0.4)
+    assert [*mirrored.left_m, *mirrored.right_m] == pytest.approx([-1.78, -0.98])
+
+
+@pytest.mark.parametrize("spot", [(8.3, 1.7, 2.5), (10.3, 0.9, 1.7)])
+def test_a_spot_elsewhere_does_not_make_it_wider(spot: tuple[float, float, float]) -> None:
+    assert as_wide_as_seen(standing((8.0, 1.0, 1.2)), standing(spot), 0.4).right_m == pytest.approx([1.2])
+
+
+def test_a_spot_within_the_points_neither_moves_them_nor_makes_them_narrower() -> None:
+    seen = as_wide_as_seen(standing((8.0, 1.0, 2.0)), standing((8.0, 1.2, 1.8)), 0.4)
+    assert [*seen.left_m, *seen.right_m] == pytest.approx([1.0, 2.0])

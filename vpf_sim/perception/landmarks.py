@@ -17,6 +17,7 @@ from vpf_sim.perception.low import LowConfig, is_low, is_part, is_shaded, off_li
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
 from vpf_sim.perception.outlines import (
     Seen,
+    as_wide_as_seen,
     direction_at,
     from_here,
     joined,
@@ -276,10 +277,10 @@ class LandmarkTracker:
         """Those of points well above the road, then those of low points that are not beside one of these."""
         marks, low = self._marks, self.config.low
         tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
-        flat = widened(self._flat(tall, pose, road), low.least_width_m)
-        spots = self.config.spots
-        bodies = joined(tall, flat, low.beside_m, low.sticks_out_m)
-        return joined(bodies, self._spots.bodies(pose), spots.beside_m, spots.sticks_out_m)
+        seen, spots = self._spots.bodies(pose), self.config.spots
+        flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
+        bodies = joined(tall, widened(flat, low.least_width_m), low.beside_m, low.sticks_out_m)
+        return joined(bodies, seen, spots.beside_m, spots.sticks_out_m)
 
     def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:
         """Those of low points that are neither of the taller bodies told nor of their shadows."""

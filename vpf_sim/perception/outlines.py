@@ -15,6 +15,7 @@ RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
 BEHIND_M, LENGTH_M = 2.0, 8.0  # what is less far behind is of the same side of a body; the length of the longest
 SHARPEST, SHARP_RATIO = 3, 1.5  # a point is sharp across up to so many times what the body's third best may be off;
 RIMS = 2.0  # another counts where it lies farther out by so many times what it may be off itself
+SAME_ALONG_M = 2.0  # what begins no farther apart along the way may be one body
 STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 SEVERAL, SURE_SIGMAS = 3, 2.5  # points that lie nearer by so many times what their depth may be off
@@ -49,13 +50,28 @@ def widened(bodies: Obstacles, width_m: float) -> Obstacles:
     return replace(bodies, left_m=bodies.left_m - lacking, right_m=bodies.right_m + lacking)
 
 
+def as_wide_as_seen(points: Obstacles, spots: Obstacles, beside_m: float) -> Obstacles:
+    """Bodies that few points tell of, as wide as the spots (nearer than `beside_m`) that the road's comparison shows.
+
+    Points show a part of a low body, but well where that is: the spot is moved as far as it must be to hold them.
+    """
+    left, right = points.left_m.copy(), points.right_m.copy()
+    apart = np.maximum(spots.left_m[None] - right[:, None], left[:, None] - spots.right_m[None])
+    along = np.abs(points.forward_m[:, None] - spots.forward_m[None])
+    for body, spot in np.argwhere((apart < beside_m) & (along < SAME_ALONG_M)):
+        width = spots.right_m[spot] - spots.left_m[spot]
+        begins = min(max(spots.left_m[spot], right[body] - width), left[body])
+        left[body], right[body] = begins, max(begins + width, right[body])
+    return replace(points, left_m=left, right_m=right)
+
+
 def joined(tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float) -> Obstacles:
     """Both, without the low ones beside or under a tall one: but what sticks out of it by more is a body of its own."""
     left, right = low.left_m[:, None], low.right_m[:, None]
     apart = np.maximum(tall.left_m[None] - right, left - tall.right_m[None])
     out = np.maximum(tall.left_m[None] - left, right - tall.right_m[None])
     along = np.abs(low.forward_m[:, None] - tall.forward_m[None])
-    own = low.chosen(~np.any((apart < beside_m) & (out < sticks_out_m) & (along < 2.0), axis=1))
+    own = low.chosen(~np.any((apart < beside_m) & (out < sticks_out_m) & (along < SAME_ALONG_M), axis=1))
     return Obstacles(*(np.concatenate([getattr(tall, one.name), getattr(own, one.name)]) for one in fields(own)))
 
 
