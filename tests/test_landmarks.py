@@ -36,6 +36,7 @@ def test_one_corner_is_enough_for_a_cone() -> None:
     found = drive.run(tracker(), range(500))
     first = next(k for k, bodies in enumerate(found) if len(bodies))
     assert 50.0 - drive.pose(first)[0] > 10.0
+    assert (found[-1].left_m[0], found[-1].right_m[0]) == pytest.approx((-1.2, -0.8), abs=0.05)  # as wide as its base
 
 
 @pytest.mark.parametrize(("small", "told"), [(100.0, True), (15.0, False)])

@@ -276,7 +276,8 @@ class LandmarkTracker:
     def _bodies(self, pose: Floats, road: RoadEdges) -> Obstacles:
         """Those of points well above the road, then those of low points that are not beside one of these."""
         marks, low = self._marks, self.config.low
-        tall = self._tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
+        tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
+        tall = self._tall = widened(tall, self.config.least_width_m)
         seen, spots = self._spots.bodies(pose), self.config.spots
         flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
         bodies = joined(tall, widened(flat, low.least_width_m), low.beside_m, low.sticks_out_m)
