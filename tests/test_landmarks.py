@@ -56,7 +56,7 @@ def test_a_body_begins_at_the_few_points_of_what_stands_close_before_it() -> Non
     assert found.forward_m.min() == pytest.approx(40.0 - drive.pose(339)[0], abs=0.5)
 
 
-@pytest.mark.parametrize(("count", "kept"), [(3, 0), (12, 1)])
+@pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
 def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()
     bodies = drive.run(found, range(330))[-1]

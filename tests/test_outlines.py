@@ -15,6 +15,7 @@ from vpf_sim.perception.outlines import (
     joined,
     nearest_extent,
     nearest_sure,
+    on_top,
     parted,
     sides,
     stands_behind,
@@ -226,3 +227,13 @@ def test_a_spot_elsewhere_does_not_make_it_wider(spot: tuple[float, float, float
 def test_a_spot_within_the_points_neither_moves_them_nor_makes_them_narrower() -> None:
     seen = as_wide_as_seen(standing((8.0, 1.0, 2.0)), standing((8.0, 1.2, 1.8)), 0.4)
     assert [*seen.left_m, *seen.right_m] == pytest.approx([1.0, 2.0])
+
+
+def test_points_of_a_pallet_that_seem_to_stand_higher_do_not_hide_how_wide_it_is() -> None:
+    """They are told by themselves where its right end is; a car's wheel makes the car no wider, a shadow no cone."""
+    pallet, car = standing((8.0, 1.4, 1.8)), standing((8.0, 1.0, 3.0))
+    seen = on_top(pallet, standing((8.5, 1.0, 1.85)))
+    assert (seen.left_m[0], seen.right_m[0]) == pytest.approx((1.0, 1.85))
+    assert on_top(car, standing((8.5, 0.8, 1.2))).left_m == pytest.approx([1.0])
+    assert on_top(pallet, standing((8.5, 1.9, 2.5))).right_m == pytest.approx([1.8])
+    assert on_top(pallet, standing((10.5, 1.0, 1.85))).left_m == pytest.approx([1.4])

@@ -141,3 +141,34 @@ def test_a_narrow_body_beside_our_way_stays() -> None:
         sides = (np.array([POST_M - 0.1]), np.array([POST_M + 0.1]))
         bodies = Obstacles(ahead, *sides, np.array([0.3]), np.array([np.inf]), identity=np.array([7]))
         assert len(looker.update(post(float(x)), np.array([x, 0.0, 0.0]), bodies, 1.0)) == 1
+
+
+def plain(x_m: float, place_m: float, paint: Callable[[Floats, Floats], Floats]) -> Image:
+    """A body without grain at `place_m` across: `paint` tells its grey by place across it and height, nan beside it."""
+    right, down = _rays()
+    depth = FACE_M - x_m - CAMERA.forward_m
+    across, height = depth * right - place_m, CAMERA.height_m - depth * down
+    grey = np.where((height > 0.0) & (height < 0.75), paint(across, height), np.nan)
+    return np.clip(np.where(np.isnan(grey), _sampled(ROAD, 0.0, x_m)[0], grey), 0.0, 255.0).astype(np.uint8)
+
+
+def cone(across_m: Floats, height_m: Floats) -> Floats:
+    """On a dark plate; past it, upwards more and more, the road is seen."""
+    half = np.where(height_m < 0.05, 0.2, 0.15 - 0.16 * height_m)
+    return np.where(np.abs(across_m) < half, np.where(height_m < 0.05, 30.0, 130.0), np.nan)
+
+
+def leaning(across_m: Floats, height_m: Floats) -> Floats:
+    """Two colours that meet in a line along which the camera comes nearer: it agrees with any shift."""
+    return np.where(np.abs(across_m) < 0.4, np.where(across_m > height_m - 0.25, 200.0, 60.0), np.nan)
+
+
+@pytest.mark.parametrize(("place_m", "half_m", "paint"), [(-1.9, 0.2, cone), (1.2, 0.2, cone), (-1.2, 0.4, leaning)])
+def test_a_plain_body_whose_outline_alone_is_seen_stays(
+    place_m: float, half_m: float, paint: Callable[[Floats, Floats], Floats]
+) -> None:
+    looker, one = SecondLook(CAMERA, CONFIG), np.ones(1)
+    for x in np.arange(FACE_M - 7.0, FACE_M - 2.8, 0.05).tolist():
+        sides = (place_m - half_m) * one, (place_m + half_m) * one
+        body = Obstacles((FACE_M - x) * one, *sides, 0.1 * one, one, np.array([7]))
+        assert len(looker.update(plain(x, place_m, paint), np.array([x, 0.0, 0.0]), body, 1.0)) == 1

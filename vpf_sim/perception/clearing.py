@@ -23,13 +23,15 @@ class ClearingConfig:
     looks: int = 3  # at bare road, more than at something
     way_m: float = 0.3  # of the car between two: standing, it sees the same picture again
     about_m: tuple[float, float] = (2.5, 0.5)  # along and across, what goes with a cleared body,
-    most_points: int = 6  # unless more points than this: so many do not err together, and a shadow hides a car's foot
+    most_points: float = 3.0  # unless more points than this tell it: so many do not err together, and a shadow hides
+    known_m: float = 0.35  # a car's foot. One counts in full if it is known so well (standard deviation of its depth)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.road <= self.body:
             raise ValueError(f"road, body: expected 0 < road <= body, got {self.road}, {self.body}")
-        if self.most_points < 1:
-            raise ValueError(f"most_points: expected >= 1, got {self.most_points}")
+        for key in ("most_points", "known_m"):
+            if not getattr(self, key) > 0.0:
+                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
         if self.looks < 1:
             raise ValueError(f"looks: expected >= 1, got {self.looks}")
 

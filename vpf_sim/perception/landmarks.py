@@ -24,6 +24,7 @@ from vpf_sim.perception.outlines import (
     nearest_extent,
     nearest_sure,
     none,
+    on_top,
     parted,
     sides,
     stands_behind,
@@ -145,11 +146,11 @@ class LandmarkTracker:
             self._spots.forget(identity)
 
     def tells_surely(self, bodies: Obstacles) -> Bools:
-        """(K,) bodies that more points tell of than err together: no look at the road refutes these."""
-        own = self._marks.body[self._marks.believed]
-        count = np.count_nonzero(own == bodies.identity[:, None], axis=1)
-        sure: Bools = (count > self.config.clearing.most_points) & (bodies.identity >= 0)
-        return sure
+        """(K,) bodies that more points well above the road tell than err together: no look refutes these."""
+        marks, config = self._marks, self.config.clearing
+        counts = np.minimum(config.known_m / marks.sigma_m, 1.0) * (marks.believed & ~marks.low)
+        support = (marks.body == bodies.identity[:, None]) @ counts
+        return np.asarray((support > config.most_points) & (bodies.identity >= 0), np.bool_)
 
     def _number(self) -> int:
         self._next_body += 1
@@ -280,7 +281,8 @@ class LandmarkTracker:
         tall = self._tall = widened(tall, self.config.least_width_m)
         seen, spots = self._spots.bodies(pose), self.config.spots
         flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
-        bodies = joined(tall, widened(flat, low.least_width_m), low.beside_m, low.sticks_out_m)
+        known = on_top(on_top(tall, flat), seen)
+        bodies = joined(known, widened(flat, low.least_width_m), low.beside_m, low.sticks_out_m)
         return joined(bodies, seen, spots.beside_m, spots.sticks_out_m)
 
     def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:

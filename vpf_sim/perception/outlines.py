@@ -65,6 +65,20 @@ def as_wide_as_seen(points: Obstacles, spots: Obstacles, beside_m: float) -> Obs
     return replace(points, left_m=left, right_m=right)
 
 
+def on_top(tall: Obstacles, low: Obstacles) -> Obstacles:
+    """The tall ones, as wide as the low one whose upper edge they are: one that is wider, and that they overlap.
+
+    Seen from afar, a few points of a pallet seem to stand higher than it does.
+    """
+    left, right = tall.left_m.copy(), tall.right_m.copy()
+    along = np.abs(low.forward_m[:, None] - tall.forward_m[None])
+    overlap = (low.left_m[:, None] < tall.right_m[None]) & (tall.left_m[None] < low.right_m[:, None])
+    wider = (low.right_m - low.left_m)[:, None] > (tall.right_m - tall.left_m)[None]
+    for under, above in np.argwhere((along < SAME_ALONG_M) & overlap & wider):
+        left[above], right[above] = min(left[above], low.left_m[under]), max(right[above], low.right_m[under])
+    return replace(tall, left_m=left, right_m=right)
+
+
 def joined(tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float) -> Obstacles:
     """Both, without the low ones beside or under a tall one: but what sticks out of it by more is a body of its own."""
     left, right = low.left_m[:, None], low.right_m[:, None]

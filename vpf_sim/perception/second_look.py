@@ -31,6 +31,7 @@ class SecondLookConfig:
     nearest_m: float = 1.9  # range of the body's face, from the camera
     farthest_m: float = 7.0
     before_m: float = 0.1  # of the face, where the place begins
+    inside_m: float = 0.1  # of each side, where it ends: past one that grows narrower upwards the road is seen
     cell_m: float = 0.5  # the place is judged in cells so wide and long,
     rows: int = 3  # so many behind each other
     grain_m: float = 0.03  # spacing of the samples
@@ -38,6 +39,7 @@ class SecondLookConfig:
     near_grains: int = 1  # larger ones are none of the road
     least_correlation: float = 0.3  # of the grain with none, in a cell of the road,
     least_lead: float = 0.15  # and by how much it is above that with any other
+    most_other: float = 0.6  # with any other: outlines that run along the way agree with all shifts
     road_share: float = 0.8  # of the cells, over all looks
     least_looks: int = 4
     moved_m: float = 0.6  # a body that is told elsewhere later is another
@@ -45,6 +47,12 @@ class SecondLookConfig:
     def __post_init__(self) -> None:
         if not 0.0 < self.nearest_m < self.farthest_m:
             raise ValueError(f"nearest_m: expected 0 < nearest_m < farthest_m, got {self.nearest_m}")
+        if not self.inside_m >= 0.0:
+            raise ValueError(f"inside_m: expected >= 0, got {self.inside_m}")
+
+    def across_m(self, width_m: float) -> float:
+        """How much of a body's width is looked at: half of it at least."""
+        return max(width_m - 2.0 * self.inside_m, 0.5 * width_m)
 
 
 @dataclass(slots=True)
@@ -103,7 +111,7 @@ class SecondLook:
         for one in self._places:
             if one.name == name and distance_m(middle, one.middle_m) < moved and abs(width - one.width_m) < moved:
                 return one
-        cells = self._config.rows * max(1, round(width / self._config.cell_m))
+        cells = self._config.rows * max(1, round(self._config.across_m(width) / self._config.cell_m))
         self._places.append(_Place(name, middle, width, np.zeros((3, 2 * self._config.shift_grains + 1, cells))))
         return self._places[-1]
 
@@ -135,7 +143,7 @@ class SecondLook:
         cell = round(config.cell_m / config.grain_m)
         length = config.rows * cell
         forward = middle[0] - config.before_m + config.grain_m * np.arange(-margin, length + margin)
-        aside = one.width_m * ((np.arange(across * cell) + 0.5) / (across * cell) - 0.5)
+        aside = config.across_m(one.width_m) * ((np.arange(across * cell) + 0.5) / (across * cell) - 0.5)
         lens_m = self._camera.forward_m
         right = aside + (middle[1] * (forward - lens_m) / (middle[0] - lens_m))[:, None]
         shape = right.shape
@@ -175,5 +183,6 @@ class SecondLook:
         with_none = correlation[shift <= config.near_grains].max(axis=0)
         with_some = correlation[shift > config.near_grains + 1].max(axis=0)
         road: Bools = (with_none > config.least_correlation) & (with_none > with_some + config.least_lead)
+        road &= with_some < config.most_other
         stands = (with_some > config.least_correlation) & (with_some > with_none + config.least_lead)
         return bool(np.mean(road) >= config.road_share and not stands.any())
