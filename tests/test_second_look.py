@@ -96,8 +96,12 @@ def test_parts_of_one_body_are_looked_at_each_in_its_place() -> None:
     assert left == 0
 
 
-def test_a_body_that_is_told_too_near_stays() -> None:
-    assert walk(pallet, face_m=FACE_M - 0.6)[1] == 1
+@pytest.mark.parametrize("near_m", [0.6, 0.9])
+def test_a_body_that_is_told_too_near_stays(near_m: float) -> None:
+    """From afar its upper edge is seen farther back by another 0.6 m, and what is told of it lies on the road."""
+    looker = SecondLook(CAMERA, CONFIG)
+    for x in np.arange(FACE_M - 7.0, FACE_M - 3.0, 0.05).tolist():
+        assert len(looker.update(pallet(x), np.array([x, 0.0, 0.0]), told(x, 7, FACE_M - near_m), 1.0)) == 1
 
 
 def test_no_look_is_taken_at_speed() -> None:

@@ -33,7 +33,7 @@ class SecondLookConfig:
     before_m: float = 0.1  # of the face, where the place begins
     inside_m: float = 0.1  # of each side, where it ends: past one that grows narrower upwards the road is seen
     cell_m: float = 0.5  # the place is judged in cells so wide and long,
-    rows: int = 3  # so many behind each other
+    rows: int = 5  # so many behind each other
     grain_m: float = 0.03  # spacing of the samples
     shift_grains: int = 12  # the largest that is tried
     near_grains: int = 1  # larger ones are none of the road
@@ -184,5 +184,6 @@ class SecondLook:
         with_some = correlation[shift > config.near_grains + 1].max(axis=0)
         road: Bools = (with_none > config.least_correlation) & (with_none > with_some + config.least_lead)
         road &= with_some < config.most_other
-        stands = (with_some > config.least_correlation) & (with_some > with_none + config.least_lead)
+        lead = np.where(with_some < config.most_other, config.least_lead, 0.0)
+        stands = (with_some > config.least_correlation) & (with_some > with_none + lead)
         return bool(np.mean(road) >= config.road_share and not stands.any())
