@@ -6,7 +6,7 @@ import pytest
 
 from vpf_sim.geometry import rotation
 from vpf_sim.perception.covered import CoverConfig, footprints, shadow
-from vpf_sim.types import Floats, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 CONFIG = CoverConfig()
 LENS_M = np.array([0.8, 0.0])
@@ -21,11 +21,11 @@ def body(face_m: float, left_m: float, right_m: float) -> Obstacles:
     return Obstacles(face_m * one, left_m * one, right_m * one, 0.1 * one, one, np.array([1]))
 
 
-def inside(points_m: Floats, corners_m: Floats) -> Floats:
+def inside(points_m: Floats, corners_m: Floats) -> Bools:
     """(N,) of points, whether within a rectangle (4, 2)."""
     first, second = corners_m[1] - corners_m[0], corners_m[3] - corners_m[0]
     parts = [(points_m - corners_m[0]) @ side / (side @ side) for side in (first, second)]
-    return np.all([(part >= 0.0) & (part <= 1.0) for part in parts], axis=0)
+    return np.asarray(np.all([(part >= 0.0) & (part <= 1.0) for part in parts], axis=0), np.bool_)
 
 
 @pytest.mark.parametrize("face_m", [9.0, 1.2, -4.0])
@@ -42,7 +42,7 @@ def test_what_a_line_of_sight_meets_a_body_on_is_hidden_and_nothing_else(face_m:
     assert np.all((distance > 0.0)[np.abs(distance) > 0.1] == met[np.abs(distance) > 0.1])
 
 
-@pytest.mark.parametrize(("width_m", "length_m"), [(0.4, 1.0), (2.0, 5.5), (2.5, 9.0)])
+@pytest.mark.parametrize(("width_m", "length_m"), [(0.4, 1.0), (2.0, 5.5), (2.2, 5.5), (2.5, 9.0)])
 def test_what_is_as_wide_as_a_car_or_a_truck_may_be_as_long(width_m: float, length_m: float) -> None:
     (corners,) = footprints(body(10.0, 1.0, 1.0 + width_m), road(), CONFIG)
     assert corners.max(axis=0) == pytest.approx([10.0 + length_m, 1.0 + width_m + CONFIG.beside_m])
@@ -56,6 +56,12 @@ def test_it_stands_along_the_road_where_that_bends() -> None:
     assert bent == pytest.approx(middle + (straight - middle) @ rotation(0.2).T)
 
 
-def test_nonsense_is_refused() -> None:
-    with pytest.raises(ValueError, match="beside_m: expected > 0, got 0"):
-        CoverConfig(beside_m=0.0)
+def test_a_body_told_where_the_camera_is_hides_no_more_than_it_covers() -> None:
+    (corners,) = footprints(body(-4.0, -1.2, 1.2), road(), CONFIG)
+    assert shadow(corners, LENS_M) == pytest.approx(corners)
+
+
+@pytest.mark.parametrize("wrong", [{"beside_m": 0.0}, {"car_width_m": 2.5}])
+def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
+        CoverConfig(**wrong)

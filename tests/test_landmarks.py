@@ -7,6 +7,7 @@ import pytest
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
+from vpf_sim.perception.ground_residual import Spot
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.types import Bools, Floats, Flow, RoadEdges
@@ -181,7 +182,29 @@ def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_bodies() ->
     assert a.left_m == pytest.approx(b.left_m, abs=1e-6)
 
 
+@pytest.mark.parametrize(("sigma_m", "low", "sure"), [(0.3, False, True), (1.2, False, False), (0.1, True, False)])
+def test_points_known_badly_or_low_tell_no_body_surely(sigma_m: float, low: bool, sure: bool) -> None:
+    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 7), road_points(100)])), tracker()
+    bodies = drive.run(found, range(330))[-1]
+    found._marks.sigma_m[:], found._marks.low[:] = sigma_m, low
+    assert found.tells_surely(bodies).tolist() == [sure]
+
+
+def test_low_points_and_what_the_look_at_the_road_shows_are_told_as_one_body() -> None:
+    """Points at the left end of a pallet from -0.4 to 0.4 m, and a spot that lies 0.2 m too far to the right."""
+    low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
+    drive, found = Drive(np.concatenate([low, road_points(100)])), tracker()
+    for k in range(355):
+        bodies = drive.run(found, range(k, k + 1))[-1]
+        spot = Spot(40.0 - drive.pose(k)[0], -0.2, 0.6, gain=20.0)
+        if spot.forward_m < 16.0 and k % 6 == 0:
+            found._spots.record([spot], drive.pose(k))
+    assert (bodies.left_m, bodies.right_m) == (pytest.approx([-0.4], abs=0.05), pytest.approx([0.4], abs=0.05))
+
+
 def test_nonsense_is_refused_with_what_was_given() -> None:
+    with pytest.raises(ValueError, match="least_width_m: expected >= 0, got -1"):
+        LandmarkConfig(least_width_m=-1.0)
     with pytest.raises(ValueError, match=r"expected 0 < near < far, got 30\.0, 28\.0"):
         LandmarkConfig(near_m=30.0)
 

@@ -229,11 +229,27 @@ def test_a_spot_within_the_points_neither_moves_them_nor_makes_them_narrower() -
     assert [*seen.left_m, *seen.right_m] == pytest.approx([1.0, 2.0])
 
 
-def test_points_of_a_pallet_that_seem_to_stand_higher_do_not_hide_how_wide_it_is() -> None:
-    """They are told by themselves where its right end is; a car's wheel makes the car no wider, a shadow no cone."""
-    pallet, car = standing((8.0, 1.4, 1.8)), standing((8.0, 1.0, 3.0))
-    seen = on_top(pallet, standing((8.5, 1.0, 1.85)))
-    assert (seen.left_m[0], seen.right_m[0]) == pytest.approx((1.0, 1.85))
-    assert on_top(car, standing((8.5, 0.8, 1.2))).left_m == pytest.approx([1.0])
-    assert on_top(pallet, standing((8.5, 1.9, 2.5))).right_m == pytest.approx([1.8])
-    assert on_top(pallet, standing((10.5, 1.0, 1.85))).left_m == pytest.approx([1.4])
+def test_of_two_spots_the_nearer_one_tells_how_wide_it_is_whichever_comes_first() -> None:
+    points, spots = standing((8.0, 1.0, 1.2)), ((8.0, 0.2, 0.9), (8.0, 1.25, 2.0))
+    for order in (spots, spots[::-1]):
+        seen = as_wide_as_seen(points, standing(*order), 0.4)
+        assert (seen.left_m[0], seen.right_m[0]) == pytest.approx((1.0, 1.75))
+    none_seen = standing((8.0, 1.0, 1.2)).chosen(np.array([False]))
+    assert as_wide_as_seen(points, none_seen, 0.4) is points
+    assert len(as_wide_as_seen(none_seen, standing(*spots), 0.4)) == 0
+
+
+@pytest.mark.parametrize(("low", "told"), [((8.5, 1.0, 1.85), (8.0, 1.0, 1.85)), ((7.7, 1.0, 1.6), (7.7, 1.0, 1.8))])
+def test_points_of_a_pallet_that_seem_to_stand_higher_do_not_hide_how_wide_it_is(
+    low: tuple[float, float, float], told: tuple[float, float, float]
+) -> None:
+    """They are told by themselves where its right end is."""
+    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low))
+    assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == pytest.approx(told)
+
+
+@pytest.mark.parametrize("low", [(8.5, 1.9, 2.5), (10.5, 1.0, 1.85), (7.0, 1.0, 1.85), (8.0, 1.3, 1.6)])
+def test_what_lies_elsewhere_or_is_narrower_is_not_of_a_tall_body(low: tuple[float, float, float]) -> None:
+    """Beside it, behind, before: a body of its own, which must keep its face; and a wheel."""
+    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low))
+    assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == (8.0, 1.4, 1.8)

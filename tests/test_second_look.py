@@ -96,7 +96,7 @@ def test_parts_of_one_body_are_looked_at_each_in_its_place() -> None:
     assert left == 0
 
 
-@pytest.mark.parametrize("near_m", [0.6, 0.9])
+@pytest.mark.parametrize("near_m", [0.6, 1.0])
 def test_a_body_that_is_told_too_near_stays(near_m: float) -> None:
     """From afar its upper edge is seen farther back by another 0.6 m, and what is told of it lies on the road."""
     looker = SecondLook(CAMERA, CONFIG)
@@ -118,9 +118,14 @@ def test_a_refuted_body_that_is_told_elsewhere_is_another() -> None:
     assert len(looker.update(empty(x), pose, told(x, 7, FACE_M + 2.0 * CONFIG.moved_m), 5.0)) == 1
 
 
-def test_a_range_the_wrong_way_round_is_refused() -> None:
-    with pytest.raises(ValueError, match="nearest_m"):
-        SecondLookConfig(nearest_m=9.0)
+@pytest.mark.parametrize("wrong", [{"nearest_m": 9.0}, {"inside_m": -0.1}, {"rows": 0}, {"most_other": 0.0}])
+def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
+        SecondLookConfig(**wrong)  # type: ignore[arg-type]
+
+
+def test_of_a_narrow_body_half_is_looked_at() -> None:
+    assert [CONFIG.across_m(width) for width in (0.15, 2.0)] == pytest.approx([0.075, 1.8])
 
 
 POST_M, POST_WIDTH_M, POST_HEIGHT_M = -1.9, 0.35, 0.75  # its middle, beside our way

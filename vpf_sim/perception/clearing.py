@@ -23,8 +23,8 @@ class ClearingConfig:
     looks: int = 3  # at bare road, more than at something
     way_m: float = 0.3  # of the car between two: standing, it sees the same picture again
     about_m: tuple[float, float] = (2.5, 0.5)  # along and across, what goes with a cleared body,
-    most_points: float = 3.0  # unless more points than this tell it: so many do not err together, and a shadow hides
-    known_m: float = 0.35  # a car's foot. One counts in full if it is known so well (standard deviation of its depth)
+    most_points: float = 3.0  # unless points of more weight tell it: a shadow hides a car's foot
+    known_m: float = 0.35  # standard deviation of the depth up to which a point has weight 1
 
     def __post_init__(self) -> None:
         if not 0.0 < self.road <= self.body:

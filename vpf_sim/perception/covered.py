@@ -16,9 +16,9 @@ class CoverConfig:
 
     before_m: float = 0.8  # its face
     beside_m: float = 0.35
-    car_width_m: float = 1.0  # from here on it may be one,
+    car_width_m: float = 1.0  # what is wider may be a car,
     car_length_m: float = 5.5
-    truck_width_m: float = 2.25  # and from here on one of these
+    truck_width_m: float = 2.25  # or, as for the planner, a truck
     truck_length_m: float = 9.0
     length_m: float = 1.0  # of any other
 
@@ -26,6 +26,8 @@ class CoverConfig:
         for name in self.__slots__:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+        if not self.car_width_m < self.truck_width_m:
+            raise ValueError(f"car_width_m: expected < truck_width_m = {self.truck_width_m}, got {self.car_width_m}")
 
 
 def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig) -> Floats:
@@ -46,7 +48,12 @@ def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig) -> Float
 
 
 def shadow(corners_m: Floats, lens_m: Floats) -> Floats:
-    """(N, 2) outline of what a body with these corners (4, 2) covers and hides from a camera at `lens_m` (2,)."""
+    """(N, 2) outline of what a body with these corners (4, 2) covers and hides from a camera at `lens_m` (2,).
+
+    Where the camera is itself within the corners they are wrong: a body hides nothing then but what it covers.
+    """
+    if cv2.pointPolygonTest(corners_m.astype(np.float32), lens_m.tolist(), False) >= 0.0:
+        return corners_m
     sight = corners_m - lens_m
     beyond = lens_m + sight * (FAR_M / np.hypot(*sight.T))[:, None]
     hull = cv2.convexHull(np.concatenate([corners_m, beyond]).astype(np.float32))

@@ -64,6 +64,8 @@ class LandmarkConfig:
             raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
         if self.min_height_m >= self.max_height_m:
             raise ValueError(f"min_height_m: expected < max_height_m, got {self.min_height_m}")
+        if not self.least_width_m >= 0.0:
+            raise ValueError(f"least_width_m: expected >= 0, got {self.least_width_m}")
 
     @property
     def noise(self) -> NoiseModel:

@@ -281,8 +281,7 @@ class LandmarkTracker:
         tall = self._tall = widened(tall, self.config.least_width_m)
         seen, spots = self._spots.bodies(pose), self.config.spots
         flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
-        known = on_top(on_top(tall, flat), seen)
-        bodies = joined(known, widened(flat, low.least_width_m), low.beside_m, low.sticks_out_m)
+        bodies = joined(on_top(tall, flat), widened(flat, low.least_width_m), low.beside_m, low.sticks_out_m)
         return joined(bodies, seen, spots.beside_m, spots.sticks_out_m)
 
     def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:

@@ -15,7 +15,9 @@ RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
 BEHIND_M, LENGTH_M = 2.0, 8.0  # what is less far behind is of the same side of a body; the length of the longest
 SHARPEST, SHARP_RATIO = 3, 1.5  # a point is sharp across up to so many times what the body's third best may be off;
 RIMS = 2.0  # another counts where it lies farther out by so many times what it may be off itself
-SAME_ALONG_M = 2.0  # what begins no farther apart along the way may be one body
+SAME_ALONG_M = 2.0  # what begins no farther apart along the way may be one body,
+NEARER_M = 0.5  # what is low no more than so much before what is tall,
+SPOT_ALONG_M = 1.0  # and low points no farther from a spot than both err
 STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 SEVERAL, SURE_SIGMAS = 3, 2.5  # points that lie nearer by so many times what their depth may be off
@@ -51,32 +53,39 @@ def widened(bodies: Obstacles, width_m: float) -> Obstacles:
 
 
 def as_wide_as_seen(points: Obstacles, spots: Obstacles, beside_m: float) -> Obstacles:
-    """Bodies that few points tell of, as wide as the spots (nearer than `beside_m`) that the road's comparison shows.
+    """Bodies that low points tell of, each as wide as the nearest spot (`beside_m` at most) of the road's comparison.
 
     Points show a part of a low body, but well where that is: the spot is moved as far as it must be to hold them.
     """
-    left, right = points.left_m.copy(), points.right_m.copy()
-    apart = np.maximum(spots.left_m[None] - right[:, None], left[:, None] - spots.right_m[None])
+    if not len(spots):
+        return points
+    apart = np.maximum(spots.left_m[None] - points.right_m[:, None], points.left_m[:, None] - spots.right_m[None])
     along = np.abs(points.forward_m[:, None] - spots.forward_m[None])
-    for body, spot in np.argwhere((apart < beside_m) & (along < SAME_ALONG_M)):
-        width = spots.right_m[spot] - spots.left_m[spot]
-        begins = min(max(spots.left_m[spot], right[body] - width), left[body])
-        left[body], right[body] = begins, max(begins + width, right[body])
-    return replace(points, left_m=left, right_m=right)
+    apart = np.where(along < SPOT_ALONG_M, apart, np.inf)
+    nearest = apart.argmin(axis=1)
+    left, right, width = spots.left_m[nearest], points.right_m, (spots.right_m - spots.left_m)[nearest]
+    begins = np.minimum(np.maximum(left, right - width), points.left_m)
+    seen = apart.min(axis=1) < beside_m
+    return replace(
+        points,
+        left_m=np.where(seen, begins, points.left_m),
+        right_m=np.where(seen, np.maximum(begins + width, right), right),
+    )
 
 
 def on_top(tall: Obstacles, low: Obstacles) -> Obstacles:
-    """The tall ones, as wide as the low one whose upper edge they are: one that is wider, and that they overlap.
+    """The tall ones, with the low one whose upper edge they are: one that is wider, and that they overlap.
 
-    Seen from afar, a few points of a pallet seem to stand higher than it does.
+    Seen from afar, a few points of a pallet seem to stand higher than it does, and so nearer.
     """
-    left, right = tall.left_m.copy(), tall.right_m.copy()
-    along = np.abs(low.forward_m[:, None] - tall.forward_m[None])
+    face, left, right = tall.forward_m.copy(), tall.left_m.copy(), tall.right_m.copy()
+    behind = low.forward_m[:, None] - tall.forward_m[None]
     overlap = (low.left_m[:, None] < tall.right_m[None]) & (tall.left_m[None] < low.right_m[:, None])
     wider = (low.right_m - low.left_m)[:, None] > (tall.right_m - tall.left_m)[None]
-    for under, above in np.argwhere((along < SAME_ALONG_M) & overlap & wider):
+    for under, above in np.argwhere((behind > -NEARER_M) & (behind < SAME_ALONG_M) & overlap & wider):
         left[above], right[above] = min(left[above], low.left_m[under]), max(right[above], low.right_m[under])
-    return replace(tall, left_m=left, right_m=right)
+        face[above] = min(face[above], low.forward_m[under])
+    return replace(tall, forward_m=face, left_m=left, right_m=right)
 
 
 def joined(tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float) -> Obstacles:

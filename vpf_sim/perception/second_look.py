@@ -49,6 +49,10 @@ class SecondLookConfig:
             raise ValueError(f"nearest_m: expected 0 < nearest_m < farthest_m, got {self.nearest_m}")
         if not self.inside_m >= 0.0:
             raise ValueError(f"inside_m: expected >= 0, got {self.inside_m}")
+        if not self.rows >= 1:
+            raise ValueError(f"rows: expected >= 1, got {self.rows}")
+        if not 0.0 < self.most_other <= 1.0:
+            raise ValueError(f"most_other: expected 0 < most_other <= 1, got {self.most_other}")
 
     def across_m(self, width_m: float) -> float:
         """How much of a body's width is looked at: half of it at least."""
