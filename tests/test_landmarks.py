@@ -190,6 +190,15 @@ def test_points_known_badly_or_low_tell_no_body_surely(sigma_m: float, low: bool
     assert found.tells_surely(bodies).tolist() == [sure]
 
 
+def test_low_points_wider_than_what_seems_to_stand_on_them_are_one_body_with_it() -> None:
+    """Of a pallet from 0.3 to 1.3 m, whose right part was seen from afar, and by itself would be told 0.4 m wide."""
+    tall = [[40.0, 1.0, 0.5], [40.0, 1.1, 0.45], [40.0, 1.05, 0.6]]
+    low = [[41.0, 0.3, 0.15], [41.0, 0.45, 0.15], [41.0, 1.3, 0.15], [41.0, 1.2, 0.15], [41.0, 0.7, 0.15]]
+    drive = Drive(np.concatenate([tall, low, road_points(100)]))
+    bodies = drive.run(tracker(), range(365))[-1]
+    assert (bodies.left_m, bodies.right_m) == (pytest.approx([0.3], abs=0.1), pytest.approx([1.3], abs=0.1))
+
+
 def test_low_points_and_what_the_look_at_the_road_shows_are_told_as_one_body() -> None:
     """Points at the left end of a pallet from -0.4 to 0.4 m, and a spot that lies 0.2 m too far to the right."""
     low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
