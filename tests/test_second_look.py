@@ -113,7 +113,7 @@ def test_a_refuted_body_that_is_told_elsewhere_is_another() -> None:
     x, pose = FACE_M - 3.5, np.array([FACE_M - 3.5, 0.0, 0.0])
     assert len(looker.update(empty(x), pose, told(x, 7), 5.0)) == 0
     for speed_mps in (1.0, 5.0):
-        assert len(looker.update(empty(x), pose, told(x, 7), speed_mps, np.array([True]))) == 1
+        assert len(looker.update(empty(x), pose, told(x, 7), speed_mps, lambda bodies: bodies.identity == 7)) == 1
     assert len(looker.update(empty(x), pose, told(x, 8), 5.0)) == 1
     assert len(looker.update(empty(x), pose, told(x, 7, FACE_M + 2.0 * CONFIG.moved_m), 5.0)) == 1
 

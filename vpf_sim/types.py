@@ -171,6 +171,16 @@ class Obstacles:
     def __len__(self) -> int:
         return len(self.forward_m)
 
+    @property
+    def middle_m(self) -> Floats:
+        """(K,) lateral position of the middle."""
+        return 0.5 * (self.left_m + self.right_m)
+
+    @property
+    def width_m(self) -> Floats:
+        """(K,) across the road."""
+        return self.right_m - self.left_m
+
     def chosen(self, which: Bools) -> "Obstacles":
         """Those of which `which` (K,) is true."""
         return Obstacles(**{one.name: getattr(self, one.name)[which] for one in fields(self)})

@@ -1,4 +1,4 @@
-"""Where the carriageway's edges are ahead, and what lies on or beside their lines."""
+"""Where the carriageway's edges are ahead, where it leads, and what lies on or beside its edges' lines."""
 
 import numpy as np
 
@@ -18,6 +18,12 @@ def carriageway_offsets(forward_m: Floats, road: RoadEdges) -> tuple[Floats, Flo
         return place
 
     return edge(road.left_m), edge(road.right_m)
+
+
+def direction_rad(forward_m: Floats, road: RoadEdges) -> Floats:
+    """(N,) rad to the right of ahead, the road's direction at `forward_m`; behind the pose that at the pose."""
+    direction: Floats = road.heading_rad + road.curvature_per_m * np.maximum(forward_m, 0.0)
+    return direction
 
 
 def near_edge_line(camera: Camera, points_px: Floats, road: RoadEdges, inside_m: float, outside_m: float) -> Bools:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from vpf_sim.perception.carriageway import direction_rad
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 FAR_M = 40.0  # from the camera, up to which a body hides the road
@@ -32,17 +33,17 @@ class CoverConfig:
 
 def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig) -> Floats:
     """(K, 4, 2) corners of what each body covers at most, vehicle axes: it stands along the road."""
-    width = bodies.right_m - bodies.left_m
+    width = bodies.width_m
     length = np.select(
         [width > config.truck_width_m, width > config.car_width_m],
         [config.truck_length_m, config.car_length_m],
         config.length_m,
     )
-    angle = road.heading_rad + road.curvature_per_m * np.maximum(bodies.forward_m, 0.0)
+    angle = direction_rad(bodies.forward_m, road)
     along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     across = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
     half = (0.5 * width + config.beside_m)[:, None] * across
-    middle = np.stack([bodies.forward_m, 0.5 * (bodies.left_m + bodies.right_m)], axis=1)
+    middle = np.stack([bodies.forward_m, bodies.middle_m], axis=1)
     near, far = middle - config.before_m * along, middle + length[:, None] * along
     return np.stack([near - half, near + half, far + half, far - half], axis=1)
 

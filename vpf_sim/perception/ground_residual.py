@@ -105,7 +105,7 @@ class GroundResidual:
         self._rows = int(np.count_nonzero(self._forward_m < config.far_m))
         self._noise_rows = int(np.count_nonzero(self._forward_m < config.noise_far_m))
         self._maps, self._outside = self._layout()
-        self.baseline_pose: Floats | None = None  # of the older frame in the last look
+        self.lenses_m: tuple[Floats, ...] = ()  # (2,) each, the camera's places of the last comparison, now and before
         self._past: deque[_Layout] = deque()
         self._contrast: Grid = np.empty((0, 0), np.float32)  # of the last look, in multiples of the noise
         self._seen: Bools = np.empty((0, 0), np.bool_)  # where it saw the road or what stands on it
@@ -130,8 +130,11 @@ class GroundResidual:
             return None
         older = self._older(pose)
         now = self._laid_out(grey, pose)
-        self.baseline_pose = None if older is None else older.pose
-        return None if older is None else self._compare(now, older, footprints)
+        if older is None:
+            return None
+        lens = np.array([self.camera.forward_m, 0.0])
+        self.lenses_m = lens, vehicle_from_world(world_from_vehicle(lens, older.pose), pose)
+        return self._compare(now, older, footprints)
 
     def difference_at(self, bodies: Obstacles) -> Floats:
         """(N,) largest difference in the last look where each body should begin, in multiples of the noise.
@@ -222,7 +225,7 @@ class GroundResidual:
         below = np.minimum.reduce([change for change, _ in others[len(config.above_m) :]])
         seen = self._seen & (np.minimum.reduce([share for _, share in others]) > config.least_seen)
         if footprints is not None and len(footprints):
-            seen &= ~self._covered(footprints, older.pose, pose)
+            seen &= ~self._covered(footprints)
         weight = seen / np.float32(noise)
         grids = [weight * grid for grid in (road, above, below, self._of_edges(now))]
         road, above, below, edges = self._evidence.add(grids, pose, self._between_grids)
@@ -274,14 +277,12 @@ class GroundResidual:
         inside: Bools = cv2.erode(seen, np.ones((along, across), np.uint8))[:, self._columns] == 255
         return inside
 
-    def _covered(self, footprints: Floats, older_pose: Floats, pose: Floats) -> Bools:
+    def _covered(self, footprints: Floats) -> Bools:
         """(rows, columns) cells that bodies cover, or hide from the camera now or in the older frame."""
-        lens = np.array([self.camera.forward_m, 0.0])
-        before = vehicle_from_world(world_from_vehicle(lens, older_pose), pose)
         right = self._right_m[self._columns]
         covered, start = np.zeros((self._rows, right.size), np.uint8), (right[0], self._forward_m[0])
         for corners in footprints:
-            for place in (lens, before):
+            for place in self.lenses_m:
                 cells = (shadow(corners, place)[:, ::-1] - start) / self.config.cell_m
                 cv2.fillConvexPoly(covered, np.rint(cells).astype(np.int32), 1)
         return covered > 0

@@ -117,14 +117,12 @@ class LandmarkTracker:
         if self._residual.looks:
             known = footprints(from_here(self._tall, self._seen_from, pose, 0.0), road, self.config.cover)
         spots = self._residual.update(grey, pose, known)
-        before = self._residual.baseline_pose
-        if spots is None or before is None:
+        if spots is None:
             return
         bodies = from_here(self._seen, self._seen_from, pose, 0.0)
         for index in self._clearing.record(bodies.identity, self._residual.difference_at(bodies), pose[:2]):
             self._clear(bodies, index, pose)
-        lens = np.array([self.camera.forward_m, 0.0])
-        views = (lens, vehicle_from_world(world_from_vehicle(lens, before), pose))
+        views = self._residual.lenses_m
         seen = (self._in_sight(spot, views, bodies) for spot in spots if self._is_inside(spot, road))
         self._spots.record([spot for spot in seen if spot is not None], pose)
 

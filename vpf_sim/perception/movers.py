@@ -26,6 +26,7 @@ from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_evidence import Mirror, evidence
 from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines, suspect
 from vpf_sim.perception.moving_frame import Residuals, against, part
+from vpf_sim.perception.outlines import together
 from vpf_sim.perception.triangulation import Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
@@ -310,12 +311,6 @@ class MoverTracker:
         left, right = carriageway_offsets(np.array([self.camera.forward_m + sight.depth_m]), road)
         inside = left[0] + config.edge_margin_m < middle < right[0] - config.edge_margin_m
         return bool(inside and 1.0 < sight.speed_mps < 25.0)
-
-
-def together(some: Obstacles, others: Obstacles) -> Obstacles:
-    """The bodies of both."""
-    names = Obstacles.__slots__
-    return Obstacles(*(np.concatenate([getattr(some, name), getattr(others, name)]) for name in names))
 
 
 def _thickness(across_m: Floats, height_m: Floats) -> float:

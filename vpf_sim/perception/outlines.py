@@ -1,11 +1,12 @@
 """Where a body begins and how wide it is, from points of it that are known more or less well."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.carriageway import direction_rad
 from vpf_sim.perception.marks import Integers
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
@@ -37,7 +38,7 @@ def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: flo
     """Bodies seen from a pose short before, in the axes of the vehicle now, with their time to contact."""
     if not len(bodies):
         return bodies
-    middle = 0.5 * (bodies.left_m + bodies.right_m)
+    middle = bodies.middle_m
     place = np.stack([bodies.forward_m, middle], axis=1)
     place = vehicle_from_world(world_from_vehicle(place, seen_from), pose)
     face, aside, closing = place[:, 0], place[:, 1] - middle, max(speed_mps, 0.0)
@@ -48,8 +49,13 @@ def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: flo
 
 def widened(bodies: Obstacles, width_m: float) -> Obstacles:
     """The bodies at least so wide, about their middle."""
-    lacking = 0.5 * np.maximum(width_m - (bodies.right_m - bodies.left_m), 0.0)
+    lacking = 0.5 * np.maximum(width_m - bodies.width_m, 0.0)
     return replace(bodies, left_m=bodies.left_m - lacking, right_m=bodies.right_m + lacking)
+
+
+def _apart_m(ones: Obstacles, others: Obstacles) -> Floats:
+    """(K, M) m across the road between each of K bodies and each of M others; < 0 where they overlap."""
+    return np.maximum(others.left_m - ones.right_m[:, None], ones.left_m[:, None] - others.right_m)
 
 
 def as_wide_as_seen(points: Obstacles, spots: Obstacles, beside_m: float) -> Obstacles:
@@ -59,11 +65,10 @@ def as_wide_as_seen(points: Obstacles, spots: Obstacles, beside_m: float) -> Obs
     """
     if not len(spots):
         return points
-    apart = np.maximum(spots.left_m[None] - points.right_m[:, None], points.left_m[:, None] - spots.right_m[None])
     along = np.abs(points.forward_m[:, None] - spots.forward_m[None])
-    apart = np.where(along < SPOT_ALONG_M, apart, np.inf)
+    apart = np.where(along < SPOT_ALONG_M, _apart_m(points, spots), np.inf)
     nearest = apart.argmin(axis=1)
-    left, right, width = spots.left_m[nearest], points.right_m, (spots.right_m - spots.left_m)[nearest]
+    left, right, width = spots.left_m[nearest], points.right_m, spots.width_m[nearest]
     begins = np.minimum(np.maximum(left, right - width), points.left_m)
     seen = apart.min(axis=1) < beside_m
     return replace(
@@ -80,22 +85,26 @@ def on_top(tall: Obstacles, low: Obstacles) -> Obstacles:
     """
     face, left, right = tall.forward_m.copy(), tall.left_m.copy(), tall.right_m.copy()
     behind = low.forward_m[:, None] - tall.forward_m[None]
-    overlap = (low.left_m[:, None] < tall.right_m[None]) & (tall.left_m[None] < low.right_m[:, None])
-    wider = (low.right_m - low.left_m)[:, None] > (tall.right_m - tall.left_m)[None]
-    for under, above in np.argwhere((behind > -NEARER_M) & (behind < SAME_ALONG_M) & overlap & wider):
+    under_it = (_apart_m(low, tall) < 0.0) & (low.width_m[:, None] > tall.width_m)
+    for under, above in np.argwhere((behind > -NEARER_M) & (behind < SAME_ALONG_M) & under_it):
         left[above], right[above] = min(left[above], low.left_m[under]), max(right[above], low.right_m[under])
         face[above] = min(face[above], low.forward_m[under])
     return replace(tall, forward_m=face, left_m=left, right_m=right)
 
 
+def together(some: Obstacles, others: Obstacles) -> Obstacles:
+    """The bodies of both."""
+    names = Obstacles.__slots__
+    return Obstacles(*(np.concatenate([getattr(some, name), getattr(others, name)]) for name in names))
+
+
 def joined(tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float) -> Obstacles:
     """Both, without the low ones beside or under a tall one: but what sticks out of it by more is a body of its own."""
     left, right = low.left_m[:, None], low.right_m[:, None]
-    apart = np.maximum(tall.left_m[None] - right, left - tall.right_m[None])
     out = np.maximum(tall.left_m[None] - left, right - tall.right_m[None])
     along = np.abs(low.forward_m[:, None] - tall.forward_m[None])
-    own = low.chosen(~np.any((apart < beside_m) & (out < sticks_out_m) & (along < SAME_ALONG_M), axis=1))
-    return Obstacles(*(np.concatenate([getattr(tall, one.name), getattr(own, one.name)]) for one in fields(own)))
+    own = low.chosen(~np.any((_apart_m(low, tall) < beside_m) & (out < sticks_out_m) & (along < SAME_ALONG_M), axis=1))
+    return together(tall, own)
 
 
 def nearest_extent(seen: Seen, label: Integers, count: int) -> tuple[Floats, Floats]:
@@ -185,8 +194,7 @@ def stands_behind(seen: Seen, label: Integers, count: int) -> Bools:
 def direction_at(seen: Seen, label: Integers, count: int, road: RoadEdges) -> Floats:
     """(K,) rad to the right of ahead, the road's direction where each of `count` bodies is."""
     ahead = np.bincount(label, seen.place_m[:, 0], count) / np.bincount(label, minlength=count)
-    direction: Floats = road.heading_rad + road.curvature_per_m * np.maximum(ahead, 0.0)
-    return direction
+    return direction_rad(ahead, road)
 
 
 def turned(seen: Seen, angle_rad: Floats) -> Seen:

@@ -9,7 +9,7 @@ stand. What has no grain, as dark paint, is never taken for road.
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -85,11 +85,16 @@ class SecondLook:
         return speed_mps < self._config.slow_mps
 
     def update(
-        self, grey: Image, pose: Floats, bodies: Obstacles, speed_mps: float, sure: Bools | None = None
+        self,
+        grey: Image,
+        pose: Floats,
+        bodies: Obstacles,
+        speed_mps: float,
+        sure: Callable[[Obstacles], Bools] | None = None,
     ) -> Obstacles:
         """The bodies without those that turned out to be road, in the axes of the vehicle at `pose`.
 
-        But none of those that are `sure` (K,): between the legs of who stands there, and past them, the road is seen.
+        But those that are `sure` (K,) stay: between the legs of who stands there, and past them, the road is seen.
         """
         if not self.looks(speed_mps):
             self._past.clear()
@@ -100,9 +105,9 @@ class SecondLook:
         if self.looks(speed_mps):
             self._look(grey, pose, bodies, places)
         there = np.array([not one.refuted for one in places], np.bool_)
-        if sure is not None:
-            there |= sure
-        return bodies if there.all() else bodies.chosen(there)
+        if there.all():
+            return bodies
+        return bodies.chosen(there if sure is None else there | sure(bodies))
 
     def _forget(self, pose: Floats) -> None:
         """The places that the car has passed."""

@@ -45,6 +45,16 @@ class LaneObstacles:
     def __len__(self) -> int:
         return len(self.along_m)
 
+    @property
+    def middle_m(self) -> Floats:
+        """(K,) y of the middle."""
+        return 0.5 * (self.left_m + self.right_m)
+
+    @property
+    def width_m(self) -> Floats:
+        """(K,) across the road."""
+        return self.right_m - self.left_m
+
     def chosen(self, rows: Bools) -> "LaneObstacles":
         """Some of them."""
         return LaneObstacles(*(getattr(self, name)[rows] for name in self.__slots__))
@@ -59,11 +69,11 @@ def locate(road: RoadEdges) -> Lane:
 def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     """The bodies on the lane: turned into the road's direction, less the road's bend up to there."""
     cosine, sine = np.cos(lane.heading_rad), np.sin(lane.heading_rad)
-    middle = 0.5 * (obstacles.left_m + obstacles.right_m)
+    middle = obstacles.middle_m
     along = cosine * obstacles.forward_m + sine * middle
     across = cosine * middle - sine * obstacles.forward_m
     y = lane.y_m + across - 0.5 * lane.curvature_per_m * along**2
-    half = 0.5 * (obstacles.right_m - obstacles.left_m)
+    half = 0.5 * obstacles.width_m
     part = _parts(along, y - half, y + half, obstacles)
     everything = LaneObstacles(along, y - half, y + half, obstacles.speed_mps, _lengths(along, part))
     whole: Bools = np.logical_not(part.any(axis=1))

@@ -200,7 +200,7 @@ class LaneField:
         near = stands & (self.overlap(obstacles, y_m, BOUNDS_M) > 0.0)
         first = float(np.min(way, where=near, initial=np.inf))
         stands &= way < first + ROW_M
-        middle = 0.5 * (obstacles.left_m + obstacles.right_m)
+        middle = obstacles.middle_m
         right = float(np.min(obstacles.left_m, where=stands & (middle > y_m), initial=lane.right_m))
         left = float(np.max(obstacles.right_m, where=stands & (middle <= y_m), initial=lane.left_m))
         return right - left, first
@@ -214,7 +214,7 @@ class LaneField:
         if not np.any(passing):
             return minimum_m
         margin = self._half_width_m + self._config.clearance_m
-        middle = 0.5 * (obstacles.left_m + obstacles.right_m)
+        middle = obstacles.middle_m
         least = float(np.max(obstacles.right_m + margin, where=passing & (middle < y_m), initial=-np.inf))
         most = float(np.min(obstacles.left_m - margin, where=passing & (middle > y_m), initial=np.inf))
         least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the field does that
@@ -261,7 +261,7 @@ class LaneField:
 
     def _length(self, obstacles: LaneObstacles) -> Floats:
         """(K,) m from each face to where the body ends, at least."""
-        long = (obstacles.speed_mps > 0.0) | (obstacles.right_m - obstacles.left_m > self._config.truck_width_m)
+        long = (obstacles.speed_mps > 0.0) | (obstacles.width_m > self._config.truck_width_m)
         least = np.where(long, self._config.long_m, self._config.body_length_m)
         length: Floats = np.maximum(least, obstacles.length_m)
         return length
@@ -322,7 +322,7 @@ class LaneField:
         memory: Floats = config.memory_height * np.minimum(np.maximum(away - 1.0, 0.0), 1.0)
         if not len(obstacles):
             return memory
-        gap, middle = self.bumper(obstacles), 0.5 * (obstacles.left_m + obstacles.right_m)
+        gap, middle = self.bumper(obstacles), obstacles.middle_m
         turned = (abs(lane.heading_rad) > TURNED_RAD) & (-lane.heading_rad * (last - middle) > 0.0)
         turned &= obstacles.speed_mps == 0.0
         near = (self.present(obstacles) > 0.0) & ((gap < config.latch_m) | turned)

@@ -156,7 +156,7 @@ class Pace:
         way, shift = self._reach.rest(glide.slope, glide.bend_per_m, SPEEDS_MPS)
         room = -field.overlap(obstacles, minimum_m, 0.0)
         kept = np.minimum(room, self._config.minimum_clearance_m)
-        side = np.sign(0.5 * (obstacles.left_m + obstacles.right_m) - minimum_m)
+        side = np.sign(obstacles.middle_m - minimum_m)
         last = minimum_m + side * (room - kept + RUNS_WIDE_M)  # (K,) place from which there is less than that
         beyond, towards = side[:, None] * (glide.y_m + shift - last[:, None]), side[:, None] * shift > 0.0
         counts = (field.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)

@@ -63,8 +63,8 @@ class Planner:
             self._landmarks.look(image, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
-                sure = self._landmarks.tells_surely(self._bodies)
-                self._bodies = self._second_look.update(image, pose, self._bodies, observation.speed_mps, sure)
+                speed_mps, sure = observation.speed_mps, self._landmarks.tells_surely
+                self._bodies = self._second_look.update(image, pose, self._bodies, speed_mps, sure)
         if self._steadiness is not None and self._road.pitch is not None:
             self._steadiness.level(*self._road.pitch, observation.time_s)
         sight_m, suspects = (np.inf, np.inf), None

@@ -178,7 +178,7 @@ class WayOut:
             return _near(place(obstacles, lane))
         _, gone = self._start.lane_at(observation)
         known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
-        width = obstacles.right_m - obstacles.left_m
+        width = obstacles.width_m
         new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
         fresh = place(obstacles.chosen(new & (width < NARROW_M)), lane)
         both = (np.concatenate([getattr(one, name) for one in (known, fresh)]) for name in LaneObstacles.__slots__)
@@ -225,7 +225,7 @@ class WayOut:
         assert self._course is not None
         if step + 2 >= self._course.along_m.shape[1]:
             return True
-        wide = bodies.right_m - bodies.left_m > WIDE_BODY_M
+        wide = bodies.width_m > WIDE_BODY_M
         front = bodies.along_m - 0.5 * self._vehicle.length_m
         beside = wide & (front < 0.0) & (bodies.along_m + LONGEST_M > -0.5 * self._vehicle.length_m)
         return step > int(self._course.end[0]) + SETTLING and not bool(np.any(beside))

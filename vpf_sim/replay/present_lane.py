@@ -54,7 +54,6 @@ def bodies_seen_from(bodies: Obstacles, right_m: float, turn_rad: float) -> Obst
         cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
         return cosine * forward + sine * right, cosine * right - sine * forward
 
-    middle = 0.5 * (bodies.left_m + bodies.right_m) - right_m
-    half = 0.5 * (bodies.right_m - bodies.left_m)
+    middle, half = bodies.middle_m - right_m, 0.5 * bodies.width_m
     forward, across = turned(bodies.forward_m, middle)
     return replace(bodies, forward_m=forward, left_m=across - half, right_m=across + half)
