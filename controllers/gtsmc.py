@@ -43,6 +43,7 @@ NOT_NEGATIVE = (
     "boundary_speed_mps",
     "reference_filter_hz",
     "yaw_rate_filter_hz",
+    "speed_filter_hz",
     "speed_boundary_mps",
     "hard_error_mps",
     "swing_mps2",
@@ -65,6 +66,7 @@ class Gains:
     yaw_rate_filter_hz: float = (
         0.0  # below it the sensor is believed, above it the bicycle model; 0 is the sensor alone
     )
+    speed_filter_hz: float = 0.0  # likewise of the speed, which the pedals change
     lateral_law: Literal["first_order", "super_twisting"] = "first_order"
     disturbance_radps3: float = 0.0  # D of the super-twisting law: how fast what disturbs s_r may change
     slows_to_reach: bool = False  # where the reaching condition does not hold
@@ -136,6 +138,8 @@ class Gtsmc:
         self._phi_radps2, self._turning_radps2 = 0.0, 0.0
         self._yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
+        self._speed_mps: float | None = None
+        self._acceleration_mps2 = 0.0  # as commanded last
         self._reached_mps = inf  # v_d at most
         swings = self._gains.swing_mps2 > 0.0
         self._swing = Swing(self._gains.swing_mps2, self._gains.swing_s, self._dt_s) if swings else None
@@ -144,10 +148,12 @@ class Gtsmc:
 
     def command(self, observation: Observation, reference: Reference) -> Command:
         """One step of 1 / rate_hz."""
+        observation = replace(observation, speed_mps=self._believed_mps(observation.speed_mps))
         observation = replace(observation, yaw_rate_radps=self._yaw_rate(observation))
         steering = self._steer(observation, reference)
-        throttle = self._accelerate(observation.speed_mps, self._speed(observation.speed_mps, reference.speed_mps))
-        return Command(throttle, steering / self._vehicle.steering_limit_rad)
+        wish_mps = self._speed(observation.speed_mps, reference.speed_mps)
+        self._acceleration_mps2 = self._accelerate(observation.speed_mps, wish_mps)
+        return Command(self._throttle(), steering / self._vehicle.steering_limit_rad)
 
     def manifold(self, observation: Observation, reference: Reference, heading_rate_radps: float) -> float:
         """s_r, rad/s."""
@@ -217,6 +223,15 @@ class Gtsmc:
         self._yaw_rate_radps, self._model_radps = foreseen + share * (observation.yaw_rate_radps - foreseen), model
         return self._yaw_rate_radps
 
+    def _believed_mps(self, measured_mps: float) -> float:
+        """v, m/s: what changes slowly as it is measured, what changes fast as throttle and brake make it."""
+        if self._gains.speed_filter_hz == 0.0 or self._speed_mps is None:
+            self._speed_mps = measured_mps
+            return measured_mps
+        foreseen = max(self._speed_mps + self._acceleration_mps2 * self._dt_s, 0.0)
+        self._speed_mps = foreseen + self._share(self._gains.speed_filter_hz) * (measured_mps - foreseen)
+        return self._speed_mps
+
     def _speed(self, speed_mps: float, reference_mps: float) -> float:
         """v_d, less where the manifold could not be reached: it falls at once and rises gently."""
         if not self._gains.slows_to_reach:
@@ -248,7 +263,7 @@ class Gtsmc:
         return min(max(s_l - hard, 0.0), 1.0)
 
     def _accelerate(self, speed_mps: float, reference_mps: float) -> float:
-        """Normalised throttle (> 0) or brake (< 0)."""
+        """m/s^2, as far as the vehicle can."""
         s_l = self._gains.c_l * speed_mps - reference_mps
         wish = relay(-s_l, self._gains.speed_boundary_mps)
         acceleration = wish * (self._gains.a0_mps2 if wish > 0.0 else self._gains.brake_a0_mps2)
@@ -258,6 +273,11 @@ class Gtsmc:
                 self._swing.forget()
             acceleration = self._swing.limit(acceleration)
         acceleration -= hard * (acceleration + self._vehicle.full_brake_mps2)
-        if acceleration > 0.0:
-            return min(1.0, acceleration / self._vehicle.full_throttle_mps2)
-        return max(-1.0, acceleration / self._vehicle.full_brake_mps2)
+        return min(max(acceleration, -self._vehicle.full_brake_mps2), self._vehicle.full_throttle_mps2)
+
+    def _throttle(self) -> float:
+        """Normalised throttle (> 0) or brake (< 0)."""
+        acceleration = self._acceleration_mps2
+        return acceleration / (
+            self._vehicle.full_throttle_mps2 if acceleration > 0.0 else self._vehicle.full_brake_mps2
+        )

@@ -195,3 +195,41 @@ def test_an_exact_gyroscope_is_believed_whatever_the_filter() -> None:
         seen = car.observe()
         car.step(hands.command(seen, reference))
         assert hands._yaw_rate_radps == pytest.approx(seen.yaw_rate_radps, abs=1e-9)
+
+
+def throttle_with_a_noisy_speed(gains: Gains, scale: float = 1.0, noise_mps: float = 0.05) -> tuple[float, float]:
+    """(rms change of the throttle a step, mean speed m/s) while 5 m/s are kept and the speed is measured with errors."""
+    random = stream(2, "speedometer")
+    car, hands = Bicycle(speed_mps=5.0), controller(gains)
+    throttles, speeds = [], []
+    for _ in range(900):
+        seen = car.observe()
+        measured = scale * seen.speed_mps + noise_mps * float(random.standard_normal())
+        command = hands.command(replace(seen, speed_mps=measured), Reference(0.0, 5.0, 0.0))
+        car.step(command)
+        throttles.append(command.throttle)
+        speeds.append(car.speed_mps)
+    return hypot(*np.diff(throttles[300:])) / 599**0.5, float(np.mean(speeds[300:]))
+
+
+def test_a_noisy_speedometer_does_not_reach_the_throttle() -> None:
+    """White noise passes a low-pass of share q with q in its steps, sqrt(2) without one."""
+    change, _ = throttle_with_a_noisy_speed(ROBUST)
+    raw_change, _ = throttle_with_a_noisy_speed(replace(ROBUST, speed_filter_hz=0.0))
+    assert change < 0.15 * raw_change
+
+
+def test_a_speedometers_scale_shifts_the_speed_by_as_much() -> None:
+    _, speed_mps = throttle_with_a_noisy_speed(ROBUST, scale=1.05, noise_mps=0.0)
+    assert speed_mps == pytest.approx(5.0 / 1.05, rel=1e-3)
+
+
+def test_an_exact_speedometer_is_believed_whatever_the_filter() -> None:
+    """Through speeding up, braking in full and standing still."""
+    car, hands = Bicycle(speed_mps=2.0), controller(ROBUST)
+    for step in range(480):
+        wanted_mps = 5.5 if step < 200 else 0.0
+        command = hands.command(car.observe(), Reference(0.0, wanted_mps, 0.0))
+        assert hands._speed_mps == pytest.approx(car.speed_mps, abs=1e-9)
+        car.step(command)
+    assert car.speed_mps == pytest.approx(0.0, abs=0.01)
