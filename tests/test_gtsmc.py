@@ -198,7 +198,7 @@ def test_an_exact_gyroscope_is_believed_whatever_the_filter() -> None:
 
 
 def throttle_with_a_noisy_speed(gains: Gains, scale: float = 1.0, noise_mps: float = 0.05) -> tuple[float, float]:
-    """(rms change of the throttle a step, mean speed m/s) while 5 m/s are kept and the speed is measured with errors."""
+    """(rms change of the throttle a step, mean speed m/s) while 5 m/s are kept and the speed is measured wrong."""
     random = stream(2, "speedometer")
     car, hands = Bicycle(speed_mps=5.0), controller(gains)
     throttles, speeds = [], []
