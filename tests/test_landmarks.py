@@ -57,6 +57,27 @@ def test_a_body_begins_at_the_few_points_of_what_stands_close_before_it() -> Non
     assert found.forward_m.min() == pytest.approx(40.0 - drive.pose(339)[0], abs=0.5)
 
 
+def test_who_stands_behind_a_long_body_and_beside_it_has_a_name_of_his_own() -> None:
+    """A pedestrian 4 m behind a truck's face, 0.5 m beside its flank, of which corners are seen."""
+    flank = [[40.0 + back, 0.8, high] for back in (1.5, 3.0, 4.5) for high in (0.6, 0.9)]
+    person = [[44.0, across, high] for across in (0.0, 0.3) for high in (0.5, 1.2)]
+    drive, found = Drive(np.concatenate([body(40.0, 2.0, 2.4, 1.4, 30), flank, person, road_points(100)])), tracker()
+    bodies = drive.run(found, range(370))[-1]
+    order = np.argsort(bodies.left_m)
+    assert bodies.left_m[order] == pytest.approx([0.0, 0.8], abs=0.15)
+    assert bodies.right_m[order] == pytest.approx([0.3, 3.2], abs=0.15)
+    assert len(set(bodies.identity.tolist())) == 2
+
+
+def test_what_shows_up_near_is_told() -> None:
+    """A post that comes into view 6 m before the camera, as one does beside a car that turns."""
+    drive = Drive(np.concatenate([body(40.0, 0.5, 0.5, 1.6, 8), road_points(100)]))
+    first = round((40.0 - CAMERA.forward_m - 6.0) / SPEED_MPS * RATE_HZ)
+    found = drive.run(tracker(), range(first, first + 24))[-1]
+    assert (found.left_m, found.right_m) == (pytest.approx([0.25], abs=0.1), pytest.approx([0.75], abs=0.1))
+    assert found.forward_m + drive.pose(first + 23)[0] == pytest.approx([40.0], abs=0.15)
+
+
 @pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
 def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()

@@ -152,12 +152,21 @@ def test_who_stands_behind_a_body_and_beside_it_is_a_body_of_its_own(side: float
     behind = stands_behind(seen, label, 1)
     assert behind.tolist() == [False] * 9 + [True] * 3
     assert not stands_behind(replace(seen, sigma_m=np.full(len(place), 1.5)), label, 1).any(), "depth known badly"
-    parts, apart = stepped(label, behind, lambda parts: np.ones(parts.max() + 1, np.bool_))
+    step = np.where(behind, 0, -1)
+    parts, apart = stepped(label, step, lambda parts: np.ones(parts.max() + 1, np.bool_))
     assert parts.tolist() == [0] * 9 + [1] * 3
     assert apart.tolist() == [False, True]
-    parts, apart = stepped(label, behind, lambda parts: np.arange(parts.max() + 1) == 0)
+    parts, apart = stepped(label, step, lambda parts: np.arange(parts.max() + 1) == 0)
     assert parts.tolist() == [0] * 12, "what would be no body by itself stays a part of the other"
     assert apart.tolist() == [False]
+
+
+def test_those_who_stand_behind_a_body_on_both_sides_are_bodies_of_their_own() -> None:
+    """Two points on either side, and one astray, which stays a part of what is left."""
+    label, step = np.zeros(9, np.int64), np.array([-1, -1, -1, -1, 0, 1, 0, 1, 2])
+    parts, apart = stepped(label, step, lambda parts: np.bincount(parts) > 1)
+    assert parts.tolist() == [0, 0, 0, 0, 1, 2, 1, 2, 0]
+    assert apart.tolist() == [False, True, True]
 
 
 @pytest.mark.parametrize(
@@ -193,6 +202,18 @@ def test_who_stands_beside_the_way_of_a_flank_is_no_part_of_it_though_in_line_as
         assert parted(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6])).tolist() == parts
 
 
+@pytest.mark.parametrize("sight_deg", [70.0, 89.9, 90.0, 95.0])
+def test_points_seen_across_the_road_do_not_stretch_a_body_without_end(sight_deg: float) -> None:
+    """A car that has turned far sees a body's flank along such lines; one of its points seems to stand before it."""
+    place = np.array([[8.0, 1.0], [8.0, 1.4], [8.0, 1.8], [7.6, 1.4]])
+    sight = np.radians([sight_deg] * 4)
+    for turn in (-1.0, 1.0):
+        seen = replace(points(place), sight_rad=turn * sight)
+        left, right = sides(seen, np.zeros(4, np.int64), np.array([8.0]), 0.2)
+        assert 0.5 <= left[0] <= 1.0
+        assert 1.8 <= right[0] <= 2.3
+
+
 def standing(*rows: tuple[float, float, float]) -> Obstacles:
     """Bodies by face, left and right side."""
     forward, left, right = np.array(rows).T
@@ -206,9 +227,15 @@ def test_a_low_body_that_sticks_out_of_a_taller_one_is_not_taken_for_a_part_of_i
     car = standing((5.5, *sorted((side * 2.5, side * 4.7))))
     wheel, shadow, pallet = ((6.5, *sorted((side * a, side * b))) for a, b in ((2.2, 2.8), (1.85, 2.45), (1.6, 2.45)))
     for one in (wheel, shadow):
-        assert len(joined(car, standing(one), 0.1, 0.75)) == 1
-    both = joined(car, standing(pallet), 0.1, 0.75)
+        assert len(joined(car, standing(one), 0.1, 0.75, 2.0)) == 1
+    both = joined(car, standing(pallet), 0.1, 0.75, 2.0)
     assert sorted(both.left_m.tolist()) == sorted((car.left_m[0], pallet[1]))
+
+
+@pytest.mark.parametrize(("before_m", "own"), [(0.8, False), (1.2, True)])
+def test_a_low_body_well_before_a_taller_ones_face_is_not_of_it(before_m: float, own: bool) -> None:
+    wall, plank = standing((9.0, -3.0, 3.0)), standing((9.0 - before_m, -0.5, 0.5))
+    assert len(joined(wall, plank, 0.4, 1.0, 1.0)) == 1 + own
 
 
 def test_a_low_body_is_as_wide_as_the_look_at_the_road_saw_it_and_where_its_points_are() -> None:

@@ -15,16 +15,17 @@ def clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float)
     return connected((gap[..., 1] < right_m) & (gap[..., 0] < reach))
 
 
-def stepped(label: Integers, behind: Bools, are_bodies: Callable[[Integers], Bools]) -> tuple[Integers, Bools]:
-    """The label (M,) with the points `behind` (M,) as clusters of their own, and which of the clusters (K,) these are.
+def stepped(label: Integers, step: Integers, are_bodies: Callable[[Integers], Bools]) -> tuple[Integers, Bools]:
+    """The label (M,) with the points of each `step` (M,; -1: none) behind a cluster as one of its own, and which of the
+    clusters (K,) these are.
 
     Only where they and what is left both are bodies, of several points: else a side of a body would be lost.
     """
     count = int(label.max()) + 1
-    parts = np.unique(label + count * behind, return_inverse=True)[1]
-    several = are_bodies(parts) & (np.bincount(parts) > 1)
-    behind = behind & ~np.isin(label, label[~several[parts]])
-    names, parts = np.unique(label + count * behind, return_inverse=True)
+    parts = np.unique(label + count * (step + 1), return_inverse=True)[1]
+    several = (are_bodies(parts) & (np.bincount(parts) > 1))[parts]
+    left = np.isin(label, label[several & (step < 0)])
+    names, parts = np.unique(label + count * np.where(several & left, step + 1, 0), return_inverse=True)
     return parts.astype(np.int64), names >= count
 
 

@@ -27,7 +27,7 @@ class LandmarkConfig:
     depth_ratio: float = 0.10  # largest sigma_Z / Z
     min_height_m: float = 0.2
     max_height_m: float = 1.8
-    near_m: float = 6.5  # range of depth in which points are judged
+    near_m: float = 2.5  # range of depth in which points are judged
     far_m: float = 28.0
     hits_s: float = 0.13  # a point is believed after so long,
     hits_share: float = 0.5  # if it stood above the road in this share of the frames since it first did

@@ -279,8 +279,9 @@ class LandmarkTracker:
         tall = self._tall = widened(tall, self.config.least_width_m)
         seen, spots = self._spots.bodies(pose), self.config.spots
         flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
-        bodies = joined(on_top(tall, flat), widened(flat, low.least_width_m), low.beside_m, low.sticks_out_m)
-        return joined(bodies, seen, spots.beside_m, spots.sticks_out_m)
+        flat, tall = widened(flat, low.least_width_m), on_top(tall, flat)
+        bodies = joined(tall, flat, low.beside_m, low.sticks_out_m, low.before_m)
+        return joined(bodies, seen, spots.beside_m, spots.sticks_out_m, spots.before_m)
 
     def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:
         """Those of low points that are neither of the taller bodies told nor of their shadows."""
@@ -318,7 +319,9 @@ class LandmarkTracker:
         along = turned(seen, angle[label])
         behind = stands_behind(along, label, count)
         if behind.any():
-            label, apart = stepped(label, behind, lambda parts: are_bodies(believed, parts))
+            step = np.full(len(label), -1)
+            step[behind] = clusters(place[behind], sigma[behind], links.link_right_m, links.link_forward_m)
+            label, apart = stepped(label, step, lambda parts: are_bodies(believed, parts))
             angle = direction_at(seen, label, len(apart), road)
             along = turned(seen, angle[label])
         return self._describe(believed, label, are_bodies(believed, label), along, angle, apart)
@@ -363,9 +366,8 @@ class LandmarkTracker:
         """
         count = len(confirmed)
         face, face_sigma = nearest_extent(seen, label, count)
-        body = self._named(
-            believed, label, confirmed, (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)
-        )
+        placed = (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)
+        body = self._named(believed, label, confirmed, placed, apart)
         confirmed = confirmed & (body >= 0)
         across = sides(seen, label, face, self.config.sharp_side_m)  # where most of it is: behind a corner it slides
         face, left, right = turned_back(nearest_sure(seen, label, face), *across, angle)
@@ -374,12 +376,18 @@ class LandmarkTracker:
         c = confirmed & ~parted(ahead, left, right, angle, parts_of, np.bincount(label))
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 
-    def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools) -> Integers:
-        """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1."""
+    def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools, apart: Bools) -> Integers:
+        """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1.
+
+        Those `apart` do not share the one of the body that they were taken for a part of.
+        """
         count, unknown = len(confirmed), np.iinfo(np.int64).max
         body = np.full(count, unknown)
         known = self._marks.body[believed]
         np.minimum.at(body, label[known >= 0], known[known >= 0])
+        again = np.ones(count, np.bool_)
+        again[np.unique(body, return_index=True)[1]] = False
+        body[apart & again] = unknown
         fresh = np.flatnonzero(confirmed & placed & (body == unknown))
         body[fresh] = self._next_body + np.arange(len(fresh))
         self._next_body += len(fresh)

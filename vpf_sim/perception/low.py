@@ -35,6 +35,7 @@ class LowConfig:
     least_width_m: float = 0.6  # a body is told no narrower
     beside_m: float = 0.4  # points so near a taller body are of it, unless
     sticks_out_m: float = 1.0  # they reach so far out of it,
+    before_m: float = 1.0  # or so far before its face,
     part_m: tuple[float, float] = (0.8, 0.4)  # and those so near one of its points, along and across
     shade_m: tuple[float, float] = (8.0, 1.2)  # behind a taller body's face and beside it, where it takes a point more
 

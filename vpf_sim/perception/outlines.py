@@ -16,10 +16,11 @@ RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
 BEHIND_M, LENGTH_M = 2.0, 8.0  # what is less far behind is of the same side of a body; the length of the longest
 SHARPEST, SHARP_RATIO = 3, 1.5  # a point is sharp across up to so many times what the body's third best may be off;
 RIMS = 2.0  # another counts where it lies farther out by so many times what it may be off itself
-SAME_ALONG_M = 2.0  # what begins no farther apart along the way may be one body,
+SAME_ALONG_M = 2.0  # what begins so far behind may be of the same body,
 NEARER_M = 0.5  # what is low no more than so much before what is tall,
 SPOT_ALONG_M = 1.0  # and low points no farther from a spot than both err
 STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
+LEAST_COSINE = 0.5  # of a line of sight to the road
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 SEVERAL, SURE_SIGMAS = 3, 2.5  # points that lie nearer by so many times what their depth may be off
 
@@ -98,12 +99,14 @@ def together(some: Obstacles, others: Obstacles) -> Obstacles:
     return Obstacles(*(np.concatenate([getattr(some, name), getattr(others, name)]) for name in names))
 
 
-def joined(tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float) -> Obstacles:
-    """Both, without the low ones beside or under a tall one: but what sticks out of it by more is a body of its own."""
+def joined(tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float, before_m: float) -> Obstacles:
+    """Both, without the low ones beside or under a tall one: but what sticks out of it by more, to a side or `before_m`
+    its face, is a body of its own."""
     left, right = low.left_m[:, None], low.right_m[:, None]
     out = np.maximum(tall.left_m[None] - left, right - tall.right_m[None])
-    along = np.abs(low.forward_m[:, None] - tall.forward_m[None])
-    own = low.chosen(~np.any((_apart_m(low, tall) < beside_m) & (out < sticks_out_m) & (along < SAME_ALONG_M), axis=1))
+    behind = low.forward_m[:, None] - tall.forward_m[None]
+    along = (behind > -before_m) & (behind < SAME_ALONG_M)
+    own = low.chosen(~np.any((_apart_m(low, tall) < beside_m) & (out < sticks_out_m) & along, axis=1))
     return together(tall, own)
 
 
@@ -152,7 +155,7 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     aside = seen.sigma_m * np.abs(np.sin(seen.sight_rad))  # a place errs along the line of sight
     well = np.flatnonzero(_known_well(aside, sharp_m, label, count))
     face, place, sight = face_m[label[well]], seen.place_m[well], seen.sight_rad[well]
-    across, beyond = at_least(face, place, sight), np.maximum(place[:, 0] - face, 0.0) * np.tan(sight)
+    across, beyond = at_least(face, place, sight), np.maximum(place[:, 0] - face, 0.0) * slope(sight)
     blur = np.hypot(aside, seen.rim_m)[well]
     left = -_farthest(np.minimum(beyond, 0.0) - across, blur, label[well], count)
     right = _farthest(across - np.maximum(beyond, 0.0), blur, label[well], count)
@@ -185,7 +188,7 @@ def stands_behind(seen: Seen, label: Integers, count: int) -> Bools:
     left, right = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(left, label[near], across[near])
     np.maximum.at(right, label[near], across[near])
-    at_face = across - behind * np.tan(seen.sight_rad)
+    at_face = across - behind * slope(seen.sight_rad)
     beside = np.minimum(across, at_face) > right[label] + RIM_M
     beside |= np.maximum(across, at_face) < left[label] - RIM_M
     return ~near & beside
@@ -254,8 +257,14 @@ def at_least(forward_m: Floats, place_m: Floats, sight_rad: Floats) -> Floats:
     `sight_rad`) in which the point was seen, not across it; the car may have turned since.
     """
     lacking = np.maximum(forward_m - place_m[:, 0], 0.0)
-    across: Floats = place_m[:, 1] + lacking * np.tan(sight_rad)
+    across: Floats = place_m[:, 1] + lacking * slope(sight_rad)
     return across
+
+
+def slope(sight_rad: Floats) -> Floats:
+    """(M,) m to the right for each ahead along lines of sight, no more than 2: a car that has turned far sees some
+    across the road, and along these nothing tells where a body's side is."""
+    return np.asarray(np.sin(sight_rad) / np.maximum(np.cos(sight_rad), LEAST_COSINE))
 
 
 def none() -> Obstacles:
