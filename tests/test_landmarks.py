@@ -1,6 +1,6 @@
 """Landmarks from simulated tracks: bodies at known places, empty roads, bends, remembering and forgetting."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -69,13 +69,18 @@ def test_who_stands_behind_a_long_body_and_beside_it_has_a_name_of_his_own() -> 
     assert len(set(bodies.identity.tolist())) == 2
 
 
-def test_what_shows_up_near_is_told() -> None:
-    """A post that comes into view 6 m before the camera, as one does beside a car that turns."""
+@pytest.mark.parametrize(("heading_rad", "told"), [(0.0, 1), (0.25, 1), (-0.35, 0)])
+def test_what_shows_up_near_is_told_unless_the_car_is_turned(heading_rad: float, told: int) -> None:
+    """A post that comes into view 6 m before the camera. Of a car that is turned far it might be the flank."""
     drive = Drive(np.concatenate([body(40.0, 0.5, 0.5, 1.6, 8), road_points(100)]))
     first = round((40.0 - CAMERA.forward_m - 6.0) / SPEED_MPS * RATE_HZ)
+    drive.road = replace(drive.road, heading_rad=heading_rad)
     found = drive.run(tracker(), range(first, first + 24))[-1]
-    assert (found.left_m, found.right_m) == (pytest.approx([0.25], abs=0.1), pytest.approx([0.75], abs=0.1))
-    assert found.forward_m + drive.pose(first + 23)[0] == pytest.approx([40.0], abs=0.15)
+    assert (found.left_m, found.right_m) == (
+        pytest.approx([0.25] * told, abs=0.1),
+        pytest.approx([0.75] * told, abs=0.1),
+    )
+    assert found.forward_m + drive.pose(first + 23)[0] == pytest.approx([40.0] * told, abs=0.15)
 
 
 @pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
@@ -237,6 +242,8 @@ def test_nonsense_is_refused_with_what_was_given() -> None:
         LandmarkConfig(least_width_m=-1.0)
     with pytest.raises(ValueError, match=r"expected 0 < near < far, got 30\.0, 28\.0"):
         LandmarkConfig(near_m=30.0)
+    with pytest.raises(ValueError, match=r"turned_near_m: expected near_m <= it < far_m, got 1\.0"):
+        LandmarkConfig(turned_near_m=1.0)
 
 
 def test_what_lies_low_before_the_face_that_is_told_of_a_body_is_not_of_that_body() -> None:

@@ -202,6 +202,21 @@ def test_who_stands_beside_the_way_of_a_flank_is_no_part_of_it_though_in_line_as
         assert parted(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6])).tolist() == parts
 
 
+@pytest.mark.parametrize(
+    ("count", "out_m", "alone", "counts"), [(30, 0.6, 1, 0), (30, 0.2, 1, 1), (30, 0.6, 2, 1), (8, 0.6, 1, 1)]
+)
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_one_point_astray_is_no_side_of_a_body_of_many(
+    count: int, out_m: float, alone: int, counts: int, side: float
+) -> None:
+    """A track that slipped off a truck closed the only gap beside it."""
+    across = side * np.concatenate([np.linspace(1.0, 3.0, count), [3.0 + out_m] * alone])
+    place = np.column_stack([np.full(count + alone, 8.0), across])
+    seen = replace(points(place, 0.02), sight_rad=np.zeros(count + alone))
+    found = sides(seen, np.zeros(count + alone, np.int64), np.array([8.0]), 0.2)
+    assert max(found, key=abs)[0] == pytest.approx(side * (3.0 + counts * out_m))
+
+
 @pytest.mark.parametrize("sight_deg", [70.0, 89.9, 90.0, 95.0])
 def test_points_seen_across_the_road_do_not_stretch_a_body_without_end(sight_deg: float) -> None:
     """A car that has turned far sees a body's flank along such lines; one of its points seems to stand before it."""

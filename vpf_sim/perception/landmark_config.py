@@ -27,8 +27,10 @@ class LandmarkConfig:
     depth_ratio: float = 0.10  # largest sigma_Z / Z
     min_height_m: float = 0.2
     max_height_m: float = 1.8
-    near_m: float = 2.5  # range of depth in which points are judged
+    near_m: float = 2.5  # range of depth in which points are judged,
     far_m: float = 28.0
+    turned_near_m: float = 6.5  # but from here on only while the car is turned from the road
+    turned_rad: float = 0.3  # by more than this: what is near is seen from its side then
     hits_s: float = 0.13  # a point is believed after so long,
     hits_share: float = 0.5  # if it stood above the road in this share of the frames since it first did
     steady_m: float = 0.1  # and its place in the world changed by no more than this, plus
@@ -62,6 +64,8 @@ class LandmarkConfig:
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
             raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
+        if not self.near_m <= self.turned_near_m < self.far_m:
+            raise ValueError(f"turned_near_m: expected near_m <= it < far_m, got {self.turned_near_m}")
         if self.min_height_m >= self.max_height_m:
             raise ValueError(f"min_height_m: expected < max_height_m, got {self.min_height_m}")
         if not self.least_width_m >= 0.0:

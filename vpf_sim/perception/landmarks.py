@@ -178,9 +178,10 @@ class LandmarkTracker:
         """(N,) points that stand above the carriageway beyond doubt."""
         config = self.config
         depth = points.depth_m
+        near_m = config.near_m if abs(road.heading_rad) < config.turned_rad else config.turned_near_m
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = points.sigma_m / depth
-            above = (depth > config.near_m) & (depth < config.far_m)
+            above = (depth > near_m) & (depth < config.far_m)
             above &= flow.age_frames >= max(2, round(config.min_age_s * self.rate_hz))
             above &= ratio < config.depth_ratio
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)

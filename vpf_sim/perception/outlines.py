@@ -20,6 +20,7 @@ SAME_ALONG_M = 2.0  # what begins so far behind may be of the same body,
 NEARER_M = 0.5  # what is low no more than so much before what is tall,
 SPOT_ALONG_M = 1.0  # and low points no farther from a spot than both err
 STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
+MANY, ASTRAY_M = 20, 0.3  # of so many points of a body one alone tells no side that is so much farther out
 LEAST_COSINE = 0.5  # of a line of sight to the road
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 SEVERAL, SURE_SIGMAS = 3, 2.5  # points that lie nearer by so many times what their depth may be off
@@ -162,12 +163,25 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     return np.minimum(left, right), np.maximum(left, right)  # crossed where all sharp points lie behind the face
 
 
+def _astray(outward_m: Floats, label: Integers, count: int) -> Bools:
+    """(M,) the farthest point of a body of many where all others lie much nearer: a track that has gone astray."""
+    order = np.lexsort((outward_m, label))
+    end = np.searchsorted(label[order], np.arange(1, count + 1))
+    many = np.bincount(label, minlength=count) >= MANY
+    last, next_m = order[end[many] - 1], outward_m[order[end[many] - 2]]
+    astray = np.zeros(len(label), np.bool_)
+    astray[last[outward_m[last] - next_m > ASTRAY_M]] = True
+    return astray
+
+
 def _farthest(outward_m: Floats, blur_m: Floats, label: Integers, count: int) -> Floats:
     """(K,) m, how far out each body reaches by its points (M,), one at least, each `blur_m` too far out at most.
 
     An edge carries along what is seen beside it, so what was seen from nearer tells better where it is; but what was
     seen only from afar, and lies farther out than that explains, is of the body as well.
     """
+    kept = ~_astray(outward_m, label, count)
+    outward_m, blur_m, label = outward_m[kept], blur_m[kept], label[kept]
     order = np.lexsort((blur_m, label))
     first = np.searchsorted(label[order], np.arange(count + 1))
     best = blur_m[order][np.minimum(first[:-1] + SHARPEST, first[1:]) - 1]
