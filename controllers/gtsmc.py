@@ -153,7 +153,7 @@ class Gtsmc:
         steering = self._steer(observation, reference)
         wish_mps = self._speed(observation.speed_mps, reference.speed_mps)
         self._acceleration_mps2 = self._accelerate(observation.speed_mps, wish_mps)
-        return Command(self._throttle(), steering / self._vehicle.steering_limit_rad)
+        return Command(self._throttle(self._acceleration_mps2), steering / self._vehicle.steering_limit_rad)
 
     def manifold(self, observation: Observation, reference: Reference, heading_rate_radps: float) -> float:
         """s_r, rad/s."""
@@ -224,7 +224,10 @@ class Gtsmc:
         return self._yaw_rate_radps
 
     def _believed_mps(self, measured_mps: float) -> float:
-        """v, m/s: what changes slowly as it is measured, what changes fast as throttle and brake make it."""
+        """v, m/s: what changes slowly as it is measured, what changes fast as throttle and brake make it.
+
+        Where they do less than they should, as on a slippery road, it lags by 1 / (2 pi f) of what is missing.
+        """
         if self._gains.speed_filter_hz == 0.0 or self._speed_mps is None:
             self._speed_mps = measured_mps
             return measured_mps
@@ -275,9 +278,8 @@ class Gtsmc:
         acceleration -= hard * (acceleration + self._vehicle.full_brake_mps2)
         return min(max(acceleration, -self._vehicle.full_brake_mps2), self._vehicle.full_throttle_mps2)
 
-    def _throttle(self) -> float:
+    def _throttle(self, acceleration: float) -> float:
         """Normalised throttle (> 0) or brake (< 0)."""
-        acceleration = self._acceleration_mps2
         return acceleration / (
             self._vehicle.full_throttle_mps2 if acceleration > 0.0 else self._vehicle.full_brake_mps2
         )

@@ -62,7 +62,11 @@ def test_who_stands_behind_a_long_body_and_beside_it_has_a_name_of_his_own() -> 
     flank = [[40.0 + back, 0.8, high] for back in (1.5, 3.0, 4.5) for high in (0.6, 0.9)]
     person = [[44.0, across, high] for across in (0.0, 0.3) for high in (0.5, 1.2)]
     drive, found = Drive(np.concatenate([body(40.0, 2.0, 2.4, 1.4, 30), flank, person, road_points(100)])), tracker()
-    bodies = drive.run(found, range(370))[-1]
+    looks = drive.run(found, range(370))
+    first = next(k for k, look in enumerate(looks) if len(look) == 2)
+    assert 40.0 - drive.pose(first)[0] > 11.2
+    assert all(len(look) == 2 for look in looks[first:]), "not yet well placed, he keeps the truck's name"
+    bodies = looks[-1]
     order = np.argsort(bodies.left_m)
     assert bodies.left_m[order] == pytest.approx([0.0, 0.8], abs=0.15)
     assert bodies.right_m[order] == pytest.approx([0.3, 3.2], abs=0.15)

@@ -43,7 +43,9 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
     label = np.concatenate([np.repeat(np.arange(count), 8), np.repeat(np.arange(count // 2, count), 2)])
     sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.5)])
     some = np.zeros_like(forward)
-    face, face_sigma = nearest_extent(Seen(np.column_stack([forward, some]), sigma, some, some), label, count)
+    face, face_sigma = nearest_extent(
+        Seen(np.column_stack([forward, some]), sigma, some, some, some > 0.0), label, count
+    )
     alone, followed = face[: count // 2] - 20.0, face[count // 2 :] - 20.0
     assert -1.0 < np.mean(alone) < 0.0
     assert np.mean(np.abs(alone) < 1.5) > 0.9
@@ -57,7 +59,10 @@ def test_a_body_begins_where_several_points_lie_nearer_beyond_doubt(count: int, 
     rng = stream(27, "barrier")
     forward = np.concatenate([rng.normal(14.0, 0.2, 40), rng.normal(12.0, 0.2, count)])
     sigma, some = np.full(len(forward), 0.2), np.zeros(len(forward))
-    seen, label = Seen(np.column_stack([forward, some]), sigma, some, some), np.zeros(len(forward), np.int64)
+    seen, label = (
+        Seen(np.column_stack([forward, some]), sigma, some, some, some > 0.0),
+        np.zeros(len(forward), np.int64),
+    )
     face, _ = nearest_extent(seen, label, 1)
     assert face[0] == pytest.approx(14.0, abs=0.25)
     assert nearest_sure(seen, label, face)[0] == pytest.approx(begins_m, abs=0.75)
@@ -68,7 +73,7 @@ def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
     rng, count = stream(28, "errors"), 200
     forward, label = rng.normal(20.0, 1.2, 30 * count), np.repeat(np.arange(count), 30)
     sigma, some = np.full(30 * count, 1.2), np.zeros(30 * count)
-    seen = Seen(np.column_stack([forward, some]), sigma, some, some)
+    seen = Seen(np.column_stack([forward, some]), sigma, some, some, some > 0.0)
     face, _ = nearest_extent(seen, label, count)
     assert np.mean(nearest_sure(seen, label, face) < face) < 0.01
 
@@ -77,7 +82,7 @@ def test_a_body_at_an_angle_begins_at_its_corner() -> None:
     """A van 5 m long whose side is seen all along: a quarter of its points lie within 1.25 m of the corner."""
     forward = np.linspace(8.0, 13.0, 61)
     sigma, some = np.full(61, 0.05), np.zeros(61)
-    seen, label = Seen(np.column_stack([forward, some]), sigma, some, some), np.zeros(61, np.int64)
+    seen, label = Seen(np.column_stack([forward, some]), sigma, some, some, some > 0.0), np.zeros(61, np.int64)
     face, _ = nearest_extent(seen, label, 1)
     assert face[0] > 9.0
     assert nearest_sure(seen, label, face)[0] == pytest.approx(8.0, abs=0.35)
@@ -95,7 +100,7 @@ def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car
     sight = np.arctan2(place[:, 1], place[:, 0])
     place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
-    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80))
+    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80), np.zeros(80, np.bool_))
     angle = direction_at(seen, label, 1, road)
     seen = turned(seen, angle[label])
     begin, _ = nearest_extent(seen, label, 1)
@@ -136,7 +141,8 @@ def test_what_was_seen_from_afar_beside_an_edge_does_not_move_it(side: float) ->
 def points(place_m: Floats, sigma_m: float = 0.1) -> Seen:
     """Points (N, 2) in vehicle axes, seen sharply from the origin."""
     count = len(place_m)
-    return Seen(place_m, np.full(count, sigma_m), np.arctan2(place_m[:, 1], place_m[:, 0]), np.zeros(count))
+    sight_rad = np.arctan2(place_m[:, 1], place_m[:, 0])
+    return Seen(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), np.zeros(count, np.bool_))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -203,17 +209,25 @@ def test_who_stands_beside_the_way_of_a_flank_is_no_part_of_it_though_in_line_as
 
 
 @pytest.mark.parametrize(
-    ("count", "out_m", "alone", "counts"), [(30, 0.6, 1, 0), (30, 0.2, 1, 1), (30, 0.6, 2, 1), (8, 0.6, 1, 1)]
+    ("count", "out_m", "more", "alone", "counts"),
+    [
+        (30, 0.6, 1, False, 0),
+        (30, 0.6, 1, True, 1),
+        (30, 0.2, 1, False, 1),
+        (30, 0.6, 2, False, 1),
+        (8, 0.6, 1, False, 1),
+    ],
 )
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_one_point_astray_is_no_side_of_a_body_of_many(
-    count: int, out_m: float, alone: int, counts: int, side: float
+    count: int, out_m: float, more: int, alone: bool, counts: int, side: float
 ) -> None:
-    """A track that slipped off a truck closed the only gap beside it."""
-    across = side * np.concatenate([np.linspace(1.0, 3.0, count), [3.0 + out_m] * alone])
-    place = np.column_stack([np.full(count + alone, 8.0), across])
-    seen = replace(points(place, 0.02), sight_rad=np.zeros(count + alone))
-    found = sides(seen, np.zeros(count + alone, np.int64), np.array([8.0]), 0.2)
+    """A track that slipped off a truck closed the only gap beside it. A cone of one point stands beside a car."""
+    across = side * np.concatenate([np.linspace(1.0, 3.0, count), [3.0 + out_m] * more])
+    place = np.column_stack([np.full(count + more, 8.0), across])
+    by_itself = np.arange(count + more) >= count if alone else np.zeros(count + more, np.bool_)
+    seen = replace(points(place, 0.02), sight_rad=np.zeros(count + more), alone=by_itself)
+    found = sides(seen, np.zeros(count + more, np.int64), np.array([8.0]), 0.2)
     assert max(found, key=abs)[0] == pytest.approx(side * (3.0 + counts * out_m))
 
 

@@ -85,6 +85,24 @@ def test_the_model_vehicle_has_a_speed_of_its_own() -> None:
     assert model.right_m == 0.0
 
 
+def test_while_the_recorded_car_stands_the_wheels_stay() -> None:
+    """The controller asks for throttle; nobody carries it out along the recording."""
+    model = ModelVehicle(load_gains("robust"), VEHICLE, 20.0)
+    model.restart(0.0)
+    still = Interval(np.zeros(3), np.zeros(3), 0.05)
+    said = [model.drive(Reference(0.2, 5.5, 0.0), observed(0.0, 0.0), still) for _ in range(40)]
+    assert [command.steering for command in said] == [0.0] * 40
+
+
+def test_the_model_vehicle_begins_anew_at_the_speed_that_is_recorded_there() -> None:
+    model = ModelVehicle(load_gains("robust"), VEHICLE, 20.0)
+    for speed_mps in (2.0, 12.0):
+        model.restart(speed_mps)
+        ahead = Interval(np.zeros(3), np.array([speed_mps / 20.0, 0.0, 0.0]), 0.05)
+        said = [model.drive(Reference(0.0, speed_mps, 0.0), observed(0.0, speed_mps), ahead) for _ in range(10)]
+        assert [command.throttle for command in said] == pytest.approx([0.0] * 10)
+
+
 ROAD = RoadEdges(-8.0, 6.0, 0.02, 0.0, 0.05, 0.9, 4.5, 3.5, 0.9)
 
 

@@ -15,17 +15,17 @@ def clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float)
     return connected((gap[..., 1] < right_m) & (gap[..., 0] < reach))
 
 
-def stepped(label: Integers, step: Integers, are_bodies: Callable[[Integers], Bools]) -> tuple[Integers, Bools]:
-    """The label (M,) with the points of each `step` (M,; -1: none) behind a cluster as one of its own, and which of the
-    clusters (K,) these are.
+def stepped(label: Integers, behind: Integers, are_bodies: Callable[[Integers], Bools]) -> tuple[Integers, Bools]:
+    """The label (M,) with the points `behind` a cluster taken out of it, and which of the clusters (K,) are such.
 
-    Only where they and what is left both are bodies, of several points: else a side of a body would be lost.
+    `behind` (M,) numbers the clusters that those make among themselves, -1 for all others. One is taken out only where
+    it and what remains both are bodies, of several points: else a side of a body would be lost.
     """
     count = int(label.max()) + 1
-    parts = np.unique(label + count * (step + 1), return_inverse=True)[1]
+    parts = np.unique(label + count * (behind + 1), return_inverse=True)[1]
     several = (are_bodies(parts) & (np.bincount(parts) > 1))[parts]
-    left = np.isin(label, label[several & (step < 0)])
-    names, parts = np.unique(label + count * np.where(several & left, step + 1, 0), return_inverse=True)
+    remains = np.isin(label, label[several & (behind < 0)])
+    names, parts = np.unique(label + count * np.where(several & remains, behind + 1, 0), return_inverse=True)
     return parts.astype(np.int64), names >= count
 
 

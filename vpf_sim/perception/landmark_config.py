@@ -27,10 +27,10 @@ class LandmarkConfig:
     depth_ratio: float = 0.10  # largest sigma_Z / Z
     min_height_m: float = 0.2
     max_height_m: float = 1.8
-    near_m: float = 2.5  # range of depth in which points are judged,
+    near_m: float = 2.5  # range of depth in which points are judged
     far_m: float = 28.0
-    turned_near_m: float = 6.5  # but from here on only while the car is turned from the road
-    turned_rad: float = 0.3  # by more than this: what is near is seen from its side then
+    turned_near_m: float = 6.5  # where it begins while the car is turned from the road by more than turned_rad:
+    turned_rad: float = 0.3  # what is near shows its flank then
     hits_s: float = 0.13  # a point is believed after so long,
     hits_share: float = 0.5  # if it stood above the road in this share of the frames since it first did
     steady_m: float = 0.1  # and its place in the world changed by no more than this, plus

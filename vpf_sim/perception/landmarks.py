@@ -315,14 +315,15 @@ class LandmarkTracker:
         sigma = self._marks.sigma_m[believed]
         label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
         rim = 0.5 * self.config.window_px / self.camera.fx_px * self._marks.depth_m[believed]
-        seen, count = Seen(place, sigma, self._marks.sight_rad[believed] - pose[2], rim), int(label.max()) + 1
+        sight, alone = self._marks.sight_rad[believed] - pose[2], are_bodies(believed, np.arange(len(believed)))
+        seen, count = Seen(place, sigma, sight, rim, alone), int(label.max()) + 1
         angle, apart = direction_at(seen, label, count, road), np.zeros(count, np.bool_)
         along = turned(seen, angle[label])
         behind = stands_behind(along, label, count)
         if behind.any():
-            step = np.full(len(label), -1)
-            step[behind] = clusters(place[behind], sigma[behind], links.link_right_m, links.link_forward_m)
-            label, apart = stepped(label, step, lambda parts: are_bodies(believed, parts))
+            groups = np.full(len(label), -1)
+            groups[behind] = clusters(place[behind], sigma[behind], links.link_right_m, links.link_forward_m)
+            label, apart = stepped(label, groups, lambda parts: are_bodies(believed, parts))
             angle = direction_at(seen, label, len(apart), road)
             along = turned(seen, angle[label])
         return self._describe(believed, label, are_bodies(believed, label), along, angle, apart)
@@ -380,18 +381,19 @@ class LandmarkTracker:
     def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools, apart: Bools) -> Integers:
         """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1.
 
-        Those `apart` do not share the one of the body that they were taken for a part of.
+        Those `apart` do not go on under the identity of a body that they were taken for a part of, once well placed.
         """
         count, unknown = len(confirmed), np.iinfo(np.int64).max
-        body = np.full(count, unknown)
-        known = self._marks.body[believed]
-        np.minimum.at(body, label[known >= 0], known[known >= 0])
-        again = np.ones(count, np.bool_)
-        again[np.unique(body, return_index=True)[1]] = False
-        body[apart & again] = unknown
+        before = self._marks.body[believed]
+        known = np.where(before >= 0, before, unknown)
+        others = apart[label] & np.isin(known, known[(confirmed & ~apart)[label]])
+        body, shared = np.full(count, unknown), np.full(count, unknown)
+        np.minimum.at(body, label, np.where(others, unknown, known))
+        np.minimum.at(shared, label, known)
         fresh = np.flatnonzero(confirmed & placed & (body == unknown))
         body[fresh] = self._next_body + np.arange(len(fresh))
         self._next_body += len(fresh)
+        body = np.where(body == unknown, shared, body)
         body[body == unknown] = -1
-        self._marks.body[believed] = np.where(confirmed[label], body[label], known)
+        self._marks.body[believed] = np.where(confirmed[label], body[label], before)
         return body

@@ -20,7 +20,7 @@ SAME_ALONG_M = 2.0  # what begins so far behind may be of the same body,
 NEARER_M = 0.5  # what is low no more than so much before what is tall,
 SPOT_ALONG_M = 1.0  # and low points no farther from a spot than both err
 STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
-MANY, ASTRAY_M = 20, 0.3  # of so many points of a body one alone tells no side that is so much farther out
+MANY, ASTRAY_M = 20, 0.3  # of so many points known well one that may be astray tells no side so much farther out
 LEAST_COSINE = 0.5  # of a line of sight to the road
 NEARER_SHARE = 0.25  # of the points' weight before a body's face
 SEVERAL, SURE_SIGMAS = 3, 2.5  # points that lie nearer by so many times what their depth may be off
@@ -34,6 +34,7 @@ class Seen:
     sigma_m: Floats  # (M,) of the depth
     sight_rad: Floats  # (M,) to the right of ahead, the direction in which a point was seen, and its place may err
     rim_m: Floats  # (M,) half a window of the flow when it was seen: the edge that it follows may be so far beside it
+    alone: Bools  # (M,) those that would be bodies without the others
 
 
 def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float) -> Obstacles:
@@ -101,8 +102,8 @@ def together(some: Obstacles, others: Obstacles) -> Obstacles:
 
 
 def joined(tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float, before_m: float) -> Obstacles:
-    """Both, without the low ones beside or under a tall one: but what sticks out of it by more, to a side or `before_m`
-    its face, is a body of its own."""
+    """Both, without the low ones beside or under a tall one: but what sticks out of it to a side by more, or begins
+    farther before its face than `before_m`, is a body of its own."""
     left, right = low.left_m[:, None], low.right_m[:, None]
     out = np.maximum(tall.left_m[None] - left, right - tall.right_m[None])
     behind = low.forward_m[:, None] - tall.forward_m[None]
@@ -157,30 +158,30 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     well = np.flatnonzero(_known_well(aside, sharp_m, label, count))
     face, place, sight = face_m[label[well]], seen.place_m[well], seen.sight_rad[well]
     across, beyond = at_least(face, place, sight), np.maximum(place[:, 0] - face, 0.0) * slope(sight)
-    blur = np.hypot(aside, seen.rim_m)[well]
-    left = -_farthest(np.minimum(beyond, 0.0) - across, blur, label[well], count)
-    right = _farthest(across - np.maximum(beyond, 0.0), blur, label[well], count)
+    blur, alone = np.hypot(aside, seen.rim_m)[well], seen.alone[well]
+    left = -_farthest(np.minimum(beyond, 0.0) - across, blur, alone, label[well], count)
+    right = _farthest(across - np.maximum(beyond, 0.0), blur, alone, label[well], count)
     return np.minimum(left, right), np.maximum(left, right)  # crossed where all sharp points lie behind the face
 
 
-def _astray(outward_m: Floats, label: Integers, count: int) -> Bools:
-    """(M,) the farthest point of a body of many where all others lie much nearer: a track that has gone astray."""
+def _astray(outward_m: Floats, alone: Bools, label: Integers, count: int) -> Bools:
+    """(M,) the farthest point of a body of many where all others lie much nearer, and it would be none by itself."""
     order = np.lexsort((outward_m, label))
     end = np.searchsorted(label[order], np.arange(1, count + 1))
     many = np.bincount(label, minlength=count) >= MANY
     last, next_m = order[end[many] - 1], outward_m[order[end[many] - 2]]
     astray = np.zeros(len(label), np.bool_)
     astray[last[outward_m[last] - next_m > ASTRAY_M]] = True
-    return astray
+    return astray & ~alone
 
 
-def _farthest(outward_m: Floats, blur_m: Floats, label: Integers, count: int) -> Floats:
+def _farthest(outward_m: Floats, blur_m: Floats, alone: Bools, label: Integers, count: int) -> Floats:
     """(K,) m, how far out each body reaches by its points (M,), one at least, each `blur_m` too far out at most.
 
     An edge carries along what is seen beside it, so what was seen from nearer tells better where it is; but what was
     seen only from afar, and lies farther out than that explains, is of the body as well.
     """
-    kept = ~_astray(outward_m, label, count)
+    kept = ~_astray(outward_m, alone, label, count)
     outward_m, blur_m, label = outward_m[kept], blur_m[kept], label[kept]
     order = np.lexsort((blur_m, label))
     first = np.searchsorted(label[order], np.arange(count + 1))
@@ -205,7 +206,7 @@ def stands_behind(seen: Seen, label: Integers, count: int) -> Bools:
     at_face = across - behind * slope(seen.sight_rad)
     beside = np.minimum(across, at_face) > right[label] + RIM_M
     beside |= np.maximum(across, at_face) < left[label] - RIM_M
-    return ~near & beside
+    return ~near & beside & (np.cos(seen.sight_rad) > LEAST_COSINE)
 
 
 def direction_at(seen: Seen, label: Integers, count: int, road: RoadEdges) -> Floats:

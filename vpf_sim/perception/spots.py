@@ -33,7 +33,7 @@ class SpotConfig:
     sigma_m: float = 0.4  # of a spot's face
     beside_m: float = 0.1  # a spot so near a taller body is of it: what that body covers is left out beforehand,
     sticks_out_m: float = 0.75  # unless it reaches so far out of it: more than the least width beside it does,
-    before_m: float = 2.0  # or begins so far before its face: mirror images do
+    before_m: float = 2.0  # or begins farther before its face than mirror images do
     least_width_m: float = 0.6  # a body is told no narrower
     behind_m: float = 11.0  # where one is forgotten
     cut_hits: int = 2  # that it takes besides where its place was not told all the way

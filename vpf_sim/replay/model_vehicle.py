@@ -6,7 +6,7 @@ it out: it begins each segment at the recorded place and speed. It stays abreast
 it moves as its steering says, over the distance that the recording covers; its speed is its own.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan, ceil, cos, sin, tan
 
 import numpy as np
@@ -34,6 +34,7 @@ class ModelVehicle:
     def __init__(self, gains: Gains, vehicle: VehicleModel, rate_hz: float) -> None:
         self._vehicle = vehicle
         self._rate_hz = rate_hz * ceil(LEAST_RATE_HZ / rate_hz)
+        gains = replace(gains, speed_filter_hz=0.0)  # both speeds are exact, and one is not its throttle's doing
         self._lateral = Gtsmc(gains, vehicle, self._rate_hz)
         self._longitudinal = Gtsmc(gains, vehicle, self._rate_hz)
         self.restart(0.0)
