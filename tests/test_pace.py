@@ -38,6 +38,7 @@ CONFIG = ROBUST.reference
 CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
 HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
 REACH = Reach(ROBUST.reach, CAR)
+NARROW_M = 0.5 * (CONFIG.walking_clearance_m + CONFIG.minimum_clearance_m)
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 
 
@@ -74,13 +75,13 @@ def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
 def test_a_gap_is_left_as_slowly_as_it_is_entered() -> None:
     """Until the rear has passed the bodies, which are 3.5 m long at least."""
     through = 2.0 * BUMPER_M + ROBUST.field.body_length_m
-    before, beside, past = (wanted(gate(0.15, way_m)) for way_m in (0.5, 0.1 - through, -0.1 - through))
+    before, beside, past = (wanted(gate(NARROW_M, way_m)) for way_m in (0.5, 0.1 - through, -0.1 - through))
     assert beside == pytest.approx(before, abs=1e-6)
     assert before < SPEED_MPS == past
 
 
 def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> None:
-    speeds = [wanted(gate(0.2, 2.0), ROBUST.reach.walking_mps + off) for off in (-0.01, 0.01)]
+    speeds = [wanted(gate(NARROW_M, 2.0), ROBUST.reach.walking_mps + off) for off in (-0.01, 0.01)]
     assert speeds[0] == speeds[1] > ROBUST.reach.walking_mps
 
 

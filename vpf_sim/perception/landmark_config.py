@@ -53,6 +53,7 @@ class LandmarkConfig:
     face_sigma_m: float = 0.65  # a body is told once its face is known so well
     told_m: float = 21.0  # and so near, from the pose: depth errs with the square of the distance
     sharp_side_m: float = 0.12  # points with a smaller sigma across count for the sides, or those near the best
+    beside_m: float = 0.05  # each side is told so much farther out than its points tell
     least_width_m: float = 0.4  # a body is told no narrower: a cone's flow comes from its stripes, its base is wider
     behind_m: float = 11.0  # where a body is forgotten
     low: LowConfig = field(default_factory=LowConfig)

@@ -277,7 +277,9 @@ class LandmarkTracker:
         """Those of points well above the road, then those of low points that are not beside one of these."""
         marks, low = self._marks, self.config.low
         tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
-        tall = self._tall = widened(tall, self.config.least_width_m)
+        tall = self._tall = widened(
+            tall, np.maximum(tall.width_m + 2.0 * self.config.beside_m, self.config.least_width_m)
+        )
         seen, spots = self._spots.bodies(pose), self.config.spots
         flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
         flat, tall = widened(flat, low.least_width_m), on_top(tall, flat)

@@ -50,8 +50,8 @@ def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: flo
     return replace(bodies, forward_m=face, left_m=bodies.left_m + aside, right_m=bodies.right_m + aside, ttc_s=ttc)
 
 
-def widened(bodies: Obstacles, width_m: float) -> Obstacles:
-    """The bodies at least so wide, about their middle."""
+def widened(bodies: Obstacles, width_m: float | Floats) -> Obstacles:
+    """The bodies (K,) at least so wide each, about their middle."""
     lacking = 0.5 * np.maximum(width_m - bodies.width_m, 0.0)
     return replace(bodies, left_m=bodies.left_m - lacking, right_m=bodies.right_m + lacking)
 
