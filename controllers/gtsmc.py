@@ -153,7 +153,8 @@ class Gtsmc:
         steering = self._steer(observation, reference)
         wish_mps = self._speed(observation.speed_mps, reference.speed_mps)
         self._acceleration_mps2 = self._accelerate(observation.speed_mps, wish_mps)
-        return Command(self._throttle(self._acceleration_mps2), steering / self._vehicle.steering_limit_rad)
+        throttle = self._acceleration_mps2 / self._vehicle.full_mps2(self._acceleration_mps2)
+        return Command(throttle, steering / self._vehicle.steering_limit_rad)
 
     def manifold(self, observation: Observation, reference: Reference, heading_rate_radps: float) -> float:
         """s_r, rad/s."""
@@ -277,9 +278,3 @@ class Gtsmc:
             acceleration = self._swing.limit(acceleration)
         acceleration -= hard * (acceleration + self._vehicle.full_brake_mps2)
         return min(max(acceleration, -self._vehicle.full_brake_mps2), self._vehicle.full_throttle_mps2)
-
-    def _throttle(self, acceleration: float) -> float:
-        """Normalised throttle (> 0) or brake (< 0)."""
-        return acceleration / (
-            self._vehicle.full_throttle_mps2 if acceleration > 0.0 else self._vehicle.full_brake_mps2
-        )

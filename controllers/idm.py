@@ -71,8 +71,8 @@ class Idm:
         self._twin.act()
         vehicle, action = self._setup.vehicle, self._twin.action
         acceleration = float(action["acceleration"])
-        full_mps2 = vehicle.full_throttle_mps2 if acceleration > 0.0 else vehicle.full_brake_mps2
-        throttle, steering = acceleration / full_mps2, float(action["steering"]) / vehicle.steering_limit_rad
+        throttle = acceleration / vehicle.full_mps2(acceleration)
+        steering = float(action["steering"]) / vehicle.steering_limit_rad
         return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
 
     def _others(self, observation: Observation) -> Road:

@@ -173,8 +173,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         """What the actuators are asked for, from a command in [-1, 1]."""
         throttle, steering = command.tolist()
         model = self.vehicle_model
-        full_mps2 = model.full_throttle_mps2 if throttle > 0.0 else model.full_brake_mps2
-        return {"acceleration": throttle * full_mps2, "steering": steering * model.steering_limit_rad}
+        return {"acceleration": throttle * model.full_mps2(throttle), "steering": steering * model.steering_limit_rad}
 
     def _reward(self, command: Floats, status: Status) -> float:
         """Metres gained / 10, less 0.01 x squared change of action, and 5 more or less for how it ended."""

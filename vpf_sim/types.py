@@ -57,6 +57,10 @@ class VehicleModel:
     def wheelbase_m(self) -> float:
         return self.l_f_m + self.l_r_m
 
+    def full_mps2(self, acceleration: float) -> float:
+        """m/s^2, what full throttle gives (an acceleration or throttle > 0), or the full brake takes."""
+        return self.full_throttle_mps2 if acceleration > 0.0 else self.full_brake_mps2
+
 
 @dataclass(frozen=True, slots=True)
 class DriverSetup:
@@ -152,8 +156,26 @@ class ObstacleMap:
     reduction: int
 
 
+class Sided:
+    """K bodies with a left and a right side."""
+
+    __slots__ = ()
+    left_m: Floats
+    right_m: Floats
+
+    @property
+    def middle_m(self) -> Floats:
+        """(K,) lateral position of the middle."""
+        return 0.5 * (self.left_m + self.right_m)
+
+    @property
+    def width_m(self) -> Floats:
+        """(K,) across the road."""
+        return self.right_m - self.left_m
+
+
 @dataclass(frozen=True, slots=True)
-class Obstacles:
+class Obstacles(Sided):
     """K bodies believed to be on the road, in vehicle axes: nearest face, side edges, time to contact."""
 
     forward_m: Floats  # (K,) nearest face, from the pose
@@ -170,16 +192,6 @@ class Obstacles:
 
     def __len__(self) -> int:
         return len(self.forward_m)
-
-    @property
-    def middle_m(self) -> Floats:
-        """(K,) lateral position of the middle."""
-        return 0.5 * (self.left_m + self.right_m)
-
-    @property
-    def width_m(self) -> Floats:
-        """(K,) across the road."""
-        return self.right_m - self.left_m
 
     def chosen(self, which: Bools) -> "Obstacles":
         """Those of which `which` (K,) is true."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges, Sided
 
 BODY_M = (1.0, 6.0)  # so far behind its face a body may still go on,
 BODY_BEYOND_M = 0.6  # and so far beyond its sides its points may stray;
@@ -28,7 +28,7 @@ class Lane:
 
 
 @dataclass(frozen=True, slots=True)
-class LaneObstacles:
+class LaneObstacles(Sided):
     """K bodies in lane coordinates."""
 
     along_m: Floats  # (K,) nearest face, from the pose
@@ -44,16 +44,6 @@ class LaneObstacles:
 
     def __len__(self) -> int:
         return len(self.along_m)
-
-    @property
-    def middle_m(self) -> Floats:
-        """(K,) y of the middle."""
-        return 0.5 * (self.left_m + self.right_m)
-
-    @property
-    def width_m(self) -> Floats:
-        """(K,) across the road."""
-        return self.right_m - self.left_m
 
     def chosen(self, rows: Bools) -> "LaneObstacles":
         """Some of them."""

@@ -90,8 +90,7 @@ class ModelVehicle:
         own_turn = distance_m * sin(slip) / vehicle.l_r_m
         self.right_m += distance_m * sin(self.turn_rad + slip + 0.5 * (own_turn - turned_rad))
         self.turn_rad += own_turn - turned_rad
-        full = vehicle.full_throttle_mps2 if command.throttle > 0.0 else vehicle.full_brake_mps2
-        self.speed_mps = max(0.0, self.speed_mps + command.throttle * full * step_s)
+        self.speed_mps = max(0.0, self.speed_mps + command.throttle * vehicle.full_mps2(command.throttle) * step_s)
 
 
 def _later(reference: Reference, seconds: float) -> Reference:
