@@ -1,37 +1,21 @@
 """Bodies on the road: followed points that stand above it, kept in the world until the car has passed them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.clearing import Clearing
-from vpf_sim.perception.clusters import clusters, stepped
 from vpf_sim.perception.corners import eigenvalues, is_corner
 from vpf_sim.perception.covered import footprints
 from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, Spot
+from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.low import LowConfig, is_low, is_part, is_shaded, off_lines
-from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings
-from vpf_sim.perception.outlines import (
-    Seen,
-    as_wide_as_seen,
-    direction_at,
-    from_here,
-    joined,
-    nearest_extent,
-    nearest_sure,
-    none,
-    on_top,
-    parted,
-    sides,
-    stands_behind,
-    turned,
-    turned_back,
-    widened,
-)
+from vpf_sim.perception.low import is_low, off_lines
+from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings, frames
+from vpf_sim.perception.outlines import from_here, none
 from vpf_sim.perception.spots import SpotBook, in_sight
 from vpf_sim.perception.triangulation import Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
@@ -52,18 +36,19 @@ class LandmarkTracker:
         self._frame = -1
         self._seen = self._tall = none()
         self._seen_from: Floats = np.zeros(3)
+        judged_hz = rate_hz / self._period_frames
         self._rules = Rules(
-            rate_hz=rate_hz / self._period_frames,
-            hits=self._frames(config.hits_s),
-            most_hits=2 * self._frames(config.single_hits_s),
+            rate_hz=judged_hz,
+            hits=frames(config.hits_s, judged_hz),
+            most_hits=2 * frames(config.single_hits_s, judged_hz),
             share=config.hits_share,
             steady_m=config.steady_m,
             steady_ratio=config.steady_ratio,
         )
         self._marks = Marks.none()
-        self._next_body = 0
+        self._bodies = Bodies(camera, config, self._marks, judged_hz)
         self._residual = GroundResidual(camera, config.residual, rate_hz)
-        self._spots = SpotBook(config.spots, self._number, config.residual.near_m)
+        self._spots = SpotBook(config.spots, self._bodies.number, config.residual.near_m)
         self._clearing = Clearing(config.clearing)
 
     def triangulate(self, flow: Flow) -> Triangulation:
@@ -87,7 +72,8 @@ class LandmarkTracker:
         self._frame += 1
         if self._frame % self._period_frames == 0:
             self._judge(flow, road, time_s, points, moving)
-            self._seen, self._seen_from = self._bodies(flow.pose, road), flow.pose
+            self._tall, self._seen = self._bodies.told(flow.pose, road, self._spots.bodies(flow.pose))
+            self._seen_from = flow.pose
         return from_here(self._seen, self._seen_from, flow.pose, speed_mps)
 
     @property
@@ -149,10 +135,6 @@ class LandmarkTracker:
         counts = np.minimum(config.known_m / marks.sigma_m, 1.0) * (marks.believed & ~marks.low)
         support = (marks.body == bodies.identity[:, None]) @ counts
         return np.asarray((support > config.most_points) & (bodies.identity >= 0), np.bool_)
-
-    def _number(self) -> int:
-        self._next_body += 1
-        return self._next_body - 1
 
     def _is_inside(self, spot: Spot, road: RoadEdges) -> bool:
         """Whether a spot's middle lies within the carriageway."""
@@ -269,133 +251,3 @@ class LandmarkTracker:
         wanted = (marks.believed | followed) & ahead & (marks.hits > 0)
         if not wanted.all():
             marks.keep(wanted)
-
-    def _frames(self, time_s: float) -> int:
-        return max(2, round(time_s * self.rate_hz / self._period_frames))
-
-    def _bodies(self, pose: Floats, road: RoadEdges) -> Obstacles:
-        """Those of points well above the road, then those of low points that are not beside one of these."""
-        marks, low = self._marks, self.config.low
-        tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
-        tall = self._tall = widened(
-            tall, np.maximum(tall.width_m + 2.0 * self.config.beside_m, self.config.least_width_m)
-        )
-        seen, spots = self._spots.bodies(pose), self.config.spots
-        flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
-        flat, tall = widened(flat, low.least_width_m), on_top(tall, flat)
-        bodies = joined(tall, flat, low.beside_m, low.sticks_out_m, low.before_m)
-        return joined(bodies, seen, spots.beside_m, spots.sticks_out_m, spots.before_m)
-
-    def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:
-        """Those of low points that are neither of the taller bodies told nor of their shadows."""
-        marks, low = self._marks, self.config.low
-        chosen = marks.believed & marks.low
-        if not chosen.any():
-            return none()
-        place, parts = vehicle_from_world(marks.place_m, pose), marks.believed & ~marks.low & (marks.body >= 0)
-        chosen[chosen] = ~is_part(place[chosen], place[parts], marks.body[parts], tall, low)
-        shaded = is_shaded(place, tall, low)
-
-        def are_bodies(believed: Integers, label: Integers) -> Bools:
-            return self._are_low(believed, label, shaded[believed])
-
-        return self._of_points(chosen, low, are_bodies, pose, road)
-
-    def _of_points(
-        self,
-        chosen: Bools,
-        links: LandmarkConfig | LowConfig,
-        are_bodies: Callable[[Integers, Integers], Bools],
-        pose: Floats,
-        road: RoadEdges,
-    ) -> Obstacles:
-        """The bodies that the chosen points (M,) make together."""
-        believed = np.flatnonzero(chosen)
-        if not len(believed):
-            return none()
-        place = vehicle_from_world(self._marks.place_m[believed], pose)
-        sigma = self._marks.sigma_m[believed]
-        label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
-        rim = 0.5 * self.config.window_px / self.camera.fx_px * self._marks.depth_m[believed]
-        sight, alone = self._marks.sight_rad[believed] - pose[2], are_bodies(believed, np.arange(len(believed)))
-        seen, count = Seen(place, sigma, sight, rim, alone), int(label.max()) + 1
-        angle, apart = direction_at(seen, label, count, road), np.zeros(count, np.bool_)
-        along = turned(seen, angle[label])
-        behind = stands_behind(along, label, count)
-        if behind.any():
-            groups = np.full(len(label), -1)
-            groups[behind] = clusters(place[behind], sigma[behind], links.link_right_m, links.link_forward_m)
-            label, apart = stepped(label, groups, lambda parts: are_bodies(believed, parts))
-            angle = direction_at(seen, label, len(apart), road)
-            along = turned(seen, angle[label])
-        return self._describe(believed, label, are_bodies(believed, label), along, angle, apart)
-
-    def _are_tall(self, believed: Integers, label: Integers) -> Bools:
-        """(K,) clusters of points well above the road that are bodies beyond doubt."""
-        marks, config, count = self._marks, self.config, int(label.max()) + 1
-        single = (
-            (marks.hits[believed] >= self._frames(config.single_hits_s))
-            & (marks.sigma_m[believed] < config.single_depth_ratio * marks.depth_m[believed])
-            & (marks.height_m[believed] > config.single_min_height_m)
-            & (marks.height_m[believed] < config.single_max_height_m)
-            & (marks.depth_m[believed] < config.single_far_m)
-            & marks.founding[believed]
-        )
-        support = np.bincount(label, minlength=count)
-        founders = np.bincount(label, marks.founding[believed], count)
-        together: Bools = (founders >= 2) | ((founders >= 1) & (support >= 3))
-        return together | (np.bincount(label, single, count) > 0)
-
-    def _are_low(self, believed: Integers, label: Integers, shaded: Bools) -> Bools:
-        """(K,) clusters of low points that are bodies beyond doubt; it takes one more where any is `shaded` (B,)."""
-        marks, config, count = self._marks, self.config.low, int(label.max()) + 1
-        single = (
-            (marks.hits[believed] >= self._frames(config.single_hits_s))
-            & (marks.margin[believed] > config.single_margin)
-            & (marks.texture[believed] > config.single_texture)
-            & ~shaded
-        )
-        wanted = config.least_points + (np.bincount(label, shaded, count) > 0)
-        margin = np.bincount(label, np.minimum(marks.margin[believed], config.most_margin), count)
-        together: Bools = (np.bincount(label, minlength=count) >= wanted) & (margin > config.least_margin)
-        return together | (np.bincount(label, single, count) > 0)
-
-    def _describe(
-        self, believed: Integers, label: Integers, confirmed: Bools, seen: Seen, angle: Floats, apart: Bools
-    ) -> Obstacles:
-        """Face and sides across the road, along which a body stands; those `apart` (K,) parted from no other.
-
-        Across the car's way, when that is at an angle, the far end of a long one would count as its width: `seen` is
-        turned by `angle` (K,), the road's direction at each body.
-        """
-        count = len(confirmed)
-        face, face_sigma = nearest_extent(seen, label, count)
-        placed = (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)
-        body = self._named(believed, label, confirmed, placed, apart)
-        confirmed = confirmed & (body >= 0)
-        across = sides(seen, label, face, self.config.sharp_side_m)  # where most of it is: behind a corner it slides
-        face, left, right = turned_back(nearest_sure(seen, label, face), *across, angle)
-        ahead = face - self.camera.forward_m
-        parts_of = np.where(confirmed & ~apart, body, -1)
-        c = confirmed & ~parted(ahead, left, right, angle, parts_of, np.bincount(label))
-        return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
-
-    def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools, apart: Bools) -> Integers:
-        """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1.
-
-        Those `apart` do not go on under the identity of a body that they were taken for a part of, once well placed.
-        """
-        count, unknown = len(confirmed), np.iinfo(np.int64).max
-        before = self._marks.body[believed]
-        known = np.where(before >= 0, before, unknown)
-        others = apart[label] & np.isin(known, known[(confirmed & ~apart)[label]])
-        body, shared = np.full(count, unknown), np.full(count, unknown)
-        np.minimum.at(body, label, np.where(others, unknown, known))
-        np.minimum.at(shared, label, known)
-        fresh = np.flatnonzero(confirmed & placed & (body == unknown))
-        body[fresh] = self._next_body + np.arange(len(fresh))
-        self._next_body += len(fresh)
-        body = np.where(body == unknown, shared, body)
-        body[body == unknown] = -1
-        self._marks.body[believed] = np.where(confirmed[label], body[label], before)
-        return body

@@ -10,6 +10,11 @@ from vpf_sim.types import Bools, Floats
 Integers = NDArray[np.int64]
 
 
+def frames(time_s: float, rate_hz: float) -> int:
+    """How many judged frames a point needs to be seen in for that time: two at least."""
+    return max(2, round(time_s * rate_hz))
+
+
 @dataclass(frozen=True, slots=True)
 class Sightings:
     """M points of one frame that were seen to stand above the road."""
