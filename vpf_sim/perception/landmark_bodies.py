@@ -13,8 +13,8 @@ from vpf_sim.perception.outlines import (
     Seen,
     as_wide_as_seen,
     direction_at,
+    face_of,
     joined,
-    nearest_extent,
     nearest_sure,
     none,
     on_top,
@@ -140,7 +140,7 @@ class Bodies:
         turned by `angle` (K,), the road's direction at each body.
         """
         count = len(confirmed)
-        face, face_sigma = nearest_extent(seen, label, count)
+        face, face_sigma = face_of(seen, label, count)
         placed = (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)
         body = self._named(believed, label, confirmed, placed, apart)
         confirmed = confirmed & (body >= 0)

@@ -22,7 +22,8 @@ SPOT_ALONG_M = 1.0  # and low points no farther from a spot than both err
 STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
 MANY, ASTRAY_M = 20, 0.3  # of so many points known well one that may be astray tells no side so much farther out
 LEAST_COSINE = 0.5  # of a line of sight to the road
-NEARER_SHARE = 0.25  # of the points' weight before a body's face
+NEARER_SHARE = 0.25  # of the points' weight before a body's face,
+NEARER_SIGMAS = 0.674  # and by how many standard deviations it lies too near where all of them lie on that
 SEVERAL, SURE_SIGMAS = 3, 2.5  # points that lie nearer by so many times what their depth may be off
 
 
@@ -130,6 +131,15 @@ def nearest_extent(seen: Seen, label: Integers, count: int) -> tuple[Floats, Flo
         for k, (i, j) in enumerate(pairwise([*first.tolist(), len(order)]))
     ]
     return np.array(place), 1.0 / np.sqrt(total)
+
+
+def face_of(seen: Seen, label: Integers, count: int) -> tuple[Floats, Floats]:
+    """(K,) m, the face of each body, and its standard deviation: `nearest_extent` without what the points err by.
+
+    A quarter of those that lie on one face err by so many standard deviations or more: each is moved by as much.
+    """
+    forward = seen.place_m[:, 0] + NEARER_SIGMAS * np.maximum(seen.sigma_m, LEAST_SIGMA_M)
+    return nearest_extent(replace(seen, place_m=np.stack([forward, seen.place_m[:, 1]], axis=1)), label, count)
 
 
 def nearest_sure(seen: Seen, label: Integers, face_m: Floats) -> Floats:
