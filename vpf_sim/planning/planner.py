@@ -5,6 +5,7 @@ from functools import cache, partial
 import numpy as np
 
 from vpf_sim.perception import contact, expansion, obstacles
+from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.expansion import Derotated
 from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
@@ -57,8 +58,9 @@ class Planner:
             self._road.turn(self._steadiness.passing_rad - before_rad)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         road = self._road.update(observation.image, image, pose, *motion, self._bodies)
-        if self._steadiness is not None and self._looks(observation.speed_mps):
-            image = self._steadiness.frame(image)
+        if self._looks(observation.speed_mps):
+            image = contrast(observation.image, image)
+            image = self._steadiness.frame(image) if self._steadiness is not None else image
         if self._landmarks is not None:
             self._landmarks.look(image, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
