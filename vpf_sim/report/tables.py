@@ -29,7 +29,7 @@ STAGES = {  # of a step, as timing.jsonl names them: what each column adds up
     "flow": ("grey", "flow"),
     "FOE, TTC, obstacles": (
         *("derotation", "foe", "steadiness", "steadiness_frames", "ttc", "obstacle_map", "clusters"),
-        *("look", "bodies", "landmarks"),  # ttc, obstacle_map, clusters, landmarks: of runs timed before
+        *("contrast", "look", "bodies", "landmarks"),  # ttc, obstacle_map, clusters, landmarks: of runs timed before
     ),
     "road edges": ("road",),
     "plan and control": ("plan", "control"),

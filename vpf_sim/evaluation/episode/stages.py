@@ -28,6 +28,7 @@ STAGES = {
     "steadiness": "vpf_sim.perception.steadiness:Steadiness.update",
     "steadiness_frames": "vpf_sim.perception.steadiness:Steadiness.frame",
     "road": "vpf_sim.perception.road_edges:RoadEdgeTracker.update",
+    "contrast": "vpf_sim.planning.planner:contrast",
     "look": "vpf_sim.perception.landmarks:LandmarkTracker.look",
     "bodies": "vpf_sim.planning.planner:Planner._find_bodies",
     "bodies.triangulation": "vpf_sim.perception.landmarks:LandmarkTracker.triangulate",
