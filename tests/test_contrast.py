@@ -1,21 +1,17 @@
 """What is coloured stands out from grey: against luma + R - B without saturation on the way, then on a drawn road."""
 
-from functools import cache
-
 import numpy as np
 import pytest
+from plated_road import CAMERA, PLATE_M, frame
 
-from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.flow import grey
 from vpf_sim.planning import variant
 from vpf_sim.planning.planner import Planner
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, DriverSetup, Image, Observation, RoadEdges, VehicleModel
+from vpf_sim.types import DriverSetup, Observation, RoadEdges, VehicleModel
 
-CAMERA, LOOKS_HZ, SPEED_MPS = Camera(), 10.0, 5.55
-ASPHALT = 95.0 + stream(5, "asphalt").normal(0.0, 12.0, (2400, 400))  # luma of cells of 5 cm
-PLATE_M, HEIGHT_M = (30.0, 31.2, -0.4, 0.4), 0.15  # from near to far, from left to right, above the road
+LOOKS_HZ, SPEED_MPS, HEIGHT_M = 10.0, 5.55, 0.15
 
 
 def test_grey_stays_as_it_is() -> None:
@@ -40,22 +36,6 @@ def test_what_is_as_bright_as_the_road_is_seen_by_its_colour(colour: tuple[int, 
     assert np.ptp(contrast(image, luma)[0].astype(int)) > 60
 
 
-@cache
-def frame(forward_m: float, colour: tuple[int, int, int]) -> Image:
-    """What a car sees that has come so far: grainy grey asphalt, and a plate of one colour with a grain of its own."""
-    columns, rows = np.meshgrid(np.arange(CAMERA.width_px), np.arange(CAMERA.height_px // 2 + 12, CAMERA.height_px))
-    road = ground_from_pixels(CAMERA, np.stack([columns, rows], axis=-1).astype(float))
-    lens = np.array([CAMERA.forward_m, 0.0])
-    above = lens + (road - lens) * (CAMERA.height_m - HEIGHT_M) / CAMERA.height_m + [forward_m, 0.0]
-    near, far, left, right = PLATE_M
-    inside = (above[..., 0] > near) & (above[..., 0] < far) & (above[..., 1] > left) & (above[..., 1] < right)
-    cell = ((road + np.array([forward_m, 10.0])) / 0.05).astype(np.intp)
-    luma = ASPHALT[cell[..., 0].clip(0, 2399), cell[..., 1].clip(0, 399)]
-    image = np.full((CAMERA.height_px, CAMERA.width_px, 3), 120.0)
-    image[rows[0, 0] :] = np.where(inside[..., None], np.array(colour) + (luma - 95.0)[..., None], luma[..., None])
-    return np.clip(image, 0.0, 255.0).astype(np.uint8)
-
-
 class Straight:
     """Stands in for the road's tracker."""
 
@@ -77,11 +57,10 @@ def test_the_driver_tells_a_plate_as_bright_as_the_road_by_its_colour(
     planner = Planner(setup, variant.load("robust"))
     planner._road = Straight()  # type: ignore[assignment]
     for step, forward in enumerate(np.arange(10.0, 22.0, SPEED_MPS / LOOKS_HZ).tolist()):
-        observation = Observation(
-            frame(forward, colour), step / LOOKS_HZ, forward, 0.0, 0.0, SPEED_MPS, 0.0, (200.0, 0.0)
-        )
+        image = np.stack([frame(forward, HEIGHT_M, plate_level=level) for level in colour], axis=-1)
+        observation = Observation(image, step / LOOKS_HZ, forward, 0.0, 0.0, SPEED_MPS, 0.0, (200.0, 0.0))
         told = planner.perceive(observation).obstacles
     assert len(told) == bodies
     if bodies:
-        assert told.forward_m[0] + forward == pytest.approx(30.0, abs=1.1)
-        assert (told.left_m[0], told.right_m[0]) == pytest.approx((-0.4, 0.4), abs=0.5)
+        assert told.forward_m[0] + forward == pytest.approx(PLATE_M[0, 0], abs=1.1)
+        assert (told.left_m[0], told.right_m[0]) == pytest.approx(tuple(PLATE_M[:, 1]), abs=0.5)

@@ -1,49 +1,21 @@
 """The road compared with how it looked from farther away: drawn roads with a plate on, in or under them."""
 
-from functools import lru_cache
-
 import cv2
 import numpy as np
 import pytest
+from plated_road import CAMERA, PLATE_M, frame
 
-from vpf_sim.geometry import ground_from_pixels, rotation
+from vpf_sim.geometry import rotation
 from vpf_sim.perception.clearing import ClearingConfig
 from vpf_sim.perception.covered import CoverConfig, footprints
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
 from vpf_sim.perception.spots import SpotBook, SpotConfig, in_sight
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Floats, Image, Obstacles, RoadEdges
+from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 
-CAMERA = Camera()
 SPEED_MPS, LOOKS_HZ = 5.55, 10.0
-PLATE_M = np.array([[30.0, -0.2], [31.2, 0.6]])  # its near left and far right corner in the world
-ROAD = 95.0 + cv2.GaussianBlur(stream(31, "asphalt").normal(0.0, 100.0, (1200, 320)), (0, 0), 3.0, sigmaY=14.0)  # 5 cm
-TOP_ROW, BOTTOM_ROW = 250, 340  # of the part of the frame that is drawn: the road from 43 to 4.5 m before the camera
-SHARP = 4  # rows and columns drawn for one of the frame, and averaged as a pixel does
 BUMPER_M = 2.25
 STRAIGHT = RoadEdges(-7.0, 7.0, 0.0, 0.0, 0.05, 1.0, 0.0, 3.5)
-
-
-@lru_cache
-def frame(forward_m: float, height_m: float, aside_m: float = 0.0, yaw_rad: float = 0.0) -> Image:
-    """What the camera of a car at (`forward_m`, `aside_m`) sees: asphalt, and a bright plate at `height_m`."""
-    place, turn = np.array([forward_m, aside_m]), rotation(yaw_rad)
-    rows_px = TOP_ROW + (np.arange(SHARP * (BOTTOM_ROW - TOP_ROW)) + 0.5) / SHARP - 0.5
-    columns_px = (np.arange(SHARP * CAMERA.width_px) + 0.5) / SHARP - 0.5
-    columns, rows = np.meshgrid(columns_px, rows_px)
-    ground = ground_from_pixels(CAMERA, np.stack([columns, rows], axis=-1).astype(float))
-    cell = ((ground @ turn.T + place + [0.0, 8.0]) / 0.05).astype(np.float32)
-    road = cv2.remap(
-        ROAD.astype(np.float32), cell[..., 1], cell[..., 0], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT
-    )
-    lens = np.array([CAMERA.forward_m, 0.0])
-    plate = (lens + (ground - lens) * (CAMERA.height_m - height_m) / CAMERA.height_m) @ turn.T + place
-    inside = np.all((plate > PLATE_M[0]) & (plate < PLATE_M[1]), axis=-1)
-    image = np.full((CAMERA.height_px, CAMERA.width_px), 100, np.uint8)
-    drawn = np.where(inside, 160.0, road).reshape(BOTTOM_ROW - TOP_ROW, SHARP, -1, SHARP).mean(axis=(1, 3))
-    noise = stream(32, f"noise {forward_m}").normal(0.0, 1.5, drawn.shape)
-    image[TOP_ROW:BOTTOM_ROW] = np.clip(drawn + noise, 0, 255)
-    return image
 
 
 def in_rain(image: Image, look: int) -> Image:

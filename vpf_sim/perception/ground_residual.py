@@ -119,7 +119,7 @@ class GroundResidual:
         """Whether the next frame is one that is looked at."""
         return (self._frame + 1) % self._period_frames == 0
 
-    def update(self, grey: Image, pose: Floats, footprints: Floats | None = None) -> list[Spot] | None:
+    def update(self, image: Image, pose: Floats, footprints: Floats | None = None) -> list[Spot] | None:
         """What stands on the road in the frame taken at `pose`; None between looks and before there is a baseline.
 
         What known bodies cover and hide is left out: what lies beside one would run together with it. `footprints`
@@ -129,7 +129,7 @@ class GroundResidual:
         if self._frame % self._period_frames:
             return None
         older = self._older(pose)
-        now = self._laid_out(grey, pose)
+        now = self._laid_out(image, pose)
         if older is None:
             return None
         lens = np.array([self.camera.forward_m, 0.0])
@@ -164,10 +164,10 @@ class GroundResidual:
         ahead: Floats = np.interp(self.sight.forward_m, self._forward_m[: self._rows], share)
         return ahead
 
-    def _laid_out(self, grey: Image, pose: Floats) -> _Layout:
+    def _laid_out(self, image: Image, pose: Floats) -> _Layout:
         """The frame as the newest of those remembered."""
         config = self.config
-        patch = cv2.remap(grey, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
+        patch = cv2.remap(image, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
         now = _Layout(patch, pose, texture(patch, config.cell_m, config.water), self._outside)
         least_m = config.water.least_way_m
         before = next((one for one in reversed(self._past) if distance_m(pose, one.pose) >= least_m), None)

@@ -164,8 +164,7 @@ class Bodies:
         np.minimum.at(body, label, np.where(others, unknown, known))
         np.minimum.at(shared, label, known)
         fresh = np.flatnonzero(confirmed & placed & (body == unknown))
-        body[fresh] = self._next + np.arange(len(fresh))
-        self._next += len(fresh)
+        body[fresh] = [self.number() for _ in fresh]
         body = np.where(body == unknown, shared, body)
         body[body == unknown] = -1
         self._marks.body[believed] = np.where(confirmed[label], body[label], before)

@@ -94,7 +94,7 @@ class LandmarkTracker:
         """What seems to lie low on the road and is not believed yet, in the axes of the vehicle at `pose`."""
         return self._spots.suspects(pose)
 
-    def look(self, grey: Image, pose: Floats, road: RoadEdges) -> None:
+    def look(self, image: Image, pose: Floats, road: RoadEdges) -> None:
         """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.
 
         What is no road counts where no body is known that hides it.
@@ -102,7 +102,7 @@ class LandmarkTracker:
         known = None
         if self._residual.looks:
             known = footprints(from_here(self._tall, self._seen_from, pose, 0.0), road, self.config.cover)
-        spots = self._residual.update(grey, pose, known)
+        spots = self._residual.update(image, pose, known)
         if spots is None:
             return
         bodies = from_here(self._seen, self._seen_from, pose, 0.0)
@@ -164,7 +164,7 @@ class LandmarkTracker:
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = points.sigma_m / depth
             above = (depth > near_m) & (depth < config.far_m)
-            above &= flow.age_frames >= max(2, round(config.min_age_s * self.rate_hz))
+            above &= flow.age_frames >= frames(config.min_age_s, self.rate_hz)
             above &= ratio < config.depth_ratio
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m

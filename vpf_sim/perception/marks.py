@@ -11,7 +11,7 @@ Integers = NDArray[np.int64]
 
 
 def frames(time_s: float, rate_hz: float) -> int:
-    """How many judged frames a point needs to be seen in for that time: two at least."""
+    """How many frames at that rate a point needs to be seen in for that time: two at least."""
     return max(2, round(time_s * rate_hz))
 
 

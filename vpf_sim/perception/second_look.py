@@ -86,7 +86,7 @@ class SecondLook:
 
     def update(
         self,
-        grey: Image,
+        image: Image,
         pose: Floats,
         bodies: Obstacles,
         speed_mps: float,
@@ -103,7 +103,7 @@ class SecondLook:
         self._forget(pose)
         places = [self._place(bodies, k, pose) for k in range(len(bodies))]
         if self.looks(speed_mps):
-            self._look(grey, pose, bodies, places)
+            self._look(image, pose, bodies, places)
         there = np.array([not one.refuted for one in places], np.bool_)
         if there.all():
             return bodies
@@ -124,12 +124,12 @@ class SecondLook:
         self._places.append(_Place(name, middle, width, np.zeros((3, 2 * self._config.shift_grains + 1, cells))))
         return self._places[-1]
 
-    def _look(self, grey: Image, pose: Floats, bodies: Obstacles, places: Sequence[_Place]) -> None:
+    def _look(self, image: Image, pose: Floats, bodies: Obstacles, places: Sequence[_Place]) -> None:
         """Compare the frame with the one that was taken a baseline before, once in a step of way."""
         config = self._config
         if self._past and distance_m(pose, self._past[-1][1]) < config.step_m:
             return
-        self._past.append((grey, pose.copy()))
+        self._past.append((image, pose.copy()))
         while len(self._past) > 1 and distance_m(pose, self._past[1][1]) >= config.baseline_m:
             self._past.popleft()
         older, then = self._past[0]
@@ -138,7 +138,7 @@ class SecondLook:
         face = bodies.forward_m - self._camera.forward_m
         for k, one in enumerate(places):
             if config.nearest_m < face[k] < config.farthest_m and bodies.speed_mps[k] == 0.0 and not one.refuted:
-                self._compare(one, (grey, pose), (older, then), pose)
+                self._compare(one, (image, pose), (older, then), pose)
 
     def _compare(self, one: _Place, now: tuple[Image, Floats], then: tuple[Image, Floats], pose: Floats) -> None:
         """Add the products of the grains in a body's place, and judge by all looks.
@@ -169,15 +169,15 @@ class SecondLook:
         one.looks += 1
         one.refuted = one.looks >= config.least_looks and self._is_road(one.products)
 
-    def _grain(self, grey: Image, pose: Floats, place_m: Floats, shape: tuple[int, int]) -> Floats:
+    def _grain(self, image: Image, pose: Floats, place_m: Floats, shape: tuple[int, int]) -> Floats:
         """What is seen at places of the road, (N, 2) in the world, less what runs along the way as a line does."""
         flat = vehicle_from_world(place_m, pose)
         pixels = distort(self._camera, project(self._camera, np.column_stack([flat, np.zeros(len(flat))])))
         x, y = np.nan_to_num(pixels, nan=-10.0).astype(np.float32).reshape(*shape, 2).transpose(2, 0, 1)
-        seen = cv2.remap(grey, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
+        seen = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
         seen = np.asarray(cv2.GaussianBlur(seen, (3, 3), 0), np.float32)
         even = round(self._config.cell_m / self._config.grain_m)
-        inside = (x > 0.0) & (x < grey.shape[1] - 1.0) & (y > 0.0) & (y < grey.shape[0] - 1.0)
+        inside = (x > 0.0) & (x < image.shape[1] - 1.0) & (y > 0.0) & (y < image.shape[0] - 1.0)
         grain: Floats = np.where(inside, seen - cv2.blur(seen, (1, even)), np.nan).astype(np.float64)
         return grain
 

@@ -60,7 +60,8 @@ class Planner:
         road = self._road.update(observation.image, image, pose, *motion, self._bodies)
         if self._looks(observation.speed_mps):
             image = contrast(observation.image, image)
-            image = self._steadiness.frame(image) if self._steadiness is not None else image
+            if self._steadiness is not None:
+                image = self._steadiness.frame(image)
         if self._landmarks is not None:
             self._landmarks.look(image, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
