@@ -80,9 +80,11 @@ class SecondLook:
         self._past: deque[tuple[Image, Floats]] = deque()
         self._places: list[_Place] = []
 
-    def looks(self, speed_mps: float) -> bool:
-        """Whether a frame at that speed is looked at."""
-        return speed_mps < self._config.slow_mps
+    def looks(self, pose: Floats, speed_mps: float) -> bool:
+        """Whether the frame taken at `pose`, at that speed, is looked at: one in a step of way, at walking pace."""
+        if speed_mps >= self._config.slow_mps:
+            return False
+        return not self._past or distance_m(pose, self._past[-1][1]) >= self._config.step_m
 
     def update(
         self,
@@ -96,13 +98,13 @@ class SecondLook:
 
         But those that are `sure` (K,) stay: between the legs of who stands there, and past them, the road is seen.
         """
-        if not self.looks(speed_mps):
+        if speed_mps >= self._config.slow_mps:
             self._past.clear()
             if not any(one.refuted for one in self._places):
                 return bodies
         self._forget(pose)
         places = [self._place(bodies, k, pose) for k in range(len(bodies))]
-        if self.looks(speed_mps):
+        if self.looks(pose, speed_mps):
             self._look(image, pose, bodies, places)
         there = np.array([not one.refuted for one in places], np.bool_)
         if there.all():
@@ -125,10 +127,8 @@ class SecondLook:
         return self._places[-1]
 
     def _look(self, image: Image, pose: Floats, bodies: Obstacles, places: Sequence[_Place]) -> None:
-        """Compare the frame with the one that was taken a baseline before, once in a step of way."""
+        """Compare the frame with the one that was taken a baseline before."""
         config = self._config
-        if self._past and distance_m(pose, self._past[-1][1]) < config.step_m:
-            return
         self._past.append((image, pose.copy()))
         while len(self._past) > 1 and distance_m(pose, self._past[1][1]) >= config.baseline_m:
             self._past.popleft()

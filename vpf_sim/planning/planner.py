@@ -17,7 +17,18 @@ from vpf_sim.planning.gradient_line import GradientLine
 from vpf_sim.planning.valley import Valley
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
-from vpf_sim.types import DriverSetup, Expansion, Flow, Observation, Obstacles, Perception, Plan, RoadEdges, Salience
+from vpf_sim.types import (
+    DriverSetup,
+    Expansion,
+    Floats,
+    Flow,
+    Observation,
+    Obstacles,
+    Perception,
+    Plan,
+    RoadEdges,
+    Salience,
+)
 
 
 class Planner:
@@ -58,7 +69,7 @@ class Planner:
             self._road.turn(self._steadiness.passing_rad - before_rad)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         road = self._road.update(observation.image, image, pose, *motion, self._bodies)
-        if self._looks(observation.speed_mps):
+        if self._looks(pose, observation.speed_mps):
             image = contrast(observation.image, image)
             if self._steadiness is not None:
                 image = self._steadiness.frame(image)
@@ -84,10 +95,10 @@ class Planner:
         ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
         return Salience(obstacle_map, ttc_s)
 
-    def _looks(self, speed_mps: float) -> bool:
+    def _looks(self, pose: Floats, speed_mps: float) -> bool:
         """Whether any stage after the road's looks at this frame: most do from time to time only."""
         landmarks, second = self._landmarks, self._second_look
-        return landmarks is not None and (landmarks.looks or (second is not None and second.looks(speed_mps)))
+        return landmarks is not None and (landmarks.looks or (second is not None and second.looks(pose, speed_mps)))
 
     def _find_bodies(
         self, landmarks: LandmarkTracker, flow: Flow, road: RoadEdges, observation: Observation
