@@ -55,14 +55,14 @@ def test_a_lost_road_is_found_again_in_the_lane_in_which_it_was_left() -> None:
 
 
 def test_a_road_that_is_believed_elsewhere_is_given_up_and_found_again_in_its_lane() -> None:
-    """For a second it is shown turned by 7 degrees, as a long mirror image may: the state is as sure as it is wrong."""
+    """For 0.75 s it is shown turned by 7 degrees, as a long mirror image may: the state is as sure as it is wrong."""
     camera, place = Camera(), -1.75
     road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
     for i in range(60):
         pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
-        frame = road.draw(pose + np.array([0.0, 0.0, 0.12 if i < 20 else 0.0]), i)
+        frame = road.draw(pose + np.array([0.0, 0.0, 0.12 if i < 15 else 0.0]), i)
         edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
-        if i == 19:
+        if i == 14:
             assert edges.heading_rad == pytest.approx(-0.12, abs=0.02)
     assert edges.heading_rad == pytest.approx(0.0, abs=0.01)
     assert edges.right_m == pytest.approx(7.0 - place, abs=0.1)

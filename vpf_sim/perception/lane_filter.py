@@ -26,6 +26,8 @@ REACH_M = 0.5  # about the prediction, to which lines are sought
 # Of sightings of nothing, as likely anywhere within reach, the share that comes to lie on a line and along it.
 CHANCE = GATE_M / REACH_M * (1.0 - (1.0 - NEIGHBOUR_M / REACH_M) ** 2)
 BEYOND_CHANCE = 3.0  # standard deviations by which more of them must, for a look to have seen the lines
+NEAR_M = 14.0  # from here on a look is far off,
+FEWEST = 3  # sightings that make a line there
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,12 +109,21 @@ class LaneFilter:
         return possible
 
     def agrees(self, sightings: Sightings) -> bool:
-        """Whether more of the sightings lie on the lines than of drops, streaks and grain would by chance."""
+        """Whether more of the sightings lie on the lines than of drops, streaks and grain would by chance.
+
+        And whether there are two of the lines far off if there are near: a mirror image far off, before or beside one
+        line, is followed away from the road otherwise.
+        """
         right, _ = seen_places(self.state, sightings.numbers, sightings.forward_m, self.camera)
         aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
+        on_line = _along(aside) & (np.abs(aside) < GATE_M)
         expected = CHANCE * np.count_nonzero(sightings.seen)
-        found = np.count_nonzero(_along(aside) & (np.abs(aside) < GATE_M))
-        return bool(found > expected + BEYOND_CHANCE * np.sqrt(expected))
+        if np.count_nonzero(on_line) <= expected + BEYOND_CHANCE * np.sqrt(expected):
+            return False
+        far = sightings.forward_m >= NEAR_M
+        if not sightings.seen[:, far].any():
+            return True
+        return _lines(on_line[:, far]) >= min(_lines(on_line[:, ~far]), 2)
 
     def turn(self, down_rad: float) -> None:
         """The camera has come to look so much farther down."""
@@ -137,6 +148,11 @@ def _along(aside_m: Floats) -> Bools:
     line[:, 1:] = along
     line[:, :-1] |= along
     return line
+
+
+def _lines(on_line: Bools) -> int:
+    """How many of L lines are seen in as many of the rows (L, R) as make a line."""
+    return int(np.count_nonzero(np.count_nonzero(on_line, axis=1) >= FEWEST))
 
 
 def is_sane(state: Floats) -> bool:

@@ -13,7 +13,8 @@ CENTROID_M = 0.15  # about the strongest response, to this far on both sides
 HEADINGS_RAD = np.radians(np.arange(-12.0, 12.01, 0.6))
 CURVATURES = np.arange(-0.02, 0.0201, 0.00125)
 COMB_REACH_M = 26.0  # rows ahead that take part in the first search
-UNLIKELY_PER_M = 0.5  # lines that a width off the likely one must explain more
+UNLIKELY_PER_M = 0.5  # lines that a width off the likely one must explain more,
+UNLIKELY_PER_RAD = 2.0  # and a direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,13 +74,15 @@ def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_p
     return variance
 
 
-def comb(ridges: RidgeMap, view: BirdsEye, widths_m: Floats, likely_m: float) -> tuple[float, Floats]:
+def comb(
+    ridges: RidgeMap, view: BirdsEye, widths_m: Floats, likely_m: float, likely_rad: float = 0.0
+) -> tuple[float, Floats]:
     """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
 
     Each heading and curvature straightens the patch; parallel lines then stand out in the mean over its rows, and lines
     a lane apart in that taken modulo the lane's width. The score counts lines: one that is seen in every row, and as
-    bright as can be, is 1. The place y is that of the pose right of any one line. Of the widths, the likely one is
-    taken unless another explains more: a single line fits any.
+    bright as can be, is 1. The place y is that of the pose right of any one line. Of widths and headings, the likely
+    one is taken unless another explains more: a single line fits any width, and mirror images lie askew.
     """
     rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
     bright = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
@@ -88,9 +91,10 @@ def comb(ridges: RidgeMap, view: BirdsEye, widths_m: Floats, likely_m: float) ->
     column_m = 2.0 * view.column_m
     heading, curvature = (grid.ravel() for grid in np.meshgrid(HEADINGS_RAD, CURVATURES, indexing="ij"))
     straight = _straightened(bright, view.forward_m[rows], column_m, heading, curvature)
+    unlikely = UNLIKELY_PER_RAD * np.abs(heading - likely_rad)
     best, road = -np.inf, np.zeros(4)
     for width_m in widths_m.tolist():
-        score, i, tooth = _best_tooth(straight, width_m / column_m)
+        score, i, tooth = _best_tooth(straight, width_m / column_m, unlikely)
         score -= UNLIKELY_PER_M * abs(width_m - likely_m)
         if score > best:
             right_m = view.right_m[0] + 0.5 * view.column_m + tooth * column_m
@@ -98,12 +102,15 @@ def comb(ridges: RidgeMap, view: BirdsEye, widths_m: Floats, likely_m: float) ->
     return best, road
 
 
-def _best_tooth(straight: NDArray[np.float32], period: float) -> tuple[float, int, int]:
-    """The comb, its teeth `period` columns apart, that meets most lines: score, row of `straight`, column."""
+def _best_tooth(straight: NDArray[np.float32], period: float, unlikely: Floats) -> tuple[float, int, int]:
+    """The comb, its teeth `period` columns apart, that meets most lines: score, row of `straight`, column.
+
+    Each row (H,) must meet so much more as it is `unlikely`.
+    """
     teeth = round(period)
     phase = np.rint(np.mod(np.arange(straight.shape[1]), period)).astype(np.intp) % teeth
     lines = straight @ np.eye(teeth, dtype=np.float32)[phase]
-    sharp = lines - np.median(lines, axis=1, keepdims=True)
+    sharp = lines - np.median(lines, axis=1, keepdims=True) - unlikely[:, None]
     i, tooth = np.unravel_index(np.argmax(sharp), sharp.shape)
     return float(sharp[i, tooth]), int(i), int(tooth)
 

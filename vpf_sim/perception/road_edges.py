@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
-from vpf_sim.perception.lane_filter import REACH_M, Expected, LaneFilter, Sightings, initial_covariance, is_sane
+from vpf_sim.perception.lane_filter import NEAR_M, REACH_M, Expected, LaneFilter, Sightings, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
 from vpf_sim.perception.line_search import CENTROID_M, RidgeMap, comb, noise_threshold, sight, sighting_variance
 from vpf_sim.perception.road_model import PITCH, WIDTH, curvature_ahead, rows_seen, state_of
@@ -20,7 +20,6 @@ NEAREST_BODY_M = 0.5  # before the camera: what is nearer hides nothing of the p
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
 LEAST_CERTAIN = 0.5  # of the lines, without which they do not tell where the camera looks
 NEW_ROAD_M = 0.8  # that comes into view between two judgements: who stands sees the same again, errors and all
-NEAR_M = 14.0  # of a look whose far part makes no sense
 REFUTED_LOOKS, REFUTED_M = 10, 2.0  # in a row, on so much way, that show other lines: the road is another one
 LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is looked for from nothing
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, FIRST_LOOKS = 0.3, 0.04, 0.07, 3
@@ -44,7 +43,7 @@ class RoadEdgeConfig:
     update_period_s: float = 0.05  # between looks at the picture
     index_period_s: float = 0.2  # between judgements of which lane this is
     search_period_s: float = 0.5  # between searches from scratch
-    least_contrast: float = 10.0  # grey levels by which a line stands out
+    least_contrast: float = 4.0  # grey levels by which a line stands out
     sigma_m: float = 0.02  # of one sighting, plus
     sigma_px: float = 0.2
     least_rows: int = 12  # sightings without which a look counts for nothing
@@ -197,7 +196,8 @@ class RoadEdgeTracker:
         nothing, in whichever lane the pose is."""
         config, lost = self.config, self._lost if self._is_known(self._lost) else None
         widths = WIDTHS_M if lost is None else lost.state[[WIDTH]]
-        score, (y, heading, curvature, width) = comb(ridges, self.view, widths, config.lane_width_m)
+        likely_rad = 0.0 if lost is None else float(lost.state[1])
+        score, (y, heading, curvature, width) = comb(ridges, self.view, widths, config.lane_width_m, likely_rad)
         if score < config.least_comb:
             return
         place = y % width if lost is None else y + width * round((lost.state[0] - y) / width)

@@ -1,0 +1,72 @@
+"""Lines that hardly stand out, on wet roads that mirror what is beside them: worn paint, and paint on concrete."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vpf_sim import drivers
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.episode.episode import read, setup_for
+from vpf_sim.evaluation.truth.surroundings import seen_edges, true_edges
+from vpf_sim.perception.birds_eye import BirdsEye, Patch
+from vpf_sim.perception.flow import grey
+from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
+from vpf_sim.perception.line_search import RidgeMap, comb
+from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road_model import lines, state_of
+from vpf_sim.types import Camera, Floats
+
+CONFIG = RoadEdgeConfig()
+NUMBERS: Floats = np.arange(-2.0, 3.0)  # of the lines
+
+
+@pytest.mark.parametrize(("look", "seed"), [('surface = "concrete"', 961), ("worn = true", 966)])
+def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int, tmp_path: Path) -> None:
+    """An empty road that the PID drives along; where the edges come to lie 10 m ahead is off by less than 0.5 m."""
+    road = f"schema = 1\n[random]\nrows = [0, 0]\n[random.look]\n{look}\n[ego]\nlane = 2\nspeed_mps = 5.55\n"
+    scenario = tmp_path / "road.toml"
+    scenario.write_text(road)
+    env, pilot = FourLane(str(scenario), "rain"), drivers.create("pid")
+    observed, _ = env.reset(seed=seed)
+    setup = setup_for(pilot, env, seed)
+    pilot.reset(setup)
+    tracker = RoadEdgeTracker(setup.camera, CONFIG, setup.rate_hz)
+    errors_m = []
+    for _ in range(420):
+        now = read(observed)
+        pose = np.array([now.x_m, now.y_m, now.yaw_rad])
+        edges = tracker.update(now.image, grey(now.image), pose, now.speed_mps, now.yaw_rate_radps, None)
+        errors_m.append(np.subtract(seen_edges(edges), true_edges(env.ego, env.road.network)))
+        command = drivers.command_of(pilot, now)
+        observed, *_ = env.step(np.array([command.throttle, command.steering]))
+    env.close()
+    assert np.mean(np.abs(errors_m).max(axis=1) > 0.5) < 0.02
+
+
+def test_a_mirror_image_that_lies_askew_is_no_road() -> None:
+    """It is brighter and longer than what is left of the five lines."""
+    view = BirdsEye(Camera(), Patch(CONFIG.near_m, CONFIG.far_m, CONFIG.half_width_m, CONFIG.row_m, CONFIG.column_m))
+    response = np.zeros(view.visible.shape, np.uint8)
+    rows = np.arange(len(view.forward_m))
+    for line_m in 3.5 * NUMBERS - 1.5:
+        response[np.ix_(rows % 5 == 0, np.abs(view.right_m - line_m) < 0.08)] = 8
+    askew = 1.0 + np.tan(np.radians(11.0)) * view.forward_m
+    response[np.abs(view.right_m - askew[:, None]) < 0.08] = 20
+    score, (y, heading, _, width) = comb(RidgeMap(response, 5.0, view.visible), view, np.array([3.5]), 3.5)
+    assert score > CONFIG.least_comb
+    assert np.degrees(heading) == pytest.approx(0.0, abs=1.0)
+    assert y % width == pytest.approx(1.5, abs=0.15)
+
+
+@pytest.mark.parametrize(("near", "far", "agrees"), [(5, 5, True), (5, 2, True), (5, 1, False), (1, 1, True)])
+def test_one_line_far_off_where_more_are_seen_near_is_none_of_the_road(near: int, far: int, agrees: bool) -> None:
+    """So many of the lines are seen where they lie, the others nowhere."""
+    forward_m: Floats = np.arange(4.0, 28.0, 0.5)
+    state = state_of(1.75, 0.0, 0.0, 3.5)
+    right_m, _, _ = lines(state, NUMBERS, forward_m)
+    counts = np.where(forward_m < 14.0, near, far)
+    seen = np.arange(len(NUMBERS))[:, None] < counts
+    sightings = Sightings(NUMBERS, forward_m, right_m, np.full(right_m.shape, 0.02**2), seen)
+    tracked = LaneFilter(state, initial_covariance(0.05, 0.005, 0.05, 0.001), Camera())
+    assert tracked.agrees(sightings) is agrees
