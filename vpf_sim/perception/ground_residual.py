@@ -79,6 +79,14 @@ class Spot:
     sure: bool = True  # whether that is enough; otherwise it is suspected
     cut: bool = False  # whether it may begin nearer, where nothing is looked at
 
+    @property
+    def middle_m(self) -> float:
+        return 0.5 * (self.left_m + self.right_m)
+
+    @property
+    def width_m(self) -> float:
+        return self.right_m - self.left_m
+
 
 @dataclass(slots=True)
 class _Layout:

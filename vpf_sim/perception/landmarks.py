@@ -139,8 +139,8 @@ class LandmarkTracker:
     def _is_inside(self, spot: Spot, road: RoadEdges) -> bool:
         """Whether a spot's middle lies within the carriageway."""
         left, right = carriageway_offsets(np.array([spot.forward_m]), road)
-        middle, margin = 0.5 * (spot.left_m + spot.right_m), self.config.spots.edge_m
-        return bool(left[0] + margin < middle < right[0] - margin)
+        margin = self.config.spots.edge_m
+        return bool(left[0] + margin < spot.middle_m < right[0] - margin)
 
     def _judge(
         self, flow: Flow, road: RoadEdges, time_s: float, points: Triangulation | None, moving: Bools | None

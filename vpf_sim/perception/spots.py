@@ -112,12 +112,12 @@ class SpotBook:
 
     def _count(self, spot: Spot, pose: Floats) -> None:
         """Add it to the spot that it is seen again, or remember it; the near end of one cut off tells no place."""
-        here = np.array([spot.forward_m, 0.5 * (spot.left_m + spot.right_m)])
+        here = np.array([spot.forward_m, spot.middle_m])
         one = self._known_at(here, pose)
         if one is None:
             if not spot.cut:
-                width, place = spot.right_m - spot.left_m, world_from_vehicle(here, pose)
-                self._known.append(_Candidate(place, width, pose[:2].copy(), spot.forward_m, int(spot.sure)))
+                place = world_from_vehicle(here, pose)
+                self._known.append(_Candidate(place, spot.width_m, pose[:2].copy(), spot.forward_m, int(spot.sure)))
             return
         one.hits, one.sightings, one.misses = one.hits + spot.sure, one.sightings + 1, 0
         self._approach(one, spot, pose)
@@ -144,7 +144,7 @@ class SpotBook:
         """Average over the sightings."""
         newest, one.told_m = self.config.newest, one.way_m
         one.place_m = one.place_m + newest * (world_from_vehicle(here, pose) - one.place_m)
-        one.width_m += newest * (spot.right_m - spot.left_m - one.width_m)
+        one.width_m += newest * (spot.width_m - one.width_m)
 
     def _approach(self, one: _Candidate, spot: Spot, pose: Floats) -> None:
         """How far the car has come since the first sighting, and whether the spot came nearer by as much.
