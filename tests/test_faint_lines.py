@@ -1,5 +1,6 @@
 """Lines that hardly stand out, on wet roads that mirror what is beside them: worn paint, and paint on concrete."""
 
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.truth.surroundings import seen_edges, true_edges
-from vpf_sim.perception.birds_eye import BirdsEye, Patch
+from vpf_sim.perception.birds_eye import BirdsEye
 from vpf_sim.perception.flow import grey
 from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.perception.line_search import RidgeMap, comb
@@ -27,26 +28,26 @@ def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int, tmp_path: P
     road = f"schema = 1\n[random]\nrows = [0, 0]\n[random.look]\n{look}\n[ego]\nlane = 2\nspeed_mps = 5.55\n"
     scenario = tmp_path / "road.toml"
     scenario.write_text(road)
-    env, pilot = FourLane(str(scenario), "rain"), drivers.create("pid")
-    observed, _ = env.reset(seed=seed)
-    setup = setup_for(pilot, env, seed)
-    pilot.reset(setup)
-    tracker = RoadEdgeTracker(setup.camera, CONFIG, setup.rate_hz)
+    pilot = drivers.create("pid")
     errors_m = []
-    for _ in range(420):
-        now = read(observed)
-        pose = np.array([now.x_m, now.y_m, now.yaw_rad])
-        edges = tracker.update(now.image, grey(now.image), pose, now.speed_mps, now.yaw_rate_radps, None)
-        errors_m.append(np.subtract(seen_edges(edges), true_edges(env.ego, env.road.network)))
-        command = drivers.command_of(pilot, now)
-        observed, *_ = env.step(np.array([command.throttle, command.steering]))
-    env.close()
+    with closing(FourLane(str(scenario), "rain")) as env:
+        observed, _ = env.reset(seed=seed)
+        setup = setup_for(pilot, env, seed)
+        pilot.reset(setup)
+        tracker = RoadEdgeTracker(setup.camera, CONFIG, setup.rate_hz)
+        for _ in range(420):
+            now = read(observed)
+            pose = np.array([now.x_m, now.y_m, now.yaw_rad])
+            edges = tracker.update(now.image, grey(now.image), pose, now.speed_mps, now.yaw_rate_radps, None)
+            errors_m.append(np.subtract(seen_edges(edges), true_edges(env.ego, env.road.network)))
+            command = drivers.command_of(pilot, now)
+            observed, *_ = env.step(np.array([command.throttle, command.steering]))
     assert np.mean(np.abs(errors_m).max(axis=1) > 0.5) < 0.02
 
 
 def test_a_mirror_image_that_lies_askew_is_no_road() -> None:
     """It is brighter and longer than what is left of the five lines."""
-    view = BirdsEye(Camera(), Patch(CONFIG.near_m, CONFIG.far_m, CONFIG.half_width_m, CONFIG.row_m, CONFIG.column_m))
+    view = BirdsEye(Camera(), CONFIG.patch)
     response = np.zeros(view.visible.shape, np.uint8)
     rows = np.arange(len(view.forward_m))
     for line_m in 3.5 * NUMBERS - 1.5:

@@ -10,7 +10,7 @@ the centre of its body. N is a number of image points, K a number of obstacles.
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from math import radians
-from typing import Any, Literal, Protocol
+from typing import Any, Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,26 +156,29 @@ class ObstacleMap:
     reduction: int
 
 
-class Sided:
-    """K bodies with a left and a right side."""
+Metres = TypeVar("Metres", float, Floats)
+
+
+class Sided(Generic[Metres]):
+    """A body, or K bodies, with a left and a right side."""
 
     __slots__ = ()
-    left_m: Floats
-    right_m: Floats
+    left_m: Metres
+    right_m: Metres
 
     @property
-    def middle_m(self) -> Floats:
-        """(K,) lateral position of the middle."""
+    def middle_m(self) -> Metres:
+        """Lateral position of the middle, () or (K,)."""
         return 0.5 * (self.left_m + self.right_m)
 
     @property
-    def width_m(self) -> Floats:
-        """(K,) across the road."""
+    def width_m(self) -> Metres:
+        """Across the road, () or (K,)."""
         return self.right_m - self.left_m
 
 
 @dataclass(frozen=True, slots=True)
-class Obstacles(Sided):
+class Obstacles(Sided[Floats]):
     """K bodies believed to be on the road, in vehicle axes: nearest face, side edges, time to contact."""
 
     forward_m: Floats  # (K,) nearest face, from the pose

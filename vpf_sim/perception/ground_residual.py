@@ -18,7 +18,7 @@ from vpf_sim.perception.covered import shadow
 from vpf_sim.perception.evidence import Evidence, Grid
 from vpf_sim.perception.low_sight import LookQuality, LowSight, LowSightConfig
 from vpf_sim.perception.patch_water import WaterConfig, odd_cells, texture, what_stays
-from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
+from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, Sided
 
 WARP, NEAREST = (way | cv2.WARP_INVERSE_MAP for way in (cv2.INTER_LINEAR, cv2.INTER_NEAREST))
 GRAIN_PERCENT = 10.0  # of the patch, that no mirror image disturbs
@@ -69,7 +69,7 @@ class ResidualConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class Spot:
+class Spot(Sided[float]):
     """A place on the road that stands above it, in vehicle axes."""
 
     forward_m: float  # where it begins
@@ -78,14 +78,6 @@ class Spot:
     gain: float  # of a height above the road, in multiples of the noise
     sure: bool = True  # whether that is enough; otherwise it is suspected
     cut: bool = False  # whether it may begin nearer, where nothing is looked at
-
-    @property
-    def middle_m(self) -> float:
-        return 0.5 * (self.left_m + self.right_m)
-
-    @property
-    def width_m(self) -> float:
-        return self.right_m - self.left_m
 
 
 @dataclass(slots=True)

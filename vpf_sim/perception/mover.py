@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim.geometry import rotation, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.mover_sides import Sides, SidesConfig
 from vpf_sim.perception.moving_frame import Course, Residuals
-from vpf_sim.types import Bools, Camera, Floats, Flow
+from vpf_sim.types import Bools, Camera, Floats, Flow, Sided
 
 FITS = 3
 NEAREST_M = 1.0  # before a face, from where its sides are looked at
@@ -16,7 +16,7 @@ LEAST_SLOPE = 0.2  # of a ray along its course: a face is not seen along its pla
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class Sight(Sided[float]):
     """What the tracks of a body say when it is found."""
 
     depth_m: float  # of the road behind its lowest point, from the camera
@@ -63,9 +63,9 @@ class Mover:
     def __init__(self, sight: Sight, camera: Camera, pose: Floats, log_odds: float, config: FilterConfig) -> None:
         self._camera, self._config = camera, config
         self.speed_mps = sight.speed_mps
-        self.width_m = sight.right_m - sight.left_m  # as it is seen
-        middle = 0.5 * (sight.right_m + sight.left_m)
-        self._place_m = world_from_vehicle(np.array([camera.forward_m + sight.depth_m, middle]), pose)
+        self.width_m = sight.width_m  # as it is seen
+        place = np.array([camera.forward_m + sight.depth_m, sight.middle_m])
+        self._place_m = world_from_vehicle(place, pose)
         self.sigma_m = 0.15 * sight.depth_m
         self.sigma_mps = sight.sigma_mps  # at a known distance
         self.identity: int | None = None  # once it is believed

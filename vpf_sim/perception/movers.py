@@ -307,9 +307,8 @@ class MoverTracker:
         config = self.config
         if not config.near_m < sight.depth_m < config.far_m:
             return False
-        middle = 0.5 * (sight.left_m + sight.right_m)
         left, right = carriageway_offsets(np.array([self.camera.forward_m + sight.depth_m]), road)
-        inside = left[0] + config.edge_margin_m < middle < right[0] - config.edge_margin_m
+        inside = left[0] + config.edge_margin_m < sight.middle_m < right[0] - config.edge_margin_m
         return bool(inside and 1.0 < sight.speed_mps < 25.0)
 
 

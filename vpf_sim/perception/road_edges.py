@@ -58,6 +58,10 @@ class RoadEdgeConfig:
         if self.near_m >= self.far_m:
             raise ValueError(f"near_m: expected < far_m = {self.far_m}, got {self.near_m}")
 
+    @property
+    def patch(self) -> Patch:
+        return Patch(self.near_m, self.far_m, self.half_width_m, self.row_m, self.column_m)
+
 
 class RoadEdgeTracker:
     """Follows the carriageway from frame to frame; looks at the picture every `update_period_s`, predicts in between.
@@ -70,9 +74,7 @@ class RoadEdgeTracker:
     def __init__(self, camera: Camera, config: RoadEdgeConfig, rate_hz: float) -> None:
         self.camera = camera
         self.config = config
-        self.view = BirdsEye(
-            camera, Patch(config.near_m, config.far_m, config.half_width_m, config.row_m, config.column_m)
-        )
+        self.view = BirdsEye(camera, config.patch)
         self._colour_view = BirdsEye(camera, Patch(config.near_m, config.far_m, config.half_width_m + 2.0, 0.6, 0.5))
         look = max(1, round(config.update_period_s * rate_hz))
         judge = look * max(1, round(config.index_period_s / config.update_period_s))

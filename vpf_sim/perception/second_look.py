@@ -82,9 +82,8 @@ class SecondLook:
 
     def looks(self, pose: Floats, speed_mps: float) -> bool:
         """Whether the frame taken at `pose`, at that speed, is looked at: one in a step of way, at walking pace."""
-        if speed_mps >= self._config.slow_mps:
-            return False
-        return not self._past or distance_m(pose, self._past[-1][1]) >= self._config.step_m
+        went_on = not self._past or distance_m(pose, self._past[-1][1]) >= self._config.step_m
+        return self._is_slow(speed_mps) and went_on
 
     def update(
         self,
@@ -98,7 +97,7 @@ class SecondLook:
 
         But those that are `sure` (K,) stay: between the legs of who stands there, and past them, the road is seen.
         """
-        if speed_mps >= self._config.slow_mps:
+        if not self._is_slow(speed_mps):
             self._past.clear()
             if not any(one.refuted for one in self._places):
                 return bodies
@@ -110,6 +109,9 @@ class SecondLook:
         if there.all():
             return bodies
         return bodies.chosen(there if sure is None else there | sure(bodies))
+
+    def _is_slow(self, speed_mps: float) -> bool:
+        return speed_mps < self._config.slow_mps
 
     def _forget(self, pose: Floats) -> None:
         """The places that the car has passed."""

@@ -28,7 +28,7 @@ class Lane:
 
 
 @dataclass(frozen=True, slots=True)
-class LaneObstacles(Sided):
+class LaneObstacles(Sided[Floats]):
     """K bodies in lane coordinates."""
 
     along_m: Floats  # (K,) nearest face, from the pose

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
+from vpf_sim.perception.birds_eye import BirdsEye, ridge
 from vpf_sim.perception.flow import grey
 from vpf_sim.perception.line_search import RidgeMap, comb, noise_threshold
 from vpf_sim.perception.road_edges import RIDGE_REACH_M, RoadEdgeConfig
@@ -50,8 +50,7 @@ def _spread(frames: Iterator[Frame], times_s: Floats) -> list[Image]:
 
 def _score(looks: Sequence[Image], camera: Camera, config: RoadEdgeConfig) -> float:
     """Mean share of the rows that have a line where lanes of the known width would have one."""
-    patch = Patch(config.near_m, config.far_m, config.half_width_m, config.row_m, config.column_m)
-    view = BirdsEye(camera, patch)
+    view = BirdsEye(camera, config.patch)
     found = []
     for look in looks:
         response = ridge(view.warp(look), round(RIDGE_REACH_M / config.column_m))
