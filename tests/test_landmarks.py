@@ -40,6 +40,28 @@ def test_one_corner_is_enough_for_a_cone() -> None:
     assert (found[-1].left_m[0], found[-1].right_m[0]) == pytest.approx((-1.2, -0.8), abs=0.05)  # as wide as its base
 
 
+@pytest.mark.parametrize(("small", "told"), [(40.0, True), (27.0, False)])
+def test_a_few_faint_points_found_no_body(small: float, told: bool) -> None:
+    """The rim of a puddle and the clouds in it cross in points that slide along both; those of a cone are clearer."""
+    scene = np.array([[50.0, -1.0, 0.3], [50.0, -0.8, 0.45], [50.1, -0.9, 0.6]])
+    found = Drive(np.concatenate([scene, road_points(200)]), structure=small * np.eye(2)).run(tracker(), range(480))
+    assert any(len(bodies) for bodies in found) == told
+
+
+def test_faint_points_support_what_clear_ones_found() -> None:
+    """A car's plain rear between its lamps."""
+    scene = np.concatenate([body(60.0, 0.3, 1.8, 1.4, 14), road_points(200)])
+    clear = np.zeros(len(scene), np.bool_)
+    clear[[2, 11]] = True
+    drive, told = Drive(scene), tracker()
+    for frame in range(560):
+        flow = drive.flow(frame)
+        small = np.where(clear[flow.identity], 100.0, 20.0)
+        flow = replace(flow, structure=small[:, None, None] * np.eye(2))
+        found = told.update(flow, drive.road, SPEED_MPS, frame / RATE_HZ)
+    assert (found.left_m[0], found.right_m[0]) == pytest.approx((-0.6, 1.2), abs=0.15)
+
+
 @pytest.mark.parametrize(("small", "told"), [(100.0, True), (15.0, False)])
 def test_a_cone_before_the_edge_line_is_told_by_its_corners(small: float, told: bool) -> None:
     """It stands 0.9 m inside the carriageway: seen against the verge. There an edge is taken for one of the line's."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
+from tracked_points import CAMERA, CORNER, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.landmarks import LandmarkTracker
@@ -22,9 +22,11 @@ def pallet(right_m: float, height_m: float = 0.15) -> Floats:
     return np.array(top + feet)
 
 
-def approach(scene: Floats, noise_px: float = 0.1, curvature_per_m: float = 0.0) -> list[Obstacles]:
+def approach(
+    scene: Floats, noise_px: float = 0.1, curvature_per_m: float = 0.0, structure: Floats = CORNER
+) -> list[Obstacles]:
     """What is told of the scene on the way to 3 m before the pallet's face."""
-    drive = Drive(np.concatenate([scene, road_points(200, curvature_per_m)]), noise_px, curvature_per_m)
+    drive = Drive(np.concatenate([scene, road_points(200, curvature_per_m)]), noise_px, curvature_per_m, structure)
     frames = round((FACE_M - BUMPER_M - 3.0) / SPEED_MPS * RATE_HZ)
     return drive.run(LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ), range(frames))
 
@@ -47,6 +49,12 @@ def test_a_pallet_is_told_in_time_and_where_it_is(right_m: float) -> None:
 @pytest.mark.parametrize("height_m", [0.0, -0.15, -0.5])
 def test_what_is_painted_or_mirrored_is_no_pallet(height_m: float) -> None:
     assert first_gap_m(approach(pallet(0.3, height_m))) == -np.inf
+
+
+@pytest.mark.parametrize(("texture", "told"), [(13.0, False), (21.0, True)])
+def test_the_grain_of_asphalt_makes_no_pallet(texture: float, told: bool) -> None:
+    """It has up to 13 grey levels^2 / px^2, the faintest pallets in any weather have 21."""
+    assert (first_gap_m(approach(pallet(0.3), structure=texture * np.eye(2))) > 4.0) == told
 
 
 def test_points_on_a_line_are_not_trusted() -> None:

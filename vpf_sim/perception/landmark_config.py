@@ -47,6 +47,7 @@ class LandmarkConfig:
     verge_m: float = 1.8  # and so near outside, are not trusted
     corner_texture: float = 60.0  # unless so clear a corner (small eigenvalue, grey levels^2 / px^2)
     corner_ratio: float = 0.25  # that is no less than this share of the large one: edges have .2
+    founding_texture: float = 33.0  # smaller ones found no body: where puddles end and what they mirror begins slides
     foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there
     link_right_m: float = 1.0  # points nearer than this belong to one body
     link_forward_m: float = 2.0

@@ -185,7 +185,7 @@ class LandmarkTracker:
 
     def _low(self, flow: Flow, points: Triangulation, road: RoadEdges) -> Bools:
         """(N,) points that seem to stand a hand's breadth above the carriageway, off its lines."""
-        low = is_low(points, flow.age_frames / self.rate_hz, self.config.low)
+        low = is_low(points, flow.age_frames / self.rate_hz, eigenvalues(flow.structure)[0], self.config.low)
         chosen = np.flatnonzero(low)
         foot = ground_from_pixels(self.camera, flow.points_px[chosen])
         edges = carriageway_offsets(foot[:, 0], road)
@@ -224,7 +224,8 @@ class LandmarkTracker:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
         below = (flow.points_px[above, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
-        founding = below * self.config.foot_m > self.camera.height_m
+        texture = eigenvalues(flow.structure[above])[0]
+        founding = (below * self.config.foot_m > self.camera.height_m) & (texture > self.config.founding_texture)
         sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
         bearing = points.right_m[above] / depth
         sight = flow.pose[2] + np.arctan(bearing)
@@ -239,7 +240,7 @@ class LandmarkTracker:
             founding & ~low[above],
             low[above],
             margin,
-            eigenvalues(flow.structure[above])[0],
+            texture,
         )
 
     def _forget(self, flow: Flow) -> None:

@@ -26,6 +26,7 @@ class LowConfig:
     edge_m: float = 0.4  # the same of the edge lines
     link_right_m: float = 0.9  # points nearer than this belong to one body
     link_forward_m: float = 1.4
+    least_texture: float = 15.0  # small eigenvalue, grey levels^2 / px^2: asphalt has 5 to 13, and slides
     least_points: int = 2
     least_margin: float = 60.0  # sum over the points of a body, of which one adds
     most_margin: float = 100.0  # at most this
@@ -51,10 +52,11 @@ class LowConfig:
                 raise ValueError(f"{key}: expected both > 0, got {getattr(self, key)}")
 
 
-def is_low(points: Triangulation, age_s: Floats, config: LowConfig) -> Bools:
-    """(N,) points that stand too low to be told one by one, by their own tracks."""
+def is_low(points: Triangulation, age_s: Floats, texture: Floats, config: LowConfig) -> Bools:
+    """(N,) points that stand too low to be told one by one, by their own tracks and the small eigenvalues (N,)."""
     with np.errstate(invalid="ignore"):
         low = (points.depth_m > config.near_m) & (points.depth_m < config.far_m) & (age_s >= config.min_age_s)
+        low &= texture > config.least_texture
         low &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
         low &= (points.height_m > config.min_height_m) & (points.height_m < config.max_height_m)
         low &= points.height_sigma_m < config.sigma_height_m
