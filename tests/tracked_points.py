@@ -14,7 +14,10 @@ CORNER = 100.0 * np.eye(2)
 
 
 class Drive:
-    """A car on the x axis, or on a circle, and standing points (N, 3), tracked while seen, with renewed anchors."""
+    """A car on the x axis, or on a circle, and standing points (N, 3), tracked while seen, with renewed anchors.
+
+    Their structure tensors are (N, 2, 2), or one (2, 2) of all.
+    """
 
     def __init__(
         self,
@@ -23,7 +26,8 @@ class Drive:
         curvature_per_m: float = 0.0,
         structure: Floats = CORNER,
     ) -> None:
-        self.scene, self.noise_px, self.curvature, self.structure = scene_m, noise_px, curvature_per_m, structure
+        self.scene, self.noise_px, self.curvature = scene_m, noise_px, curvature_per_m
+        self.structure = np.broadcast_to(structure, (len(scene_m), 2, 2))
         self.rng = stream(21, "landmarks")
         self.first_px = np.full((len(scene_m), 2), np.nan)
         self.first_pose = np.zeros((len(scene_m), 3))
@@ -64,7 +68,7 @@ class Drive:
             first_px=self.first_px[old],
             first_pose=self.first_pose[old],
             age_frames=self.age[old],
-            structure=np.tile(self.structure, (count, 1, 1)),
+            structure=self.structure[old],
         )
 
     def run(self, tracker: LandmarkTracker, frames: range) -> list[Obstacles]:

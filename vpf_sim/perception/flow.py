@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import undistort
+from vpf_sim.perception.corners import eigenvalues
 from vpf_sim.perception.ground import ground_flow
 from vpf_sim.perception.stuck import stuck
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
@@ -308,9 +309,7 @@ class FlowTracker:
         return self.config.texture_floor > 0.0 or self.config.corner_ratio > 0.0
 
     def _is_corner(self, tensor: Floats) -> Bools:
-        mean = 0.5 * (tensor[:, 0, 0] + tensor[:, 1, 1])
-        half = np.hypot(0.5 * (tensor[:, 0, 0] - tensor[:, 1, 1]), tensor[:, 0, 1])
-        small, large = mean - half, mean + half
+        small, large = eigenvalues(tensor)
         corner: Bools = (small >= self.config.texture_floor) & (small >= self.config.corner_ratio * large)
         return corner
 

@@ -147,12 +147,13 @@ class LandmarkTracker:
     ) -> None:
         """Count what the points of this frame tell."""
         points = self.triangulate(flow) if points is None else points
+        texture, _ = eigenvalues(flow.structure)
         above = self._above(flow, points, road)
-        low = self._low(flow, points, road) & ~above
+        low = self._low(flow, points, texture, road) & ~above
         if moving is not None and moving.any():
             above, low = above & ~moving, low & ~moving
             self._marks.keep(~np.isin(self._marks.identity, flow.identity[moving]))
-        seen = self._sightings(flow, points, above | low, low)
+        seen = self._sightings(flow, points, texture, above | low, low)
         self._marks.record(seen, flow.identity[self._on_road(flow, points)], self._rules, time_s)
         self._forget(flow)
 
@@ -183,9 +184,9 @@ class LandmarkTracker:
             confirmed[chosen] = self._moves_so_now(flow, points, chosen)
         return confirmed
 
-    def _low(self, flow: Flow, points: Triangulation, road: RoadEdges) -> Bools:
+    def _low(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges) -> Bools:
         """(N,) points that seem to stand a hand's breadth above the carriageway, off its lines."""
-        low = is_low(points, flow.age_frames / self.rate_hz, eigenvalues(flow.structure)[0], self.config.low)
+        low = is_low(points, flow.age_frames / self.rate_hz, texture, self.config.low)
         chosen = np.flatnonzero(low)
         foot = ground_from_pixels(self.camera, flow.points_px[chosen])
         edges = carriageway_offsets(foot[:, 0], road)
@@ -220,12 +221,12 @@ class LandmarkTracker:
                 points.height_m + 2.0 * points.height_sigma_m < least
             )
 
-    def _sightings(self, flow: Flow, points: Triangulation, above: Bools, low: Bools) -> Sightings:
+    def _sightings(self, flow: Flow, points: Triangulation, texture: Floats, above: Bools, low: Bools) -> Sightings:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
         below = (flow.points_px[above, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
-        texture = eigenvalues(flow.structure[above])[0]
-        founding = (below * self.config.foot_m > self.camera.height_m) & (texture > self.config.founding_texture)
+        founding = below * self.config.foot_m > self.camera.height_m
+        founding &= texture[above] > self.config.founding_texture
         sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
         bearing = points.right_m[above] / depth
         sight = flow.pose[2] + np.arctan(bearing)
@@ -240,7 +241,7 @@ class LandmarkTracker:
             founding & ~low[above],
             low[above],
             margin,
-            texture,
+            texture[above],
         )
 
     def _forget(self, flow: Flow) -> None:
