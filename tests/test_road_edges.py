@@ -58,6 +58,15 @@ def test_lines_are_circles_where_the_curvature_is_constant(curvature: float) -> 
     assert np.abs(picture.local(places)[1] - 3.5 * numbers[:, None]).max() < 2e-3
 
 
+def test_a_line_that_bends_back_is_seen_where_it_crosses_a_row_first() -> None:
+    radius, forward = np.array([[16.0], [12.5]]), np.arange(4.0, 29.0)
+    right, _, reached = lines(state_of(0.0, 0.0, 1.0 / 16.0, 3.5), np.array([0.0, 1.0]), forward)
+    assert np.array_equal(reached, forward < radius)
+    circle = 16.0 - np.sqrt(np.maximum(radius**2 - forward**2, 0.0))
+    near = forward < 0.9 * radius
+    assert np.abs(right - circle)[near].max() < 0.03
+
+
 def test_a_road_that_the_vehicle_has_moved_along_is_the_same_road() -> None:
     step = np.array([0.4, 0.05, 0.03])
     after, _ = moved(BEND, step)
@@ -84,6 +93,17 @@ def test_the_edges_are_found_and_followed(curvature: float, place: float, headin
     assert last.curvature_per_m == pytest.approx(curvature / (1.0 - curvature * right), abs=1.5e-3)
     assert last.confidence > 0.9
     assert last.sigma_m < 0.05
+
+
+@pytest.mark.parametrize("radius_m", [35.0, -35.0, 24.0, -24.0])
+def test_tight_bends_are_followed(radius_m: float) -> None:
+    """As of a side street; the middle of the second lane from the right."""
+    seen = list(follow(RoadPicture(Camera(), 1.0 / radius_m), 1.75, 0.0, 60))
+    assert max(abs(edges.right_m - 5.25) for edges, _ in seen[30:]) < 0.1
+    assert max(abs(edges.left_m + 8.75) for edges, _ in seen[30:]) < 0.2
+    curvature = 1.0 / (radius_m - 1.75)
+    assert seen[-1][0].curvature_per_m == pytest.approx(curvature, rel=0.1)
+    assert seen[-1][0].confidence > 0.5
 
 
 @pytest.mark.parametrize("lane", [1, 3, 4])

@@ -15,7 +15,7 @@ DRIFT = np.array([0.002, 0.0003, 0.0001, 0.0002, 0.0004, 0.002, 0.0005, 0.0001])
 DRIFTS = np.diag(DRIFT**2)
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
 SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
-TIGHTEST = 0.025  # 1/m, curvature of a carriageway
+TIGHTEST = 0.06  # 1/m, curvature of any of its lines
 NARROWEST_M, WIDEST_M = 2.5, 4.5  # lanes
 STEEPEST_RAD = 0.02  # pitch: beyond it the camera is mounted otherwise, or these are no parallel lines
 PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass

@@ -70,7 +70,10 @@ class _Crossings:
         centre_y = _integrated(sine) - y * np.cos(heading)
         index = np.empty((len(offsets_m), len(forward_m)))
         for row, offset in enumerate(offsets_m):
-            index[row] = np.interp(forward_m, centre_x - offset * sine, STATIONS, left=-1.0, right=-1.0)
+            ahead = np.maximum.accumulate(
+                centre_x - offset * sine
+            )  # a tight bend leads back: its first crossing counts
+            index[row] = np.interp(forward_m, ahead, STATIONS, left=-1.0, right=-1.0)
         reached = index >= 0.0
         lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
         share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
