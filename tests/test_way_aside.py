@@ -276,3 +276,21 @@ def test_who_has_turned_to_one_side_of_a_body_keeps_to_it_though_the_body_is_tol
     assert kept(0.1) > 1.6
     assert kept(0.0) < -0.8
     assert kept(-0.1) < -0.8, "turned to the other side"
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("gap_m", "heading_rad", "leaves"), [(3.2, 0.0, True), (4.5, 0.0, False), (3.2, 0.1, False)])
+def test_a_gap_that_proves_narrow_is_left_for_a_free_side(
+    side: float, gap_m: float, heading_rad: float, leaves: bool
+) -> None:
+    """A cone is to be passed on the side with more road, where 10 m ahead a body is told beside it.
+
+    Through a wide gap the car goes all the same, and who has turned to it through any that is wide enough.
+    """
+    lane = Lane(0.0, 8.0 + side, -8.0 + side, 0.0, 0.0)
+    one, inner_m, outer_m = field(lane), 0.1 * side, (0.1 + gap_m) * side
+    cone = sorted((-0.4 * side, inner_m))
+    assert side * one.update(lane, bodies((14.5, *cone))).minimum_m > 0.0
+    row = bodies((12.5, *cone), (12.6, *sorted((outer_m, outer_m + side))))
+    minimum = one.update(replace(lane, heading_rad=-side * heading_rad), row).minimum_m
+    assert (side * minimum < 0.0) == leaves

@@ -57,6 +57,7 @@ CHANGES = (
         {
             "valley.field.memory_height": 0.0,
             "valley.field.latch_height": 0.0,
+            "valley.field.plan_height": 0.0,
             "valley.field.beside_height": 0.0,
             "valley.reference.motion": "direct",
             "valley.reference.speed": "constant",
@@ -68,7 +69,7 @@ CHANGES = (
     Change(
         "memory",
         "decisions are kept: leaving the last minimum or changing the side of a near body costs",
-        ("valley.field.memory_height", "valley.field.latch_height", "valley.field.beside_height"),
+        tuple(f"valley.field.{key}_height" for key in ("memory", "latch", "plan", "beside")),
     ),
     Change(
         "least-jerk",

@@ -6,6 +6,7 @@ All three are functions of y, the place across the road (`vpf_sim.planning.lane`
          + h_w ((1 - g_r(y) / d_w)^2 + (1 - g_l(y) / d_w)^2), each for g < d_w    road: g is the gap to the edge
          + max over bodies of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}     obstacles
            to which nearer than d_n, where no gap is passed, comes h_n (1 - d / d_n), h_n at most
+         + max over rows of w(t) h_r (1 - b / b_r) between two bodies of a row that leave a gap b < b_r
 
 d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
 in with the distance t to the body. Bodies take the maximum, not the sum, so that many points of one body weigh as one.
@@ -14,9 +15,11 @@ those, and stops before the others.
 
 The paper follows the local gradient; here the car goes to the global minimum, since dead ahead of a body the gradient
 vanishes and the side would be left to chance (METHOD A9, A10). What has been decided is kept: a term in the distance
-from the last minimum, and a latch on the side of every body that is near. What lies behind a body and cannot be reached
-before it (`vpf_sim.planning.reach`) costs, and places beyond an edge are no choice: the car stops rather than go there.
-A tie goes to the minimum that is nearer to the last one, then to the side with more road, then to the left.
+from the last minimum, and a latch on the side of every body that is near. It is a light one where a gap between two
+bodies proves narrow and the car does not go there yet: something low, told last, may close it, and a free side is
+better. What lies behind a body and cannot be reached before it (`vpf_sim.planning.reach`) costs, and places beyond an
+edge are no choice: the car stops rather than go there. A tie goes to the minimum that is nearer to the last one, then
+to the side with more road, then to the left.
 """
 
 from dataclasses import dataclass, replace
@@ -26,6 +29,7 @@ import numpy as np
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.reach import Reach
+from vpf_sim.planning.rows import ROW_M, narrowness
 from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
@@ -35,7 +39,6 @@ NEXT_M = 4.0  # ahead, what stands beside our way is passed next
 FREE_M = 1e-6  # a body's own side is free of it
 NO_CHOICE = 1e3  # more than any body, side or memory costs
 BOUNDS_M = 1.5  # of our body, what stands bounds the gap that it goes through
-ROW_M = 5.0  # what stands so far behind another is of its row
 CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
 BEHIND_M = 0.5  # off its middle: who is not farther aside goes behind it, and has not chosen a side yet
 SOON_S, SOON_M = 3.0, 5.0  # until a body that moves is met, and what is kept from it
@@ -62,6 +65,8 @@ class LaneFieldConfig:
     clearance_m: float  # c
     narrow_height: float  # h_n, more than the wall of an edge asks for where a gap is left beside a body
     narrow_m: float  # d_n
+    row_height: float  # h_r
+    row_gap_m: float  # b_r
     visible_m: float  # from here on a body counts, bumper to face
     full_m: float  # and from here on in full
     body_length_m: float  # a body counts until our rear is this far past its face,
@@ -73,11 +78,13 @@ class LaneFieldConfig:
     memory_m: float  # how far these reach
     latch_m: float  # side latch of bodies nearer than this
     latch_height: float
+    plan_height: float  # towards a narrow gap that the car does not go to yet
     beside_height: float  # of the latch while passing
     unreached_height: float  # of places that lie behind a body and cannot be reached before it
 
     def __post_init__(self) -> None:
-        for key in ("reach_m", "spacing_m", "target_per_m2", "wall_reach_m", "tail_decay_m", "memory_m", "narrow_m"):
+        lengths = ("reach_m", "spacing_m", "wall_reach_m", "tail_decay_m", "memory_m", "narrow_m", "row_gap_m")
+        for key in (*lengths, "target_per_m2"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
         if not self.unstopped_share >= 0.0:
@@ -134,10 +141,12 @@ class LaneField:
         shut = self._beyond(lane) + self._unreached(obstacles, lane)
         if not np.any((obstacle < self._touching) & (shut == 0.0)):
             obstacle = self._obstacle(obstacles, self._unstopped(obstacles, speed_mps))
+        rows = self._rows(obstacles)
+        obstacle = obstacle + rows
         total = self._target + road + obstacle
         kept = total + shut
         if self._last_m is not None:
-            kept = kept + self._memory(obstacles, lane)
+            kept = kept + self._memory(obstacles, lane, rows)
         self._last_m = self._minimum(kept, lane)
         return LanePotential(self._y_m, self._target, road, obstacle, self._last_m)
 
@@ -297,6 +306,11 @@ class LaneField:
         worst: Floats = each.max(axis=0)
         return worst
 
+    def _rows(self, obstacles: LaneObstacles) -> Floats:
+        """(G,) what a narrow gap between two bodies of a row costs."""
+        weight = np.where((obstacles.speed_mps == 0.0) & (self.bumper(obstacles) > 0.0), self.present(obstacles), 0.0)
+        return self._config.row_height * narrowness(obstacles, weight, self._y_m, self._config.row_gap_m)
+
     def _unstopped(self, obstacles: LaneObstacles, speed_mps: float) -> Floats:
         """(K,) 0 .. 1, which bodies are too near for a stop."""
         way = self.bumper(obstacles)
@@ -311,10 +325,10 @@ class LaneField:
         gap: Floats = np.maximum(right, left)
         return gap
 
-    def _memory(self, obstacles: LaneObstacles, lane: Lane) -> Floats:
+    def _memory(self, obstacles: LaneObstacles, lane: Lane, rows: Floats) -> Floats:
         """(G,) what keeps the decision: leaving the last minimum costs, changing the side of a near body costs more.
 
-        As much if the car has turned to that side already.
+        As much if the car has turned to that side already; less if it has not and the gap there proves narrow.
         """
         config = self._config
         last = self._last_m if self._last_m is not None else 0.0
@@ -336,7 +350,8 @@ class LaneField:
         beside = (gap[near] < np.where(speed > 0.0, room, 0.0)) & aside
         chosen = np.where(beside, lane.y_m, last) - middle
         other = (self._y_m[None] - middle[:, None]) * np.sign(chosen)[:, None] < 0.0
-        height = np.where(beside, config.beside_height, config.latch_height)
+        goes = turned[near] | (abs(lane.y_m - last) < config.memory_m) | (np.interp(last, self._y_m, rows) == 0.0)
+        height = np.where(beside, config.beside_height, np.where(goes, config.latch_height, config.plan_height))
         latched: Floats = memory + (other * height[:, None]).max(axis=0)
         return latched
 

@@ -20,10 +20,11 @@ import numpy as np
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import ROW_M, LaneField
+from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.pace import Pace
 from vpf_sim.planning.reach import Reach, rear_m
+from vpf_sim.planning.rows import ROW_M
 from vpf_sim.planning.stopping import stopping_way
 from vpf_sim.types import Reference, VehicleModel
 
