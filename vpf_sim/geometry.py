@@ -26,6 +26,11 @@ def distance_m(one: Floats, other: Floats) -> float:
     return float(np.hypot(*(one - other)[:2]))
 
 
+def is_same(pose: Floats, other: Floats) -> bool:
+    """Whether two poses are equal; of what stands, they are mostly one object."""
+    return pose is other or np.array_equal(pose, other)
+
+
 def vehicle_from_world(points_m: Floats, pose: Floats) -> Floats:
     """(..., 2) world points in the axes of the vehicle at `pose` (x, y, yaw)."""
     relative: Floats = (points_m - pose[:2]) @ rotation(pose[2])

@@ -70,9 +70,8 @@ class _Crossings:
         centre_y = _integrated(sine) - y * np.cos(heading)
         index = np.empty((len(offsets_m), len(forward_m)))
         for row, offset in enumerate(offsets_m):
-            ahead = np.maximum.accumulate(
-                centre_x - offset * sine
-            )  # a tight bend leads back: its first crossing counts
+            # A tight bend leads back: the first crossing counts.
+            ahead = np.maximum.accumulate(centre_x - offset * sine)
             index[row] = np.interp(forward_m, ahead, STATIONS, left=-1.0, right=-1.0)
         reached = index >= 0.0
         lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)

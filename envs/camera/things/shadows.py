@@ -6,6 +6,7 @@ import numpy as np
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.things.painter import Box, footprint
 from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
+from vpf_sim.geometry import is_same
 from vpf_sim.types import Floats, Image
 
 RANGE_M, FADED_IN_M = 75.0, 45.0
@@ -28,7 +29,7 @@ class Shadow:
         distance = np.hypot(*(pose[:2] - view.centre[:2]).tolist())
         if distance > RANGE_M:
             return
-        if pose is not self._pose and not np.array_equal(pose, self._pose):
+        if not is_same(pose, self._pose):
             self._pose, self._outlines = pose, self._cast(pose)
         polygons = [_in_picture(view, outline) for outline in self._outlines]
         full = min(1.0, (RANGE_M - distance) / (RANGE_M - FADED_IN_M))

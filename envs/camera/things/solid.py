@@ -11,6 +11,7 @@ from vpf_sim.envs.camera.things.mesh import Mesh
 from vpf_sim.envs.camera.things.painter import Drawing, drawing, planes_of
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import NEAR_M, View, body_axes
+from vpf_sim.geometry import is_same
 from vpf_sim.types import Floats
 
 VISIBLE_PX = 0.6  # faces thinner than this are not drawn
@@ -75,7 +76,7 @@ class Solid:
 
     def _go(self, pose: Floats) -> None:
         """Stand at a pose."""
-        if pose is self._pose or np.array_equal(pose, self._pose):
+        if is_same(pose, self._pose):
             return
         if pose[2] != self._pose[2]:
             self._contrasts = self._look = None

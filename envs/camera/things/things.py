@@ -17,6 +17,7 @@ from vpf_sim.envs.camera.things.solid import RANGE_M, STALE_M, Solid
 from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
+from vpf_sim.geometry import is_same
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -90,7 +91,7 @@ class Things:
         body = now.bodies[index]
         pose = now.poses[id(body)]
         earlier = before.poses.get(id(body), pose)
-        motion = STILL if earlier is pose or np.array_equal(earlier, pose) else Motion.of_body(earlier, pose)
+        motion = STILL if is_same(earlier, pose) else Motion.of_body(earlier, pose)
         drawing = self._of(body).solid.seen(now.view, pose)
         return None if drawing is None else Drawn(drawing, index + 1, motion)
 
