@@ -1,6 +1,8 @@
 """Landmarks from simulated tracks: bodies at known places, empty roads, bends, remembering and forgetting."""
 
 from dataclasses import fields, replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -8,8 +10,10 @@ from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.perception.ground_residual import Spot
+from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.landmarks import LandmarkTracker
+from vpf_sim.perception.marks import Marks
 from vpf_sim.types import Bools, Floats, Flow, RoadEdges
 
 
@@ -88,6 +92,25 @@ def test_who_stands_behind_a_long_body_and_beside_it_has_a_name_of_his_own() -> 
     assert bodies.left_m[order] == pytest.approx([0.0, 0.8], abs=0.15)
     assert bodies.right_m[order] == pytest.approx([0.3, 3.2], abs=0.15)
     assert len(set(bodies.identity.tolist())) == 2
+
+
+@pytest.mark.parametrize(
+    ("before", "label", "named"),
+    [
+        ([2, 2, 2, 2, 4, 4], [0, 0, 0, 1, 1, 1], [2, 4]),
+        ([2] * 6, [0, 0, 0, 1, 1, 1], [2, 2]),
+        ([2, 2, 4, 4], [0] * 4, [2]),
+    ],
+    ids=["a cone beside a truck", "a part of it", "two parts of one"],
+)
+def test_a_body_with_a_name_keeps_it_though_points_of_another_join_it(
+    before: list[int], label: list[int], named: list[int]
+) -> None:
+    """Corners of a truck's flank are seen beside a cone: under the truck's name it would be a part of it."""
+    marks, one = SimpleNamespace(body=np.array(before)), np.ones(len(named), np.bool_)
+    bodies = Bodies(CAMERA, LandmarkConfig(), cast("Marks", marks), RATE_HZ)
+    assert bodies._named(np.arange(len(label)), np.array(label), one, one, ~one).tolist() == named
+    assert marks.body.tolist() == [named[k] for k in label]
 
 
 @pytest.mark.parametrize(("heading_rad", "told"), [(0.0, 1), (0.25, 1), (-0.35, 0)])

@@ -155,17 +155,28 @@ class Bodies:
         """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1.
 
         Those `apart` do not go on under the identity of a body that they were taken for a part of, once well placed.
+        Nor does one that has a name of its own take that of a body whose points, most of them elsewhere, joined it.
         """
         count, unknown = len(confirmed), np.iinfo(np.int64).max
         before = self._marks.body[believed]
         known = np.where(before >= 0, before, unknown)
         others = apart[label] & np.isin(known, known[(confirmed & ~apart)[label]])
-        body, shared = np.full(count, unknown), np.full(count, unknown)
+        own, body, shared = np.full((3, count), unknown)
+        np.minimum.at(own, label, np.where(others | ~_mostly_here(known, label, count), unknown, known))
         np.minimum.at(body, label, np.where(others, unknown, known))
         np.minimum.at(shared, label, known)
+        body = np.where(own == unknown, body, own)
         fresh = np.flatnonzero(confirmed & placed & (body == unknown))
         body[fresh] = [self.number() for _ in fresh]
         body = np.where(body == unknown, shared, body)
         body[body == unknown] = -1
         self._marks.body[believed] = np.where(confirmed[label], body[label], before)
         return body
+
+
+def _mostly_here(name: Integers, label: Integers, count: int) -> Bools:
+    """(M,) points that are in that of `count` clusters in which most of the points are that bear their name."""
+    _, index = np.unique(name, return_inverse=True)
+    points = np.bincount(index * count + label, minlength=(int(index.max()) + 1) * count).reshape(-1, count)
+    here: Bools = points.argmax(axis=1)[index] == label
+    return here

@@ -307,9 +307,10 @@ class LaneField:
         return worst
 
     def _rows(self, obstacles: LaneObstacles) -> Floats:
-        """(G,) what a narrow gap between two bodies of a row costs."""
+        """(G,) what a gap between two bodies of a row costs that is wide enough, but narrow."""
         weight = np.where((obstacles.speed_mps == 0.0) & (self.bumper(obstacles) > 0.0), self.present(obstacles), 0.0)
-        return self._config.row_height * narrowness(obstacles, weight, self._y_m, self._config.row_gap_m)
+        widths_m = 2.0 * (self._half_width_m + self._config.clearance_m), self._config.row_gap_m
+        return self._config.row_height * narrowness(obstacles, weight, self._y_m, widths_m)
 
     def _unstopped(self, obstacles: LaneObstacles, speed_mps: float) -> Floats:
         """(K,) 0 .. 1, which bodies are too near for a stop."""

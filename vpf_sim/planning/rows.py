@@ -12,15 +12,18 @@ from vpf_sim.types import Floats
 ROW_M = 5.0  # what stands so far behind another is of its row
 
 
-def narrowness(obstacles: LaneObstacles, weight: Floats, y_m: Floats, wide_m: float) -> Floats:
-    """(G,) 0 .. 1 at places across the road: how far the gap there, between two bodies of a row, falls short of a
-    width; as the lesser of the weights (K,) of both. 0 elsewhere."""
+def narrowness(obstacles: LaneObstacles, weight: Floats, y_m: Floats, widths_m: tuple[float, float]) -> Floats:
+    """(G,) 0 .. 1 at places across the road: how far the gap there, between two bodies of a row, falls short of wide,
+    the second of the widths; times the lesser of the weights (K,) of both. 0 elsewhere, and where it is narrower than
+    the first: that is no gap to be gone through.
+    """
+    least_m, wide_m = widths_m
     narrow = np.zeros_like(y_m)
     if np.count_nonzero(weight) < 2:
         return narrow
     row, weight = obstacles.chosen(weight > 0.0), weight[weight > 0.0]
     gap = row.left_m[None] - row.right_m[:, None]  # (R, R) from each body to each
-    beside = (gap > 0.0) & (gap < wide_m) & (np.abs(row.along_m[None] - row.along_m[:, None]) < ROW_M)
+    beside = (gap > least_m) & (gap < wide_m) & (np.abs(row.along_m[None] - row.along_m[:, None]) < ROW_M)
     for left, right in np.argwhere(beside):
         between = (y_m > row.right_m[left]) & (y_m < row.left_m[right])
         short = (1.0 - gap[left, right] / wide_m) * min(weight[left], weight[right])
