@@ -11,7 +11,7 @@ from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import ROW_M, LaneField
+from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.pace import (
     CLOSED_M,
     EASY_MPS,
@@ -30,6 +30,7 @@ from vpf_sim.planning.pace import (
     Pace,
 )
 from vpf_sim.planning.reach import Reach
+from vpf_sim.planning.rows import ROW_M
 from vpf_sim.types import Floats, VehicleModel
 
 ROBUST = variant.load("robust").valley

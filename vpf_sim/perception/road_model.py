@@ -69,10 +69,10 @@ class _Crossings:
         centre_x = _integrated(cosine) + y * np.sin(heading)
         centre_y = _integrated(sine) - y * np.cos(heading)
         index = np.empty((len(offsets_m), len(forward_m)))
-        for row, offset in enumerate(offsets_m):
-            # A tight bend leads back: the first crossing counts.
-            ahead = np.maximum.accumulate(centre_x - offset * sine)
-            index[row] = np.interp(forward_m, ahead, STATIONS, left=-1.0, right=-1.0)
+        # A tight bend leads back: the first crossing counts.
+        ahead = np.maximum.accumulate(centre_x - offsets_m[:, None] * sine, axis=1)
+        for row, along in enumerate(ahead):
+            index[row] = np.interp(forward_m, along, STATIONS, left=-1.0, right=-1.0)
         reached = index >= 0.0
         lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
         share = np.minimum(np.maximum(index - lower, 0.0), 1.0)

@@ -69,7 +69,12 @@ CHANGES = (
     Change(
         "memory",
         "decisions are kept: leaving the last minimum or changing the side of a near body costs",
-        tuple(f"valley.field.{key}_height" for key in ("memory", "latch", "plan", "beside")),
+        (
+            "valley.field.memory_height",
+            "valley.field.latch_height",
+            "valley.field.plan_height",
+            "valley.field.beside_height",
+        ),
     ),
     Change(
         "least-jerk",

@@ -6,7 +6,7 @@ All three are functions of y, the place across the road (`vpf_sim.planning.lane`
          + h_w ((1 - g_r(y) / d_w)^2 + (1 - g_l(y) / d_w)^2), each for g < d_w    road: g is the gap to the edge
          + max over bodies of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}     obstacles
            to which nearer than d_n, where no gap is passed, comes h_n (1 - d / d_n), h_n at most
-         + max over rows of w(t) h_r (1 - b / b_r) between two bodies of a row that leave a gap b < b_r
+         + max over rows of w(t) h_r (1 - b / b_r) between two bodies of a row leaving room, but b < b_r
 
 d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
 in with the distance t to the body. Bodies take the maximum, not the sum, so that many points of one body weigh as one.
@@ -28,6 +28,7 @@ from math import tan
 import numpy as np
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.lane_field_config import LaneFieldConfig
 from vpf_sim.planning.reach import Reach
 from vpf_sim.planning.rows import ROW_M, narrowness
 from vpf_sim.planning.stopping import stopping_way
@@ -45,52 +46,6 @@ SOON_S, SOON_M = 3.0, 5.0  # until a body that moves is met, and what is kept fr
 PASSING_M = 3.0  # from bumper to face: a body that moves is being passed
 STOP_MPS2, STOP_REACTION_S = 3.0, 0.3  # of a stop in need
 CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
-
-
-@dataclass(frozen=True, slots=True)
-class LaneFieldConfig:
-    """Potentials have no unit; only their ratios matter."""
-
-    reach_m: float  # of the grid, to both sides of the own lane's middle
-    spacing_m: float
-    target_per_m2: float  # k
-    wall_height: float  # h_w
-    wall_reach_m: float  # d_w
-    edge_gap_m: float  # nearer to an edge no place is chosen, whatever stands on the road
-    obstacle_height: float  # h_o
-    obstacle_slope_per_m: float  # s_o
-    unstopped_share: float  # by which both are more for a body too near for a stop, where no place is free
-    tail_height: float  # h_t
-    tail_decay_m: float  # d_t
-    clearance_m: float  # c
-    narrow_height: float  # h_n, more than the wall of an edge asks for where a gap is left beside a body
-    narrow_m: float  # d_n
-    row_height: float  # h_r
-    row_gap_m: float  # b_r
-    visible_m: float  # from here on a body counts, bumper to face
-    full_m: float  # and from here on in full
-    body_length_m: float  # a body counts until our rear is this far past its face,
-    long_m: float  # one that moves, or may be a truck, until so far:
-    truck_width_m: float  # from here on it may be one
-    slower_mps: float  # than the reference speed is a body that moves and is overtaken
-    beside_m: float  # others count only nearer than this: they are followed
-    memory_height: float  # for leaving the surroundings of the last minimum
-    memory_m: float  # how far these reach
-    latch_m: float  # side latch of bodies nearer than this
-    latch_height: float
-    plan_height: float  # towards a narrow gap that the car does not go to yet
-    beside_height: float  # of the latch while passing
-    unreached_height: float  # of places that lie behind a body and cannot be reached before it
-
-    def __post_init__(self) -> None:
-        lengths = ("reach_m", "spacing_m", "wall_reach_m", "tail_decay_m", "memory_m", "narrow_m", "row_gap_m")
-        for key in (*lengths, "target_per_m2"):
-            if not getattr(self, key) > 0.0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
-        if not self.unstopped_share >= 0.0:
-            raise ValueError(f"unstopped_share: expected >= 0, got {self.unstopped_share}")
-        if not self.full_m < self.visible_m:
-            raise ValueError(f"full_m: expected < visible_m = {self.visible_m}, got {self.full_m}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -351,8 +306,9 @@ class LaneField:
         beside = (gap[near] < np.where(speed > 0.0, room, 0.0)) & aside
         chosen = np.where(beside, lane.y_m, last) - middle
         other = (self._y_m[None] - middle[:, None]) * np.sign(chosen)[:, None] < 0.0
-        goes = turned[near] | (abs(lane.y_m - last) < config.memory_m) | (np.interp(last, self._y_m, rows) == 0.0)
-        height = np.where(beside, config.beside_height, np.where(goes, config.latch_height, config.plan_height))
+        goes, wide = turned[near] | (abs(lane.y_m - last) < config.memory_m), np.interp(last, self._y_m, rows) == 0.0
+        kept = np.where(goes | wide, config.latch_height, config.plan_height)
+        height = np.where(beside, config.beside_height, kept)
         latched: Floats = memory + (other * height[:, None]).max(axis=0)
         return latched
 

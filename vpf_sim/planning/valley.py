@@ -8,7 +8,8 @@ import numpy as np
 
 from vpf_sim.planning.caution import Caution, CautionConfig
 from vpf_sim.planning.lane import Lane, locate, place
-from vpf_sim.planning.lane_field import LaneField, LaneFieldConfig, LanePotential
+from vpf_sim.planning.lane_field import LaneField, LanePotential
+from vpf_sim.planning.lane_field_config import LaneFieldConfig
 from vpf_sim.planning.lane_reference import LaneReference
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.reach import Reach, ReachConfig
