@@ -12,8 +12,8 @@ from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles, locate
-from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference import LaneReference
+from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.reach import Reach, rear_m
 from vpf_sim.types import Floats, VehicleModel
 
@@ -23,6 +23,10 @@ CAR, RATE_HZ = VehicleModel(), 60.0
 REACH = Reach(ROBUST.reach, CAR)
 LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
 NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))
+
+
+def about(bodies: LaneObstacles) -> Neighbours:
+    return Neighbours(bodies, ROBUST.field, CAR, 5.55)
 
 
 def path(minima_m: Sequence[float], speed_mps: float) -> Floats:
@@ -86,12 +90,11 @@ def test_the_car_follows_when_the_minimum_jumps_back(speed_mps: float, turned_ba
     """On its way to a minimum 4 m aside that jumps to 0.7 m: the path turns back as fast as the car, and no faster."""
     car, hands, road = Bicycle(speed_mps=speed_mps), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
     way = LaneReference(ROBUST.reference, CAR, speed_mps, RATE_HZ, REACH)
-    field = LaneField(ROBUST.field, CAR, speed_mps, REACH)
     off, beside = [], []
     while car.x_m < 18.0:
         lane = locate(road.edges(car))
         minimum_m = 4.0 if car.x_m < turned_back_after_m else 0.7
-        reference = way.update(lane, NOTHING, field, minimum_m, car.yaw_rad, car.speed_mps)
+        reference = way.update(lane, about(NOTHING), minimum_m, car.yaw_rad, car.speed_mps)
         off.append(abs(reference.heading_rad - car.yaw_rad))
         assert way.y_m is not None
         beside.append(abs(way.y_m - rear_m(lane, CAR)))
@@ -107,12 +110,12 @@ def test_the_corners_stay_on_the_carriageway(speed_mps: float, first_m: float) -
     """On the way to the last place beside the right edge, from straight ahead and from having turned away before."""
     car, hands, road = Bicycle(y_m=1.3, speed_mps=speed_mps), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
     way = LaneReference(ROBUST.reference, CAR, speed_mps, RATE_HZ, REACH)
-    field, front = LaneField(ROBUST.field, CAR, speed_mps, REACH), []
+    front = []
     edge_m = locate(road.edges(car)).right_m
     while car.x_m < 30.0:
         lane = locate(road.edges(car))
         minimum_m = first_m if 2.0 < car.x_m < 5.0 else edge_m - 1.1
-        reference = way.update(lane, NOTHING, field, minimum_m, car.yaw_rad, car.speed_mps)
+        reference = way.update(lane, about(NOTHING), minimum_m, car.yaw_rad, car.speed_mps)
         car.step(hands.command(car.observe(), reference))
         middle = car.y_m + 0.5 * CAR.length_m * np.sin(car.yaw_rad)
         front.append(middle + 0.5 * CAR.width_m * np.cos(car.yaw_rad))
@@ -126,13 +129,12 @@ def test_the_corners_stay_on_the_carriageway(speed_mps: float, first_m: float) -
 def test_the_corners_stay_clear_of_a_body_that_is_passed_next(gap_m: float, way_m: float, speed_mps: float) -> None:
     """A body stands to the right, farther than the car shall go: it gets there turned, its corner first."""
     car, hands, road = Bicycle(speed_mps=speed_mps), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
-    field = LaneField(ROBUST.field, CAR, 5.55, REACH)
     way, front = LaneReference(ROBUST.reference, CAR, speed_mps, RATE_HZ, REACH), []
     half_length, half_width = 0.5 * CAR.length_m, 0.5 * CAR.width_m
     face_m, side_m = way_m + half_length, gap_m + half_width
     while car.x_m < face_m + 4.0:
         body = LaneObstacles(np.array([face_m - car.x_m]), np.array([side_m]), np.array([side_m + 2.0]))
-        reference = way.update(locate(road.edges(car)), body, field, gap_m - 0.15, car.yaw_rad, car.speed_mps)
+        reference = way.update(locate(road.edges(car)), about(body), gap_m - 0.15, car.yaw_rad, car.speed_mps)
         car.step(hands.command(car.observe(), replace(reference, speed_mps=speed_mps)))
         ahead = car.x_m + half_length * np.cos(car.yaw_rad) - half_width * np.sin(car.yaw_rad)
         aside = car.y_m + half_length * np.sin(car.yaw_rad) + half_width * np.cos(car.yaw_rad)
@@ -147,9 +149,9 @@ def test_near_a_gap_that_is_too_narrow_the_car_is_not_turned_towards_it(
     """A row closes the road but for a gap 1 m to the right: it can still stop, and the gap may be none."""
     faces, half = np.full(2, way_m + 0.5 * CAR.length_m), 0.5 * gap_m
     bodies = LaneObstacles(faces, np.array([-12.0, 1.0 + half]), np.array([1.0 - half, 12.0]))
-    way, field = LaneReference(ROBUST.reference, CAR, 1.5, RATE_HZ, REACH), LaneField(ROBUST.field, CAR, 5.55, REACH)
+    way = LaneReference(ROBUST.reference, CAR, 1.5, RATE_HZ, REACH)
     for _ in range(150):
-        way.update(LANE, bodies, field, 1.0, 0.0, 1.5)
+        way.update(LANE, about(bodies), 1.0, 0.0, 1.5)
     assert way.y_m is not None
     assert (way.y_m > 0.1) == leaves
 
@@ -160,9 +162,9 @@ def test_the_own_lane_is_left_no_sooner_than_it_must_be(way_m: float, right_m: f
     half = 0.5 * CAR.width_m
     faces = np.full(2, way_m + 0.5 * CAR.length_m)
     bodies = LaneObstacles(faces, np.array([-1.0, right_m]), np.array([1.5 - half - 0.43, right_m + 1.0]))
-    way, field = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH), LaneField(ROBUST.field, CAR, 5.55, REACH)
+    way = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH)
     for _ in range(5):
-        way.update(LANE, bodies, field, 1.5, 0.0, 5.55)
+        way.update(LANE, about(bodies), 1.5, 0.0, 5.55)
     assert way.y_m is not None
     assert (way.y_m > 0.0) == leaves
 
@@ -174,9 +176,9 @@ def test_a_slower_car_is_not_waited_for(speed_mps: float, leaves: bool) -> None:
     ahead = LaneObstacles(
         np.array([16.0 + 0.5 * CAR.length_m]), np.array([-1.0]), np.array([1.5 - half - 0.43]), np.array([speed_mps])
     )
-    way, field = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH), LaneField(ROBUST.field, CAR, 5.55, REACH)
+    way = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH)
     for _ in range(5):
-        way.update(LANE, ahead, field, 1.5, 0.0, 5.55)
+        way.update(LANE, about(ahead), 1.5, 0.0, 5.55)
     assert way.y_m is not None
     assert (way.y_m > 0.0) == leaves
 
@@ -196,8 +198,8 @@ def test_between_two_bodies_the_path_is_that_of_the_mirrored_world() -> None:
 def test_the_way_back_does_not_wait() -> None:
     """A car 1.5 m aside, its lane free, and a body beside its present way far ahead."""
     body = LaneObstacles(np.array([14.0]), np.array([1.0]), np.array([3.0]))
-    way, field = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH), LaneField(ROBUST.field, CAR, 5.55, REACH)
+    way = LaneReference(ROBUST.reference, CAR, 5.55, RATE_HZ, REACH)
     for _ in range(30):
-        way.update(replace(LANE, y_m=1.5), body, field, 0.0, 0.0, 5.55)
+        way.update(replace(LANE, y_m=1.5), about(body), 0.0, 0.0, 5.55)
     assert way.y_m is not None
     assert way.y_m < 1.45

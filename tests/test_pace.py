@@ -11,7 +11,7 @@ from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.pace import (
     CLOSED_M,
     EASY_MPS,
@@ -43,8 +43,8 @@ NARROW_M = 0.5 * (CONFIG.walking_clearance_m + CONFIG.minimum_clearance_m)
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 
 
-def field() -> LaneField:
-    return LaneField(ROBUST.field, CAR, SPEED_MPS, REACH)
+def about(bodies: LaneObstacles) -> Neighbours:
+    return Neighbours(bodies, ROBUST.field, CAR, SPEED_MPS)
 
 
 def pace() -> Pace:
@@ -53,7 +53,7 @@ def pace() -> Pace:
 
 def wanted(obstacles: LaneObstacles, speed_mps: float = 3.0) -> float:
     """v_d at first sight, the minimum being where the car is."""
-    return pace().update(LANE, obstacles, field(), 0.0, speed_mps)
+    return pace().update(LANE, about(obstacles), 0.0, speed_mps)
 
 
 def gate(gap_m: float, way_m: float) -> LaneObstacles:
@@ -88,10 +88,10 @@ def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> No
 
 def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
     """(N,) m left to a body ahead of a car that follows what is wanted as the controller does."""
-    speed, watch, believed, left = SPEED_MPS, pace(), field(), []
+    speed, watch, left = SPEED_MPS, pace(), []
     for _ in range(round(seconds * RATE_HZ)):
         body = LaneObstacles(*np.array([[way_m + BUMPER_M, -half_width_m, half_width_m]]).T)
-        error = watch.update(LANE, body, believed, 0.0, speed) - speed
+        error = watch.update(LANE, about(body), 0.0, speed) - speed
         speed = max(0.0, speed + 3.6 * min(max(error, -1.0), 1.0) / RATE_HZ)
         way_m -= speed / RATE_HZ
         left.append(way_m)
@@ -114,12 +114,12 @@ def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up
 
 
 def test_short_stands_do_not_add_up() -> None:
-    watch, body, walls = pace(), field(), LaneObstacles(*np.array([[5.0, -1.0, 1.0]]).T)
+    watch, walls = pace(), about(LaneObstacles(*np.array([[5.0, -1.0, 1.0]]).T))
     for second in range(10):
         for _ in range(round(2.0 * RATE_HZ)):
-            assert watch.update(LANE, walls, body, 0.0, 0.0) == 0.0, second
+            assert watch.update(LANE, walls, 0.0, 0.0) == 0.0, second
         for _ in range(round(0.5 * RATE_HZ)):
-            watch.update(LANE, walls, body, 0.0, 0.5)
+            watch.update(LANE, walls, 0.0, 0.5)
 
 
 def test_no_more_is_asked_for_than_comfort_gives_unless_a_body_is_too_near_for_that() -> None:
@@ -142,11 +142,11 @@ def test_a_body_that_moves_and_is_told_late_is_fallen_in_behind_in_comfort(
 ) -> None:
     """What counts is how fast it is come nearer to, not how fast the car is; too near, it is let go ahead."""
     lead = LaneObstacles(*(np.array([one]) for one in (way_m + BUMPER_M, -0.9, 0.9, body_mps)))
-    assert pace().update(LANE, lead, field(), 0.0, speed_mps) >= speed_mps - EASY_MPS
+    assert pace().update(LANE, about(lead), 0.0, speed_mps) >= speed_mps - EASY_MPS
     too_near = replace(lead, along_m=np.array([NEAR_M + 0.1 + BUMPER_M]))
-    assert pace().update(LANE, too_near, field(), 0.0, body_mps) == pytest.approx(body_mps - FALL_BACK_MPS)
+    assert pace().update(LANE, about(too_near), 0.0, body_mps) == pytest.approx(body_mps - FALL_BACK_MPS)
     touching = replace(lead, along_m=np.array([0.1 + BUMPER_M]))
-    assert pace().update(LANE, touching, field(), 0.0, speed_mps) < body_mps - FALL_BACK_MPS
+    assert pace().update(LANE, about(touching), 0.0, speed_mps) < body_mps - FALL_BACK_MPS
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -157,7 +157,7 @@ def test_who_is_headed_at_a_body_leaves_the_time_to_turn_away_from_it(side: floa
         sides = sorted((side * (HALF_M + 0.5), side * 4.0))
         body = LaneObstacles(*(np.array([one]) for one in (BUMPER_M + 1.5, *sides, body_mps)))
         lane = Lane(0.0, 9.0, -9.0, -np.arctan(side * slope), 0.0)
-        return pace().update(lane, body, field(), 0.0, speed_mps)
+        return pace().update(lane, about(body), 0.0, speed_mps)
 
     assert towards(0.25, 0.0, 2.5) == pytest.approx(1.5 / MET_S)  # its face
     assert towards(0.1, 0.0, 4.5) == pytest.approx((0.5 / 0.1 - BUMPER_M) / MET_S)  # its flank, farther behind
@@ -173,7 +173,7 @@ def test_before_a_gap_that_one_body_more_would_close_the_car_looks_while_a_turn_
         wall = LaneObstacles(*(np.array([one]) for one in (way_m + BUMPER_M, -7.0, LANE.right_m - gap_m)))
         middle_m = LANE.right_m - 0.5 * gap_m
         lane = replace(LANE, y_m=middle_m)
-        return pace().update(lane, wall, field(), middle_m, speed_mps)
+        return pace().update(lane, about(wall), middle_m, speed_mps)
 
     for way_m in (LOOKED_M + 0.01, 6.0, 8.0):
         speed_mps = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (way_m - LOOKED_M))
@@ -186,7 +186,7 @@ def test_a_gap_told_late_is_looked_at_in_comfort_and_bodies_behind_the_row_are_n
     right = LANE.right_m - 4.0
     late = LaneObstacles(*(np.array([one]) for one in (LOOKED_M + 0.1 + BUMPER_M, -7.0, right)))
     lane = replace(LANE, y_m=right + 2.0)
-    assert pace().update(lane, late, field(), lane.y_m, 5.5) == pytest.approx(5.5 - EASY_MPS)
+    assert pace().update(lane, about(late), lane.y_m, 5.5) == pytest.approx(5.5 - EASY_MPS)
     for behind_m, slowed in ((ROW_M - 0.1, True), (ROW_M + 0.1, False)):
         rows = np.array([[6.0 + BUMPER_M, -7.0, -1.5], [6.0 + behind_m + BUMPER_M, 2.0, 4.0]])
         assert (wanted(LaneObstacles(*rows.T), SPEED_MPS) < SPEED_MPS) is slowed
@@ -205,12 +205,12 @@ def test_the_wheels_are_straight_before_the_path_is_too_steep(side: float) -> No
     wall = LaneObstacles(*(np.array([one]) for one in (BUMPER_M - 3.0, *sorted((side * 2.0, side * 5.0)))))
     glide = Glide(CONFIG, REACH, 0.0, 5.0)
     glide.slope, glide.bend_per_m = side * 0.05, side * 0.12
-    speed_mps = pace()._unwound(wall, field(), LANE, glide)
+    speed_mps = pace()._unwound(about(wall), LANE, glide)
     assert ROBUST.reach.walking_mps < speed_mps < SPEED_MPS
-    allowed = REACH.path_between(field().beside(wall, LANE, 0.0), 0.0)[side > 0.0]
+    allowed = REACH.path_between(about(wall).between(LANE, 0.0), 0.0)[side > 0.0]
     assert 0.05 + 0.12**2 / (2.0 * REACH.steering(np.array([speed_mps]))[0]) == pytest.approx(allowed + 0.02, abs=0.01)
     glide.slope, glide.bend_per_m = side * 0.3, 0.0
-    assert pace()._unwound(wall, field(), LANE, glide) == np.inf
+    assert pace()._unwound(about(wall), LANE, glide) == np.inf
 
 
 def test_who_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:
@@ -230,7 +230,7 @@ def bent(
     glide = Glide(CONFIG, REACH, y_m, 5.0)
     glide.slope, glide.bend_per_m = slope, bend
     lane = Lane(y_m, 9.0, -9.0, -slope, 0.0)
-    return pace().update(lane, LaneObstacles(*np.array(sides).T), field(), sign * minimum_m, 5.0, glide)
+    return pace().update(lane, about(LaneObstacles(*np.array(sides).T)), sign * minimum_m, 5.0, glide)
 
 
 def test_a_path_that_would_run_wide_into_what_stands_beyond_the_gap_is_slowed_and_its_mirror_image_alike() -> None:
@@ -246,7 +246,7 @@ def test_a_path_that_leads_away_from_the_only_body_is_not_slowed_by_how_it_comes
     y_m: float, slope: float, bend: float
 ) -> None:
     passed = [(BUMPER_M + 0.5, -1.0, 1.0)]
-    straight = pace().update(Lane(y_m, 9.0, -9.0, -slope, 0.0), LaneObstacles(*np.array(passed).T), field(), 2.3, 5.0)
+    straight = pace().update(Lane(y_m, 9.0, -9.0, -slope, 0.0), about(LaneObstacles(*np.array(passed).T)), 2.3, 5.0)
     assert bent(passed, 2.3, (y_m, slope, bend), False) == straight
 
 
@@ -263,9 +263,9 @@ def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_co
 def test_the_nearer_side_is_one_where_no_other_body_stands() -> None:
     """Two bodies side by side: between them there is no room; their outer sides are 3.5 and 4.5 m from the middle."""
     rows = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 2.5)])
-    free = field().nearer_side(LaneObstacles(*rows.T), LANE, 0.1)
+    free = about(LaneObstacles(*rows.T)).nearer_side(LANE, 0.1)
     assert free[0] == pytest.approx(1.0 + HALF_M + 0.1)
     to_the_left = np.array([(8.0, -1.0, 0.9), (8.0, -3.0, -1.5)])
-    assert field().nearer_side(LaneObstacles(*to_the_left.T), LANE, 0.1)[0] == pytest.approx(0.9 + HALF_M + 0.1)
+    assert about(LaneObstacles(*to_the_left.T)).nearer_side(LANE, 0.1)[0] == pytest.approx(0.9 + HALF_M + 0.1)
     both = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 9.0), (8.0, -9.0, -1.5)])
-    assert np.all(field().nearer_side(LaneObstacles(*both.T), LANE, 0.1) == 0.0)
+    assert np.all(about(LaneObstacles(*both.T)).nearer_side(LANE, 0.1) == 0.0)

@@ -12,6 +12,7 @@ from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane_field import LaneField
 from vpf_sim.planning.lane_reference import LaneReference
+from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Command, Obstacles, RoadEdges, VehicleModel
 
@@ -22,15 +23,19 @@ REACH = Reach(ROBUST.reach, CAR)
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 
 
-def bodies(*rows: tuple[float, float, float]) -> LaneObstacles:
+def bodies(*rows: tuple[float, float, float]) -> Neighbours:
     """Each by its face along the road, and its left and right side."""
-    return LaneObstacles(*np.array(rows).T)
+    return about(LaneObstacles(*np.array(rows).T))
+
+
+def about(bodies: LaneObstacles) -> Neighbours:
+    return Neighbours(bodies, ROBUST.field, CAR, SPEED_MPS)
 
 
 def field(lane: Lane = LANE) -> LaneField:
     """One that has seen the empty road: it remembers to be where the car is."""
     one = LaneField(ROBUST.field, CAR, SPEED_MPS, REACH)
-    one.update(lane, LaneObstacles(np.empty(0), np.empty(0), np.empty(0)))
+    one.update(lane, about(LaneObstacles(np.empty(0), np.empty(0), np.empty(0))))
     return one
 
 
@@ -59,10 +64,10 @@ def test_a_body_that_leaves_no_way_before_it_is_not_crossed() -> None:
 def test_what_is_left_to_be_made_is_counted_to_the_side_that_was_chosen() -> None:
     """Our body covers one by more to the right; a second is crossed on the way to the left, a third is not."""
     row, margin = bodies((10.0, -1.6, 0.6), (10.0, -4.8, -2.8), (10.0, 4.0, 5.0)), 0.5 * CAR.width_m + 0.25
-    left = field().shift(row, 0.0, -6.0, 0.25)
+    left = row.shift(0.0, -6.0, 0.25)
     assert left[:2] == pytest.approx([1.6 + margin, 4.8 + margin])
     assert left[2] <= 0.0
-    right = field().shift(row, 0.0, 0.6 + margin, 0.25)
+    right = row.shift(0.0, 0.6 + margin, 0.25)
     assert right[0] == pytest.approx(0.6 + margin)
     assert np.all(right[1:] <= 0.0)
 
@@ -181,9 +186,8 @@ def test_a_gap_beside_the_edge_is_chosen_before_a_place_that_touches(side: float
     """
     edges, barrier = sorted((-12.0 * side, 5.25 * side)), sorted((-12.0 * side, (5.25 - gap_m) * side))
     lane = Lane(2.0 * side, edges[1], edges[0], 0.0, 0.0)
-    body = LaneObstacles(np.array([12.0]), np.array([barrier[0]]), np.array([barrier[1]]))
-    field = LaneField(ROBUST.field, CAR, 5.55, REACH)
-    minimum_m = field.update(lane, body).minimum_m
+    watch = LaneField(ROBUST.field, CAR, SPEED_MPS, REACH)
+    minimum_m = watch.update(lane, bodies((12.0, barrier[0], barrier[1]))).minimum_m
     free_m = side * minimum_m - (5.25 - gap_m) - 0.5 * CAR.width_m
     assert (free_m > 0.11) == passes
     assert 5.25 - side * minimum_m - 0.5 * CAR.width_m > 0.09
@@ -239,7 +243,7 @@ def test_a_gap_beside_the_edge_that_is_chosen_is_gone_through(way_m: float) -> N
         lane = Lane(car.y_m, 5.25, -12.0, -car.yaw_rad, 0.0)
         ahead = bodies(*((way_m + 0.5 * CAR.length_m - car.x_m, *body) for body in row))
         minimum_m = one.update(lane, ahead, car.speed_mps).minimum_m
-        reference = path.update(lane, ahead, one, minimum_m, car.yaw_rad, car.speed_mps)
+        reference = path.update(lane, ahead, minimum_m, car.yaw_rad, car.speed_mps)
         car.step(hands.command(car.observe(), reference))
     assert car.x_m >= past
     assert car.y_m > 2.65 + 0.5 * CAR.width_m

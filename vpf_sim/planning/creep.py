@@ -7,9 +7,9 @@ only where that has not helped either, as near as there is.
 
 import numpy as np
 
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.lane import Lane
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
+from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.reach import Reach
 from vpf_sim.types import Floats
 
@@ -27,12 +27,12 @@ class Creep:
         self._stood_s = 0.0
         self._stage = 0
 
-    def standoff(self, lane: Lane, obstacles: LaneObstacles, field: LaneField) -> Floats:
+    def standoff(self, lane: Lane, neighbours: Neighbours) -> Floats:
         """(K,) m from the bumper to each face, kept when stopping."""
         config = self._config
-        needed = self._reach.least_way(field.nearer_side(obstacles, lane, config.walking_clearance_m))
+        needed = self._reach.least_way(neighbours.nearer_side(lane, config.walking_clearance_m))
         kept = np.clip(needed, config.standoff_m, config.far_standoff_m)
-        return np.where(obstacles.speed_mps > 0.0, config.standoff_m, kept)
+        return np.where(neighbours.moves, config.standoff_m, kept)
 
     def nearest(self, speed_mps: float) -> float:
         """m from the bumper to a face, up to which the car may walk after this step; inf where it may not."""

@@ -19,9 +19,9 @@ import numpy as np
 
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.glide import Glide
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.lane import Lane
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
+from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.pace import Pace
 from vpf_sim.planning.reach import Reach, rear_m
 from vpf_sim.planning.rows import ROW_M
@@ -61,79 +61,75 @@ class LaneReference:
         self._glide: Glide | None = None
 
     def update(
-        self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, yaw_rad: float, speed_mps: float
+        self, lane: Lane, neighbours: Neighbours, minimum_m: float, yaw_rad: float, speed_mps: float
     ) -> Reference:
         """One step of 1 / rate_hz towards the field's minimum."""
-        wanted = self._pace.update(lane, obstacles, field, minimum_m, speed_mps, self._glide)
+        wanted = self._pace.update(lane, neighbours, minimum_m, speed_mps, self._glide)
         if self._config.motion == "direct":
             self.y_m = minimum_m
             return Reference(self._straight(lane, minimum_m, yaw_rad, speed_mps), wanted)
         rear = rear_m(lane, self._vehicle)
         if self._glide is None:
             self._glide = Glide(self._config, self._reach, rear, self._shift_m)
-        time_s = self._time_left(obstacles, field, self._glide.y_m, speed_mps)
-        if self._waits(self._glide, obstacles, field, minimum_m, speed_mps):
+        time_s = self._time_left(neighbours, self._glide.y_m, speed_mps)
+        if self._waits(self._glide, neighbours, minimum_m, speed_mps):
             minimum_m = self._glide.y_m
         else:
-            minimum_m = self._held(self._glide, obstacles, field, minimum_m, speed_mps)
-        minimum_m = field.kept_beside(obstacles, self._glide.y_m, minimum_m)
-        between = field.beside(obstacles, lane, self._glide.y_m)
+            minimum_m = self._held(self._glide, neighbours, minimum_m, speed_mps)
+        minimum_m = neighbours.kept_beside(self._glide.y_m, minimum_m)
+        between = neighbours.between(lane, self._glide.y_m)
         self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
         self._glide.hold(rear)
         self.y_m = self._glide.y_m
         heading, rate = self._heading(lane, self._glide, yaw_rad, speed_mps)
         return Reference(heading, wanted, rate)
 
-    def _time_left(self, obstacles: LaneObstacles, field: LaneField, y_m: float, speed_mps: float) -> float:
+    def _time_left(self, neighbours: Neighbours, y_m: float, speed_mps: float) -> float:
         """s until the first body is reached that stands where y_r is now."""
-        if not len(obstacles):
+        if not len(neighbours):
             return np.inf
-        way = field.bumper(obstacles)
-        hit = (field.overlap(obstacles, y_m, self._config.minimum_clearance_m) > 0.0) & (way > 0.0)
-        closing = np.maximum(max(speed_mps, self._reach.walking_mps) - obstacles.speed_mps, SLOWEST_CLOSING_MPS)
+        way = neighbours.way_m
+        hit = (neighbours.overlap(y_m, self._config.minimum_clearance_m) > 0.0) & (way > 0.0)
+        closing = np.maximum(max(speed_mps, self._reach.walking_mps) - neighbours.bodies.speed_mps, SLOWEST_CLOSING_MPS)
         return float(np.min(way / closing, where=hit, initial=np.inf))
 
-    def _waits(
-        self, glide: Glide, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
-    ) -> bool:
+    def _waits(self, glide: Glide, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> bool:
         """Whether there is more way than it takes before the first body for which the path must leave where it is.
 
         From nearer a body's side is known better, and the own lane is left no longer than it must be: the way back does
         not wait. Where there is no room to spare beside the bodies it does not wait either, nor before one that moves:
         who is still behind it when it is near is no longer let past (`LaneField`).
         """
-        if not len(obstacles) or abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
+        if not len(neighbours) or abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
             return False
         least = self._config.minimum_clearance_m
-        hit = field.hinders(obstacles, glide.y_m)
-        narrow = (field.overlap(obstacles, minimum_m, least) > 0.0) & (field.present(obstacles) > 0.0)
-        if not np.any(hit) or np.any(narrow) or np.any(hit & (obstacles.speed_mps > 0.0)):
+        hit = neighbours.hinders(glide.y_m)
+        narrow = (neighbours.overlap(minimum_m, least) > 0.0) & neighbours.present
+        if not np.any(hit) or np.any(narrow) or np.any(hit & neighbours.moves):
             return False
         needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps))
         needed += WAITS_S * max(speed_mps, self._reach.walking_mps)
-        return float(field.bumper(obstacles)[hit].min()) > needed
+        return float(neighbours.way_m[hit].min()) > needed
 
-    def _held(
-        self, glide: Glide, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
-    ) -> float:
+    def _held(self, glide: Glide, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> float:
         """Where the path shall lead: to the minimum, or where it is soonest straight if no place is free there, either.
 
         Turned towards a gap that may be none a car has neither the way nor the angle left for another. It goes back to
         its own lane all the same, and holds only near, where it can stop, and not because of what is far behind the
         first that is in its way.
         """
-        if not len(obstacles):
+        if not len(neighbours):
             return minimum_m
-        config, way = self._config, field.bumper(obstacles)
-        ahead = (field.present(obstacles) > 0.0) & (way > 0.0) & (obstacles.speed_mps == 0.0)
-        taken = ahead & (field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0)
+        config, way = self._config, neighbours.way_m
+        ahead = neighbours.stands & (way > 0.0)
+        taken = ahead & (neighbours.overlap(minimum_m, config.walking_clearance_m) > 0.0)
         if not np.any(taken):
             return minimum_m
         _, shift = self._reach.rest(glide.slope, glide.bend_per_m, np.array([speed_mps]))
         rest_m = glide.y_m + float(shift[0])
         if abs(minimum_m) < abs(rest_m):
             return minimum_m
-        hit = ahead & (field.overlap(obstacles, rest_m, config.walking_clearance_m) > 0.0)
+        hit = ahead & (neighbours.overlap(rest_m, config.walking_clearance_m) > 0.0)
         first_m = float(np.min(way, where=hit, initial=np.inf))
         stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.creep_standoff_m < first_m
         same_row = float(way[taken].min()) < first_m + ROW_M

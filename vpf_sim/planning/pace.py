@@ -6,9 +6,9 @@ import numpy as np
 
 from vpf_sim.planning.creep import Creep
 from vpf_sim.planning.glide import Glide
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LaneField
+from vpf_sim.planning.lane import Lane
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
+from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.reach import SPEEDS_MPS, Reach
 from vpf_sim.types import Floats
 
@@ -52,8 +52,7 @@ class Pace:
     def update(
         self,
         lane: Lane,
-        obstacles: LaneObstacles,
-        field: LaneField,
+        neighbours: Neighbours,
         minimum_m: float,
         speed_mps: float,
         glide: Glide | None = None,
@@ -61,11 +60,9 @@ class Pace:
         """m/s after one step of 1 / rate_hz, where the car follows a path or, without one, goes along the road."""
         if self._config.speed == "constant":
             return self._speed_reference_mps
-        wanted = self._speed(lane, obstacles, field, minimum_m, speed_mps)
-        if glide is not None and len(obstacles):
-            settled = min(
-                self._settled(obstacles, field, minimum_m, glide), self._unwound(obstacles, field, lane, glide)
-            )
+        wanted = self._speed(lane, neighbours, minimum_m, speed_mps)
+        if glide is not None and len(neighbours):
+            settled = min(self._settled(neighbours, minimum_m, glide), self._unwound(neighbours, lane, glide))
             wanted = min(wanted, max(settled, eased(speed_mps)))
         return self._risen(wanted, speed_mps)
 
@@ -75,42 +72,39 @@ class Pace:
         self._wanted_mps = min(wanted_mps, max(self._wanted_mps, speed_mps) + rise)
         return self._wanted_mps
 
-    def _speed(
-        self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float, speed_mps: float
-    ) -> float:
+    def _speed(self, lane: Lane, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> float:
         """v_d: the reference speed, less in tight bends and before bodies that cannot be cleared in time."""
         config = self._config
         limit = self._speed_reference_mps
         bend = abs(lane.curvature_per_m)
         if bend > 0.0:
             limit = min(limit, sqrt(config.bend_acceleration_mps2 / bend))
-        if not len(obstacles):
+        if not len(neighbours):
             return limit
-        way = field.bumper(obstacles)
-        moves = obstacles.speed_mps > 0.0
-        present = field.present(obstacles) > 0.0
-        counts, passing = (present | moves) & (way > 0.0), present & ~moves & (way <= 0.0)
-        spare = way - self._creep.standoff(lane, obstacles, field) - config.time_gap_s * obstacles.speed_mps
-        follow = obstacles.speed_mps * np.clip(1.0 + spare / (config.standoff_m + np.maximum(way, 0.0)), 0.0, 1.0)
-        follow = np.maximum(follow, np.where(way > NEAR_M, obstacles.speed_mps - FALL_BACK_MPS, 0.0))
+        way, body_mps = neighbours.way_m, neighbours.bodies.speed_mps
+        counts = (neighbours.present | neighbours.moves) & (way > 0.0)
+        spare = way - self._creep.standoff(lane, neighbours) - config.time_gap_s * body_mps
+        follow = body_mps * np.clip(1.0 + spare / (config.standoff_m + np.maximum(way, 0.0)), 0.0, 1.0)
+        follow = np.maximum(follow, np.where(way > NEAR_M, body_mps - FALL_BACK_MPS, 0.0))
         stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
-        passed = obstacles.speed_mps + self._beside(-field.overlap(obstacles, minimum_m, 0.0))
+        passed = body_mps + self._beside(-neighbours.overlap(minimum_m, 0.0))
         beside = np.maximum(stop, passed)
-        blocked = field.overlap(obstacles, minimum_m, config.walking_clearance_m) > 0.0
-        there = np.minimum(self._before(lane, obstacles, field, minimum_m), beside)
+        blocked = neighbours.overlap(minimum_m, config.walking_clearance_m) > 0.0
+        there = np.minimum(self._before(lane, neighbours, minimum_m), beside)
         limits = np.where(blocked, stop, there)
-        limits = np.maximum(limits, braked(speed_mps, speed_mps - obstacles.speed_mps, way))
-        met = obstacles.speed_mps + np.maximum(field.met(obstacles, lane) / MET_S, config.creep_mps)
+        limits = np.maximum(limits, braked(speed_mps, speed_mps - body_mps, way))
+        met = body_mps + np.maximum(neighbours.met(lane) / MET_S, config.creep_mps)
         limits = np.minimum(limits, np.maximum(met, eased(speed_mps)))
         nearest = self._creep.nearest(speed_mps)
-        creep = np.where((way > nearest) & (obstacles.speed_mps == 0.0), config.creep_mps, 0.0)
-        limit = min(limit, max(self._looking(lane, obstacles, field, minimum_m), eased(speed_mps)))
+        creep = np.where((way > nearest) & ~neighbours.moves, config.creep_mps, 0.0)
+        limit = min(limit, max(self._looking(lane, neighbours, minimum_m), eased(speed_mps)))
+        passing = neighbours.stands & (way <= 0.0)
         limit = float(np.min(np.maximum(passed, eased(speed_mps)), where=passing, initial=limit))
         return float(np.min(np.maximum(limits, creep), where=counts, initial=limit))
 
-    def _looking(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> float:
+    def _looking(self, lane: Lane, neighbours: Neighbours, minimum_m: float) -> float:
         """m/s before a gap that something low, not seen yet, would close: a stop shall leave the way for a turn."""
-        width_m, way_m = field.gap(obstacles, lane, minimum_m)
+        width_m, way_m = neighbours.next_gap(lane, minimum_m)
         if not (0.0 < width_m < CLOSED_M and LOOKED_M < way_m < inf):
             return inf
         return sqrt(LOOKING_MPS**2 + 2.0 * self._config.brake_mps2 * (way_m - LOOKED_M))
@@ -124,48 +118,47 @@ class Pace:
         )
         return np.where(gap_m < config.minimum_clearance_m, np.interp(gap_m, gaps, speeds), np.inf)
 
-    def _before(self, lane: Lane, obstacles: LaneObstacles, field: LaneField, minimum_m: float) -> Floats:
+    def _before(self, lane: Lane, neighbours: Neighbours, minimum_m: float) -> Floats:
         """(K,) m/s before bodies that the minimum avoids, but the car not yet.
 
         It shall be there only when as much of the shift is done as they need. Where it cannot be done as wide as
         wanted, walking; where not at all, the car stops, as early as it can.
         """
-        config, way, slope = self._config, field.bumper(obstacles), -tan(lane.heading_rad)
-        needed = field.shift(obstacles, lane.y_m, minimum_m, config.walking_clearance_m)
+        config, way, slope = self._config, neighbours.way_m, -tan(lane.heading_rad)
+        needed = neighbours.shift(lane.y_m, minimum_m, config.walking_clearance_m)
         reached = self._reach.reaches(way, needed, slope * float(np.sign(minimum_m - lane.y_m)))
         y, turning = lane.y_m, self._reach.radius_m * abs(slope)
         turned = y + 0.5 * slope * turning
         if (minimum_m - turned) * slope < 0.0:  # even its tightest curve leads past the minimum, or farther from it
             y, way, slope = turned, way - turning, 0.0
-        room = -field.overlap(obstacles, minimum_m, 0.0) - 1e-6  # at the minimum: no more can be wanted
-        wanted = field.shift(obstacles, y, minimum_m, np.minimum(config.minimum_clearance_m, room))
-        goal_m = 0.0 if self._narrow(obstacles, field, minimum_m, y) else abs(minimum_m - y)
+        room = -neighbours.overlap(minimum_m, 0.0) - 1e-6  # at the minimum: no more can be wanted
+        wanted = neighbours.shift(y, minimum_m, np.minimum(config.minimum_clearance_m, room))
+        goal_m = 0.0 if self._narrow(neighbours, minimum_m, y) else abs(minimum_m - y)
         there = np.maximum(self._reach.speed(way, wanted, goal_m, abs(slope)), self._reach.walking_mps)
-        return obstacles.speed_mps + np.where(reached, there, 0.0)
+        return neighbours.bodies.speed_mps + np.where(reached, there, 0.0)
 
-    def _narrow(self, obstacles: LaneObstacles, field: LaneField, minimum_m: float, y_m: float) -> bool:
+    def _narrow(self, neighbours: Neighbours, minimum_m: float, y_m: float) -> bool:
         """Whether beyond the minimum there is no room for a car that is still turned while it passes."""
         beyond = minimum_m + float(np.sign(minimum_m - y_m)) * TURNED_M
-        covers = field.overlap(obstacles, beyond, self._config.minimum_clearance_m) > 0.0
-        return bool(np.any(covers & (field.present(obstacles) > 0.0)))
+        covers = neighbours.overlap(beyond, self._config.minimum_clearance_m) > 0.0
+        return bool(np.any(covers & neighbours.present))
 
-    def _settled(self, obstacles: LaneObstacles, field: LaneField, minimum_m: float, glide: Glide) -> float:
+    def _settled(self, neighbours: Neighbours, minimum_m: float, glide: Glide) -> float:
         """m/s at which the path, bent as it is, comes to rest before it is too near to bodies beyond the minimum."""
         if max(abs(glide.slope), abs(glide.bend_per_m) * self._reach.radius_m) < STRAIGHT:
             return inf
         way, shift = self._reach.rest(glide.slope, glide.bend_per_m, SPEEDS_MPS)
-        room = -field.overlap(obstacles, minimum_m, 0.0)
+        room = -neighbours.overlap(minimum_m, 0.0)
         kept = np.minimum(room, self._config.minimum_clearance_m)
-        side = np.sign(obstacles.middle_m - minimum_m)
+        side = np.sign(neighbours.bodies.middle_m - minimum_m)
         last = minimum_m + side * (room - kept + RUNS_WIDE_M)  # (K,) place from which there is less than that
         beyond, towards = side[:, None] * (glide.y_m + shift - last[:, None]), side[:, None] * shift > 0.0
-        counts = (field.present(obstacles) > 0.0) & (obstacles.speed_mps == 0.0)
-        reached = counts[:, None] & towards & (field.bumper(obstacles)[:, None] < way)
+        reached = neighbours.stands[:, None] & towards & (neighbours.way_m[:, None] < way)
         worst = np.max(beyond, axis=0, where=reached, initial=-1.0)
         settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
         return max(settled, self._reach.walking_mps)
 
-    def _unwound(self, obstacles: LaneObstacles, field: LaneField, lane: Lane, glide: Glide) -> float:
+    def _unwound(self, neighbours: Neighbours, lane: Lane, glide: Glide) -> float:
         """m/s up to which the wheels are straight before the path is headed at what is beside it too steeply.
 
         The slope is largest where they are, p + b^2 / (2 j), and j falls with the speed (`settling`).
@@ -173,7 +166,7 @@ class Pace:
         if abs(glide.bend_per_m) * self._reach.radius_m < STRAIGHT:
             return inf
         side = 1.0 if glide.bend_per_m > 0.0 else -1.0
-        largest = self._reach.path_between(field.beside(obstacles, lane, glide.y_m), glide.y_m)[side > 0.0]
+        largest = self._reach.path_between(neighbours.between(lane, glide.y_m), glide.y_m)[side > 0.0]
         peak = side * glide.slope + 0.5 * glide.bend_per_m**2 / self._reach.steering(SPEEDS_MPS)
         unwound = float(np.interp(largest + STRAIGHT, peak, SPEEDS_MPS, right=inf))
         return max(unwound, self._reach.walking_mps)

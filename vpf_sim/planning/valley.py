@@ -12,6 +12,7 @@ from vpf_sim.planning.lane_field import LaneField, LanePotential
 from vpf_sim.planning.lane_field_config import LaneFieldConfig
 from vpf_sim.planning.lane_reference import LaneReference
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
+from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.reach import Reach, ReachConfig
 from vpf_sim.planning.sight_speed import SightConfig, speed_within_sight
 from vpf_sim.planning.way_out import WayOut, WayOutConfig
@@ -33,7 +34,7 @@ class Valley:
 
     def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
         reach, self._speed_mps = Reach(config.reach, setup.vehicle), setup.speed_reference_mps
-        self._sight, self._vehicle = config.sight, setup.vehicle
+        self._sight, self._vehicle, self._field_config = config.sight, setup.vehicle, config.field
         self._caution = (
             Caution(config.caution, setup.vehicle, self._speed_mps, setup.rate_hz) if config.caution else None
         )
@@ -45,9 +46,10 @@ class Valley:
         road, out = perception.road, self._way_out
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane)
-        potential = self._field.update(lane, obstacles, observation.speed_mps)
+        neighbours = Neighbours(obstacles, self._field_config, self._vehicle, self._speed_mps)
+        potential = self._field.update(lane, neighbours, observation.speed_mps)
         reference = self._reference.update(
-            lane, obstacles, self._field, potential.minimum_m, observation.yaw_rad, observation.speed_mps
+            lane, neighbours, potential.minimum_m, observation.yaw_rad, observation.speed_mps
         )
         reference = self._slowed(reference, perception, lane, potential.minimum_m, observation.speed_mps)
         reference = self._turned_out(lane, perception.obstacles, observation, reference)

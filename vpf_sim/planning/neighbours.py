@@ -1,0 +1,155 @@
+"""How the bodies of one step lie to ours: the way to each, the gaps beside it, and whether it counts."""
+
+from dataclasses import replace
+from math import tan
+
+import numpy as np
+
+from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.lane_field_config import LaneFieldConfig
+from vpf_sim.planning.rows import ROW_M
+from vpf_sim.types import Bools, Floats, VehicleModel
+
+NEXT_M = 4.0  # ahead, what stands beside our way is passed next
+FREE_M = 1e-6  # a body's own side is free of it
+BOUNDS_M = 1.5  # of our body, what stands bounds the gap that it goes through
+SOON_S, SOON_M = 3.0, 5.0  # until a body that moves is met, and what is kept from it
+PASSING_M = 3.0  # from bumper to face: a body that moves is being passed
+CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
+
+
+class Neighbours:
+    """K bodies in lane coordinates, and ours, which asks for its ways past them; a y is that of its middle."""
+
+    def __init__(
+        self, bodies: LaneObstacles, config: LaneFieldConfig, vehicle: VehicleModel, speed_reference_mps: float
+    ) -> None:
+        self.bodies = bodies
+        self._config = config
+        self._half_width_m = 0.5 * vehicle.width_m
+        self._half_length_m = 0.5 * vehicle.length_m
+        self._speed_reference_mps = speed_reference_mps
+        self.way_m: Floats = bodies.along_m - self._half_length_m  # (K,) from our bumper to each face
+        self.length_m = self._lengths()  # (K,) from each face to where the body ends, at least
+        self.weight = self._weights()  # (K,) 0 .. 1, w of the field
+        self.present: Bools = self.weight > 0.0  # (K,) the others do not count
+        self.moves: Bools = bodies.speed_mps > 0.0  # (K,)
+        self.stands: Bools = self.present & ~self.moves  # (K,)
+
+    def __len__(self) -> int:
+        return len(self.bodies)
+
+    def gap(self, y_m: Floats) -> Floats:
+        """(K, G) m between our body at y (G,) and each body, across the road; < 0 where they overlap."""
+        right = y_m - self._half_width_m - self.bodies.right_m[:, None]
+        left = self.bodies.left_m[:, None] - y_m - self._half_width_m
+        gap: Floats = np.maximum(right, left)
+        return gap
+
+    def overlap(self, y_m: float, clearance_m: float) -> Floats:
+        """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
+        return clearance_m - self.gap(np.array([y_m]))[:, 0]
+
+    def hinders(self, y_m: float) -> Bools:
+        """(K,) which bodies ahead have not the clearance that is wanted from our body at y."""
+        hinders: Bools = self.present & (self.way_m > 0.0) & (self.overlap(y_m, self._config.clearance_m) > 0.0)
+        return hinders
+
+    def shift(self, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
+        """(K,) m from y towards a goal across the road until our body is clear of each; <= 0 where it is."""
+        margin = self._half_width_m + clearance_m
+        least, most = self.bodies.left_m - margin, self.bodies.right_m + margin
+        if goal_m >= y_m:
+            return np.where(goal_m > least, most - y_m, 0.0)
+        return np.where(goal_m < most, y_m - least, 0.0)
+
+    def nearer_side(self, lane: Lane, clearance_m: float) -> Floats:
+        """(K,) m from here to the nearer side of each body that lies on the road and where no other stands; else 0."""
+        margin = self._half_width_m + self._config.edge_gap_m
+        here, aside = lane.y_m, self._half_width_m + clearance_m
+        least, most = self.bodies.left_m - aside, self.bodies.right_m + aside  # of the places that each takes
+        sides = np.concatenate([least, most])
+        taken = (least[:, None] < sides - FREE_M) & (sides + FREE_M < most[:, None]) & self.stands[:, None]
+        off = (sides < lane.left_m + margin) | (sides > lane.right_m - margin) | np.any(taken, axis=0)
+        free = np.where(off, np.inf, np.abs(sides - here))
+        in_way = (least < here) & (here < most)
+        nearer = float(free.min(initial=np.inf))
+        return np.where(in_way & (nearer < np.inf), nearer, 0.0)
+
+    def between(self, lane: Lane, path_m: float) -> Lane:
+        """The lane between the bodies that the car is passing, instead of between the edges of the road.
+
+        A body that is passed next counts as well where neither the car nor its path, now at `path_m`, leads into it:
+        who turns towards it reaches it with a corner first.
+        """
+        if not len(self):
+            return lane
+        left_m, right_m = self.bodies.left_m, self.bodies.right_m
+        passing = (self.way_m < NEXT_M) & (self.bodies.along_m + self.length_m > -self._half_length_m)
+        abreast = self.way_m < 0.0
+        least = np.where(abreast, lane.y_m, min(lane.y_m, path_m) - self._half_width_m)
+        most = np.where(abreast, lane.y_m, max(lane.y_m, path_m) + self._half_width_m)
+        right = np.min(left_m, where=passing & (left_m > most), initial=lane.right_m)
+        left = np.max(right_m, where=passing & (right_m < least), initial=lane.left_m)
+        return replace(lane, right_m=float(right), left_m=float(left))
+
+    def next_gap(self, lane: Lane, y_m: float) -> tuple[float, float]:
+        """m, how wide the gap at y is between the edges and what stands in the next row, and the way to it, or inf."""
+        stands = self.stands & (self.way_m > 0.0)
+        near = stands & (self.overlap(y_m, BOUNDS_M) > 0.0)
+        first = float(np.min(self.way_m, where=near, initial=np.inf))
+        stands &= self.way_m < first + ROW_M
+        middle = self.bodies.middle_m
+        right = float(np.min(self.bodies.left_m, where=stands & (middle > y_m), initial=lane.right_m))
+        left = float(np.max(self.bodies.right_m, where=stands & (middle <= y_m), initial=lane.left_m))
+        return right - left, first
+
+    def kept_beside(self, y_m: float, minimum_m: float) -> float:
+        """The minimum, no nearer to bodies that move and are being passed by a path at y than the clearance wanted.
+
+        Their sides are told with large errors, and what is farther ahead must not push the path towards them.
+        """
+        passing = self.present & self.moves & (self.way_m < PASSING_M)
+        if not np.any(passing):
+            return minimum_m
+        margin = self._half_width_m + self._config.clearance_m
+        middle = self.bodies.middle_m
+        least = float(np.max(self.bodies.right_m + margin, where=passing & (middle < y_m), initial=-np.inf))
+        most = float(np.min(self.bodies.left_m - margin, where=passing & (middle > y_m), initial=np.inf))
+        least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the field does that
+        return min(max(minimum_m, least), most)
+
+    def met(self, lane: Lane) -> Floats:
+        """(K,) m until our body meets each with its front, if it goes straight on as it is headed; inf where never.
+
+        As if all stood: of one that drives on, that is less than it takes.
+        """
+        slope = -tan(lane.heading_rad)
+        y = lane.y_m + slope * self.bodies.along_m  # of our front where it is abreast of the face
+        beyond = np.maximum(self.bodies.left_m - y, y - self.bodies.right_m) - self._half_width_m
+        nears = (self.bodies.left_m + self.bodies.right_m - 2.0 * y) * slope > 0.0
+        further = np.maximum(beyond, 0.0) / max(abs(slope), FREE_M)
+        meets = (beyond <= 0.0) | (nears & (further < self.length_m))
+        return np.where(meets & (self.way_m > 0.0), self.way_m + further, np.inf)
+
+    def _lengths(self) -> Floats:
+        config = self._config
+        long = (self.bodies.speed_mps > 0.0) | (self.bodies.width_m > config.truck_width_m)
+        length: Floats = np.maximum(np.where(long, config.long_m, config.body_length_m), self.bodies.length_m)
+        return length
+
+    def _weights(self) -> Floats:
+        """By the distance; 0 for those that have been passed, or run away."""
+        config, speed = self._config, self.bodies.speed_mps
+        weight = np.clip((self._visible() - self.way_m) / (config.visible_m - config.full_m), 0.0, 1.0)
+        faster = speed - self._speed_reference_mps
+        runs = (faster > -config.slower_mps) & (self.way_m > config.beside_m)
+        catches_up = np.maximum(faster, 0.0) * CATCH_UP_S
+        passed = self.bodies.along_m + self.length_m + catches_up < -self._half_length_m
+        return np.where(passed | runs, 0.0, weight)
+
+    def _visible(self) -> Floats:
+        """(K,) m from bumper to face, from which each body begins to count: one that moves only when it is met soon."""
+        speed, visible_m = self.bodies.speed_mps, self._config.visible_m
+        closing = np.maximum(self._speed_reference_mps - speed, 0.0)
+        return np.where(speed > 0.0, np.minimum(SOON_M + SOON_S * closing, visible_m), visible_m)
