@@ -77,6 +77,15 @@ def test_the_low_points_of_a_taller_body_are_of_it() -> None:
     assert {len(bodies) for bodies in found[-100:]} == {1}
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_pallet_beside_a_pedestrian_is_told_though_one_point_between_them_is_taken_for_his(side: float) -> None:
+    """It sticks out of him, who is told wider by that, by less than the corner of a shadow may stick out of a car."""
+    between = np.array([[FACE_M, side * -0.2, 0.35]])
+    found = approach(np.concatenate([body(FACE_M, side * -0.9, 0.5, 1.5, 12), between, pallet(side * 0.1)]))[-1]
+    assert len(found) == 2
+    assert np.max(np.maximum(side * found.left_m, side * found.right_m)) > 0.45
+
+
 def test_the_lines_are_where_the_edges_put_them() -> None:
     config = replace(LowConfig(), line_px=0.0)
     right = np.array([-8.8, -8.6, -5.25, -5.0, -1.6, 0.0, 1.6, 3.5, 4.9])
@@ -95,3 +104,5 @@ def test_nonsense_is_refused_with_what_was_given() -> None:
         LowConfig(near_m=20.0)
     with pytest.raises(ValueError, match=r"expected 0 < min < max, got 0\.3, 0\.25"):
         LowConfig(min_height_m=0.3)
+    with pytest.raises(ValueError, match=r"sticks_out_share: expected > 0, got 0\.0"):
+        LowConfig(sticks_out_share=0.0)

@@ -54,7 +54,9 @@ class Bodies:
         spots = self.config.spots
         flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
         flat = widened(flat, low.least_width_m)
-        bodies = joined(on_top(tall, flat), flat, low.beside_m, low.sticks_out_m, low.before_m)
+        whole = on_top(tall, flat)
+        sticks_out_m = np.minimum(low.sticks_out_m, low.sticks_out_share * whole.width_m)
+        bodies = joined(whole, flat, low.beside_m, sticks_out_m, low.before_m)
         return tall, joined(bodies, seen, spots.beside_m, spots.sticks_out_m, spots.before_m)
 
     def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:

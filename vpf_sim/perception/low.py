@@ -35,7 +35,8 @@ class LowConfig:
     single_hits_s: float = 0.3  # and so long
     least_width_m: float = 0.6  # a body is told no narrower
     beside_m: float = 0.4  # points so near a taller body are of it, unless
-    sticks_out_m: float = 1.0  # they reach so far out of it,
+    sticks_out_m: float = 1.0  # they reach so far out of it as the corner of a car's shadow does not,
+    sticks_out_share: float = 0.5  # or, of one that is no car, by this share of its width,
     before_m: float = 1.0  # or so far before its face,
     part_m: tuple[float, float] = (0.8, 0.4)  # and those so near one of its points, along and across
     shade_m: tuple[float, float] = (8.0, 1.2)  # behind a taller body's face and beside it, where it takes a point more
@@ -47,6 +48,8 @@ class LowConfig:
             raise ValueError(
                 f"min_height_m, max_height_m: expected 0 < min < max, got {self.min_height_m}, {self.max_height_m}"
             )
+        if not self.sticks_out_share > 0.0:
+            raise ValueError(f"sticks_out_share: expected > 0, got {self.sticks_out_share}")
         for key in ("part_m", "shade_m"):
             if not min(getattr(self, key)) > 0.0:
                 raise ValueError(f"{key}: expected both > 0, got {getattr(self, key)}")
