@@ -16,6 +16,8 @@ from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.marks import Marks
 from vpf_sim.types import Bools, Floats, Flow, RoadEdges
 
+BUMPER_M = 2.25  # ahead of the pose
+
 
 def tracker() -> LandmarkTracker:
     return LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
@@ -36,12 +38,15 @@ def test_a_car_is_found_far_off_and_measured() -> None:
     assert names == {0}
 
 
-def test_one_corner_is_enough_for_a_cone() -> None:
-    drive = Drive(np.concatenate([[[50.0, -1.0, 0.5]], road_points(200)]))
+@pytest.mark.parametrize(("right_m", "told_m"), [(-1.0, 10.0), (0.2, 9.0)])
+def test_one_corner_is_enough_for_a_cone(right_m: float, told_m: float) -> None:
+    """Dead ahead it moves least, and its depth is known worst."""
+    drive = Drive(np.concatenate([[[50.0, right_m, 0.5]], road_points(200)]))
     found = drive.run(tracker(), range(500))
     first = next(k for k, bodies in enumerate(found) if len(bodies))
-    assert 50.0 - drive.pose(first)[0] > 10.0
-    assert (found[-1].left_m[0], found[-1].right_m[0]) == pytest.approx((-1.2, -0.8), abs=0.05)  # as wide as its base
+    assert 50.0 - drive.pose(first)[0] - BUMPER_M > told_m
+    sides = (right_m - 0.2, right_m + 0.2)  # as wide as its base
+    assert (found[-1].left_m[0], found[-1].right_m[0]) == pytest.approx(sides, abs=0.05)
 
 
 @pytest.mark.parametrize(("small", "told"), [(40.0, True), (27.0, False)])
@@ -59,6 +64,16 @@ def test_faint_points_support_what_clear_ones_found() -> None:
     structure[[2, 11]] = 100.0 * np.eye(2)
     found = Drive(scene, structure=structure).run(tracker(), range(560))[-1]
     assert (found.left_m[0], found.right_m[0]) == pytest.approx((-0.6, 1.2), abs=0.15)
+
+
+@pytest.mark.parametrize(("count", "small", "told"), [(5, 100.0, True), (5, 20.0, False), (2, 100.0, False)])
+def test_a_pedestrian_is_told_by_the_corners_of_his_upper_half(count: int, small: float, told: bool) -> None:
+    """His legs swing and are not followed. Seen beside him the road is far away, where bends of lines slide so high up;
+    and where two outlines cross a corner slides as well."""
+    person = np.array([[50.0, -1.0 + 0.1 * k, 1.0 + 0.12 * k] for k in range(5)])[5 - count :]
+    scene, structure = np.concatenate([person, road_points(200)]), np.diag([small, 100.0])
+    found = Drive(scene, structure=structure).run(tracker(), range(370))
+    assert any(len(bodies) for bodies in found) == told
 
 
 @pytest.mark.parametrize(("small", "told"), [(100.0, True), (15.0, False)])

@@ -112,7 +112,7 @@ class Bodies:
             & (marks.height_m[believed] > config.single_min_height_m)
             & (marks.height_m[believed] < config.single_max_height_m)
             & (marks.depth_m[believed] < config.single_far_m)
-            & marks.founding[believed]
+            & (marks.founding[believed] == 1.0)
         )
         support = np.bincount(label, minlength=count)
         founders = np.bincount(label, marks.founding[believed], count)

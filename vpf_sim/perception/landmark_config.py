@@ -36,8 +36,8 @@ class LandmarkConfig:
     steady_m: float = 0.1  # and its place in the world changed by no more than this, plus
     steady_ratio: float = 0.04  # this share of the depth
     single_hits_s: float = 0.3  # and one alone after so long,
-    single_depth_ratio: float = 0.035  # at this accuracy
-    single_min_height_m: float = 0.35  # and at this height: the ends of dashes seem to stand 0.3 m high at times
+    single_depth_ratio: float = 0.07  # at this accuracy
+    single_min_height_m: float = 0.45  # and at this height: the ends of dashes seem to stand 0.3 m high at times
     single_max_height_m: float = 1.1
     single_far_m: float = 20.0
     recent_px: float = 0.3  # largest error of the motion in the last window, plus
@@ -48,7 +48,8 @@ class LandmarkConfig:
     corner_texture: float = 60.0  # unless so clear a corner (small eigenvalue, grey levels^2 / px^2)
     corner_ratio: float = 0.25  # that is no less than this share of the large one: edges have .2
     founding_texture: float = 33.0  # smaller ones found no body: where puddles end and what they mirror begins slides
-    foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there
+    foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there,
+    high_share: float = 0.5  # but corners so clear as to be trusted beside an edge line count for so much of one
     link_right_m: float = 1.0  # points nearer than this belong to one body
     link_forward_m: float = 2.0
     face_sigma_m: float = 0.65  # a body is told once its face is known so well
@@ -70,6 +71,8 @@ class LandmarkConfig:
             raise ValueError(f"turned_near_m: expected near_m <= it < far_m, got {self.turned_near_m}")
         if self.min_height_m >= self.max_height_m:
             raise ValueError(f"min_height_m: expected < max_height_m, got {self.min_height_m}")
+        if not 0.0 <= self.high_share < 1.0:
+            raise ValueError(f"high_share: expected 0 .. 1, 1 left out, got {self.high_share}")
         if not self.least_width_m >= 0.0:
             raise ValueError(f"least_width_m: expected >= 0, got {self.least_width_m}")
 

@@ -225,8 +225,9 @@ class LandmarkTracker:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
         below = (flow.points_px[above, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
-        founding = below * self.config.foot_m > self.camera.height_m
-        founding &= texture[above] > self.config.founding_texture
+        corner = is_corner(flow.structure[above], self.config.corner_texture, self.config.corner_ratio)
+        founding = np.where(below * self.config.foot_m > self.camera.height_m, 1.0, self.config.high_share * corner)
+        founding[low[above] | (texture[above] <= self.config.founding_texture)] = 0.0
         sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
         bearing = points.right_m[above] / depth
         sight = flow.pose[2] + np.arctan(bearing)
@@ -238,7 +239,7 @@ class LandmarkTracker:
             sight,
             depth,
             height,
-            founding & ~low[above],
+            founding,
             low[above],
             margin,
             texture[above],

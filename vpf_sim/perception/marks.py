@@ -25,7 +25,7 @@ class Sightings:
     sight_rad: Floats  # (M,) direction in the world in which the point was seen, and its place may err
     depth_m: Floats  # (M,) from the camera
     height_m: Floats  # (M,) above the road
-    founding: Bools  # (M,) may found a body, not only support one
+    founding: Floats  # (M,) 0 .. 1, how far it may found a body, not only support one
     low: Bools  # (M,) near the road, see `perception.low`
     margin: Floats  # (M,) by how much chi2 is worse with the road
     texture: Floats  # (M,) small eigenvalue of the structure tensor, grey levels^2 / px^2
@@ -55,7 +55,7 @@ class Marks:
     sight_rad: Floats  # (M,)
     depth_m: Floats  # (M,)
     height_m: Floats  # (M,)
-    founding: Bools  # (M,)
+    founding: Floats  # (M,)
     low: Bools  # (M,)
     margin: Floats  # (M,) the largest so far
     texture: Floats  # (M,)
@@ -72,8 +72,8 @@ class Marks:
             Sightings(
                 np.empty(0, np.int64),
                 np.empty((0, 2)),
-                *(number,) * 4,
-                *(truth,) * 2,
+                *(number,) * 5,
+                truth,
                 *(number,) * 2,
             ),
             0.0,
