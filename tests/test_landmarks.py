@@ -38,10 +38,10 @@ def test_a_car_is_found_far_off_and_measured() -> None:
     assert names == {0}
 
 
-@pytest.mark.parametrize(("right_m", "told_m"), [(-1.0, 10.0), (0.2, 9.0)])
-def test_one_corner_is_enough_for_a_cone(right_m: float, told_m: float) -> None:
-    """Dead ahead it moves least, and its depth is known worst."""
-    drive = Drive(np.concatenate([[[50.0, right_m, 0.5]], road_points(200)]))
+@pytest.mark.parametrize(("right_m", "height_m", "told_m"), [(-1.0, 0.5, 10.0), (0.2, 0.5, 9.0), (-1.0, 0.4, 9.5)])
+def test_one_corner_is_enough_for_a_cone(right_m: float, height_m: float, told_m: float) -> None:
+    """Dead ahead it moves least, and its depth is known worst; low it must be known better."""
+    drive = Drive(np.concatenate([[[50.0, right_m, height_m]], road_points(200)]))
     found = drive.run(tracker(), range(500))
     first = next(k for k, bodies in enumerate(found) if len(bodies))
     assert 50.0 - drive.pose(first)[0] - BUMPER_M > told_m
@@ -303,6 +303,10 @@ def test_nonsense_is_refused_with_what_was_given() -> None:
         LandmarkConfig(near_m=30.0)
     with pytest.raises(ValueError, match=r"turned_near_m: expected near_m <= it < far_m, got 1\.0"):
         LandmarkConfig(turned_near_m=1.0)
+    with pytest.raises(ValueError, match=r"single_depth_ratio: expected 0 < first < second, got \(0\.1, 0\.07\)"):
+        LandmarkConfig(single_depth_ratio=(0.1, 0.07))
+    with pytest.raises(ValueError, match=r"high_share: expected 0 \.\. 1, 1 left out, got 1\.0"):
+        LandmarkConfig(high_share=1.0)
 
 
 def test_what_lies_low_before_the_face_that_is_told_of_a_body_is_not_of_that_body() -> None:

@@ -106,10 +106,11 @@ class Bodies:
     def _are_tall(self, believed: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are bodies beyond doubt."""
         marks, config, count = self._marks, self.config, int(label.max()) + 1
+        ratio = marks.sigma_m[believed] / marks.depth_m[believed]
+        least_m = np.interp(ratio, config.single_depth_ratio, config.single_min_height_m, right=np.inf)
         single = (
             (marks.hits[believed] >= frames(config.single_hits_s, self._rate_hz))
-            & (marks.sigma_m[believed] < config.single_depth_ratio * marks.depth_m[believed])
-            & (marks.height_m[believed] > config.single_min_height_m)
+            & (marks.height_m[believed] > least_m)
             & (marks.height_m[believed] < config.single_max_height_m)
             & (marks.depth_m[believed] < config.single_far_m)
             & (marks.founding[believed] == 1.0)

@@ -36,8 +36,8 @@ class LandmarkConfig:
     steady_m: float = 0.1  # and its place in the world changed by no more than this, plus
     steady_ratio: float = 0.04  # this share of the depth
     single_hits_s: float = 0.3  # and one alone after so long,
-    single_depth_ratio: float = 0.07  # at this accuracy
-    single_min_height_m: float = 0.45  # and at this height: the ends of dashes seem to stand 0.3 m high at times
+    single_depth_ratio: tuple[float, float] = (0.035, 0.07)  # known so well or so badly
+    single_min_height_m: tuple[float, float] = (0.35, 0.45)  # at such a height: ends of dashes seem to stand 0.3 m high
     single_max_height_m: float = 1.1
     single_far_m: float = 20.0
     recent_px: float = 0.3  # largest error of the motion in the last window, plus
@@ -71,6 +71,9 @@ class LandmarkConfig:
             raise ValueError(f"turned_near_m: expected near_m <= it < far_m, got {self.turned_near_m}")
         if self.min_height_m >= self.max_height_m:
             raise ValueError(f"min_height_m: expected < max_height_m, got {self.min_height_m}")
+        for key in ("single_depth_ratio", "single_min_height_m"):
+            if not 0.0 < getattr(self, key)[0] < getattr(self, key)[1]:
+                raise ValueError(f"{key}: expected 0 < first < second, got {getattr(self, key)}")
         if not 0.0 <= self.high_share < 1.0:
             raise ValueError(f"high_share: expected 0 .. 1, 1 left out, got {self.high_share}")
         if not self.least_width_m >= 0.0:
