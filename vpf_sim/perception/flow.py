@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import undistort
-from vpf_sim.perception.corners import eigenvalues
+from vpf_sim.perception.corners import is_corner
 from vpf_sim.perception.ground import ground_flow
 from vpf_sim.perception.stuck import stuck
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
@@ -309,9 +309,7 @@ class FlowTracker:
         return self.config.texture_floor > 0.0 or self.config.corner_ratio > 0.0
 
     def _is_corner(self, tensor: Floats) -> Bools:
-        small, large = eigenvalues(tensor)
-        corner: Bools = (small >= self.config.texture_floor) & (small >= self.config.corner_ratio * large)
-        return corner
+        return is_corner(tensor, self.config.texture_floor, self.config.corner_ratio)
 
     def _top_up(self, image: Image, pose: Floats, hidden: Image | None) -> None:
         """Search the bands whose turn it is; at the start all of them."""
