@@ -298,3 +298,20 @@ def test_a_gap_that_proves_narrow_is_left_for_a_free_side(
     row = bodies((12.5, *cone), (12.6, *sorted((outer_m, outer_m + side))))
     minimum = one.update(replace(lane, heading_rad=-side * heading_rad), row).minimum_m
     assert (side * minimum < 0.0) == leaves
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("truck_m", "leaves"), [(13.0, True), (24.0, False)])
+def test_who_stands_beside_the_middle_of_a_truck_is_of_its_row_though_his_face_is_farther(
+    side: float, truck_m: float, leaves: bool
+) -> None:
+    """The truck leaves more room than it takes on the other side but for him, 4.5 m behind its face; more on that one.
+
+    He is farther off than bodies count otherwise: by then the car would have turned in between. From far away neither is
+    near enough for a choice.
+    """
+    lane = Lane(0.0, 8.75, -8.75, 0.0, 0.0)
+    truck, person = ((a * side, b * side) for a, b in ((-3.0, -0.5), (2.9, 3.4)))
+    face_m = truck_m + 0.5 * CAR.length_m
+    minimum = field(lane).update(lane, bodies((face_m, *sorted(truck)), (face_m + 4.5, *sorted(person)))).minimum_m
+    assert (side * minimum < -3.0) == leaves

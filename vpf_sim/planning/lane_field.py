@@ -135,9 +135,9 @@ class LaneField:
 
     def _rows(self, neighbours: Neighbours) -> Floats:
         """(G,) what a gap between two bodies of a row costs that is wide enough, but narrow."""
-        weight = np.where(neighbours.stands & (neighbours.way_m > 0.0), neighbours.weight, 0.0)
         widths_m = 2.0 * (self._half_width_m + self._config.clearance_m), self._config.row_gap_m
-        return self._config.row_height * narrowness(neighbours.bodies, weight, self._y_m, widths_m)
+        narrow = narrowness(neighbours.bodies, neighbours.in_row, neighbours.weight, self._y_m, widths_m)
+        return self._config.row_height * narrow
 
     def _unstopped(self, neighbours: Neighbours, speed_mps: float) -> Floats:
         """(K,) 0 .. 1, which bodies are too near for a stop."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.lane_field_config import LaneFieldConfig
-from vpf_sim.planning.rows import ROW_M
+from vpf_sim.planning.rows import ROW_M, same_row
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 NEXT_M = 4.0  # ahead, what stands beside our way is passed next
@@ -31,10 +31,14 @@ class Neighbours:
         self._speed_reference_mps = speed_reference_mps
         self.way_m: Floats = bodies.along_m - self._half_length_m  # (K,) from our bumper to each face
         self.length_m = self._lengths()  # (K,) from each face to where the body ends, at least
-        self.weight = self._weights()  # (K,) 0 .. 1, w of the field
-        self.present: Bools = self.weight > 0.0  # (K,) the others do not count
+        weight = self._weights()  # (K,) 0 .. 1
+        self.present: Bools = weight > 0.0  # (K,) the others do not count
         self.moves: Bools = bodies.speed_mps > 0.0  # (K,)
         self.stands: Bools = self.present & ~self.moves  # (K,)
+        ahead = ~self.moves & (self.way_m > 0.0)
+        self.in_row: Bools = same_row(bodies, self.length_m) & ahead & ahead[:, None]  # (K, K) who stands beside whom
+        # (K,) w of the field. The side is chosen for a row: all of it counts as soon as the first of it does.
+        self.weight: Floats = np.maximum(weight, np.max(weight * self.in_row, axis=1, initial=0.0))
 
     def __len__(self) -> int:
         return len(self.bodies)

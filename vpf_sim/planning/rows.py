@@ -7,25 +7,37 @@ sooner than the car needs to get to the other side of the row.
 import numpy as np
 
 from vpf_sim.planning.lane import LaneObstacles
-from vpf_sim.types import Floats
+from vpf_sim.types import Bools, Floats
 
-ROW_M = 5.0  # what stands so far behind another is of its row
+ROW_M = 5.0  # what stands so far behind another is of its row,
+BEYOND_M = 1.5  # and so is what stands no farther behind where that may end
 
 
-def narrowness(obstacles: LaneObstacles, weight: Floats, y_m: Floats, widths_m: tuple[float, float]) -> Floats:
+def same_row(bodies: LaneObstacles, length_m: Floats) -> Bools:
+    """(K, K) which bodies stand in one row across the road, of lengths (K,) at least.
+
+    Faces are as far apart as the bodies are long: of a truck and of who stands beside its middle.
+    """
+    behind = bodies.along_m[None] - bodies.along_m[:, None]
+    reach = np.maximum(length_m + BEYOND_M, ROW_M)
+    row: Bools = np.where(behind > 0.0, behind < reach[:, None], -behind < reach[None])
+    return row
+
+
+def narrowness(
+    bodies: LaneObstacles, in_row: Bools, weight: Floats, y_m: Floats, widths_m: tuple[float, float]
+) -> Floats:
     """(G,) 0 .. 1 at places across the road: how far the gap there, between two bodies of a row, falls short of wide,
     the second of the widths; times the lesser of the weights (K,) of both. 0 elsewhere, and where it is narrower than
-    the first: that is no gap to be gone through.
+    the first: that is no gap to be gone through. `in_row` (K, K) tells who is in one row with whom.
     """
     least_m, wide_m = widths_m
     narrow = np.zeros_like(y_m)
     if np.count_nonzero(weight) < 2:
         return narrow
-    row, weight = obstacles.chosen(weight > 0.0), weight[weight > 0.0]
-    gap = row.left_m[None] - row.right_m[:, None]  # (R, R) from each body to each
-    beside = (gap > least_m) & (gap < wide_m) & (np.abs(row.along_m[None] - row.along_m[:, None]) < ROW_M)
-    for left, right in np.argwhere(beside):
-        between = (y_m > row.right_m[left]) & (y_m < row.left_m[right])
+    gap = bodies.left_m[None] - bodies.right_m[:, None]  # (K, K) from each body to each
+    for left, right in np.argwhere((gap > least_m) & (gap < wide_m) & in_row):
+        between = (y_m > bodies.right_m[left]) & (y_m < bodies.left_m[right])
         short = (1.0 - gap[left, right] / wide_m) * min(weight[left], weight[right])
         narrow = np.maximum(narrow, between * short)
     return narrow
