@@ -9,9 +9,9 @@ All three are functions of y, the place across the road (`vpf_sim.planning.lane`
          + max over rows of w(t) h_r (1 - b / b_r) between two bodies of a row leaving room, but b < b_r
 
 d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
-in with the distance t to the body. Bodies take the maximum, not the sum, so that many points of one body weigh as one.
-Where no place is free, h_o and s_o are larger for bodies before which the car can no longer stop: it keeps clear of
-those, and stops before the others.
+in with the distance t to the body, or to the first of its row. Bodies take the maximum, not the sum, so that many
+points of one body weigh as one. Where no place is free, h_o and s_o are larger for bodies before which the car can no
+longer stop: it keeps clear of those, and stops before the others.
 
 The paper follows the local gradient; here the car goes to the global minimum, since dead ahead of a body the gradient
 vanishes and the side would be left to chance (METHOD A9, A10). What has been decided is kept: a term in the distance
