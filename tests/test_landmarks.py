@@ -38,15 +38,41 @@ def test_a_car_is_found_far_off_and_measured() -> None:
     assert names == {0}
 
 
-@pytest.mark.parametrize(("right_m", "height_m", "told_m"), [(-1.0, 0.5, 10.0), (0.2, 0.5, 9.0), (-1.0, 0.4, 9.5)])
-def test_one_corner_is_enough_for_a_cone(right_m: float, height_m: float, told_m: float) -> None:
-    """Dead ahead it moves least, and its depth is known worst; low it must be known better."""
-    drive = Drive(np.concatenate([[[50.0, right_m, height_m]], road_points(200)]))
+@pytest.mark.parametrize(("right_m", "told_m"), [(-1.0, 10.0), (0.2, 9.0)])
+def test_one_corner_is_enough_for_a_cone(right_m: float, told_m: float) -> None:
+    """Dead ahead it moves least, and its depth is known worst."""
+    drive = Drive(np.concatenate([[[50.0, right_m, 0.5]], road_points(200)]))
     found = drive.run(tracker(), range(500))
     first = next(k for k, bodies in enumerate(found) if len(bodies))
     assert 50.0 - drive.pose(first)[0] - BUMPER_M > told_m
     sides = (right_m - 0.2, right_m + 0.2)  # as wide as its base
     assert (found[-1].left_m[0], found[-1].right_m[0]) == pytest.approx(sides, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("height_m", "ratio", "founding", "told"),
+    [
+        (0.37, 0.03, 1.0, True),
+        (0.33, 0.03, 1.0, False),
+        (0.37, 0.06, 1.0, False),
+        (0.47, 0.06, 1.0, True),
+        (0.80, 0.08, 1.0, False),
+        (0.47, 0.06, 0.5, False),
+    ],
+)
+def test_a_corner_that_stands_alone_is_the_higher_the_worse_its_depth_is_known(
+    height_m: float, ratio: float, founding: float, told: bool
+) -> None:
+    one, depth_m = np.ones(1), 12.0
+    marks = SimpleNamespace(
+        hits=np.full(1, 20),
+        depth_m=depth_m * one,
+        sigma_m=ratio * depth_m * one,
+        height_m=height_m * one,
+        founding=founding * one,
+    )
+    bodies = Bodies(CAMERA, LandmarkConfig(), cast("Marks", marks), RATE_HZ)
+    assert bodies._are_tall(np.zeros(1, np.int64), np.zeros(1, np.int64)).tolist() == [told]
 
 
 @pytest.mark.parametrize(("small", "told"), [(40.0, True), (27.0, False)])
@@ -66,13 +92,13 @@ def test_faint_points_support_what_clear_ones_found() -> None:
     assert (found.left_m[0], found.right_m[0]) == pytest.approx((-0.6, 1.2), abs=0.15)
 
 
-@pytest.mark.parametrize(("count", "small", "told"), [(5, 100.0, True), (5, 20.0, False), (2, 100.0, False)])
-def test_a_pedestrian_is_told_by_the_corners_of_his_upper_half(count: int, small: float, told: bool) -> None:
+@pytest.mark.parametrize(("count", "large", "told"), [(5, 100.0, True), (5, 600.0, False), (2, 100.0, False)])
+def test_a_pedestrian_is_told_by_the_corners_of_his_upper_half(count: int, large: float, told: bool) -> None:
     """His legs swing and are not followed. Seen beside him the road is far away, where bends of lines slide so high up;
     and where two outlines cross a corner slides as well."""
     person = np.array([[50.0, -1.0 + 0.1 * k, 1.0 + 0.12 * k] for k in range(5)])[5 - count :]
-    scene, structure = np.concatenate([person, road_points(200)]), np.diag([small, 100.0])
-    found = Drive(scene, structure=structure).run(tracker(), range(370))
+    scene, structure = np.concatenate([person, road_points(200)]), np.diag([100.0, large])
+    found = Drive(scene, structure=structure).run(tracker(), range(385))
     assert any(len(bodies) for bodies in found) == told
 
 

@@ -71,9 +71,11 @@ def test_one_point_is_enough_only_where_it_is_a_clear_corner(texture: float, eno
     assert (first_gap_m(found) > 6.0) == enough
 
 
-def test_the_low_points_of_a_taller_body_are_of_it() -> None:
-    feet = np.array([[FACE_M, y, 0.1] for y in (-0.3, 0.3, 0.9)])
-    found = approach(np.concatenate([body(FACE_M, 0.3, 1.8, 1.4, 10), feet]))
+@pytest.mark.parametrize(("width_m", "count", "feet_m"), [(1.8, 10, (-0.3, 0.3, 0.9)), (0.5, 12, (0.0, 0.3, 0.6))])
+def test_the_low_points_of_a_taller_body_are_of_it(width_m: float, count: int, feet_m: tuple[float, ...]) -> None:
+    """A car's wheels, a pedestrian's shoes."""
+    feet = np.array([[FACE_M, y, 0.1] for y in feet_m])
+    found = approach(np.concatenate([body(FACE_M, 0.3, width_m, 1.4, count), feet]))
     assert {len(bodies) for bodies in found[-100:]} == {1}
 
 

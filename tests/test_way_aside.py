@@ -301,17 +301,14 @@ def test_a_gap_that_proves_narrow_is_left_for_a_free_side(
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize(("truck_m", "leaves"), [(13.0, True), (24.0, False)])
-def test_who_stands_beside_the_middle_of_a_truck_is_of_its_row_though_his_face_is_farther(
-    side: float, truck_m: float, leaves: bool
+@pytest.mark.parametrize(("face_m", "width_m", "leaves"), [(12.0, 2.5, True), (12.0, 2.0, False), (22.0, 2.5, False)])
+def test_who_stands_beside_a_truck_is_of_its_row_though_his_face_is_farther(
+    side: float, face_m: float, width_m: float, leaves: bool
 ) -> None:
-    """The truck leaves more room than it takes on the other side but for him, 4.5 m behind its face; more on that one.
-
-    He is farther off than bodies count otherwise: by then the car would have turned in between. From far away neither is
-    near enough for a choice.
-    """
+    """He stands 7 m behind its face, where a car has ended: farther off than bodies count otherwise. Between them it is
+    narrow, on the other side of the truck is more room. From far off neither is near enough for a choice."""
     lane = Lane(0.0, 8.75, -8.75, 0.0, 0.0)
-    truck, person = ((a * side, b * side) for a, b in ((-3.0, -0.5), (2.9, 3.4)))
-    face_m = truck_m + 0.5 * CAR.length_m
-    minimum = field(lane).update(lane, bodies((face_m, *sorted(truck)), (face_m + 4.5, *sorted(person)))).minimum_m
+    truck, person = ((a * side, b * side) for a, b in ((-0.5 - width_m, -0.5), (2.9, 3.4)))
+    along_m = face_m + 0.5 * CAR.length_m
+    minimum = field(lane).update(lane, bodies((along_m, *sorted(truck)), (along_m + 7.0, *sorted(person)))).minimum_m
     assert (side * minimum < -3.0) == leaves

@@ -36,7 +36,7 @@ class LowConfig:
     least_width_m: float = 0.6  # a body is told no narrower
     beside_m: float = 0.4  # points so near a taller body are of it, unless
     sticks_out_m: float = 1.0  # they reach so far out of it as the corner of a car's shadow does not,
-    sticks_out_share: float = 0.5  # or, of one that is no car, by this share of its width,
+    sticks_out_share: float = 0.5  # or by this share of its width, which of a pedestrian any low body beside him does,
     before_m: float = 1.0  # or so far before its face,
     part_m: tuple[float, float] = (0.8, 0.4)  # and those so near one of its points, along and across
     shade_m: tuple[float, float] = (8.0, 1.2)  # behind a taller body's face and beside it, where it takes a point more

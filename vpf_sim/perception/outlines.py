@@ -105,8 +105,8 @@ def together(some: Obstacles, others: Obstacles) -> Obstacles:
 def joined(
     tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float | Floats, before_m: float
 ) -> Obstacles:
-    """Both, without the low ones beside or under a tall one: but what sticks out of it to a side by more than that, all
-    or each (K,) of the tall ones, or begins farther before its face than `before_m`, is a body of its own."""
+    """Both, without the low ones beside or under a tall one: but what sticks out of it to a side by more than
+    `sticks_out_m`, of all or of each (K,), or begins farther before its face than `before_m`, is a body of its own."""
     left, right = low.left_m[:, None], low.right_m[:, None]
     out = np.maximum(tall.left_m[None] - left, right - tall.right_m[None])
     behind = low.forward_m[:, None] - tall.forward_m[None]

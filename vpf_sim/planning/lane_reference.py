@@ -132,8 +132,8 @@ class LaneReference:
         hit = ahead & (neighbours.overlap(rest_m, config.walking_clearance_m) > 0.0)
         first_m = float(np.min(way, where=hit, initial=np.inf))
         stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.creep_standoff_m < first_m
-        same_row = float(way[taken].min()) < first_m + ROW_M
-        return rest_m if stops and same_row and first_m < HOLDS_M else minimum_m
+        met_with_it = float(way[taken].min()) < first_m + ROW_M
+        return rest_m if stops and met_with_it and first_m < HOLDS_M else minimum_m
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""

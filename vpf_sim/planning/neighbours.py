@@ -32,7 +32,7 @@ class Neighbours:
         self.way_m: Floats = bodies.along_m - self._half_length_m  # (K,) from our bumper to each face
         self.length_m = self._lengths()  # (K,) from each face to where the body ends, at least
         weight = self._weights()  # (K,) 0 .. 1
-        self.present: Bools = weight > 0.0  # (K,) the others do not count
+        self.present: Bools = weight > 0.0  # (K,) the others count for the choice of a side at most
         self.moves: Bools = bodies.speed_mps > 0.0  # (K,)
         self.stands: Bools = self.present & ~self.moves  # (K,)
         ahead = ~self.moves & (self.way_m > 0.0)
@@ -137,13 +137,14 @@ class Neighbours:
         return np.where(meets & (self.way_m > 0.0), self.way_m + further, np.inf)
 
     def _lengths(self) -> Floats:
+        """(K,) m; what is wide may be a truck or a barrier."""
         config = self._config
         long = (self.bodies.speed_mps > 0.0) | (self.bodies.width_m > config.truck_width_m)
         length: Floats = np.maximum(np.where(long, config.long_m, config.body_length_m), self.bodies.length_m)
         return length
 
     def _weights(self) -> Floats:
-        """By the distance; 0 for those that have been passed, or run away."""
+        """(K,) by the distance; 0 for those that have been passed, or run away."""
         config, speed = self._config, self.bodies.speed_mps
         weight = np.clip((self._visible() - self.way_m) / (config.visible_m - config.full_m), 0.0, 1.0)
         faster = speed - self._speed_reference_mps

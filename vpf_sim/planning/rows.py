@@ -9,17 +9,16 @@ import numpy as np
 from vpf_sim.planning.lane import LaneObstacles
 from vpf_sim.types import Bools, Floats
 
-ROW_M = 5.0  # what stands so far behind another is of its row,
-BEYOND_M = 1.5  # and so is what stands no farther behind where that may end
+ROW_M = 5.0  # what stands so far behind the first that is in our way is met with it
+BEYOND_M = 1.5  # what stands no farther behind where another may end is of its row
 
 
 def same_row(bodies: LaneObstacles, length_m: Floats) -> Bools:
-    """(K, K) which bodies stand in one row across the road, of lengths (K,) at least.
+    """(K, K) which bodies stand in one row, wherever across the road; they are as long as (K,) at least.
 
     Faces are as far apart as the bodies are long: of a truck and of who stands beside its middle.
     """
-    behind = bodies.along_m[None] - bodies.along_m[:, None]
-    reach = np.maximum(length_m + BEYOND_M, ROW_M)
+    behind, reach = bodies.along_m[None] - bodies.along_m[:, None], length_m + BEYOND_M
     row: Bools = np.where(behind > 0.0, behind < reach[:, None], -behind < reach[None])
     return row
 
