@@ -27,11 +27,11 @@ def told(*rows: tuple[float, float, float]) -> Obstacles:
     )
 
 
-def counts(bodies: LaneObstacles) -> list[bool]:
+def weights(bodies: LaneObstacles) -> list[float]:
     valley = variant.load("robust").valley
     assert valley is not None
-    present: list[bool] = Neighbours(bodies, valley.field, VEHICLE, 5.55).present.tolist()
-    return present
+    weight: list[float] = Neighbours(bodies, valley.field, VEHICLE, 5.55).weight.tolist()
+    return weight
 
 
 def test_a_side_told_in_parts_is_one_body_as_long_as_they_reach() -> None:
@@ -49,14 +49,14 @@ def test_the_way_back_begins_behind_the_last_part() -> None:
     """Face 6 m behind: a car of 5 m is passed, a truck of 8.5 m is still beside us."""
     rows = np.array([[-6.7, -3.4, -1.3]]).T
     car, truck = LaneObstacles(*rows), LaneObstacles(*rows, length_m=np.array([7.0]))
-    assert counts(car) == [False]
-    assert counts(truck) == [True]
+    assert weights(car) == [0.0]
+    assert weights(truck) == [1.0]
     past = LaneObstacles(rows[0] - 3.0, *rows[1:], length_m=np.array([7.0]))
-    assert counts(past) == [False]
+    assert weights(past) == [0.0]
 
 
 def test_what_is_as_wide_as_a_truck_is_as_long_though_nothing_is_seen_of_its_side() -> None:
     """Our rear 5 m past the faces of a car 2.1 m wide and a truck 2.5 m wide, without parts; and 9 m past both."""
     along, left, right = np.full(2, -7.25), np.array([-3.4, 1.3]), np.array([-1.3, 3.8])
-    assert counts(LaneObstacles(along, left, right)) == [False, True]
-    assert counts(LaneObstacles(along - 4.0, left, right)) == [False, False]
+    assert weights(LaneObstacles(along, left, right)) == [0.0, 1.0]
+    assert weights(LaneObstacles(along - 4.0, left, right)) == [0.0, 0.0]
