@@ -9,7 +9,15 @@ from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
 from vpf_sim.perception.lane_filter import NEAR_M, REACH_M, Expected, LaneFilter, Sightings, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
-from vpf_sim.perception.line_search import CENTROID_M, RidgeMap, comb, noise_threshold, sight, sighting_variance
+from vpf_sim.perception.line_search import (
+    CENTROID_M,
+    HEADINGS_RAD,
+    RidgeMap,
+    comb,
+    noise_threshold,
+    sight,
+    sighting_variance,
+)
 from vpf_sim.perception.road_model import PITCH, WIDTH, curvature_ahead, rows_seen, state_of
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 
@@ -22,6 +30,8 @@ LEAST_CERTAIN = 0.5  # of the lines, without which they do not tell where the ca
 NEW_ROAD_M = 0.8  # that comes into view between two judgements: who stands sees the same again, errors and all
 REFUTED_LOOKS, REFUTED_M = 10, 2.0  # in a row, on so much way, that show other lines: the road is another one
 LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is looked for from nothing
+FACING_RAD = 1.4  # to a road: whoever is turned farther goes nowhere along it
+TURN_M = 20.0  # of way, in which a vehicle has turned across the road and back
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, FIRST_LOOKS = 0.3, 0.04, 0.07, 3
 MOUNTED_RAD = 0.006  # how far off a camera looks, usually, in pitch, before a road has been followed,
 PITCHED_RAD = 0.0015  # and where one has been
@@ -197,6 +207,9 @@ class RoadEdgeTracker:
         """The road that explains most ridges: in the lane where the own motion has led since it was lost, or, from
         nothing, in whichever lane the pose is."""
         config, lost = self.config, self._lost if self._is_known(self._lost) else None
+        if lost is not None and abs(lost.state[1]) > HEADINGS_RAD[-1]:
+            self._find_again(lost, ridges)
+            return
         widths = WIDTHS_M if lost is None else lost.state[[WIDTH]]
         likely_rad = 0.0 if lost is None else float(lost.state[1])
         score, (y, heading, curvature, width) = comb(ridges, self.view, widths, config.lane_width_m, likely_rad)
@@ -218,9 +231,21 @@ class RoadEdgeTracker:
         self._filter, self._lost = found, None
         self._judge(found, image_rgb, ridges)
 
+    def _find_again(self, lost: LaneFilter, ridges: RidgeMap) -> None:
+        """The road that was lost, where it should be; other lines than its own lead where such a vehicle is headed."""
+        if is_sane(lost.state) and self._look(lost, ridges):
+            self._filter, self._lost = lost, None
+
     def _is_known(self, state: LaneFilter | None) -> bool:
-        """Whether a road that was lost may still tell one lane from the next."""
-        return state is not None and is_sane(state.state) and bool(state.sigma_m < LOST_SHARE * state.state[WIDTH])
+        """Whether a road that was lost may still tell one lane from the next, however far the vehicle has turned.
+
+        But a turn ends: who should be turned still, much farther on, was wrong about the road.
+        """
+        if state is None or not is_sane(state.state, FACING_RAD):
+            return False
+        if abs(state.state[1]) > HEADINGS_RAD[-1] and self._travelled_m > self._agreed_m + TURN_M:
+            return False
+        return bool(state.sigma_m < LOST_SHARE * state.state[WIDTH])
 
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
         self._judged_m = self._travelled_m
