@@ -283,6 +283,16 @@ def test_who_has_turned_to_one_side_of_a_body_keeps_to_it_though_the_body_is_tol
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("last_m", "keeps"), [(0.3, False), (0.7, False), (1.3, True)])
+def test_a_body_that_is_told_where_the_car_was_going_has_no_side_yet(side: float, last_m: float, keeps: bool) -> None:
+    """10 m ahead, its middle .1 m off: the shorter way leads past its other side; it is 1.3 m to be clear on this."""
+    one = field(Lane(0.0, 8.75, -8.75, 0.0, 0.0))
+    one.keep(side * last_m)
+    row = bodies((10.0 + 0.5 * CAR.length_m, *sorted((-0.1 * side, 0.3 * side))))
+    assert (side * one.update(Lane(0.0, 8.75, -8.75, 0.0, 0.0), row).minimum_m > 0.0) == keeps
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize(("gap_m", "heading_rad", "leaves"), [(3.2, 0.0, True), (4.5, 0.0, False), (3.2, 0.1, False)])
 def test_a_gap_that_proves_narrow_is_left_for_a_free_side(
     side: float, gap_m: float, heading_rad: float, leaves: bool

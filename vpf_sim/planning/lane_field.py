@@ -41,6 +41,7 @@ NO_CHOICE = 1e3  # more than any body, side or memory costs
 CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
 BEHIND_M = 0.5  # off its middle: who is not farther aside goes behind it, and has not chosen a side yet
 STOP_MPS2, STOP_REACTION_S = 3.0, 0.3  # of a stop in need
+WITHIN_M = 0.5  # a place that a body covers so far is on no side of it; its sides are told no better than this
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +174,9 @@ class LaneField:
         other = (self._y_m[None] - middle[:, None]) * np.sign(chosen)[:, None] < 0.0
         goes, wide = turned[near] | (abs(lane.y_m - last) < config.memory_m), np.interp(last, self._y_m, rows) == 0.0
         kept = np.where(goes | wide, config.latch_height, config.plan_height)
+        # A body told where the car was going has no side yet: that takes a place beside it.
+        covers = neighbours.overlap(last, 0.0)[near]
+        kept = np.where(turned[near], kept, kept * np.clip(1.0 - covers / WITHIN_M, 0.0, 1.0))
         height = np.where(beside, config.beside_height, kept)
         latched: Floats = memory + (other * height[:, None]).max(axis=0)
         return latched
