@@ -13,10 +13,13 @@ from vpf_sim.geometry import undistort
 from vpf_sim.perception.corners import is_corner
 from vpf_sim.perception.ground import ground_flow
 from vpf_sim.perception.stuck import stuck
+from vpf_sim.perception.tracks import Tracks
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
 LOOSE_PX = 1.0  # a point that moved so far within a window is not stuck any more
 FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
+SWEPT_SHARE = 0.08  # of the points, that jump at once where something sweeps across the picture; drops move fewer
+COVERED_LEVELS, COVERED_RATIO = 12.0, 4.0  # mean difference of a window to the one that is sought, and over the median
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +57,7 @@ class FlowConfig:
     reach_px_per_s: float = 400.0  # fastest motion to follow
     texture_floor: float = 0.0  # least small eigenvalue of a corner's structure tensor, grey levels^2 / px^2
     corner_ratio: float = 0.0  # and its least share of the large one: edges slide
+    hold_s: float | None = None  # for so long a point is sought again that a wiper covers; None: it is taken along
     anchor_s: float | None = None  # a point's first sighting is replaced by one between so old and twice; None: never
 
     def __post_init__(self) -> None:
@@ -61,6 +65,8 @@ class FlowConfig:
             raise ValueError(f"window_px: expected an odd number >= 3, got {self.window_px}")
         if self.window_s <= 0.0 or self.detect_period_s <= 0.0:
             raise ValueError(f"window_s, detect_period_s: expected > 0, got {self.window_s}, {self.detect_period_s}")
+        if self.hold_s is not None and not self.hold_s > 0.0:
+            raise ValueError(f"hold_s: expected > 0, got {self.hold_s}")
         if self.points < 8:
             raise ValueError(f"points: expected >= 8, got {self.points}")
         if self.bands not in BANDS:
@@ -110,61 +116,6 @@ def inverse(matrices: Floats) -> Floats:
     return result
 
 
-@dataclass(slots=True)
-class _Tracks:
-    """What persists of the N points that are followed; rows stay in the order of their identity."""
-
-    trail: Floats  # (G + 1, N, 2) px, newest first
-    age: NDArray[np.int64]  # (N,) frames
-    identity: NDArray[np.int64]  # (N,) ascending
-    first_px: Floats  # (N, 2)
-    first_pose: Floats  # (N, 3)
-    structure: Floats  # (N, 2, 2)
-    next_px: Floats  # (N, 2) the sighting that will replace the first
-    next_pose: Floats  # (N, 3)
-    next_age: NDArray[np.int64]  # (N,) frames since then
-    stuck: Bools  # (N,) as of the last look
-
-    def __len__(self) -> int:
-        return len(self.age)
-
-    def keep(self, chosen: Bools) -> None:
-        if chosen.all():
-            return
-        rows = np.flatnonzero(chosen)
-        self.trail = self.trail.take(rows, axis=1)
-        self.age, self.identity, self.stuck = self.age[rows], self.identity[rows], self.stuck[rows]
-        self.first_px, self.first_pose = self.first_px[rows], self.first_pose[rows]
-        self.structure = self.structure[rows]
-        self.next_px, self.next_pose, self.next_age = self.next_px[rows], self.next_pose[rows], self.next_age[rows]
-
-    def renew_anchor(self, frames: int, pose: Floats) -> None:
-        """Where the next sighting is `frames` old, it becomes the first, and the present one the next."""
-        due = self.next_age >= frames
-        if not due.any():
-            return
-        column = due[:, None]
-        self.first_px = np.where(column, self.next_px, self.first_px)
-        self.first_pose = np.where(column, self.next_pose, self.first_pose)
-        self.age = np.where(due, self.next_age, self.age)
-        self.next_px = np.where(column, self.trail[0], self.next_px)
-        self.next_pose = np.where(column, pose, self.next_pose)
-        self.next_age = np.where(due, 0, self.next_age)
-
-    def append(self, points_px: Floats, structure: Floats, pose: Floats, next_identity: int) -> None:
-        count = len(points_px)
-        self.trail = np.concatenate([self.trail, np.broadcast_to(points_px, (len(self.trail), count, 2))], axis=1)
-        self.age = np.concatenate([self.age, np.zeros(count, np.int64)])
-        self.identity = np.concatenate([self.identity, np.arange(next_identity, next_identity + count)])
-        self.first_px = np.concatenate([self.first_px, points_px])
-        self.first_pose = np.concatenate([self.first_pose, np.broadcast_to(pose, (count, 3))])
-        self.structure = np.concatenate([self.structure, structure])
-        self.next_px = np.concatenate([self.next_px, points_px])
-        self.next_pose = np.concatenate([self.next_pose, np.broadcast_to(pose, (count, 3))])
-        self.next_age = np.concatenate([self.next_age, np.zeros(count, np.int64)])
-        self.stuck = np.concatenate([self.stuck, np.zeros(count, np.bool_)])
-
-
 class FlowTracker:
     """Follows corners frame by frame and reports each one's motion over the window (METHOD 0.7, A4).
 
@@ -180,6 +131,8 @@ class FlowTracker:
         self._window_frames = max(1, round(config.window_s * rate_hz))
         self._period_frames = max(1, round(config.detect_period_s * rate_hz))
         self._anchor_frames = None if config.anchor_s is None else max(2, round(config.anchor_s * rate_hz))
+        self._hold_frames = None if config.hold_s is None else max(1, round(config.hold_s * rate_hz))
+        self._jump_px = 0.5 * config.reach_px_per_s / rate_hz
         self._bands = [(self._rows(band), round(band.share * config.points)) for band in BANDS[config.bands]]
         self._top = max(0, min(rows.start for rows, _ in self._bands) - config.window_px)
         self._bottom = min(camera.height_px, max(rows.stop for rows, _ in self._bands) + config.window_px)
@@ -187,10 +140,9 @@ class FlowTracker:
         self._poses: Floats = np.empty((0, 3))  # newest first
         self._next_identity = 0
         self._frame = 0
-        none, pixels, poses = np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 3))
-        trail = np.empty((self._window_frames + 1, 0, 2))
-        no_bools = np.empty(0, np.bool_)
-        self._tracks = _Tracks(trail, none, none, pixels, poses, np.empty((0, 2, 2)), pixels, poses, none, no_bools)
+        self._tracks = Tracks.none(self._window_frames)
+        self._held: Image | None = None  # the last frame before something began to sweep across the picture,
+        self._held_until = 0  # and the last in which it serves
 
     def update(self, image: Image, pose: Floats, hidden: Image | None = None) -> Flow:
         """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels.
@@ -206,7 +158,8 @@ class FlowTracker:
             self._look_for_stuck(pose)
         flow = self._report(pose)
         self._weigh_again(image)
-        self._top_up(image, pose, hidden)
+        if self._held is None:  # a blade has corners too
+            self._top_up(image, pose, hidden)
         self._previous = image
         self._frame += 1
         return flow
@@ -227,38 +180,82 @@ class FlowTracker:
         return slice(int(top), int(bottom))
 
     def _lucas_kanade(
-        self, before: Image, after: Image, points: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], Bools]:
+        self, before: Image, after: Image, points_px: Floats, guess_px: Floats | None = None
+    ) -> tuple[Floats, Bools, Floats]:
+        """(N, 2) where points have gone, (N,) whether they were found, and (N,) grey levels by which windows differ."""
         config = self.config
-        moved, status, _ = cv2.calcOpticalFlowPyrLK(
-            before,
-            after,
+        rows, offset = slice(self._top, self._bottom), np.array([0.0, self._top])
+        points = (points_px - offset).astype(np.float32)
+        moved, status, error = cv2.calcOpticalFlowPyrLK(
+            before[rows],
+            after[rows],
             points,
-            np.empty_like(points),
+            np.empty_like(points) if guess_px is None else (guess_px - offset).astype(np.float32),
             winSize=(config.window_px, config.window_px),
             maxLevel=self.levels,
             criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, config.iterations, config.epsilon_px),
+            flags=0 if guess_px is None else cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
-        return np.asarray(moved, np.float32), status.ravel() == 1
+        found = status.ravel() == 1
+        return moved.astype(np.float64) + offset, found, np.where(found, error.ravel(), np.inf)
 
     def _follow(self, before: Image, after: Image) -> None:
-        rows = slice(self._top, self._bottom)
-        offset = np.array([0.0, self._top])
-        points = (self._tracks.trail[0] - offset).astype(np.float32)
-        moved, good = self._lucas_kanade(before[rows], after[rows], points)
+        tracks = self._tracks
+        points = tracks.trail[0]
+        now, good, error = self._lucas_kanade(before, after, points)
         if self.config.forward_backward_px is not None and self._frame % self._period_frames == 1 % self._period_frames:
-            back, returned = self._lucas_kanade(after[rows], before[rows], moved)
+            back, returned, _ = self._lucas_kanade(after, before, now)
             good &= returned & (np.hypot(*(back - points).T) < self.config.forward_backward_px)
-        now = moved.astype(np.float64) + offset
+        if self._hold_frames is not None:
+            now, good = self._hold(before, after, now, good, error, self._hold_frames)
         good &= (now[:, 0] >= 0) & (now[:, 0] <= self.camera.width_px - 1)
         good &= (now[:, 1] >= self._top) & (now[:, 1] <= self._bottom - 1)
-        tracks = self._tracks
         tracks.trail, tracks.age, tracks.next_age = tracks.trail[:-1], tracks.age + 1, tracks.next_age + 1
         tracks.keep(good)
         tracks.trail = np.concatenate([now[None, good], tracks.trail])
 
-    def _report(self, pose: Floats) -> Flow:
+    def _hold(
+        self, before: Image, after: Image, now_px: Floats, good: Bools, error: Floats, hold_frames: int
+    ) -> tuple[Floats, Bools]:
+        """Where the points are now, and which are kept, if a wiper's blade sweeps across them: it takes them along.
+
+        Such points jump, or look otherwise. They go on as they went, are not reported, and are sought again in every
+        frame by how they looked before the sweep.
+        """
         tracks = self._tracks
+        steady = tracks.trail[0] - tracks.trail[1]
+        jump = now_px - tracks.trail[0] - steady
+        known = good & (tracks.age > 0) & (tracks.hidden == 0)
+        turn = np.median(jump[known], axis=0) if known.any() else np.zeros(2)
+        jumps = (tracks.age > 0) & (np.hypot(*(jump - turn).T) > self._jump_px)
+        lost = ~good | jumps
+        if self._held is None:
+            if np.count_nonzero(lost) <= SWEPT_SHARE * len(tracks):
+                return now_px, good
+            self._held, self._held_until = before, self._frame + hold_frames
+            tracks.held_px = tracks.trail[0].copy()
+        usual = np.median(error[~lost]) if not lost.all() else 0.0
+        limit = max(COVERED_LEVELS, COVERED_RATIO * float(usual))
+        hidden = lost | (error > limit) | (tracks.hidden > 0)
+        tracks.hidden = np.where(hidden, tracks.hidden + 1, 0)
+        expected = tracks.trail[0] + steady + turn
+        now = np.where(hidden[:, None], expected, now_px)
+        kept = ~hidden | np.isfinite(tracks.held_px[:, 0])
+        sought = np.flatnonzero(hidden & kept)
+        if len(sought):
+            place, found, differs = self._lucas_kanade(self._held, after, tracks.held_px[sought], expected[sought])
+            aside = place - expected[sought]
+            found &= (differs < limit) & (np.hypot(*aside.T) < self._jump_px)
+            now[sought[found]] = place[found]
+            tracks.show(sought[found], aside[found])
+        if self._frame >= self._held_until:  # what has not come back by now was water, and is wiped away
+            kept &= tracks.hidden == 0
+        if not np.any(tracks.hidden[kept]):
+            self._held = None
+        return now, kept
+
+    def _report(self, pose: Floats) -> Flow:
+        tracks = self._tracks if self._held is None else self._tracks.chosen(self._tracks.hidden == 0)
         frames = np.minimum(tracks.age, self._window_frames)
         now, past, first = (
             undistort(self.camera, points)
@@ -292,7 +289,7 @@ class FlowTracker:
         tracks = self._tracks
         if not self._guarded:
             return
-        due = np.flatnonzero((tracks.identity + self._frame) % self._period_frames == 0)
+        due = np.flatnonzero(((tracks.identity + self._frame) % self._period_frames == 0) & (tracks.hidden == 0))
         if not len(due):
             return
         tensor = structure_tensor(image, tracks.trail[0, due], self.config.window_px)
