@@ -52,7 +52,7 @@ def survivors(told: list[Flow]) -> float:
 def test_points_are_followed_beneath_a_wiper() -> None:
     picture = texture("wiper")
     frames = [swept(picture, k) for k in range(FRAMES)]
-    assert survivors(flows(FlowTracker(CAMERA, HELD, 60.0), frames)) > 0.9
+    assert survivors(flows(FlowTracker(CAMERA, HELD, 60.0), frames)) > 0.8
     assert survivors(flows(FlowTracker(CAMERA, ROBUST, 60.0), frames)) < 0.6
 
 

@@ -158,11 +158,16 @@ class FlowTracker:
             self._look_for_stuck(pose)
         flow = self._report(pose)
         self._weigh_again(image)
-        if self._held is None:  # a blade has corners too
+        if not self.is_swept:  # a blade has corners too
             self._top_up(image, pose, hidden)
         self._previous = image
         self._frame += 1
         return flow
+
+    @property
+    def is_swept(self) -> bool:
+        """Whether something sweeps across the last frame, as a wiper does."""
+        return self._held is not None
 
     @property
     def levels(self) -> int:
@@ -220,18 +225,20 @@ class FlowTracker:
         """Where the points are now, and which are kept, if a wiper's blade sweeps across them: it takes them along.
 
         Such points jump, or look otherwise. They go on as they went, are not reported, and are sought again in every
-        frame by how they looked before the sweep.
+        frame by how they looked before the sweep. A few that jump at other times are lost.
         """
         tracks = self._tracks
         steady = tracks.trail[0] - tracks.trail[1]
         jump = now_px - tracks.trail[0] - steady
+        lost = ~good | self._jumps(jump)
+        if self._held is None and np.count_nonzero(lost) <= SWEPT_SHARE * len(tracks):
+            return now_px, ~lost
         known = good & (tracks.age > 0) & (tracks.hidden == 0)
-        turn = np.median(jump[known], axis=0) if known.any() else np.zeros(2)
-        jumps = (tracks.age > 0) & (np.hypot(*(jump - turn).T) > self._jump_px)
-        lost = ~good | jumps
+        turn = np.median(jump[known], axis=0) if known.any() else np.zeros(2)  # of the camera: all jump by it
+        lost = ~good | self._jumps(jump - turn)
         if self._held is None:
             if np.count_nonzero(lost) <= SWEPT_SHARE * len(tracks):
-                return now_px, good
+                return now_px, ~lost
             self._held, self._held_until = before, self._frame + hold_frames
             tracks.held_px = tracks.trail[0].copy()
         usual = np.median(error[~lost]) if not lost.all() else 0.0
@@ -254,8 +261,13 @@ class FlowTracker:
             self._held = None
         return now, kept
 
+    def _jumps(self, jump_px: Floats) -> Bools:
+        """(N,) points that moved on otherwise than in the last frame by more than any does that is followed."""
+        jumps: Bools = (self._tracks.age > 0) & (jump_px[:, 0] ** 2 + jump_px[:, 1] ** 2 > self._jump_px**2)
+        return jumps
+
     def _report(self, pose: Floats) -> Flow:
-        tracks = self._tracks if self._held is None else self._tracks.chosen(self._tracks.hidden == 0)
+        tracks = self._tracks if not self.is_swept else self._tracks.chosen(self._tracks.hidden == 0)
         frames = np.minimum(tracks.age, self._window_frames)
         now, past, first = (
             undistort(self.camera, points)
