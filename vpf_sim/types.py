@@ -126,6 +126,9 @@ class Flow:
     age_frames: NDArray[np.int64]  # (N,) frames since then
     structure: Floats  # (N, 2, 2) mean structure tensor of the window about the point, grey levels^2 / px^2
     stuck: Bools = field(default_factory=lambda: np.empty(0, np.bool_))  # (N,) on the glass; left out, none is
+    covered: NDArray[np.int64] = field(
+        default_factory=lambda: np.empty(0, np.int64)
+    )  # identities of others, unseen now
 
     def __post_init__(self) -> None:
         if len(self.stuck) != len(self.points_px):

@@ -18,7 +18,8 @@ from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
 LOOSE_PX = 1.0  # a point that moved so far within a window is not stuck any more
 FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
-SWEPT_SHARE = 0.08  # of the points, that jump at once where something sweeps across the picture; drops move fewer
+# Of the points, that jump at once where something sweeps across the picture; drops move fewer. And so many at least.
+SWEPT_SHARE, SWEPT_LEAST = 0.08, 8
 COVERED_LEVELS, COVERED_RATIO = 12.0, 4.0  # mean difference of a window to the one that is sought, and over the median
 
 
@@ -158,16 +159,11 @@ class FlowTracker:
             self._look_for_stuck(pose)
         flow = self._report(pose)
         self._weigh_again(image)
-        if not self.is_swept:  # a blade has corners too
+        if self._held is None:  # a blade has corners too
             self._top_up(image, pose, hidden)
         self._previous = image
         self._frame += 1
         return flow
-
-    @property
-    def is_swept(self) -> bool:
-        """Whether something sweeps across the last frame, as a wiper does."""
-        return self._held is not None
 
     @property
     def levels(self) -> int:
@@ -207,20 +203,23 @@ class FlowTracker:
     def _follow(self, before: Image, after: Image) -> None:
         tracks = self._tracks
         points = tracks.trail[0]
-        now, good, error = self._lucas_kanade(before, after, points)
+        now, found, error = self._lucas_kanade(before, after, points)
+        good = found
         if self.config.forward_backward_px is not None and self._frame % self._period_frames == 1 % self._period_frames:
             back, returned, _ = self._lucas_kanade(after, before, now)
-            good &= returned & (np.hypot(*(back - points).T) < self.config.forward_backward_px)
+            good = found & returned & (np.hypot(*(back - points).T) < self.config.forward_backward_px)
         if self._hold_frames is not None:
-            now, good = self._hold(before, after, now, good, error, self._hold_frames)
+            now, good = self._hold((before, after), now, found, good, error, self._hold_frames)
         good &= (now[:, 0] >= 0) & (now[:, 0] <= self.camera.width_px - 1)
         good &= (now[:, 1] >= self._top) & (now[:, 1] <= self._bottom - 1)
         tracks.trail, tracks.age, tracks.next_age = tracks.trail[:-1], tracks.age + 1, tracks.next_age + 1
         tracks.keep(good)
         tracks.trail = np.concatenate([now[None, good], tracks.trail])
+        if not tracks.covered.any():
+            self._held = None
 
     def _hold(
-        self, before: Image, after: Image, now_px: Floats, good: Bools, error: Floats, hold_frames: int
+        self, frames: tuple[Image, Image], now_px: Floats, found: Bools, good: Bools, error: Floats, hold_frames: int
     ) -> tuple[Floats, Bools]:
         """Where the points are now, and which are kept, if a wiper's blade sweeps across them: it takes them along.
 
@@ -228,46 +227,52 @@ class FlowTracker:
         frame by how they looked before the sweep. A few that jump at other times are lost.
         """
         tracks = self._tracks
-        steady = tracks.trail[0] - tracks.trail[1]
-        jump = now_px - tracks.trail[0] - steady
-        lost = ~good | self._jumps(jump)
-        if self._held is None and np.count_nonzero(lost) <= SWEPT_SHARE * len(tracks):
-            return now_px, ~lost
-        known = good & (tracks.age > 0) & (tracks.hidden == 0)
-        turn = np.median(jump[known], axis=0) if known.any() else np.zeros(2)  # of the camera: all jump by it
-        lost = ~good | self._jumps(jump - turn)
+        jumps, turn = self._jumps(now_px, found)
         if self._held is None:
-            if np.count_nonzero(lost) <= SWEPT_SHARE * len(tracks):
-                return now_px, ~lost
-            self._held, self._held_until = before, self._frame + hold_frames
+            if np.count_nonzero(jumps) <= max(SWEPT_LEAST, SWEPT_SHARE * len(tracks)):
+                return now_px, good & ~jumps
+            self._held, self._held_until = frames[0], self._frame + hold_frames
             tracks.held_px = tracks.trail[0].copy()
-        usual = np.median(error[~lost]) if not lost.all() else 0.0
-        limit = max(COVERED_LEVELS, COVERED_RATIO * float(usual))
-        hidden = lost | (error > limit) | (tracks.hidden > 0)
-        tracks.hidden = np.where(hidden, tracks.hidden + 1, 0)
-        expected = tracks.trail[0] + steady + turn
-        now = np.where(hidden[:, None], expected, now_px)
-        kept = ~hidden | np.isfinite(tracks.held_px[:, 0])
-        sought = np.flatnonzero(hidden & kept)
-        if len(sought):
+        seen = found & ~jumps & (tracks.covered == 0)
+        usual = float(np.median(error[seen])) if seen.any() else 0.0
+        limit = max(COVERED_LEVELS, COVERED_RATIO * usual)
+        covered = ~seen | (error > limit)
+        now = self._seek(frames[1], now_px, covered, turn, limit)
+        kept = covered | good
+        if self._frame >= self._held_until:  # what has not come back by now was water, and is wiped away
+            kept &= tracks.covered == 0
+        return now, kept
+
+    def _jumps(self, now_px: Floats, found: Bools) -> tuple[Bools, Floats]:
+        """(N,) points that move on otherwise than before by more than any does that is followed, against (2,) what most
+        do so: the camera turns."""
+        tracks = self._tracks
+        known = found & (tracks.age > 0) & (tracks.covered == 0)
+        jump = now_px - 2.0 * tracks.trail[0] + tracks.trail[1]
+        far = known & (np.sum(jump**2, axis=1) > self._jump_px**2)
+        if not far.any():
+            return far, np.zeros(2)
+        turn: Floats = np.median(jump[known], axis=0)
+        return known & (np.sum((jump - turn) ** 2, axis=1) > self._jump_px**2), turn
+
+    def _seek(self, after: Image, now_px: Floats, covered: Bools, turn_px: Floats, limit: float) -> Floats:
+        """(N, 2) where the points are now: covered ones where they are found again, or where they should be by now."""
+        tracks = self._tracks
+        tracks.covered = np.where(covered, tracks.covered + 1, 0)
+        expected = 2.0 * tracks.trail[0] - tracks.trail[1] + turn_px
+        now = np.where(covered[:, None], expected, now_px)
+        sought = np.flatnonzero(covered)
+        if len(sought) and self._held is not None:
             place, found, differs = self._lucas_kanade(self._held, after, tracks.held_px[sought], expected[sought])
             aside = place - expected[sought]
             found &= (differs < limit) & (np.hypot(*aside.T) < self._jump_px)
             now[sought[found]] = place[found]
             tracks.show(sought[found], aside[found])
-        if self._frame >= self._held_until:  # what has not come back by now was water, and is wiped away
-            kept &= tracks.hidden == 0
-        if not np.any(tracks.hidden[kept]):
-            self._held = None
-        return now, kept
-
-    def _jumps(self, jump_px: Floats) -> Bools:
-        """(N,) points that moved on otherwise than in the last frame by more than any does that is followed."""
-        jumps: Bools = (self._tracks.age > 0) & (jump_px[:, 0] ** 2 + jump_px[:, 1] ** 2 > self._jump_px**2)
-        return jumps
+        return now
 
     def _report(self, pose: Floats) -> Flow:
-        tracks = self._tracks if not self.is_swept else self._tracks.chosen(self._tracks.hidden == 0)
+        covered = self._tracks.covered > 0
+        tracks = self._tracks.chosen(~covered)
         frames = np.minimum(tracks.age, self._window_frames)
         now, past, first = (
             undistort(self.camera, points)
@@ -285,6 +290,7 @@ class FlowTracker:
             age_frames=tracks.age,
             structure=tracks.structure,
             stuck=tracks.stuck & np.all(np.abs(now - past) < LOOSE_PX, axis=1),
+            covered=self._tracks.identity[covered],
         )
 
     def _look_for_stuck(self, pose: Floats) -> None:
@@ -301,7 +307,7 @@ class FlowTracker:
         tracks = self._tracks
         if not self._guarded:
             return
-        due = np.flatnonzero(((tracks.identity + self._frame) % self._period_frames == 0) & (tracks.hidden == 0))
+        due = np.flatnonzero(((tracks.identity + self._frame) % self._period_frames == 0) & (tracks.covered == 0))
         if not len(due):
             return
         tensor = structure_tensor(image, tracks.trail[0, due], self.config.window_px)

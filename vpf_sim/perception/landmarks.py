@@ -249,7 +249,7 @@ class LandmarkTracker:
         marks = self._marks
         if not len(marks):
             return
-        followed = np.isin(marks.identity, flow.identity)
+        followed = np.isin(marks.identity, flow.identity) | np.isin(marks.identity, flow.covered)
         ahead = vehicle_from_world(marks.place_m, flow.pose)[:, 0] > -self.config.behind_m
         wanted = (marks.believed | followed) & ahead & (marks.hits > 0)
         if not wanted.all():

@@ -42,7 +42,7 @@ class Residuals:
 
 def part(flow: Flow, chosen: Integers) -> Flow:
     """The chosen tracks alone."""
-    shared = {"pose"}
+    shared = {"pose", "covered"}
     return Flow(
         **{
             name: getattr(flow, name) if name in shared else getattr(flow, name)[chosen]

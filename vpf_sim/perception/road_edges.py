@@ -208,8 +208,10 @@ class RoadEdgeTracker:
         nothing, in whichever lane the pose is."""
         config, lost = self.config, self._lost if self._is_known(self._lost) else None
         if lost is not None and abs(lost.state[1]) > HEADINGS_RAD[-1]:
-            self._find_again(lost, ridges)
-            return
+            if self._travelled_m < self._agreed_m + TURN_M:
+                self._find_again(lost, ridges)
+                return
+            lost = None  # a turn ends: it was wrong about the road
         widths = WIDTHS_M if lost is None else lost.state[[WIDTH]]
         likely_rad = 0.0 if lost is None else float(lost.state[1])
         score, (y, heading, curvature, width) = comb(ridges, self.view, widths, config.lane_width_m, likely_rad)
@@ -237,13 +239,8 @@ class RoadEdgeTracker:
             self._filter, self._lost = lost, None
 
     def _is_known(self, state: LaneFilter | None) -> bool:
-        """Whether a road that was lost may still tell one lane from the next, however far the vehicle has turned.
-
-        But a turn ends: who should be turned still, much farther on, was wrong about the road.
-        """
+        """Whether a road that was lost may still tell one lane from the next, however far the vehicle has turned."""
         if state is None or not is_sane(state.state, FACING_RAD):
-            return False
-        if abs(state.state[1]) > HEADINGS_RAD[-1] and self._travelled_m > self._agreed_m + TURN_M:
             return False
         return bool(state.sigma_m < LOST_SHARE * state.state[WIDTH])
 

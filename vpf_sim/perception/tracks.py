@@ -23,8 +23,8 @@ class Tracks:
     next_pose: Floats  # (N, 3)
     next_age: NDArray[np.int64]  # (N,) frames since then
     stuck: Bools  # (N,) as of the last look
-    hidden: NDArray[np.int64]  # (N,) frames for which something has covered it; 0: it is seen
-    held_px: Floats  # (N, 2) where it was before that began; nan where it is not known
+    covered: NDArray[np.int64]  # (N,) frames for which something has covered it; 0: it is seen
+    held_px: Floats  # (N, 2) where it was before that last began
 
     @classmethod
     def none(cls, window_frames: int) -> "Tracks":
@@ -43,7 +43,7 @@ class Tracks:
         rows = np.flatnonzero(chosen)
         self.trail = self.trail.take(rows, axis=1)
         self.age, self.identity, self.stuck = self.age[rows], self.identity[rows], self.stuck[rows]
-        self.hidden, self.held_px = self.hidden[rows], self.held_px[rows]
+        self.covered, self.held_px = self.covered[rows], self.held_px[rows]
         self.first_px, self.first_pose = self.first_px[rows], self.first_pose[rows]
         self.structure = self.structure[rows]
         self.next_px, self.next_pose, self.next_age = self.next_px[rows], self.next_pose[rows], self.next_age[rows]
@@ -56,14 +56,14 @@ class Tracks:
 
     def show(self, rows: NDArray[np.intp], aside_px: Floats) -> None:
         """Points are seen again, so far aside of where they were expected to be now: their trails lead there."""
-        frames, steps = self.hidden[rows], np.arange(len(self.trail))[:, None]
+        frames, steps = self.covered[rows], np.arange(len(self.trail))[:, None]
         share = np.maximum(frames - 1 - steps, 0) / frames
         self.trail[:, rows] += share[..., None] * aside_px
-        self.hidden[rows] = 0
+        self.covered[rows] = 0
 
     def renew_anchor(self, frames: int, pose: Floats) -> None:
         """Where the next sighting is `frames` old, it becomes the first, and the present one the next."""
-        due = (self.next_age >= frames) & (self.hidden == 0)
+        due = (self.next_age >= frames) & (self.covered == 0)
         if not due.any():
             return
         column = due[:, None]
@@ -87,5 +87,5 @@ class Tracks:
         self.next_pose = np.concatenate([self.next_pose, np.broadcast_to(pose, (count, 3))])
         self.next_age = np.concatenate([self.next_age, np.zeros(count, np.int64)])
         self.stuck = np.concatenate([self.stuck, np.zeros(count, np.bool_)])
-        self.hidden = np.concatenate([self.hidden, np.zeros(count, np.int64)])
-        self.held_px = np.concatenate([self.held_px, np.full((count, 2), np.nan)])
+        self.covered = np.concatenate([self.covered, np.zeros(count, np.int64)])
+        self.held_px = np.concatenate([self.held_px, points_px])

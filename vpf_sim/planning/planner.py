@@ -74,8 +74,7 @@ class Planner:
             if self._steadiness is not None:
                 image = self._steadiness.frame(image)
         if self._landmarks is not None:
-            if not (self._flow.is_swept and self._landmarks.looks):  # a look waits for a frame without the wiper
-                self._landmarks.look(image, pose, road)
+            self._landmarks.look(image, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
                 speed_mps, sure = observation.speed_mps, self._landmarks.tells_surely
