@@ -147,6 +147,15 @@ def test_between_looks_and_without_a_way_nothing_is_told() -> None:
     assert all(residual.update(image, np.zeros(3)) is None for _ in range(20))
 
 
+def test_a_look_waits_for_a_frame_without_a_wiper_and_the_next_is_a_period_later() -> None:
+    residual, image, looked = GroundResidual(CAMERA, ResidualConfig(), 60.0), frame(0.0, 0.15), []
+    for index in range(24):
+        hidden = 4 <= index < 9  # it is due in frame 6
+        looked += [index] if residual.looks and not hidden else []
+        residual.update(None if hidden else image, np.zeros(3))
+    assert looked == [0, 9, 15, 21]
+
+
 def recorded(places_m: list[float], speed_mps: float = SPEED_MPS) -> list[Obstacles]:
     """Bodies after each look at spots told so far ahead, one each 0.1 s, straight on."""
     numbers = iter(range(5))

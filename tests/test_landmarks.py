@@ -1,6 +1,6 @@
 """Landmarks from simulated tracks: bodies at known places, empty roads, bends, remembering and forgetting."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -14,7 +14,8 @@ from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.marks import Marks
-from vpf_sim.types import Bools, Floats, Flow, RoadEdges
+from vpf_sim.perception.moving_frame import part
+from vpf_sim.types import Floats, Flow, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose
 
@@ -256,15 +257,9 @@ def test_a_side_known_well_across_counts_however_poor_its_depth() -> None:
     for frame in range(round(31.0 / SPEED_MPS * RATE_HZ)):
         flow = drive.flow(frame)
         kept = (flow.identity >= len(barrier)) | (flow.pose[0] < 26.0)
-        seen = found.update(chosen(flow, kept), drive.road, SPEED_MPS, frame / RATE_HZ)
+        seen = found.update(part(flow, np.flatnonzero(kept)), drive.road, SPEED_MPS, frame / RATE_HZ)
     assert seen.left_m.min() == pytest.approx(-1.3, abs=0.2)
     assert seen.right_m.max() == pytest.approx(3.9, abs=0.2)
-
-
-def chosen(flow: Flow, kept: Bools) -> Flow:
-    """The flow of some of its points."""
-    columns = {field.name: getattr(flow, field.name) for field in fields(flow)}
-    return Flow(**{name: column if name == "pose" else column[kept] for name, column in columns.items()})
 
 
 def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_bodies() -> None:

@@ -110,7 +110,7 @@ class Moved:
 class Replayed:
     """Stands in for the flow and the road tracker: gives what was prepared."""
 
-    pitch = None
+    pitch, is_swept = None, False
 
     def __init__(self, records: list[object]) -> None:
         self._records = iter(records)

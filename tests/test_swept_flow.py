@@ -1,6 +1,7 @@
 """Flow of pictures that a wiper's blade crosses, moved by a known amount."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -8,6 +9,8 @@ import pytest
 from test_flow import CAMERA, ROBUST, moved, texture
 
 from vpf_sim.perception.flow import FlowTracker
+from vpf_sim.perception.tracks import Tracks
+from vpf_sim.seeding import stream
 from vpf_sim.types import Flow, Image
 
 STEP = (0.8125, 0.3125)  # px a frame
@@ -21,9 +24,13 @@ def blade_px(k: int) -> float | None:
     return 20.0 + BLADE_PX * (k - FIRST) if FIRST <= k <= LAST else None
 
 
-def swept(picture: Image, k: int, step: tuple[float, float] = STEP) -> Image:
-    """The picture in frame k, behind a dark blade with soft edges that leans to one side."""
-    frame = moved(picture, step[0] * k, step[1] * k)
+def swept(picture: Image, k: int) -> Image:
+    """The picture in frame k, where the blade may be before it."""
+    return behind_blade(moved(picture, STEP[0] * k, STEP[1] * k), k)
+
+
+def behind_blade(frame: Image, k: int) -> Image:
+    """Frame k behind a dark blade with soft edges that leans to one side."""
     middle = blade_px(k)
     if middle is None:
         return frame
@@ -74,6 +81,78 @@ def test_the_motion_over_the_window_is_right_for_points_that_come_back() -> None
     for flow in told[LAST + 1 : LAST + 5]:
         expected = np.outer(flow.gap_s * 60.0, STEP)
         assert np.percentile(np.hypot(*(flow.displacement_px - expected).T), 95) < 0.3
+
+
+def test_the_motion_is_right_for_points_that_did_not_come_back_where_they_were_expected() -> None:
+    """The picture grows ever faster about its middle: each point's motion changes while it is covered."""
+    picture, middle = texture("growing"), np.array([319.5, 239.5])
+
+    def scale(k: float) -> float:
+        return float(np.exp(0.0012 * k**2 - 0.02 * k))
+
+    def grown(k: int) -> Image:
+        matrix = np.column_stack([scale(k) * np.eye(2), middle - scale(k) * (middle + 100.0)])
+        return cv2.warpAffine(picture, matrix, (640, 480), flags=cv2.INTER_LINEAR).astype(np.uint8)
+
+    def errors_px(told: list[Flow], chosen: np.ndarray) -> np.ndarray:
+        errors = []
+        for k in range(FIRST + 2, LAST + 7):
+            flow, kept = told[k], np.isin(told[k].identity, chosen)
+            shrunk = np.array([scale(before) / scale(k) for before in k - np.rint(flow.gap_s * 60.0)])
+            error = flow.displacement_px - (flow.points_px - middle) * (1.0 - shrunk[:, None])
+            errors.append(np.hypot(*error[kept].T))
+        return np.concatenate(errors)
+
+    told = flows(FlowTracker(CAMERA, HELD, 60.0), [behind_blade(grown(k), k) for k in range(FRAMES)])
+    clear = flows(FlowTracker(CAMERA, HELD, 60.0), [grown(k) for k in range(FRAMES)])
+    covered = np.unique(np.concatenate([flow.covered for flow in told]))
+    came_back = np.intersect1d(covered, told[-1].identity)
+    assert len(came_back) > 50
+    assert np.percentile(errors_px(told, came_back), 90) < np.percentile(errors_px(clear, came_back), 90) + 0.1
+
+
+def test_a_trail_leads_evenly_to_where_a_point_is_seen_again() -> None:
+    """Two points went right by 1 px a frame; one is seen as ever, one again in its third frame, 1.5 px lower."""
+    tracks = Tracks.none(4)
+    tracks.append(np.zeros((2, 2)), np.zeros((2, 2, 2)), np.zeros(3), 0)
+    tracks.trail[:, :, 0] = -np.arange(5.0)[:, None]  # before this frame, newest first
+    tracks.covered[:] = 0, 3
+    tracks.show(np.array([1]), np.array([[0.0, 1.5]]))
+    assert tracks.trail[:, 0, 1] == pytest.approx(np.zeros(5))
+    assert tracks.trail[:, 1, 1] == pytest.approx([1.0, 0.5, 0.0, 0.0, 0.0])
+    assert tracks.trail[:, 1, 0] == pytest.approx(-np.arange(5.0))
+    assert tracks.covered.tolist() == [0, 0]
+
+
+def test_what_the_check_forward_and_backward_refuses_is_no_wiper() -> None:
+    """At 10 Hz it looks at every frame; noise has it refuse far more points than jump in a sweep."""
+    picture, noise = texture("noise"), stream(11, "noise of frames")
+    frames = [
+        np.clip(moved(picture, 8.5 * k, 3.25 * k) + noise.normal(0.0, 45.0, (480, 640)), 0, 255).astype(np.uint8)
+        for k in range(9)
+    ]
+    plain = replace(ROBUST, forward_backward_px=0.5)
+    told = flows(FlowTracker(CAMERA, plain, 10.0), frames)
+    kept = [np.mean(np.isin(before.identity, after.identity)) for before, after in pairwise(told[1:])]
+    assert max(kept) < 0.9
+    for one, other in zip(told, flows(FlowTracker(CAMERA, replace(plain, hold_s=0.1), 10.0), frames), strict=True):
+        assert len(other.covered) == 0
+        assert len(other) >= 0.9 * len(one)
+
+
+def test_a_sweep_ends_where_its_last_point_leaves_the_picture() -> None:
+    """A single body leaves; when the scene comes back, corners are found again."""
+    body, scene, frames = texture("body"), texture("scene"), []
+    for k in range(120):
+        frame = np.full((480, 640), 110, np.uint8)
+        x = 400 + 4 * k
+        frame[200:260, x : x + 60] = body[300:360, 300 : 300 + max(0, min(60, 640 - x))]
+        if k % 9 == 0:
+            frame[200:230, x : x + 60] = 110  # something covers half of it for a moment
+        frames.append(moved(scene, 0.5 * k - 60.0, 0.0) if k > 90 else frame)
+    told = flows(FlowTracker(CAMERA, HELD, 60.0), frames)
+    assert any(len(flow.covered) for flow in told)
+    assert len(told[-1]) > 200
 
 
 @pytest.mark.parametrize("change", ["brightness", "jolt"])

@@ -159,11 +159,16 @@ class FlowTracker:
             self._look_for_stuck(pose)
         flow = self._report(pose)
         self._weigh_again(image)
-        if self._held is None:  # a blade has corners too
+        if not self.is_swept:  # a blade has corners too
             self._top_up(image, pose, hidden)
         self._previous = image
         self._frame += 1
         return flow
+
+    @property
+    def is_swept(self) -> bool:
+        """Whether something sweeps across the last frame, as a wiper does."""
+        return self._held is not None
 
     @property
     def levels(self) -> int:

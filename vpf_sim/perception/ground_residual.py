@@ -97,7 +97,7 @@ class GroundResidual:
         self.camera = camera
         self.config = config
         self._period_frames = max(1, round(config.period_s * rate_hz))
-        self._frame = -1
+        self._since = self._period_frames - 1  # frames since the last look
         reach = config.far_m + 1.5 * config.baseline_m
         half = config.half_width_m + config.border_m
         self._forward_m: Floats = np.arange(config.near_m, reach, config.cell_m)
@@ -117,17 +117,19 @@ class GroundResidual:
     @property
     def looks(self) -> bool:
         """Whether the next frame is one that is looked at."""
-        return (self._frame + 1) % self._period_frames == 0
+        return self._since + 1 >= self._period_frames
 
-    def update(self, image: Image, pose: Floats, footprints: Floats | None = None) -> list[Spot] | None:
+    def update(self, image: Image | None, pose: Floats, footprints: Floats | None = None) -> list[Spot] | None:
         """What stands on the road in the frame taken at `pose`; None between looks and before there is a baseline.
 
+        None for a frame that shows something else, as a wiper: a look that is due waits for the next that does not.
         What known bodies cover and hide is left out: what lies beside one would run together with it. `footprints`
         (K, 4, 2) are their corners in vehicle axes.
         """
-        self._frame += 1
-        if self._frame % self._period_frames:
+        self._since += 1
+        if image is None or self._since < self._period_frames:
             return None
+        self._since = 0
         older = self._older(pose)
         now = self._laid_out(image, pose)
         if older is None:

@@ -94,13 +94,14 @@ class LandmarkTracker:
         """What seems to lie low on the road and is not believed yet, in the axes of the vehicle at `pose`."""
         return self._spots.suspects(pose)
 
-    def look(self, image: Image, pose: Floats, road: RoadEdges) -> None:
+    def look(self, image: Image | None, pose: Floats, road: RoadEdges) -> None:
         """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.
 
+        None for a frame that shows something else, as a wiper.
         What is no road counts where no body is known that hides it.
         """
         known = None
-        if self._residual.looks:
+        if image is not None and self._residual.looks:
             known = footprints(from_here(self._tall, self._seen_from, pose, 0.0), road, self.config.cover)
         spots = self._residual.update(image, pose, known)
         if spots is None:

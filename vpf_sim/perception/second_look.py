@@ -87,7 +87,7 @@ class SecondLook:
 
     def update(
         self,
-        image: Image,
+        image: Image | None,
         pose: Floats,
         bodies: Obstacles,
         speed_mps: float,
@@ -95,6 +95,7 @@ class SecondLook:
     ) -> Obstacles:
         """The bodies without those that turned out to be road, in the axes of the vehicle at `pose`.
 
+        `image` is None for a frame that shows something else, as a wiper.
         But those that are `sure` (K,) stay: between the legs of who stands there, and past them, the road is seen.
         """
         if not self._is_slow(speed_mps):
@@ -103,7 +104,7 @@ class SecondLook:
                 return bodies
         self._forget(pose)
         places = [self._place(bodies, k, pose) for k in range(len(bodies))]
-        if self.looks(pose, speed_mps):
+        if image is not None and self.looks(pose, speed_mps):
             self._look(image, pose, bodies, places)
         there = np.array([not one.refuted for one in places], np.bool_)
         if there.all():

@@ -69,16 +69,17 @@ class Planner:
             self._road.turn(self._steadiness.passing_rad - before_rad)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         road = self._road.update(observation.image, image, pose, *motion, self._bodies)
-        if self._looks(pose, observation.speed_mps):
-            image = contrast(observation.image, image)
+        view = None if self._flow.is_swept else image
+        if view is not None and self._looks(pose, observation.speed_mps):
+            view = contrast(observation.image, view)
             if self._steadiness is not None:
-                image = self._steadiness.frame(image)
+                view = self._steadiness.frame(view)
         if self._landmarks is not None:
-            self._landmarks.look(image, pose, road)
+            self._landmarks.look(view, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
                 speed_mps, sure = observation.speed_mps, self._landmarks.tells_surely
-                self._bodies = self._second_look.update(image, pose, self._bodies, speed_mps, sure)
+                self._bodies = self._second_look.update(view, pose, self._bodies, speed_mps, sure)
         if self._steadiness is not None and self._road.pitch is not None:
             self._steadiness.level(*self._road.pitch, observation.time_s)
         sight_m, suspects = (np.inf, np.inf), None
