@@ -1,5 +1,7 @@
 """Where the carriageway's edges are ahead, where it leads, and what lies on or beside its edges' lines."""
 
+from math import cos
+
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels
@@ -9,12 +11,13 @@ from vpf_sim.types import Bools, Camera, Floats, RoadEdges
 def carriageway_offsets(forward_m: Floats, road: RoadEdges) -> tuple[Floats, Floats]:
     """Lateral positions (N,) of the left and right edge at `forward_m`, vehicle axes, by a parabola for each edge."""
 
+    cosine = cos(road.heading_rad)
+    along, aside = forward_m / cosine, np.tan(road.heading_rad) * forward_m
+    square = along**2
+
     def edge(offset_m: float) -> Floats:
         curvature = road.curvature_per_m / (1.0 - road.curvature_per_m * offset_m)
-        start = offset_m / np.cos(road.heading_rad)
-        along: Floats = forward_m / np.cos(road.heading_rad)
-        bend = 0.5 * curvature * along**2 / np.cos(road.heading_rad)
-        place: Floats = start + np.tan(road.heading_rad) * forward_m + bend
+        place: Floats = offset_m / cosine + aside + 0.5 * curvature * square / cosine
         return place
 
     return edge(road.left_m), edge(road.right_m)

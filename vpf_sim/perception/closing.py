@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.marks import Integers
+from vpf_sim.perception.quantiles import median
 from vpf_sim.perception.triangulation import Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
@@ -110,7 +111,7 @@ class Closing:
         if len(chosen) < config.least_points:
             return None
         inverse = points.inverse_per_m[chosen]
-        middle = float(np.median(inverse))
+        middle = median(inverse)
         agrees = np.abs(inverse - middle) < config.agree_ratio * middle
         if np.count_nonzero(agrees) < max(config.least_points, config.least_share * len(chosen)):
             return None

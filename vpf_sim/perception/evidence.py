@@ -40,7 +40,5 @@ class Evidence:
             return [np.zeros_like(grid) for grid in grids]
         way, size = transform(self._pose, pose), grids[0].shape[::-1]
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return [
-            (1 - self._share) * np.asarray(cv2.warpAffine(grid, way, size, flags=flags), np.float32)
-            for grid in self._grids
-        ]
+        moved = cv2.split(cv2.warpAffine(cv2.merge(self._grids), way, size, flags=flags))
+        return [(1 - self._share) * np.asarray(grid, np.float32) for grid in moved]

@@ -8,6 +8,7 @@ whole patch (plane and parallax, Irani and Anandan, PAMI 20(6), 1998). Mirror im
 
 from collections import deque
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import cv2
@@ -18,11 +19,13 @@ from vpf_sim.perception.covered import shadow
 from vpf_sim.perception.evidence import Evidence, Grid
 from vpf_sim.perception.low_sight import LookQuality, LowSight, LowSightConfig
 from vpf_sim.perception.patch_water import WaterConfig, odd_cells, texture, what_stays
+from vpf_sim.perception.quantiles import quantile
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, Sided
 
 WARP, NEAREST = (way | cv2.WARP_INVERSE_MAP for way in (cv2.INTER_LINEAR, cv2.INTER_NEAREST))
-GRAIN_PERCENT = 10.0  # of the patch, that no mirror image disturbs
-FAINT = np.float32(0.05)  # share of a window, below which what is seen there is not scaled up
+WHOLE = 64  # columns: OpenCV rounds what is left over at the end of a row otherwise
+GRAIN_SHARE = 0.1  # of the patch, that no mirror image disturbs
+FAINT = 0.05  # share of a window, below which what is seen there is not scaled up
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,9 @@ class ResidualConfig:
             raise ValueError(f"noise_far_m: expected {self.near_m} to {self.far_m}, got {self.noise_far_m}")
         if not 0.0 < self.newest <= 1.0:
             raise ValueError(f"newest: expected 0 < newest <= 1, got {self.newest}")
+        for key in ("window_m", "even_m"):
+            if not (cells := np.prod(getattr(self, key)) / self.cell_m**2) < 255.0:
+                raise ValueError(f"{key}: expected less than 255 cells, got {cells:.0f}")
         if not 0.0 < self.doubt_gain <= self.least_gain:
             raise ValueError(f"doubt_gain: expected > 0 and <= least_gain = {self.least_gain}, got {self.doubt_gain}")
 
@@ -109,8 +115,13 @@ class GroundResidual:
         self._past: deque[_Layout] = deque()
         self._contrast: Grid = np.empty((0, 0), np.float32)  # of the last look, in multiples of the noise
         self._seen: Bools = np.empty((0, 0), np.bool_)  # where it saw the road or what stands on it
+        self._window = round(config.window_m[1] / config.cell_m), round(config.window_m[0] / config.cell_m)
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
+        self._about = slice(
+            max(border - 1, 0), min(self._columns.stop + 1, len(self._right_m))
+        )  # and what they blur with
+        self._warped = min(-(-self._about.stop // WHOLE) * WHOLE, len(self._right_m))
         self._evidence = Evidence(config.newest)
         self.sight = LowSight(config.sight, config.near_m, self._period_frames / rate_hz)
 
@@ -207,14 +218,14 @@ class GroundResidual:
         config, pose = self.config, layout.pose
         sharp = layout.patch[: self._rows].astype(np.float32)
         now = np.asarray(cv2.GaussianBlur(sharp, (3, 15), 0), np.float32)[:, self._columns]
-        dry = (layout.water[: self._rows, self._columns] == 0).astype(np.float32)
+        dry = (layout.water[: self._rows, self._columns] == 0).astype(np.uint8)
 
         def difference(height_m: float) -> tuple[Grid, Grid]:
             return self._difference(now, dry, older, pose, height_m)
 
         road, free = difference(0.0)
         some = road[: self._noise_rows : 4, ::4]  # windows overlap: a few tell
-        grain, usual = np.percentile(some, (GRAIN_PERCENT, 50.0)).tolist()
+        grain, usual = quantile(some, GRAIN_SHARE), quantile(some, 0.5)
         noise = usual + config.floor_levels2
         self._contrast = road / np.float32(noise)
         self._seen = self._seen_before(older.pose, pose) & (free > config.least_seen)
@@ -223,12 +234,12 @@ class GroundResidual:
             self._evidence.fade()
             return []
         others = [difference(height) for height in (*config.above_m, *config.below_m)]
-        above = np.minimum.reduce([change for change, _ in others[: len(config.above_m)]])
-        below = np.minimum.reduce([change for change, _ in others[len(config.above_m) :]])
-        seen = self._seen & (np.minimum.reduce([share for _, share in others]) > config.least_seen)
+        above = _least([change for change, _ in others[: len(config.above_m)]])
+        below = _least([change for change, _ in others[len(config.above_m) :]])
+        seen = self._seen & (_least([share for _, share in others]) > config.least_seen)
         if footprints is not None and len(footprints):
             seen &= ~self._covered(footprints)
-        weight = seen / np.float32(noise)
+        weight = np.asarray(seen / np.float32(noise), np.float32)
         grids = [weight * grid for grid in (road, above, below, self._of_edges(now))]
         road, above, below, edges = self._evidence.add(grids, pose, self._between_grids)
         gain = road - above
@@ -243,21 +254,24 @@ class GroundResidual:
         transform[:, 2] += transform[:, :2] @ border - border
         return transform
 
-    def _difference(self, now: Grid, dry: Grid, older: _Layout, pose: Floats, height_m: float) -> tuple[Grid, Grid]:
+    def _difference(self, now: Grid, dry: Image, older: _Layout, pose: Floats, height_m: float) -> tuple[Grid, Grid]:
         """Squared grey levels between the patch now and the older one, if all stood `height_m` above the road.
 
         They are means over the cells of the window that water hides in neither; the second tells how many these are.
         """
         config = self.config
-        transform, size = self._transform(older.pose, pose, height_m), (len(self._right_m), self._rows)
+        transform, size = self._transform(older.pose, pose, height_m), (self._warped, self._rows)
         moved = cv2.warpAffine(older.patch, transform, size, flags=WARP, borderMode=cv2.BORDER_REPLICATE)
         wet = cv2.warpAffine(older.water, transform, size, flags=NEAREST, borderMode=cv2.BORDER_REPLICATE)
-        seen = dry * (wet[:, self._columns] == 0)
-        change = (now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]) * seen
+        free = np.asarray(cv2.subtract(dry, wet[:, self._columns]), np.uint8)
+        seen = free.astype(np.float32)
+        blurred = cv2.blur(moved[:, self._about].astype(np.float32), (3, 3))
+        begin = self._columns.start - self._about.start
+        change = (now - blurred[:, begin : begin + now.shape[1]]) * seen
         even = (odd_cells(config.even_m[1], config.cell_m), odd_cells(config.even_m[0], config.cell_m))
-        change -= seen * cv2.blur(change, even) / np.maximum(cv2.blur(seen, even), FAINT)
-        free = self._summed(seen)
-        return np.asarray(self._summed(change * change) / np.maximum(free, FAINT), np.float32), free
+        change -= seen * cv2.blur(change, even) / _share(free, even)
+        share = _share(free, self._window)
+        return self._summed(change * change) / share, share
 
     def _of_edges(self, now: Grid) -> Grid:
         """(rows, columns) squared grey levels that differ when the two pictures of sharp paint are a little apart."""
@@ -267,16 +281,14 @@ class GroundResidual:
         return self._summed(slope * slope + aside * aside)
 
     def _summed(self, change: Grid) -> Grid:
-        along, across = (round(size / self.config.cell_m) for size in self.config.window_m)
-        return np.asarray(cv2.blur(change, (across, along)), np.float32)
+        return np.asarray(cv2.blur(change, self._window), np.float32)
 
     def _seen_before(self, older_pose: Floats, pose: Floats) -> Bools:
         """(rows, columns) cells whose window lies within the older patch."""
         transform = self._transform(older_pose, pose, 0.0)
         whole = np.full((len(self._forward_m), len(self._right_m)), 255, np.uint8)
         seen = cv2.warpAffine(whole, transform, (len(self._right_m), self._rows), flags=WARP)
-        along, across = (round(size / self.config.cell_m) for size in self.config.window_m)
-        inside: Bools = cv2.erode(seen, np.ones((along, across), np.uint8))[:, self._columns] == 255
+        inside: Bools = cv2.erode(seen, np.ones(self._window[::-1], np.uint8))[:, self._columns] == 255
         return inside
 
     def _covered(self, footprints: Floats) -> Bools:
@@ -325,3 +337,27 @@ class GroundResidual:
         """Whether a spot is the far edge of what a nearer one, as sure as it is, is the near edge of."""
         overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m and nearer.sure >= spot.sure
         return overlap and spot.forward_m - nearer.forward_m < self.config.length_m
+
+
+def _least(grids: list[Grid]) -> Grid:
+    """(rows, columns) the least of all grids; numpy minds nan, and takes longer."""
+    least, *others = grids
+    for grid in others:
+        least = np.asarray(cv2.min(least, grid), np.float32)
+    return least
+
+
+def _share(free: Image, window: tuple[int, int]) -> Grid:
+    """(rows, columns) share of the cells about each, in a window (columns, rows), that are 1 and not 0; FAINT at least.
+
+    It is `cv2.blur` of them as floats, to the bit: they are fewer than 256, so that bytes count them faster.
+    """
+    count = cv2.boxFilter(free, -1, window, normalize=False)
+    return np.asarray(cv2.LUT(count, _shares(window[0] * window[1])), np.float32)
+
+
+@lru_cache(maxsize=8)
+def _shares(cells: int) -> Grid:
+    """(256,) share that a number of cells is of so many."""
+    shares: Grid = np.maximum(np.arange(256) * (1.0 / cells), FAINT).astype(np.float32)
+    return shares

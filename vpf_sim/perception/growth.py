@@ -7,6 +7,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from vpf_sim.perception.quantiles import quantile
 from vpf_sim.types import Bools, Floats, Image
 
 LEAST_POINTS = 6  # of a body
@@ -135,7 +136,7 @@ def _most_alike(middle_px: Floats, speed: Floats, tolerance: Floats) -> Bools:
     first, second = np.triu_indices(len(middle_px), 1)
     apart = middle_px[second] - middle_px[first]
     distance = np.sum(apart**2, axis=1)
-    wide = np.flatnonzero(distance >= np.quantile(distance, 0.5))
+    wide = np.flatnonzero(distance >= quantile(distance, 0.5))
     wide = wide[:: 1 + len(wide) // MOST_PAIRS]
     first, second, apart, distance = first[wide], second[wide], apart[wide], distance[wide]
     growth = np.sum((speed[second] - speed[first]) * apart, axis=1) / np.maximum(distance, 1e-9)

@@ -8,7 +8,7 @@ from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.clusters import clusters, stepped
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.low import LowConfig, is_part, is_shaded
-from vpf_sim.perception.marks import Integers, Marks, frames
+from vpf_sim.perception.marks import Integers, Marks, among, frames
 from vpf_sim.perception.outlines import (
     Seen,
     as_wide_as_seen,
@@ -89,6 +89,9 @@ class Bodies:
         place = vehicle_from_world(self._marks.place_m[believed], pose)
         sigma = self._marks.sigma_m[believed]
         label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
+        confirmed = are_bodies(believed, label)
+        if not confirmed.any():  # nor is any part of them one
+            return none()
         rim = 0.5 * self.config.window_px / self.camera.fx_px * self._marks.depth_m[believed]
         sight, alone = self._marks.sight_rad[believed] - pose[2], are_bodies(believed, np.arange(len(believed)))
         seen, count = Seen(place, sigma, sight, rim, alone), int(label.max()) + 1
@@ -99,9 +102,10 @@ class Bodies:
             groups = np.full(len(label), -1)
             groups[behind] = clusters(place[behind], sigma[behind], links.link_right_m, links.link_forward_m)
             label, apart = stepped(label, groups, lambda parts: are_bodies(believed, parts))
+            confirmed = are_bodies(believed, label)
             angle = direction_at(seen, label, len(apart), road)
             along = turned(seen, angle[label])
-        return self._describe(believed, label, are_bodies(believed, label), along, angle, apart)
+        return self._describe(believed, label, confirmed, along, angle, apart)
 
     def _are_tall(self, believed: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are bodies beyond doubt."""
@@ -163,7 +167,7 @@ class Bodies:
         count, unknown = len(confirmed), np.iinfo(np.int64).max
         before = self._marks.body[believed]
         known = np.where(before >= 0, before, unknown)
-        others = apart[label] & np.isin(known, known[(confirmed & ~apart)[label]])
+        others = apart[label] & among(known, known[(confirmed & ~apart)[label]])
         own, body, shared = np.full((3, count), unknown)
         np.minimum.at(own, label, np.where(others | ~_mostly_here(known, label, count), unknown, known))
         np.minimum.at(body, label, np.where(others, unknown, known))

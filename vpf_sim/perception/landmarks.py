@@ -14,7 +14,7 @@ from vpf_sim.perception.ground_residual import GroundResidual, Spot
 from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.low import is_low, off_lines
-from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings, frames
+from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings, among, frames
 from vpf_sim.perception.outlines import from_here, none
 from vpf_sim.perception.spots import SpotBook, in_sight
 from vpf_sim.perception.triangulation import Triangulation, triangulate
@@ -153,7 +153,7 @@ class LandmarkTracker:
         low = self._low(flow, points, texture, road) & ~above
         if moving is not None and moving.any():
             above, low = above & ~moving, low & ~moving
-            self._marks.keep(~np.isin(self._marks.identity, flow.identity[moving]))
+            self._marks.keep(~among(self._marks.identity, flow.identity[moving]))
         seen = self._sightings(flow, points, texture, above | low, low)
         self._marks.record(seen, flow.identity[self._on_road(flow, points)], self._rules, time_s)
         self._forget(flow)
@@ -172,6 +172,8 @@ class LandmarkTracker:
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
             above &= points.height_m < config.max_height_m + 2.0 * points.height_sigma_m
         chosen = np.flatnonzero(above)
+        if not len(chosen):
+            return above
         left, right = carriageway_offsets(self.camera.forward_m + depth[chosen], road)
         aside = points.right_m[chosen]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
@@ -189,6 +191,8 @@ class LandmarkTracker:
         """(N,) points that seem to stand a hand's breadth above the carriageway, off its lines."""
         low = is_low(points, flow.age_frames / self.rate_hz, texture, self.config.low)
         chosen = np.flatnonzero(low)
+        if not len(chosen):
+            return low
         foot = ground_from_pixels(self.camera, flow.points_px[chosen])
         edges = carriageway_offsets(foot[:, 0], road)
         off = off_lines(self.camera, flow.points_px[chosen], edges, road.lane_width_m, self.config.low)
@@ -214,8 +218,10 @@ class LandmarkTracker:
         return confirmed
 
     def _on_road(self, flow: Flow, points: Triangulation) -> Bools:
-        """(N,) points that lie on the road beyond doubt: the only evidence that clears a landmark."""
-        low = np.isin(flow.identity, self._marks.identity[self._marks.low])
+        """(N,) points that lie on the road beyond doubt, if there are landmarks: the only evidence that clears one."""
+        if not len(self._marks):
+            return np.zeros(len(flow), np.bool_)
+        low = among(flow.identity, self._marks.identity[self._marks.low])
         least = np.where(low, self.config.low.min_height_m, self.config.min_height_m)
         with np.errstate(invalid="ignore"):
             return (points.chi2_ground < self.config.chi2_limit) & (
@@ -250,7 +256,7 @@ class LandmarkTracker:
         marks = self._marks
         if not len(marks):
             return
-        followed = np.isin(marks.identity, flow.identity) | np.isin(marks.identity, flow.covered)
+        followed = among(marks.identity, flow.identity) | among(marks.identity, flow.covered)
         ahead = vehicle_from_world(marks.place_m, flow.pose)[:, 0] > -self.config.behind_m
         wanted = (marks.believed | followed) & ahead & (marks.hits > 0)
         if not wanted.all():

@@ -41,10 +41,9 @@ class LineDuty:
         if self.sums.shape[2] != member.shape[1]:
             self.sums = np.zeros((*self.sums.shape[:2], member.shape[1]))
         count = visible @ member  # (L, B)
-        line = _contrast(response, view, right_m, visible, member, count)
-        beside = 0.5 * sum(
-            _contrast(response, view, right_m + shift_m, visible, member, count) for shift_m in (-BESIDE_M, BESIDE_M)
-        )
+        places_m = np.stack([right_m, right_m - BESIDE_M, right_m + BESIDE_M])
+        line, left, right = _contrast(response, view, places_m, visible, member, count)
+        beside = 0.5 * (left + right)
         now = np.stack([np.ones_like(line), line, line**2, beside, beside**2])
         known = count >= 2
         keep = np.where(known, np.exp(-moved_m / MEMORY_M), 1.0)
@@ -68,13 +67,11 @@ class LineDuty:
 def _contrast(
     response: Image, view: BirdsEye, right_m: Floats, visible: Bools, member: Floats, count: Floats
 ) -> Floats:
-    """(L, B) mean ridge over each stretch, at the place within reach where it is most."""
+    """(S, L, B) mean ridge over each stretch, about each of S places (S, L, R), where within reach it is most."""
     reach = round(REACH_M / view.column_m)
-    last = response.shape[1] - 1
     column = np.where(visible, np.rint((right_m - view.right_m[0]) / view.column_m), 0.0).astype(np.intp)
-    row = np.arange(len(view.forward_m))
-    means = [
-        (np.where(visible, response[row, np.clip(column + aside, 0, last)], 0.0) @ member) / np.maximum(count, 1.0)
-        for aside in range(-reach, reach + 1)
-    ]
-    return np.asarray(np.max(means, axis=0))
+    about = column + np.arange(-reach, reach + 1)[:, None, None, None]  # (A, S, L, R)
+    about = np.minimum(np.maximum(about, 0), response.shape[1] - 1)
+    ridge = np.where(visible, response[np.arange(len(view.forward_m)), about], 0.0)
+    most: Floats = (ridge @ member).max(axis=0) / np.maximum(count, 1.0)
+    return most

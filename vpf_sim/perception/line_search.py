@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from vpf_sim.perception.birds_eye import BirdsEye
 from vpf_sim.perception.lane_filter import Sightings
+from vpf_sim.perception.quantiles import quantile
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 CENTROID_M = 0.15  # about the strongest response, to this far on both sides
@@ -27,8 +28,8 @@ class RidgeMap:
 
 
 def noise_threshold(response: Image, least: float) -> float:
-    """Grey levels that the grain of the road seldom reaches; lines are too few to move the percentile."""
-    return max(least, 2.0 * float(np.percentile(response[::3, ::3], 90)))
+    """Grey levels that the grain of the road seldom reaches; lines are too few to move the quantile."""
+    return max(least, 2.0 * quantile(response[::3, ::3], 0.9))
 
 
 def sight(
@@ -48,14 +49,15 @@ def sight(
     inside = wanted & (columns >= reach) & (columns <= last - reach)
     centre = np.where(inside, np.rint(np.where(inside, columns, 0.0)), reach).astype(np.intp)
     row = np.arange(len(view.forward_m))[None, :]
-    index = centre[..., None] + window
-    response = ridges.response[row[..., None], index].astype(np.float64)
-    peak = np.argmax(response, axis=-1)
-    height = np.take_along_axis(response, peak[..., None], axis=-1)[..., 0]
-    near = np.abs(window - window[peak][..., None]) <= round(CENTROID_M / view.column_m)
-    mass = np.where(near, response, 0.0)
-    total = np.sum(mass, axis=-1)
-    place = centre + np.sum(mass * window, axis=-1) / np.maximum(total, 1e-9)
+    index = (row * ridges.response.shape[1] + centre)[..., None] + window
+    response = ridges.response.ravel().take(index)
+    peak, height = response.argmax(axis=-1), response.max(axis=-1)
+    near = np.abs(window[:, None] - window) <= round(CENTROID_M / view.column_m)  # each column to the others
+    mass = response * near.take(peak, axis=0)
+    # Whole numbers, which floats hold: the products are exact in any order.
+    sums = mass.astype(np.float32) @ np.stack([np.ones(len(window)), window], axis=1).astype(np.float32)
+    total, moment = sums[..., 0].astype(np.float64), sums[..., 1].astype(np.float64)
+    place = centre + moment / np.maximum(total, 1e-9)
     visible = ridges.visible[row, np.clip(np.rint(place), 0, last).astype(np.intp)]
     seen = inside & visible & (height > ridges.threshold)
     return Sightings(

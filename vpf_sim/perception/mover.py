@@ -6,6 +6,7 @@ from math import exp
 import numpy as np
 
 from vpf_sim.geometry import rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.marks import among
 from vpf_sim.perception.mover_sides import Sides, SidesConfig
 from vpf_sim.perception.moving_frame import Course, Residuals
 from vpf_sim.types import Bools, Camera, Floats, Flow, Sided
@@ -66,6 +67,7 @@ class Mover:
         self.width_m = sight.width_m  # as it is seen
         place = np.array([camera.forward_m + sight.depth_m, sight.middle_m])
         self._place_m = world_from_vehicle(place, pose)
+        self._placed: tuple[Floats, Floats, tuple[float, float]] | None = None  # place, pose, and what it is from there
         self.sigma_m = 0.15 * sight.depth_m
         self.sigma_mps = sight.sigma_mps  # at a known distance
         self.identity: int | None = None  # once it is believed
@@ -88,8 +90,10 @@ class Mover:
 
     def place(self, pose: Floats) -> tuple[float, float]:
         """Forward m of the face and right m of its middle, in the axes of the vehicle."""
-        forward, right = vehicle_from_world(self._place_m, pose)
-        return float(forward), float(right)
+        if self._placed is None or self._placed[0] is not self._place_m or self._placed[1] is not pose:
+            forward, right = vehicle_from_world(self._place_m, pose).tolist()
+            self._placed = self._place_m, pose, (forward, right)
+        return self._placed[2]
 
     def depth_m(self, pose: Floats) -> float:
         """From the camera to the face."""
@@ -112,7 +116,7 @@ class Mover:
 
     def mine(self, flow: Flow) -> Bools:
         """(N,) points that were of this body at the last look."""
-        return np.isin(flow.identity, self.tracks)
+        return among(flow.identity, self.tracks)
 
     def fit(
         self, tracks: Residuals, standing: Floats, own_mps: float, depth_m: float, counts: Bools

@@ -14,6 +14,7 @@ from math import exp
 
 import numpy as np
 
+from vpf_sim.perception.quantiles import quantile
 from vpf_sim.types import Bools, Floats
 
 
@@ -83,7 +84,7 @@ def evidence(
     if number_for <= config.least_share * number_against:
         return config.least
     other = len(odds) - number_for - number_against
-    sharp = float(np.quantile(contrast[inside][speaks], 0.75))
+    sharp = quantile(contrast[inside][speaks], 0.75)
     value = config.per_contrast * (sharp - config.faint)
     value = max(value, max(mirror, config.dry_weight) * value)
     value += config.per_for * np.log1p(number_for) - config.per_against * np.log1p(number_against)

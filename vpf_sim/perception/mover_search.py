@@ -8,6 +8,7 @@ from vpf_sim.perception.closing import ClosingConfig
 from vpf_sim.perception.marks import Integers
 from vpf_sim.perception.mover import FilterConfig, Sight
 from vpf_sim.perception.mover_evidence import EvidenceConfig
+from vpf_sim.perception.quantiles import median
 from vpf_sim.perception.triangulation import NoiseModel, Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow
 
@@ -111,7 +112,7 @@ def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, co
     upright = ripe & ~flow.stuck & (drop < 0.0)
     if np.count_nonzero(upright) < config.least_upright:
         upright = ripe & ~flow.stuck
-    contrast = strength - (np.median(strength[upright]) if upright.any() else 0.0)
+    contrast = strength - (median(strength[upright]) if upright.any() else 0.0)
     return Apparent(inverse, sigma, drop, x, own, ripe, flow.stuck, road, standing, moves, contrast)
 
 
@@ -145,8 +146,8 @@ def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: 
 def suspect(seen: Apparent, mine: Integers, camera: Camera, config: MoverConfig) -> Sight:
     """What the tracks in an outline tell of the body."""
     depth = (camera.height_m - config.filter.foot_height_m) / float(np.sort(seen.drop[mine])[-2:].mean())
-    own = float(np.median(seen.own_mps[mine]))
-    share = float(np.median(seen.inverse_per_m[mine])) * depth
+    own = median(seen.own_mps[mine])
+    share = median(seen.inverse_per_m[mine]) * depth
     across = seen.bearing[mine] * depth
     middle, half = 0.5 * (across.min() + across.max()), max(0.9, 0.5 * float(np.ptp(across)))
     return Sight(depth, own * (1.0 - share), 0.5 + 0.2 * own * abs(share), float(middle - half), float(middle + half))

@@ -53,9 +53,9 @@ class Sides:
         self._log = -0.5 * ((self._width_m - config.narrowest_m) / config.width_sigma_m) ** 2
         count = round(config.reach_m / config.step_m)
         self._grid_m = config.step_m * np.arange(-count, count + 1)
+        self.half_m = self._half_m()
 
-    @property
-    def half_m(self) -> float:
+    def _half_m(self) -> float:
         """m, half the width expected."""
         weight = np.exp(self._log - self._log.max())
         return 0.5 * float(weight @ self._width_m / weight.sum())
@@ -83,6 +83,7 @@ class Sides:
         change = float(place @ self._grid_m)
         self.sigma_m = max(float(np.sqrt(place @ (self._grid_m - change) ** 2)), config.least_sigma_m)
         self._log = np.log(weight.sum(axis=1) + UNLIKELY)
+        self.half_m = self._half_m()
         return change
 
     def _likelihood(self, across_m: Floats, odds: Floats, camera_m: float, depth_m: float) -> Floats:

@@ -21,12 +21,13 @@ import numpy as np
 from vpf_sim.geometry import rotation
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.closing import Closing
-from vpf_sim.perception.marks import Integers
+from vpf_sim.perception.marks import Integers, among
 from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_evidence import Mirror, evidence
 from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines, suspect
 from vpf_sim.perception.moving_frame import Residuals, against, part
 from vpf_sim.perception.outlines import together
+from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.triangulation import Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
@@ -68,8 +69,8 @@ class MoverTracker:
         if look and points is not None:
             if self.movers or self._searches:
                 self._look_at(flow, points, road, speed_mps)
-            self._closing.look(flow, points, road, speed_mps, ~np.isin(flow.identity, self._hidden))
-        return np.isin(flow.identity, self._hidden)
+            self._closing.look(flow, points, road, speed_mps, ~among(flow.identity, self._hidden))
+        return among(flow.identity, self._hidden)
 
     @property
     def _searches(self) -> bool:
@@ -182,11 +183,11 @@ class MoverTracker:
         """
         config, depth = self.config, mover.depth_m(pose)
         bearing, height = seen.bearing[chosen], self.camera.height_m - seen.drop[chosen] * depth
-        left, right = np.quantile(bearing[front], (config.side_quantile, 1.0 - config.side_quantile))
+        face = bearing[front]
+        left, right = quantile(face, config.side_quantile), quantile(face, 1.0 - config.side_quantile)
         upright = (height > config.evidence.low_m) & (height < config.evidence.high_m)
         odds = np.minimum(seen.standing[chosen], config.chi2_limit) - np.minimum(chi2, config.chi2_limit)
-        width = float(right - left) * depth
-        mover.spread(width, bearing[upright], 0.5 * odds[upright], pose, self._look / self.rate_hz)
+        mover.spread((right - left) * depth, bearing[upright], 0.5 * odds[upright], pose, self._look / self.rate_hz)
 
     def _outline(self, mover: Mover, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
         """(N,) points in the outline of a body, or so near beside it."""
@@ -195,12 +196,14 @@ class MoverTracker:
         depth = forward - self.camera.forward_m
         if depth < 1.0:
             return np.zeros(len(seen.drop), np.bool_)
-        margin = margin_m + 0.02 * depth
-        sides = np.array([right - mover.half_m - margin, right + mover.half_m + margin])
-        bearings = sides / np.array([[depth], [depth + config.length_m]])
-        within = (seen.bearing > bearings.min()) & (seen.bearing < bearings.max())
-        within &= seen.drop * depth > self.camera.height_m - config.tallest_m
-        inside: Bools = within & (seen.drop * depth < 1.2 * self.camera.height_m)
+        margin, far = margin_m + 0.02 * depth, depth + config.length_m
+        left, right = right - mover.half_m - margin, right + mover.half_m + margin
+        inside: Bools = (seen.bearing > min(left / depth, left / far)) & (
+            seen.bearing < max(right / depth, right / far)
+        )
+        below = seen.drop * depth
+        inside &= below > self.camera.height_m - config.tallest_m
+        inside &= below < 1.2 * self.camera.height_m
         return inside
 
     def _against(self, mover: Mover, tracks: Flow, depth_m: float) -> Residuals:

@@ -11,6 +11,10 @@ from vpf_sim.types import Camera, Floats, Flow
 
 STEP_MPS = 0.1  # of the numerical derivatives
 STEP_RATIO = 0.02
+# (4, 1) each: what is expected, and with a step in depth, in speed and in the course.
+FARTHER = np.array([[1.0], [1.0 + STEP_RATIO], [1.0], [1.0]])
+FASTER_MPS = np.array([[0.0], [0.0], [STEP_MPS], [0.0]])
+TURNED_RAD = np.array([[0.0], [0.0], [0.0], [STEP_RATIO]])
 NEVER_PX = 1e3  # residual of a point that would have been behind the camera
 
 
@@ -22,11 +26,12 @@ class Course:
     direction_rad: float
     curvature_per_m: float
 
-    def way(self, time_s: Floats, speed_mps: float, turn_rad: float = 0.0) -> Floats:
-        """(M, 2) m that it has driven in the last seconds (M,), along the chord of its arc, turned by so much."""
+    def way(self, time_s: Floats, speed_mps: Floats, turn_rad: Floats) -> Floats:
+        """(V, M, 2) m that it has driven in the last seconds (M,), along the chord of its arc, at V speeds (V, 1) and
+        turned by so much (V, 1)."""
         way = speed_mps * time_s
         angle = self.direction_rad + turn_rad - 0.5 * self.curvature_per_m * way
-        return np.stack([way * np.cos(angle), way * np.sin(angle)], axis=1)
+        return np.stack([way * np.cos(angle), way * np.sin(angle)], axis=-1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,18 +74,16 @@ def against(
     would have been behind the camera when its track began is not of it (`NEVER_PX`).
     """
     ray, age_s = rays(camera, flow.points_px), flow.age_frames / rate_hz
-
-    def first(depth: Floats, speed_mps: float, turn_rad: float = 0.0) -> Floats:
-        place = ray * depth[:, None] * [1.0, 1.0, -1.0] + [camera.forward_m, 0.0, camera.height_m]
-        past_pose = flow.first_pose.copy()
-        past_pose[:, :2] += course.way(age_s, speed_mps, turn_rad)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return past_image(camera, place, past_pose, flow.pose)
-
-    expected = first(depth_m, course.speed_mps)
-    by_depth = (first(depth_m * (1.0 + STEP_RATIO), course.speed_mps) - expected) / (STEP_RATIO * depth_m)[:, None]
-    by_speed = (first(depth_m, course.speed_mps + STEP_MPS) - expected) / STEP_MPS
-    by_turn = (first(depth_m, course.speed_mps, STEP_RATIO) - expected) / STEP_RATIO
+    depth = depth_m * FARTHER
+    place = ray * depth[..., None] * [1.0, 1.0, -1.0] + [camera.forward_m, 0.0, camera.height_m]
+    past_pose = np.tile(flow.first_pose, (len(depth), 1, 1))
+    past_pose[..., :2] += course.way(age_s, course.speed_mps + FASTER_MPS, TURNED_RAD)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        seen = past_image(camera, place.reshape(-1, 3), past_pose.reshape(-1, 3), flow.pose)
+    expected, farther, faster, turned = seen.reshape(len(depth), -1, 2)
+    by_depth = (farther - expected) / (STEP_RATIO * depth_m)[:, None]
+    by_speed = (faster - expected) / STEP_MPS
+    by_turn = (turned - expected) / STEP_RATIO
     weight = information(flow, window_px, age_s, noise)
     residual = flow.first_px - expected
     never = np.isnan(residual + by_depth + by_speed + by_turn).any(axis=1)

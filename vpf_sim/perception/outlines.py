@@ -53,6 +53,8 @@ def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: flo
 
 def widened(bodies: Obstacles, width_m: float | Floats) -> Obstacles:
     """The bodies (K,) at least so wide each, about their middle."""
+    if not len(bodies):
+        return bodies
     lacking = 0.5 * np.maximum(width_m - bodies.width_m, 0.0)
     return replace(bodies, left_m=bodies.left_m - lacking, right_m=bodies.right_m + lacking)
 
@@ -67,7 +69,7 @@ def as_wide_as_seen(points: Obstacles, spots: Obstacles, beside_m: float) -> Obs
 
     Points show a part of a low body, but well where that is: the spot is moved as far as it must be to hold them.
     """
-    if not len(spots):
+    if not len(points) or not len(spots):
         return points
     along = np.abs(points.forward_m[:, None] - spots.forward_m[None])
     apart = np.where(along < SPOT_ALONG_M, _apart_m(points, spots), np.inf)
@@ -87,6 +89,8 @@ def on_top(tall: Obstacles, low: Obstacles) -> Obstacles:
 
     Seen from afar, a few points of a pallet seem to stand higher than it does, and so nearer.
     """
+    if not len(tall) or not len(low):
+        return tall
     face, left, right = tall.forward_m.copy(), tall.left_m.copy(), tall.right_m.copy()
     behind = low.forward_m[:, None] - tall.forward_m[None]
     under_it = (_apart_m(low, tall) < 0.0) & (low.width_m[:, None] > tall.width_m)
@@ -98,6 +102,8 @@ def on_top(tall: Obstacles, low: Obstacles) -> Obstacles:
 
 def together(some: Obstacles, others: Obstacles) -> Obstacles:
     """The bodies of both."""
+    if not len(others):
+        return some
     names = Obstacles.__slots__
     return Obstacles(*(np.concatenate([getattr(some, name), getattr(others, name)]) for name in names))
 
@@ -107,6 +113,10 @@ def joined(
 ) -> Obstacles:
     """Both, without the low ones beside or under a tall one: but what sticks out of it to a side by more than
     `sticks_out_m`, of all or of each (K,), or begins farther before its face than `before_m`, is a body of its own."""
+    if not len(low):
+        return tall
+    if not len(tall):
+        return low
     left, right = low.left_m[:, None], low.right_m[:, None]
     out = np.maximum(tall.left_m[None] - left, right - tall.right_m[None])
     behind = low.forward_m[:, None] - tall.forward_m[None]

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.perception.evidence import Grid
+from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Image
 
 SPARSE = slice(None, None, 3)  # windows overlap: a few tell
@@ -48,10 +49,10 @@ def what_stays(now: Grid, before: Grid, moved: Grid, cell_m: float, config: Wate
     `moved` is the texture `before`, moved as the road has: what agrees with it better is on the road.
     """
     window = (odd_cells(config.window_m[1], cell_m), odd_cells(config.window_m[0], cell_m))
-    power = cv2.blur(0.5 * (now * now + before * before), window)
+    power = np.asarray(cv2.blur(0.5 * (now * now + before * before), window), np.float32)
     common = cv2.blur(now * before, window)
     stays = (common > config.share * power) & (common > cv2.blur(now * moved, window) + config.lead * power)
-    stays &= power > max(config.contrast * float(np.median(power[SPARSE, SPARSE])), config.floor_levels2)
+    stays &= power > max(config.contrast * median(power[SPARSE, SPARSE]), config.floor_levels2)
     rim = np.ones((odd_cells(config.rim_m[0], cell_m), odd_cells(config.rim_m[1], cell_m)), np.uint8)
     return np.asarray(cv2.dilate(stays.astype(np.uint8), rim), np.uint8)
 

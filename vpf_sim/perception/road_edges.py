@@ -159,7 +159,7 @@ class RoadEdgeTracker:
     def _hidden(self, obstacles: Obstacles | None) -> Bools:
         """(rows, columns) behind bodies, as the camera sees them."""
         hidden = np.zeros(self.view.visible.shape, np.bool_)
-        if obstacles is None:
+        if obstacles is None or not len(obstacles):
             return hidden
         seen_m, _ = rows_seen(self._pitch_rad or 0.0, self.view.forward_m, self.camera)
         ahead = self.view.forward_m - self.camera.forward_m

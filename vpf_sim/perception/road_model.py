@@ -28,19 +28,19 @@ ORIGIN = int(np.searchsorted(ALONG_M, 0.0))
 
 
 def _integrated(values: Floats) -> Floats:
-    """The integral along ALONG_M, axis 0, 0 at the origin (trapezia)."""
+    """The integral along ALONG_M, the last axis, 0 at the origin (trapezia)."""
     total = np.empty_like(values)
-    total[0] = 0.0
-    (0.5 * STEP_M * (values[1:] + values[:-1])).cumsum(axis=0, out=total[1:])
-    total -= total[ORIGIN].copy()
+    total[..., 0] = 0.0
+    (0.5 * STEP_M * (values[..., 1:] + values[..., :-1])).cumsum(axis=-1, out=total[..., 1:])
+    total -= total[..., [ORIGIN]]
     return total
 
 
-HATS = np.stack([np.interp(ALONG_M, NODES_M, row) for row in np.eye(len(NODES_M))], axis=1)  # (G, 4) curvature
-TURNS = _integrated(HATS)  # (G, 4) heading
-BENDS = _integrated(TURNS)  # (G, 4) lateral place of a straight road
-STATIONS = np.arange(len(ALONG_M), dtype=float)
 UNIT = np.eye(len(NODES_M))
+HATS = np.array([np.interp(ALONG_M, NODES_M, row) for row in UNIT])  # (4, G) curvature
+TURNS = np.ascontiguousarray(_integrated(HATS).T)  # (G, 4) heading
+BENDS = np.ascontiguousarray(_integrated(_integrated(HATS)).T)  # (G, 4) lateral place of a straight road
+STATIONS = np.arange(len(ALONG_M), dtype=float)
 
 
 def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_width_m: float) -> Floats:
@@ -65,9 +65,10 @@ class _Crossings:
         y, heading = state[0], state[1]
         offsets_m = numbers * state[WIDTH]
         direction = heading + TURNS @ state[CURVATURES]
-        cosine, sine = np.cos(direction), np.sin(direction)
-        centre_x = _integrated(cosine) + y * np.sin(heading)
-        centre_y = _integrated(sine) - y * np.cos(heading)
+        cosine, sine = course = np.array([np.cos(direction), np.sin(direction)])
+        centre_x, centre_y = _integrated(course)
+        centre_x += y * np.sin(heading)
+        centre_y -= y * np.cos(heading)
         index = np.empty((len(offsets_m), len(forward_m)))
         # A tight bend leads back: the first crossing counts.
         ahead = np.maximum.accumulate(centre_x - offsets_m[:, None] * sine, axis=1)
