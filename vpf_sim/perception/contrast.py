@@ -12,6 +12,6 @@ from vpf_sim.types import Image
 
 def contrast(image_rgb: Image, luma: Image) -> Image:
     """(H, W) uint8 of an (H, W, 3) RGB image and its luma (H, W): luma + R - B, so that grey stays as it is."""
-    red, blue = cv2.extractChannel(image_rgb, 0), cv2.extractChannel(image_rgb, 2)
+    red, _, blue = cv2.split(image_rgb)
     warm = cv2.add(luma, cv2.subtract(red, blue))  # saturated differences: one of the two is 0 in each pixel
     return cv2.subtract(warm, cv2.subtract(blue, red)).astype(np.uint8, copy=False)

@@ -1,7 +1,6 @@
 """Sparse optical flow: Shi-Tomasi corners, pyramidal Lucas-Kanade, and tracks chained from frame to frame."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import ceil, inf, log2
 from typing import Literal
 
@@ -12,9 +11,12 @@ from numpy.typing import NDArray
 from vpf_sim.geometry import undistort
 from vpf_sim.perception.corners import is_corner
 from vpf_sim.perception.ground import ground_flow
+from vpf_sim.perception.quantiles import median
 from vpf_sim.perception.stuck import stuck
 from vpf_sim.perception.tracks import Tracks
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
+
+Singles = NDArray[np.float32]
 
 LOOSE_PX = 1.0  # a point that moved so far within a window is not stuck any more
 FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
@@ -88,8 +90,11 @@ def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
     height, width = image.shape
     corner = np.rint(points_px).astype(np.intp) - size // 2
     corner = np.minimum(np.maximum(corner, 0), (width - size, height - size))
-    places = (corner[:, 1] * width + corner[:, 0])[:, None] + _window(size, width)
-    patch = np.ascontiguousarray(image).reshape(-1).take(places).astype(np.float32).reshape(-1, size, size)
+    image = np.ascontiguousarray(image)
+    # Every window of the image, by the row and column of its corner, without a copy.
+    shape = (height - size + 1, width - size + 1, size, size)
+    windows: Image = np.ndarray(shape, np.uint8, image, strides=2 * image.strides)
+    patch = windows[corner[:, 1], corner[:, 0]].astype(np.float32)
     across = patch[:, 1:-1, 2:] - patch[:, 1:-1, :-2]
     down = patch[:, 2:, 1:-1] - patch[:, :-2, 1:-1]
     tensor = np.empty((len(patch), 2, 2))
@@ -100,13 +105,6 @@ def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
     return tensor
 
 
-@lru_cache(maxsize=8)
-def _window(size: int, width: int) -> NDArray[np.intp]:
-    """(size^2,) where in a flat image of that width the pixels of a window lie, from its corner."""
-    side = np.arange(size)
-    return (side[:, None] * width + side).ravel()
-
-
 def inverse(matrices: Floats) -> Floats:
     """(N, 2, 2) inverses of symmetric matrices (N, 2, 2)."""
     a, b, d = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]
@@ -115,6 +113,13 @@ def inverse(matrices: Floats) -> Floats:
     result[:, 0, 1] = result[:, 1, 0] = -b
     result /= (a * d - b * b)[:, None, None]
     return result
+
+
+def squares(vectors: Floats) -> Floats:
+    """(N,) squared lengths of (N, 2)."""
+    x, y = vectors.T
+    length: Floats = x * x + y * y
+    return length
 
 
 class FlowTracker:
@@ -137,6 +142,7 @@ class FlowTracker:
         self._bands = [(self._rows(band), round(band.share * config.points)) for band in BANDS[config.bands]]
         self._top = max(0, min(rows.start for rows, _ in self._bands) - config.window_px)
         self._bottom = min(camera.height_px, max(rows.stop for rows, _ in self._bands) + config.window_px)
+        self._corner_px = np.array([0.0, self._top])  # of what is followed
         self._previous: Image | None = None
         self._poses: Floats = np.empty((0, 3))  # newest first
         self._next_identity = 0
@@ -187,10 +193,11 @@ class FlowTracker:
 
     def _lucas_kanade(
         self, before: Image, after: Image, points_px: Floats, guess_px: Floats | None = None
-    ) -> tuple[Floats, Bools, Floats]:
-        """(N, 2) where points have gone, (N,) whether they were found, and (N,) grey levels by which windows differ."""
+    ) -> tuple[Floats, Bools, Singles]:
+        """(N, 2) where points have gone, (N,) whether they were found, and (N,) grey levels by which the windows of
+        those differ."""
         config = self.config
-        rows, offset = slice(self._top, self._bottom), np.array([0.0, self._top])
+        rows, offset = slice(self._top, self._bottom), self._corner_px
         points = (points_px - offset).astype(np.float32)
         moved, status, error = cv2.calcOpticalFlowPyrLK(
             before[rows],
@@ -202,29 +209,45 @@ class FlowTracker:
             criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, config.iterations, config.epsilon_px),
             flags=0 if guess_px is None else cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
-        found = status.ravel() == 1
-        return moved.astype(np.float64) + offset, found, np.where(found, error.ravel(), np.inf)
+        return moved + offset, status.ravel() == 1, error.ravel().astype(np.float32, copy=False)
 
     def _follow(self, before: Image, after: Image) -> None:
         tracks = self._tracks
-        points = tracks.trail[0]
-        now, found, error = self._lucas_kanade(before, after, points)
-        good = found
-        if self.config.forward_backward_px is not None and self._frame % self._period_frames == 1 % self._period_frames:
-            back, returned, _ = self._lucas_kanade(after, before, now)
-            good = found & returned & (np.hypot(*(back - points).T) < self.config.forward_backward_px)
+        now, found, good, error = self._moved(before, after)
         if self._hold_frames is not None:
             now, good = self._hold((before, after), now, found, good, error, self._hold_frames)
         good &= (now[:, 0] >= 0) & (now[:, 0] <= self.camera.width_px - 1)
         good &= (now[:, 1] >= self._top) & (now[:, 1] <= self._bottom - 1)
-        tracks.trail, tracks.age, tracks.next_age = tracks.trail[:-1], tracks.age + 1, tracks.next_age + 1
+        tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
+        tracks.age, tracks.next_age = tracks.age + 1, tracks.next_age + 1
         tracks.keep(good)
-        tracks.trail = np.concatenate([now[None, good], tracks.trail])
         if not tracks.covered.any():
             self._held = None
 
+    def _moved(self, before: Image, after: Image) -> tuple[Floats, Bools, Bools, Singles]:
+        """What `_there_and_back` says of each point. Covered ones are not followed nor found: `_hold` seeks them."""
+        points = self._tracks.trail[0]
+        if not self.is_swept:
+            return self._there_and_back(before, after, points)
+        seen = np.flatnonzero(self._tracks.covered == 0)
+        now, (found, good) = points.copy(), np.zeros((2, len(points)), np.bool_)
+        error = np.zeros(len(points), np.float32)
+        if len(seen):
+            now[seen], found[seen], good[seen], error[seen] = self._there_and_back(before, after, points[seen])
+        return now, found, good, error
+
+    def _there_and_back(self, before: Image, after: Image, points_px: Floats) -> tuple[Floats, Bools, Bools, Singles]:
+        """(N, 2) where points have gone, (N,) whether they were found, and whether the way back leads to where they
+        were too, which is asked once a period, and (N,) grey levels by which the windows of those found differ."""
+        now, found, error = self._lucas_kanade(before, after, points_px)
+        limit = self.config.forward_backward_px
+        if limit is None or self._frame % self._period_frames != 1 % self._period_frames:
+            return now, found, found, error
+        back, returned, _ = self._lucas_kanade(after, before, now)
+        return now, found, found & returned & (np.hypot(*(back - points_px).T) < limit), error
+
     def _hold(
-        self, frames: tuple[Image, Image], now_px: Floats, found: Bools, good: Bools, error: Floats, hold_frames: int
+        self, frames: tuple[Image, Image], now_px: Floats, found: Bools, good: Bools, error: Singles, hold_frames: int
     ) -> tuple[Floats, Bools]:
         """Where the points are now, and which are kept, if a wiper's blade sweeps across them: it takes them along.
 
@@ -238,8 +261,8 @@ class FlowTracker:
                 return now_px, good & ~jumps
             self._held, self._held_until = frames[0], self._frame + hold_frames
             tracks.held_px = tracks.trail[0].copy()
-        seen = found & ~jumps & (tracks.covered == 0)
-        usual = float(np.median(error[seen])) if seen.any() else 0.0
+        seen = found & ~jumps
+        usual = median(error[seen]) if seen.any() else 0.0
         limit = max(COVERED_LEVELS, COVERED_RATIO * usual)
         covered = ~seen | (error > limit)
         now = self._seek(frames[1], now_px, covered, turn, limit)
@@ -252,13 +275,13 @@ class FlowTracker:
         """(N,) points that move on otherwise than before by more than any does that is followed, against (2,) what most
         do so: the camera turns."""
         tracks = self._tracks
-        known = found & (tracks.age > 0) & (tracks.covered == 0)
+        known = found & (tracks.age > 0)
         jump = now_px - 2.0 * tracks.trail[0] + tracks.trail[1]
-        far = known & (np.sum(jump**2, axis=1) > self._jump_px**2)
+        far = known & (squares(jump) > self._jump_px**2)
         if not far.any():
             return far, np.zeros(2)
-        turn: Floats = np.median(jump[known], axis=0)
-        return known & (np.sum((jump - turn) ** 2, axis=1) > self._jump_px**2), turn
+        turn = np.array([median(part) for part in jump[known].T])
+        return known & (squares(jump - turn) > self._jump_px**2), turn
 
     def _seek(self, after: Image, now_px: Floats, covered: Bools, turn_px: Floats, limit: float) -> Floats:
         """(N, 2) where the points are now: covered ones where they are found again, or where they should be by now."""
@@ -277,24 +300,26 @@ class FlowTracker:
 
     def _report(self, pose: Floats) -> Flow:
         covered = self._tracks.covered > 0
-        tracks = self._tracks.chosen(~covered)
+        tracks = self._tracks.chosen(~covered) if self.is_swept else self._tracks
         frames = np.minimum(tracks.age, self._window_frames)
         now, past, first = (
             undistort(self.camera, points)
             for points in (tracks.trail[0], tracks.trail[frames, np.arange(len(tracks))], tracks.first_px)
         )
+        displacement = now - past
+        still = np.abs(displacement) < LOOSE_PX
         return Flow(
             points_px=now,
-            displacement_px=now - past,
+            displacement_px=displacement,
             gap_s=frames / self.rate_hz,
-            past_pose=self._poses[frames],
+            past_pose=self._poses.take(frames, axis=0),
             pose=pose,
             identity=tracks.identity,
             first_px=first,
             first_pose=tracks.first_pose,
             age_frames=tracks.age,
             structure=tracks.structure,
-            stuck=tracks.stuck & np.all(np.abs(now - past) < LOOSE_PX, axis=1),
+            stuck=tracks.stuck & still[:, 0] & still[:, 1],
             covered=self._tracks.identity[covered],
         )
 
@@ -320,9 +345,11 @@ class FlowTracker:
         mean = inverse(tracks.structure[due] + FAINT)
         mean = mean + (inverse(tensor + FAINT) - mean) / (looks + 1)
         tracks.structure[due] = inverse(mean) - FAINT
-        keep = np.ones(len(tracks), np.bool_)
-        keep[due] = self._is_corner(tensor)
-        tracks.keep(keep)
+        corner = self._is_corner(tensor)
+        if not corner.all():
+            keep = np.ones(len(tracks), np.bool_)
+            keep[due] = corner
+            tracks.keep(keep)
 
     @property
     def _guarded(self) -> bool:
@@ -365,9 +392,8 @@ class FlowTracker:
         config = self.config
         strip = image[rows]
         mask = np.full(strip.shape, 255, np.uint8)
-        columns = np.clip(np.rint(taken_px[:, 0]).astype(np.intp), 0, strip.shape[1] - 1)
-        lines = np.clip(np.rint(taken_px[:, 1]).astype(np.intp) - rows.start, 0, strip.shape[0] - 1)
-        mask[lines, columns] = 0
+        columns, lines = np.rint(taken_px).astype(np.intp).T
+        mask[np.minimum(lines - rows.start, len(strip) - 1), columns] = 0
         size = 2 * round(config.min_distance_px) + 1
         mask = cv2.erode(mask, np.ones((size, size), np.uint8)).astype(np.uint8, copy=False)
         if hidden is not None:

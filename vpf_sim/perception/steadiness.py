@@ -21,6 +21,7 @@ import numpy as np
 
 from vpf_sim.perception.expansion import Derotated, derotated
 from vpf_sim.perception.mounting import MountedPitch, MountingConfig
+from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Camera, Expansion, Floats, Flow, Image, Integers
 
 NEAR_PX = 5.0  # from the focus the radial direction is not known well
@@ -133,10 +134,10 @@ class Steadiness:
 
     def _change(self, flow: Flow, foe: Expansion, turned: Derotated, gap_s: float) -> float:
         """rad, over the windows that are `gap_s` long."""
-        chosen = (np.abs(flow.gap_s - gap_s) < 0.5 / self._rate_hz) & ~flow.stuck
-        if foe.confidence == 0.0 or np.count_nonzero(chosen) < LEAST_POINTS:
+        chosen = np.flatnonzero((np.abs(flow.gap_s - gap_s) < 0.5 / self._rate_hz) & ~flow.stuck)
+        if foe.confidence == 0.0 or len(chosen) < LEAST_POINTS:
             return 0.0
-        points, displacement = flow.points_px[chosen], turned.flow_px[chosen]
+        points, displacement = flow.points_px.take(chosen, axis=0), turned.flow_px.take(chosen, axis=0)
         x = points[:, 0] + turned.shift_px[chosen] - foe.x_px
         y = points[:, 1] - foe.y_px
         nearness = 1.0 / (np.hypot(x, y) + NEAR_PX)
@@ -163,22 +164,13 @@ class Steadiness:
 
 def _agreed(across_px: Floats, slope_px: Floats) -> float:
     """delta of across = slope delta, by reweighted least squares."""
-    delta = 0.0
+    delta, square, product = 0.0, slope_px * slope_px, slope_px * across_px
     for _ in range(PASSES):
         error = across_px - slope_px * delta
-        cut = max(CUT * _median(np.abs(error)) / 0.6745, LEAST_CUT_PX)
+        cut = max(CUT * median(np.abs(error)) / 0.6745, LEAST_CUT_PX)
         weight = np.maximum(1.0 - (error / cut) ** 2, 0.0) ** 2
-        normal = float(weight @ (slope_px * slope_px))
+        normal = float(weight @ square)
         if normal < 1e-9:
             return 0.0
-        delta = float(weight @ (slope_px * across_px)) / normal
+        delta = float(weight @ product) / normal
     return delta
-
-
-def _median(values: Floats) -> float:
-    """Of some values, none of them nan: `np.median` without its checks, which take longer."""
-    middle = len(values) // 2
-    if len(values) % 2:
-        return float(np.partition(values, middle)[middle])
-    ordered = np.partition(values, (middle - 1, middle))
-    return 0.5 * float(ordered[middle - 1] + ordered[middle])

@@ -38,15 +38,17 @@ class Tracks:
 
     def keep(self, chosen: Bools) -> None:
         """Only these (N,)."""
-        if chosen.all():
-            return
         rows = np.flatnonzero(chosen)
+        if len(rows) == len(self):
+            return
+        # To index arrays of several axes by rows takes five times as long as `take`.
         self.trail = self.trail.take(rows, axis=1)
         self.age, self.identity, self.stuck = self.age[rows], self.identity[rows], self.stuck[rows]
-        self.covered, self.held_px = self.covered[rows], self.held_px[rows]
-        self.first_px, self.first_pose = self.first_px[rows], self.first_pose[rows]
-        self.structure = self.structure[rows]
-        self.next_px, self.next_pose, self.next_age = self.next_px[rows], self.next_pose[rows], self.next_age[rows]
+        self.covered, self.held_px = self.covered[rows], self.held_px.take(rows, axis=0)
+        self.first_px, self.first_pose = self.first_px.take(rows, axis=0), self.first_pose.take(rows, axis=0)
+        self.structure = self.structure.take(rows, axis=0)
+        self.next_px, self.next_pose = self.next_px.take(rows, axis=0), self.next_pose.take(rows, axis=0)
+        self.next_age = self.next_age[rows]
 
     def chosen(self, chosen: Bools) -> "Tracks":
         """Some of them."""
