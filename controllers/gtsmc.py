@@ -148,11 +148,12 @@ class Gtsmc:
 
     def command(self, observation: Observation, reference: Reference) -> Command:
         """One step of 1 / rate_hz."""
-        observation = replace(observation, speed_mps=self._believed_mps(observation.speed_mps))
-        observation = replace(observation, yaw_rate_radps=self._yaw_rate(observation))
+        speed_mps = self._believed_mps(observation.speed_mps)
+        yaw_rate = self._yaw_rate(observation.yaw_rate_radps, speed_mps)
+        observation = replace(observation, speed_mps=speed_mps, yaw_rate_radps=yaw_rate)
         steering = self._steer(observation, reference)
-        wish_mps = self._speed(observation.speed_mps, reference.speed_mps)
-        self._acceleration_mps2 = self._accelerate(observation.speed_mps, wish_mps)
+        wish_mps = self._speed(speed_mps, reference.speed_mps)
+        self._acceleration_mps2 = self._accelerate(speed_mps, wish_mps)
         throttle = self._acceleration_mps2 / self._vehicle.full_mps2(self._acceleration_mps2)
         return Command(throttle, steering / self._vehicle.steering_limit_rad)
 
@@ -213,15 +214,15 @@ class Gtsmc:
         self._turning_radps2 += share * (self._bending(observation, reference) - self._turning_radps2)
         self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._phi_radps2))
 
-    def _yaw_rate(self, observation: Observation) -> float:
+    def _yaw_rate(self, measured_radps: float, speed_mps: float) -> float:
         """d psi / dt, rad/s: what changes slowly as it is measured, what changes fast as the steering makes it."""
         if self._gains.yaw_rate_filter_hz == 0.0:
-            return observation.yaw_rate_radps
+            return measured_radps
         slip = atan(self._vehicle.l_r_m / self._vehicle.wheelbase_m * tan(self.steering_rad))
-        model = observation.speed_mps * sin(slip) / self._vehicle.l_r_m
+        model = speed_mps * sin(slip) / self._vehicle.l_r_m
         foreseen = self._yaw_rate_radps + model - self._model_radps
         share = self._share(self._gains.yaw_rate_filter_hz)
-        self._yaw_rate_radps, self._model_radps = foreseen + share * (observation.yaw_rate_radps - foreseen), model
+        self._yaw_rate_radps, self._model_radps = foreseen + share * (measured_radps - foreseen), model
         return self._yaw_rate_radps
 
     def _believed_mps(self, measured_mps: float) -> float:

@@ -8,7 +8,7 @@ the centre of its body. N is a number of image points, K a number of obstacles.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from math import radians
 from typing import Any, Generic, Literal, Protocol, TypeVar
 
@@ -201,7 +201,7 @@ class Obstacles(Sided[Floats]):
 
     def chosen(self, which: Bools) -> "Obstacles":
         """Those of which `which` (K,) is true."""
-        return Obstacles(**{one.name: getattr(self, one.name)[which] for one in fields(self)})
+        return Obstacles(*(getattr(self, name)[which] for name in self.__slots__))
 
 
 @dataclass(frozen=True, slots=True)

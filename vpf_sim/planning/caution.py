@@ -9,7 +9,7 @@ from math import inf
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.sight_speed import SightConfig, safe_speed
-from vpf_sim.types import Bools, VehicleModel
+from vpf_sim.types import VehicleModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,17 +42,18 @@ class Caution:
         `speed_mps`, and rises gently.
         """
         config = self._config
-        ahead = suspects.along_m > 0.5 * self._vehicle.length_m
-        nearest_m = float(suspects.along_m.min(where=self._is_in_way(lane, suspects, goal_m) & ahead, initial=inf))
-        wanted = min(safe_speed(nearest_m, config, self._vehicle), seen_mps)
+        wanted = min(safe_speed(self._nearest(lane, suspects, goal_m), config, self._vehicle), seen_mps)
         least = min(self._allowed_mps, speed_mps) - config.brake_mps2 * self._dt_s
         most = self._allowed_mps + config.rise_mps2 * self._dt_s
         self._allowed_mps = min(max(wanted, least), most, self._reference_mps)
         return self._allowed_mps
 
-    def _is_in_way(self, lane: Lane, suspects: LaneObstacles, goal_m: float) -> Bools:
-        """(K,) which of them the car may touch on its way aside."""
+    def _nearest(self, lane: Lane, suspects: LaneObstacles, goal_m: float) -> float:
+        """m to the first of them that the car may touch on its way aside; inf where there is none."""
+        if not len(suspects):
+            return inf
         margin = 0.5 * self._vehicle.width_m + self._config.clearance_m
         least, most = min(lane.y_m, goal_m) - margin, max(lane.y_m, goal_m) + margin
-        meets: Bools = (suspects.right_m > least) & (suspects.left_m < most)
-        return meets
+        meets = (suspects.right_m > least) & (suspects.left_m < most)
+        ahead = suspects.along_m > 0.5 * self._vehicle.length_m
+        return float(suspects.along_m.min(where=meets & ahead, initial=inf))

@@ -30,8 +30,10 @@ class Creep:
     def standoff(self, lane: Lane, neighbours: Neighbours) -> Floats:
         """(K,) m from the bumper to each face, kept when stopping."""
         config = self._config
+        if neighbours.moves.all():
+            return np.full(len(neighbours), config.standoff_m)
         needed = self._reach.least_way(neighbours.nearer_side(lane, config.walking_clearance_m))
-        kept = np.clip(needed, config.standoff_m, config.far_standoff_m)
+        kept = np.minimum(np.maximum(needed, config.standoff_m), config.far_standoff_m)
         return np.where(neighbours.moves, config.standoff_m, kept)
 
     def nearest(self, speed_mps: float) -> float:

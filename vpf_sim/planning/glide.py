@@ -19,7 +19,7 @@ from math import copysign, sqrt
 
 from vpf_sim.planning.lane import Lane
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
-from vpf_sim.planning.reach import PEAK_SPEED, Reach
+from vpf_sim.planning.reach import PEAK_SPEED, Limits, Reach
 
 SHORTEST_S = 0.8  # of a shift
 
@@ -37,12 +37,12 @@ class Glide:
 
     def advance(self, lane: Lane, minimum_m: float, time_s: float, speed_mps: float, step_m: float) -> None:
         """Go a step towards the minimum, where `time_s` are left."""
-        error = minimum_m - self.y_m
-        way = self._way(abs(error), time_s, speed_mps, step_m)
+        error, limits = minimum_m - self.y_m, self._reach.limits(speed_mps)
+        way = self._way(abs(error), limits, time_s, speed_mps, step_m)
         jerk = (60.0 * error / way - 36.0 * self.slope) / way**2 - 9.0 * self.bend_per_m / way
-        most = float(self._reach.steering(speed_mps))
+        most = float(limits.steering_per_m2)
         bend = self.bend_per_m + min(max(jerk, -most), most) * step_m
-        self.bend_per_m = self._bounded(bend, lane, speed_mps, most, step_m)
+        self.bend_per_m = self._bounded(bend, lane, limits, step_m)
         self.slope += self.bend_per_m * step_m
         self.y_m += self.slope * step_m
 
@@ -51,23 +51,23 @@ class Glide:
         lead = self._config.lead_m
         self.y_m = min(max(self.y_m, rear_m - lead), rear_m + lead)
 
-    def _way(self, shift_m: float, time_s: float, speed_mps: float, step_m: float) -> float:
+    def _way(self, shift_m: float, limits: Limits, time_s: float, speed_mps: float, step_m: float) -> float:
         """S: what there is time for, and no less than the car needs."""
         config, pace = self._config, max(speed_mps, self._reach.walking_mps)
         by_speed = PEAK_SPEED * shift_m * pace / config.speed_mps
-        least = max(float(self._reach.way(shift_m, speed_mps)), by_speed, SHORTEST_S * pace)
+        least = max(float(limits.way(shift_m)), by_speed, SHORTEST_S * pace)
         wanted = pace * min(config.shift_s, config.shift_share * time_s)
         # A hurry ends slowly: a longer way at full slope would carry the path past the minimum.
         self._way_m = max(least, min(wanted, self._way_m + step_m))
         return self._way_m
 
-    def _bounded(self, bend_per_m: float, lane: Lane, speed_mps: float, steering: float, step_m: float) -> float:
+    def _bounded(self, bend_per_m: float, lane: Lane, limits: Limits, step_m: float) -> float:
         """The bend, no more than lets the slope come to rest at its own bounds, as fast as the steering turns.
 
         To each side these are its angle and its edge. The slope that leads along an edge falls as the path comes
         nearer, by slope / arm a metre: the bend rests there.
         """
-        tightest, ratio = float(self._reach.tightest(speed_mps)), float(self._reach.ratio(speed_mps))
+        tightest, ratio, steering = float(limits.tightest_per_m), float(limits.ratio), float(limits.steering_per_m2)
         change = steering * step_m
         half = 0.5 * change
 

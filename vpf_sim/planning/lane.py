@@ -50,6 +50,9 @@ class LaneObstacles(Sided[Floats]):
         return LaneObstacles(*(getattr(self, name)[rows] for name in self.__slots__))
 
 
+NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))
+
+
 def locate(road: RoadEdges) -> Lane:
     """Where the vehicle is; the preferred position is the middle of its own lane."""
     left, right = road.left_m - road.lane_m, road.right_m - road.lane_m
@@ -58,16 +61,21 @@ def locate(road: RoadEdges) -> Lane:
 
 def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     """The bodies on the lane: turned into the road's direction, less the road's bend up to there."""
+    if not len(obstacles):
+        return NOTHING
     cosine, sine = np.cos(lane.heading_rad), np.sin(lane.heading_rad)
     middle = obstacles.middle_m
     along = cosine * obstacles.forward_m + sine * middle
     across = cosine * middle - sine * obstacles.forward_m
     y = lane.y_m + across - 0.5 * lane.curvature_per_m * along**2
     half = 0.5 * obstacles.width_m
-    part = _parts(along, y - half, y + half, obstacles)
-    everything = LaneObstacles(along, y - half, y + half, obstacles.speed_mps, _lengths(along, part))
+    left, right = y - half, y + half
+    part = _parts(along, left, right, obstacles)
+    if not part.any():
+        return LaneObstacles(along, left, right, obstacles.speed_mps)
+    everything = LaneObstacles(along, left, right, obstacles.speed_mps, _lengths(along, part))
     whole: Bools = np.logical_not(part.any(axis=1))
-    return everything if whole.all() else everything.chosen(whole)
+    return everything.chosen(whole)
 
 
 def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacles) -> Bools:
@@ -78,22 +86,21 @@ def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacle
     """
     if len(along_m) < 2:
         return np.zeros((len(along_m), len(along_m)), np.bool_)
-    behind = along_m[:, None] - along_m[None]
+    behind, stands = along_m[:, None] - along_m[None], obstacles.speed_mps == 0.0
+    near: Bools = (behind > BODY_M[0]) & (behind < BODY_M[1]) & stands & stands[:, None]
+    if not near.any():
+        return near
     shared = np.minimum(right_m[:, None], right_m[None]) - np.maximum(left_m[:, None], left_m[None])
     width = right_m - left_m
     within = (shared > BODY_SHARE * width[:, None]) & (width[:, None] <= width[None])
     named = (obstacles.identity[:, None] == obstacles.identity[None]) & (shared > 0.0)
     beyond = np.maximum(left_m[None] - left_m[:, None], right_m[:, None] - right_m[None])
-    near = (behind > BODY_M[0]) & (behind < BODY_M[1]) & (beyond < BODY_BEYOND_M)
-    stand = (obstacles.speed_mps[:, None] == 0.0) & (obstacles.speed_mps[None] == 0.0)
-    part: Bools = stand & near & (within | named)
+    part: Bools = near & (beyond < BODY_BEYOND_M) & (within | named)
     return part
 
 
 def _lengths(along_m: Floats, part: Bools) -> Floats:
     """(K,) m from each face to the farthest of its parts, and of their parts."""
-    if not part.any():
-        return np.zeros(len(along_m))
     for _ in range(PARTS_OF_PARTS):
         part = part | (part @ part)
     behind = np.where(part, along_m[:, None] - along_m[None], 0.0)

@@ -33,7 +33,7 @@ from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.reach import Reach
 from vpf_sim.planning.rows import narrowness
 from vpf_sim.planning.stopping import stopping_way
-from vpf_sim.types import Floats, VehicleModel
+from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
 TURNED_RAD = 0.05  # to one side of a body, from the road: it has been chosen, however far off the body is
@@ -60,9 +60,9 @@ class LanePotential:
 
     def slope(self, y_m: float) -> Floats:
         """(3,) dU / dy at y of target, road and obstacle."""
-        index = min(max(int(np.searchsorted(self.y_m, y_m)), 1), len(self.y_m) - 1)
-        ends = np.array([part[index - 1 : index + 1] for part in (self.target, self.road, self.obstacle)])
-        slope: Floats = (ends[:, 1] - ends[:, 0]) / (self.y_m[index] - self.y_m[index - 1])
+        index = min(max(int(self.y_m.searchsorted(y_m)), 1), len(self.y_m) - 1)
+        rise = np.array([part[index] - part[index - 1] for part in (self.target, self.road, self.obstacle)])
+        slope: Floats = rise / (self.y_m[index] - self.y_m[index - 1])
         return slope
 
 
@@ -79,21 +79,24 @@ class LaneField:
         half = np.arange(1, round(config.reach_m / config.spacing_m) + 1) * config.spacing_m
         self._y_m: Floats = np.concatenate([-half[::-1], [0.0], half])  # symmetric to the last bit
         self._target: Floats = config.target_per_m2 * self._y_m**2
+        self._nothing: Floats = np.zeros(len(self._y_m))
         touching = config.obstacle_height + config.obstacle_slope_per_m * config.clearance_m + config.narrow_height
         self._touching = touching  # U at no gap
         self._last_m: float | None = None
 
     def update(self, lane: Lane, neighbours: Neighbours, speed_mps: float = 0.0) -> LanePotential:
         """The field about the vehicle now."""
-        road = self._road(lane)
-        obstacle = self._obstacle(neighbours)
-        shut = self._beyond(lane) + self._unreached(neighbours, lane)
-        if not np.any((obstacle < self._touching) & (shut == 0.0)):
-            obstacle = self._obstacle(neighbours, self._unstopped(neighbours, speed_mps))
-        rows = self._rows(neighbours)
-        obstacle = obstacle + rows
-        total = self._target + road + obstacle
-        kept = total + shut
+        gaps = self._edge_gaps(lane)
+        road = self._road(*gaps)
+        shut = self._beyond(*gaps)
+        obstacle = rows = self._nothing
+        if len(neighbours):
+            obstacle, shut = self._obstacle(neighbours), shut + self._unreached(neighbours, lane)
+            if not ((obstacle < self._touching) & (shut == 0.0)).any():
+                obstacle = self._obstacle(neighbours, self._unstopped(neighbours, speed_mps)[:, None])
+            rows = self._rows(neighbours)
+            obstacle = obstacle + rows
+        kept = self._target + road + obstacle + shut
         if self._last_m is not None:
             kept = kept + self._memory(neighbours, lane, rows)
         self._last_m = self._minimum(kept, lane)
@@ -103,17 +106,15 @@ class LaneField:
         """Decide for a place: the car got there by other means."""
         self._last_m = y_m
 
-    def _road(self, lane: Lane) -> Floats:
+    def _road(self, right_m: Floats, left_m: Floats) -> Floats:
         config = self._config
-        right, left = self._edge_gaps(lane)
         reach = config.wall_reach_m
-        wall: Floats = np.maximum(1.0 - right / reach, 0.0) ** 2 + np.maximum(1.0 - left / reach, 0.0) ** 2
+        wall: Floats = np.maximum(1.0 - right_m / reach, 0.0) ** 2 + np.maximum(1.0 - left_m / reach, 0.0) ** 2
         return config.wall_height * wall
 
-    def _beyond(self, lane: Lane) -> Floats:
+    def _beyond(self, right_m: Floats, left_m: Floats) -> Floats:
         """(G,) what keeps the minimum on the road: the worst body is one to stop before, not to leave the road for."""
-        right, left = self._edge_gaps(lane)
-        return np.where(np.minimum(right, left) < self._config.edge_gap_m, NO_CHOICE, 0.0)
+        return np.where(np.minimum(right_m, left_m) < self._config.edge_gap_m, NO_CHOICE, 0.0)
 
     def _edge_gaps(self, lane: Lane) -> tuple[Floats, Floats]:
         """(G,) m between our body at y and the right and the left edge."""
@@ -123,12 +124,12 @@ class LaneField:
 
     def _obstacle(self, neighbours: Neighbours, unstopped: Floats | float = 0.0) -> Floats:
         config = self._config
-        if not len(neighbours):
-            return np.zeros_like(self._y_m)
+        if not neighbours.weight.any():
+            return self._nothing
         lacking = config.clearance_m - neighbours.gap(self._y_m)
-        narrow = 1.0 - np.clip((config.clearance_m - lacking) / config.narrow_m, 0.0, 1.0)
+        narrow = 1.0 - np.minimum(np.maximum((config.clearance_m - lacking) / config.narrow_m, 0.0), 1.0)
         inside = config.obstacle_height + config.obstacle_slope_per_m * lacking + config.narrow_height * narrow
-        inside = inside * (1.0 + config.unstopped_share * np.reshape(unstopped, (-1, 1)))
+        inside = inside * (1.0 + config.unstopped_share * unstopped)
         outside = config.tail_height * np.exp(np.minimum(lacking, 0.0) / config.tail_decay_m)
         each = neighbours.weight[:, None] * np.where(lacking > 0.0, inside, outside)
         worst: Floats = each.max(axis=0)
@@ -162,22 +163,21 @@ class LaneField:
         turned = (abs(lane.heading_rad) > TURNED_RAD) & (-lane.heading_rad * (last - middle) > 0.0)
         turned &= ~neighbours.moves
         near = neighbours.present & ((gap < config.latch_m) | turned)
-        if not np.any(near):
+        if not near.any():
             return memory
-        middle = middle[near]
         # Behind a body that moves there is room to change sides only if it is not reached meanwhile.
-        speed = neighbours.bodies.speed_mps[near]
+        speed = neighbours.bodies.speed_mps
         room = CROSSING_M + CROSSING_S * np.maximum(self._speed_reference_mps - speed, 0.0)
-        aside = (np.abs(lane.y_m - middle) > BEHIND_M) | (gap[near] < CROSSING_M)
-        beside = (gap[near] < np.where(speed > 0.0, room, 0.0)) & aside
+        aside = (np.abs(lane.y_m - middle) > BEHIND_M) | (gap < CROSSING_M)
+        beside = (gap < np.where(neighbours.moves, room, 0.0)) & aside
         chosen = np.where(beside, lane.y_m, last) - middle
         other = (self._y_m[None] - middle[:, None]) * np.sign(chosen)[:, None] < 0.0
-        goes, wide = turned[near] | (abs(lane.y_m - last) < config.memory_m), np.interp(last, self._y_m, rows) == 0.0
+        goes, wide = turned | (abs(lane.y_m - last) < config.memory_m), np.interp(last, self._y_m, rows) == 0.0
         kept = np.where(goes | wide, config.latch_height, config.plan_height)
         # A body told where the car was going has no side yet: that takes a place beside it.
-        covers = neighbours.overlap(last, 0.0)[near]
-        kept = np.where(turned[near], kept, kept * np.clip(1.0 - covers / WITHIN_M, 0.0, 1.0))
-        height = np.where(beside, config.beside_height, kept)
+        covers = neighbours.overlap(last, 0.0)
+        kept = np.where(turned, kept, kept * np.minimum(np.maximum(1.0 - covers / WITHIN_M, 0.0), 1.0))
+        height = np.where(near, np.where(beside, config.beside_height, kept), 0.0)
         latched: Floats = memory + (other * height[:, None]).max(axis=0)
         return latched
 
@@ -186,26 +186,35 @@ class LaneField:
 
         Beside a body, its other side and its own place are out of reach whatever else there is.
         """
-        if not len(neighbours):
-            return np.zeros_like(self._y_m)
-        config, way, bodies = self._config, neighbours.way_m[:, None], neighbours.bodies
-        y, here = self._y_m[None], lane.y_m
-        least = bodies.left_m[:, None] - self._half_width_m  # of the places that it takes
-        most = bodies.right_m[:, None] + self._half_width_m
-        apart = (here <= least) | (here >= most)
-        meets = (np.minimum(y, here) < most) & (np.maximum(y, here) > least)
-        behind = meets & ((y <= least) | (y >= most))
-        slope = np.where(y > here, -tan(lane.heading_rad), tan(lane.heading_rad))
-        shift = np.where(y > here, most - here, here - least) - self._reach.brought(way, slope)
-        slow = self._edge_way(least, most, y, lane) > way
-        far = behind & (way > 0.0) & ((shift > self._reach.aside(way)) | slow)
-        cost = np.where(meets & apart & (way <= 0.0), config.beside_height, config.unreached_height * far)
-        unreached: Floats = (cost * neighbours.stands[:, None]).max(axis=0)
+        if not neighbours.stands.any():
+            return self._nothing
+        config, bodies, y, here = self._config, neighbours.bodies, self._y_m, lane.y_m
+        least, most = bodies.left_m - self._half_width_m, bodies.right_m + self._half_width_m  # of the places it takes
+        beside = neighbours.stands & (neighbours.way_m <= 0.0)
+        from_m = least.min(where=beside & (here <= least), initial=np.inf)
+        up_to_m = most.max(where=beside & (here >= most), initial=-np.inf)
+        taken: Floats = config.beside_height * ((y > from_m) | (y < up_to_m))
+        ahead = neighbours.stands & (neighbours.way_m > 0.0)
+        if not ahead.any():
+            return taken
+        far_right, far_left = self._far(neighbours, least, most, lane)
+        from_m = most.min(where=ahead & (here < most) & far_right, initial=np.inf)
+        up_to_m = least.max(where=ahead & (here > least) & far_left, initial=-np.inf)
+        unreached: Floats = np.maximum(taken, config.unreached_height * ((y >= from_m) | (y <= up_to_m)))
         return unreached
 
-    def _edge_way(self, least_m: Floats, most_m: Floats, y_m: Floats, lane: Lane) -> Floats:
-        """(K, G) m of way that it takes to y, free of a body's places between `least_m` and `most_m` (K, 1), because
-        the edge on that side lets the car come near but slowly.
+    def _far(self, neighbours: Neighbours, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Bools, Bools]:
+        """(K,) whether to get free of a body's places, between `least_m` and `most_m` (K,), to the right, and to the
+        left, takes more way than there is."""
+        way, slope = neighbours.way_m, np.array([[-tan(lane.heading_rad)], [tan(lane.heading_rad)]])
+        shift = np.array([most_m - lane.y_m, lane.y_m - least_m]) - self._reach.brought(way, slope)
+        slow = np.array(self._edge_way(least_m, most_m, lane)) > way
+        right, left = (shift > self._reach.aside(way)) | slow
+        return right, left
+
+    def _edge_way(self, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Floats, Floats]:
+        """(K,) m of way that it takes to get free of a body's places, to the right, and to the left, because the edge
+        on that side lets the car come near but slowly.
 
         It counts for who has not chosen that side yet: halfway there, no other may be left.
         """
@@ -214,16 +223,15 @@ class LaneField:
         to_right = self._reach.edge_way(right - lane.y_m, right - most_m, slope)
         to_left = self._reach.edge_way(lane.y_m - left, least_m - left, -slope)
         last = lane.y_m if self._last_m is None else self._last_m
-        to_right, to_left = np.where(last < most_m, to_right, -np.inf), np.where(last > least_m, to_left, -np.inf)
-        return np.where(y_m > lane.y_m, to_right, to_left)
+        return np.where(last < most_m, to_right, -np.inf), np.where(last > least_m, to_left, -np.inf)
 
     def _minimum(self, total: Floats, lane: Lane) -> float:
         """y of the global minimum, between the grid's points by a parabola."""
-        lowest = np.flatnonzero(total <= total.min() + TIE)
+        (lowest,) = (total <= total.min() + TIE).nonzero()
         index = int(lowest[0]) if len(lowest) == 1 else self._break_tie(lowest, lane)
         if not 0 < index < len(total) - 1:
             return float(self._y_m[index])
-        before, here, after = total[index - 1 : index + 2]
+        before, here, after = total[index - 1 : index + 2].tolist()
         bend = before - 2.0 * here + after
         shift = 0.5 * (before - after) / bend if bend > TIE else 0.0
         return float(self._y_m[index] + self._config.spacing_m * min(max(shift, -0.5), 0.5))

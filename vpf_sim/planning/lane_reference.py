@@ -71,13 +71,11 @@ class LaneReference:
         rear = rear_m(lane, self._vehicle)
         if self._glide is None:
             self._glide = Glide(self._config, self._reach, rear, self._shift_m)
-        time_s = self._time_left(neighbours, self._glide.y_m, speed_mps)
-        if self._waits(self._glide, neighbours, minimum_m, speed_mps):
-            minimum_m = self._glide.y_m
-        else:
-            minimum_m = self._held(self._glide, neighbours, minimum_m, speed_mps)
-        minimum_m = neighbours.kept_beside(self._glide.y_m, minimum_m)
-        between = neighbours.between(lane, self._glide.y_m)
+        between, time_s = lane, np.inf
+        if len(neighbours):
+            between = neighbours.between(lane, self._glide.y_m)
+            time_s = self._time_left(neighbours, self._glide.y_m, speed_mps)
+            minimum_m = self._goal(self._glide, neighbours, minimum_m, speed_mps)
         self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
         self._glide.hold(rear)
         self.y_m = self._glide.y_m
@@ -86,12 +84,18 @@ class LaneReference:
 
     def _time_left(self, neighbours: Neighbours, y_m: float, speed_mps: float) -> float:
         """s until the first body is reached that stands where y_r is now."""
-        if not len(neighbours):
-            return np.inf
         way = neighbours.way_m
         hit = (neighbours.overlap(y_m, self._config.minimum_clearance_m) > 0.0) & (way > 0.0)
         closing = np.maximum(max(speed_mps, self._reach.walking_mps) - neighbours.bodies.speed_mps, SLOWEST_CLOSING_MPS)
-        return float(np.min(way / closing, where=hit, initial=np.inf))
+        return float((way / closing).min(where=hit, initial=np.inf))
+
+    def _goal(self, glide: Glide, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> float:
+        """Where the path shall lead now, on its way to the minimum past bodies."""
+        if self._waits(glide, neighbours, minimum_m, speed_mps):
+            minimum_m = glide.y_m
+        else:
+            minimum_m = self._held(glide, neighbours, minimum_m, speed_mps)
+        return neighbours.kept_beside(glide.y_m, minimum_m)
 
     def _waits(self, glide: Glide, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> bool:
         """Whether there is more way than it takes before the first body for which the path must leave where it is.
@@ -100,12 +104,13 @@ class LaneReference:
         not wait. Where there is no room to spare beside the bodies it does not wait either, nor before one that moves:
         who is still behind it when it is near is no longer let past (`LaneField`).
         """
-        if not len(neighbours) or abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
+        if abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
             return False
-        least = self._config.minimum_clearance_m
         hit = neighbours.hinders(glide.y_m)
-        narrow = (neighbours.overlap(minimum_m, least) > 0.0) & neighbours.present
-        if not np.any(hit) or np.any(narrow) or np.any(hit & neighbours.moves):
+        if not hit.any() or (hit & neighbours.moves).any():
+            return False
+        narrow = neighbours.overlap(minimum_m, self._config.minimum_clearance_m) > 0.0
+        if (narrow & neighbours.present).any():
             return False
         needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps))
         needed += WAITS_S * max(speed_mps, self._reach.walking_mps)
@@ -118,19 +123,17 @@ class LaneReference:
         its own lane all the same, and holds only near, where it can stop, and not because of what is far behind the
         first that is in its way.
         """
-        if not len(neighbours):
-            return minimum_m
         config, way = self._config, neighbours.way_m
         ahead = neighbours.stands & (way > 0.0)
         taken = ahead & (neighbours.overlap(minimum_m, config.walking_clearance_m) > 0.0)
-        if not np.any(taken):
+        if not taken.any():
             return minimum_m
         _, shift = self._reach.rest(glide.slope, glide.bend_per_m, np.array([speed_mps]))
         rest_m = glide.y_m + float(shift[0])
         if abs(minimum_m) < abs(rest_m):
             return minimum_m
         hit = ahead & (neighbours.overlap(rest_m, config.walking_clearance_m) > 0.0)
-        first_m = float(np.min(way, where=hit, initial=np.inf))
+        first_m = float(way.min(where=hit, initial=np.inf))
         stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.creep_standoff_m < first_m
         met_with_it = float(way[taken].min()) < first_m + ROW_M
         return rest_m if stops and met_with_it and first_m < HOLDS_M else minimum_m

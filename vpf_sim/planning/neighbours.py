@@ -1,7 +1,7 @@
 """How the bodies of one step lie to ours: the way to each, the gaps beside it, and whether it counts."""
 
 from dataclasses import replace
-from math import tan
+from math import inf, tan
 
 import numpy as np
 
@@ -30,15 +30,15 @@ class Neighbours:
         self._half_length_m = 0.5 * vehicle.length_m
         self._speed_reference_mps = speed_reference_mps
         self.way_m: Floats = bodies.along_m - self._half_length_m  # (K,) from our bumper to each face
+        self.moves: Bools = bodies.speed_mps > 0.0  # (K,)
         self.length_m = self._lengths()  # (K,) from each face to where the body ends, at least
         weight = self._weights()  # (K,) 0 .. 1
         self.present: Bools = weight > 0.0  # (K,) the others count for the choice of a side at most
-        self.moves: Bools = bodies.speed_mps > 0.0  # (K,)
         self.stands: Bools = self.present & ~self.moves  # (K,)
         ahead = ~self.moves & (self.way_m > 0.0)
         self.in_row: Bools = same_row(bodies, self.length_m) & ahead & ahead[:, None]  # (K, K) who stands beside whom
         # (K,) w of the field. The side is chosen for a row: all of it counts as soon as the first of it does.
-        self.weight: Floats = np.maximum(weight, np.max(weight * self.in_row, axis=1, initial=0.0))
+        self.weight: Floats = np.maximum(weight, (weight * self.in_row).max(axis=1, initial=0.0))
 
     def __len__(self) -> int:
         return len(self.bodies)
@@ -52,7 +52,9 @@ class Neighbours:
 
     def overlap(self, y_m: float, clearance_m: float) -> Floats:
         """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
-        return clearance_m - self.gap(np.array([y_m]))[:, 0]
+        right, left = y_m - self._half_width_m - self.bodies.right_m, self.bodies.left_m - y_m - self._half_width_m
+        overlap: Floats = clearance_m - np.maximum(right, left)
+        return overlap
 
     def hinders(self, y_m: float) -> Bools:
         """(K,) which bodies ahead have not the clearance that is wanted from our body at y."""
@@ -86,26 +88,28 @@ class Neighbours:
         A body that is passed next counts as well where neither the car nor its path, now at `path_m`, leads into it:
         who turns towards it reaches it with a corner first.
         """
-        if not len(self):
+        passing = (self.way_m < NEXT_M) & (self.bodies.along_m + self.length_m > -self._half_length_m)
+        if not passing.any():
             return lane
         left_m, right_m = self.bodies.left_m, self.bodies.right_m
-        passing = (self.way_m < NEXT_M) & (self.bodies.along_m + self.length_m > -self._half_length_m)
         abreast = self.way_m < 0.0
         least = np.where(abreast, lane.y_m, min(lane.y_m, path_m) - self._half_width_m)
         most = np.where(abreast, lane.y_m, max(lane.y_m, path_m) + self._half_width_m)
-        right = np.min(left_m, where=passing & (left_m > most), initial=lane.right_m)
-        left = np.max(right_m, where=passing & (right_m < least), initial=lane.left_m)
+        right = left_m.min(where=passing & (left_m > most), initial=lane.right_m)
+        left = right_m.max(where=passing & (right_m < least), initial=lane.left_m)
         return replace(lane, right_m=float(right), left_m=float(left))
 
     def next_gap(self, lane: Lane, y_m: float) -> tuple[float, float]:
         """m, how wide the gap at y is between the edges and what stands in the next row, and the way to it, or inf."""
         stands = self.stands & (self.way_m > 0.0)
         near = stands & (self.overlap(y_m, BOUNDS_M) > 0.0)
-        first = float(np.min(self.way_m, where=near, initial=np.inf))
+        if not near.any():
+            return lane.right_m - lane.left_m, inf
+        first = float(self.way_m.min(where=near, initial=inf))
         stands &= self.way_m < first + ROW_M
         middle = self.bodies.middle_m
-        right = float(np.min(self.bodies.left_m, where=stands & (middle > y_m), initial=lane.right_m))
-        left = float(np.max(self.bodies.right_m, where=stands & (middle <= y_m), initial=lane.left_m))
+        right = float(self.bodies.left_m.min(where=stands & (middle > y_m), initial=lane.right_m))
+        left = float(self.bodies.right_m.max(where=stands & (middle <= y_m), initial=lane.left_m))
         return right - left, first
 
     def kept_beside(self, y_m: float, minimum_m: float) -> float:
@@ -114,12 +118,12 @@ class Neighbours:
         Their sides are told with large errors, and what is farther ahead must not push the path towards them.
         """
         passing = self.present & self.moves & (self.way_m < PASSING_M)
-        if not np.any(passing):
+        if not passing.any():
             return minimum_m
         margin = self._half_width_m + self._config.clearance_m
         middle = self.bodies.middle_m
-        least = float(np.max(self.bodies.right_m + margin, where=passing & (middle < y_m), initial=-np.inf))
-        most = float(np.min(self.bodies.left_m - margin, where=passing & (middle > y_m), initial=np.inf))
+        least = float((self.bodies.right_m + margin).max(where=passing & (middle < y_m), initial=-inf))
+        most = float((self.bodies.left_m - margin).min(where=passing & (middle > y_m), initial=inf))
         least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the field does that
         return min(max(minimum_m, least), most)
 
@@ -139,14 +143,15 @@ class Neighbours:
     def _lengths(self) -> Floats:
         """(K,) m; what is wide may be a truck or a barrier."""
         config = self._config
-        long = (self.bodies.speed_mps > 0.0) | (self.bodies.width_m > config.truck_width_m)
+        long = self.moves | (self.bodies.width_m > config.truck_width_m)
         length: Floats = np.maximum(np.where(long, config.long_m, config.body_length_m), self.bodies.length_m)
         return length
 
     def _weights(self) -> Floats:
         """(K,) by the distance; 0 for those that have been passed, or run away."""
         config, speed = self._config, self.bodies.speed_mps
-        weight = np.clip((self._visible() - self.way_m) / (config.visible_m - config.full_m), 0.0, 1.0)
+        nears = (self._visible() - self.way_m) / (config.visible_m - config.full_m)
+        weight = np.minimum(np.maximum(nears, 0.0), 1.0)
         faster = speed - self._speed_reference_mps
         runs = (faster > -config.slower_mps) & (self.way_m > config.beside_m)
         catches_up = np.maximum(faster, 0.0) * CATCH_UP_S
@@ -157,4 +162,4 @@ class Neighbours:
         """(K,) m from bumper to face, from which each body begins to count: one that moves only when it is met soon."""
         speed, visible_m = self.bodies.speed_mps, self._config.visible_m
         closing = np.maximum(self._speed_reference_mps - speed, 0.0)
-        return np.where(speed > 0.0, np.minimum(SOON_M + SOON_S * closing, visible_m), visible_m)
+        return np.where(self.moves, np.minimum(SOON_M + SOON_S * closing, visible_m), visible_m)

@@ -41,6 +41,8 @@ class Pace:
         self._speed_reference_mps = speed_reference_mps
         self._dt_s = 1.0 / rate_hz
         self._reach = reach
+        self._gaps_m = np.array([config.walking_clearance_m, config.minimum_clearance_m])
+        self._beside_mps = np.array([reach.walking_mps, speed_reference_mps])
         self._rate_hz = rate_hz
         self.restart(speed_reference_mps)
 
@@ -81,26 +83,34 @@ class Pace:
             limit = min(limit, sqrt(config.bend_acceleration_mps2 / bend))
         if not len(neighbours):
             return limit
-        way, body_mps = neighbours.way_m, neighbours.bodies.speed_mps
-        counts = (neighbours.present | neighbours.moves) & (way > 0.0)
-        spare = way - self._creep.standoff(lane, neighbours) - config.time_gap_s * body_mps
-        follow = body_mps * np.clip(1.0 + spare / (config.standoff_m + np.maximum(way, 0.0)), 0.0, 1.0)
-        follow = np.maximum(follow, np.where(way > NEAR_M, body_mps - FALL_BACK_MPS, 0.0))
-        stop = follow + np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
-        passed = body_mps + self._beside(-neighbours.overlap(minimum_m, 0.0))
-        beside = np.maximum(stop, passed)
-        blocked = neighbours.overlap(minimum_m, config.walking_clearance_m) > 0.0
-        there = np.minimum(self._before(lane, neighbours, minimum_m), beside)
-        limits = np.where(blocked, stop, there)
-        limits = np.maximum(limits, braked(speed_mps, speed_mps - body_mps, way))
-        met = body_mps + np.maximum(neighbours.met(lane) / MET_S, config.creep_mps)
-        limits = np.minimum(limits, np.maximum(met, eased(speed_mps)))
-        nearest = self._creep.nearest(speed_mps)
-        creep = np.where((way > nearest) & ~neighbours.moves, config.creep_mps, 0.0)
-        limit = min(limit, max(self._looking(lane, neighbours, minimum_m), eased(speed_mps)))
+        way, nearest = neighbours.way_m, self._creep.nearest(speed_mps)
+        gap = -neighbours.overlap(minimum_m, 0.0)
+        passed = neighbours.bodies.speed_mps + self._beside(gap)
         passing = neighbours.stands & (way <= 0.0)
-        limit = float(np.min(np.maximum(passed, eased(speed_mps)), where=passing, initial=limit))
-        return float(np.min(np.maximum(limits, creep), where=counts, initial=limit))
+        limit = float(np.maximum(passed, eased(speed_mps)).min(where=passing, initial=limit))
+        counts = (neighbours.present | neighbours.moves) & (way > 0.0)
+        if not counts.any():
+            return limit
+        limit = min(limit, max(self._looking(lane, neighbours, minimum_m), eased(speed_mps)))
+        stop = self._stop(lane, neighbours)
+        there = np.minimum(self._before(lane, neighbours, minimum_m, gap), np.maximum(stop, passed))
+        limits = np.where(gap < config.walking_clearance_m, stop, there)
+        limits = np.maximum(limits, braked(speed_mps, speed_mps - neighbours.bodies.speed_mps, way))
+        met = neighbours.bodies.speed_mps + np.maximum(neighbours.met(lane) / MET_S, config.creep_mps)
+        limits = np.minimum(limits, np.maximum(met, eased(speed_mps)))
+        creep = np.where((way > nearest) & ~neighbours.moves, config.creep_mps, 0.0)
+        return float(np.maximum(limits, creep).min(where=counts, initial=limit))
+
+    def _stop(self, lane: Lane, neighbours: Neighbours) -> Floats:
+        """(K,) m/s from which the car stops before each body, or falls in behind one that moves."""
+        config, way, body_mps = self._config, neighbours.way_m, neighbours.bodies.speed_mps
+        spare = way - self._creep.standoff(lane, neighbours) - config.time_gap_s * body_mps
+        stop: Floats = np.sqrt(2.0 * config.brake_mps2 * np.maximum(spare, 0.0))
+        if not neighbours.moves.any():
+            return stop
+        share = np.maximum(1.0 + spare / (config.standoff_m + np.maximum(way, 0.0)), 0.0)
+        follow = np.maximum(body_mps * np.minimum(share, 1.0), np.where(way > NEAR_M, body_mps - FALL_BACK_MPS, 0.0))
+        return follow + stop
 
     def _looking(self, lane: Lane, neighbours: Neighbours, minimum_m: float) -> float:
         """m/s before a gap that something low, not seen yet, would close: a stop shall leave the way for a turn."""
@@ -111,15 +121,11 @@ class Pace:
 
     def _beside(self, gap_m: Floats) -> Floats:
         """(K,) m/s at which bodies are passed at that gap; inf where it is as wide as wanted."""
-        config = self._config
-        gaps, speeds = (
-            (config.walking_clearance_m, config.minimum_clearance_m),
-            (self._reach.walking_mps, self._speed_reference_mps),
-        )
-        return np.where(gap_m < config.minimum_clearance_m, np.interp(gap_m, gaps, speeds), np.inf)
+        speed = np.interp(gap_m, self._gaps_m, self._beside_mps)
+        return np.where(gap_m < self._config.minimum_clearance_m, speed, np.inf)
 
-    def _before(self, lane: Lane, neighbours: Neighbours, minimum_m: float) -> Floats:
-        """(K,) m/s before bodies that the minimum avoids, but the car not yet.
+    def _before(self, lane: Lane, neighbours: Neighbours, minimum_m: float, gap_m: Floats) -> Floats:
+        """(K,) m/s before bodies that the minimum avoids, by `gap_m` (K,), but the car not yet.
 
         It shall be there only when as much of the shift is done as they need. Where it cannot be done as wide as
         wanted, walking; where not at all, the car stops, as early as it can.
@@ -131,7 +137,7 @@ class Pace:
         turned = y + 0.5 * slope * turning
         if (minimum_m - turned) * slope < 0.0:  # even its tightest curve leads past the minimum, or farther from it
             y, way, slope = turned, way - turning, 0.0
-        room = -neighbours.overlap(minimum_m, 0.0) - 1e-6  # at the minimum: no more can be wanted
+        room = gap_m - 1e-6  # no more can be wanted
         wanted = neighbours.shift(y, minimum_m, np.minimum(config.minimum_clearance_m, room))
         goal_m = 0.0 if self._narrow(neighbours, minimum_m, y) else abs(minimum_m - y)
         there = np.maximum(self._reach.speed(way, wanted, goal_m, abs(slope)), self._reach.walking_mps)
@@ -141,20 +147,22 @@ class Pace:
         """Whether beyond the minimum there is no room for a car that is still turned while it passes."""
         beyond = minimum_m + float(np.sign(minimum_m - y_m)) * TURNED_M
         covers = neighbours.overlap(beyond, self._config.minimum_clearance_m) > 0.0
-        return bool(np.any(covers & neighbours.present))
+        return bool((covers & neighbours.present).any())
 
     def _settled(self, neighbours: Neighbours, minimum_m: float, glide: Glide) -> float:
         """m/s at which the path, bent as it is, comes to rest before it is too near to bodies beyond the minimum."""
         if max(abs(glide.slope), abs(glide.bend_per_m) * self._reach.radius_m) < STRAIGHT:
             return inf
-        way, shift = self._reach.rest(glide.slope, glide.bend_per_m, SPEEDS_MPS)
+        if not neighbours.stands.any():
+            return max(float(SPEEDS_MPS[-1]), self._reach.walking_mps)
+        way, shift = self._reach.at_speeds.rest(glide.slope, glide.bend_per_m)
         room = -neighbours.overlap(minimum_m, 0.0)
         kept = np.minimum(room, self._config.minimum_clearance_m)
         side = np.sign(neighbours.bodies.middle_m - minimum_m)
         last = minimum_m + side * (room - kept + RUNS_WIDE_M)  # (K,) place from which there is less than that
         beyond, towards = side[:, None] * (glide.y_m + shift - last[:, None]), side[:, None] * shift > 0.0
         reached = neighbours.stands[:, None] & towards & (neighbours.way_m[:, None] < way)
-        worst = np.max(beyond, axis=0, where=reached, initial=-1.0)
+        worst = beyond.max(axis=0, where=reached, initial=-1.0)
         settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
         return max(settled, self._reach.walking_mps)
 
@@ -167,7 +175,7 @@ class Pace:
             return inf
         side = 1.0 if glide.bend_per_m > 0.0 else -1.0
         largest = self._reach.path_between(neighbours.between(lane, glide.y_m), glide.y_m)[side > 0.0]
-        peak = side * glide.slope + 0.5 * glide.bend_per_m**2 / self._reach.steering(SPEEDS_MPS)
+        peak = side * glide.slope + 0.5 * glide.bend_per_m**2 / self._reach.at_speeds.steering_per_m2
         unwound = float(np.interp(largest + STRAIGHT, peak, SPEEDS_MPS, right=inf))
         return max(unwound, self._reach.walking_mps)
 

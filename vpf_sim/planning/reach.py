@@ -60,6 +60,27 @@ def rear_m(lane: Lane, vehicle: VehicleModel) -> float:
     return lane.y_m + vehicle.l_r_m * sin(lane.heading_rad)
 
 
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What `Reach` tells of one speed, or of (N,) speeds."""
+
+    ratio: Floats  # largest speed across as a share of the vehicle's
+    tightest_per_m: Floats
+    steering_per_m2: Floats
+
+    def way(self, shift_m: Floats | float) -> Floats:
+        """m on which the car goes aside by that much, from the road's direction and back to it."""
+        by_curve = np.sqrt(PEAK_ACCELERATION * shift_m / self.tightest_per_m)
+        by_slope = PEAK_SPEED * shift_m / self.ratio
+        by_steering = np.cbrt(STEERED * shift_m / self.steering_per_m2)
+        way: Floats = np.maximum(np.maximum(by_curve, by_slope), by_steering)
+        return way
+
+    def rest(self, slope: float, bend_per_m: float) -> tuple[Floats, Floats]:
+        """(N,) m of way until a path can lead along the road, and m across it until then (`settling`)."""
+        return rest(slope, bend_per_m, self.steering_per_m2, self.tightest_per_m)
+
+
 class Reach:
     """The geometry of going aside for one vehicle."""
 
@@ -68,6 +89,12 @@ class Reach:
         self._vehicle = vehicle
         slip = np.arctan(vehicle.l_r_m / vehicle.wheelbase_m * tan(vehicle.steering_limit_rad))
         self._radius_m = EASE * vehicle.l_r_m / sin(slip)
+        self._arm_m = 0.5 * vehicle.length_m + TURNING_M
+        # m from the rear axle to where its path must have turned back for the corners to stay on the carriageway
+        self.path_arm_m = self._arm_m + vehicle.l_r_m
+        self._ratio_speeds = np.array([config.walking_mps, config.fast_mps])
+        self._ratios = np.array([config.walking_ratio, config.ratio])
+        self.at_speeds = self.limits(SPEEDS_MPS)
 
     @property
     def walking_mps(self) -> float:
@@ -80,9 +107,7 @@ class Reach:
 
     def ratio(self, speed_mps: Floats | float) -> Floats:
         """Largest speed across as a share of the vehicle's."""
-        config = self._config
-        speeds, ratios = (config.walking_mps, config.fast_mps), (config.walking_ratio, config.ratio)
-        ratio: Floats = np.asarray(np.interp(speed_mps, speeds, ratios))
+        ratio: Floats = np.asarray(np.interp(speed_mps, self._ratio_speeds, self._ratios))
         return ratio
 
     def between(self, lane: Lane, speed_mps: float) -> tuple[float, float]:
@@ -96,11 +121,6 @@ class Reach:
         left, right = self._gaps(lane, rear_y_m)
         return left / self.path_arm_m, right / self.path_arm_m
 
-    @property
-    def path_arm_m(self) -> float:
-        """m from the rear axle to where its path must have turned back for the corners to stay on the carriageway."""
-        return self._arm_m + self._vehicle.l_r_m
-
     def edge_way(self, gap_m: float, left_m: Floats, slope: float) -> Floats:
         """(K,) m of way before bodies, on which a walking car gets from one gap to an edge to the less that they leave.
 
@@ -113,15 +133,11 @@ class Reach:
         arm = self.path_arm_m
         steepest = min(gap_m / arm, self._config.walking_ratio)
         turning = 0.5 * self._radius_m * max(steepest - slope, 0.0) ** 2 / steepest
-        near = np.clip(left_m, 0.0, gap_m)
-        begins = np.clip(steepest * arm, near, gap_m)
+        near = np.minimum(np.maximum(left_m, 0.0), gap_m)
+        begins = np.minimum(np.maximum(steepest * arm, near), gap_m)
         with np.errstate(divide="ignore"):
             way: Floats = turning + (gap_m - begins) / steepest + arm * np.log(begins / near)
         return np.where(near < gap_m, way - 0.5 * self._vehicle.length_m - self._vehicle.l_r_m, -np.inf)
-
-    @property
-    def _arm_m(self) -> float:
-        return 0.5 * self._vehicle.length_m + TURNING_M
 
     def _gaps(self, lane: Lane, y_m: float) -> tuple[float, float]:
         """m between our body at y and the left and the right edge."""
@@ -139,17 +155,17 @@ class Reach:
         by_steering = config.steering_radps / self._vehicle.wheelbase_m / speed
         return np.minimum(by_steering, config.yaw_acceleration_radps2 / speed**2)
 
+    def limits(self, speed_mps: Floats | float) -> Limits:
+        """All three of a speed."""
+        return Limits(self.ratio(speed_mps), self.tightest(speed_mps), self.steering(speed_mps))
+
     def rest(self, slope: float, bend_per_m: float, speed_mps: Floats) -> tuple[Floats, Floats]:
         """(N,) m of way until a path at each speed can lead along the road, and m across it until then (`settling`)."""
-        return rest(slope, bend_per_m, self.steering(speed_mps), self.tightest(speed_mps))
+        return self.limits(speed_mps).rest(slope, bend_per_m)
 
     def way(self, shift_m: Floats | float, speed_mps: Floats | float) -> Floats:
         """m on which the car goes aside by that much at that speed, from the road's direction and back to it."""
-        by_curve = np.sqrt(PEAK_ACCELERATION * shift_m / self.tightest(speed_mps))
-        by_slope = PEAK_SPEED * shift_m / self.ratio(speed_mps)
-        by_steering = np.cbrt(STEERED * shift_m / self.steering(speed_mps))
-        way: Floats = np.maximum(np.maximum(by_curve, by_slope), by_steering)
-        return way
+        return self.limits(speed_mps).way(shift_m)
 
     def aside(self, way_m: Floats) -> Floats:
         """m, the largest shift on each way at walking speed, from the road's direction and back to it."""
@@ -189,13 +205,16 @@ class Reach:
         the goal is as far as one that began before: on the curve of radius R, by R slope of the way and by half of
         R slope^2 of the shift.
         """
-        radius = 1.0 / self.tightest(SPEEDS_MPS)
+        if not (shift_m > 0.0).any():
+            return np.full_like(shift_m, np.inf)
+        limits = self.at_speeds
+        radius = 1.0 / limits.tightest_per_m
         begun = 0.5 * radius * slope**2
         shift = np.maximum(shift_m[:, None] + begun, 0.0)
         whole = np.maximum(goal_m + begun, shift)
         part = np.interp(shift / np.maximum(whole, 1e-6), PROFILE, SHARES)
-        waits = 1.0 - np.minimum(slope / self.ratio(SPEEDS_MPS), 1.0)  # who turns already has no reaction to wait for
-        ways = part * self.way(whole, SPEEDS_MPS) - radius * slope + waits * REACTION_S * SPEEDS_MPS
+        waits = 1.0 - np.minimum(slope / limits.ratio, 1.0)  # who turns already has no reaction to wait for
+        ways = part * limits.way(whole) - radius * slope + waits * REACTION_S * SPEEDS_MPS
         needed = np.maximum.accumulate(ways, axis=1)
         speed = np.array([np.interp(*row, SPEEDS_MPS) for row in zip(way_m, needed, strict=True)])
         return np.where(shift_m > 0.0, speed, np.inf)

@@ -18,6 +18,8 @@ def same_row(bodies: LaneObstacles, length_m: Floats) -> Bools:
 
     Faces are as far apart as the bodies are long: of a truck and of who stands beside its middle.
     """
+    if len(bodies) < 2:
+        return np.ones((len(bodies), len(bodies)), np.bool_)
     behind, reach = bodies.along_m[None] - bodies.along_m[:, None], length_m + BEYOND_M
     row: Bools = np.where(behind > 0.0, behind < reach[:, None], -behind < reach[None])
     return row
@@ -35,7 +37,7 @@ def narrowness(
     if np.count_nonzero(weight) < 2:
         return narrow
     gap = bodies.left_m[None] - bodies.right_m[:, None]  # (K, K) from each body to each
-    for left, right in np.argwhere((gap > least_m) & (gap < wide_m) & in_row):
+    for left, right in zip(*((gap > least_m) & (gap < wide_m) & in_row).nonzero(), strict=True):
         between = (y_m > bodies.right_m[left]) & (y_m < bodies.left_m[right])
         short = (1.0 - gap[left, right] / wide_m) * min(weight[left], weight[right])
         narrow = np.maximum(narrow, between * short)

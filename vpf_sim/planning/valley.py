@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.planning.caution import Caution, CautionConfig
-from vpf_sim.planning.lane import Lane, locate, place
+from vpf_sim.planning.lane import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane_field import LaneField, LanePotential
 from vpf_sim.planning.lane_field_config import LaneFieldConfig
 from vpf_sim.planning.lane_reference import LaneReference
@@ -38,6 +38,7 @@ class Valley:
         self._caution = (
             Caution(config.caution, setup.vehicle, self._speed_mps, setup.rate_hz) if config.caution else None
         )
+        self._alone = self._neighbours(NOTHING)
         self._field = LaneField(config.field, setup.vehicle, self._speed_mps, reach)
         self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
         self._way_out = WayOut(config.way_out, setup.vehicle, setup.rate_hz) if config.way_out else None
@@ -46,7 +47,7 @@ class Valley:
         road, out = perception.road, self._way_out
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane)
-        neighbours = Neighbours(obstacles, self._field_config, self._vehicle, self._speed_mps)
+        neighbours = self._neighbours(obstacles) if len(obstacles) else self._alone
         potential = self._field.update(lane, neighbours, observation.speed_mps)
         reference = self._reference.update(
             lane, neighbours, potential.minimum_m, observation.yaw_rad, observation.speed_mps
@@ -55,6 +56,9 @@ class Valley:
         reference = self._turned_out(lane, perception.obstacles, observation, reference)
         extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
         return _force(potential, lane.y_m), reference, extra
+
+    def _neighbours(self, bodies: LaneObstacles) -> Neighbours:
+        return Neighbours(bodies, self._field_config, self._vehicle, self._speed_mps)
 
     def _slowed(
         self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
@@ -66,7 +70,7 @@ class Valley:
         if self._caution is not None and perception.suspects is not None:
             suspects = place(perception.suspects, lane)
             allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
-        return replace(reference, speed_mps=min(reference.speed_mps, allowed))
+        return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
     def _turned_out(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, reference: Reference
@@ -84,6 +88,7 @@ class Valley:
 
 def _force(potential: LanePotential, y_m: float) -> Force:
     """-grad U at the vehicle, to be looked at: across the road, with the target's pull of 1 along it."""
-    target, road, obstacle = (np.array([0.0, -slope]) for slope in potential.slope(y_m))
-    target[0] = 1.0
+    forces = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    forces[:, 1] = -potential.slope(y_m)
+    target, road, obstacle = forces
     return Force(target, obstacle, road, target + obstacle + road)
