@@ -28,7 +28,7 @@ def distance_m(one: Floats, other: Floats) -> float:
 
 def is_same(pose: Floats, other: Floats) -> bool:
     """Whether two poses are equal; of what stands, they are mostly one object."""
-    return pose is other or np.array_equal(pose, other)
+    return pose is other or pose.tolist() == other.tolist()
 
 
 def vehicle_from_world(points_m: Floats, pose: Floats) -> Floats:

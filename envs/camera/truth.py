@@ -22,19 +22,24 @@ STANDING_M = 1e-6  # a camera that moved less stands
 class Motion:
     """How a rigid thing got from frame k-1 to k: the world point p now was at `turn` p + `shift` then."""
 
-    turn: Floats  # (3, 3)
-    shift: Floats  # (3,) m
+    before: Floats  # (x, y, heading) of the thing
+    now: Floats
 
-    @classmethod
-    def of_body(cls, before: Floats, now: Floats) -> "Motion":
-        """The motion between two poses (x, y, heading)."""
-        c, s = np.cos(before[2] - now[2]), np.sin(before[2] - now[2])
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        shift = np.array([*before[:2], 0.0]) - turn @ np.array([*now[:2], 0.0])
-        return cls(turn, shift)
+    @property
+    def turn(self) -> Floats:
+        """(3, 3)"""
+        angle = self.before[2] - self.now[2]
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    @property
+    def shift(self) -> Floats:
+        """(3,) m"""
+        shift: Floats = np.array([*self.before[:2], 0.0]) - self.turn @ np.array([*self.now[:2], 0.0])
+        return shift
 
 
-STILL = Motion(np.eye(3), np.zeros(3))
+STILL = Motion(np.zeros(3), np.zeros(3))
 
 
 @dataclass(frozen=True, slots=True)

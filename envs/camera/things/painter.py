@@ -116,20 +116,21 @@ def drawing(
     `firsts` is (k,), the first face of each thing.
     """
     projection = view.projection
-    points = faces.reshape(-1, 3) @ projection[:, :3].T
-    points += projection[:, 3]
-    if points[:, 2].min() > NEAR_M:
-        exact = points[:, :2] / points[:, 2:]
+    points = projection[:, :3] @ faces.reshape(-1, 3).T
+    points += projection[:, 3:]
+    if points[2].min() > NEAR_M:
+        exact = points[:2] / points[2]
         vertices = faces.shape[1]
     else:
         cut = in_front(view.camera_axes(faces))
-        exact, vertices = view.pixels(cut).reshape(-1, 2), cut.shape[1]
+        exact, vertices = view.pixels(cut).reshape(-1, 2).T, cut.shape[1]
     exact *= SUBPIXELS
     exact += HALF
-    fixed = exact.astype(np.int32)
+    fixed = np.empty((exact.shape[1], 2), np.int32)
+    np.copyto(fixed, exact.T, casting="unsafe")
     boxes = _boxes(fixed, firsts * vertices, view.camera)
     shape = (len(faces), vertices, 2)
-    seen = Faces(exact.reshape(shape), fixed.reshape(shape), colours, planes)
+    seen = Faces(exact.T.reshape(shape), fixed.reshape(shape), colours, planes)
     return Drawing(seen, [*firsts.tolist(), len(faces)], boxes)
 
 
@@ -251,7 +252,8 @@ def _flush(frame: Image, layer: _Layer) -> None:
     empty.fill(EMPTY)
     canvas: Image = empty.view(np.uint8).reshape(-1, width * fine, 4)
     shift = (SUBPIXELS // fine).bit_length() - 1
-    corner = np.array([x0, y0], np.int32) * SUBPIXELS + SUBPIXELS // 2 // fine
+    half_px = SUBPIXELS // 2 // fine
+    corner = np.array((x0 * SUBPIXELS + half_px, y0 * SUBPIXELS + half_px), np.int32)
     for faces, first, last in layer.runs:
         polygons = faces.fixed[first:last] - corner
         for polygon, colour in zip(polygons, faces.colours[first:last], strict=True):

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.things.painter import Box, footprint
-from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
+from vpf_sim.envs.camera.things.painter import Box, footprint, in_front
+from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.geometry import is_same
 from vpf_sim.types import Floats, Image
 
@@ -20,55 +20,56 @@ class Shadow:
 
     def __init__(self, size: tuple[float, float, float], light: Light) -> None:
         self._size = size
-        self._light = light
+        self._fall_m: Floats | None = None  # (2,) from the outline of the body's top to its shadow
+        self._left = [light.contact]  # of the road's brightness, in each outline
+        if light.shadow < NO_SUN:
+            self._fall_m = -light.sun[:2] / max(light.sun[2], 0.05) * FULLNESS * size[2]
+            self._left = [light.shadow, light.contact]
         self._pose: Floats = np.full(3, np.nan)
-        self._outlines: list[Floats] = []
+        self._outlines: Floats = np.empty((0, 4, 3))
 
     def paint(self, frame: Image, view: View, pose: Floats) -> None:
         """Darken the ground where the body at a pose (x, y, heading) keeps the light off."""
-        distance = np.hypot(*(pose[:2] - view.centre[:2]).tolist())
+        distance = float(np.hypot(*(pose[:2] - view.centre[:2]).tolist()))
         if distance > RANGE_M:
             return
         if not is_same(pose, self._pose):
             self._pose, self._outlines = pose, self._cast(pose)
-        polygons = [_in_picture(view, outline) for outline in self._outlines]
         full = min(1.0, (RANGE_M - distance) / (RANGE_M - FADED_IN_M))
-        left = (self._light.shadow, self._light.contact)[-len(polygons) :]
-        _darken(frame, polygons, [255.0 - full * 255.0 * (1.0 - share) for share in left])
+        values = [255.0 - full * 255.0 * (1.0 - share) for share in self._left]
+        points = view.camera_axes(self._outlines)
+        if points[..., 2].min() <= NEAR_M:
+            shown = np.flatnonzero((points[..., 2] > NEAR_M).any(axis=1))
+            points, values = in_front(points[shown]), [values[i] for i in shown]
+        if values:
+            _darken(frame, view.pixels(points), values)
 
-    def _cast(self, pose: Floats) -> list[Floats]:
-        """Outlines (n, 3) on the road, the lightest first."""
-        length, width, height = self._size
+    def _cast(self, pose: Floats) -> Floats:
+        """(n, V, 3) outlines on the road, the lightest first; the last corner of the shorter is repeated."""
+        length, width, _ = self._size
         outlines = [footprint(pose, 0.97 * length, 0.9 * width)]
-        if self._light.shadow < NO_SUN:
-            sun, foot = self._light.sun, footprint(pose, length, width)
-            fall = -sun[:2] / max(sun[2], 0.05) * FULLNESS * height
-            both = np.concatenate([foot, foot + fall]).astype(np.float32)
+        if self._fall_m is not None:
+            foot = footprint(pose, length, width)
+            both = np.concatenate([foot, foot + self._fall_m]).astype(np.float32)
             outlines.insert(0, cv2.convexHull(both)[:, 0].astype(float))
-        return [np.column_stack([outline, np.zeros(len(outline))]) for outline in outlines]
+        result = np.zeros((len(outlines), max(map(len, outlines)), 3))
+        for corners, outline in zip(result, outlines, strict=True):
+            corners[:, :2] = outline[-1]
+            corners[: len(outline), :2] = outline
+        return result
 
 
-def _in_picture(view: View, outline: Floats) -> Floats | None:
-    """(n, 2) px; None if all of it lies behind the camera."""
-    points = (outline - view.centre) @ view.axes.T
-    inside = points[:, 2] > NEAR_M
-    if not inside.any():
-        return None
-    return view.pixels(points if inside.all() else clip_near(points[None], inside[None])[0])
-
-
-def _darken(frame: Image, polygons: list[Floats | None], values: list[float]) -> None:
-    """Multiply the picture within polygons by values of 255, each where it lies over those before it."""
-    shown = [(polygon, value) for polygon, value in zip(polygons, values, strict=True) if polygon is not None]
-    box = _box(np.concatenate([polygon for polygon, _ in shown]), frame.shape) if shown else None
+def _darken(frame: Image, polygons: Floats, values: list[float]) -> None:
+    """Multiply the picture within polygons (n, V, 2) by values of 255, each where it lies over those before it."""
+    box = _box(polygons.reshape(-1, 2), frame.shape)
     if box is None:
         return
     x0, y0, x1, y1 = box
     mask = np.full((FINE * (y1 - y0), FINE * (x1 - x0)), 255, np.uint8)
-    corner = np.array([x0, y0]) - 0.5 + 0.5 / FINE
-    for polygon, value in shown:
-        fixed = np.rint((polygon - corner) * (FINE << SHIFT)).astype(np.int32)
-        cv2.fillConvexPoly(mask, fixed, value, cv2.LINE_8, SHIFT)
+    corner = (x0 - 0.5 + 0.5 / FINE, y0 - 0.5 + 0.5 / FINE)
+    fixed = np.rint((polygons - corner) * (FINE << SHIFT)).astype(np.int32)
+    for polygon, value in zip(fixed, values, strict=True):
+        cv2.fillConvexPoly(mask, polygon, value, cv2.LINE_8, SHIFT)
     left = cv2.blur(cv2.resize(mask, (x1 - x0, y1 - y0), interpolation=cv2.INTER_AREA), (3, 3))
     region = frame[y0:y1, x0:x1]
     cv2.multiply(region, cv2.cvtColor(left, cv2.COLOR_GRAY2BGR), region, scale=1 / 255)

@@ -17,7 +17,6 @@ from vpf_sim.envs.camera.things.solid import RANGE_M, STALE_M, Solid
 from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
-from vpf_sim.geometry import is_same
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -59,13 +58,12 @@ class Things:
         """All that is in view, the farthest first, as it lies in the picture."""
         trees = self._scenery.trees_seen(now.view)
         scenery, depths = self._scenery.seen(now.view)
-        covering = _covering(trees, scenery, depths)
         drawn: list[Drawn] = []
         first = tree = 0
         self._order, nearest = self._bodies.in_view(now)
         for i, behind in [*zip(self._order, nearest, strict=True), (None, -1.0)]:
             while tree < len(trees) and trees[tree].depth_m > behind:
-                if covering[tree]:
+                if scenery is not None and _covers(trees[tree], scenery, depths):
                     first = _until(drawn, scenery, depths, first, trees[tree].depth_m)
                 drawn.append(Drawn(trees[tree], -1, STILL))
                 tree += 1
@@ -90,10 +88,8 @@ class Things:
         """A body's faces in the picture and how it moved; None if none of them is seen."""
         body = now.bodies[index]
         pose = now.poses[id(body)]
-        earlier = before.poses.get(id(body), pose)
-        motion = STILL if is_same(earlier, pose) else Motion.of_body(earlier, pose)
         drawing = self._of(body).solid.seen(now.view, pose)
-        return None if drawing is None else Drawn(drawing, index + 1, motion)
+        return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(id(body), pose), pose))
 
     def _of(self, body: RoadObject) -> Shape:
         """What is known of a body."""
@@ -105,15 +101,15 @@ class Things:
         return self._shapes[id(body)]
 
 
-def _covering(trees: list[Sprite], scenery: Drawing | None, depths: list[float]) -> list[bool]:
-    """Which trees may cover things of the scenery; those need not be drawn before the others."""
-    if not trees or scenery is None:
-        return [False] * len(trees)
-    places = np.array([(*tree.box, tree.depth_m) for tree in trees])
-    x0, y0, x1, y1 = np.array(scenery.boxes).T
-    left, top, right, bottom, depth = places[..., None].swapaxes(0, 1)
-    over = (left < x1) & (x0 < right) & (top < y1) & (y0 < bottom) & (depth < depths)
-    return list(over.any(axis=1).tolist())
+def _covers(tree: Sprite, scenery: Drawing, depths: list[float]) -> bool:
+    """Whether a tree may cover things of the scenery; else they need not be drawn before it."""
+    left, top, right, bottom = tree.box
+    for (x0, y0, x1, y1), depth in zip(scenery.boxes, depths, strict=True):
+        if depth <= tree.depth_m:
+            return False
+        if left < x1 and x0 < right and top < y1 and y0 < bottom:
+            return True
+    return False
 
 
 def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], first: int, behind: float) -> int:
