@@ -25,6 +25,7 @@ GREY, COVER = 22.0, 0.94  # the light that comes from the blade itself; how much
 MARGIN_RAD = 0.04  # half the blade, nearest to its pivot, and its blur
 EXPOSURE_S = 0.004
 EXPOSURES = 5  # positions within one exposure
+MOMENTS_S = (EXPOSURE_S * np.linspace(-0.5, 0.5, EXPOSURES)).tolist()
 DIVISOR = 4  # the mask of the blade is drawn this much smaller than the frame
 
 
@@ -66,8 +67,7 @@ class Wiper:
             return None
         camera = self._pane.camera
         mask: Image = np.zeros((-(-camera.height_px // DIVISOR), -(-camera.width_px // DIVISOR)), np.uint8)
-        moments = time_s + EXPOSURE_S * np.linspace(-0.5, 0.5, EXPOSURES)
-        for quad in self._corners(np.array([self.angle(moment) for moment in moments.tolist()])):
+        for quad in self._corners(np.array([self.angle(time_s + moment_s) for moment_s in MOMENTS_S])):
             once = np.zeros_like(mask)
             cv2.fillConvexPoly(once, np.rint(quad * 16.0).astype(np.int32), (255 // EXPOSURES,), cv2.LINE_AA, 4)
             cv2.add(mask, once, mask)

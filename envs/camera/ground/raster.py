@@ -26,8 +26,8 @@ class Raster:
         """(rows, 1) m, how long each row's texels are, in the middle."""
         rows = np.arange(-1.0, self.rows + 1.0)
         texels = np.stack([np.full(len(rows), 0.5 * self.columns), rows, np.ones(len(rows))], axis=1)
-        world = texels @ np.linalg.inv(self.from_world).T
-        return np.asarray(0.5 * np.hypot(*(_flat(world)[2:] - _flat(world)[:-2]).T)[:, None])
+        world = _flat(texels @ np.linalg.inv(self.from_world).T)
+        return np.asarray(0.5 * np.hypot(*(world[2:] - world[:-2]).T)[:, None])
 
     def outline(self) -> Floats:
         """(4, 2) m, its corners in the world, around it."""

@@ -20,14 +20,24 @@ Indices = NDArray[np.int64]
 
 
 class Polygons:
-    """All polygons of a road in the order in which they are laid, their vertices in one array."""
+    """All polygons of a road in the order in which they are laid, their vertices in one array.
+
+    Vertices that repeat the one before, with which short polygons fill their batch, are left out.
+    """
 
     def __init__(self, batches: list[Batch]) -> None:
-        self.points_m = np.concatenate([batch.polygons_m.reshape(-1, 2) for batch in batches])
-        self.across_m = np.concatenate([_across(batch).reshape(-1, 2) for batch in batches])
-        self.along_m = np.concatenate([_along(batch).reshape(-1, 2) for batch in batches])
-        self.thin = np.concatenate([np.full(batch.polygons_m[..., 0].size, batch.thin) for batch in batches])
-        self.counts = np.concatenate([np.full(len(b.values), b.polygons_m.shape[1]) for b in batches])
+        points, across, along = (
+            np.concatenate([of(batch).reshape(-1, 2) for batch in batches]) for of in (_points, _across, _along)
+        )
+        thin = np.concatenate([np.full(batch.polygons_m[..., 0].size, batch.thin) for batch in batches])
+        counts = np.concatenate([np.full(len(b.values), b.polygons_m.shape[1]) for b in batches])
+        starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+        kept = np.diff(points, axis=0, prepend=np.nan).any(axis=1)
+        sides = np.concatenate([across, along], axis=1)  # by which strips are narrowed
+        kept |= thin & np.diff(sides, axis=0, prepend=np.nan).any(axis=1)
+        kept[starts] = True
+        self.points_m, self.across_m, self.along_m, self.thin = points[kept], across[kept], along[kept], thin[kept]
+        self.counts = np.add.reduceat(kept, starts, dtype=np.int64)
         self.starts = np.concatenate([[0], np.cumsum(self.counts)[:-1]])
         self.values = np.concatenate([batch.values for batch in batches])
         self.centres_m = np.concatenate([batch.centres_m for batch in batches])
@@ -71,8 +81,8 @@ class Surface:
             away = np.hypot(*(self._polygons.centres_m[self._shown] - middle).T)
             self._close = self._shown[away - self._polygons.radii_m[self._shown] < self._reach_m]
             self._discs_m = (self._polygons.centres_m[self._close], self._polygons.radii_m[self._close])
-        sides = np.roll(outline, -1, axis=0) - outline
-        normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.hypot(*sides.T)[:, None]
+        sides = outline[[1, 2, 3, 0]] - outline
+        normals = sides[:, ::-1] * (1.0, -1.0) / np.hypot(*sides.T)[:, None]
         normals *= np.sign(np.sum((outline - middle) * normals, axis=1))[:, None]  # outward
         centres_m, radii_m = self._discs_m
         outside = normals @ centres_m.T - np.sum(outline * normals, axis=1)[:, None]
@@ -102,18 +112,20 @@ class Surface:
     def _narrowed(self, vertices: Indices, matrix: Floats) -> Floats:
         """(P, 3) vertices in homogeneous coordinates of the canvas, strips narrowed by what OpenCV's filling adds on
         either side: half a pixel, counted along the axis that the edge is steeper against."""
-        points = _homogeneous(self._polygons.points_m[vertices], matrix)
+        points = _homogeneous(self._polygons.points_m.take(vertices, axis=0), matrix)
         thin = np.flatnonzero(self._polygons.thin[vertices] & (points[:, 2] > NEAR_M))
         if len(thin):
-            index, here = vertices[thin], points[thin]
+            index, here = vertices[thin], points.take(thin, axis=0)
+            across_m, along_m = (of.take(index, axis=0) for of in (self._polygons.across_m, self._polygons.along_m))
             pixels = here[:, :2] / here[:, 2:]
             across, along = (
                 (vector @ matrix[:, :2].T)[:, :2] - (vector @ matrix[2, :2])[:, None] * pixels
-                for vector in (self._polygons.across_m[index], self._polygons.along_m[index])
+                for vector in (across_m, along_m)
             )  # on the canvas, times the depth
             turned = np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
-            share = 0.5 * here[:, 2] * np.abs(along).max(axis=1) / np.maximum(turned, 1e-9)
-            inward = np.minimum(share, 0.45)[:, None] * self._polygons.across_m[index]
+            steeper = np.maximum(np.abs(along[:, 0]), np.abs(along[:, 1]))
+            share = 0.5 * here[:, 2] * steeper / np.maximum(turned, 1e-9)
+            inward = np.minimum(share, 0.45)[:, None] * across_m
             points[thin] += inward @ matrix[:, :2].T
         return points
 
@@ -135,6 +147,11 @@ def _clipped(polygons: Floats, inside: Bools) -> NDArray[np.int32]:
     fixed = np.full((len(polygons), parts.shape[1], 2), -(9 << SHIFT), np.int32)
     fixed[beyond] = _fixed(parts)
     return fixed
+
+
+def _points(batch: Batch) -> Floats:
+    """(n, V, 2) m the vertices."""
+    return batch.polygons_m
 
 
 def _across(batch: Batch) -> Floats:

@@ -5,6 +5,7 @@ covered. The part of the map about the car is kept as a raster.
 """
 
 from dataclasses import dataclass
+from math import hypot
 
 import cv2
 import numpy as np
@@ -68,7 +69,7 @@ class Puddles:
     def raster(self, view: View) -> Raster:
         """The height map of what lies before the camera."""
         middle = view.centre[:2] + AHEAD_M * np.array([np.cos(view.yaw_rad), np.sin(view.yaw_rad)])
-        if self._raster is None or np.hypot(*(middle - self._raster.corner_m - 0.5 * CELLS * CELL_M)) > MOVE_M:
+        if self._raster is None or hypot(*(middle - self._raster.corner_m - 0.5 * CELLS * CELL_M).tolist()) > MOVE_M:
             self._raster = self._laid(middle)
         return self._raster
 

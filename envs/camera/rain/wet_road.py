@@ -91,6 +91,8 @@ class WetRoad:
         self._ripple = round(RIPPLE * min(1.0, atmosphere.rain_mmph / FILM_MMPH) / REFINEMENT)
         self._rng = stream(seed, "rain on puddles")
         self._from_row = np.arange(self._rows)
+        centre = 0.5 * (REFINEMENT - 1)
+        self._to_pixels = np.array([[REFINEMENT, 0.0, centre], [0.0, REFINEMENT, centre + self._top], [0.0, 0.0, 1.0]])
         self._age = 0  # of the mirror image, in frames
         size = (self._rows * REFINEMENT, camera.width_px)
         self._dimming, self._added = np.empty((*size, 3), np.uint8), np.empty((*size, 3), np.uint8)
@@ -187,9 +189,7 @@ class WetRoad:
     def _depths(self, view: View) -> Bytes:
         """(rows, columns) the depth of the puddles' map at each pixel of the canvas."""
         raster = self._puddles.raster(view)
-        centre = 0.5 * (REFINEMENT - 1)
-        pixels = np.array([[REFINEMENT, 0.0, centre], [0.0, REFINEMENT, centre + self._top], [0.0, 0.0, 1.0]])
-        matrix = raster.from_world() @ view.ground_homography() @ pixels
+        matrix = raster.from_world() @ view.ground_homography() @ self._to_pixels
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         size = (self._columns, self._rows)
         return np.asarray(cv2.warpPerspective(raster.depths, matrix, size, flags=flags), np.uint8)
