@@ -105,6 +105,30 @@ def test_a_body_seen_from_the_next_lane_is_confirmed_before_the_ego_turns_to_it(
     assert met[-1]["met_confirmed_m"] == 40.0 - 10.0 - 0.5 * (5.0 + LENGTH_M)
 
 
+@pytest.mark.parametrize(
+    ("face", "left", "right", "known"),
+    [
+        (20.0, -4.5, 4.5, [True, True, True]),
+        (20.0, -4.5, 1.4, [True, True, False]),  # to the side of the one in the middle
+        (18.1, -4.5, 4.5, [False, False, False]),  # 1.7 m before the first
+        (21.8, -4.5, 4.5, [False, True, True]),  # 1.6 m behind it
+        (20.0, 2.4, 4.5, [False, False, True]),
+    ],
+)
+def test_a_row_that_is_reported_as_one_is_confirmed_as_far_as_its_face_reaches(
+    road: Any, face: float, left: float, right: float, known: list[bool]
+) -> None:
+    road.objects += [body(road, 120.0 + 0.2 * i, 3.0 * (i - 1), 0.4, 0.5, "pedestrian") for i in range(3)]
+    some = np.ones(1)
+    seen = Obstacles(np.array([face]), np.array([left]), np.array([right]), some, some, np.ones(1, np.int64))
+    book, met = ObjectBook(), []
+    for x in np.arange(100.0, 122.0, 0.1):
+        found = columns(book, road, x, seen if x == 100.0 else reports())
+        if np.isfinite(found["met_kind"]):
+            met.append(bool(np.isfinite(found["met_confirmed_m"])))
+    assert met == known
+
+
 def test_two_that_are_met_at_once_come_one_after_the_other(road: Any) -> None:
     road.objects += [body(road, 10.0, 1.5, 0.4, 0.4, "cone"), body(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
     book = ObjectBook()

@@ -3,7 +3,8 @@
 The corridor is the strip of the road within CORRIDOR_M of the ego's centre, to both sides, ahead of its front bumper. A
 report is right if its foot, the middle of the face that it says is nearest, is within FOOT_M of a body's outline. Only
 reports in the corridor are counted; but a body is confirmed by the first that is right, wherever the ego was then: it
-may turn into the body's way later.
+may turn into the body's way later. Bodies that stand in a row may be reported as one: it confirms all whose middles its
+face passes, as near.
 """
 
 from collections import deque
@@ -38,7 +39,7 @@ class ObjectBook:
         right = wrong = new = 0
         for index, foot, in_corridor in self._feet(reported, ego, network):
             owners = [body for body in bodies if _gap_m(body, foot) <= FOOT_M]
-            for body in owners:
+            for body in (*owners, *_passed(reported, index, ego, bodies)):
                 self._confirmed_m.setdefault(id(body), _ahead_m(ego, body))
             if not in_corridor:
                 continue
@@ -60,12 +61,9 @@ class ObjectBook:
         """Which reports are ahead, their feet in the world, and whether these are in the corridor."""
         feet = []
         s, lateral = ego.place
-        x, y = ego.position.tolist()
-        cosine, sine = cos(ego.heading), sin(ego.heading)
         for index in range(len(reported)):
-            forward = float(reported.forward_m[index])
             right = 0.5 * float(reported.left_m[index] + reported.right_m[index])
-            foot = (x + cosine * forward - sine * right, y + sine * forward + cosine * right)
+            foot = _in_world(ego, float(reported.forward_m[index]), right)
             foot_s, foot_lateral = network.centre.local_at(*foot)
             if foot_s - s > 0.5 * ego.LENGTH:
                 feet.append((index, foot, abs(foot_lateral - lateral) <= CORRIDOR_M))
@@ -81,6 +79,23 @@ class ObjectBook:
                 self._ahead.remove(key)
                 if abs(body.place[1] - ego.place[1]) <= CORRIDOR_M:
                     self._met.append((float(KINDS.index(body.kind)), self._confirmed_m.get(key, nan)))
+
+
+def _passed(reported: Obstacles, index: int, ego: Any, bodies: list[Any]) -> list[Any]:
+    """The bodies whose middles lie behind a report's face, along the ego's heading, which there is within FOOT_M."""
+    face, left, right = (float(side[index]) for side in (reported.forward_m, reported.left_m, reported.right_m))
+    passed = []
+    for body in bodies:
+        ((_, aside),) = seen_from(ego, [tuple(body.position.tolist())])
+        if left <= aside <= right and _gap_m(body, _in_world(ego, face, aside)) <= FOOT_M:
+            passed.append(body)
+    return passed
+
+
+def _in_world(ego: Any, forward: float, right: float) -> tuple[float, float]:
+    x, y = ego.position.tolist()
+    cosine, sine = cos(ego.heading), sin(ego.heading)
+    return x + cosine * forward - sine * right, y + sine * forward + cosine * right
 
 
 def _ahead_m(ego: Any, body: Any) -> float:
