@@ -40,5 +40,6 @@ class Evidence:
             return [np.zeros_like(grid) for grid in grids]
         way, size = transform(self._pose, pose), grids[0].shape[::-1]
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        # As one image: equal to the bit for four grids, for other numbers of them OpenCV rounds otherwise.
         moved = cv2.split(cv2.warpAffine(cv2.merge(self._grids), way, size, flags=flags))
         return [(1 - self._share) * np.asarray(grid, np.float32) for grid in moved]

@@ -93,7 +93,7 @@ def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
     image = np.ascontiguousarray(image)
     # Every window of the image, by the row and column of its corner, without a copy.
     shape = (height - size + 1, width - size + 1, size, size)
-    windows: Image = np.ndarray(shape, np.uint8, image, strides=2 * image.strides)
+    windows: Image = np.ndarray(shape, image.dtype, image, strides=2 * image.strides)
     patch = windows[corner[:, 1], corner[:, 0]].astype(np.float32)
     across = patch[:, 1:-1, 2:] - patch[:, 1:-1, :-2]
     down = patch[:, 2:, 1:-1] - patch[:, :-2, 1:-1]

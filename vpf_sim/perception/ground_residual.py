@@ -67,11 +67,23 @@ class ResidualConfig:
             raise ValueError(f"noise_far_m: expected {self.near_m} to {self.far_m}, got {self.noise_far_m}")
         if not 0.0 < self.newest <= 1.0:
             raise ValueError(f"newest: expected 0 < newest <= 1, got {self.newest}")
-        for key in ("window_m", "even_m"):
-            if not (cells := np.prod(getattr(self, key)) / self.cell_m**2) < 255.0:
-                raise ValueError(f"{key}: expected less than 255 cells, got {cells:.0f}")
+        for key, (across, along) in (("window_m", self.window_cells), ("even_m", self.even_cells)):
+            if across * along > 255:
+                raise ValueError(f"{key}: expected 255 cells at most, got {across} x {along}")
+        if not self.least_seen >= FAINT:
+            raise ValueError(f"least_seen: expected >= {FAINT}, got {self.least_seen}")
         if not 0.0 < self.doubt_gain <= self.least_gain:
             raise ValueError(f"doubt_gain: expected > 0 and <= least_gain = {self.least_gain}, got {self.doubt_gain}")
+
+    @property
+    def window_cells(self) -> tuple[int, int]:
+        """Across and along, of the window whose mean is compared."""
+        return round(self.window_m[1] / self.cell_m), round(self.window_m[0] / self.cell_m)
+
+    @property
+    def even_cells(self) -> tuple[int, int]:
+        """Across and along, of the window whose mean is taken off."""
+        return odd_cells(self.even_m[1], self.cell_m), odd_cells(self.even_m[0], self.cell_m)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +127,11 @@ class GroundResidual:
         self._past: deque[_Layout] = deque()
         self._contrast: Grid = np.empty((0, 0), np.float32)  # of the last look, in multiples of the noise
         self._seen: Bools = np.empty((0, 0), np.bool_)  # where it saw the road or what stands on it
-        self._window = round(config.window_m[1] / config.cell_m), round(config.window_m[0] / config.cell_m)
+        self._window, self._even = config.window_cells, config.even_cells
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
-        self._about = slice(
-            max(border - 1, 0), min(self._columns.stop + 1, len(self._right_m))
-        )  # and what they blur with
+        # And what they blur with.
+        self._about = slice(max(border - 1, 0), min(self._columns.stop + 1, len(self._right_m)))
         self._warped = min(-(-self._about.stop // WHOLE) * WHOLE, len(self._right_m))
         self._evidence = Evidence(config.newest)
         self.sight = LowSight(config.sight, config.near_m, self._period_frames / rate_hz)
@@ -257,9 +268,9 @@ class GroundResidual:
     def _difference(self, now: Grid, dry: Image, older: _Layout, pose: Floats, height_m: float) -> tuple[Grid, Grid]:
         """Squared grey levels between the patch now and the older one, if all stood `height_m` above the road.
 
-        They are means over the cells of the window that water hides in neither; the second tells how many these are.
+        They are means over the cells of the window that water hides in neither; the second tells the share of these,
+        FAINT at least.
         """
-        config = self.config
         transform, size = self._transform(older.pose, pose, height_m), (self._warped, self._rows)
         moved = cv2.warpAffine(older.patch, transform, size, flags=WARP, borderMode=cv2.BORDER_REPLICATE)
         wet = cv2.warpAffine(older.water, transform, size, flags=NEAREST, borderMode=cv2.BORDER_REPLICATE)
@@ -268,8 +279,7 @@ class GroundResidual:
         blurred = cv2.blur(moved[:, self._about].astype(np.float32), (3, 3))
         begin = self._columns.start - self._about.start
         change = (now - blurred[:, begin : begin + now.shape[1]]) * seen
-        even = (odd_cells(config.even_m[1], config.cell_m), odd_cells(config.even_m[0], config.cell_m))
-        change -= seen * cv2.blur(change, even) / _share(free, even)
+        change -= seen * cv2.blur(change, self._even) / _share(free, self._even)
         share = _share(free, self._window)
         return self._summed(change * change) / share, share
 

@@ -67,7 +67,6 @@ class Mover:
         self.width_m = sight.width_m  # as it is seen
         place = np.array([camera.forward_m + sight.depth_m, sight.middle_m])
         self._place_m = world_from_vehicle(place, pose)
-        self._placed: tuple[Floats, Floats, tuple[float, float]] | None = None  # place, pose, and what it is from there
         self.sigma_m = 0.15 * sight.depth_m
         self.sigma_mps = sight.sigma_mps  # at a known distance
         self.identity: int | None = None  # once it is believed
@@ -90,10 +89,8 @@ class Mover:
 
     def place(self, pose: Floats) -> tuple[float, float]:
         """Forward m of the face and right m of its middle, in the axes of the vehicle."""
-        if self._placed is None or self._placed[0] is not self._place_m or self._placed[1] is not pose:
-            forward, right = vehicle_from_world(self._place_m, pose).tolist()
-            self._placed = self._place_m, pose, (forward, right)
-        return self._placed[2]
+        forward, right = vehicle_from_world(self._place_m, pose).tolist()
+        return forward, right
 
     def depth_m(self, pose: Floats) -> float:
         """From the camera to the face."""

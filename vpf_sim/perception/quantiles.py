@@ -1,4 +1,4 @@
-"""Quantiles of a few values, none of them nan: to the bit those of numpy, whose checks take longer than the work."""
+"""Quantiles of a few values, at least one and none of them nan, as numpy tells them whose checks take longer."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from vpf_sim.types import Floats, Image
 
 
 def quantile(values: Floats | NDArray[np.float32] | Image, share: float) -> float:
-    """Up to which this share of the values, of any shape, lies: `np.quantile`, linear between two of them."""
+    """Up to which this share of the values, of any shape, lies: `np.quantile` with the share in float64, linear."""
     ordered = np.sort(values, axis=None)
     place = share * (len(ordered) - 1)
     lower = int(place)

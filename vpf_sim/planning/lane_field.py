@@ -80,6 +80,7 @@ class LaneField:
         self._y_m: Floats = np.concatenate([-half[::-1], [0.0], half])  # symmetric to the last bit
         self._target: Floats = config.target_per_m2 * self._y_m**2
         self._nothing: Floats = np.zeros(len(self._y_m))
+        self._nothing.flags.writeable = False  # it is of all steps without a body
         touching = config.obstacle_height + config.obstacle_slope_per_m * config.clearance_m + config.narrow_height
         self._touching = touching  # U at no gap
         self._last_m: float | None = None

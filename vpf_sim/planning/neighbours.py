@@ -45,16 +45,17 @@ class Neighbours:
 
     def gap(self, y_m: Floats) -> Floats:
         """(K, G) m between our body at y (G,) and each body, across the road; < 0 where they overlap."""
-        right = y_m - self._half_width_m - self.bodies.right_m[:, None]
-        left = self.bodies.left_m[:, None] - y_m - self._half_width_m
-        gap: Floats = np.maximum(right, left)
-        return gap
+        return self._gap(y_m, self.bodies.left_m[:, None], self.bodies.right_m[:, None])
 
     def overlap(self, y_m: float, clearance_m: float) -> Floats:
         """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
-        right, left = y_m - self._half_width_m - self.bodies.right_m, self.bodies.left_m - y_m - self._half_width_m
-        overlap: Floats = clearance_m - np.maximum(right, left)
+        overlap: Floats = clearance_m - self._gap(y_m, self.bodies.left_m, self.bodies.right_m)
         return overlap
+
+    def _gap(self, y_m: Floats | float, left_m: Floats, right_m: Floats) -> Floats:
+        """m between our body at y and bodies from left to right."""
+        gap: Floats = np.maximum(y_m - self._half_width_m - right_m, left_m - y_m - self._half_width_m)
+        return gap
 
     def hinders(self, y_m: float) -> Bools:
         """(K,) which bodies ahead have not the clearance that is wanted from our body at y."""

@@ -94,7 +94,7 @@ class Reach:
         self.path_arm_m = self._arm_m + vehicle.l_r_m
         self._ratio_speeds = np.array([config.walking_mps, config.fast_mps])
         self._ratios = np.array([config.walking_ratio, config.ratio])
-        self.at_speeds = self.limits(SPEEDS_MPS)
+        self.at_speeds = self.limits(SPEEDS_MPS)  # those that are the same in each step
 
     @property
     def walking_mps(self) -> float:

@@ -260,8 +260,7 @@ def _lanes(shift_m: float, road: RoadEdges) -> int:
 
 
 def _shifted(lane: Lane, shift_m: float) -> Lane:
-    y, right, left = lane.y_m + shift_m, lane.right_m + shift_m, lane.left_m + shift_m
-    return Lane(y, right, left, lane.heading_rad, lane.curvature_per_m)
+    return replace(lane, y_m=lane.y_m + shift_m, left_m=lane.left_m + shift_m, right_m=lane.right_m + shift_m)
 
 
 def _near(bodies: LaneObstacles) -> LaneObstacles:

@@ -26,9 +26,8 @@ class Polygons:
     """
 
     def __init__(self, batches: list[Batch]) -> None:
-        points, across, along = (
-            np.concatenate([of(batch).reshape(-1, 2) for batch in batches]) for of in (_points, _across, _along)
-        )
+        points = np.concatenate([batch.polygons_m.reshape(-1, 2) for batch in batches])
+        across, along = (np.concatenate([of(batch).reshape(-1, 2) for batch in batches]) for of in (_across, _along))
         thin = np.concatenate([np.full(batch.polygons_m[..., 0].size, batch.thin) for batch in batches])
         counts = np.concatenate([np.full(len(b.values), b.polygons_m.shape[1]) for b in batches])
         starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
@@ -147,11 +146,6 @@ def _clipped(polygons: Floats, inside: Bools) -> NDArray[np.int32]:
     fixed = np.full((len(polygons), parts.shape[1], 2), -(9 << SHIFT), np.int32)
     fixed[beyond] = _fixed(parts)
     return fixed
-
-
-def _points(batch: Batch) -> Floats:
-    """(n, V, 2) m the vertices."""
-    return batch.polygons_m
 
 
 def _across(batch: Batch) -> Floats:

@@ -126,8 +126,7 @@ def drawing(
         exact, vertices = view.pixels(cut).reshape(-1, 2).T, cut.shape[1]
     exact *= SUBPIXELS
     exact += HALF
-    fixed = np.empty((exact.shape[1], 2), np.int32)
-    np.copyto(fixed, exact.T, casting="unsafe")
+    fixed = exact.T.astype(np.int32, order="C")
     boxes = _boxes(fixed, firsts * vertices, view.camera)
     shape = (len(faces), vertices, 2)
     seen = Faces(exact.T.reshape(shape), fixed.reshape(shape), colours, planes)

@@ -3,8 +3,8 @@
 The corridor is the strip of the road within CORRIDOR_M of the ego's centre, to both sides, ahead of its front bumper. A
 report is right if its foot, the middle of the face that it says is nearest, is within FOOT_M of a body's outline. Only
 reports in the corridor are counted; but a body is confirmed by the first that is right, wherever the ego was then: it
-may turn into the body's way later. Bodies that stand in a row may be reported as one: it confirms all whose middles its
-face passes, as near.
+may turn into the body's way later. Bodies that stand in a row may be reported as one: where that is right, it confirms
+all whose middles its face passes, as near.
 """
 
 from collections import deque
@@ -39,7 +39,7 @@ class ObjectBook:
         right = wrong = new = 0
         for index, foot, in_corridor in self._feet(reported, ego, network):
             owners = [body for body in bodies if _gap_m(body, foot) <= FOOT_M]
-            for body in (*owners, *_passed(reported, index, ego, bodies)):
+            for body in [*owners, *_passed(reported, index, ego, bodies)] if owners else []:
                 self._confirmed_m.setdefault(id(body), _ahead_m(ego, body))
             if not in_corridor:
                 continue
@@ -93,6 +93,7 @@ def _passed(reported: Obstacles, index: int, ego: Any, bodies: list[Any]) -> lis
 
 
 def _in_world(ego: Any, forward: float, right: float) -> tuple[float, float]:
+    """A place in the ego's axes, m."""
     x, y = ego.position.tolist()
     cosine, sine = cos(ego.heading), sin(ego.heading)
     return x + cosine * forward - sine * right, y + sine * forward + cosine * right
