@@ -317,6 +317,24 @@ def test_low_points_and_what_the_look_at_the_road_shows_are_told_as_one_body() -
     assert (bodies.left_m, bodies.right_m) == (pytest.approx([-0.4], abs=0.05), pytest.approx([0.4], abs=0.05))
 
 
+@pytest.mark.parametrize(
+    ("points", "middle_m", "sure"),
+    [(True, 0.1, [True]), (True, None, [False]), (False, 0.1, [False]), (True, 3.0, [False, False])],
+    ids=["both", "points", "a spot", "apart"],
+)
+def test_no_second_look_refutes_what_low_points_and_looks_at_the_road_tell_of_both(
+    points: bool, middle_m: float | None, sure: list[bool]
+) -> None:
+    low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
+    drive, found = Drive(np.concatenate([*([low] if points else []), road_points(100)])), tracker()
+    for k in range(355):
+        bodies = drive.run(found, range(k, k + 1))[-1]
+        forward_m = 40.0 - drive.pose(k)[0]
+        if middle_m is not None and forward_m < 16.0 and k % 6 == 0:
+            found._spots.record([Spot(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k))
+    assert found.stands_surely(bodies).tolist() == sure
+
+
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match="least_width_m: expected >= 0, got -1"):
         LandmarkConfig(least_width_m=-1.0)

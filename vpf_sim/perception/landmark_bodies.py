@@ -15,6 +15,7 @@ from vpf_sim.perception.outlines import (
     direction_at,
     face_of,
     joined,
+    nearest_spot,
     nearest_sure,
     none,
     on_top,
@@ -37,6 +38,7 @@ class Bodies:
         self._marks = marks
         self._rate_hz = rate_hz  # of judging points
         self._next = 0
+        self.seen_twice: Integers = np.empty(0, np.int64)  # identities of low bodies that points and spots tell of both
 
     def number(self) -> int:
         """The name of a new body."""
@@ -52,7 +54,9 @@ class Bodies:
         tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
         tall = widened(tall, np.maximum(tall.width_m + 2.0 * self.config.beside_m, self.config.least_width_m))
         spots = self.config.spots
-        flat = as_wide_as_seen(self._flat(tall, pose, road), seen, low.beside_m)
+        flat = self._flat(tall, pose, road)
+        self.seen_twice = flat.identity[nearest_spot(flat, seen, low.beside_m)[1]]
+        flat = as_wide_as_seen(flat, seen, low.beside_m)
         flat = widened(flat, low.least_width_m)
         whole = on_top(tall, flat)
         sticks_out_m = np.minimum(low.sticks_out_m, low.sticks_out_share * whole.width_m)

@@ -64,19 +64,26 @@ def _apart_m(ones: Obstacles, others: Obstacles) -> Floats:
     return np.maximum(others.left_m - ones.right_m[:, None], ones.left_m[:, None] - others.right_m)
 
 
+def nearest_spot(points: Obstacles, spots: Obstacles, beside_m: float) -> tuple[Integers, Bools]:
+    """(K,) which spot of the road's comparison is nearest to each body that low points tell of, and whether it is as
+    near as `beside_m`."""
+    if not len(points) or not len(spots):
+        return np.zeros(len(points), np.int64), np.zeros(len(points), np.bool_)
+    along = np.abs(points.forward_m[:, None] - spots.forward_m[None])
+    apart = np.where(along < SPOT_ALONG_M, _apart_m(points, spots), np.inf)
+    return apart.argmin(axis=1), apart.min(axis=1) < beside_m
+
+
 def as_wide_as_seen(points: Obstacles, spots: Obstacles, beside_m: float) -> Obstacles:
-    """Bodies that low points tell of, each as wide as the nearest spot (`beside_m` at most) of the road's comparison.
+    """Bodies that low points tell of, each as wide as its `nearest_spot`.
 
     Points show a part of a low body, but well where that is: the spot is moved as far as it must be to hold them.
     """
-    if not len(points) or not len(spots):
+    nearest, seen = nearest_spot(points, spots, beside_m)
+    if not seen.any():
         return points
-    along = np.abs(points.forward_m[:, None] - spots.forward_m[None])
-    apart = np.where(along < SPOT_ALONG_M, _apart_m(points, spots), np.inf)
-    nearest = apart.argmin(axis=1)
     left, right, width = spots.left_m[nearest], points.right_m, spots.width_m[nearest]
     begins = np.minimum(np.maximum(left, right - width), points.left_m)
-    seen = apart.min(axis=1) < beside_m
     return replace(
         points,
         left_m=np.where(seen, begins, points.left_m),

@@ -78,7 +78,7 @@ class Planner:
             self._landmarks.look(view, pose, road)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
-                speed_mps, sure = observation.speed_mps, self._landmarks.tells_surely
+                speed_mps, sure = observation.speed_mps, self._landmarks.stands_surely
                 self._bodies = self._second_look.update(view, pose, self._bodies, speed_mps, sure)
         if self._steadiness is not None and self._road.pitch is not None:
             self._steadiness.level(*self._road.pitch, observation.time_s)
