@@ -193,6 +193,18 @@ def suspected(sightings: list[tuple[float, bool, bool]], step_m: float = SPEED_M
     return found
 
 
+@pytest.mark.parametrize(
+    ("sure", "cut", "step_m", "found"),
+    [(True, True, 0.5, 1), (False, True, 0.5, 0), (True, False, 0.5, 0), (True, True, 0.05, 0)],
+    ids=["hidden until then", "doubtful", "not cut off", "as good as standing"],
+)
+def test_what_is_first_seen_where_looks_end_is_suspected_if_it_is_sure(
+    sure: bool, cut: bool, step_m: float, found: int
+) -> None:
+    """A pallet that drops hid until 6.8 m; it cannot be seen to come nearer than 6.7 m, where looks end."""
+    assert suspected([(6.8, sure, False), (6.7, sure, cut)], step_m) == [(0, 0), (found, 0)]
+
+
 def test_a_car_that_stands_suspects_nothing_that_shows_up_again() -> None:
     """What sticks to the glass, while the pose trembles by a millimetre."""
     book = SpotBook(SpotConfig(), lambda: 0)

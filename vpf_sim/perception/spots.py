@@ -61,6 +61,7 @@ class _Candidate:
     told_m: float = 0.0  # way of the car from the first sighting to the last that told the place
     way_m: float = 0.0  # of the car from the first sighting to the last
     came_nearer: bool = False  # by about that way
+    cut: bool = False  # at the last sighting it was as near as anything is looked at, or nearer
     misses: int = 0
     identity: int | None = None  # of the body that it is believed to be
 
@@ -93,9 +94,16 @@ class SpotBook:
         return self._told([one for one in self._known if one.identity is not None], pose)
 
     def suspects(self, pose: Floats) -> Obstacles:
-        """Those that were seen again, but are not believed, in the axes of the vehicle at `pose`."""
-        unsure = [one for one in self._known if one.identity is None and one.came_nearer]
-        return self._told([one for one in unsure if one.sightings >= self.config.doubts], pose)
+        """Those that were seen again, but are not believed, in the axes of the vehicle at `pose`.
+
+        What was hidden until it is too near to be seen to come nearer must have been sure each time.
+        """
+        return self._told([one for one in self._known if one.identity is None and self._is_suspect(one)], pose)
+
+    def _is_suspect(self, one: _Candidate) -> bool:
+        doubts = self.config.doubts
+        shows_near = one.cut and one.way_m > LEAST_WAY_M and one.hits >= doubts
+        return shows_near or (one.came_nearer and one.sightings >= doubts)
 
     def _told(self, chosen: list[_Candidate], pose: Floats) -> Obstacles:
         place = vehicle_from_world(np.array([one.place_m for one in chosen]).reshape(-1, 2), pose)
@@ -119,7 +127,7 @@ class SpotBook:
                 place = world_from_vehicle(here, pose)
                 self._known.append(_Candidate(place, spot.width_m, pose[:2].copy(), spot.forward_m, int(spot.sure)))
             return
-        one.hits, one.sightings, one.misses = one.hits + spot.sure, one.sightings + 1, 0
+        one.hits, one.sightings, one.misses, one.cut = one.hits + spot.sure, one.sightings + 1, 0, spot.cut
         self._approach(one, spot, pose)
         if not spot.cut:
             self._place(one, spot, here, pose)
