@@ -113,7 +113,7 @@ def test_a_body_seen_from_the_next_lane_is_confirmed_before_the_ego_turns_to_it(
         (18.1, -4.5, 4.5, [False, False, False]),  # 1.7 m before the first
         (21.8, -4.5, 4.5, [False, True, True]),  # 1.6 m behind it
         (20.0, 2.4, 4.5, [False, False, True]),
-        (20.0, -6.9, 3.2, [False, False, False]),  # its middle is 1.6 m beside one, so it is wrong
+        (20.0, -10.9, 1.0, [False, False, False]),  # its middle is 1.7 m beside the first, so it is wrong
     ],
 )
 def test_a_row_that_is_reported_as_one_is_confirmed_as_far_as_its_face_reaches(
