@@ -169,6 +169,16 @@ def test_what_shows_up_near_is_told_unless_the_car_is_turned(heading_rad: float,
     assert found.forward_m + drive.pose(first + 23)[0] == pytest.approx([40.0] * told, abs=0.15)
 
 
+@pytest.mark.parametrize(("speed_mps", "frames"), [(5.55, 20), (0.8, 60)])
+def test_a_body_is_told_once_the_car_has_gone_a_share_of_the_way_to_it(speed_mps: float, frames: int) -> None:
+    """8 m ahead from the first frame on; creeping up, what moves over the glass in less would seem to stand there."""
+    drive = Drive(np.concatenate([body(8.0, 0.3, 1.8, 1.4, 8), road_points(100)]), speed_mps=speed_mps)
+    told = [len(bodies) > 0 for bodies in drive.run(tracker(), range(frames))]
+    way_m = drive.pose(told.index(True))[0]
+    assert 0.06 * 6.5 < way_m < 0.06 * 8.0 + 1.0
+    assert all(told[told.index(True) :])
+
+
 @pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
 def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()

@@ -25,8 +25,9 @@ class Drive:
         noise_px: float = 0.05,
         curvature_per_m: float = 0.0,
         structure: Floats = CORNER,
+        speed_mps: float = SPEED_MPS,
     ) -> None:
-        self.scene, self.noise_px, self.curvature = scene_m, noise_px, curvature_per_m
+        self.scene, self.noise_px, self.curvature, self.speed_mps = scene_m, noise_px, curvature_per_m, speed_mps
         self.structure = np.broadcast_to(structure, (len(scene_m), 2, 2))
         self.rng = stream(21, "landmarks")
         self.first_px = np.full((len(scene_m), 2), np.nan)
@@ -36,7 +37,7 @@ class Drive:
         self.road = RoadEdges(-8.75, 5.25, 0.0, curvature_per_m, 0.02, 1.0, 0.0, 3.5)
 
     def pose(self, frame: int) -> Floats:
-        way = frame * SPEED_MPS / RATE_HZ
+        way = frame * self.speed_mps / RATE_HZ
         if self.curvature == 0.0:
             return np.array([way, 0.0, 0.0])
         turn = way * self.curvature

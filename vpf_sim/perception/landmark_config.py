@@ -22,6 +22,9 @@ class LandmarkConfig:
     anisotropy: float = 0.04
     pitch_rad: float = 0.0005
     min_age_s: float = 0.05
+    way_share: float = (
+        0.06  # of the depth, that the car has gone since: on less, water on the glass seems to stand near
+    )
     chi2_limit: float = 9.0  # of a point against its own depth
     chi2_margin: float = 20.0  # by which the road must fit worse
     depth_ratio: float = 0.10  # largest sigma_Z / Z
@@ -76,6 +79,8 @@ class LandmarkConfig:
                 raise ValueError(f"{key}: expected 0 < first < second, got {getattr(self, key)}")
         if not 0.0 <= self.high_share < 1.0:
             raise ValueError(f"high_share: expected 0 .. 1, 1 left out, got {self.high_share}")
+        if not self.way_share >= 0.0:
+            raise ValueError(f"way_share: expected >= 0, got {self.way_share}")
         if not self.least_width_m >= 0.0:
             raise ValueError(f"least_width_m: expected >= 0, got {self.least_width_m}")
 

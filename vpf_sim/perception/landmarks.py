@@ -172,6 +172,7 @@ class LandmarkTracker:
             ratio = points.sigma_m / depth
             above = (depth > near_m) & (depth < config.far_m)
             above &= flow.age_frames >= frames(config.min_age_s, self.rate_hz)
+            above &= np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T) > config.way_share * depth
             above &= ratio < config.depth_ratio
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
