@@ -9,7 +9,8 @@ import pytest
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception import expansion
 from vpf_sim.perception.expansion import ExpansionConfig
-from vpf_sim.perception.flow import FlowConfig, FlowTracker
+from vpf_sim.perception.flow import FlowTracker
+from vpf_sim.perception.flow_config import FlowConfig
 from vpf_sim.perception.glass_blade import BladeWatch
 from vpf_sim.perception.glass_removal import GlassMask, Restoration
 from vpf_sim.perception.glass_spots import SpotConfig, SpotWatch

@@ -15,6 +15,7 @@ from vpf_sim.perception.outlines import (
     face_of,
     joined,
     nearest_extent,
+    nearest_spot,
     nearest_sure,
     on_top,
     parted,
@@ -283,32 +284,36 @@ def test_a_low_body_well_before_a_taller_ones_face_is_not_of_it(before_m: float,
     assert len(joined(wall, plank, 0.4, 1.0, 1.0)) == 1 + own
 
 
+def seen_wide(points: Obstacles, spots: Obstacles) -> Obstacles:
+    return as_wide_as_seen(points, spots, *nearest_spot(points, spots, 0.4))
+
+
 def test_a_low_body_is_as_wide_as_the_look_at_the_road_saw_it_and_where_its_points_are() -> None:
     """A pallet from 1.0 to 1.8 m right, of which points show the left rim, and a spot that is told 0.2 m off."""
-    seen = as_wide_as_seen(standing((8.0, 0.98, 1.1), (8.0, -3.0, -2.9)), standing((8.3, 1.2, 2.0)), 0.4)
+    seen = seen_wide(standing((8.0, 0.98, 1.1), (8.0, -3.0, -2.9)), standing((8.3, 1.2, 2.0)))
     assert [*seen.left_m, *seen.right_m] == pytest.approx([0.98, -3.0, 1.78, -2.9])
-    mirrored = as_wide_as_seen(standing((8.0, -1.1, -0.98)), standing((8.3, -2.0, -1.2)), 0.4)
+    mirrored = seen_wide(standing((8.0, -1.1, -0.98)), standing((8.3, -2.0, -1.2)))
     assert [*mirrored.left_m, *mirrored.right_m] == pytest.approx([-1.78, -0.98])
 
 
 @pytest.mark.parametrize("spot", [(8.3, 1.7, 2.5), (10.3, 0.9, 1.7)])
 def test_a_spot_elsewhere_does_not_make_it_wider(spot: tuple[float, float, float]) -> None:
-    assert as_wide_as_seen(standing((8.0, 1.0, 1.2)), standing(spot), 0.4).right_m == pytest.approx([1.2])
+    assert seen_wide(standing((8.0, 1.0, 1.2)), standing(spot)).right_m == pytest.approx([1.2])
 
 
 def test_a_spot_within_the_points_neither_moves_them_nor_makes_them_narrower() -> None:
-    seen = as_wide_as_seen(standing((8.0, 1.0, 2.0)), standing((8.0, 1.2, 1.8)), 0.4)
+    seen = seen_wide(standing((8.0, 1.0, 2.0)), standing((8.0, 1.2, 1.8)))
     assert [*seen.left_m, *seen.right_m] == pytest.approx([1.0, 2.0])
 
 
 def test_of_two_spots_the_nearer_one_tells_how_wide_it_is_whichever_comes_first() -> None:
     points, spots = standing((8.0, 1.0, 1.2)), ((8.0, 0.2, 0.9), (8.0, 1.25, 2.0))
     for order in (spots, spots[::-1]):
-        seen = as_wide_as_seen(points, standing(*order), 0.4)
+        seen = seen_wide(points, standing(*order))
         assert (seen.left_m[0], seen.right_m[0]) == pytest.approx((1.0, 1.75))
     none_seen = standing((8.0, 1.0, 1.2)).chosen(np.array([False]))
-    assert as_wide_as_seen(points, none_seen, 0.4) is points
-    assert len(as_wide_as_seen(none_seen, standing(*spots), 0.4)) == 0
+    assert seen_wide(points, none_seen) is points
+    assert len(seen_wide(none_seen, standing(*spots))) == 0
 
 
 @pytest.mark.parametrize(("low", "told"), [((8.5, 1.0, 1.85), (8.0, 1.0, 1.85)), ((7.7, 1.0, 1.6), (7.7, 1.0, 1.8))])

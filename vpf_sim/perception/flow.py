@@ -1,15 +1,14 @@
 """Sparse optical flow: Shi-Tomasi corners, pyramidal Lucas-Kanade, and tracks chained from frame to frame."""
 
-from dataclasses import dataclass
-from math import ceil, inf, log2
-from typing import Literal
+from math import ceil, log2
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import undistort
-from vpf_sim.perception.corners import is_corner
+from vpf_sim.perception.corners import inverse, is_corner, structure_tensor
+from vpf_sim.perception.flow_config import BANDS, Band, FlowConfig
 from vpf_sim.perception.ground import ground_flow
 from vpf_sim.perception.quantiles import median
 from vpf_sim.perception.stuck import stuck
@@ -25,94 +24,9 @@ SWEPT_SHARE, SWEPT_LEAST = 0.08, 8
 COVERED_LEVELS, COVERED_RATIO = 12.0, 4.0  # mean difference of a window to the one that is sought, and over the median
 
 
-@dataclass(frozen=True, slots=True)
-class Band:
-    """A strip of the image with its own share of the corners, so that one strong edge does not starve the far road."""
-
-    top: float  # tangent of the angle below the horizon
-    bottom: float
-    share: float  # of FlowConfig.points
-
-
-BANDS = {
-    "whole": (Band(-inf, inf, 1.0),),
-    # Scenery, which holds the FOE's height; the road beyond 10 m and what stands on it; the road before it.
-    "road": (Band(-0.35, 0.0, 0.2), Band(0.0, 0.14, 0.55), Band(0.14, 0.55, 0.25)),
-}
-
-
-@dataclass(frozen=True, slots=True)
-class FlowConfig:
-    """What is followed and how. The defaults are the paper's; corners and iterations are METHOD A4's."""
-
-    window_px: int = 25
-    max_level: int | None = 2  # three levels; None: as many as `reach_px_per_s` needs
-    epsilon_px: float = 0.03
-    iterations: int = 30
-    window_s: float = 0.1  # frames are chained over this time
-    points: int = 300
-    quality: float = 0.01
-    min_distance_px: float = 7.0
-    block_px: int = 3
-    bands: Literal["whole", "road"] = "whole"
-    detect_period_s: float = 0.1
-    forward_backward_px: float | None = None  # largest distance after tracking back, once a period; None: no check
-    reach_px_per_s: float = 400.0  # fastest motion to follow
-    texture_floor: float = 0.0  # least small eigenvalue of a corner's structure tensor, grey levels^2 / px^2
-    corner_ratio: float = 0.0  # and its least share of the large one: edges slide
-    hold_s: float | None = None  # for so long a point is sought again that a wiper covers; None: it is taken along
-    anchor_s: float | None = None  # a point's first sighting is replaced by one between so old and twice; None: never
-
-    def __post_init__(self) -> None:
-        if self.window_px < 3 or self.window_px % 2 == 0:
-            raise ValueError(f"window_px: expected an odd number >= 3, got {self.window_px}")
-        if self.window_s <= 0.0 or self.detect_period_s <= 0.0:
-            raise ValueError(f"window_s, detect_period_s: expected > 0, got {self.window_s}, {self.detect_period_s}")
-        if self.hold_s is not None and not self.hold_s > 0.0:
-            raise ValueError(f"hold_s: expected > 0, got {self.hold_s}")
-        if self.points < 8:
-            raise ValueError(f"points: expected >= 8, got {self.points}")
-        if self.bands not in BANDS:
-            raise ValueError(f"bands: expected one of {sorted(BANDS)}, got '{self.bands}'")
-
-
 def grey(image_rgb: Image) -> Image:
     """(H, W) uint8 luma of an (H, W, 3) RGB image, 0.299 R + 0.587 G + 0.114 B."""
     return cv2.cvtColor(image_rgb, cv2.COLOR_RGB2GRAY).astype(np.uint8, copy=False)
-
-
-def structure_tensor(image: Image, points_px: Floats, window_px: int) -> Floats:
-    """(N, 2, 2) mean of grad I grad I^T over the window about each point, grey levels^2 / px^2 (Shi-Tomasi).
-
-    At the frame's edge the window is the nearest that lies inside.
-    """
-    size = window_px + 2
-    height, width = image.shape
-    corner = np.rint(points_px).astype(np.intp) - size // 2
-    corner = np.minimum(np.maximum(corner, 0), (width - size, height - size))
-    image = np.ascontiguousarray(image)
-    # Every window of the image, by the row and column of its corner, without a copy.
-    shape = (height - size + 1, width - size + 1, size, size)
-    windows: Image = np.ndarray(shape, image.dtype, image, strides=2 * image.strides)
-    patch = windows[corner[:, 1], corner[:, 0]].astype(np.float32)
-    across = patch[:, 1:-1, 2:] - patch[:, 1:-1, :-2]
-    down = patch[:, 2:, 1:-1] - patch[:, :-2, 1:-1]
-    tensor = np.empty((len(patch), 2, 2))
-    tensor[:, 0, 0] = np.einsum("nij,nij->n", across, across)  # of whole numbers, so exact in any order
-    tensor[:, 1, 1] = np.einsum("nij,nij->n", down, down)
-    tensor[:, 0, 1] = tensor[:, 1, 0] = np.einsum("nij,nij->n", across, down)
-    tensor /= 4 * window_px**2
-    return tensor
-
-
-def inverse(matrices: Floats) -> Floats:
-    """(N, 2, 2) inverses of symmetric matrices (N, 2, 2)."""
-    a, b, d = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]
-    result = np.empty_like(matrices)
-    result[:, 0, 0], result[:, 1, 1] = d, a
-    result[:, 0, 1] = result[:, 1, 0] = -b
-    result /= (a * d - b * b)[:, None, None]
-    return result
 
 
 def squares(vectors: Floats) -> Floats:

@@ -55,9 +55,9 @@ class Bodies:
         tall = widened(tall, np.maximum(tall.width_m + 2.0 * self.config.beside_m, self.config.least_width_m))
         spots = self.config.spots
         flat = self._flat(tall, pose, road)
-        self.seen_twice = flat.identity[nearest_spot(flat, seen, low.beside_m)[1]]
-        flat = as_wide_as_seen(flat, seen, low.beside_m)
-        flat = widened(flat, low.least_width_m)
+        nearest, seen_twice = nearest_spot(flat, seen, low.beside_m)
+        self.seen_twice = flat.identity[seen_twice]
+        flat = widened(as_wide_as_seen(flat, seen, nearest, seen_twice), low.least_width_m)
         whole = on_top(tall, flat)
         sticks_out_m = np.minimum(low.sticks_out_m, low.sticks_out_share * whole.width_m)
         bodies = joined(whole, flat, low.beside_m, sticks_out_m, low.before_m)

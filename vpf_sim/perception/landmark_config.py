@@ -22,9 +22,7 @@ class LandmarkConfig:
     anisotropy: float = 0.04
     pitch_rad: float = 0.0005
     min_age_s: float = 0.05
-    way_share: float = (
-        0.06  # of the depth, that the car has gone since: on less, water on the glass seems to stand near
-    )
+    way_share: float = 0.06  # of the depth, that the car has gone since: on less, water on the glass looks near
     chi2_limit: float = 9.0  # of a point against its own depth
     chi2_margin: float = 20.0  # by which the road must fit worse
     depth_ratio: float = 0.10  # largest sigma_Z / Z

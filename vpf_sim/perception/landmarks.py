@@ -140,7 +140,7 @@ class LandmarkTracker:
     def stands_surely(self, bodies: Obstacles) -> Bools:
         """(K,) bodies that no second look refutes: those told surely, and low ones that points and the comparison of
         the road tell of both. A painted line behind a pallet's foot looks like road all across it."""
-        return self.tells_surely(bodies) | np.isin(bodies.identity, self._bodies.seen_twice)
+        return self.tells_surely(bodies) | among(bodies.identity, self._bodies.seen_twice)
 
     def _is_inside(self, spot: Spot, road: RoadEdges) -> bool:
         """Whether a spot's middle lies within the carriageway."""

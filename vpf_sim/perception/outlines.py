@@ -74,12 +74,11 @@ def nearest_spot(points: Obstacles, spots: Obstacles, beside_m: float) -> tuple[
     return apart.argmin(axis=1), apart.min(axis=1) < beside_m
 
 
-def as_wide_as_seen(points: Obstacles, spots: Obstacles, beside_m: float) -> Obstacles:
-    """Bodies that low points tell of, each as wide as its `nearest_spot`.
+def as_wide_as_seen(points: Obstacles, spots: Obstacles, nearest: Integers, seen: Bools) -> Obstacles:
+    """Bodies that low points tell of, each as wide as its `nearest_spot`, where that is near.
 
     Points show a part of a low body, but well where that is: the spot is moved as far as it must be to hold them.
     """
-    nearest, seen = nearest_spot(points, spots, beside_m)
     if not seen.any():
         return points
     left, right, width = spots.left_m[nearest], points.right_m, spots.width_m[nearest]

@@ -14,7 +14,7 @@ from vpf_sim import tables
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.contact import ContactConfig
 from vpf_sim.perception.expansion import ExpansionConfig
-from vpf_sim.perception.flow import FlowConfig
+from vpf_sim.perception.flow_config import FlowConfig
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.mover_search import MoverConfig
 from vpf_sim.perception.obstacles import ObstacleMapConfig
