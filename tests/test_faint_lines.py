@@ -12,17 +12,26 @@ from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.truth.surroundings import seen_edges, true_edges
 from vpf_sim.perception.birds_eye import BirdsEye
 from vpf_sim.perception.flow import grey
-from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
+from vpf_sim.perception.lane_filter import FARTHEST_MOVE, LaneFilter, Sightings, initial_covariance
 from vpf_sim.perception.line_search import RidgeMap, comb
+from vpf_sim.perception.rival_road import rival_of
 from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road_model import lines, state_of
-from vpf_sim.types import Camera, Floats
+from vpf_sim.perception.road_model import CURVATURES, lines, seen_places, state_of
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats, Image
 
 CONFIG = RoadEdgeConfig()
 NUMBERS: Floats = np.arange(-2.0, 3.0)  # of the lines
 
 
-@pytest.mark.parametrize(("look", "seed"), [('surface = "concrete"', 961), ("worn = true", 966)])
+PAVED = 'worn = true\nsurface = "concrete"\nverge = "paved"'
+LEFT = 'worn = true\nedge_lines = "left"'
+
+
+@pytest.mark.parametrize(
+    ("look", "seed"),
+    [('surface = "concrete"', 961), ("worn = true", 966), (PAVED, 870), (LEFT, 870)],
+)
 def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int, tmp_path: Path) -> None:
     """An empty road that the PID drives along; where the edges come to lie 10 m ahead is off by less than 0.5 m."""
     road = f"schema = 1\n[random]\nrows = [0, 0]\n[random.look]\n{look}\n[ego]\nlane = 2\nspeed_mps = 5.55\n"
@@ -45,19 +54,74 @@ def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int, tmp_path: P
     assert np.mean(np.abs(errors_m).max(axis=1) > 0.5) < 0.02
 
 
+def drawn_lines(road: Floats, levels: int, gaps: int) -> tuple[BirdsEye, Image]:
+    """A patch, and the ridges of the road's five lines in it, seen in one of `gaps` rows."""
+    view = BirdsEye(Camera(), CONFIG.patch)
+    right_m, _ = seen_places(road, NUMBERS, view.forward_m, view.camera)
+    on_line = (np.abs(view.right_m - right_m[..., None]) < 0.08).any(axis=0)
+    on_line[np.arange(len(view.forward_m)) % gaps > 0] = False
+    return view, np.where(on_line, levels, 0).astype(np.uint8)
+
+
 def test_a_mirror_image_that_lies_askew_is_no_road() -> None:
     """It is brighter and longer than what is left of the five lines."""
-    view = BirdsEye(Camera(), CONFIG.patch)
-    response = np.zeros(view.visible.shape, np.uint8)
-    rows = np.arange(len(view.forward_m))
-    for line_m in 3.5 * NUMBERS - 1.5:
-        response[np.ix_(rows % 5 == 0, np.abs(view.right_m - line_m) < 0.08)] = 8
+    view, response = drawn_lines(state_of(1.5, 0.0, 0.0, 3.5), 8, gaps=5)
     askew = 1.0 + np.tan(np.radians(11.0)) * view.forward_m
     response[np.abs(view.right_m - askew[:, None]) < 0.08] = 20
     score, (y, heading, _, width) = comb(RidgeMap(response, 5.0, view.visible), view, np.array([3.5]), 3.5)
     assert score > CONFIG.least_comb
     assert np.degrees(heading) == pytest.approx(0.0, abs=1.0)
     assert y % width == pytest.approx(1.5, abs=0.15)
+
+
+def test_a_mirror_image_that_bends_away_is_no_road() -> None:
+    """It is brighter and longer than what is left of the five lines."""
+    view, response = drawn_lines(state_of(1.5, 0.0, 0.0, 3.5), 18, gaps=4)
+    aside = 1.0 + 0.5 * 0.02 * view.forward_m**2
+    response[np.abs(view.right_m - aside[:, None]) < 0.08] = 20
+    _, (y, _, curvature, width) = comb(RidgeMap(response, 10.0, view.visible), view, np.array([3.5]), 3.5)
+    assert curvature == pytest.approx(0.0, abs=0.002)
+    assert y % width == pytest.approx(1.5, abs=0.15)
+
+
+def test_lines_move_a_state_by_what_is_likely_and_the_edge_of_a_mirror_image_by_far_more() -> None:
+    """States off by as much as their covariance says; the image's edge leaves a line at 12 m with a radius of 25 m."""
+    rng, camera = stream(33, "roads"), Camera()
+    forward_m: Floats = np.arange(4.0, 28.0, 0.5)
+    covariance = initial_covariance(0.05, 0.005, 0.05, 0.001)
+    truth = state_of(1.75, 0.0, 0.005, 3.5)
+    right_m, _ = seen_places(truth, NUMBERS, forward_m, camera)
+    noise = np.full(right_m.shape, 0.02**2)
+    moves = []
+    for _ in range(50):
+        tracked = LaneFilter(rng.multivariate_normal(truth, 0.2 * covariance), covariance, camera)
+        place = right_m + rng.normal(0.0, 0.02, right_m.shape)
+        moves.append(tracked.correct(Sightings(NUMBERS, forward_m, place, noise, np.ones(right_m.shape, np.bool_))))
+    assert max(moves) < FARTHEST_MOVE
+
+    image = right_m + np.where(forward_m > 12.0, 0.02 * (forward_m - 12.0) ** 2, 0.0)
+    known = np.diag(np.diag(covariance) * 0.01)
+    tracked, seen = LaneFilter(truth, known, camera), np.zeros(right_m.shape, np.bool_)
+    seen[3] = True
+    assert tracked.correct(Sightings(NUMBERS, forward_m, image, noise, seen)) > FARTHEST_MOVE
+
+
+@pytest.mark.parametrize("wrong", [(0.0, 0.02), (0.03, -0.015), (0.0, 0.0)])
+def test_a_road_that_drifted_from_its_lines_has_a_rival_and_the_right_one_has_none(wrong: tuple[float, float]) -> None:
+    """Off in its direction and its curvature."""
+    truth = state_of(1.75, 0.02, 0.005, 3.5)
+    view, response = drawn_lines(truth, 10, gaps=2)
+    followed = truth.copy()
+    followed[1] += wrong[0]
+    followed[CURVATURES] += wrong[1]
+    rival = rival_of(followed, RidgeMap(response, 5.0, view.visible), view, NUMBERS, CONFIG.least_comb)
+    if wrong == (0.0, 0.0):
+        assert rival is None
+        return
+    assert rival is not None
+    ahead_m = np.array([8.0, 20.0])
+    found_m, true_m = (seen_places(road, NUMBERS, ahead_m, view.camera)[0] for road in (rival, truth))
+    assert found_m == pytest.approx(true_m, abs=0.15)
 
 
 @pytest.mark.parametrize(("near", "far", "agrees"), [(5, 5, True), (5, 2, True), (5, 1, False), (1, 1, True)])

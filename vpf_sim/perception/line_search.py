@@ -2,20 +2,22 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.perception.birds_eye import BirdsEye
 from vpf_sim.perception.lane_filter import Sightings
 from vpf_sim.perception.quantiles import quantile
-from vpf_sim.types import Bools, Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats, Image, Integers
 
 CENTROID_M = 0.15  # about the strongest response, to this far on both sides
 HEADINGS_RAD = np.radians(np.arange(-12.0, 12.01, 0.6))
 CURVATURES = np.arange(-0.02, 0.0201, 0.00125)
 COMB_REACH_M = 26.0  # rows ahead that take part in the first search
 UNLIKELY_PER_M = 0.5  # lines that a width off the likely one must explain more,
-UNLIKELY_PER_RAD = 2.0  # and a direction
+UNLIKELY_PER_RAD = 2.0  # and a direction,
+UNLIKELY_M = 10.0  # and a curvature, times so much
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,24 +78,40 @@ def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_p
     return variance
 
 
+def explained(ridges: RidgeMap, view: BirdsEye, right_m: Floats, reached: Bools) -> float:
+    """How many lines' worth of the ridges lie at these places of lines (L, R), where they reach the row: as `comb`
+    counts them, but for the ridges between the lines."""
+    rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
+    bright = cv2.dilate(_bright(ridges, rows), np.ones((1, 3), np.uint8))  # a column aside is as near as a line is told
+    columns = (right_m[:, rows] - view.right_m[0]) / view.column_m
+    inside = reached[:, rows] & (columns >= 0.0) & (columns <= bright.shape[1] - 1)
+    index = np.where(inside, np.rint(np.where(inside, columns, 0.0)), 0.0).astype(np.intp)
+    return float((bright[np.arange(len(rows)), index] * inside).sum()) / len(rows)
+
+
 def comb(
-    ridges: RidgeMap, view: BirdsEye, widths_m: Floats, likely_m: float, likely_rad: float = 0.0
+    ridges: RidgeMap,
+    view: BirdsEye,
+    widths_m: Floats,
+    likely_m: float,
+    likely_rad: float = 0.0,
+    headings_rad: Floats = HEADINGS_RAD,
 ) -> tuple[float, Floats]:
     """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
 
     Each heading and curvature straightens the patch; parallel lines then stand out in the mean over its rows, and lines
     a lane apart in that taken modulo the lane's width. The score counts lines: one that is seen in every row, and as
     bright as can be, is 1. The place y is that of the pose right of any one line. Of widths and headings, the likely
-    one is taken unless another explains more: a single line fits any width, and mirror images lie askew.
+    one is taken unless another explains more, and the straight road: a single line fits any width, and mirror images
+    lie askew.
     """
     rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
-    bright = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
-    bright = np.where(ridges.visible[rows] & (bright > 0.5), bright, 0.0).astype(np.float32)
-    bright = np.maximum(bright[:, 0:-1:2], bright[:, 1::2]).astype(np.float32)
+    fine = _bright(ridges, rows)
+    bright = np.maximum(fine[:, 0:-1:2], fine[:, 1::2])
     column_m = 2.0 * view.column_m
-    heading, curvature = (grid.ravel() for grid in np.meshgrid(HEADINGS_RAD, CURVATURES, indexing="ij"))
+    heading, curvature = (grid.ravel() for grid in np.meshgrid(headings_rad, CURVATURES, indexing="ij"))
     straight = _straightened(bright, view.forward_m[rows], column_m, heading, curvature)
-    unlikely = UNLIKELY_PER_RAD * np.abs(heading - likely_rad)
+    unlikely = UNLIKELY_PER_RAD * np.abs(heading - likely_rad) + UNLIKELY_M * np.abs(curvature)
     best, road = -np.inf, np.zeros(4)
     for width_m in widths_m.tolist():
         score, i, tooth = _best_tooth(straight, width_m / column_m, unlikely)
@@ -102,6 +120,12 @@ def comb(
             right_m = view.right_m[0] + 0.5 * view.column_m + tooth * column_m
             best, road = score, np.array([-right_m * np.cos(heading[i]), heading[i], curvature[i], width_m])
     return best, road
+
+
+def _bright(ridges: RidgeMap, rows: Integers) -> NDArray[np.float32]:
+    """(rows, columns) how bright the ridges are in these rows of the patch: 0, or half .. 1 as bright as can be."""
+    bright = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
+    return np.where(ridges.visible[rows] & (bright > 0.5), bright, 0.0).astype(np.float32)
 
 
 def _best_tooth(straight: NDArray[np.float32], period: float, unlikely: Floats) -> tuple[float, int, int]:

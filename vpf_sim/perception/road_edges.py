@@ -7,7 +7,16 @@ import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
-from vpf_sim.perception.lane_filter import NEAR_M, REACH_M, Expected, LaneFilter, Sightings, initial_covariance, is_sane
+from vpf_sim.perception.lane_filter import (
+    FARTHEST_MOVE,
+    NEAR_M,
+    REACH_M,
+    Expected,
+    LaneFilter,
+    Sightings,
+    initial_covariance,
+    is_sane,
+)
 from vpf_sim.perception.lane_index import LaneIndex
 from vpf_sim.perception.line_search import (
     CENTROID_M,
@@ -18,6 +27,7 @@ from vpf_sim.perception.line_search import (
     sight,
     sighting_variance,
 )
+from vpf_sim.perception.rival_road import outdoes, rival_of
 from vpf_sim.perception.road_model import PITCH, WIDTH, curvature_ahead, rows_seen, state_of
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 
@@ -33,6 +43,8 @@ LOST_SHARE = 0.35  # of a lane's width: a lost road whose place is less sure is 
 FACING_RAD = 1.4  # to a road: whoever is turned farther goes nowhere along it
 TURN_M = 20.0  # of way, in which a vehicle has turned across the road and back
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, FIRST_LOOKS = 0.3, 0.04, 0.07, 3
+SURE_AGREEMENT, STRAIGHT_RAD = 0.85, 0.15  # of lines seen, and heading: up to these a followed road may have rivals
+RIVAL_SEARCHES = 2  # in a row, that a road must have a rival to be left for it
 MOUNTED_RAD = 0.006  # how far off a camera looks, usually, in pitch, before a road has been followed,
 PITCHED_RAD = 0.0015  # and where one has been
 WIDTHS_M = np.arange(2.75, 4.26, 0.125)  # of a lane, looked for
@@ -98,6 +110,7 @@ class RoadEdgeTracker:
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # by the own motion; by the last judgement
         self._refuted, self._agreed_m = 0, 0.0  # looks since lines were last where they should be, and the way then
+        self._outdone = 0  # searches in a row that found a road which explains more
         self._frame = -1
         self._pitch_rad: float | None = None  # of the camera against the road, as last seen,
         self._pitch_frame = -1  # and when
@@ -121,6 +134,8 @@ class RoadEdgeTracker:
             ridges = self._ridges(grey, obstacles)
             if self._look(self._filter, ridges) and judge and self._travelled_m >= self._judged_m + NEW_ROAD_M:
                 self._judge(self._filter, image_rgb, ridges)
+            if self._filter is not None and search:
+                self._compare(self._filter, ridges)
         return self._report(speed_mps, yaw_rate_radps)
 
     @property
@@ -175,30 +190,35 @@ class RoadEdgeTracker:
 
     def _look(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
         """Correct the state by the lines seen about their predicted places; whether there were enough."""
-        numbers = self._index.numbers
-        expected = tracked.expected(numbers, self.view.forward_m)
-        found = sight(ridges, self.view, expected.right_m, expected.reached, numbers, REACH_M, self._variance)
-        enough = bool(np.count_nonzero(found.seen) >= self.config.least_rows)
-        if enough:
-            enough = self._correct(tracked, found, expected)
-            self._refuted = 0 if enough else self._refuted + 1
-            self._agreed_m = self._travelled_m if enough else self._agreed_m
+        served = self._take_in(tracked, ridges)
+        if served is not None:
+            self._refuted = 0 if served else self._refuted + 1
+            self._agreed_m = self._travelled_m if served else self._agreed_m
         refuted = self._refuted >= REFUTED_LOOKS and self._travelled_m > self._agreed_m + REFUTED_M
         if refuted or not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
             self._refuted = 0
             self._filter, self._lost = None, tracked
             return False
-        if enough:
+        if served:
             self._pitch_rad, self._pitch_frame = float(tracked.state[PITCH]), self._frame
-        return enough
+        return bool(served)
+
+    def _take_in(self, tracked: LaneFilter, ridges: RidgeMap) -> bool | None:
+        """Whether the lines seen about their predicted places served to correct the state; None: too few were seen."""
+        numbers = self._index.numbers
+        expected = tracked.expected(numbers, self.view.forward_m)
+        found = sight(ridges, self.view, expected.right_m, expected.reached, numbers, REACH_M, self._variance)
+        if np.count_nonzero(found.seen) < self.config.least_rows:
+            return None
+        return self._correct(tracked, found, expected)
 
     def _correct(self, tracked: LaneFilter, found: Sightings, expected: Expected) -> bool:
         """Take in a look, or its near part where far mirror images or drops were taken for lines; whether it served."""
         known = (tracked.state, tracked.covariance)
         for reach_m in (np.inf, NEAR_M):
             near = replace(found, seen=found.seen & (found.forward_m < reach_m))
-            tracked.correct(near, expected)
-            if is_sane(tracked.state) and tracked.agrees(near):
+            move = tracked.correct(near, expected)
+            if move < FARTHEST_MOVE and is_sane(tracked.state) and tracked.agrees(near):
                 return True
             tracked.state, tracked.covariance = known
         return False
@@ -220,18 +240,43 @@ class RoadEdgeTracker:
         place = y % width if lost is None else y + width * round((lost.state[0] - y) / width)
         if lost is None:
             self._index = LaneIndex.start(config.lanes, config.likely_lane)
-        found = LaneFilter(state_of(place, heading, curvature, width), np.empty(0), self.camera)
-        pitch_rad = self._pitch_rad
-        found.state[PITCH] = pitch_rad or 0.0
-        for _ in range(FIRST_LOOKS):
-            found.covariance = initial_covariance(
-                FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, MOUNTED_RAD if pitch_rad is None else PITCHED_RAD
-            )
-            if not self._look(found, ridges):
-                self._filter, self._lost, self._pitch_rad = None, lost, pitch_rad
-                return
-        self._filter, self._lost = found, None
+        guess = state_of(place, heading, curvature, width)
+        guess[PITCH] = self._pitch_rad or 0.0
+        found = self._settled(guess, ridges)
+        if found is None:
+            self._lost = lost
+            return
+        self._follow(found)
         self._judge(found, image_rgb, ridges)
+
+    def _compare(self, tracked: LaneFilter, ridges: RidgeMap) -> None:
+        """Go over to a road that explains more of the ridges than the one that is followed, and goes on to."""
+        state, sure = tracked.state, (self._index.agreement or 0.0) > SURE_AGREEMENT
+        picture = (ridges, self.view, self._index.numbers)
+        rival = None if sure or abs(state[1]) > STRAIGHT_RAD else rival_of(state, *picture, self.config.least_comb)
+        self._outdone = 0 if rival is None else self._outdone + 1
+        if rival is None or self._outdone < RIVAL_SEARCHES:
+            return
+        self._outdone = 0
+        settled = self._settled(rival, ridges)
+        if settled is not None and outdoes(settled.state, state, *picture):
+            self._follow(settled)
+
+    def _settled(self, state: Floats, ridges: RidgeMap) -> LaneFilter | None:
+        """The road about a first guess, as a few looks at the same frame tell it; None where its lines are not seen."""
+        found = LaneFilter(state, np.empty(0), self.camera)
+        pitch_sigma_rad = MOUNTED_RAD if self._pitch_rad is None else PITCHED_RAD
+        for _ in range(FIRST_LOOKS):
+            found.covariance = initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, pitch_sigma_rad)
+            if not self._take_in(found, ridges):
+                return None
+        return found
+
+    def _follow(self, found: LaneFilter) -> None:
+        """Go on with a road that was found in this frame."""
+        self._filter, self._lost = found, None
+        self._refuted, self._agreed_m = 0, self._travelled_m
+        self._pitch_rad, self._pitch_frame = float(found.state[PITCH]), self._frame
 
     def _find_again(self, lost: LaneFilter, ridges: RidgeMap) -> None:
         """The road that was lost, where it should be; other lines than its own lead where such a vehicle is headed."""
