@@ -26,9 +26,6 @@ NEIGHBOUR_M = 0.12  # and so are those that are further aside than the sightings
 REACH_M = 0.5  # about the prediction, to which lines are sought
 # Of sightings of nothing, as likely anywhere within reach, the share that comes to lie on a line and along it.
 CHANCE = GATE_M / REACH_M * (1.0 - (1.0 - NEIGHBOUR_M / REACH_M) ** 2)
-# Squared standard deviations by which a look may move all of the state: chi^2 of 8, of which 1 in 5000 is more. Lines
-# move it by little; the edges of mirror images, followed row by row, by far more.
-FARTHEST_MOVE = 30.0
 BEYOND_CHANCE = 3.0  # standard deviations by which more of them must, for a look to have seen the lines
 NEAR_M = 14.0  # from here on a look is far off,
 FEWEST = 3  # sightings that make a line there
@@ -80,11 +77,10 @@ class LaneFilter:
         """Where lines should be seen on rows (R,) ahead."""
         return Expected(*seen_lines(self.state, numbers, forward_m, self.camera))
 
-    def correct(self, sightings: Sightings, expected: Expected | None = None) -> float:
+    def correct(self, sightings: Sightings, expected: Expected | None = None) -> None:
         """Iterated robust least squares with the prediction as prior: sightings far off the lines count for nothing.
 
-        `expected` is where the lines of the sightings should be, where it is at hand. Returns how far the state moved,
-        squared, in standard deviations of the prediction (squared Mahalanobis distance).
+        `expected` is where the lines of the sightings should be, where it is at hand.
         """
         prior, information = self.state, np.linalg.inv(self.covariance)
         expected = expected or self.expected(sightings.numbers, sightings.forward_m)
@@ -104,8 +100,6 @@ class LaneFilter:
             gradient = weighted.T @ residual + information @ (prior - state)
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
-        move = state - prior
-        return float(move @ information @ move)
 
     def _possible(self, sightings: Sightings, expected: Expected) -> Bools:
         """(L, R) sightings that the prediction allows: drops, puddles and mirror images are bright in other places."""

@@ -7,16 +7,7 @@ import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.birds_eye import BirdsEye, Patch, ridge
-from vpf_sim.perception.lane_filter import (
-    FARTHEST_MOVE,
-    NEAR_M,
-    REACH_M,
-    Expected,
-    LaneFilter,
-    Sightings,
-    initial_covariance,
-    is_sane,
-)
+from vpf_sim.perception.lane_filter import NEAR_M, REACH_M, Expected, LaneFilter, Sightings, initial_covariance, is_sane
 from vpf_sim.perception.lane_index import LaneIndex
 from vpf_sim.perception.line_search import (
     CENTROID_M,
@@ -217,8 +208,8 @@ class RoadEdgeTracker:
         known = (tracked.state, tracked.covariance)
         for reach_m in (np.inf, NEAR_M):
             near = replace(found, seen=found.seen & (found.forward_m < reach_m))
-            move = tracked.correct(near, expected)
-            if move < FARTHEST_MOVE and is_sane(tracked.state) and tracked.agrees(near):
+            tracked.correct(near, expected)
+            if is_sane(tracked.state) and tracked.agrees(near):
                 return True
             tracked.state, tracked.covariance = known
         return False
