@@ -5,11 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from road_picture import RoadPicture
 
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.truth.surroundings import seen_edges, true_edges
+from vpf_sim.perception import road_edges
 from vpf_sim.perception.birds_eye import BirdsEye
 from vpf_sim.perception.flow import grey
 from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
@@ -21,8 +23,6 @@ from vpf_sim.types import Camera, Floats, Image
 
 CONFIG = RoadEdgeConfig()
 NUMBERS: Floats = np.arange(-2.0, 3.0)  # of the lines
-
-
 PAVED = 'worn = true\nsurface = "concrete"\nverge = "paved"'
 
 
@@ -82,22 +82,56 @@ def test_a_mirror_image_that_bends_away_is_no_road() -> None:
     assert y % width == pytest.approx(1.5, abs=0.15)
 
 
-@pytest.mark.parametrize("wrong", [(0.0, 0.02), (0.03, -0.015), (0.0, 0.0)])
-def test_a_road_that_drifted_from_its_lines_has_a_rival_and_the_right_one_has_none(wrong: tuple[float, float]) -> None:
-    """Off in its direction and its curvature."""
+def rival(wrong_rad: float, wrong_per_m: float) -> tuple[Floats, Floats | None]:
+    """A road that is seen in every other row, and the rival of one so far off in its direction and its curvature."""
     truth = state_of(1.75, 0.02, 0.005, 3.5)
     view, response = drawn_lines(truth, 10, gaps=2)
     followed = truth.copy()
-    followed[1] += wrong[0]
-    followed[CURVATURES] += wrong[1]
-    rival = rival_of(followed, RidgeMap(response, 5.0, view.visible), view, NUMBERS, CONFIG.least_comb)
-    if wrong == (0.0, 0.0):
-        assert rival is None
-        return
-    assert rival is not None
+    followed[1] += wrong_rad
+    followed[CURVATURES] += wrong_per_m
+    return truth, rival_of(followed, RidgeMap(response, 5.0, view.visible), view, NUMBERS, CONFIG.least_comb)
+
+
+@pytest.mark.parametrize("wrong", [(0.0, 0.02), (0.03, -0.015)])
+def test_a_road_that_drifted_from_its_lines_has_a_rival_on_them(wrong: tuple[float, float]) -> None:
+    truth, found = rival(*wrong)
+    assert found is not None
     ahead_m = np.array([8.0, 20.0])
-    found_m, true_m = (seen_places(road, NUMBERS, ahead_m, view.camera)[0] for road in (rival, truth))
+    found_m, true_m = (seen_places(road, NUMBERS, ahead_m, Camera())[0] for road in (found, truth))
     assert found_m == pytest.approx(true_m, abs=0.15)
+
+
+def test_a_road_on_its_lines_has_no_rival() -> None:
+    assert rival(0.0, 0.0)[1] is None
+
+
+@pytest.mark.parametrize(
+    ("agreement", "heading_rad", "found", "left"),
+    [
+        (0.5, 0.0, [True, True], True),
+        (0.5, 0.0, [True, False, True, False], False),
+        (0.9, 0.0, [True] * 4, False),
+        (0.5, 0.2, [True] * 4, False),
+    ],
+    ids=["twice in a row", "now and then", "its lines are seen", "turned from it"],
+)
+def test_a_followed_road_is_left_for_a_rival_that_lasts(
+    agreement: float, heading_rad: float, found: list[bool], left: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One search in half a second, of which each has a rival or none, as `found`; a drawn road, from a standstill."""
+    road, hz = RoadPicture(Camera()), 20.0
+    tracker, pose = RoadEdgeTracker(road.camera, CONFIG, hz), road.pose(0.0, -1.75, heading_rad)
+    frame = road.draw(pose)
+    look = (frame, grey(frame), pose, 0.0, 0.0, None)
+    tracker.update(*look)
+    followed, searches = tracker._filter, iter(found)
+    assert followed is not None
+    tracker._index.agreement = agreement
+    monkeypatch.setattr(road_edges, "rival_of", lambda state, *_: state.copy() if next(searches) else None)
+    monkeypatch.setattr(road_edges, "outdoes", lambda *_: True)
+    for _ in range(round(0.5 * hz) * len(found)):
+        tracker.update(*look)
+    assert (tracker._filter is not followed) is left
 
 
 @pytest.mark.parametrize(("near", "far", "agrees"), [(5, 5, True), (5, 2, True), (5, 1, False), (1, 1, True)])

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.geometry import distort, ground_from_pixels, project
-from vpf_sim.types import Bools, Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats, Image, Integers
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,13 @@ class BirdsEye:
         """(rows, columns[, 3]) the patch of an (H, W[, 3]) frame, 0 where it does not reach."""
         laid = cv2.remap(image, *self._maps, interpolation=cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
         return laid.astype(np.uint8, copy=False)
+
+    def columns(self, right_m: Floats, reached: Bools) -> tuple[Integers, Bools]:
+        """The columns in which places right of the pose (..., rows), those `reached`, lie, and whether they do in the
+        patch; 0 where not."""
+        places = np.rint((right_m - self.right_m[0]) / self.column_m)
+        inside = reached & (places >= 0) & (places < len(self.right_m))
+        return np.where(inside, places, 0).astype(np.intp), inside
 
 
 def rows_ahead(camera: Camera, patch: Patch) -> Floats:

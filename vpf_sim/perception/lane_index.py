@@ -145,10 +145,8 @@ class LaneIndex:
     def _line_evidence(self, state: Floats, travelled_m: float, ridges: RidgeMap, view: BirdsEye) -> Floats:
         """(H,) by the kinds of the lines."""
         right, reached = seen_places(state, NUMBERS, view.forward_m, view.camera)
-        columns = np.rint((right - view.right_m[0]) / view.column_m)
-        inside = reached & (columns >= 0) & (columns < ridges.response.shape[1])
-        rows = np.arange(len(view.forward_m))[None, :]
-        visible = inside & ridges.visible[rows, np.where(inside, columns, 0).astype(np.intp)]
+        columns, inside = view.columns(right, reached)
+        visible = inside & ridges.visible[np.arange(len(view.forward_m)), columns]
         found = sight(ridges, view, right, visible, NUMBERS, LINE_REACH_M, np.zeros(len(view.forward_m)))
         length = visible @ view.length_m
         share = (found.seen @ view.length_m) / np.maximum(length, 1e-9)
@@ -206,9 +204,7 @@ def _unlike_own_lane(
     """
     numbers = (STRIPS[:, None] + np.array([0.3, 0.5, 0.7])).ravel()
     right, reached = seen_places(state, numbers, colour_view.forward_m, colour_view.camera)
-    columns = np.rint((right - colour_view.right_m[0]) / colour_view.column_m)
-    inside = reached & (columns >= 0) & (columns < len(colour_view.right_m))
-    columns = np.where(inside, columns, 0).astype(np.intp)
+    columns, inside = colour_view.columns(right, reached)
     rows = np.arange(len(colour_view.forward_m))[None, :]
     inside &= colour_view.visible[rows, columns]
     inside &= ridges.visible[_nearest(view, colour_view)][rows, _across(view, right)]

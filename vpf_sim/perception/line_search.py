@@ -83,10 +83,8 @@ def explained(ridges: RidgeMap, view: BirdsEye, right_m: Floats, reached: Bools)
     counts them, but for the ridges between the lines."""
     rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
     bright = cv2.dilate(_bright(ridges, rows), np.ones((1, 3), np.uint8))  # a column aside is as near as a line is told
-    columns = (right_m[:, rows] - view.right_m[0]) / view.column_m
-    inside = reached[:, rows] & (columns >= 0.0) & (columns <= bright.shape[1] - 1)
-    index = np.where(inside, np.rint(np.where(inside, columns, 0.0)), 0.0).astype(np.intp)
-    return float((bright[np.arange(len(rows)), index] * inside).sum()) / len(rows)
+    columns, inside = view.columns(right_m[:, rows], reached[:, rows])
+    return float((bright[np.arange(len(rows)), columns] * inside).sum()) / len(rows)
 
 
 def comb(
