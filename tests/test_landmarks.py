@@ -251,6 +251,23 @@ def test_a_lost_track_clears_nothing() -> None:
     assert later[-1].forward_m[0] == pytest.approx(40.0 - drive.pose(399)[0], abs=0.5)
 
 
+@pytest.mark.parametrize(("lost", "told"), [(True, 1), (False, 2)])
+def test_what_parted_from_a_body_and_was_lost_is_none_once_that_is_passed(lost: bool, told: int) -> None:
+    """Three points that passed for a car's stand 7 m behind its rear, 0.8 m beside it: while it is ahead it may hide
+    them, as it does those that slide along its edge."""
+    parted = [[47.0, 4.1, 0.6], [47.0, 4.3, 0.9], [47.0, 4.2, 0.4]]
+    drive = Drive(np.concatenate([body(40.0, 2.5, 1.6, 1.3, 10), road_points(100), parted]))
+    found = tracker()
+    assert len(drive.run(found, range(300))[-1]) == 2
+    found._marks.body[found._marks.body >= 0] = 0
+    assert len(drive.run(found, range(300, 303))[-1]) == 1
+    if lost:
+        drive.scene[-3:] = [-50.0, 0.0, 0.0]
+    looks = drive.run(found, range(303, 480))
+    passed = [look for look, k in zip(looks, range(303, 480), strict=True) if drive.pose(k)[0] > 40.0]
+    assert {len(look) for look in passed} == {told}
+
+
 def test_two_bodies_in_a_row_stay_two() -> None:
     scene = [body(45.0, -2.5, 1.8, 1.4, 10), body(45.5, 2.8, 1.8, 1.4, 10), road_points(100)]
     last = Drive(np.concatenate(scene)).run(tracker(), range(380))[-1]

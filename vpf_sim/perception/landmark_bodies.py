@@ -39,6 +39,7 @@ class Bodies:
         self._rate_hz = rate_hz  # of judging points
         self._next = 0
         self.seen_twice: Integers = np.empty(0, np.int64)  # identities of low bodies that points and spots tell of both
+        self.parts: Integers = np.empty(0, np.int64)  # tracks whose points parted from a body and are none
 
     def number(self) -> int:
         """The name of a new body."""
@@ -51,6 +52,7 @@ class Bodies:
         All are in the axes of the vehicle at `pose`.
         """
         marks, low = self._marks, self.config.low
+        self.parts = self.parts[:0]
         tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
         tall = widened(tall, np.maximum(tall.width_m + 2.0 * self.config.beside_m, self.config.least_width_m))
         spots = self.config.spots
@@ -159,7 +161,9 @@ class Bodies:
         face, left, right = turned_back(nearest_sure(seen, label, face), *across, angle)
         ahead = face - self.camera.forward_m
         parts_of = np.where(confirmed & ~apart, body, -1)
-        c = confirmed & ~parted(ahead, left, right, angle, parts_of, np.bincount(label))
+        no_body = parted(ahead, left, right, angle, parts_of, np.bincount(label))
+        self.parts = np.concatenate([self.parts, self._marks.identity[believed[no_body[label]]]])
+        c = confirmed & ~no_body
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 
     def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools, apart: Bools) -> Integers:

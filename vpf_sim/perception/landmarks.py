@@ -25,7 +25,7 @@ class LandmarkTracker:
     """Confirms points over frames, joins them to bodies, and remembers these in the world.
 
     A body is never forgotten because it can no longer be measured; only because the car has passed it, or because its
-    own points turn out to lie on the road.
+    own points turn out to lie on the road. But points that parted from it and are none of their own are, once lost.
     """
 
     def __init__(self, camera: Camera, config: LandmarkConfig, rate_hz: float) -> None:
@@ -263,7 +263,8 @@ class LandmarkTracker:
         if not len(marks):
             return
         followed = among(marks.identity, flow.identity) | among(marks.identity, flow.covered)
+        parts = among(marks.identity, self._bodies.parts)
         ahead = vehicle_from_world(marks.place_m, flow.pose)[:, 0] > -self.config.behind_m
-        wanted = (marks.believed | followed) & ahead & (marks.hits > 0)
+        wanted = ((marks.believed & ~parts) | followed) & ahead & (marks.hits > 0)
         if not wanted.all():
             marks.keep(wanted)
