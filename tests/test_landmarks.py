@@ -268,6 +268,28 @@ def test_what_parted_from_a_body_and_was_lost_is_none_once_that_is_passed(lost: 
     assert {len(look) for look in passed} == {told}
 
 
+@pytest.mark.parametrize(
+    ("lost", "right_m", "first", "last", "told"),
+    [(True, 1.0, 180, 240, 1), (False, 1.0, 180, 240, 2), (True, -15.0, 180, 240, 2), (True, 1.0, 272, 300, 2)],
+    ids=["lost", "seen", "beside the picture", "near"],
+)
+def test_what_is_not_seen_again_on_the_way_to_it_is_no_part_of_a_body(
+    lost: bool, right_m: float, first: int, last: int, told: int
+) -> None:
+    """Three points that passed for a barrier's seem to stand 6 m before it."""
+    part = [[34.0, 0.8, 0.6], [34.0, 1.0, 0.9], [34.0, 1.2, 0.4]]
+    drive = Drive(np.concatenate([body(40.0, 1.5, 3.0, 1.2, 20), road_points(100), part]))
+    found = tracker()
+    assert len(drive.run(found, range(first))[-1]) == 2
+    marks = found._marks
+    marks.body[marks.body >= 0] = 0
+    if lost:
+        drive.scene[-3:] = [-50.0, 0.0, 0.0]
+    assert len(drive.run(found, range(first, first + 3))[-1]) == 2
+    marks.place_m[marks.place_m[:, 0] < 37.0, 1] += right_m - 1.0
+    assert len(drive.run(found, range(first + 3, last))[-1]) == told
+
+
 def test_two_bodies_in_a_row_stay_two() -> None:
     scene = [body(45.0, -2.5, 1.8, 1.4, 10), body(45.5, 2.8, 1.8, 1.4, 10), road_points(100)]
     last = Drive(np.concatenate(scene)).run(tracker(), range(380))[-1]
@@ -373,6 +395,8 @@ def test_nonsense_is_refused_with_what_was_given() -> None:
         LandmarkConfig(single_depth_ratio=(0.1, 0.07))
     with pytest.raises(ValueError, match=r"high_share: expected 0 \.\. 1, 1 left out, got 1\.0"):
         LandmarkConfig(high_share=1.0)
+    with pytest.raises(ValueError, match=r"outdated_share: expected 0 \.\. 1, 1 left out, got 1\.0"):
+        LandmarkConfig(outdated_share=1.0)
 
 
 def test_what_lies_low_before_the_face_that_is_told_of_a_body_is_not_of_that_body() -> None:

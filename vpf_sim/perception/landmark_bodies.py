@@ -19,6 +19,7 @@ from vpf_sim.perception.outlines import (
     nearest_sure,
     none,
     on_top,
+    outdated,
     parted,
     sides,
     stands_behind,
@@ -161,10 +162,24 @@ class Bodies:
         face, left, right = turned_back(nearest_sure(seen, label, face), *across, angle)
         ahead = face - self.camera.forward_m
         parts_of = np.where(confirmed & ~apart, body, -1)
-        no_body = parted(ahead, left, right, angle, parts_of, np.bincount(label))
+        support = np.bincount(label)
+        no_body = parted(ahead, left, right, angle, parts_of, support)
+        no_body |= outdated(ahead, self._came_near(believed, seen, label, angle), label, parts_of, support)
         self.parts = np.concatenate([self.parts, self._marks.identity[believed[no_body[label]]]])
         c = confirmed & ~no_body
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
+
+    def _came_near(self, believed: Integers, seen: Seen, label: Integers, angle: Floats) -> Bools:
+        """(B,) points in the picture that were not placed again though the car has come so much nearer.
+
+        What is nearer than `turned_near_m` may not be judged.
+        """
+        camera, config = self.camera, self.config
+        place = turned(seen, -angle[label]).place_m
+        depth = place[:, 0] - camera.forward_m
+        inside = np.abs(place[:, 1]) * camera.fx_px < 0.5 * camera.width_px * depth
+        near: Bools = inside & (depth < config.outdated_share * self._marks.depth_m[believed])
+        return near & (depth > config.turned_near_m)
 
     def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools, apart: Bools) -> Integers:
         """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1.

@@ -56,6 +56,7 @@ class LandmarkConfig:
     face_sigma_m: float = 0.65  # a body is told once its face is known so well
     told_m: float = 21.0  # and so near, from the pose: depth errs with the square of the distance
     sharp_side_m: float = 0.12  # points with a smaller sigma across count for the sides, or those near the best
+    outdated_share: float = 0.75  # parts come nearer to than this share of their depth, and not seen again, are none
     beside_m: float = 0.05  # each side is told so much farther out than its points tell
     least_width_m: float = 0.4  # a body is told no narrower: a cone's flow comes from its stripes, its base is wider
     behind_m: float = 11.0  # where a body is forgotten
@@ -77,6 +78,8 @@ class LandmarkConfig:
                 raise ValueError(f"{key}: expected 0 < first < second, got {getattr(self, key)}")
         if not 0.0 <= self.high_share < 1.0:
             raise ValueError(f"high_share: expected 0 .. 1, 1 left out, got {self.high_share}")
+        if not 0.0 <= self.outdated_share < 1.0:
+            raise ValueError(f"outdated_share: expected 0 .. 1, 1 left out, got {self.outdated_share}")
         if not self.way_share >= 0.0:
             raise ValueError(f"way_share: expected >= 0, got {self.way_share}")
         if not self.least_width_m >= 0.0:

@@ -279,6 +279,16 @@ def parted(
     return no_body
 
 
+def outdated(ahead_m: Floats, old: Bools, label: Integers, body: Integers, support: Integers) -> Bools:
+    """(K,) clusters of points that are all `old` (M,), in the picture and much nearer by now but not placed again,
+    before a larger one of the same `body` (-1: none) that is seen: points of that one whose depth was wrong."""
+    count = len(body)
+    fresh = np.bincount(label, ~old, count) > 0
+    own = (body[:, None] == body[None]) & (body >= 0) & fresh[None] & (support[:, None] < support[None])
+    no_body: Bools = ~fresh & np.any(own & (ahead_m[:, None] < ahead_m[None]), axis=1)
+    return no_body
+
+
 def _overlap(left: Floats, right: Floats, margin: float) -> Bools:
     """(K, K) whether intervals are nearer to each other than a margin."""
     near: Bools = (left[:, None] < right[None] + margin) & (right[:, None] > left[None] - margin)
