@@ -220,19 +220,20 @@ def test_what_parted_from_a_body_behind_it_is_no_other(
 @pytest.mark.parametrize(
     ("ahead_m", "body", "old", "support", "own"),
     [
-        (9.0, 4, [True, True], 20, False),
-        (9.0, 4, [True, False], 20, True),  # one of them is seen
-        (9.0, 5, [True, True], 20, True),  # of another
-        (16.0, 4, [True, True], 20, True),  # behind it, where it may be hidden
-        (9.0, 4, [True, True], 2, True),  # no smaller
+        (9.0, 4, [False, True, True, True], 20, False),
+        (9.0, 4, [False, True, True, False], 20, True),  # one of them is seen
+        (9.0, 4, [True, True, True, True], 20, True),  # the barrier is not seen either
+        (9.0, 5, [False, True, True, True], 20, True),  # of another
+        (16.0, 4, [False, True, True, True], 20, True),  # behind it, where it may be hidden
+        (9.0, 4, [False, True, True, True], 2, True),  # no smaller
     ],
 )
 def test_what_is_not_seen_again_before_a_body_it_parted_from_is_no_other(
     ahead_m: float, body: int, old: list[bool], support: int, own: bool
 ) -> None:
-    """Two points, and a barrier 14 m ahead that has the number 4 and whose points are seen."""
+    """Two points of a barrier 14 m ahead that has the number 4, and two of what may be another body."""
     ahead, label = np.array([14.0, ahead_m]), np.array([0, 0, 1, 1])
-    none = outdated(ahead, np.array([False, True, *old]), label, np.array([4, body]), np.array([support, 2]))
+    none = outdated(ahead, np.array(old), label, np.array([4, body]), np.array([support, 2]))
     assert none.tolist() == [False, not own]
 
 
