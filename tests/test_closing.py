@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from test_movers import Traffic, vehicle
-from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points, tracker
 
 from vpf_sim.perception.closing import Closing, ClosingConfig
-from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.types import Floats, Obstacles
 
 LOOK_FRAMES = 3
@@ -19,7 +17,7 @@ NONE = Obstacles(*(np.empty(0) for _ in range(5)), identity=np.empty(0, np.int64
 def watch(drive: Drive, seconds: float, known: int = 0) -> list[Obstacles]:
     """What the net tells at each look; the first `known` points are of a body that is known to move."""
     closing = Closing(CAMERA, ClosingConfig(), LOOK_FRAMES / RATE_HZ)
-    landmarks = LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
+    landmarks = tracker()
     told = []
     for frame in range(round(seconds * RATE_HZ)):
         flow = drive.flow(frame)
@@ -65,7 +63,7 @@ def test_a_body_that_is_known_does_not_alarm() -> None:
 
 def test_an_alarm_outlasts_a_moment_without_tracks() -> None:
     closing = Closing(CAMERA, ClosingConfig(), LOOK_FRAMES / RATE_HZ)
-    drive, landmarks = Traffic(vehicle(14.0, 0.0, 30), np.zeros(32)), LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
+    drive, landmarks = Traffic(vehicle(14.0, 0.0, 30), np.zeros(32)), tracker()
     places, last = [], round(1.4 * RATE_HZ)
     for frame in range(round(2.4 * RATE_HZ)):
         flow = drive.flow(frame)
@@ -80,7 +78,7 @@ def test_an_alarm_outlasts_a_moment_without_tracks() -> None:
 
 def test_what_is_known_already_is_not_told_again() -> None:
     closing = Closing(CAMERA, ClosingConfig(), LOOK_FRAMES / RATE_HZ)
-    drive, landmarks = Traffic(vehicle(14.0, 0.0, 30), np.zeros(32)), LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
+    drive, landmarks = Traffic(vehicle(14.0, 0.0, 30), np.zeros(32)), tracker()
     for frame in range(round(1.2 * RATE_HZ)):
         flow = drive.flow(frame)
         if frame % LOOK_FRAMES == 0:

@@ -1,4 +1,4 @@
-"""Landmarks from simulated tracks: bodies at known places, empty roads, bends, remembering and forgetting."""
+"""Landmarks from simulated tracks: bodies at known places, empty roads, bends."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -6,22 +6,17 @@ from typing import cast
 
 import numpy as np
 import pytest
-from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.perception.ground_residual import Spot
 from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.marks import Marks
 from vpf_sim.perception.moving_frame import part
 from vpf_sim.types import Floats, Flow, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose
-
-
-def tracker() -> LandmarkTracker:
-    return LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
 
 
 def test_a_car_is_found_far_off_and_measured() -> None:
@@ -179,16 +174,6 @@ def test_a_body_is_told_once_the_car_has_gone_a_share_of_the_way_to_it(speed_mps
     assert all(told[told.index(True) :])
 
 
-@pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
-def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
-    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()
-    bodies = drive.run(found, range(330))[-1]
-    assert len(bodies) == 1
-    assert found.tells_surely(bodies).tolist() == [bool(kept)]
-    found._clear(bodies, 0, drive.pose(329))
-    assert len(drive.run(found, range(330, 334))[-1]) == kept
-
-
 def test_the_corner_of_a_shadow_and_a_wheel_are_no_body_beside_the_car() -> None:
     """A car's face and flank, low points of its wheel, and one 0.8 m beside these that seems to stand 0.1 m high."""
     face = body(40.0, 3.0, 2.0, 1.4, 10)
@@ -227,67 +212,6 @@ def test_in_a_bend_the_carriageway_bends() -> None:
     place = vehicle_from_world(ahead, drive.pose(239))
     assert last.forward_m[0] == pytest.approx(place[0], abs=0.8)
     assert 0.5 * (last.left_m[0] + last.right_m[0]) == pytest.approx(place[1], abs=0.5)
-
-
-def test_a_body_is_remembered_out_of_view_and_forgotten_once_passed() -> None:
-    drive = Drive(np.concatenate([body(30.0, 2.5, 1.6, 1.3, 10), road_points(100)]))
-    found = drive.run(tracker(), range(480))
-    beside = next(k for k in range(480) if drive.pose(k)[0] > 30.0)
-    assert len(found[beside]) == 1
-    assert found[beside].forward_m[0] == pytest.approx(0.0, abs=0.3)
-    assert np.isinf(found[beside + 30].ttc_s[0])
-    passed = next(k for k in range(480) if drive.pose(k)[0] > 41.6)
-    assert not len(found[passed])
-
-
-def test_a_lost_track_clears_nothing() -> None:
-    drive = Drive(np.concatenate([body(40.0, 0.0, 1.8, 1.4, 10), road_points(100)]))
-    watch = tracker()
-    seen = drive.run(watch, range(280))
-    assert len(seen[-1]) == 1
-    drive.scene = np.concatenate([np.tile([-50.0, 0.0, 0.0], (10, 1)), drive.scene[10:]])
-    later = drive.run(watch, range(280, 400))
-    assert all(len(bodies) == 1 for bodies in later)
-    assert later[-1].forward_m[0] == pytest.approx(40.0 - drive.pose(399)[0], abs=0.5)
-
-
-@pytest.mark.parametrize(("lost", "told"), [(True, 1), (False, 2)])
-def test_what_parted_from_a_body_and_was_lost_is_none_once_that_is_passed(lost: bool, told: int) -> None:
-    """Three points that passed for a car's stand 7 m behind its rear, 0.8 m beside it: while it is ahead it may hide
-    them, as it does those that slide along its edge."""
-    parted = [[47.0, 4.1, 0.6], [47.0, 4.3, 0.9], [47.0, 4.2, 0.4]]
-    drive = Drive(np.concatenate([body(40.0, 2.5, 1.6, 1.3, 10), road_points(100), parted]))
-    found = tracker()
-    assert len(drive.run(found, range(300))[-1]) == 2
-    found._marks.body[found._marks.body >= 0] = 0
-    assert len(drive.run(found, range(300, 303))[-1]) == 1
-    if lost:
-        drive.scene[-3:] = [-50.0, 0.0, 0.0]
-    looks = drive.run(found, range(303, 480))
-    passed = [look for look, k in zip(looks, range(303, 480), strict=True) if drive.pose(k)[0] > 40.0]
-    assert {len(look) for look in passed} == {told}
-
-
-@pytest.mark.parametrize(
-    ("lost", "right_m", "first", "last", "told"),
-    [(True, 1.0, 180, 240, 1), (False, 1.0, 180, 240, 2), (True, -15.0, 180, 240, 2), (True, 1.0, 272, 300, 2)],
-    ids=["lost", "seen", "beside the picture", "near"],
-)
-def test_what_is_not_seen_again_on_the_way_to_it_is_no_part_of_a_body(
-    lost: bool, right_m: float, first: int, last: int, told: int
-) -> None:
-    """Three points that passed for a barrier's seem to stand 6 m before it."""
-    part = [[34.0, 0.8, 0.6], [34.0, 1.0, 0.9], [34.0, 1.2, 0.4]]
-    drive = Drive(np.concatenate([body(40.0, 1.5, 3.0, 1.2, 20), road_points(100), part]))
-    found = tracker()
-    assert len(drive.run(found, range(first))[-1]) == 2
-    marks = found._marks
-    marks.body[marks.body >= 0] = 0
-    if lost:
-        drive.scene[-3:] = [-50.0, 0.0, 0.0]
-    assert len(drive.run(found, range(first, first + 3))[-1]) == 2
-    marks.place_m[marks.place_m[:, 0] < 37.0, 1] += right_m - 1.0
-    assert len(drive.run(found, range(first + 3, last))[-1]) == told
 
 
 def test_two_bodies_in_a_row_stay_two() -> None:
@@ -337,14 +261,6 @@ def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_bodies() ->
     assert a.left_m == pytest.approx(b.left_m, abs=1e-6)
 
 
-@pytest.mark.parametrize(("sigma_m", "low", "sure"), [(0.3, False, True), (1.2, False, False), (0.1, True, False)])
-def test_points_known_badly_or_low_tell_no_body_surely(sigma_m: float, low: bool, sure: bool) -> None:
-    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 7), road_points(100)])), tracker()
-    bodies = drive.run(found, range(330))[-1]
-    found._marks.sigma_m[:], found._marks.low[:] = sigma_m, low
-    assert found.tells_surely(bodies).tolist() == [sure]
-
-
 def test_low_points_wider_than_what_seems_to_stand_on_them_are_one_body_with_it() -> None:
     """Of a pallet from 0.3 to 1.3 m, whose right part was seen from afar, and by itself would be told 0.4 m wide."""
     tall = [[40.0, 1.0, 0.5], [40.0, 1.1, 0.45], [40.0, 1.05, 0.6]]
@@ -364,24 +280,6 @@ def test_low_points_and_what_the_look_at_the_road_shows_are_told_as_one_body() -
         if spot.forward_m < 16.0 and k % 6 == 0:
             found._spots.record([spot], drive.pose(k))
     assert (bodies.left_m, bodies.right_m) == (pytest.approx([-0.4], abs=0.05), pytest.approx([0.4], abs=0.05))
-
-
-@pytest.mark.parametrize(
-    ("points", "middle_m", "sure"),
-    [(True, 0.1, [True]), (True, None, [False]), (False, 0.1, [False]), (True, 3.0, [False, False])],
-    ids=["both", "points", "a spot", "apart"],
-)
-def test_no_second_look_refutes_what_low_points_and_looks_at_the_road_tell_of_both(
-    points: bool, middle_m: float | None, sure: list[bool]
-) -> None:
-    low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
-    drive, found = Drive(np.concatenate([*([low] if points else []), road_points(100)])), tracker()
-    for k in range(355):
-        bodies = drive.run(found, range(k, k + 1))[-1]
-        forward_m = 40.0 - drive.pose(k)[0]
-        if middle_m is not None and forward_m < 16.0 and k % 6 == 0:
-            found._spots.record([Spot(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k))
-    assert found.stands_surely(bodies).tolist() == sure
 
 
 def test_nonsense_is_refused_with_what_was_given() -> None:

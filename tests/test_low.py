@@ -4,10 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tracked_points import CAMERA, CORNER, RATE_HZ, SPEED_MPS, Drive, body, road_points
+from tracked_points import CAMERA, CORNER, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
-from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.low import LowConfig, off_lines
 from vpf_sim.types import Floats, Obstacles
 
@@ -28,7 +26,7 @@ def approach(
     """What is told of the scene on the way to 3 m before the pallet's face."""
     drive = Drive(np.concatenate([scene, road_points(200, curvature_per_m)]), noise_px, curvature_per_m, structure)
     frames = round((FACE_M - BUMPER_M - 3.0) / SPEED_MPS * RATE_HZ)
-    return drive.run(LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ), range(frames))
+    return drive.run(tracker(), range(frames))
 
 
 def first_gap_m(found: list[Obstacles]) -> float:

@@ -4,11 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_search import MoverConfig, appear
 from vpf_sim.perception.movers import MoverTracker
@@ -44,7 +42,7 @@ class Seen:
 
     def __init__(self) -> None:
         self.movers = MoverTracker(CAMERA, MoverConfig(), RATE_HZ)
-        self.landmarks = LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
+        self.landmarks = tracker()
 
     def run(self, drive: Drive, frames: range) -> list[Obstacles]:
         found = []
@@ -69,7 +67,7 @@ def test_a_body_that_moves_has_the_inverse_depth_of_its_closing_speed(speed_mps:
     drive = traffic((vehicle(20.0, 1.0), speed_mps), noise_px=0.0)
     for frame in range(40):
         flow = drive.flow(frame)
-    points = LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ).triangulate(flow)
+    points = tracker().triangulate(flow)
     seen = appear(flow, points, CAMERA, RATE_HZ, MoverConfig())
     mine = flow.identity < 18
     depth = 20.0 + (speed_mps - SPEED_MPS) * 39 / RATE_HZ - CAMERA.forward_m

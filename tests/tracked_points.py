@@ -3,6 +3,7 @@
 import numpy as np
 
 from vpf_sim.geometry import project, vehicle_from_world
+from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow, Obstacles, RoadEdges
@@ -11,6 +12,10 @@ CAMERA = Camera()
 RATE_HZ, SPEED_MPS = 60.0, 5.55
 ANCHOR_FRAMES = 42
 CORNER = 100.0 * np.eye(2)
+
+
+def tracker() -> LandmarkTracker:
+    return LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
 
 
 class Drive:

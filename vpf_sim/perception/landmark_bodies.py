@@ -112,7 +112,7 @@ class Bodies:
             confirmed = are_bodies(believed, label)
             angle = direction_at(seen, label, len(apart), road)
             along = turned(seen, angle[label])
-        return self._describe(believed, label, confirmed, along, angle, apart)
+        return self._describe(believed, label, confirmed, along, angle, apart, self._came_near(believed, place))
 
     def _are_tall(self, believed: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are bodies beyond doubt."""
@@ -146,7 +146,14 @@ class Bodies:
         return together | (np.bincount(label, single, count) > 0)
 
     def _describe(
-        self, believed: Integers, label: Integers, confirmed: Bools, seen: Seen, angle: Floats, apart: Bools
+        self,
+        believed: Integers,
+        label: Integers,
+        confirmed: Bools,
+        seen: Seen,
+        angle: Floats,
+        apart: Bools,
+        old: Bools,
     ) -> Obstacles:
         """Face and sides across the road, along which a body stands; those `apart` (K,) parted from no other.
 
@@ -164,20 +171,19 @@ class Bodies:
         parts_of = np.where(confirmed & ~apart, body, -1)
         support = np.bincount(label)
         no_body = parted(ahead, left, right, angle, parts_of, support)
-        no_body |= outdated(ahead, self._came_near(believed, seen, label, angle), label, parts_of, support)
+        no_body |= outdated(ahead, old, label, parts_of, support)
         self.parts = np.concatenate([self.parts, self._marks.identity[believed[no_body[label]]]])
         c = confirmed & ~no_body
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 
-    def _came_near(self, believed: Integers, seen: Seen, label: Integers, angle: Floats) -> Bools:
-        """(B,) points in the picture that were not placed again though the car has come so much nearer.
+    def _came_near(self, believed: Integers, place_m: Floats) -> Bools:
+        """(B,) points at places (B, 2) in the picture, not placed again though the car has come so much nearer.
 
         What is nearer than `turned_near_m` may not be judged.
         """
         camera, config = self.camera, self.config
-        place = turned(seen, -angle[label]).place_m
-        depth = place[:, 0] - camera.forward_m
-        inside = np.abs(place[:, 1]) * camera.fx_px < 0.5 * camera.width_px * depth
+        depth = place_m[:, 0] - camera.forward_m
+        inside = np.abs(place_m[:, 1]) * camera.fx_px < 0.5 * camera.width_px * depth
         near: Bools = inside & (depth < config.outdated_share * self._marks.depth_m[believed])
         return near & (depth > config.turned_near_m)
 

@@ -1,0 +1,104 @@
+"""Which bodies are kept in the world, which are forgotten, and what clears them."""
+
+import numpy as np
+import pytest
+from tracked_points import Drive, body, road_points, tracker
+
+from vpf_sim.perception.ground_residual import Spot
+
+
+@pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
+def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
+    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()
+    bodies = drive.run(found, range(330))[-1]
+    assert len(bodies) == 1
+    assert found.tells_surely(bodies).tolist() == [bool(kept)]
+    found._clear(bodies, 0, drive.pose(329))
+    assert len(drive.run(found, range(330, 334))[-1]) == kept
+
+
+def test_a_body_is_remembered_out_of_view_and_forgotten_once_passed() -> None:
+    drive = Drive(np.concatenate([body(30.0, 2.5, 1.6, 1.3, 10), road_points(100)]))
+    found = drive.run(tracker(), range(480))
+    beside = next(k for k in range(480) if drive.pose(k)[0] > 30.0)
+    assert len(found[beside]) == 1
+    assert found[beside].forward_m[0] == pytest.approx(0.0, abs=0.3)
+    assert np.isinf(found[beside + 30].ttc_s[0])
+    passed = next(k for k in range(480) if drive.pose(k)[0] > 41.6)
+    assert not len(found[passed])
+
+
+def test_a_lost_track_clears_nothing() -> None:
+    drive = Drive(np.concatenate([body(40.0, 0.0, 1.8, 1.4, 10), road_points(100)]))
+    watch = tracker()
+    seen = drive.run(watch, range(280))
+    assert len(seen[-1]) == 1
+    drive.scene = np.concatenate([np.tile([-50.0, 0.0, 0.0], (10, 1)), drive.scene[10:]])
+    later = drive.run(watch, range(280, 400))
+    assert all(len(bodies) == 1 for bodies in later)
+    assert later[-1].forward_m[0] == pytest.approx(40.0 - drive.pose(399)[0], abs=0.5)
+
+
+@pytest.mark.parametrize(("lost", "told"), [(True, 1), (False, 2)])
+def test_what_parted_from_a_body_and_was_lost_is_none_once_that_is_passed(lost: bool, told: int) -> None:
+    """Three points that passed for a car's stand 7 m behind its rear, 0.8 m beside it: while it is ahead it may hide
+    them, as it does those that slide along its edge."""
+    parted = [[47.0, 4.1, 0.6], [47.0, 4.3, 0.9], [47.0, 4.2, 0.4]]
+    drive = Drive(np.concatenate([body(40.0, 2.5, 1.6, 1.3, 10), road_points(100), parted]))
+    found = tracker()
+    assert len(drive.run(found, range(300))[-1]) == 2
+    found._marks.body[found._marks.body >= 0] = 0
+    assert len(drive.run(found, range(300, 303))[-1]) == 1
+    if lost:
+        drive.scene[-3:] = [-50.0, 0.0, 0.0]
+    looks = drive.run(found, range(303, 480))
+    passed = [look for look, k in zip(looks, range(303, 480), strict=True) if drive.pose(k)[0] > 40.0]
+    assert {len(look) for look in passed} == {told}
+
+
+@pytest.mark.parametrize(
+    ("lost", "right_m", "first", "last", "told"),
+    [(True, 1.0, 180, 240, 1), (False, 1.0, 180, 240, 2), (True, -15.0, 180, 240, 2), (True, 1.0, 272, 300, 2)],
+    ids=["lost", "seen", "beside the picture", "near"],
+)
+def test_what_is_not_seen_again_on_the_way_to_it_is_no_part_of_a_body(
+    lost: bool, right_m: float, first: int, last: int, told: int
+) -> None:
+    """Three points that passed for a barrier's seem to stand 6 m before it."""
+    part = [[34.0, 0.8, 0.6], [34.0, 1.0, 0.9], [34.0, 1.2, 0.4]]
+    drive = Drive(np.concatenate([body(40.0, 1.5, 3.0, 1.2, 20), road_points(100), part]))
+    found = tracker()
+    assert len(drive.run(found, range(first))[-1]) == 2
+    marks = found._marks
+    marks.body[marks.body >= 0] = 0
+    if lost:
+        drive.scene[-3:] = [-50.0, 0.0, 0.0]
+    assert len(drive.run(found, range(first, first + 3))[-1]) == 2
+    marks.place_m[marks.place_m[:, 0] < 37.0, 1] += right_m - 1.0
+    assert len(drive.run(found, range(first + 3, last))[-1]) == told
+
+
+@pytest.mark.parametrize(("sigma_m", "low", "sure"), [(0.3, False, True), (1.2, False, False), (0.1, True, False)])
+def test_points_known_badly_or_low_tell_no_body_surely(sigma_m: float, low: bool, sure: bool) -> None:
+    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 7), road_points(100)])), tracker()
+    bodies = drive.run(found, range(330))[-1]
+    found._marks.sigma_m[:], found._marks.low[:] = sigma_m, low
+    assert found.tells_surely(bodies).tolist() == [sure]
+
+
+@pytest.mark.parametrize(
+    ("points", "middle_m", "sure"),
+    [(True, 0.1, [True]), (True, None, [False]), (False, 0.1, [False]), (True, 3.0, [False, False])],
+    ids=["both", "points", "a spot", "apart"],
+)
+def test_no_second_look_refutes_what_low_points_and_looks_at_the_road_tell_of_both(
+    points: bool, middle_m: float | None, sure: list[bool]
+) -> None:
+    low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
+    drive, found = Drive(np.concatenate([*([low] if points else []), road_points(100)])), tracker()
+    for k in range(355):
+        bodies = drive.run(found, range(k, k + 1))[-1]
+        forward_m = 40.0 - drive.pose(k)[0]
+        if middle_m is not None and forward_m < 16.0 and k % 6 == 0:
+            found._spots.record([Spot(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k))
+    assert found.stands_surely(bodies).tolist() == sure
