@@ -22,6 +22,7 @@ from vpf_sim.perception.outlines import (
     parted,
     sides,
     stands_behind,
+    strays,
     turned,
     turned_back,
 )
@@ -47,7 +48,7 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
     sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.5)])
     some = np.zeros_like(forward)
     face, face_sigma = nearest_extent(
-        Seen(np.column_stack([forward, some]), sigma, some, some, some > 0.0), label, count
+        Seen(np.column_stack([forward, some]), sigma, some, some, *(some > 0.0,) * 2), label, count
     )
     alone, followed = face[: count // 2] - 20.0, face[count // 2 :] - 20.0
     assert -1.0 < np.mean(alone) < 0.0
@@ -62,7 +63,9 @@ def test_a_face_is_told_where_its_points_lie_however_much_they_err(count: int) -
     rng, bodies = stream(29, "faces"), 400
     label = np.repeat(np.arange(bodies), count)
     sigma, some = np.full(len(label), 1.2), np.zeros(len(label))
-    seen = Seen(np.column_stack([20.0 + sigma * rng.standard_normal(len(label)), some]), sigma, some, some, some > 0.0)
+    seen = Seen(
+        np.column_stack([20.0 + sigma * rng.standard_normal(len(label)), some]), sigma, some, some, *(some > 0.0,) * 2
+    )
     nearest, _ = nearest_extent(seen, label, bodies)
     face, face_sigma = face_of(seen, label, bodies)
     standard_error = np.std(face) / np.sqrt(bodies)
@@ -78,7 +81,7 @@ def test_a_body_begins_where_several_points_lie_nearer_beyond_doubt(count: int, 
     forward = np.concatenate([rng.normal(14.0, 0.2, 40), rng.normal(12.0, 0.2, count)])
     sigma, some = np.full(len(forward), 0.2), np.zeros(len(forward))
     seen, label = (
-        Seen(np.column_stack([forward, some]), sigma, some, some, some > 0.0),
+        Seen(np.column_stack([forward, some]), sigma, some, some, *(some > 0.0,) * 2),
         np.zeros(len(forward), np.int64),
     )
     face, _ = nearest_extent(seen, label, 1)
@@ -91,7 +94,7 @@ def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
     rng, count = stream(28, "errors"), 200
     forward, label = rng.normal(20.0, 1.2, 30 * count), np.repeat(np.arange(count), 30)
     sigma, some = np.full(30 * count, 1.2), np.zeros(30 * count)
-    seen = Seen(np.column_stack([forward, some]), sigma, some, some, some > 0.0)
+    seen = Seen(np.column_stack([forward, some]), sigma, some, some, *(some > 0.0,) * 2)
     face, _ = nearest_extent(seen, label, count)
     assert np.mean(nearest_sure(seen, label, face) < face) < 0.01
 
@@ -100,7 +103,7 @@ def test_a_body_at_an_angle_begins_at_its_corner() -> None:
     """A van 5 m long whose side is seen all along: a quarter of its points lie within 1.25 m of the corner."""
     forward = np.linspace(8.0, 13.0, 61)
     sigma, some = np.full(61, 0.05), np.zeros(61)
-    seen, label = Seen(np.column_stack([forward, some]), sigma, some, some, some > 0.0), np.zeros(61, np.int64)
+    seen, label = Seen(np.column_stack([forward, some]), sigma, some, some, *(some > 0.0,) * 2), np.zeros(61, np.int64)
     face, _ = nearest_extent(seen, label, 1)
     assert face[0] > 9.0
     assert nearest_sure(seen, label, face)[0] == pytest.approx(8.0, abs=0.35)
@@ -118,7 +121,7 @@ def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car
     sight = np.arctan2(place[:, 1], place[:, 0])
     place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
-    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80), np.zeros(80, np.bool_))
+    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80), *(np.zeros(80, np.bool_),) * 2)
     angle = direction_at(seen, label, 1, road)
     seen = turned(seen, angle[label])
     begin, _ = nearest_extent(seen, label, 1)
@@ -160,7 +163,7 @@ def points(place_m: Floats, sigma_m: float = 0.1) -> Seen:
     """Points (N, 2) in vehicle axes, seen sharply from the origin."""
     count = len(place_m)
     sight_rad = np.arctan2(place_m[:, 1], place_m[:, 0])
-    return Seen(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), np.zeros(count, np.bool_))
+    return Seen(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), *(np.zeros(count, np.bool_),) * 2)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -267,6 +270,33 @@ def test_one_point_astray_is_no_side_of_a_body_of_many(
     seen = replace(points(place, 0.02), sight_rad=np.zeros(count + more), alone=by_itself)
     found = sides(seen, np.zeros(count + more, np.int64), np.array([8.0]), 0.2)
     assert max(found, key=abs)[0] == pytest.approx(side * (3.0 + counts * out_m))
+
+
+@pytest.mark.parametrize(
+    ("others", "sigma_m", "alone", "stray"),
+    [
+        (0, 0.64, False, True),
+        (0, 0.25, False, False),  # known well
+        (0, 0.64, True, False),  # a pedestrian
+        (1, 0.64, False, False),  # two of them
+    ],
+)
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_point_of_poor_depth_alone_behind_a_flank_and_beside_it_tells_no_side(
+    others: int, sigma_m: float, alone: bool, stray: bool, side: float
+) -> None:
+    """A truck's flank as the car passes it, and one point straight ahead, which may be of the horizon."""
+    flank = [(forward, side * 1.6) for forward in np.linspace(4.0, 5.5, 8)]
+    beyond = [(8.0, side * (0.5 - 0.1 * other)) for other in range(1 + others)]
+    place, last = np.array(flank + beyond), np.arange(len(flank) + len(beyond)) >= len(flank)
+    label = np.zeros(len(place), np.int64)
+    seen = replace(points(place), sigma_m=np.where(last, sigma_m, 0.05), alone=last & alone)
+    behind = np.where(stands_behind(seen, label, 1), 0, -1)
+    assert behind.tolist() == np.where(last, 0, -1).tolist()
+    seen = replace(seen, stray=strays(seen, behind))
+    assert seen.stray.tolist() == (last & stray).tolist()
+    nearest_m = min(abs(value[0]) for value in sides(seen, label, np.array([4.0]), 0.12))
+    assert (nearest_m > 1.4) == stray
 
 
 @pytest.mark.parametrize("sight_deg", [70.0, 89.9, 90.0, 95.0])

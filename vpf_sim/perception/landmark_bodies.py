@@ -1,6 +1,7 @@
 """Bodies that believed points make together: their face, their sides and their names."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from vpf_sim.perception.outlines import (
     parted,
     sides,
     stands_behind,
+    strays,
     turned,
     turned_back,
     widened,
@@ -101,13 +103,14 @@ class Bodies:
             return none()
         rim = 0.5 * self.config.window_px / self.camera.fx_px * self._marks.depth_m[believed]
         sight, alone = self._marks.sight_rad[believed] - pose[2], are_bodies(believed, np.arange(len(believed)))
-        seen, count = Seen(place, sigma, sight, rim, alone), int(label.max()) + 1
+        seen, count = Seen(place, sigma, sight, rim, alone, np.zeros(len(label), np.bool_)), int(label.max()) + 1
         angle, apart = direction_at(seen, label, count, road), np.zeros(count, np.bool_)
         along = turned(seen, angle[label])
         behind = stands_behind(along, label, count)
         if behind.any():
             groups = np.full(len(label), -1)
             groups[behind] = clusters(place[behind], sigma[behind], links.link_right_m, links.link_forward_m)
+            seen = replace(seen, stray=strays(seen, groups))
             label, apart = stepped(label, groups, lambda parts: are_bodies(believed, parts))
             confirmed = are_bodies(believed, label)
             angle = direction_at(seen, label, len(apart), road)

@@ -20,6 +20,7 @@ SAME_ALONG_M = 2.0  # what begins so far behind may be of the same body,
 NEARER_M = 0.5  # what is low no more than so much before what is tall,
 SPOT_ALONG_M = 1.0  # and low points no farther from a spot than both err
 STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
+STRAY_SIGMA_M = 0.3  # of the depth of a point alone behind a body and beside it, from which on it tells no side
 MANY, ASTRAY_M = 20, 0.3  # of so many points known well one that may be astray tells no side so much farther out
 LEAST_COSINE = 0.5  # of a line of sight to the road
 NEARER_SHARE = 0.25  # of the points' weight before a body's face,
@@ -36,6 +37,7 @@ class Seen:
     sight_rad: Floats  # (M,) to the right of ahead, the direction in which a point was seen, and its place may err
     rim_m: Floats  # (M,) half a window of the flow when it was seen: the edge that it follows may be so far beside it
     alone: Bools  # (M,) those that would be bodies without the others
+    stray: Bools  # (M,) those that tell no side, see `strays`
 
 
 def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float) -> Obstacles:
@@ -183,6 +185,7 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     """
     count = len(face_m)
     aside = seen.sigma_m * np.abs(np.sin(seen.sight_rad))  # a place errs along the line of sight
+    aside[seen.stray] = np.inf
     well = np.flatnonzero(_known_well(aside, sharp_m, label, count))
     face, place, sight = face_m[label[well]], seen.place_m[well], seen.sight_rad[well]
     across, beyond = at_least(face, place, sight), np.maximum(place[:, 0] - face, 0.0) * slope(sight)
@@ -235,6 +238,16 @@ def stands_behind(seen: Seen, label: Integers, count: int) -> Bools:
     beside = np.minimum(across, at_face) > right[label] + RIM_M
     beside |= np.maximum(across, at_face) < left[label] - RIM_M
     return ~near & beside & (np.cos(seen.sight_rad) > LEAST_COSINE)
+
+
+def strays(seen: Seen, behind: Integers) -> Bools:
+    """(M,) points known badly that stand behind their body and beside it, each by itself, and would be none alone.
+
+    `behind` (M,) numbers the clusters of those that do (`stands_behind`), -1 for all others. Seen straight ahead such a
+    point seems to lie well across, whatever stands there: the horizon, or what slides along the body's edge.
+    """
+    single: Bools = (np.bincount(behind + 1)[behind + 1] == 1) & (behind >= 0)
+    return single & (seen.sigma_m > STRAY_SIGMA_M) & ~seen.alone
 
 
 def direction_at(seen: Seen, label: Integers, count: int, road: RoadEdges) -> Floats:
