@@ -282,7 +282,7 @@ def parted(
     hides, or one alone; `support` is their number.
     """
     behind_m = ahead_m[:, None] - ahead_m[None]
-    own = (body[:, None] == body[None]) & (body >= 0) & (behind_m > BEHIND_M) & (support[:, None] <= support[None])
+    own = _same(body) & (behind_m > BEHIND_M) & (support[:, None] <= support[None])
     distance = np.maximum(ahead_m, NEAREST_M)
     hidden = _overlap(left_m / distance, right_m / distance, RIM_RAD) & (ahead_m > NEAREST_M)
     middle, half = 0.5 * (left_m + right_m), 0.5 * (right_m - left_m)
@@ -297,9 +297,15 @@ def outdated(ahead_m: Floats, old: Bools, label: Integers, body: Integers, suppo
     before a larger one of the same `body` (-1: none) that is seen: points of that one whose depth was wrong."""
     count = len(body)
     fresh = np.bincount(label, ~old, count) > 0
-    own = (body[:, None] == body[None]) & (body >= 0) & fresh[None] & (support[:, None] < support[None])
+    own = _same(body) & fresh[None] & (support[:, None] < support[None])
     no_body: Bools = ~fresh & np.any(own & (ahead_m[:, None] < ahead_m[None]), axis=1)
     return no_body
+
+
+def _same(body: Integers) -> Bools:
+    """(K, K) clusters of the same body, -1 being none."""
+    same: Bools = (body[:, None] == body[None]) & (body >= 0)
+    return same
 
 
 def _overlap(left: Floats, right: Floats, margin: float) -> Bools:
