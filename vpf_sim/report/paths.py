@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.report.chart import Axis, Plot, reach, thinned
-from vpf_sim.report.places import Place
+from vpf_sim.report.places import Place, Standing
 from vpf_sim.types import Floats
 
 WIDTH, TALLEST = 420.0, 330.0
@@ -42,9 +42,10 @@ def charts(places: Mapping[int, Place], tracks: Sequence[Track], title: str) -> 
     shown = alike if one_road else {min(places): first}
     here = [track for track in tracks if track.seed in shown]
     which = "" if one_road else f", seed {min(places)} (each seed has its own road)"
+    standing = [body for place in places.values() for body in place.standing] if one_road else []
     maps = [
         Chart(f"The whole way{which}; world axes, m.", overview(first, list(shown.values()), here, title)),
-        Chart(_offset_caption(places), offsets(places if one_road else shown, tracks, title)),
+        Chart(_offset_caption(places, one_road), offsets(places, standing, tracks, title)),
     ]
     for number, (s_m, what) in enumerate(zooms(list(shown.values()))[:MOST_ZOOMS], start=1):
         caption = f"Zoom {number}: {what}{which}; driving to the right, to scale."
@@ -120,10 +121,12 @@ def zoom(place: Place, places: Sequence[Place], tracks: Sequence[Track], s_m: fl
     return plot.svg(f"{title}: paths over the road, zoom at {s_m:.0f} m of the carriageway")
 
 
-def offsets(places: Mapping[int, Place], tracks: Sequence[Track], title: str) -> Markup:
-    """The offset from the lane's centre over the distance driven; left is up, as the driver sees it."""
-    first = places[min(places)]
-    left, right = _sides(places, tracks)
+def offsets(places: Mapping[int, Place], standing: Sequence[Standing], tracks: Sequence[Track], title: str) -> Markup:
+    """The offset from the lane's centre over the distance driven; left is up, as the driver sees it.
+
+    Edges are drawn where all places have them.
+    """
+    left, right = _sides(standing, tracks)
     plot = Plot(
         WIDTH,
         200.0,
@@ -132,14 +135,13 @@ def offsets(places: Mapping[int, Place], tracks: Sequence[Track], title: str) ->
     )
     plot.grid()
     length = plot.x.high
-    for edge in first.edges_m:
+    for edge in set.intersection(*(set(place.edges_m) for place in places.values())):
         if left < edge < right:
             plot.line(np.array([0.0, length]), np.array([edge, edge]), "edge")
     plot.line(np.array([0.0, length]), np.zeros(2), "centre")
-    for place in places.values():
-        for body in place.standing:
-            x, y = np.array(body.route_m)[[0, 1, 1, 0]], np.array(body.offset_m)[[0, 0, 1, 1]]
-            plot.line(x, np.clip(y, left, right), "body", closed=True)
+    for body in standing:
+        x, y = np.array(body.route_m)[[0, 1, 1, 0]], np.array(body.offset_m)[[0, 0, 1, 1]]
+        plot.line(x, np.clip(y, left, right), "body", closed=True)
     for track in tracks:
         x, y = thinned(track.table.route_m, track.table.lane_offset_m, 90)
         plot.line(x, np.where((y >= left) & (y <= right), y, np.nan), f"path {track.style}")
@@ -148,20 +150,19 @@ def offsets(places: Mapping[int, Place], tracks: Sequence[Track], title: str) ->
     return plot.svg(f"{title}: offset from the lane's centre over distance")
 
 
-def _sides(places: Mapping[int, Place], tracks: Sequence[Track]) -> tuple[float, float]:
+def _sides(standing: Sequence[Standing], tracks: Sequence[Track]) -> tuple[float, float]:
     """The least and the greatest offset to show: all of bodies and of good drives; of others what lies between."""
     found = [track.table.lane_offset_m for track in tracks if track.good] or [np.zeros(1)]
-    bodies = [side for place in places.values() for body in place.standing for side in body.offset_m]
+    bodies = [side for body in standing for side in body.offset_m]
     left, right = reach([0.0, *bodies, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
     return max(left, -12.0), min(right, 12.0)
 
 
-def _offset_caption(places: Mapping[int, Place]) -> str:
-    moving = max(place.moving for place in places.values())
-    traffic = " Moving cars are not drawn." if moving else ""
-    return (
-        f"Offset from the lane's centre over distance, across the road enlarged; × is where an episode failed.{traffic}"
-    )
+def _offset_caption(places: Mapping[int, Place], one_road: bool) -> str:
+    caption = "Offset from the lane's centre over distance, across the road enlarged; × is where an episode failed."
+    if not one_road:
+        return f"{caption} Each seed has its own road and obstacles, which are not drawn."
+    return f"{caption} Moving cars are not drawn." if max(place.moving for place in places.values()) else caption
 
 
 def _sampled(table: StepTable, every_m: float) -> Floats:
