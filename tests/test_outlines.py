@@ -30,6 +30,13 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 
+def ahead(forward_m: Floats, sigma_m: Floats) -> Seen:
+    """Points (M,) straight ahead, seen sharply; none of them is a body by itself, or a stray."""
+    some = np.zeros(len(forward_m))
+    neither = some > 0.0
+    return Seen(np.column_stack([forward_m, some]), sigma_m, some, some, neither, neither)
+
+
 def test_what_lies_before_the_face_is_moved_along_its_line_of_sight() -> None:
     """A corner 12 m ahead and 3 m right, seen from the origin and placed at two thirds of its distance; then a turn."""
     turn, corner = -0.3, np.array([12.0, 3.0])
@@ -46,10 +53,7 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
     forward = np.concatenate([rng.normal(20.0, 1.2, 8 * count), rng.normal(23.0, 0.5, count)])
     label = np.concatenate([np.repeat(np.arange(count), 8), np.repeat(np.arange(count // 2, count), 2)])
     sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.5)])
-    some = np.zeros_like(forward)
-    face, face_sigma = nearest_extent(
-        Seen(np.column_stack([forward, some]), sigma, some, some, *(some > 0.0,) * 2), label, count
-    )
+    face, face_sigma = nearest_extent(ahead(forward, sigma), label, count)
     alone, followed = face[: count // 2] - 20.0, face[count // 2 :] - 20.0
     assert -1.0 < np.mean(alone) < 0.0
     assert np.mean(np.abs(alone) < 1.5) > 0.9
@@ -62,10 +66,8 @@ def test_a_face_is_told_where_its_points_lie_however_much_they_err(count: int) -
     """400 faces 20 m ahead, of points known to 1.2 m."""
     rng, bodies = stream(29, "faces"), 400
     label = np.repeat(np.arange(bodies), count)
-    sigma, some = np.full(len(label), 1.2), np.zeros(len(label))
-    seen = Seen(
-        np.column_stack([20.0 + sigma * rng.standard_normal(len(label)), some]), sigma, some, some, *(some > 0.0,) * 2
-    )
+    sigma = np.full(len(label), 1.2)
+    seen = ahead(20.0 + sigma * rng.standard_normal(len(label)), sigma)
     nearest, _ = nearest_extent(seen, label, bodies)
     face, face_sigma = face_of(seen, label, bodies)
     standard_error = np.std(face) / np.sqrt(bodies)
@@ -79,11 +81,8 @@ def test_a_body_begins_where_several_points_lie_nearer_beyond_doubt(count: int, 
     """A barrier of few points 2 m before a wall of 40, all known to .2 m."""
     rng = stream(27, "barrier")
     forward = np.concatenate([rng.normal(14.0, 0.2, 40), rng.normal(12.0, 0.2, count)])
-    sigma, some = np.full(len(forward), 0.2), np.zeros(len(forward))
-    seen, label = (
-        Seen(np.column_stack([forward, some]), sigma, some, some, *(some > 0.0,) * 2),
-        np.zeros(len(forward), np.int64),
-    )
+    sigma = np.full(len(forward), 0.2)
+    seen, label = ahead(forward, sigma), np.zeros(len(forward), np.int64)
     face, _ = nearest_extent(seen, label, 1)
     assert face[0] == pytest.approx(14.0, abs=0.25)
     assert nearest_sure(seen, label, face)[0] == pytest.approx(begins_m, abs=0.75)
@@ -93,8 +92,8 @@ def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
     """200 faces of 30 points each, known to 1.2 m: of 30 the third nearest errs by -1.6 m."""
     rng, count = stream(28, "errors"), 200
     forward, label = rng.normal(20.0, 1.2, 30 * count), np.repeat(np.arange(count), 30)
-    sigma, some = np.full(30 * count, 1.2), np.zeros(30 * count)
-    seen = Seen(np.column_stack([forward, some]), sigma, some, some, *(some > 0.0,) * 2)
+    sigma = np.full(30 * count, 1.2)
+    seen = ahead(forward, sigma)
     face, _ = nearest_extent(seen, label, count)
     assert np.mean(nearest_sure(seen, label, face) < face) < 0.01
 
@@ -102,8 +101,8 @@ def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
 def test_a_body_at_an_angle_begins_at_its_corner() -> None:
     """A van 5 m long whose side is seen all along: a quarter of its points lie within 1.25 m of the corner."""
     forward = np.linspace(8.0, 13.0, 61)
-    sigma, some = np.full(61, 0.05), np.zeros(61)
-    seen, label = Seen(np.column_stack([forward, some]), sigma, some, some, *(some > 0.0,) * 2), np.zeros(61, np.int64)
+    sigma = np.full(61, 0.05)
+    seen, label = ahead(forward, sigma), np.zeros(61, np.int64)
     face, _ = nearest_extent(seen, label, 1)
     assert face[0] > 9.0
     assert nearest_sure(seen, label, face)[0] == pytest.approx(8.0, abs=0.35)
@@ -121,7 +120,7 @@ def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car
     sight = np.arctan2(place[:, 1], place[:, 0])
     place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
-    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80), *(np.zeros(80, np.bool_),) * 2)
+    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80), *np.zeros((2, 80), np.bool_))
     angle = direction_at(seen, label, 1, road)
     seen = turned(seen, angle[label])
     begin, _ = nearest_extent(seen, label, 1)
@@ -163,7 +162,7 @@ def points(place_m: Floats, sigma_m: float = 0.1) -> Seen:
     """Points (N, 2) in vehicle axes, seen sharply from the origin."""
     count = len(place_m)
     sight_rad = np.arctan2(place_m[:, 1], place_m[:, 0])
-    return Seen(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), *(np.zeros(count, np.bool_),) * 2)
+    return Seen(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), *np.zeros((2, count), np.bool_))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
