@@ -1,11 +1,13 @@
 """What known bodies cover and hide of the road, against lines of sight followed point by point."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.covered import CoverConfig, footprints, shadow
+from vpf_sim.perception.covered import CoverConfig, driven_over, footprints, shadow
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 CONFIG = CoverConfig()
@@ -19,6 +21,11 @@ def road(heading_rad: float = 0.0, curvature_per_m: float = 0.0) -> RoadEdges:
 def body(face_m: float, left_m: float, right_m: float) -> Obstacles:
     one = np.ones(1)
     return Obstacles(face_m * one, left_m * one, right_m * one, 0.1 * one, one, np.array([1]))
+
+
+def moving(face_m: float, speed_mps: float, sigma_m: float = 0.5) -> Obstacles:
+    """A car 2 m wide."""
+    return replace(body(face_m, -1.0, 1.0), sigma_m=np.array([sigma_m]), speed_mps=np.array([speed_mps]))
 
 
 def inside(points_m: Floats, corners_m: Floats) -> Bools:
@@ -59,6 +66,34 @@ def test_it_stands_along_the_road_where_that_bends() -> None:
 def test_a_body_told_where_the_camera_is_hides_no_more_than_it_covers() -> None:
     (corners,) = footprints(body(-4.0, -1.2, 1.2), road(), CONFIG)
     assert shadow(corners, LENS_M) == pytest.approx(corners)
+
+
+def test_what_moves_covers_also_where_it_was_in_the_older_picture() -> None:
+    (corners,) = footprints(moving(10.0, 3.0), road(), CONFIG, since_s=0.8)
+    assert corners[:, 0].min() == pytest.approx(10.0 - 3.0 * 0.8 - CONFIG.before_m)
+    assert corners[:, 0].max() == pytest.approx(10.0 + CONFIG.car_length_m)
+
+
+@pytest.mark.parametrize(
+    ("forward_m", "right_m", "sigma_m", "over"),
+    [
+        (9.5, 0.0, 0.5, True),
+        (13.5, 0.9, 0.5, True),
+        (13.5, 1.1, 0.5, False),  # beside it
+        (15.0, 0.0, 0.5, False),  # before it
+        (9.0, 0.0, 0.5, False),  # behind it
+        (13.5, 0.0, 2.0, False),  # who knows where it is
+    ],
+)
+@pytest.mark.parametrize("heading_rad", [0.0, 0.4])
+def test_nothing_stands_where_a_body_drives(
+    forward_m: float, right_m: float, sigma_m: float, over: bool, heading_rad: float
+) -> None:
+    middle = np.array([10.0, 0.0])
+    place = middle + rotation(heading_rad) @ (np.array([forward_m, right_m]) - middle)
+    bodies = moving(10.0, 3.0, sigma_m)
+    assert driven_over(place[None], bodies, road(heading_rad), CONFIG).tolist() == [over]
+    assert driven_over(place[None], bodies.chosen(np.zeros(1, np.bool_)), road(), CONFIG).tolist() == [False]
 
 
 @pytest.mark.parametrize("wrong", [{"beside_m": 0.0}, {"car_width_m": 2.5}])

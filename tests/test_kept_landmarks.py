@@ -1,10 +1,13 @@
 """Which bodies are kept in the world, which are forgotten, and what clears them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tracked_points import Drive, body, road_points, tracker
 
 from vpf_sim.perception.ground_residual import Spot
+from vpf_sim.types import Floats, Obstacles
 
 
 @pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
@@ -54,6 +57,64 @@ def test_what_parted_from_a_body_and_was_lost_is_none_once_that_is_passed(lost: 
     looks = drive.run(found, range(303, 480))
     passed = [look for look, k in zip(looks, range(303, 480), strict=True) if drive.pose(k)[0] > 40.0]
     assert {len(look) for look in passed} == {told}
+
+
+@pytest.mark.parametrize(("right_m", "kept"), [(0.3, 0), (2.5, 1)])
+def test_what_a_body_drives_over_is_none(right_m: float, kept: int) -> None:
+    """Its own points, before it was known to move; not what stands in the next lane."""
+    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 12), road_points(100)])), tracker()
+    bodies = drive.run(found, range(330))[-1]
+    assert len(bodies) == 1
+    drives = replace(
+        bodies, left_m=np.array([right_m - 1.0]), right_m=np.array([right_m + 1.0]), speed_mps=np.full(1, 3.0)
+    )
+    spot = Spot(float(bodies.forward_m[0]), 0.0, 0.6, 10.0)
+    found._spots.record([spot], drive.pose(329))
+    found._make_way(drives, drive.pose(329), drive.road)
+    assert len(found._spots._known) == kept
+    for track in range(12):  # and is not seen again
+        drive.scene[track] = [-50.0, 0.0, 0.0]
+    assert len(drive.run(found, range(330, 334))[-1]) == kept
+
+
+def test_what_a_body_drives_over_is_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor was it when the older picture was taken, 4.5 m of our way before, 2.4 m of its own."""
+    found, seen, one = tracker(), list[Floats](), np.ones(1)
+    monkeypatch.setattr(found._residual, "update", lambda *arguments: seen.append(arguments[2]))
+    drives = Obstacles(12.0 * one, -1.0 * one, one, 0.5 * one, one, -one.astype(np.int64), 3.0 * one)
+    found.look(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(9)).road, drives, 5.6)
+    assert seen[0].shape == (1, 4, 2)
+    assert seen[0][0, :, 0].min() == pytest.approx(12.0 - 0.8 - 3.0 * 4.5 / 5.6)
+
+
+@pytest.mark.parametrize(("drives", "told"), [(True, False), (False, True)])
+def test_a_far_car_that_drives_across_is_no_body_nearby(drives: bool, told: bool) -> None:
+    """On its corners alone, each seen where one of a body at 40 m would be that stands."""
+    corners = np.array([[40.0, 1.5 + 0.12 * k, 1.2 + 0.06 * (k % 3)] for k in range(5)])
+    drive, found = Drive(np.concatenate([corners, road_points(100)])), tracker()
+    eye_m, bodies = np.array([drive.pose(0)[0] + found.camera.forward_m, 0.0, found.camera.height_m]), []
+    for k in range(320):
+        at = drive.pose(k)[0]
+        if drives:  # 55 m ahead, the first corner in line with the one that stands
+            here = eye_m + np.array([at, 0.0, 0.0])
+            sight = corners[0] - here
+            drive.scene[:5] = here + sight * 55.0 / sight[0] + 4.6 * (corners - corners[0]) * [0.0, 1.0, 1.0]
+        bodies += drive.run(found, range(k, k + 1))
+    assert any(len(body) for body in bodies[240:]) == told
+
+
+@pytest.mark.parametrize(("low_m", "kept"), [(1.2, 0), (0.3, 1)])
+def test_what_was_high_up_and_is_not_seen_again_on_the_way_to_it_is_none(low_m: float, kept: int) -> None:
+    """High corners of a car that drives far away pass for a pedestrian's; his legs are seen nearer."""
+    corners = [[40.0, 0.1 * k - 1.0, height] for k, height in enumerate(np.linspace(low_m, 1.5, 5))]
+    drive, found = Drive(np.concatenate([corners, road_points(100)])), tracker()
+    told = drive.run(found, range(300))
+    assert len(told[-1]) == 1
+    drive.scene[:5] = [-50.0, 0.0, 0.0]
+    near = next(k for k in range(400) if 40.0 - drive.pose(k)[0] < 9.0)
+    later = drive.run(found, range(300, near))
+    assert len(later[3]) == 1
+    assert len(later[-1]) == kept
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.perception.carriageway import direction_rad
-from vpf_sim.types import Floats, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 FAR_M = 40.0  # from the camera, up to which a body hides the road
 
@@ -22,6 +22,8 @@ class CoverConfig:
     truck_width_m: float = 2.25  # or, as for the planner, a truck
     truck_length_m: float = 9.0
     length_m: float = 1.0  # of any other
+    driven_m: float = 4.0  # behind the face of one that drives nothing stands,
+    driven_sigma_m: float = 1.5  # if its distance is known so well (standard deviation)
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
@@ -31,21 +33,37 @@ class CoverConfig:
             raise ValueError(f"car_width_m: expected < truck_width_m = {self.truck_width_m}, got {self.car_width_m}")
 
 
-def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig) -> Floats:
-    """(K, 4, 2) corners of what each body covers at most, vehicle axes: it stands along the road."""
+def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig, since_s: float = 0.0) -> Floats:
+    """(K, 4, 2) corners of what each body covers, or did `since_s` ago, at most, vehicle axes: it is along the road."""
     width = bodies.width_m
     length = np.select(
         [width > config.truck_width_m, width > config.car_width_m],
         [config.truck_length_m, config.car_length_m],
         config.length_m,
     )
-    angle = direction_rad(bodies.forward_m, road)
-    along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    across = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+    along, across = _axes(bodies, road)
     half = (0.5 * width + config.beside_m)[:, None] * across
     middle = np.stack([bodies.forward_m, bodies.middle_m], axis=1)
-    near, far = middle - config.before_m * along, middle + length[:, None] * along
+    before = config.before_m + since_s * bodies.speed_mps
+    near, far = middle - before[:, None] * along, middle + length[:, None] * along
     return np.stack([near - half, near + half, far + half, far - half], axis=1)
+
+
+def driven_over(places_m: Floats, moving: Obstacles, road: RoadEdges, config: CoverConfig) -> Bools:
+    """(N,) which of the places (N, 2), vehicle axes, lie where a body drives now: nothing stands there."""
+    moving = moving.chosen(moving.sigma_m < config.driven_sigma_m)
+    along, across = _axes(moving, road)
+    apart = places_m[:, None] - np.stack([moving.forward_m, moving.middle_m], axis=1)
+    behind, beside = (apart * along).sum(axis=2), (apart * across).sum(axis=2)
+    inside = (np.abs(beside) < 0.5 * moving.width_m) & (behind > -config.before_m) & (behind < config.driven_m)
+    over: Bools = np.any(inside, axis=1)
+    return over
+
+
+def _axes(bodies: Obstacles, road: RoadEdges) -> tuple[Floats, Floats]:
+    """(K, 2) directions along the road and across it, to the right, where the bodies are."""
+    angle = direction_rad(bodies.forward_m, road)
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1), np.stack([-np.sin(angle), np.cos(angle)], axis=1)
 
 
 def shadow(corners_m: Floats, lens_m: Floats) -> Floats:

@@ -43,6 +43,7 @@ class Bodies:
         self._next = 0
         self.seen_twice: Integers = np.empty(0, np.int64)  # identities of low bodies that points and spots tell of both
         self.parts: Integers = np.empty(0, np.int64)  # tracks whose points parted from a body and are none
+        self.gone: Integers = np.empty(0, np.int64)  # tracks of bodies that were high up and not seen any nearer
 
     def number(self) -> int:
         """The name of a new body."""
@@ -55,7 +56,7 @@ class Bodies:
         All are in the axes of the vehicle at `pose`.
         """
         marks, low = self._marks, self.config.low
-        self.parts = self.parts[:0]
+        self.parts = self.gone = self.parts[:0]
         tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
         tall = widened(tall, np.maximum(tall.width_m + 2.0 * self.config.beside_m, self.config.least_width_m))
         spots = self.config.spots
@@ -176,6 +177,10 @@ class Bodies:
         no_body = parted(ahead, left, right, angle, parts_of, support)
         no_body |= outdated(ahead, old, label, parts_of, support)
         self.parts = np.concatenate([self.parts, self._marks.identity[believed[no_body[label]]]])
+        marks = self._marks
+        high = np.bincount(label, marks.low[believed] | (marks.founding[believed] == 1.0), count) == 0
+        gone = high & (np.bincount(label, ~old, count) == 0)
+        self.gone = np.concatenate([self.gone, marks.identity[believed[gone[label]]]])
         c = confirmed & ~no_body
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 

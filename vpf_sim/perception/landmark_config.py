@@ -7,6 +7,7 @@ from vpf_sim.perception.covered import CoverConfig
 from vpf_sim.perception.ground_residual import ResidualConfig
 from vpf_sim.perception.low import LowConfig
 from vpf_sim.perception.spots import SpotConfig
+from vpf_sim.perception.spread import SpreadConfig
 from vpf_sim.perception.triangulation import NoiseModel
 
 
@@ -64,6 +65,7 @@ class LandmarkConfig:
     residual: ResidualConfig = field(default_factory=ResidualConfig)
     cover: CoverConfig = field(default_factory=CoverConfig)
     spots: SpotConfig = field(default_factory=SpotConfig)
+    spread: SpreadConfig = field(default_factory=SpreadConfig)
     clearing: ClearingConfig = field(default_factory=ClearingConfig)
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.clearing import Clearing
 from vpf_sim.perception.corners import eigenvalues, is_corner
-from vpf_sim.perception.covered import footprints
+from vpf_sim.perception.covered import driven_over, footprints
 from vpf_sim.perception.ground import past_image
 from vpf_sim.perception.ground_residual import GroundResidual, Spot
 from vpf_sim.perception.landmark_bodies import Bodies
@@ -17,8 +17,11 @@ from vpf_sim.perception.low import is_low, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings, among, frames
 from vpf_sim.perception.outlines import from_here, none
 from vpf_sim.perception.spots import SpotBook, in_sight
+from vpf_sim.perception.spread import Spread
 from vpf_sim.perception.triangulation import Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
+
+SLOWEST_MPS = 1.0  # own speed, below which what passed by the road ahead earlier is not looked for
 
 
 class LandmarkTracker:
@@ -50,6 +53,7 @@ class LandmarkTracker:
         self._residual = GroundResidual(camera, config.residual, rate_hz)
         self._spots = SpotBook(config.spots, self._bodies.number, config.residual.near_m)
         self._clearing = Clearing(config.clearing)
+        self._spread = Spread(config.spread, judged_hz)
 
     def triangulate(self, flow: Flow) -> Triangulation:
         """The points of the flow, as if all of them stood."""
@@ -94,15 +98,26 @@ class LandmarkTracker:
         """What seems to lie low on the road and is not believed yet, in the axes of the vehicle at `pose`."""
         return self._spots.suspects(pose)
 
-    def look(self, image: Image | None, pose: Floats, road: RoadEdges) -> None:
+    def look(
+        self,
+        image: Image | None,
+        pose: Floats,
+        road: RoadEdges,
+        moving: Obstacles | None = None,
+        speed_mps: float = 0.0,
+    ) -> None:
         """Compare the road ahead in the frame (H, W) taken at `pose` with how it looked before, for `update` to tell.
 
         None for a frame that shows something else, as a wiper.
-        What is no road counts where no body is known that hides it.
+        What is no road counts where no body is known that hides it, now or, of those `moving`, when it was seen before.
         """
         known = None
         if image is not None and self._residual.looks:
             known = footprints(from_here(self._tall, self._seen_from, pose, 0.0), road, self.config.cover)
+            if moving is not None and len(moving):
+                since_s = self.config.residual.baseline_m / max(speed_mps, SLOWEST_MPS)
+                known = np.concatenate([known, footprints(moving, road, self.config.cover, since_s)])
+                self._make_way(moving, pose, road)
         spots = self._residual.update(image, pose, known)
         if spots is None:
             return
@@ -112,6 +127,14 @@ class LandmarkTracker:
         views = self._residual.lenses_m
         seen = (self._in_sight(spot, views, bodies) for spot in spots if self._is_inside(spot, road))
         self._spots.record([spot for spot in seen if spot is not None], pose)
+
+    def _make_way(self, moving: Obstacles, pose: Floats, road: RoadEdges) -> None:
+        """Forget what was thought to stand where a body drives now."""
+        place = vehicle_from_world(self._marks.place_m, pose)
+        over = driven_over(place, moving, road, self.config.cover)
+        if over.any():
+            self._marks.keep(~over)
+        self._spots.keep(lambda places: ~driven_over(places, moving, road, self.config.cover), pose)
 
     def _in_sight(self, spot: Spot, views: Iterable[Floats], bodies: Obstacles) -> Spot | None:
         """What is seen of a spot from each of the places (2,)."""
@@ -152,6 +175,7 @@ class LandmarkTracker:
         self, flow: Flow, road: RoadEdges, time_s: float, points: Triangulation | None, moving: Bools | None
     ) -> None:
         """Count what the points of this frame tell."""
+        self._spread.record(flow)
         points = self.triangulate(flow) if points is None else points
         texture, _ = eigenvalues(flow.structure)
         above = self._above(flow, points, road)
@@ -188,10 +212,24 @@ class LandmarkTracker:
         )
         sliding &= ~is_corner(flow.structure[chosen], config.corner_texture, config.corner_ratio)
         chosen = chosen[inside & ~sliding]
+        chosen = chosen[~self._is_far(flow, points, chosen)]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
             confirmed[chosen] = self._moves_so_now(flow, points, chosen)
         return confirmed
+
+    def _is_far(self, flow: Flow, points: Triangulation, chosen: Integers) -> Bools:
+        """Which of the chosen points are far off and move; only what is seen beside the far road may be."""
+        far = np.zeros(len(chosen), np.bool_)
+        high = np.flatnonzero(self._below(flow.points_px[chosen]) * self.config.foot_m < self.camera.height_m)
+        if len(high):
+            far[high] = self._spread.keeps_together(flow.identity[chosen[high]], 1.0 / points.depth_m[chosen[high]])
+        return far
+
+    def _below(self, points_px: Floats) -> Floats:
+        """(N,) tangents below the horizon."""
+        below: Floats = (points_px[:, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
+        return below
 
     def _low(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges) -> Bools:
         """(N,) points that seem to stand a hand's breadth above the carriageway, off its lines."""
@@ -237,7 +275,7 @@ class LandmarkTracker:
     def _sightings(self, flow: Flow, points: Triangulation, texture: Floats, above: Bools, low: Bools) -> Sightings:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
-        below = (flow.points_px[above, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
+        below = self._below(flow.points_px[above])
         corner = is_corner(flow.structure[above], self.config.corner_texture, self.config.corner_ratio)
         founding = np.where(below * self.config.foot_m > self.camera.height_m, 1.0, self.config.high_share * corner)
         founding[low[above] | (texture[above] <= self.config.founding_texture)] = 0.0
@@ -266,5 +304,6 @@ class LandmarkTracker:
         parts = among(marks.identity, self._bodies.parts)
         ahead = vehicle_from_world(marks.place_m, flow.pose)[:, 0] > -self.config.behind_m
         wanted = ((marks.believed & ~parts) | followed) & ahead & (marks.hits > 0)
+        wanted &= ~among(marks.identity, self._bodies.gone)
         if not wanted.all():
             marks.keep(wanted)

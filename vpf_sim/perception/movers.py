@@ -113,6 +113,11 @@ class MoverTracker:
     def obstacles(self, pose: Floats, speed_mps: float, standing: Obstacles) -> Obstacles:
         """All bodies in the axes of the vehicle: the `standing`, the moving, whose identities are negative, and what is
         met soon and is none of these."""
+        known = together(standing, self.moving(pose, speed_mps))
+        return together(known, self._closing.obstacles(speed_mps, known))
+
+    def moving(self, pose: Floats, speed_mps: float) -> Obstacles:
+        """Those believed to move, in the axes of the vehicle; their identities are negative."""
         believed = [mover for mover in self.movers if mover.identity is not None]
         place = np.array([mover.place(pose) for mover in believed]).reshape(-1, 2)
         half = np.array([mover.reach_m for mover in believed])
@@ -120,7 +125,7 @@ class MoverTracker:
         forward, closing = place[:, 0], speed_mps - speed
         with np.errstate(divide="ignore", invalid="ignore"):
             ttc = np.where((forward > 0.0) & (closing > 0.0), forward / closing, np.inf)
-        moving = Obstacles(
+        return Obstacles(
             forward_m=forward,
             left_m=place[:, 1] - half,
             right_m=place[:, 1] + half,
@@ -129,8 +134,6 @@ class MoverTracker:
             identity=-np.array([mover.identity for mover in believed], np.int64),
             speed_mps=speed,
         )
-        known = together(standing, moving)
-        return together(known, self._closing.obstacles(speed_mps, known))
 
     def _follow(self, mover: Mover, seen: Apparent, flow: Flow, own_mps: float, free: Bools) -> tuple[Bools, Bools]:
         """Bring a body to this frame by its tracks; (N,) points that are of it, and (N,) those seen through it.

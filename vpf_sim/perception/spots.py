@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.geometry import distance_m, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.ground_residual import Spot
-from vpf_sim.types import Floats, Obstacles
+from vpf_sim.types import Bools, Floats, Obstacles
 
 LEAST_WAY_M = 0.2  # without which nothing has come nearer: a standing car sees what sticks to the glass again
 
@@ -117,6 +117,12 @@ class SpotBook:
     def forget(self, identity: int) -> None:
         """One that is believed turned out to be road."""
         self._known = [one for one in self._known if one.identity != identity]
+
+    def keep(self, stands: Callable[[Floats], Bools], pose: Floats) -> None:
+        """Forget all but those that stand, (N,) by their places (N, 2) in the axes of the vehicle at `pose`."""
+        if self._known:
+            places = vehicle_from_world(np.array([one.place_m for one in self._known]), pose)
+            self._known = [one for one, stays in zip(self._known, stands(places), strict=True) if stays]
 
     def _count(self, spot: Spot, pose: Floats) -> None:
         """Add it to the spot that it is seen again, or remember it; the near end of one cut off tells no place."""
