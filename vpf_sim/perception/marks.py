@@ -24,6 +24,16 @@ def among(identity: Integers, others: Integers) -> Bools:
     return found
 
 
+def matches(identity: Integers, others: Integers) -> tuple[Integers, Integers]:
+    """Rows of both that are the same track; none is twice in `others`."""
+    if not len(others):
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    order = np.argsort(others)
+    column = order.take(others.searchsorted(identity, sorter=order), mode="clip")
+    row = np.flatnonzero(others[column] == identity)
+    return row.astype(np.int64), column[row].astype(np.int64)
+
+
 @dataclass(frozen=True, slots=True)
 class Sightings:
     """M points of one frame that were seen to stand above the road."""
@@ -122,7 +132,7 @@ class Marks:
         """Count one frame: `seen` stood above the road, the tracks `on_road` lay on it."""
         if not len(self) and not len(seen.identity):
             return
-        row, column = self._matches(seen.identity)  # rows are of the table, columns of `seen`
+        row, column = matches(self.identity, seen.identity)  # rows are of the table, columns of `seen`
         moved = np.hypot(*(seen.place_m[column] - self.steady_m[row]).T)
         still = moved < rules.steady_m + rules.steady_ratio * seen.depth_m[column]
         self._confirm(row[still], seen, column[still], rules.hits)
@@ -136,15 +146,6 @@ class Marks:
         new[column] = False
         if new.any():
             self._append(seen, new, time_s)
-
-    def _matches(self, identity: Integers) -> tuple[Integers, Integers]:
-        """Rows of the table and of `identity` that are the same track."""
-        if not len(identity):
-            return np.empty(0, np.int64), np.empty(0, np.int64)
-        order = np.argsort(identity)
-        column = order.take(identity.searchsorted(self.identity, sorter=order), mode="clip")
-        row = np.flatnonzero(identity[column] == self.identity)
-        return row.astype(np.int64), column[row].astype(np.int64)
 
     def _confirm(self, row: Integers, seen: Sightings, column: Integers, agreements: int) -> None:
         """One more hit; a point that is believed moves only to where it was seen as often as it takes to believe it."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.geometry import distance_m
-from vpf_sim.perception.marks import Integers
+from vpf_sim.perception.marks import Integers, matches
 from vpf_sim.types import Bools, Floats, Flow
 
 LEAST_POINTS = 3  # of one thing
@@ -53,11 +53,11 @@ class Spread:
         """
         config, now, before = self._config, self._past[-1], self._past[0]
         together = np.zeros(len(identity), np.bool_)
-        chosen, past = _matches(identity, before.identity)
+        chosen, past = matches(identity, before.identity)
         if len(chosen) < LEAST_POINTS:
             return together
         place = before.points_px[past]
-        moved = now.points_px[_matches(identity[chosen], now.identity)[1]] - place
+        moved = now.points_px[matches(identity[chosen], now.identity)[1]] - place
         inverse = inverse_per_m[chosen]
         mine = np.abs(inverse - inverse[:, None]) < config.alike * inverse[:, None]
         for axis in place.T:
@@ -72,11 +72,3 @@ class Spread:
         bound = config.least * expected * extent - config.sure * config.noise_px * np.sqrt(extent)
         together[chosen] = (count >= LEAST_POINTS) & (grown < bound)
         return together
-
-
-def _matches(some: Integers, others: Integers) -> tuple[Integers, Integers]:
-    """Rows of `some` that are among `others`, and where they are there."""
-    order = np.argsort(others)
-    place = order.take(others.searchsorted(some, sorter=order), mode="clip") if len(others) else np.zeros(0, np.int64)
-    rows = np.flatnonzero(others[place] == some) if len(others) else np.zeros(0, np.int64)
-    return rows.astype(np.int64), place[rows].astype(np.int64)

@@ -75,7 +75,9 @@ class Planner:
             if self._steadiness is not None:
                 view = self._steadiness.frame(view)
         if self._landmarks is not None:
-            moving = self._movers.moving(pose, observation.speed_mps) if self._movers is not None else None
+            moving = None
+            if self._movers is not None and self._landmarks.looks:
+                moving = self._movers.moving(pose, observation.speed_mps)
             self._landmarks.look(view, pose, road, moving, observation.speed_mps)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
