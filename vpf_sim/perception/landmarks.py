@@ -15,7 +15,7 @@ from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.low import is_low, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings, among, frames
-from vpf_sim.perception.outlines import from_here, none
+from vpf_sim.perception.outlines import from_here, none, together
 from vpf_sim.perception.spots import SpotBook, in_sight
 from vpf_sim.perception.spread import Spread
 from vpf_sim.perception.triangulation import Triangulation, triangulate
@@ -113,11 +113,12 @@ class LandmarkTracker:
         """
         known = None
         if image is not None and self._residual.looks:
-            known = footprints(from_here(self._tall, self._seen_from, pose, 0.0), road, self.config.cover)
+            hiding = from_here(self._tall, self._seen_from, pose, 0.0)
             if moving is not None and len(moving):
-                since_s = self.config.residual.baseline_m / max(speed_mps, SLOWEST_MPS)
-                known = np.concatenate([known, footprints(moving, road, self.config.cover, since_s)])
+                hiding = together(hiding, moving)
                 self._make_way(moving, pose, road)
+            since_s = self.config.residual.baseline_m / max(speed_mps, SLOWEST_MPS)
+            known = footprints(hiding, road, self.config.cover, since_s)
         spots = self._residual.update(image, pose, known)
         if spots is None:
             return
@@ -130,11 +131,12 @@ class LandmarkTracker:
 
     def _make_way(self, moving: Obstacles, pose: Floats, road: RoadEdges) -> None:
         """Forget what was thought to stand where a body drives now."""
-        place = vehicle_from_world(self._marks.place_m, pose)
-        over = driven_over(place, moving, road, self.config.cover)
-        if over.any():
-            self._marks.keep(~over)
-        self._spots.keep(lambda places: ~driven_over(places, moving, road, self.config.cover), pose)
+
+        def stands(places_m: Floats) -> Bools:
+            return ~driven_over(places_m, moving, road, self.config.cover)
+
+        self._marks.keep(stands(vehicle_from_world(self._marks.place_m, pose)))
+        self._spots.keep(stands, pose)
 
     def _in_sight(self, spot: Spot, views: Iterable[Floats], bodies: Obstacles) -> Spot | None:
         """What is seen of a spot from each of the places (2,)."""
@@ -223,7 +225,7 @@ class LandmarkTracker:
         far = np.zeros(len(chosen), np.bool_)
         high = np.flatnonzero(self._below(flow.points_px[chosen]) * self.config.foot_m < self.camera.height_m)
         if len(high):
-            far[high] = self._spread.keeps_together(flow.identity[chosen[high]], 1.0 / points.depth_m[chosen[high]])
+            far[high] = self._spread.keeps_together(chosen[high], 1.0 / points.depth_m[chosen[high]])
         return far
 
     def _below(self, points_px: Floats) -> Floats:

@@ -46,18 +46,18 @@ class Spread:
         """Remember this frame."""
         self._past.append(flow)
 
-    def keeps_together(self, identity: Integers, inverse_per_m: Floats) -> Bools:
-        """(N,) of the tracks in the newest frame, those that draw apart from the ones about them less than what stands.
+    def keeps_together(self, rows: Integers, inverse_per_m: Floats) -> Bools:
+        """(N,) of those rows of the newest frame, which draw apart from the ones about them less than what stands.
 
         Standing, they would be at the inverse depths (N,). A track that is younger than the baseline tells nothing.
         """
         config, now, before = self._config, self._past[-1], self._past[0]
-        together = np.zeros(len(identity), np.bool_)
-        chosen, past = matches(identity, before.identity)
+        together = np.zeros(len(rows), np.bool_)
+        chosen, past = matches(now.identity[rows], before.identity)
         if len(chosen) < LEAST_POINTS:
             return together
         place = before.points_px[past]
-        moved = now.points_px[matches(identity[chosen], now.identity)[1]] - place
+        moved = now.points_px[rows[chosen]] - place
         inverse = inverse_per_m[chosen]
         mine = np.abs(inverse - inverse[:, None]) < config.alike * inverse[:, None]
         for axis in place.T:
