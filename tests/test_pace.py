@@ -192,6 +192,23 @@ def test_a_gap_told_late_is_looked_at_in_comfort_and_bodies_behind_the_row_are_n
         assert (wanted(LaneObstacles(*rows.T), SPEED_MPS) < SPEED_MPS) is slowed
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_narrow_gap_behind_the_row_that_is_being_passed_is_slowed_down_for_in_time(side: float) -> None:
+    """A truck beside the car, a cone farther on: nothing changes where the truck's face is passed."""
+    half_gap_m, cone_m = 2.2, 9.0
+
+    def passing(truck_m: float) -> float:
+        truck = (truck_m + BUMPER_M, *sorted((-side * half_gap_m, -side * 7.0)), 0.0)
+        end = (cone_m + BUMPER_M, *sorted((-side * half_gap_m, -side * 3.0)), 0.0)
+        cone = (cone_m + BUMPER_M, *sorted((side * half_gap_m, side * (half_gap_m + 0.4))), 0.0)
+        return wanted(LaneObstacles(*np.array([truck, end, cone]).T), SPEED_MPS)
+
+    expected = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (cone_m - LOOKED_M))
+    assert expected < SPEED_MPS
+    for truck_m in (LOOKED_M - 0.1, 1.0, 0.01, -0.01, -1.0):
+        assert passing(truck_m) == pytest.approx(expected)
+
+
 def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:
     gains = load_gains("robust")
     assert gains.hard_error_mps == HARD_MPS

@@ -100,18 +100,19 @@ class Neighbours:
         left = right_m.max(where=passing & (right_m < least), initial=lane.left_m)
         return replace(lane, right_m=float(right), left_m=float(left))
 
-    def next_gap(self, lane: Lane, y_m: float) -> tuple[float, float]:
-        """m, how wide the gap at y is between the edges and what stands in the next row, and the way to it, or inf."""
+    def gaps(self, lane: Lane, y_m: float) -> Floats:
+        """(K,) m, how wide the gap at y is between the edges and what stands in the row that begins with each body.
+
+        inf where a body ahead does not bound it: it is none that stands near our way.
+        """
         stands = self.stands & (self.way_m > 0.0)
-        near = stands & (self.overlap(y_m, BOUNDS_M) > 0.0)
-        if not near.any():
-            return lane.right_m - lane.left_m, inf
-        first = float(self.way_m.min(where=near, initial=inf))
-        stands &= self.way_m < first + ROW_M
-        middle = self.bodies.middle_m
-        right = float(self.bodies.left_m.min(where=stands & (middle > y_m), initial=lane.right_m))
-        left = float(self.bodies.right_m.max(where=stands & (middle <= y_m), initial=lane.left_m))
-        return right - left, first
+        behind = self.way_m - self.way_m[:, None]
+        row = stands & (behind >= 0.0) & (behind < ROW_M)
+        beyond = self.bodies.middle_m > y_m
+        right = np.where(row & beyond, self.bodies.left_m, lane.right_m).min(axis=1, initial=lane.right_m)
+        left = np.where(row & ~beyond, self.bodies.right_m, lane.left_m).max(axis=1, initial=lane.left_m)
+        bounds = stands & (self.overlap(y_m, BOUNDS_M) > 0.0)
+        return np.where(bounds, right - left, np.inf)
 
     def kept_beside(self, y_m: float, minimum_m: float) -> float:
         """The minimum, no nearer to bodies that move and are being passed by a path at y than the clearance wanted.

@@ -114,10 +114,11 @@ class Pace:
 
     def _looking(self, lane: Lane, neighbours: Neighbours, minimum_m: float) -> float:
         """m/s before a gap that something low, not seen yet, would close: a stop shall leave the way for a turn."""
-        width_m, way_m = neighbours.next_gap(lane, minimum_m)
-        if not (0.0 < width_m < CLOSED_M and LOOKED_M < way_m < inf):
+        gap, way = neighbours.gaps(lane, minimum_m), neighbours.way_m
+        closes = (gap > 0.0) & (gap < CLOSED_M) & (way > LOOKED_M)
+        if not closes.any():
             return inf
-        return sqrt(LOOKING_MPS**2 + 2.0 * self._config.brake_mps2 * (way_m - LOOKED_M))
+        return sqrt(LOOKING_MPS**2 + 2.0 * self._config.brake_mps2 * (float(way[closes].min()) - LOOKED_M))
 
     def _beside(self, gap_m: Floats) -> Floats:
         """(K,) m/s at which bodies are passed at that gap; inf where it is as wide as wanted."""
