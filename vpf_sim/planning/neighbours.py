@@ -103,7 +103,7 @@ class Neighbours:
     def gaps(self, lane: Lane, y_m: float) -> Floats:
         """(K,) m, how wide the gap at y is between the edges and what stands in the row that begins with each body.
 
-        inf where a body ahead does not bound it: it is none that stands near our way.
+        inf for a body that does not stand ahead within `BOUNDS_M` of our way.
         """
         stands = self.stands & (self.way_m > 0.0)
         behind = self.way_m - self.way_m[:, None]

@@ -115,10 +115,8 @@ class Pace:
     def _looking(self, lane: Lane, neighbours: Neighbours, minimum_m: float) -> float:
         """m/s before a gap that something low, not seen yet, would close: a stop shall leave the way for a turn."""
         gap, way = neighbours.gaps(lane, minimum_m), neighbours.way_m
-        closes = (gap > 0.0) & (gap < CLOSED_M) & (way > LOOKED_M)
-        if not closes.any():
-            return inf
-        return sqrt(LOOKING_MPS**2 + 2.0 * self._config.brake_mps2 * (float(way[closes].min()) - LOOKED_M))
+        nearest = float(way.min(where=(gap > 0.0) & (gap < CLOSED_M) & (way > LOOKED_M), initial=inf))
+        return sqrt(LOOKING_MPS**2 + 2.0 * self._config.brake_mps2 * (nearest - LOOKED_M))
 
     def _beside(self, gap_m: Floats) -> Floats:
         """(K,) m/s at which bodies are passed at that gap; inf where it is as wide as wanted."""
