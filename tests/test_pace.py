@@ -209,6 +209,18 @@ def test_a_narrow_gap_behind_the_row_that_is_being_passed_is_slowed_down_for_in_
         assert passing(truck_m) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_what_stands_farther_aside_before_a_body_bounds_the_gap_with_it(side: float) -> None:
+    """A wall 1.8 m beside our way, and farther on, .6 m beside it, a cone: no more than 4.4 m between them."""
+    cone_m = 8.0
+    cone = (cone_m + BUMPER_M, *sorted((side * (HALF_M + 0.6), side * (HALF_M + 1.0))), 0.0)
+    expected = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (cone_m - LOOKED_M))
+    for wall_m, slowed in ((cone_m - ROW_M + 0.1, True), (cone_m - ROW_M - 0.1, False)):
+        wall = (wall_m + BUMPER_M, *sorted((-side * (HALF_M + 1.8), -side * 7.0)), 0.0)
+        bodies = LaneObstacles(*np.array([wall, cone]).T)
+        assert wanted(bodies, SPEED_MPS) == pytest.approx(expected if slowed else SPEED_MPS)
+
+
 def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:
     gains = load_gains("robust")
     assert gains.hard_error_mps == HARD_MPS

@@ -101,13 +101,12 @@ class Neighbours:
         return replace(lane, right_m=float(right), left_m=float(left))
 
     def gaps(self, lane: Lane, y_m: float) -> Floats:
-        """(K,) m, how wide the gap at y is between the edges and what stands in the row that begins with each body.
+        """(K,) m, how wide the gap at y is between the edges and what stands in the row of each body, before or behind.
 
         inf for a body that does not stand ahead within `BOUNDS_M` of our way.
         """
         stands = self.stands & (self.way_m > 0.0)
-        behind = self.way_m - self.way_m[:, None]
-        row = stands & (behind >= 0.0) & (behind < ROW_M)
+        row = stands & (np.abs(self.way_m - self.way_m[:, None]) < ROW_M)
         beyond = self.bodies.middle_m > y_m
         right = np.where(row & beyond, self.bodies.left_m, lane.right_m).min(axis=1, initial=lane.right_m)
         left = np.where(row & ~beyond, self.bodies.right_m, lane.left_m).max(axis=1, initial=lane.left_m)
