@@ -150,6 +150,15 @@ def test_a_body_with_a_name_keeps_it_though_points_of_another_join_it(
     assert marks.body.tolist() == [named[k] for k in label]
 
 
+@pytest.mark.parametrize(("placed", "named"), [(False, -1), (True, 2)])
+def test_a_badly_placed_splinter_of_a_body_is_not_told_under_its_name(placed: bool, named: int) -> None:
+    """Two of a barrier's corners, seen only from afar, seemed to stand 4 m before the car that had passed it."""
+    marks, both = SimpleNamespace(body=np.full(6, 2)), np.ones(2, np.bool_)
+    bodies = Bodies(CAMERA, LandmarkConfig(), cast("Marks", marks), RATE_HZ)
+    label = np.array([0, 0, 0, 0, 1, 1])
+    assert bodies._named(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
+
+
 @pytest.mark.parametrize(("heading_rad", "told"), [(0.0, 1), (0.25, 1), (-0.35, 0)])
 def test_what_shows_up_near_is_told_unless_the_car_is_turned(heading_rad: float, told: int) -> None:
     """A post that comes into view 6 m before the camera. Of a car that is turned far it might be the flank."""

@@ -199,7 +199,8 @@ class Bodies:
         """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1.
 
         Those `apart` do not go on under the identity of a body that they were taken for a part of, once well placed.
-        Nor does one that has a name of its own take that of a body whose points, most of them elsewhere, joined it.
+        Nor does one that has a name of its own take that of a body whose points, most of them elsewhere, joined it, or
+        one that is not well placed that of a body of which it is a splinter: its depth was wrong.
         """
         count, unknown = len(confirmed), np.iinfo(np.int64).max
         before = self._marks.body[believed]
@@ -209,10 +210,10 @@ class Bodies:
         np.minimum.at(own, label, np.where(others | ~_mostly_here(known, label, count), unknown, known))
         np.minimum.at(body, label, np.where(others, unknown, known))
         np.minimum.at(shared, label, known)
-        body = np.where(own == unknown, body, own)
+        body = np.where((own == unknown) & placed, body, own)
         fresh = np.flatnonzero(confirmed & placed & (body == unknown))
         body[fresh] = [self.number() for _ in fresh]
-        body = np.where(body == unknown, shared, body)
+        body = np.where((body == unknown) & apart, shared, body)
         body[body == unknown] = -1
         self._marks.body[believed] = np.where(confirmed[label], body[label], before)
         return body
