@@ -9,6 +9,7 @@ from bicycle import Bicycle
 from ideal import Road
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
 from vpf_sim.planning import variant
 from vpf_sim.planning.glide import Glide
 from vpf_sim.planning.lane import Lane, LaneObstacles, locate
@@ -140,6 +141,38 @@ def test_the_corners_stay_clear_of_a_body_that_is_passed_next(gap_m: float, way_
         aside = car.y_m + half_length * np.sin(car.yaw_rad) + half_width * np.cos(car.yaw_rad)
         front.append(side_m - aside if ahead > face_m else side_m)
     assert min(front) > 0.05
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("gap_m", [0.03, 0.06])
+@pytest.mark.parametrize("shift_m", [1.2, 1.5])
+def test_who_is_turned_from_a_body_beside_the_car_turns_back_behind_it(
+    shift_m: float, gap_m: float, side: float
+) -> None:
+    """Its corner is told beside the bumper, and the road's edge, ahead, asks for turning back: the side would swing."""
+    car, hands, road = Bicycle(speed_mps=3.0), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
+    way, gaps = LaneReference(ROBUST.reference, CAR, 3.0, RATE_HZ, REACH), [gap_m]
+
+    def drive(lane: Lane, bodies: LaneObstacles, minimum_m: float) -> None:
+        reference = way.update(lane, about(bodies), minimum_m, car.yaw_rad, car.speed_mps)
+        car.step(hands.command(car.observe(), replace(reference, speed_mps=3.0)))
+
+    while side * car.yaw_rate_radps <= 0.0:  # until it is turned most
+        drive(locate(road.edges(car)), NOTHING, -shift_m * side)
+    corner = np.array([0.5 * CAR.length_m - 0.1, side * (0.5 * CAR.width_m + gap_m)])
+    face_m, side_m = world_from_vehicle(corner, np.array([car.x_m, car.y_m, car.yaw_rad]))
+    edge_m = CAR.l_r_m * abs(np.sin(car.yaw_rad)) - side * car.y_m + 0.5 * CAR.width_m + 1.3
+    left_m, right_m = sorted((side_m, side_m + side))
+    while car.x_m < face_m + 2.0:
+        lane = replace(locate(road.edges(car)), left_m=-edge_m, right_m=edge_m)
+        body = LaneObstacles(np.array([face_m - car.x_m]), np.array([left_m]), np.array([right_m]))
+        drive(lane, body, side * (1.4 - edge_m))
+        ahead, aside = vehicle_from_world(np.array([face_m, side_m]), np.array([car.x_m, car.y_m, car.yaw_rad]))
+        if ahead > -CAR.l_r_m:
+            gaps.append(side * aside - 0.5 * CAR.width_m)
+        front_m = car.y_m + 0.5 * CAR.length_m * np.sin(car.yaw_rad)
+        assert edge_m + side * front_m - 0.5 * CAR.width_m * np.cos(car.yaw_rad) > -0.05  # 0.2 m is a departure
+    assert min(gaps) > gap_m - 0.015
 
 
 @pytest.mark.parametrize(("way_m", "gap_m", "leaves"), [(6.0, 1.9, False), (12.0, 1.9, True), (6.0, 2.3, True)])

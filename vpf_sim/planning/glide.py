@@ -15,7 +15,7 @@ place y, slope p, bend c to rest at y_m on the way S, S receding:
 For a constant S that is a filter of third order; after a step D it is done in 1.1 S, with an overshoot of 2 %.
 """
 
-from math import copysign, sqrt
+from math import copysign, inf, sqrt
 
 from vpf_sim.planning.lane import Lane
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
@@ -35,14 +35,23 @@ class Glide:
         self.slope = 0.0
         self.bend_per_m = 0.0
 
-    def advance(self, lane: Lane, minimum_m: float, time_s: float, speed_mps: float, step_m: float) -> None:
-        """Go a step towards the minimum, where `time_s` are left."""
+    def advance(
+        self,
+        lane: Lane,
+        minimum_m: float,
+        time_s: float,
+        speed_mps: float,
+        step_m: float,
+        flanks: tuple[float, float] = (inf, inf),
+    ) -> None:
+        """Go a step towards the minimum, where `time_s` are left; with `flanks`, its slopes to the left and to the
+        right at most, the car's sides keep off what they are beside."""
         error, limits = minimum_m - self.y_m, self._reach.limits(speed_mps)
         way = self._way(abs(error), limits, time_s, speed_mps, step_m)
         jerk = (60.0 * error / way - 36.0 * self.slope) / way**2 - 9.0 * self.bend_per_m / way
         most = float(limits.steering_per_m2)
         bend = self.bend_per_m + min(max(jerk, -most), most) * step_m
-        self.bend_per_m = self._bounded(bend, lane, limits, step_m)
+        self.bend_per_m = self._bounded(bend, lane, flanks, limits, step_m)
         self.slope += self.bend_per_m * step_m
         self.y_m += self.slope * step_m
 
@@ -61,11 +70,13 @@ class Glide:
         self._way_m = max(least, min(wanted, self._way_m + step_m))
         return self._way_m
 
-    def _bounded(self, bend_per_m: float, lane: Lane, limits: Limits, step_m: float) -> float:
+    def _bounded(
+        self, bend_per_m: float, lane: Lane, flanks: tuple[float, float], limits: Limits, step_m: float
+    ) -> float:
         """The bend, no more than lets the slope come to rest at its own bounds, as fast as the steering turns.
 
-        To each side these are its angle and its edge. The slope that leads along an edge falls as the path comes
-        nearer, by slope / arm a metre: the bend rests there.
+        To each side these are its angle, its edge and what the car's side passes. The slope that leads along an edge
+        falls as the path comes nearer, by slope / arm a metre: the bend rests there.
         """
         tightest, ratio, steering = float(limits.tightest_per_m), float(limits.ratio), float(limits.steering_per_m2)
         change = steering * step_m
@@ -74,13 +85,13 @@ class Glide:
         def braked(room: float) -> float:
             return copysign(sqrt(half**2 + 2.0 * steering * abs(room)) - half, room)
 
-        def largest_to(edge: float, slope: float) -> float:
+        def largest_to(edge: float, flank: float, slope: float) -> float:
             by_edge = braked(edge - slope) - max(slope, 0.0) / self._reach.path_arm_m
-            return min(max(min(braked(ratio - slope), by_edge), -tightest), tightest)
+            return min(max(min(braked(min(ratio, flank) - slope), by_edge), -tightest), tightest)
 
         left, right = self._reach.path_between(lane, self.y_m)
-        largest = max(largest_to(right, self.slope), self.bend_per_m - change)
-        least = min(-largest_to(left, -self.slope), self.bend_per_m + change)
+        largest = max(largest_to(right, flanks[1], self.slope), self.bend_per_m - change)
+        least = min(-largest_to(left, flanks[0], -self.slope), self.bend_per_m + change)
         if least > largest:
             return 0.5 * (least + largest)
         return min(max(bend_per_m, least), largest)

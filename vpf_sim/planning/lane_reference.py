@@ -71,15 +71,16 @@ class LaneReference:
         rear = rear_m(lane, self._vehicle)
         if self._glide is None:
             self._glide = Glide(self._config, self._reach, rear, self._shift_m)
-        between, time_s = lane, np.inf
+        between, time_s, flanks = lane, np.inf, (np.inf, np.inf)
         if len(neighbours):
             between = neighbours.between(lane, self._glide.y_m)
+            flanks = neighbours.flanks(self._glide.y_m, self._glide.slope)
             time_s = self._time_left(neighbours, self._glide.y_m, speed_mps)
             minimum_m = self._goal(self._glide, neighbours, minimum_m, speed_mps)
-        self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
+        self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s, flanks)
         self._glide.hold(rear)
         self.y_m = self._glide.y_m
-        heading, rate = self._heading(lane, self._glide, yaw_rad, speed_mps)
+        heading, rate = self._heading(lane, flanks, self._glide, yaw_rad, speed_mps)
         return Reference(heading, wanted, rate)
 
     def _time_left(self, neighbours: Neighbours, y_m: float, speed_mps: float) -> float:
@@ -151,9 +152,12 @@ class LaneReference:
         most = min(config.correction_mps, config.correction_ratio * speed_mps)
         return min(max(pull, -most), most) / max(speed_mps, 1.0)
 
-    def _heading(self, lane: Lane, glide: Glide, yaw_rad: float, speed_mps: float) -> tuple[float, float]:
+    def _heading(
+        self, lane: Lane, flanks: tuple[float, float], glide: Glide, yaw_rad: float, speed_mps: float
+    ) -> tuple[float, float]:
         """psi_d rad and its rate rad/s."""
         left, right = self._reach.between(lane, speed_mps)
+        left, right = max(left, -flanks[1]), max(right, -flanks[0])
         pull = self._pull(glide.y_m - rear_m(lane, self._vehicle), speed_mps)
         ratio = min(max(pull, -left - glide.slope), right - glide.slope)
         course = yaw_rad + lane.heading_rad + asin(min(max(ratio, -1.0), 1.0))

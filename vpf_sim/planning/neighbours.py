@@ -1,7 +1,7 @@
 """How the bodies of one step lie to ours: the way to each, the gaps beside it, and whether it counts."""
 
 from dataclasses import replace
-from math import inf, tan
+from math import inf, sqrt, tan
 
 import numpy as np
 
@@ -28,6 +28,7 @@ class Neighbours:
         self._config = config
         self._half_width_m = 0.5 * vehicle.width_m
         self._half_length_m = 0.5 * vehicle.length_m
+        self._l_r_m = vehicle.l_r_m
         self._speed_reference_mps = speed_reference_mps
         self.way_m: Floats = bodies.along_m - self._half_length_m  # (K,) from our bumper to each face
         self.moves: Bools = bodies.speed_mps > 0.0  # (K,)
@@ -99,6 +100,30 @@ class Neighbours:
         right = left_m.min(where=passing & (left_m > most), initial=lane.right_m)
         left = right_m.max(where=passing & (right_m < least), initial=lane.left_m)
         return replace(lane, right_m=float(right), left_m=float(left))
+
+    def flanks(self, path_m: float, slope: float) -> tuple[float, float]:
+        """The largest slopes to the left and to the right of the rear axle's path, now at `path_m` with that slope,
+        with which our sides keep `narrow_m` from what is abreast of us, or what is left of it.
+
+        Ahead of the rear axle a side swings the way we turn: to the nearest corner of a body at (x, y) from there, the
+        side of a car with the half width b, turned by a, has the gap y - x tan a - b / cos a across the road.
+        """
+        ahead = self.bodies.along_m + self._l_r_m  # x
+        abreast = (self.way_m < 0.0) & (ahead > 0.0)
+        if not abreast.any():
+            return inf, inf
+        reach, on_right = ahead[abreast], self.bodies.middle_m[abreast] > path_m + slope * ahead[abreast]
+        right = self._swing(reach[on_right], self.bodies.left_m[abreast][on_right] - path_m, slope)
+        left = self._swing(reach[~on_right], path_m - self.bodies.right_m[abreast][~on_right], -slope)
+        return left, right
+
+    def _swing(self, ahead_m: Floats, aside_m: Floats, slope: float) -> float:
+        """The largest slope towards corners (K,) so far ahead of the rear axle and aside of its path."""
+        cosine = sqrt(1.0 - slope**2)
+        gap = aside_m - (ahead_m * slope + self._half_width_m) / cosine
+        room = aside_m - np.minimum(gap, self._config.narrow_m)
+        turned = np.arccos(np.minimum(self._half_width_m / np.hypot(room, ahead_m), 1.0)) - np.arctan2(ahead_m, room)
+        return float(np.sin(turned).min(initial=inf))
 
     def gaps(self, lane: Lane, y_m: float) -> Floats:
         """(K,) m, how wide the gap at y is between the edges and what stands in the row of each body, before or behind.
