@@ -90,7 +90,7 @@ def perception(road: RoadEdges, obstacles: Obstacles) -> Perception:
     flow = Flow(pairs, pairs, none, poses, np.zeros(3), whole, pairs, poses, whole, np.empty((0, 2, 2)))
     expansion = Expansion(319.5, 239.5, np.eye(2), np.empty(0, np.bool_), 1.0)
     plane = ObstacleMap(np.empty(0, np.bool_), np.zeros((60, 80)), np.zeros((2, 60, 80)), 8)
-    return Perception(flow, expansion, lambda: Salience(plane, none), obstacles, road)
+    return Perception(flow, expansion, lambda: Salience(plane, none), obstacles, road, flow.pose)
 
 
 def clearance(car: Bicycle, corners: Floats) -> float:

@@ -233,13 +233,14 @@ class Salience:
 
 @dataclass(frozen=True, slots=True)
 class Perception:
-    """All that the planner knows of one frame."""
+    """All that the planner knows at one frame. Flow, expansion and salience are of the last one that was looked at."""
 
     flow: Flow
     expansion: Expansion
     salience: Callable[[], Salience]  # worked out when it is asked for: a field of bodies does without
     obstacles: Obstacles
     road: RoadEdges
+    pose: Floats  # (3,) x m, y m, yaw rad of the vehicle
     low_sight_m: tuple[float, float] = (np.inf, np.inf)  # to where a low body would be suspected: now, with a good view
     suspects: Obstacles | None = None  # low things that were seen too seldom yet to be told as bodies
 

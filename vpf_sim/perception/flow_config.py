@@ -25,6 +25,7 @@ BANDS = {
 class FlowConfig:
     """What is followed and how. The defaults are the paper's; corners and iterations are METHOD A4's."""
 
+    period_s: float = 0.0  # between two frames that are looked at; in between all is carried on by the own motion
     window_px: int = 25
     max_level: int | None = 2  # three levels; None: as many as `reach_px_per_s` needs
     epsilon_px: float = 0.03
@@ -46,6 +47,8 @@ class FlowConfig:
     def __post_init__(self) -> None:
         if self.window_px < 3 or self.window_px % 2 == 0:
             raise ValueError(f"window_px: expected an odd number >= 3, got {self.window_px}")
+        if not 0.0 <= self.period_s <= self.window_s:
+            raise ValueError(f"period_s: expected 0 .. window_s = {self.window_s}, got {self.period_s}")
         if self.window_s <= 0.0 or self.detect_period_s <= 0.0:
             raise ValueError(f"window_s, detect_period_s: expected > 0, got {self.window_s}, {self.detect_period_s}")
         if self.hold_s is not None and not self.hold_s > 0.0:

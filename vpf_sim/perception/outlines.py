@@ -41,16 +41,33 @@ class Seen:
 
 
 def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float) -> Obstacles:
-    """Bodies seen from a pose short before, in the axes of the vehicle now, with their time to contact."""
+    """Bodies seen from a pose short before, in the axes of the vehicle now, with their time to contact, as if none had
+    moved since."""
     if not len(bodies):
         return bodies
     middle = bodies.middle_m
     place = np.stack([bodies.forward_m, middle], axis=1)
     place = vehicle_from_world(world_from_vehicle(place, seen_from), pose)
-    face, aside, closing = place[:, 0], place[:, 1] - middle, max(speed_mps, 0.0)
+    face, aside, closing = place[:, 0], place[:, 1] - middle, np.maximum(speed_mps - bodies.speed_mps, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         ttc = np.where((face > 0.0) & (closing > 0.0), face / closing, np.inf)
     return replace(bodies, forward_m=face, left_m=bodies.left_m + aside, right_m=bodies.right_m + aside, ttc_s=ttc)
+
+
+def carried(
+    bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float, road: RoadEdges, since_s: float
+) -> Obstacles:
+    """The same, with the way along the road that those which move have gone in the time since."""
+    if bodies.speed_mps.any():
+        way, angle = bodies.speed_mps * since_s, direction_rad(bodies.forward_m, road)
+        forward, aside = np.cos(angle) * way, np.sin(angle) * way
+        bodies = replace(
+            bodies,
+            forward_m=bodies.forward_m + forward,
+            left_m=bodies.left_m + aside,
+            right_m=bodies.right_m + aside,
+        )
+    return from_here(bodies, seen_from, pose, speed_mps)
 
 
 def widened(bodies: Obstacles, width_m: float | Floats) -> Obstacles:

@@ -129,6 +129,11 @@ class RoadEdgeTracker:
                 self._compare(self._filter, ridges)
         return self._report(speed_mps, yaw_rate_radps)
 
+    def carried(self, pose: Floats, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
+        """The carriageway at `pose`, by the own motion alone: of a frame that is not looked at."""
+        self._predict(pose)
+        return self._report(speed_mps, yaw_rate_radps)
+
     @property
     def pitch(self) -> tuple[float, float] | None:
         """rad that the camera looks farther down, against the road, than it should, and the standard deviation.

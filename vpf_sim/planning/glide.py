@@ -76,22 +76,25 @@ class Glide:
         """The bend, no more than lets the slope come to rest at its own bounds, as fast as the steering turns.
 
         To each side these are its angle, its edge and what the car's side passes. The slope that leads along an edge
-        falls as the path comes nearer, by slope / arm a metre: the bend rests there.
+        falls as the path comes nearer, by slope / arm a metre: the bend rests there. But it does not fall to less than
+        keeps the other side off what that passes.
         """
         tightest, ratio, steering = float(limits.tightest_per_m), float(limits.ratio), float(limits.steering_per_m2)
         change = steering * step_m
         half = 0.5 * change
 
         def braked(room: float) -> float:
+            """The bend from which a slope comes to rest so much farther on."""
             return copysign(sqrt(half**2 + 2.0 * steering * abs(room)) - half, room)
 
-        def largest_to(edge: float, flank: float, slope: float) -> float:
-            by_edge = braked(edge - slope) - max(slope, 0.0) / self._reach.path_arm_m
+        def largest_to(edge: float, flank: float, kept: float, slope: float) -> float:
+            by_edge = max(braked(edge - slope) - max(slope, 0.0) / self._reach.path_arm_m, braked(kept - slope))
             return min(max(min(braked(min(ratio, flank) - slope), by_edge), -tightest), tightest)
 
         left, right = self._reach.path_between(lane, self.y_m)
-        largest = max(largest_to(right, flanks[1], self.slope), self.bend_per_m - change)
-        least = min(-largest_to(left, flanks[0], -self.slope), self.bend_per_m + change)
+        to_left, to_right = flanks
+        largest = max(largest_to(right, to_right, -to_left, self.slope), self.bend_per_m - change)
+        least = min(-largest_to(left, to_left, -to_right, -self.slope), self.bend_per_m + change)
         if least > largest:
             return 0.5 * (least + largest)
         return min(max(bend_per_m, least), largest)

@@ -1,5 +1,6 @@
 """The planner: the stages of the paper in their order, from a frame to a reference."""
 
+from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
@@ -10,6 +11,7 @@ from vpf_sim.perception.expansion import Derotated
 from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.movers import MoverTracker
+from vpf_sim.perception.outlines import carried, from_here
 from vpf_sim.perception.road_edges import RoadEdgeTracker
 from vpf_sim.perception.second_look import SecondLook
 from vpf_sim.perception.steadiness import Steadiness
@@ -35,7 +37,8 @@ class Planner:
     """One variant of the method during one episode."""
 
     def __init__(self, setup: DriverSetup, variant: Variant) -> None:
-        camera, rate_hz = setup.camera, setup.rate_hz
+        self._every = max(1, round(variant.flow.period_s * setup.rate_hz))
+        camera, rate_hz = setup.camera, setup.rate_hz / self._every
         self._camera = camera
         self._variant = variant
         self._flow = FlowTracker(camera, variant.flow, rate_hz)
@@ -48,6 +51,9 @@ class Planner:
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
         self._bodies = _nothing()
+        self._frame = -1
+        self._seen: Perception | None = None  # of the last frame that was looked at,
+        self._seen_s = 0.0  # and when
         self._way = way(setup, variant)
 
     def step(self, observation: Observation) -> Plan:
@@ -55,9 +61,29 @@ class Planner:
         return self.plan(self.perceive(observation), observation)
 
     def perceive(self, observation: Observation) -> Perception:
-        """Flow, focus of expansion, road edges, bodies of one frame; obstacle map and time to contact on request."""
-        image = grey(observation.image)
+        """Flow, focus of expansion, road edges, bodies of one frame; obstacle map and time to contact on request.
+
+        Of a frame that is not looked at, what was seen in the last one that was, from where the vehicle is now.
+        """
+        self._frame += 1
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
+        if self._seen is None or self._frame % self._every == 0:
+            self._seen, self._seen_s = self._look(observation, pose), observation.time_s
+            return self._seen
+        return self._carried(self._seen, observation, pose)
+
+    def _carried(self, seen: Perception, observation: Observation, pose: Floats) -> Perception:
+        """What was seen, at another pose: by the own motion, and that of the bodies."""
+        speed_mps, suspects = observation.speed_mps, seen.suspects
+        road = self._road.carried(pose, speed_mps, observation.yaw_rate_radps)
+        bodies = carried(seen.obstacles, seen.pose, pose, speed_mps, road, observation.time_s - self._seen_s)
+        if suspects is not None:
+            suspects = from_here(suspects, seen.pose, pose, speed_mps)
+        return replace(seen, obstacles=bodies, road=road, pose=pose, suspects=suspects)
+
+    def _look(self, observation: Observation, pose: Floats) -> Perception:
+        """What one frame shows."""
+        image = grey(observation.image)
         flow = self._flow.update(image, pose)
         turned = expansion.derotated(flow, self._camera)
         foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe, turned)
@@ -90,7 +116,7 @@ class Planner:
             sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
             suspects = self._landmarks.suspects(pose)
         salience = cache(partial(self._salience, flow, steady, foe, turned))
-        return Perception(flow, foe, salience, self._bodies, road, sight_m, suspects)
+        return Perception(flow, foe, salience, self._bodies, road, pose, sight_m, suspects)
 
     def _salience(self, flow: Flow, steady: Flow, foe: Expansion, turned: Derotated) -> Salience:
         """Obstacle map and time to contact of a frame's points."""

@@ -33,7 +33,7 @@ def draw_compass(canvas: Canvas, plan: Plan) -> None:
         if np.isfinite(length) and longest > 0.0 and length > 1e-3 * longest:
             # The square root keeps the small force readable beside the large one.
             _arrow(canvas, centre, np.arctan2(vector[1], vector[0]), 0.82 * radius * np.sqrt(length / longest), colour)
-    _pointer(canvas, centre, wrap_angle(plan.reference.heading_rad - float(plan.perception.flow.pose[2])), radius)
+    _pointer(canvas, centre, wrap_angle(plan.reference.heading_rad - float(plan.perception.pose[2])), radius)
     _legend(canvas, centre, radius)
 
 

@@ -127,7 +127,7 @@ def _perceived(canvas: Canvas, view: _View, plan: Plan) -> None:
     for forward, left, right in zip(bodies.forward_m, bodies.left_m, bodies.right_m, strict=True):
         face = np.array([(forward + 1.0, left), (forward, left), (forward, right), (forward + 1.0, right)])
         canvas.lines([view.from_vehicle(face)], OBSTACLE, 3)
-    heading = plan.reference.heading_rad - float(plan.perception.flow.pose[2])
+    heading = plan.reference.heading_rad - float(plan.perception.pose[2])
     ray = np.outer([3.0, 12.0], [np.cos(heading), np.sin(heading)])
     canvas.lines([view.from_vehicle(ray)], REFERENCE, 2)
 

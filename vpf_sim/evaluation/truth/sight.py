@@ -20,13 +20,15 @@ class Sight:
     def __init__(self) -> None:
         self._motion: TrueMotion | None = None
         self._frames = 0
+        self._due = False
         self._objects = ObjectBook()
 
     def observe(self, observation: Observation, env: Any) -> None:
         """Remember where everything is in a frame, if one of the next is judged that reaches back to it."""
         self._env, self._frames = env, self._frames + 1
         renderer, longest = getattr(env, "renderer", None), round(LONGEST_S * env.rate_hz)
-        if renderer is None or -self._frames % self._every > longest:
+        self._due |= self._frames % self._every == 0
+        if renderer is None or not (self._due or -self._frames % self._every <= longest):
             return
         if self._motion is None:
             self._motion = TrueMotion(env.camera, longest)
@@ -34,12 +36,16 @@ class Sight:
         self._motion.note(Shot(self._frames, observation.image, pose, renderer))
 
     def columns(self, plan: Plan) -> dict[str, float]:
-        """The columns of the step table that say how right the driver was about that frame."""
-        env = self._env
-        found = self._objects.columns(plan.perception.obstacles, env.ego, env.road.network)
-        if self._motion is None or self._frames % self._every != 0:
+        """The columns of the step table that say how right the driver was about that frame.
+
+        Flow and times to contact are judged in the next frame that is due and that the driver looked at.
+        """
+        env, seen = self._env, plan.perception
+        found = self._objects.columns(seen.obstacles, env.ego, env.road.network)
+        if self._motion is None or not self._due or not np.array_equal(seen.flow.pose, seen.pose):
             return found
-        return found | self._judged(plan.perception.flow, plan.perception.ttc_s, self._motion)
+        self._due = False
+        return found | self._judged(seen.flow, seen.ttc_s, self._motion)
 
     @property
     def _every(self) -> int:
