@@ -33,7 +33,8 @@ class Scene:
     def pose(self, frame: int) -> Floats:
         return np.array([SPEED_MPS * frame / RATE_HZ, 0.1, radians(1.0)])
 
-    def flow(self, frame: int) -> Flow:
+    def flow(self, frame: int, every: int) -> Flow:
+        """Of a frame; one in `every` is looked at."""
         start, window = 0, max(0, frame - 6)
         now, past, first = (self._pixels(k) for k in (frame, window, start))
         edge = [CAMERA.width_px - 1, CAMERA.height_px - 1]
@@ -49,7 +50,7 @@ class Scene:
             identity=chosen.astype(np.int64),
             first_px=first[chosen],
             first_pose=np.tile(self.pose(start), (count, 1)),
-            age_frames=np.full(count, frame - start),
+            age_frames=np.full(count, (frame - start) // every),
             structure=np.tile(STRUCTURE, (count, 1, 1)),
         )
 
@@ -118,6 +119,9 @@ class Replayed:
     def update(self, *_: object) -> object:
         return next(self._records)
 
+    def carried(self, *_: object) -> object:
+        return next(self._records)
+
     def turn(self, down_rad: float) -> None:
         assert down_rad == 0.0
 
@@ -129,7 +133,8 @@ def drive(configuration: Variant, moved: Moved, goal_m: Floats) -> list[tuple[Pl
     goal = (float(gx), float(gy))
     planner = Planner(DriverSetup(CAMERA, CAR, RATE_HZ, SPEED_MPS, goal, 5), configuration)
     frames = range(1, FRAMES)
-    planner._flow = Replayed([moved.flow(scene.flow(k)) for k in frames])  # type: ignore[assignment]
+    every = max(1, round(configuration.flow.period_s * RATE_HZ))
+    planner._flow = Replayed([moved.flow(scene.flow(k, every)) for k in frames[::every]])  # type: ignore[assignment]
     planner._road = Replayed([moved.edges(scene.edges(k)) for k in frames])  # type: ignore[assignment]
     hands = Gtsmc(load_gains("robust"), CAR, RATE_HZ)
     blank: Image = np.zeros((CAMERA.height_px, CAMERA.width_px, 3), np.uint8)

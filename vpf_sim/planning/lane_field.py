@@ -6,7 +6,8 @@ All three are functions of y, the place across the road (`vpf_sim.planning.lane`
          + h_w ((1 - g_r(y) / d_w)^2 + (1 - g_l(y) / d_w)^2), each for g < d_w    road: g is the gap to the edge
          + max over bodies of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}     obstacles
            to which nearer than d_n, where no gap is passed, comes h_n (1 - d / d_n), h_n at most
-         + max over rows of w(t) h_r (1 - b / b_r) between two bodies of a row leaving room, but b < b_r
+         + max over rows of w(t) h_r (1 - b / b_r) between two bodies of a row, or one and an edge, leaving room,
+           but b < b_r
 
 d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
 in with the distance t to the body, or to the first of its row. Bodies take the maximum, not the sum, so that many
@@ -95,7 +96,7 @@ class LaneField:
             obstacle, shut = self._obstacle(neighbours), shut + self._unreached(neighbours, lane)
             if not ((obstacle < self._touching) & (shut == 0.0)).any():
                 obstacle = self._obstacle(neighbours, self._unstopped(neighbours, speed_mps)[:, None])
-            rows = self._rows(neighbours)
+            rows = self._rows(neighbours, lane)
             obstacle = obstacle + rows
         kept = self._target + road + obstacle + shut
         if self._last_m is not None:
@@ -136,10 +137,10 @@ class LaneField:
         worst: Floats = each.max(axis=0)
         return worst
 
-    def _rows(self, neighbours: Neighbours) -> Floats:
-        """(G,) what a gap between two bodies of a row costs that is wide enough, but narrow."""
+    def _rows(self, neighbours: Neighbours, lane: Lane) -> Floats:
+        """(G,) what a gap between two bodies of a row, or one and an edge, costs that is wide enough, but narrow."""
         widths_m = 2.0 * (self._half_width_m + self._config.clearance_m), self._config.row_gap_m
-        narrow = narrowness(neighbours.bodies, neighbours.in_row, neighbours.weight, self._y_m, widths_m)
+        narrow = narrowness(neighbours.bodies, neighbours.in_row, neighbours.weight, lane, self._y_m, widths_m)
         return self._config.row_height * narrow
 
     def _unstopped(self, neighbours: Neighbours, speed_mps: float) -> Floats:
