@@ -163,3 +163,23 @@ def test_no_second_look_refutes_what_low_points_and_looks_at_the_road_tell_of_bo
         if middle_m is not None and forward_m < 16.0 and k % 6 == 0:
             found._spots.record([Spot(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k))
     assert found.stands_surely(bodies).tolist() == sure
+
+
+@pytest.mark.parametrize(
+    ("spot_m", "tall", "refuted", "seen"),
+    [
+        (8.2, False, False, True),  # 2.2 m behind the face of what is low
+        (7.4, False, False, False),  # its own far edge, or what it hides
+        (8.2, True, False, False),
+        (7.4, True, True, True),  # in its place the road was seen: it was told too near, and this is it
+    ],
+)
+def test_what_is_low_hides_little_and_what_was_refuted_nothing(
+    spot_m: float, tall: bool, refuted: bool, seen: bool
+) -> None:
+    found, ahead = tracker(), Obstacles(*(np.array([value]) for value in (6.0, -0.6, 0.6, 0.4, np.inf)), np.array([7]))
+    found._tall = ahead if tall else ahead.chosen(np.zeros(1, np.bool_))
+    if refuted:
+        found.refute(ahead.identity)
+    lens = np.array([0.8, 0.0])
+    assert (found._in_sight(Spot(spot_m, -0.4, 0.4, 30.0), [lens], ahead) is not None) == seen

@@ -54,6 +54,7 @@ class LandmarkTracker:
         self._spots = SpotBook(config.spots, self._bodies.number, config.residual.near_m)
         self._clearing = Clearing(config.clearing)
         self._spread = Spread(config.spread, judged_hz)
+        self._refuted: Integers = np.empty(0, np.int64)  # identities of bodies in whose place the road was seen
 
     def triangulate(self, flow: Flow) -> Triangulation:
         """The points of the flow, as if all of them stood."""
@@ -138,9 +139,16 @@ class LandmarkTracker:
         self._marks.keep(stands(vehicle_from_world(self._marks.place_m, pose)))
         self._spots.keep(stands, pose)
 
+    def refute(self, identity: Integers) -> None:
+        """Bodies (N,) that a second look took away hide nothing: one told too near hides the very one that is there."""
+        self._refuted = np.union1d(self._refuted, identity)
+
     def _in_sight(self, spot: Spot, views: Iterable[Floats], bodies: Obstacles) -> Spot | None:
-        """What is seen of a spot from each of the places (2,)."""
+        """What is seen of a spot from each of the places (2,), past tall bodies; low ones hide what is just behind."""
         seen: Spot | None = spot
+        hides = among(bodies.identity, self._tall.identity)
+        hides |= bodies.forward_m > spot.forward_m - self.config.spots.low_hides_m
+        bodies = bodies.chosen(hides & ~among(bodies.identity, self._refuted))
         for view in views:
             seen = seen and in_sight(seen, view, bodies, self.config.spots)
         return seen

@@ -29,6 +29,7 @@ class SpotConfig:
     edge_m: float = 0.3  # inside the carriageway's edges
     beyond_m: float = 0.8  # this far behind a body's face begins what it hides
     margin_m: float = 0.3  # beside a body, hidden as well
+    low_hides_m: float = 2.0  # and up to here behind its face one that is low hides anything
     least_seen_m: float = 0.4  # a spot of which less is seen beside a body is none
     sigma_m: float = 0.4  # of a spot's face
     beside_m: float = 0.1  # a spot so near a taller body is of it: what that body covers is left out beforehand,

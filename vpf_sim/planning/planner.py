@@ -10,6 +10,7 @@ from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.expansion import Derotated
 from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
+from vpf_sim.perception.marks import among
 from vpf_sim.perception.movers import MoverTracker
 from vpf_sim.perception.outlines import carried, from_here
 from vpf_sim.perception.road_edges import RoadEdgeTracker
@@ -107,8 +108,10 @@ class Planner:
             self._landmarks.look(view, pose, road, moving, observation.speed_mps)
             self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
             if self._second_look is not None:
-                speed_mps, sure = observation.speed_mps, self._landmarks.stands_surely
-                self._bodies = self._second_look.update(view, pose, self._bodies, speed_mps, sure)
+                told, speed_mps, sure = self._bodies, observation.speed_mps, self._landmarks.stands_surely
+                self._bodies = self._second_look.update(view, pose, told, speed_mps, sure)
+                if len(self._bodies) < len(told):
+                    self._landmarks.refute(told.identity[~among(told.identity, self._bodies.identity)])
         if self._steadiness is not None and self._road.pitch is not None:
             self._steadiness.level(*self._road.pitch, observation.time_s)
         sight_m, suspects = (np.inf, np.inf), None
