@@ -18,9 +18,15 @@ SHARP = 4  # rows and columns drawn for one of the frame, and averaged as a pixe
 
 @lru_cache
 def frame(
-    forward_m: float, height_m: float, aside_m: float = 0.0, yaw_rad: float = 0.0, plate_level: float = 160.0
+    forward_m: float,
+    height_m: float,
+    aside_m: float = 0.0,
+    yaw_rad: float = 0.0,
+    plate_level: float = 160.0,
+    dash_m: float = 0.0,
 ) -> Image:
-    """What the camera of a car at (`forward_m`, `aside_m`) sees: asphalt, and a plate at `height_m`."""
+    """What the camera of a car at (`forward_m`, `aside_m`) sees: asphalt, and a plate at `height_m`; with a painted
+    dash so long that ends beneath it."""
     place, turn = np.array([forward_m, aside_m]), rotation(yaw_rad)
     rows_px = TOP_ROW + (np.arange(SHARP * (BOTTOM_ROW - TOP_ROW)) + 0.5) / SHARP - 0.5
     columns_px = (np.arange(SHARP * CAMERA.width_px) + 0.5) / SHARP - 0.5
@@ -30,6 +36,9 @@ def frame(
     road = cv2.remap(
         ROAD.astype(np.float32), cell[..., 1], cell[..., 0], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT
     )
+    seen = ground @ turn.T + place
+    painted = (np.abs(seen[..., 1] - PLATE_M[:, 1].mean()) < 0.08) & (np.abs(PLATE_M[0, 0] - seen[..., 0]) < dash_m)
+    road = np.where(painted, 215.0, road)
     lens = np.array([CAMERA.forward_m, 0.0])
     plate = (lens + (ground - lens) * (CAMERA.height_m - height_m) / CAMERA.height_m) @ turn.T + place
     inside = np.all((plate > PLATE_M[0]) & (plate < PLATE_M[1]), axis=-1)

@@ -51,6 +51,7 @@ class ResidualConfig:
     most_share: float = 0.3  # of the difference left with it
     apart_m: tuple[float, float] = (0.11, 0.03)  # along and across, what two pictures of the road may be apart
     outline_gain: float = 3.0  # what counts as outline of a spot
+    begins_m: float = 0.8  # before the first cell that stands a spot may begin: a dash before it differs as well
     length_m: float = 2.5  # what begins so near behind a spot, and overlaps it, is its far edge
     least_width_m: float = 0.2  # narrower ones are the rim of something else
     foot_m: tuple[float, float] = (0.6, 0.15)  # along from where a body begins, and beside it, its foot is looked at;
@@ -65,6 +66,8 @@ class ResidualConfig:
             raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
         if not self.near_m < self.noise_far_m <= self.far_m:
             raise ValueError(f"noise_far_m: expected {self.near_m} to {self.far_m}, got {self.noise_far_m}")
+        if not self.begins_m >= 0.0:
+            raise ValueError(f"begins_m: expected >= 0, got {self.begins_m}")
         if not 0.0 < self.newest <= 1.0:
             raise ValueError(f"newest: expected 0 < newest <= 1, got {self.newest}")
         for key, (across, along) in (("window_m", self.window_cells), ("even_m", self.even_cells)):
@@ -330,12 +333,17 @@ class GroundResidual:
         config = self.config
         count, parts, boxes, _ = cv2.connectedComponentsWithStats((outline | (gain > 0.0)).astype(np.uint8))
         best, standing = np.zeros(count), gain > 0.0
-        np.maximum.at(best, parts[standing].astype(np.intp), gain[standing])
+        owner = parts[standing].astype(np.intp)
+        np.maximum.at(best, owner, gain[standing])
+        first = np.full(count, self._rows)
+        np.minimum.at(first, owner, standing.nonzero()[0])
+        begins = np.maximum(boxes[:, 1], first - round(config.begins_m / config.cell_m))
         half_along, half_across = 0.5 * config.window_m[0], 0.5 * config.window_m[1]
         right_m = self._right_m[self._columns]
         found: list[Spot] = []
         for part in np.flatnonzero(best > 0.0).tolist():
-            column, row, width = (int(value) for value in boxes[part, :3])
+            column, _, width = (int(value) for value in boxes[part, :3])
+            row = int(begins[part])
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
             if right - left >= config.least_width_m:
                 near = float(self._forward_m[row]) + half_along
