@@ -7,7 +7,7 @@ from vpf_sim.evaluation.machine import profile
 
 
 def test_a_profile_has_the_promised_keys_and_all_stages() -> None:
-    measured = profile.profile("town04-clean", "clear", steps=3)
+    measured = profile.profile("town04-clean", "clear", steps=8)
     assert measured.keys() == {"step_ms", "yardstick_ms", "step_ratio", "camera_ratio", "stages_ms"}
     assert measured["stages_ms"].keys() == {*profile.STAGES, "hash"}
     assert measured["step_ratio"] == measured["step_ms"] / measured["yardstick_ms"]
@@ -26,6 +26,17 @@ def test_a_stopwatch_puts_back_what_it_replaced() -> None:
     assert math.hypot is before
     watch.end_step()
     assert watch.medians_ms().keys() == {"length"}
+
+
+def test_a_stage_of_some_steps_counts_by_its_share_and_a_disturbed_window_does_not() -> None:
+    watch = stopwatch.Stopwatch()
+    for step in range(50):
+        watch._step_ms = {"each": 2.0, **({"third": 30.0} if step % 5 == 0 else {})}
+        if step == 7:
+            watch._step_ms["each"] = 1000.0
+        watch.end_step()
+    assert watch.typical_ms(10) == {"each": 2.0, "third": 6.0}
+    assert watch.medians_ms() == {"each": 2.0, "third": 30.0}
 
 
 def test_medians_are_over_the_steps_that_count() -> None:

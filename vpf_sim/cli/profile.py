@@ -17,7 +17,7 @@ def profile(
     steps: StepsOption = 300,
     json: JsonOption = False,
 ) -> None:
-    """Time the step of the driver `vpf`, its stages and the yardstick; medians."""
+    """Time the step of the driver `vpf`, its stages and the yardstick: what each takes on average."""
     from vpf_sim.evaluation.machine.profile import profile as measure
 
     measured = measure(scenario, weather, steps)

@@ -39,6 +39,17 @@ class Stopwatch:
         names = {name: None for step in self._steps_ms for name in step}
         return {name: float(np.median([step[name] for step in self._steps_ms if name in step])) for name in names}
 
+    def typical_ms(self, window: int) -> dict[str, float]:
+        """What each stage takes a step: the median, over windows of so many steps, of the mean.
+
+        A stage that runs in some steps only counts by its share of them; what disturbs a window now and then does not.
+        """
+        names = {name: None for step in self._steps_ms for name in step}
+        count = max(len(self._steps_ms) // window, 1)
+        windows = np.array_split(np.array([[step.get(name, 0.0) for name in names] for step in self._steps_ms]), count)
+        typical = np.median([part.mean(axis=0) for part in windows], axis=0)
+        return dict(zip(names, typical.tolist(), strict=True))
+
     @contextmanager
     def watching(self, stages: Mapping[str, str]) -> Iterator[None]:
         """Time the functions at "module:attribute" or "module:Class.method" under the names that they have here."""

@@ -18,10 +18,13 @@ from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.types import Image
 
 WARM_UP_STEPS = 30
+WINDOW_STEPS = 30  # half a second: not all stages run in every step
 
 
 def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
-    """Medians over `steps` steps of the driver `vpf`: ms of the step, of each stage and of the yardstick; ratios to it.
+    """What a step of the driver `vpf`, its stages and the yardstick take on average, in ms, and in yardsticks.
+
+    That is the median of the means over half seconds, of `steps` steps.
 
     A step is act and step: render, perceive, plan, control, physics. `hash`, done by a helper thread in an episode, and
     the yardstick are timed apart from it.
@@ -34,12 +37,14 @@ def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
             with watch.stage("hash"):
                 sha256(frame.data).digest()
             grey = np.asarray(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), np.uint8)
-            if grey_before is not None:
+            if grey_before is None:
+                watch.skip_step()
+            else:
                 with watch.stage("yardstick"):
                     _yardstick(grey_before, grey)
+                watch.end_step()
             grey_before = grey
-            watch.end_step()
-    return _report(watch.medians_ms())
+    return _report(watch.typical_ms(WINDOW_STEPS))
 
 
 def _frames(scenario: str, weather: str, steps: int, watch: Stopwatch) -> Iterator[Image]:
@@ -73,12 +78,12 @@ def _yardstick(before: Image, now: Image) -> None:
         cv2.calcOpticalFlowPyrLK(before, now, corners, none, winSize=(25, 25), maxLevel=2, criteria=(3, 30, 0.03))
 
 
-def _report(medians_ms: dict[str, float]) -> dict[str, Any]:
-    step_ms, yardstick_ms = medians_ms.pop("step"), medians_ms.pop("yardstick")
+def _report(typical_ms: dict[str, float]) -> dict[str, Any]:
+    step_ms, yardstick_ms = typical_ms["step"], typical_ms["yardstick"]
     return {
         "step_ms": step_ms,
         "yardstick_ms": yardstick_ms,
         "step_ratio": step_ms / yardstick_ms,
-        "camera_ratio": medians_ms["render"] / yardstick_ms,
-        "stages_ms": {name: medians_ms[name] for name in (*STAGES, "hash") if name in medians_ms},
+        "camera_ratio": typical_ms["render"] / yardstick_ms,
+        "stages_ms": {name: typical_ms[name] for name in (*STAGES, "hash") if name in typical_ms},
     }
