@@ -12,6 +12,18 @@ from vpf_sim.perception.triangulation import NoiseModel
 
 
 @dataclass(frozen=True, slots=True)
+class AskedConfig:
+    """Which points are matched with the frame of their first sighting: all that their tracks let stand on the road."""
+
+    far_m: float = 32.0  # of depth
+    aside_m: float = 10.0
+    least_height_m: float = 0.03
+    most_height_m: float = 2.5
+    chi2_limit: float = 30.0  # of a point against its own depth
+    chi2_margin: float = 5.0  # by which the road must fit worse
+
+
+@dataclass(frozen=True, slots=True)
 class LandmarkConfig:
     """Limits and time constants of `vpf_sim.perception.landmarks.LandmarkTracker`."""
 
@@ -67,6 +79,7 @@ class LandmarkConfig:
     spots: SpotConfig = field(default_factory=SpotConfig)
     spread: SpreadConfig = field(default_factory=SpreadConfig)
     clearing: ClearingConfig = field(default_factory=ClearingConfig)
+    asked: AskedConfig = field(default_factory=AskedConfig)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:

@@ -6,10 +6,11 @@ from functools import cache, partial
 import numpy as np
 
 from vpf_sim.perception import contact, expansion, obstacles
+from vpf_sim.perception.anchors import Anchors
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.expansion import Derotated
 from vpf_sim.perception.flow import FlowTracker, grey
-from vpf_sim.perception.landmarks import LandmarkTracker
+from vpf_sim.perception.landmarks import LandmarkTracker, Match
 from vpf_sim.perception.marks import among
 from vpf_sim.perception.movers import MoverTracker
 from vpf_sim.perception.outlines import carried, from_here
@@ -21,6 +22,7 @@ from vpf_sim.planning.valley import Valley
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
 from vpf_sim.types import (
+    Camera,
     DriverSetup,
     Expansion,
     Floats,
@@ -43,6 +45,7 @@ class Planner:
         self._camera = camera
         self._variant = variant
         self._flow = FlowTracker(camera, variant.flow, rate_hz)
+        self._anchors = self._remembered(camera, variant, rate_hz)
         self._road = RoadEdgeTracker(camera, variant.road_edges, rate_hz)
         self._landmarks = LandmarkTracker(camera, variant.landmarks, rate_hz) if variant.landmarks else None
         self._movers = MoverTracker(camera, variant.movers, rate_hz) if variant.movers else None
@@ -86,6 +89,8 @@ class Planner:
         """What one frame shows."""
         image = grey(observation.image)
         flow = self._flow.update(image, pose)
+        if self._anchors is not None:
+            self._anchors.note(image)
         turned = expansion.derotated(flow, self._camera)
         foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe, turned)
         self._foe = foe
@@ -106,7 +111,8 @@ class Planner:
             if self._movers is not None and self._landmarks.looks:
                 moving = self._movers.moving(pose, observation.speed_mps)
             self._landmarks.look(view, pose, road, moving, observation.speed_mps)
-            self._bodies = self._find_bodies(self._landmarks, steady, road, observation)
+            match = partial(self._anchors.aside_px, flow) if self._anchors is not None else None
+            self._bodies = self._find_bodies(self._landmarks, steady, match, road, observation)
             if self._second_look is not None:
                 told, speed_mps, sure = self._bodies, observation.speed_mps, self._landmarks.stands_surely
                 self._bodies = self._second_look.update(view, pose, told, speed_mps, sure)
@@ -133,14 +139,21 @@ class Planner:
         landmarks, second = self._landmarks, self._second_look
         return landmarks is not None and (landmarks.looks or (second is not None and second.looks(pose, speed_mps)))
 
+    @staticmethod
+    def _remembered(camera: Camera, variant: Variant, rate_hz: float) -> Anchors | None:
+        """The frames of first sightings, where bodies are told by them."""
+        if variant.landmarks is None or variant.flow.anchor_s is None:
+            return None
+        return Anchors(camera, variant.landmarks.window_px, round(2.0 * variant.flow.anchor_s * rate_hz))
+
     def _find_bodies(
-        self, landmarks: LandmarkTracker, flow: Flow, road: RoadEdges, observation: Observation
+        self, landmarks: LandmarkTracker, flow: Flow, match: Match | None, road: RoadEdges, observation: Observation
     ) -> Obstacles:
         """Those that stand, and those that move."""
         speed_mps, time_s = observation.speed_mps, observation.time_s
+        points = landmarks.triangulate(flow, match)
         if self._movers is None:
-            return landmarks.update(flow, road, speed_mps, time_s)
-        points = landmarks.triangulate(flow) if self._movers.looks else None
+            return landmarks.update(flow, road, speed_mps, time_s, points)
         moving = self._movers.update(flow, points, road, speed_mps, time_s)
         standing = landmarks.update(flow, road, speed_mps, time_s, points, moving)
         return self._movers.obstacles(flow.pose, speed_mps, standing) if self._movers.reports else standing

@@ -1,0 +1,132 @@
+"""First sightings found again in their frames: on drawn pictures that grow by a known factor, and what depths gain."""
+
+import cv2
+import numpy as np
+import pytest
+from tracked_points import CAMERA, Drive, body, road_points, tracker
+
+from vpf_sim.geometry import project, undistort, vehicle_from_world
+from vpf_sim.perception.anchors import FARTHEST_PX, Anchors
+from vpf_sim.seeding import stream
+from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
+
+AHEAD_PX = np.array([CAMERA.cx_px, CAMERA.cy_px])  # what grows, grows about it
+TEXTURE = cv2.GaussianBlur(stream(61, "texture").normal(0.0, 1.0, (960, 1280)), (0, 0), 4.0)
+
+
+def picture(growth: float) -> Image:
+    """The texture, in levels about 128, so many times as large as it is at first."""
+    place = np.array([[0.5 * growth, 0.0, 0.0], [0.0, 0.5 * growth, 0.0]])
+    place[:, 2] = AHEAD_PX - 0.5 * growth * 2.0 * AHEAD_PX
+    seen = cv2.warpAffine(TEXTURE, place, (CAMERA.width_px, CAMERA.height_px), flags=cv2.INTER_AREA)
+    return np.clip(128.0 + 160.0 * seen, 0, 255).astype(np.uint8)
+
+
+def flow_of(now_px: Floats, first_px: Floats, age: int) -> Flow:
+    count = len(now_px)
+    poses, none = np.zeros((count, 3)), np.zeros((count, 2))
+    return Flow(
+        points_px=now_px,
+        displacement_px=none,
+        gap_s=np.full(count, 0.1),
+        past_pose=poses,
+        pose=np.zeros(3),
+        identity=np.arange(count),
+        first_px=first_px,
+        first_pose=poses,
+        age_frames=np.full(count, age),
+        structure=np.tile(np.eye(2), (count, 1, 1)),
+    )
+
+
+def places(growth: float) -> tuple[Floats, Floats]:
+    """(N, 2) px now, and where the same was at first."""
+    first = AHEAD_PX + stream(62, "places").uniform(-90.0, 90.0, (40, 2))
+    return AHEAD_PX + growth * (first - AHEAD_PX), first
+
+
+def seen(frames: list[Image], camera: Camera = CAMERA, remembered: int = 8) -> Anchors:
+    anchors = Anchors(camera, 11, remembered)
+    for frame in frames:
+        anchors.note(frame)
+    return anchors
+
+
+@pytest.mark.parametrize("growth", [1.0, 1.25, 1.7])
+@pytest.mark.parametrize("error_px", [(0.0, 0.0), (0.8, -0.5), (-1.5, 1.0)])
+def test_a_track_that_slipped_is_led_back_to_where_it_began(growth: float, error_px: tuple[float, float]) -> None:
+    now, first = places(growth)
+    anchors = seen([picture(1.0), np.zeros((480, 640), np.uint8), picture(growth)])
+    aside, found = anchors.aside_px(flow_of(now, first + error_px, 2), np.arange(len(now)), np.full(len(now), growth))
+    assert found.mean() > 0.9
+    assert np.median(np.hypot(*(aside[found] + error_px).T)) < 0.08
+
+
+def test_some_points_alone_are_looked_for() -> None:
+    now, first = places(1.2)
+    rows = np.array([3, 17, 30])
+    aside, found = seen([picture(1.0), picture(1.2)]).aside_px(flow_of(now, first, 1), rows, np.full(3, 1.2))
+    assert aside.shape == (3, 2)
+    assert found.all()
+    assert np.abs(aside).max() < 0.3
+
+
+def test_what_is_seen_there_is_another_thing() -> None:
+    now, first = places(1.2)
+    other = np.ascontiguousarray(picture(1.0)[::-1])
+    aside, found = seen([other, picture(1.2)]).aside_px(flow_of(now, first, 1), np.arange(40), np.full(40, 1.2))
+    assert np.all(np.hypot(*aside[found].T) < FARTHEST_PX)
+    assert np.median(np.hypot(*aside[found].T)) > 0.5, "no frame confirms the tracks by chance"
+
+
+def test_a_frame_that_is_remembered_no_more_tells_nothing() -> None:
+    now, first = places(1.0)
+    anchors = seen([picture(1.0)] * 4, remembered=2)
+    flow = flow_of(now, first, 3)
+    flow.age_frames[::2] = 2
+    _, found = anchors.aside_px(flow, np.arange(40), np.ones(40))
+    assert not found[1::2].any()
+    assert found[::2].all()
+
+
+def test_places_are_undistorted_and_frames_are_not() -> None:
+    camera, error_px = Camera(k1=-0.12, k2=0.02), np.array([0.7, 0.0])
+    now, first = places(1.0)
+    flow = flow_of(undistort(camera, now), undistort(camera, first + error_px), 1)
+    aside, found = seen([picture(1.0)] * 2, camera).aside_px(flow, np.arange(40), np.ones(40))
+    expected = undistort(camera, first) - undistort(camera, first + error_px)
+    assert np.median(np.hypot(*(aside - expected)[found].T)) < 0.08
+
+
+def test_depths_are_those_of_the_first_sightings_that_were_found() -> None:
+    """Every other point of a body is found where it truly was, and its depth is known the better."""
+    drive, found = Drive(np.concatenate([body(40.0, 0.6, 1.6, 1.3, 30), road_points(60)]), noise_px=0.4), tracker()
+    flow = None
+    for frame in range(240):
+        flow = drive.flow(frame)
+    assert flow is not None
+    depth_m, body_rows = 40.0 - flow.pose[0] - CAMERA.forward_m, flow.identity < 30
+    exact = Drive(drive.scene, noise_px=0.0)
+    truth = {int(i): px for i, px in zip(*_firsts(exact, flow), strict=True)}
+    asked: list[Integers] = []
+
+    def match(rows: Integers, growth: Floats) -> tuple[Floats, Bools]:
+        asked.append(rows)
+        assert growth == pytest.approx(1.0 + np.hypot(*(flow.pose - flow.first_pose[rows])[:, :2].T) / depth_m, rel=0.4)
+        aside = np.array([truth[int(i)] for i in flow.identity[rows]]) - flow.first_px[rows]
+        return aside, flow.identity[rows] % 2 == 0
+
+    chained, matched = found.triangulate(flow), found.triangulate(flow, match)
+    even = body_rows & (flow.identity % 2 == 0) & np.isin(np.arange(len(flow)), asked[0])
+    assert np.count_nonzero(even) > 8
+    assert np.abs(matched.depth_m - depth_m)[even].mean() < 0.7 * np.abs(chained.depth_m - depth_m)[even].mean()
+    assert np.all(matched.sigma_m[even] < chained.sigma_m[even])
+    assert matched.depth_m[~even] == pytest.approx(chained.depth_m[~even], nan_ok=True)
+
+
+def _firsts(drive: Drive, flow: Flow) -> tuple[Integers, Floats]:
+    """Identities of the flow's points, and where they truly were at their first sightings."""
+    places_m = [
+        vehicle_from_world(drive.scene[i, :2], pose) for i, pose in zip(flow.identity, flow.first_pose, strict=True)
+    ]
+    return flow.identity, project(CAMERA, np.column_stack([np.array(places_m), drive.scene[flow.identity, 2]]))
