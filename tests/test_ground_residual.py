@@ -200,7 +200,8 @@ def suspected(sightings: list[tuple[float, bool, bool]], step_m: float = SPEED_M
     book, found = SpotBook(SpotConfig(), lambda: 0, near_m=6.5), []
     for k, (place, sure, cut) in enumerate(sightings):
         pose = np.array([k * step_m, 0.0, 0.0])
-        book.record([Spot(place, -0.4, 0.4, 4.0, sure, cut)] if np.isfinite(place) else [], pose)
+        gain = SpotConfig().usual_gain if sure else 4.0
+        book.record([Spot(place, -0.4, 0.4, gain, sure, cut)] if np.isfinite(place) else [], pose)
         found.append((len(book.suspects(pose)), len(book.bodies(pose))))
     return found
 
@@ -249,6 +250,27 @@ def test_a_suspicion_ends_with_the_looks_that_do_not_show_it_but_not_where_none_
     assert [one for one, _ in suspected(near)] == [0, *[1] * 13, 0], "until the car is there"
 
 
+@pytest.mark.parametrize(("gain", "looks"), [(6.0, 6), (12.0, 3), (60.0, 2)])
+def test_the_fainter_a_spot_the_more_looks_it_takes(gain: float, looks: int) -> None:
+    book, step = SpotBook(SpotConfig(way_m=0.5), lambda: 0), SPEED_MPS / LOOKS_HZ
+    for k in range(looks):
+        pose = np.array([k * step, 0.0, 0.0])
+        assert not len(book.bodies(pose))
+        book.record([Spot(12.0 - k * step, -0.4, 0.4, gain)], pose)
+    assert len(book.bodies(pose)) == 1
+
+
+@pytest.mark.parametrize(("height_m", "believed"), [(0.0, True), (0.9, False)])
+def test_what_comes_nearer_by_less_than_the_way_is_mirrored(height_m: float, believed: bool) -> None:
+    """What stands 0.9 m high at D is seen in the road at D h / (h + 0.9), h that of the camera."""
+    book, height, numbers = SpotBook(SpotConfig(), lambda: next(numbers)), 1.4, iter(range(9))
+    share = height / (height + height_m)
+    for way in np.arange(0.0, 8.0, SPEED_MPS / LOOKS_HZ).tolist():
+        pose = np.array([way, 0.0, 0.0])
+        book.record([Spot(0.8 + share * (14.0 / share - way), -0.4, 0.4, 30.0)], pose)
+    assert (len(book.bodies(pose)) > 0) == believed
+
+
 def test_a_drop_is_not_suspected_either() -> None:
     assert not any(one for one, _ in suspected([(8.0, True, False)] * 30))
 
@@ -289,9 +311,9 @@ def test_where_spots_flash_up_everywhere_it_takes_more_looks(flashes: int, hits:
     rng, numbers = stream(33, "flashes"), iter(range(50))
     book, step = SpotBook(SpotConfig(), lambda: next(numbers)), SPEED_MPS / LOOKS_HZ
     for k in range(60):
-        spots = [Spot(float(place), -2.4, -2.0, 25.0) for place in rng.uniform(7.0, 30.0, flashes)]
+        spots = [Spot(float(place), -2.4, -2.0, 12.0) for place in rng.uniform(7.0, 30.0, flashes)]
         if k >= 40:
-            spots.append(Spot(13.0 - (k - 40) * step, 0.6, 1.4, 25.0))
+            spots.append(Spot(13.0 - (k - 40) * step, 0.6, 1.4, 12.0))
         book.record(spots, np.array([k * step, 0.0, 0.0]))
         if np.any(book.bodies(np.array([k * step, 0.0, 0.0])).right_m > 1.0):
             break

@@ -9,6 +9,7 @@ from vpf_sim.geometry import distance_m, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.ground_residual import Spot
 from vpf_sim.types import Bools, Floats, Obstacles
 
+CUT_SHARE = 0.6  # of the way, by which a spot came nearer whose near end is cut off
 LEAST_WAY_M = 0.2  # without which nothing has come nearer: a standing car sees what sticks to the glass again
 
 
@@ -16,14 +17,17 @@ LEAST_WAY_M = 0.2  # without which nothing has come nearer: a standing car sees 
 class SpotConfig:
     """When a spot is believed: seen so often at one place of the world, over so long a way."""
 
-    hits: int = 3
+    hits: int = 3  # a sighting counts by its gain over this, and between these limits: mirror images gain 6 to 12 times
+    usual_gain: float = 12.0  # the noise, pallets 12 to 45 in hard rain, 30 to 130 in clear weather
+    counts: tuple[float, float] = (0.5, 1.5)
     more_hits: int = 4  # that it takes besides while spots flash up everywhere, as they do in rain:
     busy: float = 0.3  # that many new ones a look,
     busy_looks: float = 20.0  # on average over so many
     way_m: float = 1.0  # of the car between the first and the last sighting that told the place,
-    nearer_share: float = 0.6  # and by how much of it the spot came nearer: a drop on the glass does not
+    nearer_share: float = 0.9  # and by how much of it the spot came nearer: a drop on the glass does not, and what is
+    # mirrored by less than the way
     misses: int = 3  # in a row, after which one that is not believed is forgotten
-    along_m: float = 0.8  # sightings nearer than this
+    along_m: float = 0.7  # sightings nearer than this
     across_m: float = 0.6  # and this are of one spot
     newest: float = 0.4  # weight of the newest sighting for place and sides
     edge_m: float = 0.3  # inside the carriageway's edges
@@ -41,6 +45,10 @@ class SpotConfig:
     doubts: int = 2  # sightings, sure ones or not, until one that is not believed is suspected
 
     def __post_init__(self) -> None:
+        if not (self.usual_gain > 0.0 and 0.0 < self.counts[0] <= self.counts[1]):
+            raise ValueError(
+                f"usual_gain, counts: expected > 0 and 0 < first <= second, got {self.usual_gain}, {self.counts}"
+            )
         if not self.doubts > 0:
             raise ValueError(f"doubts: expected > 0, got {self.doubts}")
         if not self.least_seen_m > 0.0:
@@ -57,7 +65,8 @@ class _Candidate:
     width_m: float
     first_m: Floats  # (2,) of the car at the first sighting
     first_forward_m: float  # from the car then
-    hits: int  # sure ones
+    hits: float  # sure ones, each by its gain,
+    sure: int  # and their number
     sightings: int = 1
     told_m: float = 0.0  # way of the car from the first sighting to the last that told the place
     way_m: float = 0.0  # of the car from the first sighting to the last
@@ -103,7 +112,7 @@ class SpotBook:
 
     def _is_suspect(self, one: _Candidate) -> bool:
         doubts = self.config.doubts
-        shows_near = one.cut and one.way_m > LEAST_WAY_M and one.hits >= doubts
+        shows_near = one.cut and one.way_m > LEAST_WAY_M and one.sure >= doubts
         return shows_near or (one.came_nearer and one.sightings >= doubts)
 
     def _told(self, chosen: list[_Candidate], pose: Floats) -> Obstacles:
@@ -132,14 +141,21 @@ class SpotBook:
         if one is None:
             if not spot.cut:
                 place = world_from_vehicle(here, pose)
-                self._known.append(_Candidate(place, spot.width_m, pose[:2].copy(), spot.forward_m, int(spot.sure)))
+                hits, sure = self._count_of(spot), int(spot.sure)
+                self._known.append(_Candidate(place, spot.width_m, pose[:2].copy(), spot.forward_m, hits, sure))
             return
-        one.hits, one.sightings, one.misses, one.cut = one.hits + spot.sure, one.sightings + 1, 0, spot.cut
+        one.hits, one.sure, one.sightings = one.hits + self._count_of(spot), one.sure + spot.sure, one.sightings + 1
+        one.misses, one.cut = 0, spot.cut
         self._approach(one, spot, pose)
         if not spot.cut:
             self._place(one, spot, here, pose)
         if one.identity is None and self._stands(one):
             one.identity = self._next_identity()
+
+    def _count_of(self, spot: Spot) -> float:
+        """How much a sighting counts; 0 for one that is not sure."""
+        least, most = self.config.counts
+        return min(max(spot.gain / self.config.usual_gain, least), most) if spot.sure else 0.0
 
     def _stands(self, one: _Candidate) -> bool:
         """Whether it was seen often enough, over way enough, as what stands comes nearer."""
@@ -168,7 +184,8 @@ class SpotBook:
         """
         one.way_m = distance_m(pose[:2], one.first_m)
         nearer_m = one.first_forward_m - spot.forward_m
-        one.came_nearer = one.way_m > LEAST_WAY_M and nearer_m > self.config.nearer_share * one.way_m
+        share = min(self.config.nearer_share, CUT_SHARE) if spot.cut else self.config.nearer_share
+        one.came_nearer = one.way_m > LEAST_WAY_M and nearer_m > share * one.way_m
 
     @property
     def hits_needed(self) -> int:
