@@ -10,11 +10,15 @@ from collections import deque
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.geometry import distort, undistort
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
 
-FARTHEST_PX = 3.0  # from where the track says, that a window is found
+Singles = NDArray[np.float32]
+
+FARTHEST_PX = 1.2  # from where the track says, that a window is found
+RETURNS_PX = 0.3  # and so near to where it came from the way back must lead
 ITERATIONS, EPSILON_PX = 20, 0.01
 
 
@@ -34,7 +38,7 @@ class Anchors:
 
     def aside_px(self, flow: Flow, rows: Integers, growth: Floats) -> tuple[Floats, Bools]:
         """(n, 2) px from where some points of the flow are told to have been first to where what they show now was
-        then, and (n,) whether that was found. Their images have grown by `growth` (n,) since.
+        then, and (n,) whether that was found. Their images have grown by `growth` (n, 2) since, across and down.
         """
         age = flow.age_frames[rows]
         first = flow.first_px[rows]
@@ -46,15 +50,14 @@ class Anchors:
         place = np.zeros_like(picture)
         for back in np.unique(age[known]).tolist():
             seen = np.flatnonzero(age == back)
-            place[seen] = self._tiles(self._frames[-1 - back], then[seen], np.ones(len(seen)))
+            place[seen] = self._tiles(self._frames[-1 - back], then[seen], np.ones((len(seen), 2)))
         aside, found = self._aside(picture, place)
         return undistort(self._camera, then + aside) - first, found & known
 
     def _tiles(self, image: Image, centres_px: Floats, scale: Floats) -> Image:
-        """(n, side, side) the image about some places, `scale` (n,) of its pixels to one."""
+        """(n, side, side) the image about some places, `scale` (n, 2) of its pixels across and down to one."""
         side, count = self._side, len(centres_px)
-        steps = (scale[:, None] * self._offsets).astype(np.float32)
-        columns, rows = (centres_px[:, axis, None].astype(np.float32) + steps for axis in (0, 1))
+        columns, rows = (centres_px[:, :, None] + scale[:, :, None] * self._offsets).astype(np.float32).swapaxes(0, 1)
         shape = (count, side, side)
         x = np.ascontiguousarray(np.broadcast_to(columns[:, None, :], shape)).reshape(-1, side)
         y = np.ascontiguousarray(np.broadcast_to(rows[:, :, None], shape)).reshape(-1, side)
@@ -66,15 +69,23 @@ class Anchors:
         count, side = pictures.shape[:2]
         middle = np.full((count, 2), side // 2, np.float32)
         middle[:, 1] += side * np.arange(count, dtype=np.float32)
+        one, other = pictures.reshape(-1, side), places.reshape(-1, side)
+        moved, there = self._moved(one, other, middle)
+        back, again = self._moved(other, one, moved)
+        aside: Floats = (moved - middle).astype(np.float64)
+        found = there & again & (np.hypot(*(back - middle).T) < RETURNS_PX)
+        return aside, found & (np.hypot(*aside.T) < FARTHEST_PX)
+
+    def _moved(self, before: Image, after: Image, points_px: Singles) -> tuple[Singles, Bools]:
+        """(n, 2) where points have gone from one picture to the other, and (n,) whether they were found."""
         moved, status, _ = cv2.calcOpticalFlowPyrLK(
-            pictures.reshape(-1, side),
-            places.reshape(-1, side),
-            middle,
-            middle.copy(),
+            before,
+            after,
+            points_px,
+            points_px.copy(),
             winSize=(self._window_px, self._window_px),
             maxLevel=0,
             criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, ITERATIONS, EPSILON_PX),
             flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
-        aside: Floats = (moved - middle).astype(np.float64)
-        return aside, (status.ravel() == 1) & (np.hypot(*aside.T) < FARTHEST_PX)
+        return moved.astype(np.float32, copy=False), status.ravel() == 1

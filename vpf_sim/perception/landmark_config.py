@@ -6,21 +6,10 @@ from vpf_sim.perception.clearing import ClearingConfig
 from vpf_sim.perception.covered import CoverConfig
 from vpf_sim.perception.ground_residual import ResidualConfig
 from vpf_sim.perception.low import LowConfig
+from vpf_sim.perception.sharpened import AskedConfig
 from vpf_sim.perception.spots import SpotConfig
 from vpf_sim.perception.spread import SpreadConfig
 from vpf_sim.perception.triangulation import NoiseModel
-
-
-@dataclass(frozen=True, slots=True)
-class AskedConfig:
-    """Which points are matched with the frame of their first sighting: all that their tracks let stand on the road."""
-
-    far_m: float = 32.0  # of depth
-    aside_m: float = 10.0
-    least_height_m: float = 0.03
-    most_height_m: float = 2.5
-    chi2_limit: float = 30.0  # of a point against its own depth
-    chi2_margin: float = 5.0  # by which the road must fit worse
 
 
 @dataclass(frozen=True, slots=True)

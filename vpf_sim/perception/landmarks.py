@@ -1,7 +1,6 @@
 """Bodies on the road: followed points that stand above it, kept in the world until the car has passed them."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -17,13 +16,13 @@ from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.low import is_low, off_lines
 from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings, among, frames
 from vpf_sim.perception.outlines import from_here, none, together
+from vpf_sim.perception.sharpened import Match, sharpened
 from vpf_sim.perception.spots import SpotBook, in_sight
 from vpf_sim.perception.spread import Spread
 from vpf_sim.perception.triangulation import Triangulation, triangulate
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
 
 SLOWEST_MPS = 1.0  # own speed, below which what passed by the road ahead earlier is not looked for
-Match = Callable[[Integers, Floats], tuple[Floats, Bools]]  # `perception.anchors.Anchors.aside_px` of a flow
 
 
 class LandmarkTracker:
@@ -61,27 +60,16 @@ class LandmarkTracker:
     def triangulate(self, flow: Flow, match: Match | None = None) -> Triangulation:
         """The points of the flow, as if all of them stood; those that may stand on the road by a match of what they
         show with the frame of their first sighting, where that is at hand."""
-        age_s = flow.age_frames / self.rate_hz
-        points = triangulate(flow, self.camera, self.config.window_px, age_s, self.config.noise)
-        if match is None or not len(rows := np.flatnonzero(self._may_stand(flow, points)).astype(np.int64)):
+        config, age_s = self.config, flow.age_frames / self.rate_hz
+        points = triangulate(flow, self.camera, config.window_px, age_s, config.noise)
+        if match is None:
             return points
-        way = np.hypot(*(flow.pose[:2] - flow.first_pose[rows, :2]).T)
-        aside, found = match(rows, 1.0 + way / points.depth_m[rows])
-        rows, aside = rows[found], aside[found]
-        first = flow.first_px.copy()
-        first[rows] += aside
-        age_s[rows] = 0.0
-        return triangulate(replace(flow, first_px=first), self.camera, self.config.window_px, age_s, self.config.noise)
-
-    def _may_stand(self, flow: Flow, points: Triangulation) -> Bools:
-        """(N,) points that stand above the road, or seem to, by their chained tracks."""
-        config = self.config.asked
-        with np.errstate(invalid="ignore"):
-            asked = (points.depth_m > self.config.near_m) & (points.depth_m < config.far_m)
-            asked &= (points.height_m > config.least_height_m) & (points.height_m < config.most_height_m)
-            asked &= (np.abs(points.right_m) < config.aside_m) & (points.chi2 < config.chi2_limit)
-            asked &= points.chi2_ground - points.chi2 > config.chi2_margin
-        return asked | (among(flow.identity, self._marks.identity) & (points.depth_m > self.config.near_m))
+        asked = config.asked.asked(points)
+        rows = np.flatnonzero(asked).astype(np.int64)
+        if not len(rows):
+            return points
+        noise = (self.camera, config.window_px, age_s, config.noise)
+        return sharpened(flow, points, rows, match, *noise, config.asked.road_m)
 
     def update(
         self,

@@ -10,12 +10,13 @@ from vpf_sim.perception.anchors import Anchors
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.expansion import Derotated
 from vpf_sim.perception.flow import FlowTracker, grey
-from vpf_sim.perception.landmarks import LandmarkTracker, Match
+from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.marks import among
 from vpf_sim.perception.movers import MoverTracker
 from vpf_sim.perception.outlines import carried, from_here
 from vpf_sim.perception.road_edges import RoadEdgeTracker
 from vpf_sim.perception.second_look import SecondLook
+from vpf_sim.perception.sharpened import Match
 from vpf_sim.perception.steadiness import Steadiness
 from vpf_sim.planning.gradient_line import GradientLine
 from vpf_sim.planning.valley import Valley
