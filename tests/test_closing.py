@@ -23,7 +23,7 @@ def watch(drive: Drive, seconds: float, known: int = 0) -> list[Obstacles]:
         flow = drive.flow(frame)
         if frame % LOOK_FRAMES == 0:
             closing.look(flow, landmarks.triangulate(flow), drive.road, SPEED_MPS, flow.identity >= known)
-            told.append(closing.obstacles(SPEED_MPS, NONE))
+            told.append(closing.obstacles(flow.pose, SPEED_MPS, NONE))
     return told
 
 
@@ -70,7 +70,7 @@ def test_an_alarm_outlasts_a_moment_without_tracks() -> None:
         if frame % LOOK_FRAMES == 0:
             free = np.full(len(flow), frame < last)
             closing.look(flow, landmarks.triangulate(flow), drive.road, SPEED_MPS, free)
-            places.append(closing.obstacles(SPEED_MPS, NONE).forward_m)
+            places.append(closing.obstacles(flow.pose, SPEED_MPS, NONE).forward_m)
     held = places[last // LOOK_FRAMES + 5]
     assert held == pytest.approx([14.0 - SPEED_MPS * (last + 5 * LOOK_FRAMES) / RATE_HZ], abs=0.6)
     assert len(places[-1]) == 0
@@ -83,8 +83,12 @@ def test_what_is_known_already_is_not_told_again() -> None:
         flow = drive.flow(frame)
         if frame % LOOK_FRAMES == 0:
             closing.look(flow, landmarks.triangulate(flow), drive.road, SPEED_MPS, np.ones(len(flow), np.bool_))
-    told = closing.obstacles(SPEED_MPS, NONE)
+    pose = flow.pose
+    told = closing.obstacles(pose, SPEED_MPS, NONE)
     assert len(told) == 1
-    assert len(closing.obstacles(SPEED_MPS, told)) == 0
+    assert len(closing.obstacles(pose, SPEED_MPS, told)) == 0
     beside = replace(told, left_m=told.left_m + 4.0, right_m=told.right_m + 4.0)
-    assert len(closing.obstacles(SPEED_MPS, beside)) == 1
+    assert len(closing.obstacles(pose, SPEED_MPS, beside)) == 1
+    turned = closing.obstacles(pose + np.array([0.0, 0.0, 0.2]), SPEED_MPS, NONE)
+    assert np.hypot(turned.forward_m, turned.middle_m) == pytest.approx(np.hypot(told.forward_m, told.middle_m))
+    assert turned.middle_m / turned.forward_m == pytest.approx(np.tan(np.arctan2(told.middle_m, told.forward_m) - 0.2))

@@ -49,9 +49,9 @@ def test_what_is_painted_or_mirrored_is_no_pallet(height_m: float) -> None:
     assert first_gap_m(approach(pallet(0.3, height_m))) == -np.inf
 
 
-@pytest.mark.parametrize(("texture", "told"), [(13.0, False), (21.0, True)])
-def test_the_grain_of_asphalt_makes_no_pallet(texture: float, told: bool) -> None:
-    """It has up to 13 grey levels^2 / px^2, points by which pallets ahead are told first 21 and more."""
+@pytest.mark.parametrize(("texture", "told"), [(13.0, False), (23.0, False), (33.0, True)])
+def test_neither_asphalt_nor_ends_of_dashes_make_a_pallet(texture: float, told: bool) -> None:
+    """Asphalt has up to 13 grey levels^2 / px^2, 3 of 4 ends of dashes up to 23, 95 of 100 points of pallets over 30."""
     assert (first_gap_m(approach(pallet(0.3), structure=texture * np.eye(2))) > 4.0) == told
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.marks import Integers
+from vpf_sim.perception.outlines import from_here, none
 from vpf_sim.perception.quantiles import median
 from vpf_sim.perception.triangulation import Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
@@ -45,16 +46,15 @@ class Closing:
     def __init__(self, camera: Camera, config: ClosingConfig, look_s: float) -> None:
         self.camera, self.config, self.look_s = camera, config, look_s
         self._alarm_s = 0.0  # for how long; negative: since when not
-        self._body: Floats | None = None  # depth, left, right
-        self._way_m = 0.0
+        self._body: Obstacles | None = None
+        self._seen_from: Floats = np.zeros(3)
 
     def look(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float, free: Bools) -> None:
         """One look, at those of the points that are `free` (N,): of no body that is known to move."""
         found = self._cluster(self._alarming(flow, points, road, speed_mps) & free, flow, points)
-        self._way_m += speed_mps * self.look_s
         if found is not None:
             self._alarm_s = max(self._alarm_s, 0.0) + self.look_s
-            self._body, self._way_m = found, 0.0
+            self._body, self._seen_from = found, flow.pose
         else:
             self._alarm_s = min(self._alarm_s, 0.0) - self.look_s if self.alarms else 0.0
         if self._alarm_s < -self.config.hold_s:
@@ -65,15 +65,13 @@ class Closing:
         """Whether there is an alarm, or was a moment ago."""
         return self._body is not None and (self._alarm_s >= self.config.after_s or self._alarm_s < 0.0)
 
-    def obstacles(self, speed_mps: float, known: Obstacles) -> Obstacles:
-        """None or one: what is met soon and is not known, in the axes of the vehicle, as if it stood."""
-        depth, left, right = self._body if self._body is not None else (0.0, 0.0, 0.0)
-        place = self.camera.forward_m + depth - self._way_m
-        count = int(self.alarms and not self._is_known(known, place, left, right))
-        forward = np.full(count, place)
-        ttc = forward / max(speed_mps, 0.1)
-        sigma = np.full(count, self.config.agree_ratio * depth)
-        return Obstacles(forward, np.full(count, left), np.full(count, right), sigma, ttc, np.full(count, IDENTITY))
+    def obstacles(self, pose: Floats, speed_mps: float, known: Obstacles) -> Obstacles:
+        """None or one: what is met soon and is not known, in the axes of the vehicle at `pose`, as if it stood."""
+        if self._body is None or not self.alarms:
+            return none()
+        body = from_here(self._body, self._seen_from, pose, speed_mps)
+        place, left, right = (float(part[0]) for part in (body.forward_m, body.left_m, body.right_m))
+        return none() if self._is_known(known, place, left, right) else body
 
     def _is_known(self, known: Obstacles, forward_m: float, left_m: float, right_m: float) -> bool:
         """Whether one of the bodies stands before it in the line of sight, or no farther behind than it may err."""
@@ -104,8 +102,8 @@ class Closing:
         alarming: Bools = soon & (way > config.least_baseline_m) & ~flow.stuck
         return alarming
 
-    def _cluster(self, alarming: Bools, flow: Flow, points: Triangulation) -> Floats | None:
-        """Depth, left and right m of most of the alarming points, if they agree and are a body's in size."""
+    def _cluster(self, alarming: Bools, flow: Flow, points: Triangulation) -> Obstacles | None:
+        """The body that most of the alarming points make, if they agree and are a body's in size."""
         config = self.config
         chosen: Integers = np.flatnonzero(alarming).astype(np.int64)
         if len(chosen) < config.least_points:
@@ -120,4 +118,6 @@ class Closing:
         height = pixels[:, 1] / (self.camera.fy_px * middle)
         if np.ptp(across) < config.least_width_m or np.ptp(height) < config.least_height_m:
             return None
-        return np.array([1.0 / middle, across.min(), across.max()])
+        face, sides = self.camera.forward_m + 1.0 / middle, np.array([[across.min()], [across.max()]])
+        one, sigma = np.ones(1), np.full(1, config.agree_ratio / middle)
+        return Obstacles(face * one, *sides, sigma, np.inf * one, np.full(1, IDENTITY))

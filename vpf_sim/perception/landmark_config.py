@@ -42,7 +42,7 @@ class LandmarkConfig:
     single_depth_ratio: tuple[float, float] = (0.035, 0.07)  # known so well or so badly
     single_min_height_m: tuple[float, float] = (0.35, 0.45)  # at such a height: ends of dashes seem to stand 0.3 m high
     single_max_height_m: float = 1.1
-    single_far_m: float = 20.0
+    single_far_m: float = 14.0
     recent_px: float = 0.3  # largest error of the motion in the last window, plus
     recent_ratio: float = 0.05  # this share of its length
     edge_margin_m: float = 0.3  # inside the carriageway's edges
@@ -55,7 +55,7 @@ class LandmarkConfig:
     high_share: float = 0.5  # but corners so clear as to be trusted beside an edge line count for so much of one
     link_right_m: float = 1.0  # points nearer than this belong to one body
     link_forward_m: float = 2.0
-    face_sigma_m: float = 0.65  # a body is told once its face is known so well
+    face_sigma_m: float = 0.5  # a body is told once its face is known so well
     told_m: float = 21.0  # and so near, from the pose: depth errs with the square of the distance
     sharp_side_m: float = 0.12  # points with a smaller sigma across count for the sides, or those near the best
     outdated_share: float = 0.75  # parts come nearer to than this share of their depth, and not seen again, are none

@@ -26,11 +26,14 @@ class LowConfig:
     edge_m: float = 0.4  # the same of the edge lines
     link_right_m: float = 0.9  # points nearer than this belong to one body
     link_forward_m: float = 1.4
-    least_texture: float = 15.0  # small eigenvalue, grey levels^2 / px^2: asphalt has 5 to 13, and slides
+    least_texture: float = (
+        25.0  # small eigenvalue, grey levels^2 / px^2: asphalt has 5 to 13, and slides, ends of dashes
+    )
+    # have 15 to 30, what stands 33 and more
     least_points: int = 2
     least_margin: float = 60.0  # sum over the points of a body, of which one adds
     most_margin: float = 100.0  # at most this
-    single_margin: float = 80.0  # one alone needs this,
+    single_margin: float = 150.0  # one alone needs this,
     single_texture: float = 30.0  # a corner so clear (small eigenvalue, grey levels^2 / px^2): asphalt slides
     single_hits_s: float = 0.3  # and so long
     least_width_m: float = 0.6  # a body is told no narrower

@@ -114,7 +114,7 @@ class MoverTracker:
         """All bodies in the axes of the vehicle: the `standing`, the moving, whose identities are negative, and what is
         met soon and is none of these."""
         known = together(standing, self.moving(pose, speed_mps))
-        return together(known, self._closing.obstacles(speed_mps, known))
+        return together(known, self._closing.obstacles(pose, speed_mps, known))
 
     def moving(self, pose: Floats, speed_mps: float) -> Obstacles:
         """Those believed to move, in the axes of the vehicle; their identities are negative."""
