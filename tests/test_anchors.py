@@ -114,13 +114,13 @@ def test_depths_are_those_of_the_first_sightings_that_were_found() -> None:
 
     def match(rows: Integers, growth: Floats) -> tuple[Floats, Bools]:
         asked.append(rows)
-        if len(asked) == 1:  # as if all stood
-            way_m = np.hypot(*(flow.pose - flow.first_pose[rows])[:, :2].T)
-            assert growth == pytest.approx(np.tile(1.0 + way_m / depth_m, (2, 1)).T, rel=0.4)
+        way_m, once = np.hypot(*(flow.pose - flow.first_pose[rows])[:, :2].T), len(np.unique(rows))
+        assert growth[:once] == pytest.approx(np.tile(1.0 + way_m[:once] / depth_m, (2, 1)).T, rel=0.4)
+        assert growth[once:, 1] == pytest.approx(growth[once:, 0] ** 2), "as if they lay on the road"
         aside = np.array([truth[int(i)] for i in flow.identity[rows]]) - flow.first_px[rows]
         return aside, flow.identity[rows] % 2 == 0
 
-    chained, matched = found.triangulate(flow), found.triangulate(flow, match)
+    chained, matched = found.triangulate(flow), found.triangulate(flow, drive.road, match)
     even = body_rows & (flow.identity % 2 == 0) & np.isin(np.arange(len(flow)), asked[0])
     assert np.count_nonzero(even) > 8
     assert np.abs(matched.depth_m - depth_m)[even].mean() < 0.7 * np.abs(chained.depth_m - depth_m)[even].mean()

@@ -51,7 +51,7 @@ def test_what_is_painted_or_mirrored_is_no_pallet(height_m: float) -> None:
 
 @pytest.mark.parametrize(("texture", "told"), [(13.0, False), (23.0, False), (33.0, True)])
 def test_neither_asphalt_nor_ends_of_dashes_make_a_pallet(texture: float, told: bool) -> None:
-    """Asphalt has up to 13 grey levels^2 / px^2, 3 of 4 ends of dashes up to 23, 95 of 100 points of pallets over 30."""
+    """Asphalt has up to 13 grey levels^2 / px^2, 3 of 4 ends of dashes up to 23, most points of pallets over 30."""
     assert (first_gap_m(approach(pallet(0.3), structure=texture * np.eye(2))) > 4.0) == told
 
 

@@ -137,6 +137,12 @@ class Flow:
     def __len__(self) -> int:
         return len(self.points_px)
 
+    def chosen(self, rows: Integers) -> "Flow":
+        """Some of the points, (n,) by their rows."""
+        names = ("points_px", "displacement_px", "gap_s", "past_pose", "identity", "first_px", "first_pose")
+        some = {name: getattr(self, name)[rows] for name in (*names, "age_frames", "structure", "stuck")}
+        return Flow(pose=self.pose, covered=self.covered, **some)
+
 
 @dataclass(frozen=True, slots=True)
 class Expansion:

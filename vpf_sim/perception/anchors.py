@@ -6,8 +6,6 @@ C. Tomasi, CVPR 1994, doi 10.1109/CVPR.1994.323794, who compare with the first f
 Of bodies 16 to 20 m ahead half of the depths lay within 0.7 m of the truth by the chained tracks, within 0.3 m so.
 """
 
-from collections import deque
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -23,55 +21,57 @@ ITERATIONS, EPSILON_PX = 20, 0.01
 
 
 class Anchors:
-    """Remembers the last frames."""
+    """Remembers the last frames, one below the other in one picture."""
 
     def __init__(self, camera: Camera, window_px: int, frames: int) -> None:
         self._camera = camera
         self._window_px = window_px
-        self._frames: deque[Image] = deque(maxlen=frames + 1)  # newest last
-        self._side = 2 * (window_px // 2 + round(FARTHEST_PX) + 1) + 1  # of a point's tile
+        self._frames: Image = np.zeros((frames + 1, camera.height_px, camera.width_px), np.uint8)
+        self._count = 0  # of frames so far
+        self._side = 2 * (window_px // 2 + round(FARTHEST_PX) + 2) + 1  # of a point's tile
         self._offsets = (np.arange(self._side) - self._side // 2).astype(np.float32)
 
     def note(self, image: Image) -> None:
         """The next grey (H, W) frame of the flow."""
-        self._frames.append(image)
+        self._frames[self._count % len(self._frames)] = image
+        self._count += 1
 
     def aside_px(self, flow: Flow, rows: Integers, growth: Floats) -> tuple[Floats, Bools]:
         """(n, 2) px from where some points of the flow are told to have been first to where what they show now was
         then, and (n,) whether that was found. Their images have grown by `growth` (n, 2) since, across and down.
         """
-        age = flow.age_frames[rows]
-        first = flow.first_px[rows]
-        known = age < len(self._frames)
-        if not known.any():
-            return np.zeros_like(first), known
+        age, first = flow.age_frames[rows], flow.first_px[rows]
+        known = age < min(self._count, len(self._frames))
         now, then = (distort(self._camera, px) for px in (flow.points_px[rows], first))
-        picture = self._tiles(self._frames[-1], now, growth)
-        place = np.zeros_like(picture)
-        for back in np.unique(age[known]).tolist():
-            seen = np.flatnonzero(age == back)
-            place[seen] = self._tiles(self._frames[-1 - back], then[seen], np.ones((len(seen), 2)))
+        picture = self._tiles(np.zeros_like(age), now, growth)
+        place = self._tiles(np.where(known, age, 0), then, np.ones_like(growth))
         aside, found = self._aside(picture, place)
         return undistort(self._camera, then + aside) - first, found & known
 
-    def _tiles(self, image: Image, centres_px: Floats, scale: Floats) -> Image:
-        """(n, side, side) the image about some places, `scale` (n, 2) of its pixels across and down to one."""
-        side, count = self._side, len(centres_px)
-        columns, rows = (centres_px[:, :, None] + scale[:, :, None] * self._offsets).astype(np.float32).swapaxes(0, 1)
-        shape = (count, side, side)
-        x = np.ascontiguousarray(np.broadcast_to(columns[:, None, :], shape)).reshape(-1, side)
-        y = np.ascontiguousarray(np.broadcast_to(rows[:, :, None], shape)).reshape(-1, side)
-        tiles = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return tiles.reshape(shape).astype(np.uint8, copy=False)
+    def _tiles(self, age_frames: Integers, centres_px: Floats, scale: Floats) -> Image:
+        """(n * side, side) the frames so old about some places, `scale` (n, 2) of their pixels across, down to one."""
+        side, (slots, height, width) = self._side, self._frames.shape
+        across, down = (centres_px[:, :, None] + scale[:, :, None] * self._offsets).swapaxes(0, 1)
+        down = (
+            np.minimum(np.maximum(down, 0.0), height - 1.0)
+            + (height * ((self._count - 1 - age_frames) % slots))[:, None]
+        )
+        shape = (len(age_frames), side, side)
+        x, y = np.empty(shape, np.float32), np.empty(shape, np.float32)
+        x[:], y[:] = across[:, None, :], down[:, :, None]
+        picture = self._frames.reshape(-1, width)
+        tiles = cv2.remap(
+            picture, x.reshape(-1, side), y.reshape(-1, side), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        return tiles.astype(np.uint8, copy=False)
 
     def _aside(self, pictures: Image, places: Image) -> tuple[Floats, Bools]:
         """(n, 2) px from the middle of each place to what the middle of its picture shows, and (n,) whether it does."""
-        count, side = pictures.shape[:2]
-        middle = np.full((count, 2), side // 2, np.float32)
-        middle[:, 1] += side * np.arange(count, dtype=np.float32)
-        one, other = pictures.reshape(-1, side), places.reshape(-1, side)
-        moved, there = self._moved(one, other, middle)
-        back, again = self._moved(other, one, moved)
+        side = self._side
+        middle = np.full((len(pictures) // side, 2), side // 2, np.float32)
+        middle[:, 1] += side * np.arange(len(middle), dtype=np.float32)
+        moved, there = self._moved(pictures, places, middle)
+        back, again = self._moved(places, pictures, moved)
         aside: Floats = (moved - middle).astype(np.float64)
         found = there & again & (np.hypot(*(back - middle).T) < RETURNS_PX)
         return aside, found & (np.hypot(*aside.T) < FARTHEST_PX)

@@ -118,6 +118,6 @@ class Closing:
         height = pixels[:, 1] / (self.camera.fy_px * middle)
         if np.ptp(across) < config.least_width_m or np.ptp(height) < config.least_height_m:
             return None
-        face, sides = self.camera.forward_m + 1.0 / middle, np.array([[across.min()], [across.max()]])
-        one, sigma = np.ones(1), np.full(1, config.agree_ratio / middle)
-        return Obstacles(face * one, *sides, sigma, np.inf * one, np.full(1, IDENTITY))
+        face, sigma = self.camera.forward_m + 1.0 / middle, config.agree_ratio / middle
+        forward, left, right, sigma_m, ttc = np.array([[face], [across.min()], [across.max()], [sigma], [np.inf]])
+        return Obstacles(forward, left, right, sigma_m, ttc, np.full(1, IDENTITY))

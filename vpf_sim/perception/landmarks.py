@@ -1,6 +1,8 @@
 """Bodies on the road: followed points that stand above it, kept in the world until the car has passed them."""
 
 from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -57,19 +59,23 @@ class LandmarkTracker:
         self._spread = Spread(config.spread, judged_hz)
         self._refuted: Integers = np.empty(0, np.int64)  # identities of bodies in whose place the road was seen
 
-    def triangulate(self, flow: Flow, match: Match | None = None) -> Triangulation:
+    def triangulate(self, flow: Flow, road: RoadEdges | None = None, match: Match | None = None) -> Triangulation:
         """The points of the flow, as if all of them stood; those that may stand on the road by a match of what they
         show with the frame of their first sighting, where that is at hand."""
-        config, age_s = self.config, flow.age_frames / self.rate_hz
-        points = triangulate(flow, self.camera, config.window_px, age_s, config.noise)
-        if match is None:
+        age_s = flow.age_frames / self.rate_hz
+        points = triangulate(flow, self.camera, self.config.window_px, age_s, self.config.noise)
+        if road is None or match is None:
             return points
-        asked = config.asked.asked(points)
-        rows = np.flatnonzero(asked).astype(np.int64)
+        rows = self.config.asked.asked(points, road, self.camera)
         if not len(rows):
             return points
-        noise = (self.camera, config.window_px, age_s, config.noise)
-        return sharpened(flow, points, rows, match, *noise, config.asked.road_m)
+        return sharpened(flow, points, rows, match, self.config.asked, partial(self._found, flow), self.camera)
+
+    def _found(self, flow: Flow, rows: Integers, aside_px: Floats) -> Triangulation:
+        """Some points of the flow, which were first seen aside of where it says, and found there from now."""
+        some = flow.chosen(rows)
+        some = replace(some, first_px=some.first_px + aside_px)
+        return triangulate(some, self.camera, self.config.window_px, np.zeros(len(rows)), self.config.noise)
 
     def update(
         self,

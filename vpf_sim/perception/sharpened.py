@@ -6,13 +6,15 @@ each point is matched as both, and has the depth of the one match, and chi2 with
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.triangulation import NoiseModel, Triangulation, triangulate
-from vpf_sim.types import Bools, Camera, Floats, Flow, Integers
+from vpf_sim.perception.carriageway import carriageway_offsets
+from vpf_sim.perception.triangulation import Triangulation
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 
+Again = Callable[[Integers, Floats], Triangulation]  # of rows of a flow, first seen aside of where it says
 Match = Callable[[Integers, Floats], tuple[Floats, Bools]]  # `perception.anchors.Anchors.aside_px` of a flow
 
 
@@ -22,7 +24,7 @@ class AskedConfig:
 
     near_m: float = 2.5  # of depth
     far_m: float = 32.0
-    aside_m: float = 10.0
+    edge_m: float = 1.0  # outside the carriageway
     least_height_m: float = 0.03
     most_height_m: float = 2.5
     chi2_limit: float = 30.0  # of a point against its own depth
@@ -33,45 +35,39 @@ class AskedConfig:
         if not 0.0 < self.near_m < self.far_m:
             raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
 
-    def asked(self, points: Triangulation) -> Bools:
-        """(N,) points that stand above the road, or seem to, by their chained tracks."""
+    def asked(self, points: Triangulation, road: RoadEdges, camera: Camera) -> Integers:
+        """(n,) rows of points that stand above the road, or seem to, by their chained tracks."""
         with np.errstate(invalid="ignore"):
             asked = (points.depth_m > self.near_m) & (points.depth_m < self.far_m)
             asked &= (points.height_m > self.least_height_m) & (points.height_m < self.most_height_m)
-            asked &= (np.abs(points.right_m) < self.aside_m) & (points.chi2 < self.chi2_limit)
-            return np.asarray(asked & (points.chi2_ground - points.chi2 > self.chi2_margin))
+            asked &= (points.chi2 < self.chi2_limit) & (points.chi2_ground - points.chi2 > self.chi2_margin)
+        rows = np.flatnonzero(asked).astype(np.int64)
+        left, right = carriageway_offsets(camera.forward_m + points.depth_m[rows], road)
+        aside = points.right_m[rows]
+        return rows[(aside > left - self.edge_m) & (aside < right + self.edge_m)]
 
 
 def sharpened(
-    flow: Flow,
-    points: Triangulation,
-    rows: Integers,
-    match: Match,
-    camera: Camera,
-    window_px: int,
-    age_s: Floats,
-    noise: NoiseModel,
-    road_m: float,
+    flow: Flow, points: Triangulation, rows: Integers, match: Match, config: AskedConfig, again: Again, camera: Camera
 ) -> Triangulation:
-    """The points of a flow, `age_s` (N,) old, with some `rows` of them matched with their first sightings."""
+    """The points of a flow with some `rows` of them, one at least, matched with their first sightings.
 
-    def matched(of: Integers, growth: Floats) -> tuple[Triangulation, Integers]:
-        """The points by a match of some of them, and which were found."""
-        aside, found = match(of, growth)
-        first, age = flow.first_px.copy(), age_s.copy()
-        first[of[found]] += aside[found]
-        age[of[found]] = 0.0
-        return triangulate(replace(flow, first_px=first), camera, window_px, age, noise), of[found]
-
+    `again` triangulates points of a flow that were found.
+    """
     way = np.hypot(*(flow.pose[:2] - flow.first_pose[rows, :2]).T)
     upright = 1.0 + way / points.depth_m[rows]
-    standing, _ = matched(rows, np.stack([upright, upright], axis=1))
     below = (flow.points_px[rows, 1] - camera.cy_px) / camera.fy_px + np.tan(camera.pitch_rad)
-    lies = below * road_m > camera.height_m
-    if not lies.any():
-        return standing
+    lies = np.flatnonzero(below * config.road_m > camera.height_m)
     across = 1.0 + way[lies] * below[lies] / camera.height_m
-    lying, found = matched(rows[lies], np.stack([across, across**2], axis=1))
-    chi2_ground = standing.chi2_ground.copy()
-    chi2_ground[found] = np.minimum(chi2_ground[found], lying.chi2_ground[found])
-    return replace(standing, chi2_ground=chi2_ground)
+    both = np.concatenate([rows, rows[lies]])
+    growth = np.concatenate([np.stack([upright, upright], axis=1), np.stack([across, across**2], axis=1)])
+    aside, found = match(both, growth)
+    if not found.any():
+        return points
+    matched, stands = again(both[found], aside[found]), np.flatnonzero(found) < len(rows)
+    result = {name: getattr(points, name).copy() for name in Triangulation.__slots__}
+    for name, values in result.items():
+        values[both[found][stands]] = getattr(matched, name)[stands]
+    lying = both[found][~stands]
+    result["chi2_ground"][lying] = np.minimum(result["chi2_ground"][lying], matched.chi2_ground[~stands])
+    return Triangulation(**result)

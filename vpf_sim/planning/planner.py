@@ -152,7 +152,7 @@ class Planner:
     ) -> Obstacles:
         """Those that stand, and those that move."""
         speed_mps, time_s = observation.speed_mps, observation.time_s
-        points = landmarks.triangulate(flow, match)
+        points = landmarks.triangulate(flow, road, match)
         if self._movers is None:
             return landmarks.update(flow, road, speed_mps, time_s, points)
         moving = self._movers.update(flow, points, road, speed_mps, time_s)
