@@ -8,7 +8,9 @@ from vpf_sim.evaluation.machine import profile
 
 def test_a_profile_has_the_promised_keys_and_all_stages() -> None:
     measured = profile.profile("town04-clean", "clear", steps=8)
-    assert measured.keys() == {"step_ms", "yardstick_ms", "step_ratio", "camera_ratio", "stages_ms"}
+    promised = {"step_ms", "yardstick_ms", "step_ratio", "camera_ratio", "stages_ms"}
+    assert measured.keys() == {*promised, "mean"}
+    assert measured["mean"].keys() == promised
     assert measured["stages_ms"].keys() == {*profile.STAGES, "hash"}
     assert measured["step_ratio"] == measured["step_ms"] / measured["yardstick_ms"]
     parts = sum(time for name, time in measured["stages_ms"].items() if "." not in name and name != "hash")

@@ -17,15 +17,21 @@ def profile(
     steps: StepsOption = 300,
     json: JsonOption = False,
 ) -> None:
-    """Time the step of the driver `vpf`, its stages and the yardstick: what each takes on average."""
+    """Time the step of the driver `vpf`, its stages and the yardstick."""
     from vpf_sim.evaluation.machine.profile import profile as measure
 
     measured = measure(scenario, weather, steps)
     if json:
         print_json(measured)
         return
-    yardstick_ms = measured["yardstick_ms"]
-    rows = [("step", measured["step_ms"]), ("yardstick", yardstick_ms), *measured["stages_ms"].items()]
-    cells = [(name, number(value_ms, 3), number(value_ms / yardstick_ms, 3)) for name, value_ms in rows]
-    print_table(("stage", "ms", "x yardstick"), cells)
-    print("\nThe parts of render and of bodies are inside them; hash runs on a helper thread.")
+    columns = [
+        {"step": times["step_ms"], "yardstick": times["yardstick_ms"], **times["stages_ms"]}
+        for times in (measured, measured["mean"])
+    ]
+    cells = [
+        (name, *(number(of, 3) for times in columns for of in (times[name], times[name] / times["yardstick"])))
+        for name in columns[0]
+    ]
+    print_table(("stage", "ms, median", "x yardstick", "ms a step, mean", "x yardstick"), cells)
+    print("\nMedians are over the steps in which a stage runs. The parts of render and of bodies are inside them; hash")
+    print("runs on a helper thread.")
