@@ -120,7 +120,8 @@ def test_depths_are_those_of_the_first_sightings_that_were_found() -> None:
         aside = np.array([truth[int(i)] for i in flow.identity[rows]]) - flow.first_px[rows]
         return aside, flow.identity[rows] % 2 == 0
 
-    chained, matched = found.triangulate(flow), found.triangulate(flow, drive.road, match)
+    chained = found.triangulate(flow)
+    matched = found.sharpened(flow, chained, drive.road, match)
     even = body_rows & (flow.identity % 2 == 0) & np.isin(np.arange(len(flow)), asked[0])
     assert np.count_nonzero(even) > 8
     assert np.abs(matched.depth_m - depth_m)[even].mean() < 0.7 * np.abs(chained.depth_m - depth_m)[even].mean()

@@ -157,7 +157,7 @@ def test_the_driver_goes_by_it() -> None:
         driver.act(one)
         plan = driver.trace()
         assert plan is not None
-        assert plan.perception.flow.pose == pytest.approx([other.x_m, other.y_m, other.yaw_rad])
+        assert plan.perception.pose == pytest.approx([other.x_m, other.y_m, other.yaw_rad])
     assert believed[-1] is not seen[-1]
 
 

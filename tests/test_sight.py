@@ -28,28 +28,29 @@ class Wall:
         return {name: truth[name] for name in names}
 
 
-def plan(displacement_px: Floats, ttc_s: float, frames: int = 2) -> Any:
-    """What a driver makes of a frame."""
+def plan(displacement_px: Floats, ttc_s: float, frames: int = 2, looks: bool = True) -> Any:
+    """What a driver makes of a frame, or carries on from an earlier one."""
     gap = np.full(len(POINTS), frames / RATE_HZ)
-    flow = SimpleNamespace(points_px=POINTS, displacement_px=displacement_px, gap_s=gap)
-    obstacles = np.empty(0)
-    seen = SimpleNamespace(flow=flow, ttc_s=np.full(len(POINTS), ttc_s), obstacles=obstacles)
+    looked_from = np.zeros(3) if looks else np.ones(3)
+    flow = SimpleNamespace(points_px=POINTS, displacement_px=displacement_px, gap_s=gap, pose=looked_from)
+    times = np.full(len(POINTS), ttc_s)
+    seen = SimpleNamespace(flow=flow, ttc_s=times, obstacles=np.empty(0), pose=np.zeros(3))
     return SimpleNamespace(perception=seen)
 
 
-def judged(displacement_px: Floats, ttc_s: float, frames: int = 2) -> dict[str, float]:
-    """The columns of the frame at 2 s, the first that is judged."""
+def judged(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0) -> dict[str, float]:
+    """The columns of the frame at 2 s, the first that is judged, or of one so much later that the driver looks at."""
     network = SimpleNamespace()
     ego = SimpleNamespace(road=SimpleNamespace(vehicles=[], objects=[]), place=(0.0, 0.0), position=np.zeros(2))
     ego.heading = 0.0
     wall = Wall()
     env = SimpleNamespace(renderer=wall, camera=CAMERA, rate_hz=RATE_HZ, ego=ego, road=SimpleNamespace(network=network))
     sight = Sight()
-    for k in range(40):
+    for k in range(40 + late):
         observation = Observation(np.zeros((1, 1, 3), np.uint8), k / RATE_HZ, k * STEP_M, 0.0, 0.0, 10.0, 0.0, (0, 0))
         sight.observe(observation, env)
-        found = sight.columns(plan(displacement_px, ttc_s, frames))
-        assert ("flow_error_px" in found) == (k == 39)
+        found = sight.columns(plan(displacement_px, ttc_s, frames, looks=not 39 <= k < 39 + late))
+        assert ("flow_error_px" in found) == (k == 39 + late)
     assert wall.asked == 1
     return found
 
@@ -61,8 +62,9 @@ def expansion(frames: int) -> Floats:
     return away
 
 
-def test_true_flow_and_true_times_have_no_error() -> None:
-    found = judged(expansion(2), ttc_s=DISTANCE_M / (STEP_M * RATE_HZ))
+@pytest.mark.parametrize("late", [0, 2])
+def test_true_flow_and_true_times_have_no_error(late: int) -> None:
+    found = judged(expansion(2), ttc_s=DISTANCE_M / (STEP_M * RATE_HZ), late=late)
     assert found["flow_error_px"] == pytest.approx(0.0, abs=1e-9)
     assert found["ttc_error"] == pytest.approx(0.0, abs=1e-6)
 

@@ -86,7 +86,7 @@ class Drive:
         told = []
         for frame in frames:
             flow = self.flow(frame)
-            points = tracker.triangulate(flow, self.road, match)
+            points = tracker.sharpened(flow, tracker.triangulate(flow), self.road, match)
             told.append(tracker.update(flow, self.road, SPEED_MPS, frame / RATE_HZ, points))
         return told
 

@@ -59,13 +59,14 @@ class LandmarkTracker:
         self._spread = Spread(config.spread, judged_hz)
         self._refuted: Integers = np.empty(0, np.int64)  # identities of bodies in whose place the road was seen
 
-    def triangulate(self, flow: Flow, road: RoadEdges | None = None, match: Match | None = None) -> Triangulation:
-        """The points of the flow, as if all of them stood; those that may stand on the road by a match of what they
-        show with the frame of their first sighting, where that is at hand."""
+    def triangulate(self, flow: Flow) -> Triangulation:
+        """The points of the flow by their chained tracks, as if all of them stood."""
         age_s = flow.age_frames / self.rate_hz
-        points = triangulate(flow, self.camera, self.config.window_px, age_s, self.config.noise)
-        if road is None or match is None:
-            return points
+        return triangulate(flow, self.camera, self.config.window_px, age_s, self.config.noise)
+
+    def sharpened(self, flow: Flow, points: Triangulation, road: RoadEdges, match: Match) -> Triangulation:
+        """The same, but those that may stand on the road by a match of what they show with the frame of their first
+        sighting."""
         rows = self.config.asked.asked(points, road, self.camera)
         if not len(rows):
             return points

@@ -152,12 +152,15 @@ class Planner:
     ) -> Obstacles:
         """Those that stand, and those that move."""
         speed_mps, time_s = observation.speed_mps, observation.time_s
-        points = landmarks.triangulate(flow, road, match)
-        if self._movers is None:
-            return landmarks.update(flow, road, speed_mps, time_s, points)
-        moving = self._movers.update(flow, points, road, speed_mps, time_s)
+        moving, points = None, landmarks.triangulate(flow)
+        if self._movers is not None:
+            moving = self._movers.update(flow, points, road, speed_mps, time_s)
+        if match is not None:
+            points = landmarks.sharpened(flow, points, road, match)
         standing = landmarks.update(flow, road, speed_mps, time_s, points, moving)
-        return self._movers.obstacles(flow.pose, speed_mps, standing) if self._movers.reports else standing
+        if self._movers is None or not self._movers.reports:
+            return standing
+        return self._movers.obstacles(flow.pose, speed_mps, standing)
 
     def plan(self, perception: Perception, observation: Observation) -> Plan:
         """Target, obstacle and road field, their sum, heading and speed reference."""
