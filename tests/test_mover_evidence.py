@@ -7,6 +7,7 @@ from vpf_sim.perception.mover_evidence import EvidenceConfig, Mirror, evidence
 from vpf_sim.types import Bools, Floats
 
 CONFIG = EvidenceConfig()
+WET = CONFIG.faint(1.0, 12.0)
 
 
 def points(
@@ -19,21 +20,22 @@ def points(
 
 
 def test_points_speak_by_their_count() -> None:
-    values = [evidence(*points(count, standing=4), 1.0, CONFIG) for count in (0, 1, 3, 8)]
+    values = [evidence(*points(count, standing=4), WET, CONFIG) for count in (0, 1, 3, 8)]
     assert values[0] == CONFIG.least
     assert values == sorted(values)
     assert values[-1] > 0.0
 
 
-@pytest.mark.parametrize("against", [{"standing": 10}, {"stray": 500}, {"contrast": -1.2}])
+@pytest.mark.parametrize("against", [{"standing": 10}, {"stray": 50}, {"contrast": -1.2}])
 def test_what_stands_what_is_stray_and_what_is_faint_speak_against(against: dict[str, float]) -> None:
-    assert evidence(*points(5), 1.0, CONFIG) > 0.0
-    assert evidence(*points(5, **against), 1.0, CONFIG) < 0.0  # type: ignore[arg-type]
+    alone = {"contrast": -0.6}
+    assert evidence(*points(5, **alone), WET, CONFIG) > 0.0
+    assert evidence(*points(5, **alone | against), WET, CONFIG) < 0.0  # type: ignore[arg-type]
 
 
 def test_points_that_both_readings_explain_weigh_little_and_those_outside_nothing() -> None:
     inside, moving, standing, contrast = points(6)
-    alone = evidence(inside, moving, standing, contrast, 1.0, CONFIG)
+    alone = evidence(inside, moving, standing, contrast, WET, CONFIG)
     both = np.concatenate([np.ones(3), np.full(6, 1.0)])
     more = (
         np.concatenate([np.ones(3, np.bool_), inside]),
@@ -41,23 +43,24 @@ def test_points_that_both_readings_explain_weigh_little_and_those_outside_nothin
         np.concatenate([np.ones(3), standing]),
         np.concatenate([np.full(3, -3.0), contrast]),
     )
-    assert alone - 1.0 <= evidence(*more, 1.0, CONFIG) <= alone
+    assert alone - 1.0 <= evidence(*more, WET, CONFIG) <= alone
     outside = (more[0] & (np.arange(9) > 2), *more[1:])
-    assert evidence(*outside, 1.0, CONFIG) == pytest.approx(alone)
+    assert evidence(*outside, WET, CONFIG) == pytest.approx(alone)
 
 
 def test_a_look_is_bounded() -> None:
-    assert evidence(*points(500, contrast=3.0), 1.0, CONFIG) == CONFIG.most
-    assert evidence(*points(2, standing=500, contrast=-5.0), 1.0, CONFIG) == CONFIG.least
+    assert evidence(*points(500, contrast=3.0), WET, CONFIG) == CONFIG.most
+    assert evidence(*points(2, standing=500, contrast=-5.0), WET, CONFIG) == CONFIG.least
 
 
-def test_what_is_faint_speaks_against_a_body_only_where_the_road_mirrors() -> None:
-    dark = points(5, contrast=-1.2)
-    values = [evidence(*dark, mirror, CONFIG) for mirror in (0.0, 0.5, 1.0)]
+def test_what_is_faint_speaks_against_a_body_where_the_road_mirrors_and_where_it_may_be_far_asphalt() -> None:
+    dark = points(5, contrast=-1.8)
+    values = [evidence(*dark, CONFIG.faint(mirror, 12.0), CONFIG) for mirror in (0.0, 0.5, 1.0)]
     assert values == sorted(values, reverse=True)
     assert values[0] > 0.0 > values[-1]
-    sharp = points(2, stray=20, contrast=0.3)
-    assert evidence(*sharp, 0.0, CONFIG) == evidence(*sharp, 1.0, CONFIG)
+    far = [evidence(*dark, CONFIG.faint(0.0, depth_m), CONFIG) for depth_m in (12.0, 17.0, 25.0)]
+    assert far == sorted(far, reverse=True)
+    assert far[0] > 0.0 > far[-1]
 
 
 @pytest.mark.parametrize(("below", "degree"), [(3, 0.0), (40, 1.0)])

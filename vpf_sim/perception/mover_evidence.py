@@ -5,8 +5,9 @@ mirror image of what stands on the wet road lies below the road as well, and mov
 inverse depth it cannot be told from one by any track while we drive straight on. But a wet road reflects a small share
 of the light at the angles at which it is looked at (Fresnel), and smears it: a mirror image has a fraction of the
 contrast of what stands in the picture, a body has as much. How far that counts depends on how much the road mirrors: on
-a dry road hardly a point lies below it that is of no body, and a dark car is as good as any (`Mirror`). The weights are
-those of a logistic regression over looks at suspects on development drives in rain, rounded.
+a dry road hardly a point lies below it that is of no body (`Mirror`), and a dark car is as good as any that is not as
+faint as far asphalt. The weights are chosen by when suspects of development drives, in clear weather and in rain, were
+believed with them.
 """
 
 from dataclasses import dataclass
@@ -27,15 +28,16 @@ class EvidenceConfig:
     speaks_against: float = 1.0  # and from which against it
     low_m: float = 0.1  # heights between which a body's points are no one else's
     high_m: float = 1.25
-    per_for: float = 1.9  # times ln(1 + count) of tracks that speak for it,
-    per_against: float = 1.0  # against it,
-    per_other: float = 0.7  # and of neither
+    per_for: float = 0.6  # times ln(1 + count) of tracks that speak for it,
+    per_against: float = 0.4  # against it,
+    per_other: float = 0.3  # and of neither
     per_contrast: float = 3.7  # times the upper quartile of their contrast,
-    faint: float = -0.25  # less this, below which it speaks against it
+    wet_faint: float = -0.5  # less this, below which it speaks against it, on a road that mirrors,
+    dry_faint: tuple[float, float] = (-2.5, -1.5)  # and on a dry one, where what is
+    faint_m: tuple[float, float] = (15.0, 20.0)  # so far off may be asphalt
     dry_share: float = 0.12  # of the points on the road that lie below it and are of no body: on a dry road,
     wet_share: float = 0.27  # and on one that mirrors
     share_s: float = 2.0  # time constant of that share
-    dry_weight: float = 0.25  # of faintness on a dry road: far asphalt and its seams are faint, too
     least_share: float = 0.5  # of those for it in those against it; with less it shines through
     least: float = -1.0  # of a look
     most: float = 2.0
@@ -43,6 +45,13 @@ class EvidenceConfig:
     def __post_init__(self) -> None:
         if not 0.0 <= self.dry_share < self.wet_share:
             raise ValueError(f"dry_share: expected 0 <= dry_share < wet_share = {self.wet_share}, got {self.dry_share}")
+        if not self.faint_m[0] < self.faint_m[1]:
+            raise ValueError(f"faint_m: expected two increasing distances, got {self.faint_m}")
+
+    def faint(self, mirror: float, depth_m: float) -> float:
+        """The contrast below which points so far off speak against a body, on a road that mirrors so far, 0 to 1."""
+        dry = float(np.interp(depth_m, self.faint_m, self.dry_faint))
+        return dry + mirror * (self.wet_faint - dry)
 
 
 class Mirror:
@@ -70,13 +79,13 @@ class Mirror:
 
 
 def evidence(
-    inside: Bools, moving: Floats, standing: Floats, contrast: Floats, mirror: float, config: EvidenceConfig
+    inside: Bools, moving: Floats, standing: Floats, contrast: Floats, faint: float, config: EvidenceConfig
 ) -> float:
     """Log-odds of a look at N points, of which those `inside` (N,) the body's outline count.
 
     A track has the chi2 `moving` (N,) as one of the body and `standing` (N,) as one that stands; `contrast` (N,) is the
-    logarithm of its squared gradients, as a share of those of what stands upright in the picture. So far as the road
-    mirrors, `mirror` from 0 to 1, faint points speak against it.
+    logarithm of its squared gradients, as a share of those of what stands upright in the picture, and speaks against it
+    below `faint`.
     """
     odds = 0.5 * (np.minimum(standing, config.cap) - np.minimum(moving, config.cap))[inside]
     speaks = odds > config.speaks_for
@@ -85,7 +94,6 @@ def evidence(
         return config.least
     other = len(odds) - number_for - number_against
     sharp = quantile(contrast[inside][speaks], 0.75)
-    value = config.per_contrast * (sharp - config.faint)
-    value = max(value, max(mirror, config.dry_weight) * value)
+    value = config.per_contrast * (sharp - faint)
     value += config.per_for * np.log1p(number_for) - config.per_against * np.log1p(number_against)
     return float(min(max(value - config.per_other * np.log1p(other), config.least), config.most))

@@ -245,9 +245,8 @@ class MoverTracker:
             thick = _thickness(across[face], height[face]) > config.least_thickness_m
             if as_fast or not thick or mover.speed_mps < config.least_mps:
                 return -config.speaks_against
-        return evidence(
-            inside, chi2, seen.standing[chosen], seen.contrast[chosen], self._mirror.degree, config.evidence
-        )
+        faint = config.evidence.faint(self._mirror.degree, depth)
+        return evidence(inside, chi2, seen.standing[chosen], seen.contrast[chosen], faint, config.evidence)
 
     def _merge(self, pose: Floats) -> None:
         """Two parts of one body, side by side in one lane or one before the other, become one: the surer."""
