@@ -6,7 +6,7 @@ import pytest
 from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
-from vpf_sim.perception.anchors import FARTHEST_PX, Anchors
+from vpf_sim.perception.anchors import Anchors
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
 
@@ -76,8 +76,7 @@ def test_some_points_alone_are_looked_for() -> None:
 def test_what_is_seen_there_is_another_thing() -> None:
     now, first = places(1.2)
     other = np.ascontiguousarray(picture(1.0)[::-1])
-    aside, found = seen([other, picture(1.2)]).aside_px(flow_of(now, first, 1), np.arange(40), np.full((40, 2), 1.2))
-    assert np.all(np.hypot(*aside[found].T) < FARTHEST_PX)
+    _, found = seen([other, picture(1.2)]).aside_px(flow_of(now, first, 1), np.arange(40), np.full((40, 2), 1.2))
     assert found.mean() < 0.1
 
 
@@ -89,6 +88,17 @@ def test_a_frame_that_is_remembered_no_more_tells_nothing() -> None:
     _, found = anchors.aside_px(flow, np.arange(40), np.ones((40, 2)))
     assert not found[1::2].any()
     assert found[::2].all()
+
+
+@pytest.mark.parametrize("age", [30, 75, 83])
+def test_more_frames_and_points_than_fit_into_one_picture(age: int) -> None:
+    now, first = places(1.2)
+    blank = np.zeros((CAMERA.height_px, CAMERA.width_px), np.uint8)
+    frames = [blank] * (83 - age) + [picture(1.0)] + [blank] * (age - 1) + [picture(1.2)]
+    anchors, rows = seen(frames, remembered=84), np.tile(np.arange(40), 60)
+    aside, found = anchors.aside_px(flow_of(now, first, age), rows, np.full((len(rows), 2), 1.2))
+    assert found.mean() > 0.9
+    assert np.abs(aside[found]).max() < 0.3
 
 
 def test_places_are_undistorted_and_frames_are_not() -> None:

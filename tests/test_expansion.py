@@ -11,7 +11,6 @@ from vpf_sim.perception.expansion import (
     least_squares,
 )
 from vpf_sim.perception.ground import past_image
-from vpf_sim.perception.moving_frame import part
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow
 
@@ -99,7 +98,7 @@ def test_outliers_leave_the_robust_estimate_in_place(share: float) -> None:
 
 def test_the_covariance_grows_with_the_noise_of_few_points() -> None:
     flow = flow_on_circle(1e9, 0.1)
-    few = part(flow, np.arange(0, len(flow), 10))
+    few = flow.chosen(np.arange(0, len(flow), 10))
     many = estimate(flow, CAMERA, ExpansionConfig(), stream(0, "foe"))
     less = estimate(few, CAMERA, ExpansionConfig(), stream(0, "foe"))
     assert less.covariance_px2[0, 0] > 4.0 * many.covariance_px2[0, 0]

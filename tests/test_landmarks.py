@@ -13,7 +13,6 @@ from vpf_sim.perception.ground_residual import Spot
 from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.marks import Marks
-from vpf_sim.perception.moving_frame import part
 from vpf_sim.types import Floats, Flow, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose
@@ -239,7 +238,7 @@ def test_a_side_known_well_across_counts_however_poor_its_depth() -> None:
     for frame in range(round(31.0 / SPEED_MPS * RATE_HZ)):
         flow = drive.flow(frame)
         kept = (flow.identity >= len(barrier)) | (flow.pose[0] < 26.0)
-        seen = found.update(part(flow, np.flatnonzero(kept)), drive.road, SPEED_MPS, frame / RATE_HZ)
+        seen = found.update(flow.chosen(np.flatnonzero(kept)), drive.road, SPEED_MPS, frame / RATE_HZ)
     assert seen.left_m.min() == pytest.approx(-1.3, abs=0.2)
     assert seen.right_m.max() == pytest.approx(3.9, abs=0.2)
 

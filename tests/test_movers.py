@@ -10,7 +10,7 @@ from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_search import MoverConfig, appear
 from vpf_sim.perception.movers import MoverTracker
-from vpf_sim.perception.moving_frame import Course, against, part
+from vpf_sim.perception.moving_frame import Course, against
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow, Obstacles
 
@@ -233,7 +233,7 @@ def test_a_believed_body_is_not_given_up_for_a_second_in_which_little_of_it_is_s
     seen.run(drive, range(10, round(2.0 * RATE_HZ)))
     for frame in range(round(2.0 * RATE_HZ), round(3.0 * RATE_HZ)):
         flow = drive.flow(frame)
-        left = part(flow, np.flatnonzero((flow.identity > 17) | ((flow.identity > 3) & (flow.identity < 7))))
+        left = flow.chosen(np.flatnonzero((flow.identity > 17) | ((flow.identity > 3) & (flow.identity < 7))))
         seen.movers.update(left, seen.landmarks.triangulate(left), drive.road, SPEED_MPS, frame / RATE_HZ)
     told = seen.movers.obstacles(flow.pose, SPEED_MPS, nothing)
     assert [int(name) for name in told.identity] == [-1]

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from vpf_sim.perception.ground import ground_flow, past_image
-from vpf_sim.perception.moving_frame import part
 from vpf_sim.perception.obstacles import (
     ObstacleMapConfig,
     cluster_labels,
@@ -191,7 +190,7 @@ def test_lone_points_can_be_set_aside() -> None:
 
 def test_an_empty_flow_gives_an_empty_map() -> None:
     flow, _ = drive_towards(None)
-    empty = part(flow, np.arange(0))
+    empty = flow.chosen(np.arange(0))
     for method in ("otsu_flow", "otsu_residual", "absolute"):
         found = detect(empty, CAMERA, ObstacleMapConfig(method))  # type: ignore[arg-type]
         assert not found.plane.any()

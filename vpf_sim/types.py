@@ -8,7 +8,7 @@ the centre of its body. N is a number of image points, K a number of obstacles.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import radians
 from typing import Any, Generic, Literal, Protocol, TypeVar
 
@@ -139,9 +139,8 @@ class Flow:
 
     def chosen(self, rows: Integers) -> "Flow":
         """Some of the points, (n,) by their rows."""
-        names = ("points_px", "displacement_px", "gap_s", "past_pose", "identity", "first_px", "first_pose")
-        some = {name: getattr(self, name)[rows] for name in (*names, "age_frames", "structure", "stuck")}
-        return Flow(pose=self.pose, covered=self.covered, **some)
+        points = [name for name in Flow.__slots__ if name not in ("pose", "covered")]
+        return replace(self, **{name: getattr(self, name)[rows] for name in points})
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,30 +18,42 @@ Singles = NDArray[np.float32]
 FARTHEST_PX = 1.2  # from where the track says, that a window is found
 RETURNS_PX = 0.3  # and so near to where it came from the way back must lead
 ITERATIONS, EPSILON_PX = 20, 0.01
+MOST_PX = 2**15 - 2  # rows and columns of a picture that OpenCV maps from or to
 
 
 class Anchors:
-    """Remembers the last frames, one below the other in one picture."""
+    """Remembers the last frames, side by side and one below the other in one picture."""
 
     def __init__(self, camera: Camera, window_px: int, frames: int) -> None:
         self._camera = camera
         self._window_px = window_px
-        self._frames: Image = np.zeros((frames + 1, camera.height_px, camera.width_px), np.uint8)
+        self._slots = frames + 1
+        self._stack = min(MOST_PX // camera.height_px, self._slots)  # slots one below the other
+        stacks = -(-self._slots // self._stack)
+        self._frames: Image = np.zeros((self._stack * camera.height_px, stacks * camera.width_px), np.uint8)
         self._count = 0  # of frames so far
         self._side = 2 * (window_px // 2 + round(FARTHEST_PX) + 2) + 1  # of a point's tile
         self._offsets = (np.arange(self._side) - self._side // 2).astype(np.float32)
 
     def note(self, image: Image) -> None:
         """The next grey (H, W) frame of the flow."""
-        self._frames[self._count % len(self._frames)] = image
+        height, width = image.shape
+        aside, below = divmod(self._count % self._slots, self._stack)
+        self._frames[below * height : (below + 1) * height, aside * width : (aside + 1) * width] = image
         self._count += 1
 
     def aside_px(self, flow: Flow, rows: Integers, growth: Floats) -> tuple[Floats, Bools]:
         """(n, 2) px from where some points of the flow are told to have been first to where what they show now was
         then, and (n,) whether that was found. Their images have grown by `growth` (n, 2) since, across and down.
         """
+        most = MOST_PX // self._side
+        parts = [self._of(flow, rows[i : i + most], growth[i : i + most]) for i in range(0, len(rows), most)]
+        return np.concatenate([aside for aside, _ in parts]), np.concatenate([found for _, found in parts])
+
+    def _of(self, flow: Flow, rows: Integers, growth: Floats) -> tuple[Floats, Bools]:
+        """The same of no more than fit into one picture."""
         age, first = flow.age_frames[rows], flow.first_px[rows]
-        known = age < min(self._count, len(self._frames))
+        known = age < min(self._count, self._slots)
         now, then = (distort(self._camera, px) for px in (flow.points_px[rows], first))
         picture = self._tiles(np.zeros_like(age), now, growth)
         place = self._tiles(np.where(known, age, 0), then, np.ones_like(growth))
@@ -50,19 +62,15 @@ class Anchors:
 
     def _tiles(self, age_frames: Integers, centres_px: Floats, scale: Floats) -> Image:
         """(n * side, side) the frames so old about some places, `scale` (n, 2) of their pixels across, down to one."""
-        side, (slots, height, width) = self._side, self._frames.shape
+        side, height, width = self._side, self._camera.height_px, self._camera.width_px
         across, down = (centres_px[:, :, None] + scale[:, :, None] * self._offsets).swapaxes(0, 1)
-        down = (
-            np.minimum(np.maximum(down, 0.0), height - 1.0)
-            + (height * ((self._count - 1 - age_frames) % slots))[:, None]
-        )
+        aside, below = np.divmod((self._count - 1 - age_frames) % self._slots, self._stack)
+        across = np.minimum(np.maximum(across, 0.0), width - 1.0) + (width * aside)[:, None]
+        down = np.minimum(np.maximum(down, 0.0), height - 1.0) + (height * below)[:, None]
         shape = (len(age_frames), side, side)
         x, y = np.empty(shape, np.float32), np.empty(shape, np.float32)
         x[:], y[:] = across[:, None, :], down[:, :, None]
-        picture = self._frames.reshape(-1, width)
-        tiles = cv2.remap(
-            picture, x.reshape(-1, side), y.reshape(-1, side), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
+        tiles = cv2.remap(self._frames, x.reshape(-1, side), y.reshape(-1, side), cv2.INTER_LINEAR)
         return tiles.astype(np.uint8, copy=False)
 
     def _aside(self, pictures: Image, places: Image) -> tuple[Floats, Bools]:

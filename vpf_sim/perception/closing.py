@@ -71,7 +71,7 @@ class Closing:
             return none()
         body = from_here(self._body, self._seen_from, pose, speed_mps)
         place, left, right = (float(part[0]) for part in (body.forward_m, body.left_m, body.right_m))
-        return none() if self._is_known(known, place, left, right) else body
+        return none() if place <= 0.0 or self._is_known(known, place, left, right) else body
 
     def _is_known(self, known: Obstacles, forward_m: float, left_m: float, right_m: float) -> bool:
         """Whether one of the bodies stands before it in the line of sight, or no farther behind than it may err."""

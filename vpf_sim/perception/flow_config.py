@@ -47,10 +47,10 @@ class FlowConfig:
     def __post_init__(self) -> None:
         if self.window_px < 3 or self.window_px % 2 == 0:
             raise ValueError(f"window_px: expected an odd number >= 3, got {self.window_px}")
-        if not 0.0 <= self.period_s <= self.window_s:
-            raise ValueError(f"period_s: expected 0 .. window_s = {self.window_s}, got {self.period_s}")
         if self.window_s <= 0.0 or self.detect_period_s <= 0.0:
             raise ValueError(f"window_s, detect_period_s: expected > 0, got {self.window_s}, {self.detect_period_s}")
+        if not 0.0 <= self.period_s <= self.window_s:
+            raise ValueError(f"period_s: expected 0 .. window_s = {self.window_s}, got {self.period_s}")
         if self.hold_s is not None and not self.hold_s > 0.0:
             raise ValueError(f"hold_s: expected > 0, got {self.hold_s}")
         if self.points < 8:

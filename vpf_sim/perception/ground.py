@@ -48,3 +48,9 @@ def ground_flow(camera: Camera, points_px: Floats, past_pose: Floats, pose: Floa
     road = np.zeros((len(seen), 3))
     road[:, :2] = ground_from_pixels(camera, seen)
     return seen - past_image(camera, road, past_pose, pose)
+
+
+def below_horizon(camera: Camera, points_px: Floats) -> Floats:
+    """(N,) tangents of pixels (N, 2) below the horizon: 1/m, the inverse depth of a road 1 m below the camera."""
+    below: Floats = (points_px[:, 1] - camera.cy_px) / camera.fy_px + np.tan(camera.pitch_rad)
+    return below

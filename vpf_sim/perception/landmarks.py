@@ -11,7 +11,7 @@ from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.clearing import Clearing
 from vpf_sim.perception.corners import eigenvalues, is_corner
 from vpf_sim.perception.covered import driven_over, footprints
-from vpf_sim.perception.ground import past_image
+from vpf_sim.perception.ground import below_horizon, past_image
 from vpf_sim.perception.ground_residual import GroundResidual, Spot
 from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
@@ -131,7 +131,8 @@ class LandmarkTracker:
         """
         known = None
         if image is not None and self._residual.looks:
-            hiding = from_here(self._tall, self._seen_from, pose, 0.0)
+            tall = self._tall.chosen(~among(self._tall.identity, self._refuted))
+            hiding = from_here(tall, self._seen_from, pose, 0.0)
             if moving is not None and len(moving):
                 hiding = together(hiding, moving)
                 self._make_way(moving, pose, road)
@@ -157,8 +158,8 @@ class LandmarkTracker:
         self._spots.keep(stands, pose)
 
     def refute(self, identity: Integers) -> None:
-        """Bodies (N,) that a second look took away hide nothing: one told too near hides the very one that is there."""
-        self._refuted = np.union1d(self._refuted, identity)
+        """Bodies (N,) that a second look takes away hide nothing: one told too near hides the one that is there."""
+        self._refuted = identity
 
     def _in_sight(self, spot: Spot, views: Iterable[Floats], bodies: Obstacles) -> Spot | None:
         """What is seen of a spot from each of the places (2,), past tall bodies; low ones hide what is just behind."""
@@ -248,15 +249,11 @@ class LandmarkTracker:
     def _is_far(self, flow: Flow, points: Triangulation, chosen: Integers) -> Bools:
         """Which of the chosen points are far off and move; only what is seen beside the far road may be."""
         far = np.zeros(len(chosen), np.bool_)
-        high = np.flatnonzero(self._below(flow.points_px[chosen]) * self.config.foot_m < self.camera.height_m)
+        below = below_horizon(self.camera, flow.points_px[chosen])
+        high = np.flatnonzero(below * self.config.foot_m < self.camera.height_m)
         if len(high):
             far[high] = self._spread.keeps_together(chosen[high], 1.0 / points.depth_m[chosen[high]])
         return far
-
-    def _below(self, points_px: Floats) -> Floats:
-        """(N,) tangents below the horizon."""
-        below: Floats = (points_px[:, 1] - self.camera.cy_px) / self.camera.fy_px + np.tan(self.camera.pitch_rad)
-        return below
 
     def _low(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges) -> Bools:
         """(N,) points that seem to stand a hand's breadth above the carriageway, off its lines."""
@@ -302,7 +299,7 @@ class LandmarkTracker:
     def _sightings(self, flow: Flow, points: Triangulation, texture: Floats, above: Bools, low: Bools) -> Sightings:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
-        below = self._below(flow.points_px[above])
+        below = below_horizon(self.camera, flow.points_px[above])
         corner = is_corner(flow.structure[above], self.config.corner_texture, self.config.corner_ratio)
         founding = np.where(below * self.config.foot_m > self.camera.height_m, 1.0, self.config.high_share * corner)
         founding[low[above] | (texture[above] <= self.config.founding_texture)] = 0.0

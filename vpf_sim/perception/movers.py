@@ -25,7 +25,7 @@ from vpf_sim.perception.marks import Integers, among
 from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_evidence import Mirror, evidence
 from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines, suspect
-from vpf_sim.perception.moving_frame import Residuals, against, part
+from vpf_sim.perception.moving_frame import Residuals, against
 from vpf_sim.perception.outlines import together
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.triangulation import Triangulation
@@ -153,7 +153,7 @@ class MoverTracker:
         follows = abs(own_mps - mover.speed_mps) < config.equal_share * own_mps  # then what is on it stands still
         about = self._outline(mover, seen, flow.pose, config.margin_m + config.about_m)
         chosen = np.flatnonzero(about & free & seen.ripe & (follows | ~seen.still))
-        tracks, standing, inner = part(flow, chosen), seen.standing[chosen], within[chosen]
+        tracks, standing, inner = flow.chosen(chosen), seen.standing[chosen], within[chosen]
         fitted, behind, faster = mover.fit(self._against(mover, tracks, depth), standing, own_mps, depth, inner)
         chi2 = np.where(inner & (fitted < standing + config.odds), fitted, np.inf)
         face = chi2 < config.chi2_limit

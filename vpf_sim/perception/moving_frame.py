@@ -1,11 +1,10 @@
 """Tracks in the frame of a body that moves along the road: where its points were seen first, if it drove so."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from vpf_sim.perception.ground import past_image
-from vpf_sim.perception.marks import Integers
 from vpf_sim.perception.triangulation import NoiseModel, information
 from vpf_sim.types import Camera, Floats, Flow
 
@@ -43,17 +42,6 @@ class Residuals:
     by_speed: Floats  # (M, 2) px / (m/s)
     by_turn: Floats  # (M, 2) px / rad, of the course
     weight: Floats  # (M, 2, 2) inverse covariance of a sighting, px^-2
-
-
-def part(flow: Flow, chosen: Integers) -> Flow:
-    """The chosen tracks alone."""
-    shared = {"pose", "covered"}
-    return Flow(
-        **{
-            name: getattr(flow, name) if name in shared else getattr(flow, name)[chosen]
-            for name in (item.name for item in fields(Flow))
-        }
-    )
 
 
 def rays(camera: Camera, points_px: Floats) -> Floats:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.carriageway import carriageway_offsets
+from vpf_sim.perception.ground import below_horizon
 from vpf_sim.perception.triangulation import Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 
@@ -32,8 +33,11 @@ class AskedConfig:
     road_m: float = 60.0  # up to where a ray meets the road, they are matched as if they lay there as well
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.near_m < self.far_m:
-            raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
+        for low, high in (("near_m", "far_m"), ("least_height_m", "most_height_m")):
+            if not 0.0 < getattr(self, low) < getattr(self, high):
+                raise ValueError(f"{low}, {high}: expected 0 < {getattr(self, low)} < {getattr(self, high)}")
+        if min(self.edge_m, self.chi2_limit, self.chi2_margin) < 0.0 or not self.road_m > 0.0:
+            raise ValueError("edge_m, chi2_limit, chi2_margin: expected >= 0, and road_m > 0")
 
     def asked(self, points: Triangulation, road: RoadEdges, camera: Camera) -> Integers:
         """(n,) rows of points that stand above the road, or seem to, by their chained tracks."""
@@ -56,7 +60,7 @@ def sharpened(
     """
     way = np.hypot(*(flow.pose[:2] - flow.first_pose[rows, :2]).T)
     upright = 1.0 + way / points.depth_m[rows]
-    below = (flow.points_px[rows, 1] - camera.cy_px) / camera.fy_px + np.tan(camera.pitch_rad)
+    below = below_horizon(camera, flow.points_px[rows])
     lies = np.flatnonzero(below * config.road_m > camera.height_m)
     across = 1.0 + way[lies] * below[lies] / camera.height_m
     both = np.concatenate([rows, rows[lies]])

@@ -49,6 +49,12 @@ class SpotConfig:
             raise ValueError(
                 f"usual_gain, counts: expected > 0 and 0 < first <= second, got {self.usual_gain}, {self.counts}"
             )
+        if not (self.hits > 0 and 0.0 < self.nearer_share <= 1.0):
+            raise ValueError(
+                f"hits, nearer_share: expected > 0 and 0 < share <= 1, got {self.hits}, {self.nearer_share}"
+            )
+        if not self.low_hides_m >= self.beyond_m:
+            raise ValueError(f"low_hides_m: expected >= beyond_m = {self.beyond_m}, got {self.low_hides_m}")
         if not self.doubts > 0:
             raise ValueError(f"doubts: expected > 0, got {self.doubts}")
         if not self.least_seen_m > 0.0:
@@ -63,7 +69,7 @@ class _Candidate:
 
     place_m: Floats  # (2,) the middle of its face
     width_m: float
-    first_m: Floats  # (2,) of the car at the first sighting
+    first_pose: Floats  # (3,) of the car at the first sighting
     first_forward_m: float  # from the car then
     hits: float  # sure ones, each by its gain,
     sure: int  # and their number
@@ -142,11 +148,11 @@ class SpotBook:
             if not spot.cut:
                 place = world_from_vehicle(here, pose)
                 hits, sure = self._count_of(spot), int(spot.sure)
-                self._known.append(_Candidate(place, spot.width_m, pose[:2].copy(), spot.forward_m, hits, sure))
+                self._known.append(_Candidate(place, spot.width_m, pose.copy(), spot.forward_m, hits, sure))
             return
         one.hits, one.sure, one.sightings = one.hits + self._count_of(spot), one.sure + spot.sure, one.sightings + 1
         one.misses, one.cut = 0, spot.cut
-        self._approach(one, spot, pose)
+        self._approach(one, spot, here, pose)
         if not spot.cut:
             self._place(one, spot, here, pose)
         if one.identity is None and self._stands(one):
@@ -177,13 +183,14 @@ class SpotBook:
         one.place_m = one.place_m + newest * (world_from_vehicle(here, pose) - one.place_m)
         one.width_m += newest * (spot.width_m - one.width_m)
 
-    def _approach(self, one: _Candidate, spot: Spot, pose: Floats) -> None:
+    def _approach(self, one: _Candidate, spot: Spot, here: Floats, pose: Floats) -> None:
         """How far the car has come since the first sighting, and whether the spot came nearer by as much.
 
-        One that is cut off has come at least so near.
+        That is less by what the spot moved on, as the car was headed then. One that is cut off came at least so near.
         """
-        one.way_m = distance_m(pose[:2], one.first_m)
-        nearer_m = one.first_forward_m - spot.forward_m
+        one.way_m = distance_m(pose, one.first_pose)
+        there = vehicle_from_world(world_from_vehicle(here, pose), one.first_pose)
+        nearer_m = one.way_m + one.first_forward_m - float(there[0])
         share = min(self.config.nearer_share, CUT_SHARE) if spot.cut else self.config.nearer_share
         one.came_nearer = one.way_m > LEAST_WAY_M and nearer_m > share * one.way_m
 

@@ -27,6 +27,7 @@ from vpf_sim.types import Camera, Expansion, Floats, Flow, Image, Integers
 NEAR_PX = 5.0  # from the focus the radial direction is not known well
 PASSES, CUT, LEAST_CUT_PX = 4, 3.7, 0.3  # of Tukey's biweight, in standard deviations of the flow across
 LEAST_POINTS = 20
+APART_RAD, APART_SHARE = 0.0003, 0.5  # both sides of the picture tell the same pitch but for this and this share of it
 REMEMBERED_S = 3.0
 
 
@@ -144,7 +145,13 @@ class Steadiness:
         turn = self._motion(points)
         across = (displacement[:, 0] * y - displacement[:, 1] * x) * nearness
         slope = (turn[:, 0] * y - turn[:, 1] * x) * nearness
-        return _agreed(across, slope)
+        found = _agreed(across, slope)
+        if abs(found) < APART_RAD:
+            return found
+        # All that is seen pitches with the camera, a car that overtakes is on one side.
+        sides = [_agreed(across[side], slope[side]) for side in (x < 0.0, x >= 0.0)]
+        apart = abs(sides[1] - sides[0]) > APART_RAD + APART_SHARE * abs(found)
+        return min(*sides, key=abs) if apart else found
 
     def _motion(self, points_px: Floats) -> Floats:
         """(N, 2) px per rad of looking down."""

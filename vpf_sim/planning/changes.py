@@ -26,7 +26,7 @@ class Change:
 CHANGES = (
     Change(
         "flow",
-        "flow: a budget of features spread over the road and topped up, checked forward and backward",
+        "flow: 20 looks a second, features spread over the road and topped up, checked forward and backward",
         ("flow",),
     ),
     Change(

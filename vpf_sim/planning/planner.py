@@ -41,7 +41,9 @@ class Planner:
     """One variant of the method during one episode."""
 
     def __init__(self, setup: DriverSetup, variant: Variant) -> None:
-        self._every = max(1, round(variant.flow.period_s * setup.rate_hz))
+        self._every = max(
+            1, int(variant.flow.period_s * setup.rate_hz + 1e-6)
+        )  # frames from look to look, no more than asked
         camera, rate_hz = setup.camera, setup.rate_hz / self._every
         self._camera = camera
         self._variant = variant
@@ -55,7 +57,6 @@ class Planner:
         self._speed_reference_mps = setup.speed_reference_mps
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
-        self._bodies = _nothing()
         self._frame = -1
         self._seen: Perception | None = None  # of the last frame that was looked at,
         self._seen_s = 0.0  # and when
@@ -81,10 +82,15 @@ class Planner:
         """What was seen, at another pose: by the own motion, and that of the bodies."""
         speed_mps, suspects = observation.speed_mps, seen.suspects
         road = self._road.carried(pose, speed_mps, observation.yaw_rate_radps)
-        bodies = carried(seen.obstacles, seen.pose, pose, speed_mps, road, observation.time_s - self._seen_s)
         if suspects is not None:
             suspects = from_here(suspects, seen.pose, pose, speed_mps)
+        bodies = self._known(seen, observation, pose)
         return replace(seen, obstacles=bodies, road=road, pose=pose, suspects=suspects)
+
+    def _known(self, seen: Perception, observation: Observation, pose: Floats) -> Obstacles:
+        """The bodies of the last look, in the axes of another pose and where those that move are by now."""
+        since_s = observation.time_s - self._seen_s
+        return carried(seen.obstacles, seen.pose, pose, observation.speed_mps, seen.road, since_s)
 
     def _look(self, observation: Observation, pose: Floats) -> Perception:
         """What one frame shows."""
@@ -101,7 +107,8 @@ class Planner:
             steady = self._steadiness.update(flow, foe, turned)
             self._road.turn(self._steadiness.passing_rad - before_rad)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
-        road = self._road.update(observation.image, image, pose, *motion, self._bodies)
+        bodies = _nothing() if self._seen is None else self._known(self._seen, observation, pose)
+        road = self._road.update(observation.image, image, pose, *motion, bodies)
         view = None if self._flow.is_swept else image
         if view is not None and self._looks(pose, observation.speed_mps):
             view = contrast(observation.image, view)
@@ -113,12 +120,11 @@ class Planner:
                 moving = self._movers.moving(pose, observation.speed_mps)
             self._landmarks.look(view, pose, road, moving, observation.speed_mps)
             match = partial(self._anchors.aside_px, flow) if self._anchors is not None else None
-            self._bodies = self._find_bodies(self._landmarks, steady, match, road, observation)
+            bodies = self._find_bodies(self._landmarks, steady, match, road, observation)
             if self._second_look is not None:
-                told, speed_mps, sure = self._bodies, observation.speed_mps, self._landmarks.stands_surely
-                self._bodies = self._second_look.update(view, pose, told, speed_mps, sure)
-                if len(self._bodies) < len(told):
-                    self._landmarks.refute(told.identity[~among(told.identity, self._bodies.identity)])
+                told, speed_mps, sure = bodies, observation.speed_mps, self._landmarks.stands_surely
+                bodies = self._second_look.update(view, pose, told, speed_mps, sure)
+                self._landmarks.refute(told.identity[~among(told.identity, bodies.identity)])
         if self._steadiness is not None and self._road.pitch is not None:
             self._steadiness.level(*self._road.pitch, observation.time_s)
         sight_m, suspects = (np.inf, np.inf), None
@@ -126,7 +132,7 @@ class Planner:
             sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
             suspects = self._landmarks.suspects(pose)
         salience = cache(partial(self._salience, flow, steady, foe, turned))
-        return Perception(flow, foe, salience, self._bodies, road, pose, sight_m, suspects)
+        return Perception(flow, foe, salience, bodies, road, pose, sight_m, suspects)
 
     def _salience(self, flow: Flow, steady: Flow, foe: Expansion, turned: Derotated) -> Salience:
         """Obstacle map and time to contact of a frame's points."""

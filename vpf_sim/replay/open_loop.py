@@ -46,7 +46,7 @@ class Clock:
     def entry(self, recording: Recording) -> dict[str, Any]:
         """The drive's line of timing.jsonl; real_time is how often faster than the recording the driver is."""
         period_ms = 1e3 / recording.rate_hz
-        driver, reading = (float(np.median(times)) if times else nan for times in (self.driver_ms, self.reading_ms))
+        driver, reading = (float(np.mean(times)) if times else nan for times in (self.driver_ms, self.reading_ms))
         worst = float(np.percentile(self.driver_ms, 95.0)) if self.driver_ms else nan
         entry = {
             "driver_ms": driver,

@@ -29,7 +29,14 @@ STAGES = {  # of a step, as timing.jsonl names them: what each column adds up
     "flow": ("grey", "flow"),
     "FOE, TTC, obstacles": (
         *("derotation", "foe", "steadiness", "steadiness_frames", "ttc", "obstacle_map", "clusters"),
-        *("contrast", "look", "bodies", "landmarks"),  # ttc, obstacle_map, clusters, landmarks: of runs timed before
+        *(
+            "contrast",
+            "look",
+            "bodies",
+            "second_look",
+            "carried",
+            "landmarks",
+        ),  # ttc, obstacle_map, clusters, landmarks: of runs timed before
     ),
     "road edges": ("road",),
     "plan and control": ("plan", "control"),
@@ -157,7 +164,7 @@ def _rates(times: Sequence[dict[str, Any]]) -> tuple[Value, ...]:
 
 
 def _stages(times: Sequence[dict[str, Any]]) -> Iterator[Value]:
-    """Medians over the episodes of the medians over their steps."""
+    """Medians over the episodes of what their steps take."""
     for parts in STAGES.values():
         found = [[time.get("stages_ms", {}).get(part) for part in parts] for time in times]
         sums = [sum(value for value in values if value is not None) for values in found if any(values)]

@@ -51,7 +51,7 @@ def table(jobs: Iterable[Job], records: Iterable[Record], timing: Iterable[Mappi
 
     Success is over the planned seeds; path MSE and clearance over the successful episodes, or, of two steps, over the
     seeds at which both succeeded; the others over all that were driven. Comfort is that of a successful and comfortable
-    episode among all planned. `driver_ms`, what a clock measured, is the median time of the driver in a step.
+    episode among all planned. `driver_ms`, what a clock measured, is the time of the driver in a step.
     """
     clock = {row["id"]: (row.get("stages_ms") or {}).get("driver") for row in timing}
     by_id = {record["id"]: {**record, "driver_ms": clock.get(record["id"])} for record in records}

@@ -65,7 +65,7 @@ def _run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | N
             outcome = replace(outcome, steps=matched(outcome.steps, own_run))
         record = records.score(job, outcome, env.route, env.route_length_m)
     steps_per_s = len(outcome.steps) / wall_s
-    timing = {"id": job.id, "wall_s": wall_s, "steps_per_s": steps_per_s, "stages_ms": stopwatch.medians_ms()}
+    timing = {"id": job.id, "wall_s": wall_s, "steps_per_s": steps_per_s, "stages_ms": stopwatch.typical_ms()}
     if outcome.traceback:
         timing["traceback"] = outcome.traceback
     return EpisodeResult(record, outcome.steps, timing)

@@ -34,6 +34,9 @@ STAGES = {
     "bodies.triangulation": "vpf_sim.perception.landmarks:LandmarkTracker.triangulate",
     "bodies.movers": "vpf_sim.perception.movers:MoverTracker.update",
     "bodies.landmarks": "vpf_sim.perception.landmarks:LandmarkTracker.update",
+    "bodies.sharpened": "vpf_sim.perception.landmarks:LandmarkTracker.sharpened",
+    "second_look": "vpf_sim.perception.second_look:SecondLook.update",
+    "carried": "vpf_sim.planning.planner:Planner._carried",
     "plan": "vpf_sim.planning.planner:Planner.plan",
     "control": "vpf_sim.controllers.gtsmc:Gtsmc.command",
 }

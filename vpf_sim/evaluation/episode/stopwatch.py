@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+WINDOW_STEPS = 30  # half a second: not all stages run in every step
+
 
 class Stopwatch:
     """Milliseconds that each stage took in each step; a stage that is called twice in a step counts as one."""
@@ -36,19 +38,25 @@ class Stopwatch:
 
     def medians_ms(self) -> dict[str, float]:
         """The median of each stage over the steps in which it ran."""
-        names = {name: None for step in self._steps_ms for name in step}
-        return {name: float(np.median([step[name] for step in self._steps_ms if name in step])) for name in names}
+        return {name: float(np.median([step[name] for step in self._steps_ms if name in step])) for name in self._names}
 
-    def typical_ms(self, window: int) -> dict[str, float]:
+    def typical_ms(self, window: int = WINDOW_STEPS) -> dict[str, float]:
         """What each stage takes a step: the median, over windows of so many steps, of the mean.
 
         A stage that runs in some steps only counts by its share of them; what disturbs a window now and then does not.
         """
-        names = {name: None for step in self._steps_ms for name in step}
+        if not self._steps_ms:
+            return {}
+        names = self._names
         count = max(len(self._steps_ms) // window, 1)
         windows = np.array_split(np.array([[step.get(name, 0.0) for name in names] for step in self._steps_ms]), count)
         typical = np.median([part.mean(axis=0) for part in windows], axis=0)
         return dict(zip(names, typical.tolist(), strict=True))
+
+    @property
+    def _names(self) -> list[str]:
+        """The stages, in the order in which they first ran."""
+        return list({name: None for step in self._steps_ms for name in step})
 
     @contextmanager
     def watching(self, stages: Mapping[str, str]) -> Iterator[None]:

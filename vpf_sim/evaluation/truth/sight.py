@@ -21,6 +21,7 @@ class Sight:
         self._motion: TrueMotion | None = None
         self._frames = 0
         self._due = False
+        self._flow: Flow | None = None  # of the last frame: a driver that does not look at one has that of another
         self._objects = ObjectBook()
 
     def observe(self, observation: Observation, env: Any) -> None:
@@ -42,7 +43,8 @@ class Sight:
         """
         env, seen = self._env, plan.perception
         found = self._objects.columns(seen.obstacles, env.ego, env.road.network)
-        if self._motion is None or not self._due or not np.array_equal(seen.flow.pose, seen.pose):
+        looked, self._flow = seen.flow is not self._flow, seen.flow
+        if self._motion is None or not self._due or not looked:
             return found
         self._due = False
         return found | self._judged(seen.flow, seen.ttc_s, self._motion)
