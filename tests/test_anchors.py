@@ -1,5 +1,7 @@
 """First sightings found again in their frames: on drawn pictures that grow by a known factor, and what depths gain."""
 
+from functools import partial
+
 import cv2
 import numpy as np
 import pytest
@@ -7,6 +9,7 @@ from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
 from vpf_sim.perception.anchors import Anchors
+from vpf_sim.perception.sharpened import AskedConfig, sharpened
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
 
@@ -137,6 +140,38 @@ def test_depths_are_those_of_the_first_sightings_that_were_found() -> None:
     assert np.abs(matched.depth_m - depth_m)[even].mean() < 0.7 * np.abs(chained.depth_m - depth_m)[even].mean()
     assert np.all(matched.sigma_m[even] < chained.sigma_m[even])
     assert matched.depth_m[~even] == pytest.approx(chained.depth_m[~even], nan_ok=True)
+
+
+def test_a_point_lies_on_the_road_by_the_better_of_its_tracks() -> None:
+    """Tracks on the road that slipped by half a pixel; where each was first is found only as if it lay there."""
+    drive, found = Drive(road_points(80), noise_px=0.5), tracker()
+    for frame in range(180):
+        flow = drive.flow(frame)
+    truth, count = dict(zip(*_firsts(Drive(drive.scene, noise_px=0.0), flow), strict=True)), len(flow)
+
+    def match(rows: Integers, growth: Floats) -> tuple[Floats, Bools]:
+        aside = np.array([truth[int(i)] for i in flow.identity[rows]]) - flow.first_px[rows]
+        return aside, np.arange(len(growth)) >= count
+
+    chained, config = found.triangulate(flow), found.config.asked
+    again = partial(found._found, flow)
+    matched = sharpened(flow, chained, np.arange(count), match, config, again, CAMERA)
+    assert np.array_equal(matched.depth_m, chained.depth_m, equal_nan=True), "no depth is of a match as lying"
+    true_px = np.array([truth[int(i)] for i in flow.identity])
+    exact = found._found(flow, np.arange(count), true_px - flow.first_px).chi2_ground
+    near = CAMERA.fy_px * CAMERA.height_m / (flow.points_px[:, 1] - CAMERA.cy_px) < config.road_m
+    assert np.count_nonzero(exact[near] < chained.chi2_ground[near]) > 5
+    better = np.minimum(exact, chained.chi2_ground)
+    assert matched.chi2_ground == pytest.approx(np.where(near, better, chained.chi2_ground))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"far_m": 2.0}, {"least_height_m": 3.0}, {"chi2_limit": -1.0}, {"chi2_margin": -1.0}, {"road_m": 0.0}],
+)
+def test_what_cannot_be_asked_is_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="expected"):
+        AskedConfig(**wrong)
 
 
 def _firsts(drive: Drive, flow: Flow) -> tuple[Integers, Floats]:

@@ -1,11 +1,13 @@
 """The road compared with how it looked from farther away: drawn roads with a plate on, in or under them."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import pytest
 from plated_road import CAMERA, PLATE_M, frame
 
-from vpf_sim.geometry import rotation
+from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.clearing import ClearingConfig
 from vpf_sim.perception.covered import CoverConfig, footprints
 from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
@@ -188,6 +190,32 @@ def test_a_spot_is_believed_when_it_stays_in_the_world() -> None:
     assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.4, 0.4))
     assert {int(name) for bodies in found for name in bodies.identity} == {0}
     assert len(recorded([12.0 - k * step for k in range(6)] + [np.nan] * 40)[-1]) == 0, "forgotten once passed"
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"hits": 0}, {"nearer_share": 1.1}, {"usual_gain": 0.0}, {"counts": (1.5, 0.5)}, {"low_hides_m": 0.5}],
+)
+def test_what_no_spot_can_be_counted_by_is_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        SpotConfig(**wrong)
+
+
+@pytest.mark.parametrize("bend_per_m", [-0.07, 0.0, 0.07])
+@pytest.mark.parametrize(("mirrored", "told"), [(False, 1), (True, 0)])
+def test_a_spot_is_believed_as_soon_in_a_bend_and_a_mirror_image_is_not(
+    bend_per_m: float, mirrored: bool, told: int
+) -> None:
+    """On the way of 5 m a mirror image moves on by a fifth of it, away from where the car is headed at first."""
+    book, place = SpotBook(SpotConfig(), lambda: 0), np.array([13.0, 2.0 * np.sign(bend_per_m)])
+    for way in np.arange(0.0, 5.0, 0.5):
+        turn = bend_per_m * way
+        pose = np.array([way * np.sinc(turn / np.pi), 0.5 * way * turn, turn])
+        ahead, aside = vehicle_from_world(place + np.array([0.2 * way * mirrored, 0.0]), pose)
+        book.record([Spot(ahead, aside - 0.4, aside + 0.4, 30.0)], pose)
+        if way == 2.0:
+            assert len(book.bodies(pose)) == told
+    assert len(book.bodies(pose)) == told
 
 
 @pytest.mark.parametrize("speed_mps", [1.0, 3.0, 5.55])

@@ -1,6 +1,7 @@
 """Which bodies are kept in the world, which are forgotten, and what clears them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -183,3 +184,14 @@ def test_what_is_low_hides_little_and_what_was_refuted_nothing(
         found.refute(ahead.identity)
     lens = np.array([0.8, 0.0])
     assert (found._in_sight(Spot(spot_m, -0.4, 0.4, 30.0), [lens], ahead) is not None) == seen
+
+
+@pytest.mark.parametrize("refuted", [False, True])
+def test_the_road_behind_a_body_is_left_out_unless_that_was_refuted(refuted: bool) -> None:
+    found, hidden = tracker(), []
+    found._tall = Obstacles(*(np.array([value]) for value in (9.0, -0.9, 0.9, 0.4, np.inf)), np.array([7]))
+    found._residual = SimpleNamespace(looks=True, update=lambda _image, _pose, corners: hidden.append(len(corners)))  # type: ignore[assignment]
+    if refuted:
+        found.refute(np.array([7]))
+    found.look(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(4)).road, speed_mps=5.0)
+    assert hidden == [0 if refuted else 1]

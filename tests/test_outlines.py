@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vpf_sim.geometry import vehicle_from_world
+from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.clusters import stepped
 from vpf_sim.perception.outlines import (
     Seen,
     as_wide_as_seen,
     at_least,
+    carried,
     direction_at,
     face_of,
     joined,
@@ -28,6 +29,23 @@ from vpf_sim.perception.outlines import (
 )
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Obstacles, RoadEdges
+
+
+def test_bodies_are_carried_on_by_the_own_motion_and_by_theirs() -> None:
+    """One stands and one drives at 4 m/s along a straight road that runs 0.1 rad to the right; 0.05 s later the car has
+    gone 0.3 m ahead, 0.02 m aside and turned by 0.03 rad."""
+    ones = np.ones(2)
+    bodies = Obstacles(
+        *(np.array([20.0, 30.0]), np.array([2.0, -3.0]), np.array([4.0, -1.0]), 0.3 * ones, np.inf * ones),
+        np.array([1, -1]),
+        np.array([0.0, 4.0]),
+    )
+    road, seen_from = RoadEdges(-5.0, 5.0, 0.1, 0.0, 0.05, 1.0, 0.0, 3.5), np.array([3.0, 1.0, 0.5])
+    pose = np.array([*(seen_from[:2] + rotation(0.5) @ np.array([0.3, 0.02])), 0.53])
+    found = carried(bodies, seen_from, pose, 6.0, road, 0.05)
+    expected = np.array([[20.0, 3.0], [30.0, -2.0] + 0.2 * np.array([np.cos(0.1), np.sin(0.1)])]) - (0.3, 0.02)
+    expected = expected @ rotation(0.03)
+    assert np.stack([found.forward_m, found.middle_m], axis=1) == pytest.approx(expected, abs=1e-3)
 
 
 def ahead(forward_m: Floats, sigma_m: Floats) -> Seen:

@@ -133,7 +133,7 @@ def drive(configuration: Variant, moved: Moved, goal_m: Floats) -> list[tuple[Pl
     goal = (float(gx), float(gy))
     planner = Planner(DriverSetup(CAMERA, CAR, RATE_HZ, SPEED_MPS, goal, 5), configuration)
     frames = range(1, FRAMES)
-    every = max(1, round(configuration.flow.period_s * RATE_HZ))
+    every = planner._every
     planner._flow = Replayed([moved.flow(scene.flow(k, every)) for k in frames[::every]])  # type: ignore[assignment]
     planner._road = Replayed([moved.edges(scene.edges(k)) for k in frames])  # type: ignore[assignment]
     hands = Gtsmc(load_gains("robust"), CAR, RATE_HZ)
@@ -145,6 +145,12 @@ def drive(configuration: Variant, moved: Moved, goal_m: Floats) -> list[tuple[Pl
         plan = planner.step(observation)
         steps.append((plan, hands.command(observation, plan.reference)))
     return steps
+
+
+@pytest.mark.parametrize(("rate_hz", "every"), [(60.0, 3), (50.0, 2), (30.0, 1), (29.97, 1), (20.0, 1), (10.0, 1)])
+def test_no_fewer_frames_are_looked_at_than_asked(rate_hz: float, every: int) -> None:
+    setup = DriverSetup(CAMERA, CAR, rate_hz, SPEED_MPS, (200.0, 0.0), 5)
+    assert Planner(setup, variant.load("robust"))._every == every
 
 
 GOAL = np.array([200.0, 10.0])

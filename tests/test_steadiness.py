@@ -93,6 +93,20 @@ def test_the_pitch_is_found() -> None:
     assert found.is_needed
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_car_that_overtakes_is_no_pitch(side: float) -> None:
+    """Most points on one side of the picture move as if the camera came to look down by 0.9 deg a second."""
+    scene, found = Scene(0.0), steadiness()
+    for frame in range(FRAMES):
+        flow, foe = scene.flow(frame), scene.foe(frame)
+        x, y = (flow.points_px - (CAMERA.cx_px, CAMERA.cy_px)).T / CAMERA.fx_px
+        pitching = -CAMERA.fx_px * 0.0015 * np.column_stack([x * y, 1.0 + y * y])
+        on_car = (side * x > 0.0) & (flow.identity % 5 > 0)
+        displacement = flow.displacement_px + pitching * on_car[:, None]
+        found.update(replace(flow, displacement_px=displacement), foe)
+        assert not found.is_needed
+
+
 def differences(flow: Flow, ideal: Flow) -> Floats:
     """rms px by which the way since the first sighting and the displacement of the same points differ."""
     here, there = np.isin(flow.identity, ideal.identity), np.isin(ideal.identity, flow.identity)
