@@ -194,7 +194,14 @@ def test_a_spot_is_believed_when_it_stays_in_the_world() -> None:
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"hits": 0}, {"nearer_share": 1.1}, {"usual_gain": 0.0}, {"counts": (1.5, 0.5)}, {"low_hides_m": 0.5}],
+    [
+        {"hits": 0},
+        {"nearer_share": 1.1},
+        {"cut_share": 0.95},
+        {"usual_gain": 0.0},
+        {"counts": (1.5, 0.5)},
+        {"low_hides_m": 0.5},
+    ],
 )
 def test_what_no_spot_can_be_counted_by_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):

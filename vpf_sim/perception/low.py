@@ -26,10 +26,8 @@ class LowConfig:
     edge_m: float = 0.4  # the same of the edge lines
     link_right_m: float = 0.9  # points nearer than this belong to one body
     link_forward_m: float = 1.4
-    least_texture: float = (
-        25.0  # small eigenvalue, grey levels^2 / px^2: asphalt has 5 to 13, and slides, ends of dashes
-    )
-    # have 15 to 30, what stands 33 and more
+    # small eigenvalue, grey levels^2 / px^2: asphalt has 5 to 13 and slides, ends of dashes 15 to 30, what stands 33
+    least_texture: float = 25.0
     least_points: int = 2
     least_margin: float = 60.0  # sum over the points of a body, of which one adds
     most_margin: float = 100.0  # at most this

@@ -9,7 +9,6 @@ from vpf_sim.geometry import distance_m, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.ground_residual import Spot
 from vpf_sim.types import Bools, Floats, Obstacles
 
-CUT_SHARE = 0.6  # of the way, by which a spot came nearer whose near end is cut off
 LEAST_WAY_M = 0.2  # without which nothing has come nearer: a standing car sees what sticks to the glass again
 
 
@@ -17,15 +16,16 @@ LEAST_WAY_M = 0.2  # without which nothing has come nearer: a standing car sees 
 class SpotConfig:
     """When a spot is believed: seen so often at one place of the world, over so long a way."""
 
-    hits: int = 3  # a sighting counts by its gain over this, and between these limits: mirror images gain 6 to 12 times
-    usual_gain: float = 12.0  # the noise, pallets 12 to 45 in hard rain, 30 to 130 in clear weather
-    counts: tuple[float, float] = (0.5, 1.5)
+    # Mirror images gain 6 to 12 times the noise, pallets 12 to 45 times in hard rain, 30 to 130 in clear weather.
+    usual_gain: float = 12.0  # a sighting counts by its gain over this,
+    counts: tuple[float, float] = (0.5, 1.5)  # between these limits,
+    hits: int = 3  # and it takes so many in sum
     more_hits: int = 4  # that it takes besides while spots flash up everywhere, as they do in rain:
     busy: float = 0.3  # that many new ones a look,
     busy_looks: float = 20.0  # on average over so many
     way_m: float = 1.0  # of the car between the first and the last sighting that told the place,
-    nearer_share: float = 0.9  # and by how much of it the spot came nearer: a drop on the glass does not, and what is
-    # mirrored by less than the way
+    nearer_share: float = 0.9  # and how much of it the spot came nearer: a drop does not, a mirror image does by less
+    cut_share: float = 0.6  # the same of a spot whose near end is cut off
     misses: int = 3  # in a row, after which one that is not believed is forgotten
     along_m: float = 0.7  # sightings nearer than this
     across_m: float = 0.6  # and this are of one spot
@@ -49,9 +49,11 @@ class SpotConfig:
             raise ValueError(
                 f"usual_gain, counts: expected > 0 and 0 < first <= second, got {self.usual_gain}, {self.counts}"
             )
-        if not (self.hits > 0 and 0.0 < self.nearer_share <= 1.0):
+        if not self.hits > 0:
+            raise ValueError(f"hits: expected > 0, got {self.hits}")
+        if not 0.0 < self.cut_share <= self.nearer_share <= 1.0:
             raise ValueError(
-                f"hits, nearer_share: expected > 0 and 0 < share <= 1, got {self.hits}, {self.nearer_share}"
+                f"cut_share, nearer_share: expected 0 < first <= second <= 1, got {self.cut_share}, {self.nearer_share}"
             )
         if not self.low_hides_m >= self.beyond_m:
             raise ValueError(f"low_hides_m: expected >= beyond_m = {self.beyond_m}, got {self.low_hides_m}")
@@ -191,7 +193,7 @@ class SpotBook:
         one.way_m = distance_m(pose, one.first_pose)
         there = vehicle_from_world(world_from_vehicle(here, pose), one.first_pose)
         nearer_m = one.way_m + one.first_forward_m - float(there[0])
-        share = min(self.config.nearer_share, CUT_SHARE) if spot.cut else self.config.nearer_share
+        share = self.config.cut_share if spot.cut else self.config.nearer_share
         one.came_nearer = one.way_m > LEAST_WAY_M and nearer_m > share * one.way_m
 
     @property

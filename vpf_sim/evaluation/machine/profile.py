@@ -33,7 +33,7 @@ def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
     watch = Stopwatch()
     grey_before: Image | None = None
     with watch.watching(STAGES):
-        for frame in _frames(scenario, weather, steps, watch):
+        for frame in _frames(scenario, weather, steps + 1, watch):  # the first has none before it
             with watch.stage("hash"):
                 sha256(frame.data).digest()
             grey = np.asarray(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), np.uint8)
