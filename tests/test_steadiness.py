@@ -82,11 +82,14 @@ def steadiness(settle_s: float = 1.0) -> Steadiness:
     return Steadiness(CAMERA, SteadinessConfig(settle_s=settle_s), RATE_HZ)
 
 
-def test_the_pitch_is_found() -> None:
+@pytest.mark.parametrize("left_too", [True, False])
+def test_the_pitch_is_found(left_too: bool) -> None:
     scene, found = Scene(0.4), steadiness(settle_s=5.0)
     pitches = []
     for frame in range(FRAMES):
-        found.update(scene.flow(frame), scene.foe(frame))
+        flow = scene.flow(frame)
+        shown = np.flatnonzero(left_too | (flow.points_px[:, 0] > CAMERA.cx_px + 20.0))
+        found.update(flow.chosen(shown), scene.foe(frame))
         pitches.append(found.pitch_rad)
     true = [pitch(frame, 0.4) for frame in range(FRAMES)]
     assert pitches[60:] == pytest.approx(true[60:], abs=radians(0.06))

@@ -145,11 +145,12 @@ class Steadiness:
         turn = self._motion(points)
         across = (displacement[:, 0] * y - displacement[:, 1] * x) * nearness
         slope = (turn[:, 0] * y - turn[:, 1] * x) * nearness
-        found = _agreed(across, slope)
-        if abs(found) < APART_RAD:
+        found, left = _agreed(across, slope), x < 0.0
+        few = min(np.count_nonzero(left), np.count_nonzero(~left)) < LEAST_POINTS
+        if few or abs(found) < APART_RAD:
             return found
         # All that is seen pitches with the camera, a car that overtakes is on one side.
-        sides = [_agreed(across[side], slope[side]) for side in (x < 0.0, x >= 0.0)]
+        sides = [_agreed(across[side], slope[side]) for side in (left, ~left)]
         apart = abs(sides[1] - sides[0]) > APART_RAD + APART_SHARE * abs(found)
         return min(*sides, key=abs) if apart else found
 
