@@ -34,8 +34,9 @@ class AskedConfig:
 
     def __post_init__(self) -> None:
         for low, high in (("near_m", "far_m"), ("least_height_m", "most_height_m")):
-            if not 0.0 < getattr(self, low) < getattr(self, high):
-                raise ValueError(f"{low}, {high}: expected 0 < {getattr(self, low)} < {getattr(self, high)}")
+            least, most = getattr(self, low), getattr(self, high)
+            if not 0.0 < least < most:
+                raise ValueError(f"{low}, {high}: expected 0 < {low} < {high}, got {least}, {most}")
         if min(self.edge_m, self.chi2_limit, self.chi2_margin) < 0.0 or not self.road_m > 0.0:
             raise ValueError("edge_m, chi2_limit, chi2_margin: expected >= 0, and road_m > 0")
 
