@@ -14,7 +14,7 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.geometry import distort, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
 from vpf_sim.perception.road_model import lines, moved, state_of
-from vpf_sim.types import Camera, Floats, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
 
 SPEED_MPS = 5.55
 KITTI = Camera(1226, 370, 707.1, 707.1, 601.9, 183.1, height_m=1.65, forward_m=1.0)
@@ -278,3 +278,36 @@ def test_a_body_that_was_passed_and_is_behind_us_hides_no_line() -> None:
         known.append(tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, behind if i >= 16 else None))
     assert known[-1].sigma_m < 1.5 * known[15].sigma_m
     assert known[-1].right_m == pytest.approx(5.25, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("face_m", "left_m", "right_m", "length_m"),
+    [
+        (9.0, 2.0, 3.8, 5.5),  # a car's rear and its flank
+        (9.0, -3.8, -2.0, 5.5),
+        (9.0, -0.9, 0.9, 5.5),
+        (1.0, 2.5, 4.3, 5.5),  # beside us, its front is ahead
+        (-1.0, -4.5, -2.7, 5.5),
+        (9.0, 2.0, 2.5, 1.0),  # a cone
+        (9.0, 2.0, 4.5, 9.0),  # as wide as a truck
+    ],
+)
+def test_what_a_body_and_its_flank_hide_is_no_road(
+    face_m: float, left_m: float, right_m: float, length_m: float
+) -> None:
+    camera = Camera()
+    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), 20.0)
+    body = Obstacles(*(np.array([value]) for value in (face_m, left_m, right_m, 0.4, np.inf)), identity=np.array([1]))
+    hidden = tracker._hidden(body)
+    ahead, aside = np.meshgrid(tracker.view.forward_m, tracker.view.right_m, indexing="ij")
+    share = np.linspace(0.0, 1.0, 400)[:, None, None]
+    along, across = camera.forward_m + share * (ahead - camera.forward_m), share * aside
+
+    def meets(wider_m: float) -> Bools:
+        """The line of sight meets the body's outline, so much larger."""
+        inside = (along > face_m - wider_m) & (along < face_m + length_m + wider_m)
+        inside &= (across > left_m - wider_m) & (across < right_m + wider_m)
+        return np.asarray(inside.any(axis=0))
+
+    assert hidden[meets(0.0)].all()
+    assert meets(1.0)[hidden].all()

@@ -32,17 +32,17 @@ class CoverConfig:
         if not self.car_width_m < self.truck_width_m:
             raise ValueError(f"car_width_m: expected < truck_width_m = {self.truck_width_m}, got {self.car_width_m}")
 
+    def lengths_m(self, width_m: Floats) -> Floats:
+        """(K,) how long bodies may be that are so wide."""
+        wide = [width_m > self.truck_width_m, width_m > self.car_width_m]
+        return np.select(wide, [self.truck_length_m, self.car_length_m], self.length_m)
+
 
 def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig, since_s: float = 0.0) -> Floats:
     """(K, 4, 2) corners of what each body covers, or did `since_s` ago, at most, vehicle axes: it is along the road."""
-    width = bodies.width_m
-    length = np.select(
-        [width > config.truck_width_m, width > config.car_width_m],
-        [config.truck_length_m, config.car_length_m],
-        config.length_m,
-    )
+    length = config.lengths_m(bodies.width_m)
     along, across = _axes(bodies, road)
-    half = (0.5 * width + config.beside_m)[:, None] * across
+    half = (0.5 * bodies.width_m + config.beside_m)[:, None] * across
     middle = np.stack([bodies.forward_m, bodies.middle_m], axis=1)
     before = config.before_m + since_s * bodies.speed_mps
     near, far = middle - before[:, None] * along, middle + length[:, None] * along
