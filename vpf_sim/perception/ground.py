@@ -40,7 +40,7 @@ def ground_flow(camera: Camera, points_px: Floats, past_pose: Floats, pose: Floa
     taken. For a camera that drives straight ahead it is (p - p_FOE) d / (Z + d) with Z = f h / (y - y_h) (METHOD C2).
     Pixels at and above the horizon have no road: there it is the flow of the plane at infinity, the limit from below.
     """
-    below = (points_px[:, 1] - camera.cy_px) / camera.fy_px + tan(camera.pitch_rad)
+    below = below_horizon(camera, points_px)
     # The road 1 km away stands for infinity; lifting the pixels by a common row keeps the turn's part of the flow.
     nearest_row = camera.cy_px + camera.fy_px * (camera.height_m / 1e3 - tan(camera.pitch_rad))
     seen = points_px.copy()

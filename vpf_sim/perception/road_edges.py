@@ -26,6 +26,7 @@ from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 RIDGE_REACH_M = 0.25
 AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
+COVER = CoverConfig()  # how long what hides the lines may be
 NEAREST_BODY_M = 0.5  # before the camera: what ends nearer hides nothing of the patch
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
 LEAST_CERTAIN = 0.5  # of the lines, without which they do not tell where the camera looks
@@ -99,7 +100,6 @@ class RoadEdgeTracker:
         self._filter: LaneFilter | None = None
         self._lost: LaneFilter | None = None  # what was followed last, carried on by the own motion alone
         self._index = LaneIndex.start(config.lanes, config.likely_lane)
-        self._cover = CoverConfig()
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # by the own motion; by the last judgement
         self._refuted, self._agreed_m = 0, 0.0  # looks since lines were last where they should be, and the way then
@@ -175,17 +175,18 @@ class RoadEdgeTracker:
         if obstacles is None or not len(obstacles):
             return hidden
         seen_m, _ = rows_seen(self._pitch_rad or 0.0, self.view.forward_m, self.camera)
-        ahead = self.view.forward_m - self.camera.forward_m
+        ahead = (self.view.forward_m - self.camera.forward_m)[:, None]
+        bearing = self.view.right_m / ahead
         sides = zip(obstacles.forward_m, obstacles.left_m, obstacles.right_m, strict=True)
-        for (face, left, right), length in zip(sides, self._cover.lengths_m(obstacles.width_m), strict=True):
+        for (face, left, right), length in zip(sides, COVER.lengths_m(obstacles.width_m), strict=True):
             depth = float(face) - self.camera.forward_m
             beside = left > 0.0 or right < 0.0
             if depth + beside * length < NEAREST_BODY_M:  # behind, where a mover that was passed is still predicted
                 continue
             rows = seen_m > face - BODY_MARGIN_M
             # Where sight of a place passes the face, and the far end of the flank that is turned to us.
-            at_face = self.view.right_m / (ahead[rows, None] / max(depth, NEAREST_BODY_M))
-            at_end = self.view.right_m / np.maximum(ahead[rows, None] / (depth + length), 1.0)
+            at_face = bearing[rows] * max(depth, NEAREST_BODY_M)
+            at_end = bearing[rows] * np.minimum(ahead[rows], depth + length)
             left_of = (at_end if left > 0.0 else at_face) > left - BODY_MARGIN_M
             hidden[rows] |= left_of & ((at_end if right < 0.0 else at_face) < right + BODY_MARGIN_M)
         return hidden

@@ -145,18 +145,17 @@ class SpotBook:
     def _count(self, spot: Spot, pose: Floats) -> None:
         """Add it to the spot that it is seen again, or remember it; the near end of one cut off tells no place."""
         here = np.array([spot.forward_m, spot.middle_m])
-        one = self._known_at(here, pose)
+        place, one = world_from_vehicle(here, pose), self._known_at(here, pose)
         if one is None:
             if not spot.cut:
-                place = world_from_vehicle(here, pose)
                 hits, sure = self._count_of(spot), int(spot.sure)
                 self._known.append(_Candidate(place, spot.width_m, pose.copy(), spot.forward_m, hits, sure))
             return
         one.hits, one.sure, one.sightings = one.hits + self._count_of(spot), one.sure + spot.sure, one.sightings + 1
         one.misses, one.cut = 0, spot.cut
-        self._approach(one, spot, here, pose)
+        self._approach(one, spot, place, pose)
         if not spot.cut:
-            self._place(one, spot, here, pose)
+            self._place(one, spot, place)
         if one.identity is None and self._stands(one):
             one.identity = self._next_identity()
 
@@ -179,20 +178,19 @@ class SpotBook:
                 return one
         return None
 
-    def _place(self, one: _Candidate, spot: Spot, here: Floats, pose: Floats) -> None:
+    def _place(self, one: _Candidate, spot: Spot, place_m: Floats) -> None:
         """Average over the sightings."""
         newest, one.told_m = self.config.newest, one.way_m
-        one.place_m = one.place_m + newest * (world_from_vehicle(here, pose) - one.place_m)
+        one.place_m = one.place_m + newest * (place_m - one.place_m)
         one.width_m += newest * (spot.width_m - one.width_m)
 
-    def _approach(self, one: _Candidate, spot: Spot, here: Floats, pose: Floats) -> None:
+    def _approach(self, one: _Candidate, spot: Spot, place_m: Floats, pose: Floats) -> None:
         """How far the car has come since the first sighting, and whether the spot came nearer by as much.
 
         That is less by what the spot moved on, as the car was headed then. One that is cut off came at least so near.
         """
         one.way_m = distance_m(pose, one.first_pose)
-        there = vehicle_from_world(world_from_vehicle(here, pose), one.first_pose)
-        nearer_m = one.way_m + one.first_forward_m - float(there[0])
+        nearer_m = one.way_m + one.first_forward_m - float(vehicle_from_world(place_m, one.first_pose)[0])
         share = self.config.cut_share if spot.cut else self.config.nearer_share
         one.came_nearer = one.way_m > LEAST_WAY_M and nearer_m > share * one.way_m
 

@@ -41,9 +41,8 @@ class Planner:
     """One variant of the method during one episode."""
 
     def __init__(self, setup: DriverSetup, variant: Variant) -> None:
-        self._every = max(
-            1, int(variant.flow.period_s * setup.rate_hz + 1e-6)
-        )  # frames from look to look, no more than asked
+        # Frames from one look to the next, no more than asked.
+        self._every = max(1, int(variant.flow.period_s * setup.rate_hz + 1e-6))
         camera, rate_hz = setup.camera, setup.rate_hz / self._every
         self._camera = camera
         self._variant = variant

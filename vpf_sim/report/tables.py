@@ -28,15 +28,8 @@ STAGES = {  # of a step, as timing.jsonl names them: what each column adds up
     "camera": ("render",),
     "flow": ("grey", "flow"),
     "FOE, TTC, obstacles": (
-        *("derotation", "foe", "steadiness", "steadiness_frames", "ttc", "obstacle_map", "clusters"),
-        *(
-            "contrast",
-            "look",
-            "bodies",
-            "second_look",
-            "carried",
-            "landmarks",
-        ),  # ttc, obstacle_map, clusters, landmarks: of runs timed before
+        *("derotation", "foe", "steadiness", "steadiness_frames", "contrast", "look", "bodies", "second_look"),
+        *("carried", "ttc", "obstacle_map", "clusters", "landmarks"),  # the last four: of runs timed before
     ),
     "road edges": ("road",),
     "plan and control": ("plan", "control"),
