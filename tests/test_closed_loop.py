@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, radians
 
 import numpy as np
@@ -68,6 +68,23 @@ def test_it_stays_on_the_lane(curvature: float) -> None:
     assert np.abs(track[1, track[0] > 40.0]).max() < 0.05
     assert np.abs(track[3]).max() < 1.0
     assert np.all(np.abs(track[2] - 5.55) < 0.02)
+
+
+def test_a_car_that_does_not_see_the_road_creeps_on_until_it_does() -> None:
+    road, car = Road(), Bicycle()
+    setup = DriverSetup(Camera(), car.model, 60.0, 5.55, (1e3, 0.0), 0)
+    way, hands, nothing = Valley(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, 60.0), Eyes(road, (), 16.0)
+    speeds = []
+    for step in range(900):
+        edges = replace(road.edges(car), confidence=0.0 if 60 <= step < 480 else 1.0)
+        view = replace(perception(edges, nothing.look(car)), suspects=nothing.look(car))
+        _, reference, _ = way.step(view, car.observe())
+        car.step(hands.command(car.observe(), reference))
+        speeds.append(car.speed_mps)
+    assert speeds[59] == pytest.approx(5.55, abs=0.02)
+    assert np.diff(speeds).min() > -4.05 / 60.0  # nuPlan's bound of comfort
+    assert speeds[479] == pytest.approx(1.0, abs=0.1)
+    assert speeds[-1] == pytest.approx(5.55, abs=0.05)
 
 
 TOWN = (Body(35.3, -2.09), Body(119.3, 0.91))  # the paper's two obstacles by METHOD F, on a bend as there

@@ -7,7 +7,7 @@ import pytest
 from tracked_points import CAMERA, CORNER, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.perception.low import LowConfig, off_lines
-from vpf_sim.types import Floats, Obstacles
+from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose
 FACE_M = 45.0
@@ -62,6 +62,15 @@ def test_points_on_a_line_are_not_trusted() -> None:
     assert first_gap_m(approach(scene)) == -np.inf
 
 
+@pytest.mark.parametrize(("right_m", "height_m", "least_m", "most_m"), [(1.37, 0.3, 6.0, 14.0), (0.8, 0.3, 15.0, 21.0)])
+def test_far_off_what_seems_low_before_a_line_is_taken_for_the_end_of_a_dash(
+    right_m: float, height_m: float, least_m: float, most_m: float
+) -> None:
+    """The ray of a point 0.3 m high and 1.37 m aside meets the road on the line, 1.75 m aside."""
+    scene = np.array([[FACE_M, right_m + y, height_m + z] for y in (-0.03, 0.03) for z in (-0.02, 0.02)])
+    assert least_m < first_gap_m(approach(scene)) < most_m
+
+
 @pytest.mark.parametrize(("texture", "enough"), [(15.0, False), (60.0, True)])
 def test_one_point_is_enough_only_where_it_is_a_clear_corner(texture: float, enough: bool) -> None:
     """Points of mere asphalt slide, and seem to stand, for a second at a time."""
@@ -93,8 +102,8 @@ def test_the_lines_are_where_the_edges_put_them() -> None:
     pixels = np.column_stack(
         [CAMERA.cx_px + CAMERA.fx_px * right / depth, np.full(9, CAMERA.cy_px + CAMERA.fy_px * 1.4 / depth)]
     )
-    edges = (np.full(9, -8.75), np.full(9, 5.25))
-    assert off_lines(CAMERA, pixels, edges, 3.5, config).tolist() == [
+    road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.05, 1.0, 0.0, 3.5)
+    assert off_lines(CAMERA, pixels, road, config).tolist() == [
         False, False, False, True, False, True, False, True, False,
     ]  # fmt: skip
 

@@ -189,6 +189,21 @@ def test_a_road_that_was_lost_by_a_wrong_yaw_is_found_in_the_end() -> None:
     assert abs(edges.heading_rad) < radians(1.0)
 
 
+@pytest.mark.parametrize(("off_rad", "found"), [(0.03, True), (0.1, False)])
+def test_where_a_road_is_known_a_guess_whose_lines_lead_far_from_it_is_none(off_rad: float, found: bool) -> None:
+    """Where the lines are seen at all about a guess, the looks that settle it turn it to where they lead."""
+    picture = RoadPicture(Camera())
+    tracker = RoadEdgeTracker(picture.camera, RoadEdgeConfig(), 20.0)
+    pose = picture.pose(0.0, 1.75, 0.0)
+    frame = picture.draw(pose)
+    tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
+    ridges = tracker._ridges(grey(frame), None)
+    settled = tracker._settled(state_of(1.75 - 5.0 * off_rad, off_rad, 0.0, 3.5), ridges)
+    assert (settled is not None) == found
+    if settled is not None:
+        assert settled.state[1] == pytest.approx(0.0, abs=0.01)
+
+
 def test_without_any_line_it_is_the_likely_lane_and_says_so() -> None:
     camera = Camera()
     blank = np.full((camera.height_px, camera.width_px, 3), 100, np.uint8)

@@ -51,6 +51,8 @@ class LandmarkConfig:
     corner_texture: float = 60.0  # unless so clear a corner (small eigenvalue, grey levels^2 / px^2)
     corner_ratio: float = 0.25  # that is no less than this share of the large one: edges have .2
     founding_texture: float = 33.0  # smaller ones found no body: where puddles end and what they mirror begins slides
+    dash_far_m: float = 14.0  # nor do points farther than this
+    dash_height_m: float = 0.45  # and lower than this whose ray meets the road on a line: ends of dashes slide there
     foot_m: float = 45.0  # points whose ray meets the road farther away found no body: bends of lines slide there,
     high_share: float = 0.5  # but corners so clear as to be trusted beside an edge line count for so much of one
     link_right_m: float = 1.0  # points nearer than this belong to one body

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
+from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.clearing import Clearing
 from vpf_sim.perception.corners import eigenvalues, is_corner
@@ -211,7 +211,7 @@ class LandmarkTracker:
         if moving is not None and moving.any():
             above, low = above & ~moving, low & ~moving
             self._marks.keep(~among(self._marks.identity, flow.identity[moving]))
-        seen = self._sightings(flow, points, texture, above | low, low)
+        seen = self._sightings(flow, points, texture, road, above | low, low)
         self._marks.record(seen, flow.identity[self._on_road(flow, points)], self._rules, time_s)
         self._forget(flow)
 
@@ -261,10 +261,7 @@ class LandmarkTracker:
         chosen = np.flatnonzero(low)
         if not len(chosen):
             return low
-        foot = ground_from_pixels(self.camera, flow.points_px[chosen])
-        edges = carriageway_offsets(foot[:, 0], road)
-        off = off_lines(self.camera, flow.points_px[chosen], edges, road.lane_width_m, self.config.low)
-        chosen = chosen[off]
+        chosen = chosen[off_lines(self.camera, flow.points_px[chosen], road, self.config.low)]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
             confirmed[chosen] = self._moves_so_now(flow, points, chosen)
@@ -296,13 +293,13 @@ class LandmarkTracker:
                 points.height_m + 2.0 * points.height_sigma_m < least
             )
 
-    def _sightings(self, flow: Flow, points: Triangulation, texture: Floats, above: Bools, low: Bools) -> Sightings:
+    def _sightings(
+        self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges, above: Bools, low: Bools
+    ) -> Sightings:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
-        below = below_horizon(self.camera, flow.points_px[above])
-        corner = is_corner(flow.structure[above], self.config.corner_texture, self.config.corner_ratio)
-        founding = np.where(below * self.config.foot_m > self.camera.height_m, 1.0, self.config.high_share * corner)
-        founding[low[above] | (texture[above] <= self.config.founding_texture)] = 0.0
+        founding = self._founding(flow, points, texture, road, above)
+        founding[low[above]] = 0.0
         sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
         bearing = points.right_m[above] / depth
         sight = flow.pose[2] + np.arctan(bearing)
@@ -319,6 +316,19 @@ class LandmarkTracker:
             margin,
             texture[above],
         )
+
+    def _founding(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges, above: Bools) -> Floats:
+        """(M,) from 0 to 1, how far each of the points `above` (N,) may found a body."""
+        config, points_px, structure = self.config, flow.points_px[above], flow.structure[above]
+        high = below_horizon(self.camera, points_px) * config.foot_m <= self.camera.height_m
+        corner = is_corner(structure, config.corner_texture, config.corner_ratio)
+        founding: Floats = np.where(high, config.high_share * corner, 1.0)
+        founding[texture[above] <= config.founding_texture] = 0.0
+        far = points.depth_m[above] > config.dash_far_m
+        slides = np.flatnonzero(far & (points.height_m[above] < config.dash_height_m))
+        if len(slides):
+            founding[slides] *= off_lines(self.camera, points_px[slides], road, config.low)
+        return founding
 
     def _forget(self, flow: Flow) -> None:
         marks = self._marks

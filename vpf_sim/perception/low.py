@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels
+from vpf_sim.perception.carriageway import carriageway_offsets
 from vpf_sim.perception.triangulation import Triangulation
-from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles
+from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles, RoadEdges
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,15 +68,11 @@ def is_low(points: Triangulation, age_s: Floats, texture: Floats, config: LowCon
     return low
 
 
-def off_lines(
-    camera: Camera, points_px: Floats, edges: tuple[Floats, Floats], lane_width_m: float, config: LowConfig
-) -> Bools:
-    """(N,) pixels whose place on the flat road is within the carriageway and on no painted line.
-
-    `edges` are of the carriageway at that place, (N,) left and right, vehicle axes; lines are a lane's width apart.
-    """
-    foot = ground_from_pixels(camera, points_px)
-    left, right = edges
+def off_lines(camera: Camera, points_px: Floats, road: RoadEdges, config: LowConfig) -> Bools:
+    """(N,) pixels whose place on the flat road is within the carriageway and on no painted line; lines are a lane's
+    width apart."""
+    foot, lane_width_m = ground_from_pixels(camera, points_px), road.lane_width_m
+    left, right = carriageway_offsets(foot[:, 0], road)
     lanes = np.maximum(np.rint((right - left) / lane_width_m), 1.0)
     across = (foot[:, 1] - left) / (right - left) * lanes
     aside = np.abs(across - np.rint(across)) * lane_width_m

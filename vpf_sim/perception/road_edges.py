@@ -37,6 +37,7 @@ FACING_RAD = 1.4  # to a road: whoever is turned farther goes nowhere along it
 TURN_M = 20.0  # of way, in which a vehicle has turned across the road and back
 FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, FIRST_LOOKS = 0.3, 0.04, 0.07, 3
 SURE_AGREEMENT, STRAIGHT_RAD = 0.85, 0.15  # of lines seen, and heading: up to these a followed road may have rivals
+SETTLES_RAD = 0.075  # about a first guess: roads do so within .05, what is none turns by .1 to .4
 RIVAL_SEARCHES = 2  # in a row, that a road must have a rival to be left for it
 MOUNTED_RAD = 0.006  # how far off a camera looks, usually, in pitch, before a road has been followed,
 PITCHED_RAD = 0.0015  # and where one has been
@@ -266,14 +267,19 @@ class RoadEdgeTracker:
             self._follow(settled)
 
     def _settled(self, state: Floats, ridges: RidgeMap) -> LaneFilter | None:
-        """The road about a first guess, as a few looks at the same frame tell it; None where its lines are not seen."""
+        """The road about a first guess, as a few looks at the same frame tell it; None where its lines are not seen.
+
+        Nor where a road is known, and they lead away from the guess: from line to grain to mirror image. From nothing
+        that is how bends are found that are tighter than any guess.
+        """
         found = LaneFilter(state, np.empty(0), self.camera)
         pitch_sigma_rad = MOUNTED_RAD if self._pitch_rad is None else PITCHED_RAD
         for _ in range(FIRST_LOOKS):
             found.covariance = initial_covariance(FIRST_SIGMA_M, FIRST_SIGMA_RAD, FIRST_WIDTH_SIGMA_M, pitch_sigma_rad)
             if not self._take_in(found, ridges):
                 return None
-        return found
+        leads_away = abs(found.state[1] - state[1]) > SETTLES_RAD
+        return None if leads_away and self._is_known(self._filter or self._lost) else found
 
     def _follow(self, found: LaneFilter) -> None:
         """Go on with a road that was found in this frame."""

@@ -29,6 +29,9 @@ class ValleyConfig:
     way_out: WayOutConfig | None = None  # without it, the car stands for good in a dead end
 
 
+LOST_MPS = 1.0  # while the road itself is not seen: some way or a wiper may bring it back
+
+
 class Valley:
     """Follows the valley of the field from frame to frame."""
 
@@ -67,6 +70,8 @@ class Valley:
         allowed = inf
         if self._sight is not None:
             allowed = speed_within_sight(perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
+            if perception.road.confidence == 0.0:
+                allowed = min(allowed, LOST_MPS)
         if self._caution is not None and perception.suspects is not None:
             suspects = place(perception.suspects, lane)
             allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
