@@ -70,20 +70,23 @@ def test_it_stays_on_the_lane(curvature: float) -> None:
     assert np.all(np.abs(track[2] - 5.55) < 0.02)
 
 
-def test_a_car_that_does_not_see_the_road_creeps_on_until_it_does() -> None:
+@pytest.mark.parametrize(("hidden_s", "slowest_mps"), [(5, 1.0), (20, 0.0)])
+def test_a_car_that_does_not_see_the_road_creeps_on_then_stands_until_it_does(
+    hidden_s: int, slowest_mps: float
+) -> None:
     road, car = Road(), Bicycle()
     setup = DriverSetup(Camera(), car.model, 60.0, 5.55, (1e3, 0.0), 0)
     way, hands, nothing = Valley(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, 60.0), Eyes(road, (), 16.0)
     speeds = []
-    for step in range(900):
-        edges = replace(road.edges(car), confidence=0.0 if 60 <= step < 480 else 1.0)
+    for step in range(60 * (hidden_s + 8)):
+        edges = replace(road.edges(car), confidence=0.0 if 60 <= step < 60 * (hidden_s + 1) else 1.0)
         view = replace(perception(edges, nothing.look(car)), suspects=nothing.look(car))
         _, reference, _ = way.step(view, car.observe())
         car.step(hands.command(car.observe(), reference))
         speeds.append(car.speed_mps)
     assert speeds[59] == pytest.approx(5.55, abs=0.02)
     assert np.diff(speeds).min() > -4.05 / 60.0  # nuPlan's bound of comfort
-    assert speeds[479] == pytest.approx(1.0, abs=0.1)
+    assert speeds[60 * (hidden_s + 1) - 1] == pytest.approx(slowest_mps, abs=0.1)
     assert speeds[-1] == pytest.approx(5.55, abs=0.05)
 
 

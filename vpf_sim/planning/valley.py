@@ -29,7 +29,7 @@ class ValleyConfig:
     way_out: WayOutConfig | None = None  # without it, the car stands for good in a dead end
 
 
-LOST_MPS = 1.0  # while the road itself is not seen: some way or a wiper may bring it back
+LOST_MPS, LOST_M = 1.0, 12.0  # while the road itself is not seen, and how far: some way or a wiper may bring it back
 
 
 class Valley:
@@ -41,6 +41,7 @@ class Valley:
         self._caution = (
             Caution(config.caution, setup.vehicle, self._speed_mps, setup.rate_hz) if config.caution else None
         )
+        self._dt_s, self._lost_m = 1.0 / setup.rate_hz, 0.0  # way since the road was seen
         self._alone = self._neighbours(NOTHING)
         self._field = LaneField(config.field, setup.vehicle, self._speed_mps, reach)
         self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
@@ -52,11 +53,12 @@ class Valley:
         obstacles = place(perception.obstacles, lane)
         neighbours = self._neighbours(obstacles) if len(obstacles) else self._alone
         potential = self._field.update(lane, neighbours, observation.speed_mps)
-        reference = self._reference.update(
+        wanted = self._reference.update(
             lane, neighbours, potential.minimum_m, observation.yaw_rad, observation.speed_mps
         )
-        reference = self._slowed(reference, perception, lane, potential.minimum_m, observation.speed_mps)
-        reference = self._turned_out(lane, perception.obstacles, observation, reference)
+        slowed = self._slowed(wanted, perception, lane, potential.minimum_m, observation.speed_mps)
+        turned = self._turned_out(lane, perception.obstacles, observation, wanted)
+        reference = slowed if turned is None else turned
         extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
         return _force(potential, lane.y_m), reference, extra
 
@@ -70,25 +72,36 @@ class Valley:
         allowed = inf
         if self._sight is not None:
             allowed = speed_within_sight(perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
-            if perception.road.confidence == 0.0:
-                allowed = min(allowed, LOST_MPS)
+            allowed = min(allowed, self._on_road(perception, speed_mps))
         if self._caution is not None and perception.suspects is not None:
             suspects = place(perception.suspects, lane)
             allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
+    def _on_road(self, perception: Perception, speed_mps: float) -> float:
+        """m/s at most by whether the road itself is seen, inf where it is: after some way without it the car stands."""
+        if perception.road.confidence > 0.0:
+            self._lost_m = 0.0
+            return inf
+        self._lost_m += speed_mps * self._dt_s
+        return LOST_MPS if self._lost_m < LOST_M else 0.0
+
     def _turned_out(
-        self, lane: Lane, obstacles: Obstacles, observation: Observation, reference: Reference
-    ) -> Reference:
-        """The reference of the way out of a dead end, where one is driven; after it, all begins anew from there."""
+        self, lane: Lane, obstacles: Obstacles, observation: Observation, wanted: Reference
+    ) -> Reference | None:
+        """The reference of the way out of a dead end, where one is driven; after it, all begins anew from there.
+
+        Who is to stand only because the road is not seen is in no dead end, and on a way out the road need not be seen.
+        """
         if self._way_out is None:
-            return reference
+            return None
         was_driven = self._way_out.is_driven
-        turned = self._way_out.update(lane, obstacles, observation, reference)
+        turned = self._way_out.update(lane, obstacles, observation, wanted)
         if was_driven or turned is not None:
+            self._lost_m = 0.0
             self._field.keep(lane.y_m)
             self._reference.restart(observation.speed_mps)
-        return reference if turned is None else turned
+        return turned
 
 
 def _force(potential: LanePotential, y_m: float) -> Force:
