@@ -1,6 +1,7 @@
 """Walking up to a body that was told: road in its place refutes it, a flat pallet or bare paint does not."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -102,6 +103,17 @@ def test_a_body_that_is_told_too_near_stays(near_m: float) -> None:
     looker = SecondLook(CAMERA, CONFIG)
     for x in np.arange(FACE_M - 7.0, FACE_M - 3.0, 0.05).tolist():
         assert len(looker.update(pallet(x), np.array([x, 0.0, 0.0]), told(x, 7, FACE_M - near_m), 1.0)) == 1
+
+
+@pytest.mark.parametrize(("middle_m", "left"), [(1.0, 0), (-1.0, 0), (3.0, 1), (-3.0, 1)])
+def test_no_look_is_taken_far_aside(middle_m: float, left: int) -> None:
+    """There the place, away from the camera, leads past what stands: road says nothing."""
+    looker, there = SecondLook(CAMERA, CONFIG), 1
+    for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05):
+        one = told(float(x), 7)
+        one = replace(one, left_m=one.left_m + middle_m, right_m=one.right_m + middle_m)
+        there = len(looker.update(empty(float(x)), np.array([x, 0.0, 0.0]), one, 1.0))
+    assert there == left
 
 
 def test_no_look_is_taken_at_speed() -> None:

@@ -30,6 +30,7 @@ class SecondLookConfig:
     baseline_m: float = 0.7  # and between the frames of one
     nearest_m: float = 1.9  # range of the body's face, from the camera
     farthest_m: float = 7.0
+    most_bearing: float = 0.5  # tangent, of its middle: farther aside the place leads past what stands there
     before_m: float = 0.1  # of the face, where the place begins
     inside_m: float = 0.1  # of each side, where it ends: past one that grows narrower upwards the road is seen
     cell_m: float = 0.5  # the place is judged in cells so wide and long,
@@ -47,6 +48,8 @@ class SecondLookConfig:
     def __post_init__(self) -> None:
         if not 0.0 < self.nearest_m < self.farthest_m:
             raise ValueError(f"nearest_m: expected 0 < nearest_m < farthest_m, got {self.nearest_m}")
+        if not self.most_bearing > 0.0:
+            raise ValueError(f"most_bearing: expected > 0, got {self.most_bearing}")
         if not self.inside_m >= 0.0:
             raise ValueError(f"inside_m: expected >= 0, got {self.inside_m}")
         if not self.rows >= 1:
@@ -139,8 +142,10 @@ class SecondLook:
         if not config.baseline_m <= distance_m(pose, then) < 2.0 * config.baseline_m:
             return
         face = bodies.forward_m - self._camera.forward_m
+        looked_at = (face > config.nearest_m) & (face < config.farthest_m) & (bodies.speed_mps == 0.0)
+        looked_at &= np.abs(bodies.middle_m) < config.most_bearing * face
         for k, one in enumerate(places):
-            if config.nearest_m < face[k] < config.farthest_m and bodies.speed_mps[k] == 0.0 and not one.refuted:
+            if looked_at[k] and not one.refuted:
                 self._compare(one, (image, pose), (older, then), pose)
 
     def _compare(self, one: _Place, now: tuple[Image, Floats], then: tuple[Image, Floats], pose: Floats) -> None:
