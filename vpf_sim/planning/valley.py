@@ -80,7 +80,7 @@ class Valley:
 
     def _on_road(self, perception: Perception, speed_mps: float) -> float:
         """m/s at most by whether the road itself is seen, inf where it is: after some way without it the car stands."""
-        if perception.road.confidence > 0.0:
+        if max(perception.road.confidence, perception.road.lane_confidence) > 0.0:
             self._lost_m = 0.0
             return inf
         self._lost_m += speed_mps * self._dt_s
