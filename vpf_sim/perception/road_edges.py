@@ -149,6 +149,11 @@ class RoadEdgeTracker:
             return None
         return self._pitch_rad, self._filter.pitch_sigma_rad
 
+    @property
+    def _followed(self) -> LaneFilter | None:
+        """The road that is followed, or was last."""
+        return self._filter or self._lost
+
     def turn(self, down_rad: float) -> None:
         """The camera has come to look so much farther down since the last frame."""
         if self._pitch_rad is not None:
@@ -158,7 +163,7 @@ class RoadEdgeTracker:
                 followed.turn(down_rad)
 
     def _predict(self, pose: Floats) -> None:
-        followed = self._filter or self._lost
+        followed = self._followed
         if followed is not None and self._pose is not None:
             step = (pose[:2] - self._pose[:2]) @ rotation(self._pose[2])
             self._travelled_m += float(np.hypot(*step))
@@ -279,7 +284,7 @@ class RoadEdgeTracker:
             if not self._take_in(found, ridges):
                 return None
         leads_away = abs(found.state[1] - state[1]) > SETTLES_RAD
-        return None if leads_away and self._is_known(self._filter or self._lost) else found
+        return None if leads_away and self._is_known(self._followed) else found
 
     def _follow(self, found: LaneFilter) -> None:
         """Go on with a road that was found in this frame."""
@@ -305,7 +310,7 @@ class RoadEdgeTracker:
 
     def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
         """The state as edges; its one curvature is the one that puts the road 10 m ahead where the state has it."""
-        tracked = self._filter or self._lost
+        tracked = self._followed
         if tracked is None or not self._is_known(tracked):
             return self._likely(float(np.clip(yaw_rate_radps / max(speed_mps, 1.0), -0.05, 0.05)))
         state = tracked.state

@@ -16,7 +16,9 @@ from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.reach import Reach, ReachConfig
 from vpf_sim.planning.sight_speed import SightConfig, speed_within_sight
 from vpf_sim.planning.way_out import WayOut, WayOutConfig
-from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference
+from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference, RoadEdges
+
+LOST_MPS, LOST_M = 1.0, 12.0  # while the road itself is not seen, and how far: some way or a wiper may bring it back
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,9 +29,6 @@ class ValleyConfig:
     sight: SightConfig | None = None  # without it, as fast where little is seen
     caution: CautionConfig | None = None  # without it, as fast before what is suspected
     way_out: WayOutConfig | None = None  # without it, the car stands for good in a dead end
-
-
-LOST_MPS, LOST_M = 1.0, 12.0  # while the road itself is not seen, and how far: some way or a wiper may bring it back
 
 
 class Valley:
@@ -72,15 +71,15 @@ class Valley:
         allowed = inf
         if self._sight is not None:
             allowed = speed_within_sight(perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
-            allowed = min(allowed, self._on_road(perception, speed_mps))
+            allowed = min(allowed, self._on_road(perception.road, speed_mps))
         if self._caution is not None and perception.suspects is not None:
             suspects = place(perception.suspects, lane)
             allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
-    def _on_road(self, perception: Perception, speed_mps: float) -> float:
+    def _on_road(self, road: RoadEdges, speed_mps: float) -> float:
         """m/s at most by whether the road itself is seen, inf where it is: after some way without it the car stands."""
-        if max(perception.road.confidence, perception.road.lane_confidence) > 0.0:
+        if max(road.confidence, road.lane_confidence) > 0.0:
             self._lost_m = 0.0
             return inf
         self._lost_m += speed_mps * self._dt_s
