@@ -73,3 +73,19 @@ def test_how_far_the_road_mirrors_is_told_by_the_points_below_it(below: int, deg
     for _ in range(200):
         mirror.update(0, 0)
     assert mirror.degree == pytest.approx(degree, abs=0.05), "standing, nothing is learned and nothing forgotten"
+
+
+@pytest.mark.parametrize(
+    ("own", "wet"),
+    [(0.3, -1.2), (-0.05, -1.2), (-0.9, -2.0), (-1.5, -1.2)],
+    ids=["bright", "plain", "dark", "an image"],
+)
+def test_a_body_s_image_is_fainter_than_what_is_above_it(own: float, wet: float) -> None:
+    upper = own + np.array([-0.3, 0.0, 0.3])
+    assert CONFIG.image(1.0, upper) == pytest.approx(wet)
+    assert CONFIG.image(0.0, upper) == CONFIG.dry_image
+    assert CONFIG.image(0.5, upper) == pytest.approx(0.5 * (wet + CONFIG.dry_image))
+
+
+def test_where_nothing_is_above_an_image_is_told_by_its_contrast_alone() -> None:
+    assert CONFIG.image(1.0, np.empty(0)) == pytest.approx(CONFIG.wet_image)

@@ -34,7 +34,7 @@ class FilterConfig:
     foot_height_m: float = 0.12  # of the lowest points that can be followed
     foot_px: float = 1.5  # standard deviation of the foot's row
     foot_ratio: float = 0.04  # and of its depth, as a share
-    foot_hidden: float = 2.5  # times as much where the foot seems farther: the lowest point need not be the foot
+    foot_hidden: float = 2.5  # times as much where a believed one's seems farther: the lowest point need not be it
     acceleration_mps2: float = 1.0  # over a second
     slip_mps: float = 0.3  # of the place, what the model does not know
     face_m: float = 0.3  # points of the face lie so far behind it on average,
@@ -96,6 +96,11 @@ class Mover:
         """From the camera to the face."""
         return self.place(pose)[0] - self._camera.forward_m
 
+    def closing_share(self, own_mps: float) -> float:
+        """How fast we come nearer as a share of our speed: 1 to what stands, 0 to what is as fast, negative to what
+        runs away."""
+        return 1.0 - self.speed_mps / max(own_mps, 0.1)
+
     @property
     def half_m(self) -> float:
         """m, half the width that it takes, as wide as a vehicle is."""
@@ -151,12 +156,14 @@ class Mover:
         self.sigma_mps = max(float(np.sqrt(variance)), config.least_sigma_mps)
 
     def stand(self, foot_m: float, own_mps: float, pose: Floats, dt_s: float) -> None:
-        """It stands on the road: not beyond the road behind its lowest point, and with less weight not before it."""
+        """It stands on the road behind its lowest point: once it is believed, not beyond it, and with less weight not
+        before it. What is only suspected may have begun with a foot in its mirror image."""
         config = self._config
         forward, right = self.place(pose)
         depth = forward - self._camera.forward_m
         sigma = foot_m * (config.foot_ratio + config.foot_px * foot_m / (self._camera.fy_px * self._camera.height_m))
-        sigma *= config.foot_hidden if foot_m > depth else 1.0
+        if foot_m > depth and self.identity is not None:
+            sigma *= config.foot_hidden
         fresh = min(dt_s / config.memory_s, 1.0)
         variance = self.sigma_m**2 + sigma**2 / fresh
         limit = config.clip * float(np.sqrt(variance))

@@ -6,8 +6,10 @@ inverse depth it cannot be told from one by any track while we drive straight on
 of the light at the angles at which it is looked at (Fresnel), and smears it: a mirror image has a fraction of the
 contrast of what stands in the picture, a body has as much. How far that counts depends on how much the road mirrors: on
 a dry road hardly a point lies below it that is of no body (`Mirror`), and a dark car is as good as any that is not as
-faint as far asphalt. The weights are chosen by when suspects of development drives, in clear weather and in rain, were
-believed with them.
+faint as far asphalt. And it counts by where what is mirrored would have to stand: at the inverse depth w, beside the
+road as a rule. Where that is on the road, as for a car ahead, hardly anything stands, and a body only has to have more
+contrast than its own mirror image, which joins it at the foot and would move the foot towards us. The weights are
+chosen by when suspects of development drives, in clear weather and in rain, were believed with them.
 """
 
 from dataclasses import dataclass
@@ -15,7 +17,7 @@ from math import exp
 
 import numpy as np
 
-from vpf_sim.perception.quantiles import quantile
+from vpf_sim.perception.quantiles import median, quantile
 from vpf_sim.types import Bools, Floats
 
 
@@ -35,6 +37,11 @@ class EvidenceConfig:
     wet_faint: float = -0.5  # less this, below which it speaks against it, on a road that mirrors,
     dry_faint: tuple[float, float] = (-2.5, -1.5)  # and on a dry one, where what is
     faint_m: tuple[float, float] = (15.0, 20.0)  # so far off may be asphalt
+    wet_image: float = -1.2  # contrast below which points are of a body's mirror image, on a road that mirrors,
+    dry_image: float = -4.0  # and on a dry one;
+    image_fainter: float = 1.1  # of a faint body below that of its points by so much
+    image_above_m: float = 0.5  # that are higher than this; but what is as faint as an image up there is one itself,
+    image_ramp: float = 0.3  # and less so by this contrast
     dry_share: float = 0.12  # of the points on the road that lie below it and are of no body: on a dry road,
     wet_share: float = 0.27  # and on one that mirrors
     share_s: float = 2.0  # time constant of that share
@@ -45,6 +52,10 @@ class EvidenceConfig:
     def __post_init__(self) -> None:
         if not 0.0 <= self.dry_share < self.wet_share:
             raise ValueError(f"dry_share: expected 0 <= dry_share < wet_share = {self.wet_share}, got {self.dry_share}")
+        if not self.dry_image < self.wet_image:
+            raise ValueError(f"dry_image: expected < wet_image = {self.wet_image}, got {self.dry_image}")
+        if not self.image_ramp > 0.0:
+            raise ValueError(f"image_ramp: expected > 0, got {self.image_ramp}")
         if not self.faint_m[0] < self.faint_m[1]:
             raise ValueError(f"faint_m: expected two increasing distances, got {self.faint_m}")
 
@@ -52,6 +63,17 @@ class EvidenceConfig:
         """The contrast below which points so far off speak against a body, on a road that mirrors so far, 0 to 1."""
         dry = float(np.interp(depth_m, self.faint_m, self.dry_faint))
         return dry + mirror * (self.wet_faint - dry)
+
+    def image(self, mirror: float, upper: Floats) -> float:
+        """The contrast below which points are of a body's own mirror image, on a road that mirrors so far, 0 to 1.
+
+        `upper` (N,) is the contrast of its points above `image_above_m`: of a dark car all is faint, and its image
+        fainter still.
+        """
+        own = median(upper) if len(upper) else self.wet_image
+        dark = min(own - self.image_fainter - self.wet_image, 0.0)
+        is_body = min(max((own - self.wet_image) / self.image_ramp, 0.0), 1.0)
+        return self.dry_image + mirror * (self.wet_image + is_body * dark - self.dry_image)
 
 
 class Mirror:

@@ -50,6 +50,11 @@ class MoverConfig:
     slowest_share: float = 0.65  # of the closing speed in the own speed,
     equal_share: float = 0.1  # and least
     length_m: float = 4.5  # of a body
+    nearest_m: float = 1.0  # from where on the side of one beside us is in the picture
+    bright: tuple[float, float] = (-1.5, -0.8)  # contrast of points that count least, and in full, for who is suspected
+    least_bright: float = 0.1
+    steep_m: float = 6.0  # nearer than this the road is looked at too steeply to mirror a body
+    mirrored_m: float = 60.0  # as far the road is known well enough to tell whether what it would mirror stands on it
     same_m: float = 1.2  # two that are nearer across are one, where the nearer is predicted
     margin_m: float = 0.3  # about it,
     about_m: float = 1.0  # and beyond that its sides are looked for
@@ -72,6 +77,12 @@ class MoverConfig:
     filter: FilterConfig = field(default_factory=FilterConfig)
     evidence: EvidenceConfig = field(default_factory=EvidenceConfig)
     closing: ClosingConfig = field(default_factory=ClosingConfig)
+
+    def __post_init__(self) -> None:
+        if not self.bright[0] < self.bright[1]:
+            raise ValueError(f"bright: expected two increasing contrasts, got {self.bright}")
+        if not 0.0 < self.least_bright <= 1.0:
+            raise ValueError(f"least_bright: expected in (0, 1], got {self.least_bright}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +138,7 @@ def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: 
     gap = np.abs(seen.inverse_per_m[ripe] - seen.inverse_per_m[feet][:, None])
     doubt = 3.0 * np.hypot(seen.sigma_per_m[ripe], seen.sigma_per_m[feet][:, None])
     alike = inside & (gap < doubt + config.alike_ratio * np.abs(seen.inverse_per_m[feet][:, None]))
+    bright = np.interp(seen.contrast[ripe], config.bright, (config.least_bright, 1.0))  # mirror images are faint
     found: list[Integers] = []
     while len(found) < most:
         count = np.count_nonzero(alike, axis=1)
@@ -135,7 +147,7 @@ def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: 
         good = (count >= config.least_members) & (count >= stands + config.stray * stray)
         if not good.any():
             break
-        best = int(np.argmax(np.where(good, count, 0)))
+        best = int(np.argmax(np.where(good, (alike * bright).sum(axis=1), 0.0)))
         mine = alike[best]
         if float(np.ptp(seen.drop[ripe[mine]])) * float(depth[best, 0]) > config.least_height_m:
             found.append(ripe[mine])

@@ -78,12 +78,12 @@ class MoverTracker:
 
     def _look_at(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float) -> None:
         seen = appear(flow, points, self.camera, self.rate_hz, self.config)
-        free = seen.moves.copy()
-        hidden = np.zeros(len(flow), np.bool_)
-        taken = np.zeros(len(flow), np.bool_)
         self._reflect(seen, flow.pose)
+        free = seen.moves.copy()
+        taken = np.zeros(len(flow), np.bool_)
+        hidden = np.zeros(len(flow), np.bool_)
         for mover in sorted(self.movers, key=lambda mover: mover.place(flow.pose)[0]):
-            mine, within = self._follow(mover, seen, flow, speed_mps, ~taken)
+            mine, within = self._follow(mover, seen, flow, road, speed_mps, ~taken)
             free &= ~mine
             if mover.identity is not None:
                 free &= ~within  # two bodies do not stand in one place
@@ -135,7 +135,9 @@ class MoverTracker:
             speed_mps=speed,
         )
 
-    def _follow(self, mover: Mover, seen: Apparent, flow: Flow, own_mps: float, free: Bools) -> tuple[Bools, Bools]:
+    def _follow(
+        self, mover: Mover, seen: Apparent, flow: Flow, road: RoadEdges, own_mps: float, free: Bools
+    ) -> tuple[Bools, Bools]:
         """Bring a body to this frame by its tracks; (N,) points that are of it, and (N,) those seen through it.
 
         Its tracks are among those that are `free` (N,): of no nearer body.
@@ -145,14 +147,13 @@ class MoverTracker:
         forward, right = mover.place(flow.pose)
         depth = forward - self.camera.forward_m
         if not (depth > config.follow_m and abs(right) < config.follow_bearing * depth) or not seen.ripe.any():
-            mover.log_odds = max(mover.log_odds, mover.credit) - config.fade_per_s * dt_s
-            mover.credit = min(mover.credit, mover.log_odds)
-            if mover.identity is None:
-                mover.log_odds = -np.inf
+            self._fade(mover, dt_s)
             return mover.mine(flow), within
         follows = abs(own_mps - mover.speed_mps) < config.equal_share * own_mps  # then what is on it stands still
         about = self._outline(mover, seen, flow.pose, config.margin_m + config.about_m)
         chosen = np.flatnonzero(about & free & seen.ripe & (follows | ~seen.still))
+        image = self._image(seen, chosen[within[chosen]], depth)
+        chosen = chosen[seen.contrast[chosen] > image]
         tracks, standing, inner = flow.chosen(chosen), seen.standing[chosen], within[chosen]
         fitted, behind, faster = mover.fit(self._against(mover, tracks, depth), standing, own_mps, depth, inner)
         chi2 = np.where(inner & (fitted < standing + config.odds), fitted, np.inf)
@@ -170,14 +171,48 @@ class MoverTracker:
             front = shape & (behind < config.front_m)
             front = front if np.count_nonzero(front) >= 3 else shape
             self._spread(mover, seen, chosen, front, fitted, flow.pose)
-            gain = self._speaks_for(mover, seen, chosen, chi2, own_mps, flow.pose)
+            faint = self._faint(mover, image, own_mps, flow.pose, road)
+            gain = self._speaks_for(mover, seen, chosen, chi2, own_mps, flow.pose, faint)
+        self._weigh(mover, gain, dt_s)
+        with np.errstate(invalid="ignore"):
+            return mover.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
+
+    def _weigh(self, mover: Mover, gain: float, dt_s: float) -> None:
+        """One look spoke for a body by so much."""
+        config = self.config
         if mover.identity is not None:
             gain = max(gain, -config.doubts)
         mover.log_odds = min(mover.log_odds + gain * dt_s / config.independent_s, config.most)
         if mover.log_odds > config.sure:
             mover.credit = config.sure  # a body that was sure is not doubted for what the picture's edge leaves of it
-        with np.errstate(invalid="ignore"):
-            return mover.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
+
+    def _fade(self, mover: Mover, dt_s: float) -> None:
+        """A body cannot be looked at: it is doubted more and more, and what is only suspected is forgotten."""
+        mover.log_odds = max(mover.log_odds, mover.credit) - self.config.fade_per_s * dt_s
+        mover.credit = min(mover.credit, mover.log_odds)
+        if mover.identity is None:
+            mover.log_odds = -np.inf
+
+    def _image(self, seen: Apparent, within: Integers, depth_m: float) -> float:
+        """The contrast below which points are of the mirror image of a body that has these in its outline."""
+        if depth_m < self.config.steep_m:
+            return -np.inf
+        height = self.camera.height_m - seen.drop[within] * depth_m
+        evidence = self.config.evidence
+        upper = within[(height > evidence.image_above_m) & (height < evidence.high_m)]
+        return evidence.image(self._mirror.degree, seen.contrast[upper])
+
+    def _faint(self, mover: Mover, image: float, own_mps: float, pose: Floats, road: RoadEdges) -> float:
+        """The contrast below which points speak against a body: that of its own `image`, or of asphalt, if what it
+        would be the image of stood on the road, where hardly anything does."""
+        config = self.config
+        forward, right = mover.place(pose)
+        depth = forward - self.camera.forward_m
+        share = mover.closing_share(own_mps)  # and so of its depth in that of what stands and would move as it does
+        is_known = depth > config.steep_m and share * config.mirrored_m > depth
+        if is_known and self._is_on_road(depth / share, right / share, road):
+            return max(image, config.evidence.faint(0.0, depth))
+        return config.evidence.faint(self._mirror.degree, depth)
 
     def _spread(self, mover: Mover, seen: Apparent, chosen: Integers, front: Bools, chi2: Floats, pose: Floats) -> None:
         """Look at a body's sides by the chosen points, of which those in `front` (M,) make its face.
@@ -197,14 +232,14 @@ class MoverTracker:
         config = self.config
         forward, right = mover.place(pose)
         depth = forward - self.camera.forward_m
-        if depth < 1.0:
-            return np.zeros(len(seen.drop), np.bool_)
-        margin, far = margin_m + 0.02 * depth, depth + config.length_m
+        near, far = max(depth, config.nearest_m), depth + config.length_m
+        margin = margin_m + 0.02 * near
         left, right = right - mover.half_m - margin, right + mover.half_m + margin
-        inside: Bools = (seen.bearing > min(left / depth, left / far)) & (
-            seen.bearing < max(right / depth, right / far)
-        )
-        below = seen.drop * depth
+        is_in_us = depth < near and left < 0.0 < right  # it is not where it is believed to be, and would hide all
+        if far < near or is_in_us:
+            return np.zeros(len(seen.drop), np.bool_)
+        inside: Bools = (seen.bearing > min(left / near, left / far)) & (seen.bearing < max(right / near, right / far))
+        below = seen.drop * near
         inside &= below > self.camera.height_m - config.tallest_m
         inside &= below < 1.2 * self.camera.height_m
         return inside
@@ -223,7 +258,14 @@ class MoverTracker:
         return height / low if low > self.config.least_drop else None
 
     def _speaks_for(
-        self, mover: Mover, seen: Apparent, chosen: Integers, chi2: Floats, own_mps: float, pose: Floats
+        self,
+        mover: Mover,
+        seen: Apparent,
+        chosen: Integers,
+        chi2: Floats,
+        own_mps: float,
+        pose: Floats,
+        faint: float,
     ) -> float:
         """Log-odds of a look: against it where nothing upright is as wide as a vehicle, else what the points tell."""
         config = self.config
@@ -240,12 +282,11 @@ class MoverTracker:
         if not upright:
             return -config.speaks_against
         if mover.identity is None:
-            share = 1.0 - mover.speed_mps / max(own_mps, 0.1)
+            share = mover.closing_share(own_mps)
             as_fast = -0.5 * config.equal_share < share < config.equal_share  # like the mirror image of what is far off
             thick = _thickness(across[face], height[face]) > config.least_thickness_m
             if as_fast or not thick or mover.speed_mps < config.least_mps:
                 return -config.speaks_against
-        faint = config.evidence.faint(self._mirror.degree, depth)
         return evidence(inside, chi2, seen.standing[chosen], seen.contrast[chosen], faint, config.evidence)
 
     def _merge(self, pose: Floats) -> None:
@@ -303,7 +344,11 @@ class MoverTracker:
             (share < config.slowest_share) & ((share > config.equal_share) | (share < -0.5 * config.equal_share))
         ]
         for mine in outlines(seen, feet, spare, self.camera, config):
-            sight = suspect(seen, mine, self.camera, config)
+            lowest_m = self.camera.height_m / float(np.max(seen.drop[mine]))
+            members = mine[seen.contrast[mine] > self._image(seen, mine, lowest_m)]
+            if len(members) < config.least_members:
+                continue
+            sight = suspect(seen, members, self.camera, config)
             if self._is_plausible(sight, road):
                 self.movers.append(Mover(sight, self.camera, flow.pose, config.prior, config.filter))
 
@@ -312,9 +357,13 @@ class MoverTracker:
         config = self.config
         if not config.near_m < sight.depth_m < config.far_m:
             return False
-        left, right = carriageway_offsets(np.array([self.camera.forward_m + sight.depth_m]), road)
-        inside = left[0] + config.edge_margin_m < sight.middle_m < right[0] - config.edge_margin_m
-        return bool(inside and 1.0 < sight.speed_mps < 25.0)
+        return self._is_on_road(sight.depth_m, sight.middle_m, road) and 1.0 < sight.speed_mps < 25.0
+
+    def _is_on_road(self, depth_m: float, right_m: float, road: RoadEdges) -> bool:
+        """Whether the middle of a body may be there: on the carriageway, with its sides."""
+        left, right = carriageway_offsets(np.array([self.camera.forward_m + depth_m]), road)
+        margin = self.config.edge_margin_m
+        return bool(left[0] + margin < right_m < right[0] - margin)
 
 
 def _thickness(across_m: Floats, height_m: Floats) -> float:
