@@ -77,8 +77,8 @@ def test_how_far_the_road_mirrors_is_told_by_the_points_below_it(below: int, deg
 
 @pytest.mark.parametrize(
     ("own", "wet"),
-    [(0.3, -1.2), (-0.05, -1.2), (-0.9, -2.0), (-1.5, -1.2)],
-    ids=["bright", "plain", "dark", "an image"],
+    [(0.3, -1.2), (-0.05, -1.2), (-0.9, -2.0), (-1.05, -1.675), (-1.5, -1.2)],
+    ids=["bright", "plain", "dark", "in doubt", "an image"],
 )
 def test_a_body_s_image_is_fainter_than_what_is_above_it(own: float, wet: float) -> None:
     upper = own + np.array([-0.3, 0.0, 0.3])

@@ -169,20 +169,19 @@ def test_what_the_road_shines_through_is_no_body() -> None:
     assert not any((bodies.identity < 0).any() for bodies in found)
 
 
-class Faint(Traffic):
-    """Traffic whose first points have a share of the contrast of the others."""
+class Contrasted(Traffic):
+    """Traffic whose points have a squared contrast each, as a share of 1."""
 
-    def __init__(self, scene_m: Floats, speed_mps: Floats, first: int, contrast: float) -> None:
+    def __init__(self, scene_m: Floats, speed_mps: Floats, contrast: Floats) -> None:
         super().__init__(scene_m, speed_mps)
-        self.first, self.contrast = first, contrast
+        self.contrast = contrast
 
     def flow(self, frame: int) -> Flow:
         flow: Flow = super().flow(frame)
-        share = np.where(flow.identity < self.first, self.contrast, 1.0)
-        return replace(flow, structure=flow.structure * share[:, None, None])
+        return replace(flow, structure=flow.structure * self.contrast[flow.identity][:, None, None])
 
 
-def before_trees(contrast: float) -> Faint:
+def before_trees(contrast: float) -> Contrasted:
     """A car at 14 m that drives at 3 m/s, before a row of trees with just its inverse depth, as it is a second on."""
     car = vehicle(14.0, 3.2)
     rng = stream(33, "trees")
@@ -190,8 +189,8 @@ def before_trees(contrast: float) -> Faint:
     trees = np.column_stack(
         [np.full(60, depth + CAMERA.forward_m), rng.uniform(4.0, 15.0, 60), rng.uniform(1.6, 7.0, 60)]
     )
-    speeds = np.repeat([3.0, 0.0], [len(car), len(trees)])
-    return Faint(np.concatenate([car, trees]), speeds, len(car), contrast)
+    speeds, contrasts = np.repeat([[3.0, 0.0], [contrast, 1.0]], [len(car), len(trees)], axis=1)
+    return Contrasted(np.concatenate([car, trees]), speeds, contrasts)
 
 
 def test_trees_behind_a_body_that_share_its_flow_do_not_hide_it() -> None:

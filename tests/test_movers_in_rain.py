@@ -1,10 +1,8 @@
 """Bodies that move on a road that mirrors: simulated tracks of cars, of trees beside the road, and of their images."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from test_movers import Seen, Traffic, vehicle
+from test_movers import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
 from vpf_sim.perception.mover import Mover, Sight
@@ -17,20 +15,8 @@ from vpf_sim.types import Floats, Flow
 IMAGE = -1.7  # logarithm of the squared contrast of an image as a share of what is mirrored
 
 
-class Mirrored(Traffic):
-    """Points that move along the x axis, with a squared contrast each as a share of the trees'."""
-
-    def __init__(self, scene_m: Floats, speed_mps: Floats, contrast: Floats) -> None:
-        super().__init__(scene_m, speed_mps)
-        self.contrast = contrast
-
-    def flow(self, frame: int) -> Flow:
-        flow = super().flow(frame)
-        return replace(flow, structure=flow.structure * self.contrast[flow.identity][:, None, None])
-
-
-def wet(*cars: tuple[Floats, float, float], image: float = IMAGE) -> Mirrored:
-    """Cars, with a speed and a squared contrast each, and trees on both sides, all with their images in the road."""
+def wet(*cars: tuple[Floats, float, float], image: float = IMAGE) -> Contrasted:
+    """Cars, with a speed and a squared contrast each, and trees on both sides, of contrast 1, all with their images."""
     rng = stream(41, "trees")
     side = np.repeat([-1.0, 1.0], 150)
     trees = np.column_stack(
@@ -40,11 +26,15 @@ def wet(*cars: tuple[Floats, float, float], image: float = IMAGE) -> Mirrored:
     scene = np.concatenate([points for points, _, _ in parts])
     speed = np.concatenate([np.full(len(points), speed) for points, speed, _ in parts])
     contrast = np.concatenate([np.full(len(points), contrast) for points, _, contrast in parts])
-    return Mirrored(
+    return Contrasted(
         np.concatenate([scene, scene * [1.0, 1.0, -1.0]]),
         np.tile(speed, 2),
         np.concatenate([contrast, contrast * np.exp(image)]),
     )
+
+
+def last_of(drive: Contrasted, frames: int) -> Flow:
+    return [drive.flow(frame) for frame in range(frames)][-1]
 
 
 @pytest.mark.parametrize("dark", [0.0, -0.5, -0.9])
@@ -97,13 +87,9 @@ def test_the_flank_of_a_body_that_is_passed_is_no_landmark(depth_m: float, side:
     along = np.repeat(np.linspace(1.2, 4.0, 8), 3)
     flank = np.column_stack([CAMERA.forward_m + along, np.full(24, side * 2.3), np.tile([0.3, 0.7, 1.1], 8)])
     drive, seen = wet((flank, 0.0, 1.0), (flank * [1.0, -1.0, 1.0], 0.0, 1.0)), Seen()
-    drive.flow(0)
-    for frame in range(1, 10):
-        flow = drive.flow(frame)
-    mover = believed(depth_m, side * 3.3, flow.pose)
-    seen.movers.movers.append(mover)
-    seen.movers.update(flow, seen.landmarks.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ)
-    moving = np.isin(flow.identity, seen.movers._hidden)
+    flow = last_of(drive, 10)
+    seen.movers.movers.append(believed(depth_m, side * 3.3, flow.pose))
+    moving = seen.movers.update(flow, seen.landmarks.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ)
     place = drive.scene[flow.identity] - [*flow.pose[:2], 0.0]
     beside = (flow.identity < 48) & (place[:, 0] - CAMERA.forward_m > 1.0)
     mine = beside & (place[:, 1] * side > 0.0) & (place[:, 0] - CAMERA.forward_m < depth_m + 4.4)
@@ -116,8 +102,7 @@ def test_the_flank_of_a_body_that_is_passed_is_no_landmark(depth_m: float, side:
 @pytest.mark.parametrize("depth_m", [0.4, 0.0, -2.0])
 def test_a_body_that_would_be_where_we_are_hides_nothing(depth_m: float) -> None:
     drive, seen = wet(), Seen()
-    for frame in range(10):
-        flow = drive.flow(frame)
+    flow = last_of(drive, 10)
     seen.movers.movers.append(believed(depth_m, 0.3, flow.pose))
     assert not seen.movers.update(flow, seen.landmarks.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ).any()
 
@@ -145,15 +130,14 @@ def test_what_would_be_mirrored_stands_on_the_road_as_far_as_that_is_known(
         assert movers._faint(mover, image, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(expected)
 
 
-def test_a_near_body_beside_the_camera_is_not_told_from_its_image() -> None:
+def test_nearer_than_the_road_mirrors_a_body_is_not_compared_with_its_image() -> None:
     movers, evidence = MoverTracker(CAMERA, MoverConfig(), RATE_HZ), MoverConfig().evidence
     near = Mover(Sight(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, MoverConfig().filter)
     assert movers._faint(near, -2.5, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(evidence.faint(1.0, 5.0))
 
 
-def apparent(drive: Mirrored, frames: int) -> Apparent:
-    for frame in range(frames):
-        flow = drive.flow(frame)
+def apparent(drive: Contrasted, frames: int) -> Apparent:
+    flow = last_of(drive, frames)
     return appear(flow, tracker().triangulate(flow), CAMERA, RATE_HZ, MoverConfig())
 
 

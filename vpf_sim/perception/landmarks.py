@@ -249,10 +249,14 @@ class LandmarkTracker:
     def _is_far(self, flow: Flow, points: Triangulation, chosen: Integers) -> Bools:
         """Which of the chosen points are far off and move; only what is seen beside the far road may be."""
         far = np.zeros(len(chosen), np.bool_)
-        below = below_horizon(self.camera, flow.points_px[chosen])
-        high = np.flatnonzero(below * self.config.foot_m < self.camera.height_m)
+        high = np.flatnonzero(self._beside_far_road(flow.points_px[chosen]))
         if len(high):
             far[high] = self._spread.keeps_together(chosen[high], 1.0 / points.depth_m[chosen[high]])
+        return far
+
+    def _beside_far_road(self, points_px: Floats) -> Bools:
+        """(N,) pixels whose ray meets the road far away, if at all."""
+        far: Bools = below_horizon(self.camera, points_px) * self.config.foot_m < self.camera.height_m
         return far
 
     def _low(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges) -> Bools:
@@ -320,7 +324,7 @@ class LandmarkTracker:
     def _founding(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges, above: Bools) -> Floats:
         """(M,) from 0 to 1, how far each of the points `above` (N,) may found a body."""
         config, points_px, structure = self.config, flow.points_px[above], flow.structure[above]
-        high = below_horizon(self.camera, points_px) * config.foot_m <= self.camera.height_m
+        high = self._beside_far_road(points_px)
         corner = is_corner(structure, config.corner_texture, config.corner_ratio)
         founding: Floats = np.where(high, config.high_share * corner, 1.0)
         founding[texture[above] <= config.founding_texture] = 0.0

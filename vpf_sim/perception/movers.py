@@ -78,10 +78,10 @@ class MoverTracker:
 
     def _look_at(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float) -> None:
         seen = appear(flow, points, self.camera, self.rate_hz, self.config)
-        self._reflect(seen, flow.pose)
         free = seen.moves.copy()
-        taken = np.zeros(len(flow), np.bool_)
         hidden = np.zeros(len(flow), np.bool_)
+        taken = np.zeros(len(flow), np.bool_)
+        self._reflect(seen, flow.pose)
         for mover in sorted(self.movers, key=lambda mover: mover.place(flow.pose)[0]):
             mine, within = self._follow(mover, seen, flow, road, speed_mps, ~taken)
             free &= ~mine
@@ -171,8 +171,10 @@ class MoverTracker:
             front = shape & (behind < config.front_m)
             front = front if np.count_nonzero(front) >= 3 else shape
             self._spread(mover, seen, chosen, front, fitted, flow.pose)
-            faint = self._faint(mover, image, own_mps, flow.pose, road)
-            gain = self._speaks_for(mover, seen, chosen, chi2, own_mps, flow.pose, faint)
+            inside = self._upright(mover, seen, chosen, face, own_mps, flow.pose)
+            if inside is not None:
+                faint = self._faint(mover, image, own_mps, flow.pose, road)
+                gain = evidence(inside, chi2, standing, seen.contrast[chosen], faint, config.evidence)
         self._weigh(mover, gain, dt_s)
         with np.errstate(invalid="ignore"):
             return mover.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
@@ -210,7 +212,7 @@ class MoverTracker:
         depth = forward - self.camera.forward_m
         share = mover.closing_share(own_mps)  # and so of its depth in that of what stands and would move as it does
         is_known = depth > config.steep_m and share * config.mirrored_m > depth
-        if is_known and self._is_on_road(depth / share, right / share, road):
+        if is_known and self._is_on_carriageway(depth / share, right / share, road):
             return max(image, config.evidence.faint(0.0, depth))
         return config.evidence.faint(self._mirror.degree, depth)
 
@@ -257,37 +259,30 @@ class MoverTracker:
         height = self.camera.height_m - self.config.filter.foot_height_m
         return height / low if low > self.config.least_drop else None
 
-    def _speaks_for(
-        self,
-        mover: Mover,
-        seen: Apparent,
-        chosen: Integers,
-        chi2: Floats,
-        own_mps: float,
-        pose: Floats,
-        faint: float,
-    ) -> float:
-        """Log-odds of a look: against it where nothing upright is as wide as a vehicle, else what the points tell."""
+    def _upright(
+        self, mover: Mover, seen: Apparent, chosen: Integers, face: Bools, own_mps: float, pose: Floats
+    ) -> Bools | None:
+        """(M,) of the chosen points, of which those in `face` (M,) are its, that speak in a look at a body; None where
+        its face is nothing upright that is as wide as a vehicle, and drives."""
         config = self.config
         forward, right = mover.place(pose)
         depth = forward - self.camera.forward_m
         height = self.camera.height_m - seen.drop[chosen] * depth
         across = seen.bearing[chosen] * depth - right
-        face = chi2 < config.chi2_limit
         inside = (height > config.evidence.low_m) & (height < config.evidence.high_m)
         inside &= np.abs(across) < mover.half_m + 0.1
         low, high = np.min(height[face]), np.max(height[face])
         upright = np.count_nonzero(face & inside) >= config.least_members and low < config.foot_m
         upright &= high - low > config.least_height_m and mover.width_m > config.least_width_m
         if not upright:
-            return -config.speaks_against
+            return None
         if mover.identity is None:
             share = mover.closing_share(own_mps)
             as_fast = -0.5 * config.equal_share < share < config.equal_share  # like the mirror image of what is far off
             thick = _thickness(across[face], height[face]) > config.least_thickness_m
             if as_fast or not thick or mover.speed_mps < config.least_mps:
-                return -config.speaks_against
-        return evidence(inside, chi2, seen.standing[chosen], seen.contrast[chosen], faint, config.evidence)
+                return None
+        return inside
 
     def _merge(self, pose: Floats) -> None:
         """Two parts of one body, side by side in one lane or one before the other, become one: the surer."""
@@ -321,8 +316,7 @@ class MoverTracker:
 
         def kept(mover: Mover) -> bool:
             forward, right = mover.place(pose)
-            left_edge, right_edge = carriageway_offsets(np.array([forward]), road)
-            on_road = left_edge[0] - 0.5 < right < right_edge[0] + 0.5 or abs(forward) > config.far_m
+            on_road = abs(forward) > config.far_m or _is_on_road(forward, right, road, -0.5)
             known = -config.behind_m < forward < 1.5 * config.far_m and mover.sigma_m < config.vague_m
             least = 0.0 if mover.identity is not None else config.dropped
             return bool(known and on_road and mover.log_odds > least)
@@ -357,13 +351,17 @@ class MoverTracker:
         config = self.config
         if not config.near_m < sight.depth_m < config.far_m:
             return False
-        return self._is_on_road(sight.depth_m, sight.middle_m, road) and 1.0 < sight.speed_mps < 25.0
+        return self._is_on_carriageway(sight.depth_m, sight.middle_m, road) and 1.0 < sight.speed_mps < 25.0
 
-    def _is_on_road(self, depth_m: float, right_m: float, road: RoadEdges) -> bool:
-        """Whether the middle of a body may be there: on the carriageway, with its sides."""
-        left, right = carriageway_offsets(np.array([self.camera.forward_m + depth_m]), road)
-        margin = self.config.edge_margin_m
-        return bool(left[0] + margin < right_m < right[0] - margin)
+    def _is_on_carriageway(self, depth_m: float, right_m: float, road: RoadEdges) -> bool:
+        """Whether the middle of a body may be so far from the camera: its sides within the edges."""
+        return _is_on_road(self.camera.forward_m + depth_m, right_m, road, self.config.edge_margin_m)
+
+
+def _is_on_road(forward_m: float, right_m: float, road: RoadEdges, inside_m: float) -> bool:
+    """Whether a place, vehicle axes, is at least so far inside the edges of the carriageway."""
+    left, right = carriageway_offsets(np.array([forward_m]), road)
+    return bool(left[0] + inside_m < right_m < right[0] - inside_m)
 
 
 def _thickness(across_m: Floats, height_m: Floats) -> float:
