@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, cos, hypot, sin
+from math import atan2, cos, hypot, inf, sin
 
 import numpy as np
 from bicycle import Bicycle
@@ -22,6 +22,7 @@ class Body:
     lateral_m: float
     length_m: float = 5.0
     width_m: float = 2.0
+    told_m: float = inf  # from the bumper at most
 
 
 @dataclass(frozen=True)
@@ -63,11 +64,11 @@ class Road:
 
 
 class Eyes:
-    """Bodies come into sight within a range of the bumper and stay known until they are 11 m behind."""
+    """Bodies come into sight within a range of the bumper, or their own, and stay known until they are 11 m behind."""
 
     def __init__(self, road: Road, bodies: Sequence[Body], range_m: float) -> None:
         self._corners = [road.corners(body) for body in bodies]
-        self._range_m = range_m
+        self._ranges_m = [min(range_m, body.told_m) for body in bodies]
         self._seen = [False] * len(bodies)
 
     def look(self, car: Bicycle) -> Obstacles:
@@ -76,7 +77,7 @@ class Eyes:
         for index, corners in enumerate(self._corners):
             face = vehicle_from_world(corners[:2], pose)
             forward = float(face[:, 0].mean())
-            self._seen[index] |= 0.0 < forward - 0.5 * car.model.length_m < self._range_m
+            self._seen[index] |= 0.0 < forward - 0.5 * car.model.length_m < self._ranges_m[index]
             if self._seen[index] and forward > -11.0:
                 rows.append((forward, face[:, 1].min(), face[:, 1].max(), 0.1, max(forward, 0.0) / 5.0, index))
         table = np.array(rows).reshape(-1, 6).T

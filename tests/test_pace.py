@@ -27,6 +27,7 @@ from vpf_sim.planning.pace import (
     LOOKING_MPS,
     MET_S,
     NEAR_M,
+    TURNS_M,
     Pace,
 )
 from vpf_sim.planning.reach import Reach
@@ -123,17 +124,23 @@ def test_short_stands_do_not_add_up() -> None:
 
 
 def test_no_more_is_asked_for_than_comfort_gives_unless_a_body_is_too_near_for_that() -> None:
-    """A wall closes the road: the car shall stand either way, but the brakes go beyond comfort only if they must."""
-    speeds = np.linspace(2.6, 8.0, 12)
-    firm, full = (0.5 * speeds**2 / brake + NEAR_M for brake in (FIRM_MPS2, FULL_MPS2))
-    for speed_mps, firm_m, full_m in zip(speeds, firm, full, strict=True):
-        far, between, near = (
-            wanted(LaneObstacles(*np.array([[way + BUMPER_M, -9.0, 9.0]]).T), speed_mps)
-            for way in (firm_m + 0.01, 0.5 * (firm_m + full_m), min(full_m, CONFIG.standoff_m) - 0.01)
-        )
+    """A wall closes the road: the car shall stand either way, but the brakes go beyond comfort only if they must.
+
+    They must to leave the way for a turn before the wall, where they can, and else not to touch it.
+    """
+
+    def before(way_m: float) -> float:
+        return wanted(LaneObstacles(*np.array([[way_m + BUMPER_M, -9.0, 9.0]]).T), speed_mps)
+
+    for speed_mps in np.linspace(2.6, 8.0, 12).tolist():
         eased = speed_mps - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)
-        assert far >= min(eased, SPEED_MPS)
-        assert near == 0.0 <= between < eased
+        firm_m, full_m = (0.5 * speed_mps**2 / brake for brake in (FIRM_MPS2, FULL_MPS2))
+        assert before(TURNS_M + firm_m + 0.01) >= min(eased, SPEED_MPS)
+        assert before(TURNS_M + 0.5 * (firm_m + full_m)) < eased
+        if firm_m + 0.02 < TURNS_M - NEAR_M + full_m:
+            assert before(TURNS_M + full_m - 0.01) == pytest.approx(eased)
+        assert before(NEAR_M + 0.5 * (firm_m + full_m)) < eased
+        assert before(min(NEAR_M + full_m, CONFIG.standoff_m) - 0.01) == 0.0
 
 
 @pytest.mark.parametrize(("speed_mps", "body_mps", "way_m"), [(4.5, 3.1, 6.8), (5.55, 3.0, 4.0), (5.55, 2.0, 5.0)])
@@ -167,7 +174,7 @@ def test_who_is_headed_at_a_body_leaves_the_time_to_turn_away_from_it(side: floa
 
 
 def test_before_a_gap_that_one_body_more_would_close_the_car_looks_while_a_turn_is_left() -> None:
-    """A wall to the right edge but for the gap; as soon as what is low in it would have been told, on."""
+    """A wall to the right edge but for the gap; as soon as a turn leads out no longer, on."""
 
     def towards(gap_m: float, way_m: float, speed_mps: float) -> float:
         wall = LaneObstacles(*(np.array([one]) for one in (way_m + BUMPER_M, -7.0, LANE.right_m - gap_m)))
@@ -179,7 +186,9 @@ def test_before_a_gap_that_one_body_more_would_close_the_car_looks_while_a_turn_
         speed_mps = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (way_m - LOOKED_M))
         assert towards(3.4, way_m, speed_mps) == pytest.approx(speed_mps)
         assert towards(CLOSED_M + 0.1, way_m, SPEED_MPS) == SPEED_MPS
-    assert towards(3.4, LOOKED_M - 0.01, SPEED_MPS) == SPEED_MPS
+    for way_m in (LOOKED_M - 0.01, TURNS_M + 0.01):
+        assert towards(3.4, way_m, LOOKING_MPS) == pytest.approx(LOOKING_MPS)
+    assert towards(3.4, TURNS_M - 0.01, SPEED_MPS) == SPEED_MPS
 
 
 def test_a_gap_told_late_is_looked_at_in_comfort_and_bodies_behind_the_row_are_not_of_it() -> None:
@@ -194,7 +203,7 @@ def test_a_gap_told_late_is_looked_at_in_comfort_and_bodies_behind_the_row_are_n
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_narrow_gap_behind_the_row_that_is_being_passed_is_slowed_down_for_in_time(side: float) -> None:
-    """A truck beside the car, a cone farther on: nothing changes where the truck's face is passed."""
+    """A truck beside the car, a cone farther on: after the last turn before the truck, its face changes nothing."""
     half_gap_m, cone_m = 2.2, 9.0
 
     def passing(truck_m: float) -> float:
@@ -205,20 +214,22 @@ def test_a_narrow_gap_behind_the_row_that_is_being_passed_is_slowed_down_for_in_
 
     expected = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (cone_m - LOOKED_M))
     assert expected < SPEED_MPS
-    for truck_m in (LOOKED_M - 0.1, 1.0, 0.01, -0.01, -1.0):
+    for truck_m in (TURNS_M - 0.1, 1.0, 0.01, -0.01, -1.0):
         assert passing(truck_m) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_what_stands_farther_aside_before_a_body_bounds_the_gap_with_it(side: float) -> None:
-    """A wall 1.8 m beside our way, and farther on, .6 m beside it, a cone: no more than 4.4 m between them."""
-    cone_m = 8.0
+    """A wall 1.8 m beside our way, and farther on, .6 m beside it, a cone: no more than 4.4 m between them.
+
+    The turn that is to be left is one before the wall.
+    """
+    cone_m = 12.0
     cone = (cone_m + BUMPER_M, *sorted((side * (HALF_M + 0.6), side * (HALF_M + 1.0))), 0.0)
-    expected = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (cone_m - LOOKED_M))
     for wall_m, slowed in ((cone_m - ROW_M + 0.1, True), (cone_m - ROW_M - 0.1, False)):
         wall = (wall_m + BUMPER_M, *sorted((-side * (HALF_M + 1.8), -side * 7.0)), 0.0)
-        bodies = LaneObstacles(*np.array([wall, cone]).T)
-        assert wanted(bodies, SPEED_MPS) == pytest.approx(expected if slowed else SPEED_MPS)
+        expected = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (wall_m - LOOKED_M)) if slowed else SPEED_MPS
+        assert wanted(LaneObstacles(*np.array([wall, cone]).T), SPEED_MPS) == pytest.approx(expected)
 
 
 def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:

@@ -27,6 +27,11 @@ class Creep:
         self._stood_s = 0.0
         self._stage = 0
 
+    @property
+    def walks(self) -> bool:
+        """Whether the car has stood for long enough to walk up to what blocks the way."""
+        return self._stage > 0
+
     def standoff(self, lane: Lane, neighbours: Neighbours) -> Floats:
         """(K,) m from the bumper to each face, kept when stopping."""
         config = self._config

@@ -125,19 +125,17 @@ class LaneReference:
         first that is in its way.
         """
         config, way = self._config, neighbours.way_m
-        ahead = neighbours.stands & (way > 0.0)
-        taken = ahead & (neighbours.overlap(minimum_m, config.walking_clearance_m) > 0.0)
-        if not taken.any():
+        shut = self._pace.shut(neighbours, minimum_m)
+        if not shut.any():
             return minimum_m
         _, shift = self._reach.rest(glide.slope, glide.bend_per_m, np.array([speed_mps]))
         rest_m = glide.y_m + float(shift[0])
-        if abs(minimum_m) < abs(rest_m):
+        hit = neighbours.stands & (way > 0.0) & (neighbours.overlap(rest_m, config.walking_clearance_m) > 0.0)
+        if abs(minimum_m) < abs(rest_m) or not hit.any():
             return minimum_m
-        hit = ahead & (neighbours.overlap(rest_m, config.walking_clearance_m) > 0.0)
-        first_m = float(way.min(where=hit, initial=np.inf))
+        first_m, shut_m = float(way[hit].min()), float(way[shut].min())
         stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.creep_standoff_m < first_m
-        met_with_it = float(way[taken].min()) < first_m + ROW_M
-        return rest_m if stops and met_with_it and first_m < HOLDS_M else minimum_m
+        return rest_m if stops and shut_m < first_m + ROW_M and min(first_m, shut_m) < HOLDS_M else minimum_m
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""

@@ -63,6 +63,22 @@ class Neighbours:
         hinders: Bools = self.present & (self.way_m > 0.0) & (self.overlap(y_m, self._config.clearance_m) > 0.0)
         return hinders
 
+    def beside(self, some: Bools) -> Bools:
+        """(K,) which bodies ahead stand in a row with some (K,) of them."""
+        beside: Bools = (self.in_row & some).any(axis=1)
+        return beside
+
+    def shut_rows(self, y_m: float, clearance_m: float, behind_m: float) -> Bools:
+        """(K,) which bodies ahead stand in a row that leaves our body at y no way through.
+
+        The first of a row leaves one with the clearance, what stands behind it with `behind_m`: its sides are not known
+        well from before the row, and from within it there is no way to another gap.
+        """
+        nearer = self.way_m[:, None] < self.way_m
+        behind = (self.in_row & nearer).any(axis=0)
+        shuts = self.overlap(y_m, 0.0) > -np.where(behind, behind_m, clearance_m)
+        return self.beside(shuts & self.stands)
+
     def shift(self, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
         """(K,) m from y towards a goal across the road until our body is clear of each; <= 0 where it is."""
         margin = self._half_width_m + clearance_m

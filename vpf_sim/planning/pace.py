@@ -10,7 +10,7 @@ from vpf_sim.planning.lane import Lane
 from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
 from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.reach import SPEEDS_MPS, Reach
-from vpf_sim.types import Floats
+from vpf_sim.types import Bools, Floats
 
 SHORTEST_M = 0.1  # of a stop: a face is told no better
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
@@ -22,7 +22,8 @@ EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0
 HARD_MPS, HARD_SHARE, HARD_LEAST_MPS = 3.0, 0.7, 1.2  # and so far for more, as the gains of `robust` have it
 MET_S = 1.3  # until a body is met by who goes straight on: nuPlan's bound is .95, and slowing down takes time
 CLOSED_M = 6.0  # a gap so wide is not closed by one body more
-LOOKED_M, LOOKING_MPS = 3.8, 2.0  # before a row: the tightest turn before it takes 3 m, and what is low is told at 6
+LOOKED_M, LOOKING_MPS = 3.8, 2.0  # before the first of a row, from where a stop leaves the 3 m of the tightest turn,
+TURNS_M = 2.2  # and up to where it leads out at all: what is low beside a truck stands 3.6 m behind its face
 FALL_BACK_MPS = 1.0  # by which a body that moves and is too near is let go ahead
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
@@ -68,6 +69,17 @@ class Pace:
             wanted = min(wanted, max(settled, eased(speed_mps)))
         return self._risen(wanted, speed_mps)
 
+    def shut(self, neighbours: Neighbours, minimum_m: float) -> Bools:
+        """(K,) before which bodies the car is to stop, since at the minimum there is no way past them.
+
+        As long as it has not walked up to what blocks the way, it stops before the first of a row that any of it shuts.
+        """
+        config = self._config
+        if self._creep.walks:
+            closed = neighbours.overlap(minimum_m, config.walking_clearance_m) > 0.0
+            return closed & neighbours.stands & (neighbours.way_m > 0.0)
+        return neighbours.shut_rows(minimum_m, config.walking_clearance_m, config.minimum_clearance_m)
+
     def _risen(self, wanted_mps: float, speed_mps: float) -> float:
         """v_d, which falls at once and rises gently: what was braked for may be gone from one frame to the next."""
         rise = self._config.rise_mps2 * self._dt_s
@@ -94,8 +106,9 @@ class Pace:
         limit = min(limit, max(self._looking(lane, neighbours, minimum_m), eased(speed_mps)))
         stop = self._stop(lane, neighbours)
         there = np.minimum(self._before(lane, neighbours, minimum_m, gap), np.maximum(stop, passed))
-        limits = np.where(gap < config.walking_clearance_m, stop, there)
-        limits = np.maximum(limits, braked(speed_mps, speed_mps - neighbours.bodies.speed_mps, way))
+        closed, shut = gap < config.walking_clearance_m, self.shut(neighbours, minimum_m)
+        limits = np.where(closed | shut, stop, there)
+        limits = self._braked(limits, neighbours, speed_mps, closed, shut)
         met = neighbours.bodies.speed_mps + np.maximum(neighbours.met(lane) / MET_S, config.creep_mps)
         limits = np.minimum(limits, np.maximum(met, eased(speed_mps)))
         creep = np.where((way > nearest) & ~neighbours.moves, config.creep_mps, 0.0)
@@ -112,11 +125,25 @@ class Pace:
         follow = np.maximum(body_mps * np.minimum(share, 1.0), np.where(way > NEAR_M, body_mps - FALL_BACK_MPS, 0.0))
         return follow + stop
 
+    def _braked(
+        self, limits_mps: Floats, neighbours: Neighbours, speed_mps: float, closed: Bools, shut: Bools
+    ) -> Floats:
+        """(K,) m/s, the limits before each body as far as comfort allows.
+
+        The car brakes beyond comfort as far as it must not to meet a body that closes the way, and, before a row that
+        is shut, as far as that leaves the way for a turn.
+        """
+        closing, way, ease = speed_mps - neighbours.bodies.speed_mps, neighbours.way_m, eased(speed_mps)
+        turns = braked(speed_mps, closing, way, TURNS_M)
+        least = np.where(shut & ~closed, ease, braked(speed_mps, closing, way, NEAR_M))
+        return np.where(shut & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, least))
+
     def _looking(self, lane: Lane, neighbours: Neighbours, minimum_m: float) -> float:
-        """m/s before a gap that something low, not seen yet, would close: a stop shall leave the way for a turn."""
-        gap, way = neighbours.gaps(lane, minimum_m), neighbours.way_m
-        nearest = float(way.min(where=(gap > 0.0) & (gap < CLOSED_M) & (way > LOOKED_M), initial=inf))
-        return sqrt(LOOKING_MPS**2 + 2.0 * self._config.brake_mps2 * (nearest - LOOKED_M))
+        """m/s before a row with a gap that one thing more would close: a stop shall leave the way for a turn."""
+        gap = neighbours.gaps(lane, minimum_m)
+        narrow = neighbours.beside((gap > 0.0) & (gap < CLOSED_M)) & (neighbours.way_m > TURNS_M)
+        nearest = float(neighbours.way_m.min(where=narrow, initial=inf))
+        return sqrt(LOOKING_MPS**2 + 2.0 * self._config.brake_mps2 * max(nearest - LOOKED_M, 0.0))
 
     def _beside(self, gap_m: Floats) -> Floats:
         """(K,) m/s at which bodies are passed at that gap; inf where it is as wide as wanted."""
@@ -184,13 +211,13 @@ def eased(speed_mps: float) -> float:
     return speed_mps - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)
 
 
-def braked(speed_mps: float, closing_mps: Floats, way_m: Floats) -> Floats:
+def braked(speed_mps: float, closing_mps: Floats, way_m: Floats, before_m: float) -> Floats:
     """(K,) m/s, the least that is asked of a car before each body: it brakes beyond comfort as far as a stop needs.
 
-    Stopped is who has the speed of the body before it has come nearer than `NEAR_M`; where not even the full brake does
-    that, there is no least.
+    Stopped is who has the speed of the body before it has come nearer than `before_m`; where not even the full brake
+    does that, there is no least.
     """
-    needed = np.maximum(closing_mps, 0.0) ** 2 / (2.0 * np.maximum(way_m - NEAR_M, SHORTEST_M))
+    needed = np.maximum(closing_mps, 0.0) ** 2 / (2.0 * np.maximum(way_m - before_m, SHORTEST_M))
     hard = (needed - FIRM_MPS2) / (FULL_MPS2 - FIRM_MPS2)
     begins = speed_mps - max(min(HARD_MPS, HARD_SHARE * speed_mps), HARD_LEAST_MPS)
     return np.where(hard > 0.0, np.where(hard < 1.0, begins - hard, -np.inf), eased(speed_mps))
