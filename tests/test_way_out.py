@@ -13,9 +13,9 @@ from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.turning import LOCKS, STEP_M, courses, separation
+from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, courses, separation
 from vpf_sim.planning.valley import Valley, ValleyConfig
-from vpf_sim.planning.way_out import WayOut
+from vpf_sim.planning.way_out import NEXT_M, WayOut
 from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges, VehicleModel
 
 ROBUST = variant.load("robust").valley
@@ -25,6 +25,7 @@ assert CONFIG is not None
 CAR = VehicleModel()
 SETUP = DriverSetup(Camera(), CAR, 60.0, 5.55, (1e3, 0.0), 0)
 LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
+FAR = np.array([BEYOND_M])
 FRONT_M, HALF_M = CAR.l_r_m + 0.5 * CAR.length_m, 0.5 * CAR.width_m  # from the rear axle
 DEAD_END = (Body(28.0, 0.0, width_m=3.0), Body(28.0, 2.9))  # no gap to the right edge
 CLOSED = (*DEAD_END, Body(28.0, -3.5, width_m=3.0), Body(28.0, -7.0, width_m=3.0))
@@ -123,10 +124,10 @@ def test_the_separation_of_rectangles() -> None:
     straight = courses(LANE, 0.0, CAR, per_m=1e3, lock=1e-9)  # goes on as it is
     beside = LaneObstacles(np.array([4.0]), np.array([1.5]), np.array([2.5]))
     ahead = LaneObstacles(np.array([5.0]), np.array([-0.5]), np.array([0.5]))
-    apart, edges = separation(straight, LANE, beside, np.array([2.0]), CAR)
+    apart, edges = separation(straight, LANE, beside, np.array([2.0]), FAR, CAR)
     assert apart[0, 40] == pytest.approx(1.5 - HALF_M)
     assert edges[0] == pytest.approx(12.0 - HALF_M)
-    apart, _ = separation(straight, LANE, ahead, np.array([1.0]), CAR)
+    apart, _ = separation(straight, LANE, ahead, np.array([1.0]), FAR, CAR)
     assert apart[0, 0] == pytest.approx(5.0 - 0.5 * CAR.length_m)
     assert apart[0].min() < 0.0
 
@@ -175,6 +176,20 @@ def test_after_it_the_own_lane_is_the_one_it_was() -> None:
         lane = out.lane(road(y_m, -0.05), along)
         assert lane.y_m == pytest.approx(y_m - 7.0 * (y_m > 0.0))
         assert lane.right_m - lane.y_m == pytest.approx(12.0 - y_m)
+
+
+@pytest.mark.parametrize(("past_m", "drives"), [(NEXT_M - 0.5, False), (NEXT_M + 0.5, True), (BEYOND_M - 1.0, True)])
+def test_what_is_told_on_the_way_ends_it_no_farther_than_a_little_past_the_course(past_m: float, drives: bool) -> None:
+    """A narrow body, told with the course begun, so far before the front of the car at the course's end."""
+    out, car = began(), Bicycle(0.2, 0.0, 0.0, CONFIG.speed_mps)
+    assert out._course is not None
+    end = int(out._course.end[0])
+    front_m, y_m = float(out._course.along_m[0, end]) + FRONT_M, float(out._course.y_m[0, end])
+    forward, left, right = (np.array([one]) for one in (front_m + past_m - car.x_m, y_m - 0.2, y_m + 0.2))
+    new = replace(told(0.0), forward_m=forward, left_m=left, right_m=right, identity=np.ones(1, np.int64))
+    for _ in range(30):
+        out.update(LANE, new, car.observe(), Reference(0.0, 0.0))
+    assert out.is_driven == drives
 
 
 def test_who_is_turned_and_has_no_course_stands() -> None:

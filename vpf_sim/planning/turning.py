@@ -126,22 +126,30 @@ def _straight_on(
 
 
 def separation(
-    course: Courses, lane: Lane, obstacles: LaneObstacles, length_m: Floats, vehicle: VehicleModel, every: int = 1
+    course: Courses,
+    lane: Lane,
+    obstacles: LaneObstacles,
+    length_m: Floats,
+    beyond_m: Floats,
+    vehicle: VehicleModel,
+    every: int = 1,
 ) -> tuple[Floats, Floats]:
     """(N, T) m by which our body is apart at least from all bodies, and (N,) from both edges, until it is past its end.
 
     Rectangles are apart by no less than along any of their sides' directions. `length_m` (K,) is how long bodies are
-    taken to be. Of `every` steps only one is looked at.
+    taken to be, and `beyond_m` (K,) how far past its end a course is held against each: no farther than `BEYOND_M`, as
+    against the edges. Of `every` steps only one is looked at.
     """
     look = slice(None, None, every)
     cosine, sine = np.cos(course.turned_rad[:, look]), np.sin(course.turned_rad[:, look])
     half_length, half_width = 0.5 * vehicle.length_m, 0.5 * vehicle.width_m
     along, y = course.along_m[:, look] + vehicle.l_r_m * cosine, course.y_m[:, look] + vehicle.l_r_m * sine
     ahead, aside = half_length * cosine + half_width * np.abs(sine), half_length * np.abs(sine) + half_width * cosine
-    counts: Bools = np.arange(course.along_m.shape[1])[None, look] <= course.end[:, None] + round(BEYOND_M / STEP_M)
+    past = np.arange(course.along_m.shape[1])[None, look] - course.end[:, None]
     edges = np.minimum(y - aside - lane.left_m, lane.right_m - y - aside)
     apart = np.full(along.shape, np.inf)
-    for face, left, right, length in zip(obstacles.along_m, obstacles.left_m, obstacles.right_m, length_m, strict=True):
+    sizes = (obstacles.along_m, obstacles.left_m, obstacles.right_m, length_m, beyond_m)
+    for face, left, right, length, beyond in zip(*sizes, strict=True):
         long, wide = 0.5 * length, 0.5 * (right - left)
         forward, across = face + long - along, left + wide - y
         own_forward, own_across = cosine * forward + sine * across, cosine * across - sine * forward
@@ -149,5 +157,5 @@ def separation(
         gap = np.maximum(np.abs(forward) - long - ahead, np.abs(across) - wide - aside)
         gap = np.maximum(gap, np.abs(own_forward) - own_long - half_length)
         gap = np.maximum(gap, np.abs(own_across) - own_wide - half_width)
-        apart = np.minimum(apart, gap)
-    return np.where(counts, apart, np.inf), np.where(counts, edges, np.inf).min(axis=1)
+        apart = np.where(past <= round(beyond / STEP_M), np.minimum(apart, gap), apart)
+    return apart, edges.min(axis=1, where=past <= round(BEYOND_M / STEP_M), initial=np.inf)

@@ -22,7 +22,8 @@ from vpf_sim.types import Floats, Observation, Obstacles, Reference, RoadEdges, 
 STEERS_MPS = 0.25  # from here on the yaw rate tells how the wheels stand
 RELEVANT_M = 25.0  # ahead: bodies that count
 LEAST_M = 0.05  # to bodies, wherever a course begins
-NARROW_M = 2.2  # a body told on the way counts if it is no wider
+NARROW_M = 2.2  # a body told on the way counts if it is no wider, and so far past the course's end: farther on
+NEXT_M = 2.0  # it can be gone by as any other, if it is there, since a car that hardly moves is told much
 AGREES_M, AGREES_RAD = 0.6, 0.1  # the road is seen where the own motion says that it is,
 BACK_RAD = 0.3  # by a car that goes along it again;
 FORGOTTEN_M = 30.0  # after so much of the road's way the own motion says no more
@@ -156,41 +157,45 @@ class WayOut:
         """Look for a course from here; before what moves the car waits."""
         if np.any((obstacles.speed_mps > 0.0) & (obstacles.forward_m < RELEVANT_M)):
             return
-        bodies = self._bodies(lane, obstacles, observation)
+        bodies, beyond_m = self._bodies(lane, obstacles, observation)
         per_m = self._config.steering_radps / self._config.steering_mps
         found = [courses(lane, self._steering_rad, self._vehicle, per_m, lock) for lock in LOCKS]
         for share, some in product(TIGHTER, found):
             clearance_m = share * self._config.clearance_m
-            self._course = self._best(some, lane, bodies, clearance_m)
+            self._course = self._best(some, lane, bodies, beyond_m, clearance_m)
             if self._course is not None:
                 pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
                 self._start = _Start(lane, pose, bodies, frozenset(obstacles.identity.tolist()))
                 self._gone_m, self._clearance_m, self._left_road = 0.0, clearance_m, True
                 return
 
-    def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> LaneObstacles:
-        """What stands near: on a course those known where it began, and what is told since.
+    def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> tuple[LaneObstacles, Floats]:
+        """What stands near, and how far past its end a course is held against each (K,) m: on a course those known
+        where it began, and what is told since.
 
         A body's sides are told as seen from the car. One that is wide is seen at an angle as another body, and wide
         things that were not seen from the road's direction are none.
         """
         if self._start is None:
-            return _near(place(obstacles, lane))
+            near = _near(place(obstacles, lane))
+            return near, np.full(len(near), BEYOND_M)
         _, gone = self._start.lane_at(observation)
-        known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
+        known = _near(replace(self._start.bodies, along_m=self._start.bodies.along_m - gone))
         width = obstacles.width_m
         new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
-        fresh = place(obstacles.chosen(new & (width < NARROW_M)), lane)
+        fresh = _near(place(obstacles.chosen(new & (width < NARROW_M)), lane))
         both = (np.concatenate([getattr(one, name) for one in (known, fresh)]) for name in LaneObstacles.__slots__)
-        return _near(LaneObstacles(*both))
+        return LaneObstacles(*both), np.repeat([BEYOND_M, NEXT_M], [len(known), len(fresh)])
 
-    def _best(self, found: Courses, lane: Lane, bodies: LaneObstacles, clearance_m: float) -> Courses | None:
+    def _best(
+        self, found: Courses, lane: Lane, bodies: LaneObstacles, beyond_m: Floats, clearance_m: float
+    ) -> Courses | None:
         """Of the courses that keep far enough from all the one that turns least and keeps farthest."""
         found = found.chosen(found.end + round(BEYOND_M / STEP_M) < found.along_m.shape[1])
         for every in COARSE, 1:  # most courses fail at a coarse look
             if not len(found):
                 return None
-            apart, edges = self._separation(found, lane, bodies, every)
+            apart, edges = self._separation(found, lane, bodies, beyond_m, every)
             least = apart.min(axis=1)
             drivable = (least >= _kept(clearance_m, apart[0])) & (edges >= self._config.edge_gap_m)
             found, least = found.chosen(drivable), least[drivable]
@@ -199,10 +204,12 @@ class WayOut:
         cost = np.abs(found.turned_rad).max(axis=1) + FARTHER * found.end * STEP_M - WIDER * np.minimum(least, WIDE_M)
         return found.one(int(np.argmin(cost)))
 
-    def _separation(self, course: Courses, lane: Lane, bodies: LaneObstacles, every: int = 1) -> tuple[Floats, Floats]:
+    def _separation(
+        self, course: Courses, lane: Lane, bodies: LaneObstacles, beyond_m: Floats, every: int = 1
+    ) -> tuple[Floats, Floats]:
         """From the bodies and from the edges (`turning.separation`)."""
         length = np.maximum(bodies.length_m, self._config.body_length_m)
-        return separation(course, lane, bodies, length, self._vehicle, every)
+        return separation(course, lane, bodies, length, beyond_m, self._vehicle, every)
 
     def _follow(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Reference | None:
         """On along the course, until it leads back to the road's direction, or nowhere any longer."""
@@ -214,8 +221,8 @@ class WayOut:
         step = int(self._gone_m / STEP_M)
         rest = self._course.rest(step)
         if step > last:
-            bodies = self._bodies(lane, obstacles, observation)
-            if self._has_ended(step, bodies) or not self._is_free(rest, lane, bodies):
+            bodies, beyond_m = self._bodies(lane, obstacles, observation)
+            if self._has_ended(step, bodies) or not self._is_free(rest, lane, bodies, beyond_m):
                 self._course, self._stood_s = None, 0.0
                 return None
         return self._reference(rest, self._gone_m / STEP_M - step, lane, observation)
@@ -230,11 +237,11 @@ class WayOut:
         beside = wide & (front < 0.0) & (bodies.along_m + LONGEST_M > -0.5 * self._vehicle.length_m)
         return step > int(self._course.end[0]) + SETTLING and not bool(np.any(beside))
 
-    def _is_free(self, rest: Courses, lane: Lane, bodies: LaneObstacles) -> bool:
+    def _is_free(self, rest: Courses, lane: Lane, bodies: LaneObstacles, beyond_m: Floats) -> bool:
         """Whether what is left of a course still keeps from all, as far as is known now."""
         here = -self._vehicle.l_r_m * cos(lane.heading_rad)
         rest = replace(rest, along_m=rest.along_m - rest.along_m[0, 0] + here)
-        apart, _ = self._separation(rest, lane, bodies)
+        apart, _ = self._separation(rest, lane, bodies, beyond_m)
         return bool(apart.min() >= FIRM * _kept(self._clearance_m, apart[0]))
 
     def _reference(self, rest: Courses, share: float, lane: Lane, observation: Observation) -> Reference:
