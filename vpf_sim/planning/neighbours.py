@@ -65,7 +65,7 @@ class Neighbours:
 
     def beside(self, some: Bools) -> Bools:
         """(K,) which bodies ahead stand in a row with some (K,) of them."""
-        beside: Bools = (self.in_row & some).any(axis=1)
+        beside: Bools = np.any(self.in_row & some, axis=1)
         return beside
 
     def shut_rows(self, y_m: float, clearance_m: float, behind_m: float) -> Bools:
