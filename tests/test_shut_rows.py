@@ -1,28 +1,25 @@
 """Rows whose gap is shut by what stands behind the first of them: it is told late, and then no way leads back."""
 
-from math import inf, sqrt
+from math import sqrt
 
 import numpy as np
 import pytest
-from bicycle import Bicycle
-from ideal import Body, Eyes, Road, clearance, perception
+from ideal import Body, Road
+from test_closed_loop import drive
 
-from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.creep import STAGES
 from vpf_sim.planning.lane import Lane, LaneObstacles
 from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.pace import EASY_MPS, FULL_MPS2, HARD_MPS, NEAR_M, TURNS_M, Pace
 from vpf_sim.planning.reach import Reach
-from vpf_sim.planning.valley import Valley
-from vpf_sim.types import Camera, DriverSetup, VehicleModel
+from vpf_sim.types import VehicleModel
 
 ROBUST = variant.load("robust").valley
 assert ROBUST is not None
 CONFIG = ROBUST.reference
 CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
 HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
-SETUP = DriverSetup(Camera(), CAR, RATE_HZ, SPEED_MPS, (1e3, 0.0), 0)
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 ROW_S_M = 60.0
 TRUCK_M, LOW_M = 2.5, 1.2  # a truck's width, a pallet's length
@@ -39,27 +36,14 @@ PEDESTRIAN_BETWEEN_TRUCKS = (
 )
 
 
-def drive(bodies: tuple[Body, ...], curvature_per_m: float = 0.0, time_s: float = 75.0) -> tuple[float, float]:
-    """m along the road that the car gets, and its least clearance."""
-    road, car = Road(curvature_per_m), Bicycle(speed_mps=SPEED_MPS)
-    way, hands = Valley(SETUP, ROBUST), Gtsmc(load_gains("robust"), car.model, RATE_HZ)
-    eyes, corners, nearest, s = Eyes(road, bodies, 16.0), [road.corners(body) for body in bodies], inf, 0.0
-    while car.time_s < time_s and s < ROW_S_M + 15.0:
-        _, reference, _ = way.step(perception(road.edges(car), eyes.look(car)), car.observe())
-        car.step(hands.command(car.observe(), reference))
-        nearest = min(nearest, *(clearance(car, corner) for corner in corners))
-        s, _ = road.local(car.x_m, car.y_m)
-    return s, nearest
-
-
 @pytest.mark.parametrize("curvature_per_m", [0.0, 0.005, -0.005])
 @pytest.mark.parametrize("bodies", [PALLET_AND_CONE, PEDESTRIAN_BETWEEN_TRUCKS])
 def test_a_row_that_is_shut_behind_its_first_is_passed_on_the_free_side(
     bodies: tuple[Body, ...], curvature_per_m: float
 ) -> None:
-    s, nearest = drive(bodies, curvature_per_m)
-    assert s >= ROW_S_M + 15.0
-    assert nearest > 0.1
+    run = drive(Road(curvature_per_m), bodies, ROW_S_M + 15.1, time_s=75.0)
+    assert run.track[0, -1] >= ROW_S_M + 15.0
+    assert run.clearance_m > 0.1
 
 
 def row(*bodies: tuple[float, float, float]) -> Neighbours:
