@@ -202,3 +202,37 @@ def test_who_is_turned_and_has_no_course_stands() -> None:
     assert not out.is_driven
     assert reference is not None
     assert reference.speed_mps == 0.0
+
+
+TURNED = Bicycle(1.0, 0.1, 0.35, 0.0)
+
+
+def begun_again(new: Obstacles) -> tuple[WayOut, Lane]:
+    """A narrow body ends the course, the car stands turned, and looks for another while the `new` is told."""
+    out, moves = began(), replace(TURNED, speed_mps=0.5)
+    lane = out.lane(road(0.1, -0.35), TURNED.observe())
+    near = replace(told(0.0), forward_m=np.array([2.3]), left_m=np.array([-0.5]), right_m=np.array([0.5]))
+    for _ in range(30):
+        out.update(lane, replace(near, identity=np.ones(1, np.int64)), moves.observe(), Reference(0.0, 0.0))
+    assert not out.is_driven
+    for _ in range(round(60.0 * CONFIG.standing_s) + 2):
+        out.update(lane, new, TURNED.observe(), Reference(0.0, 0.0))
+    return out, lane
+
+
+def test_what_was_told_on_a_course_is_held_no_farther_against_the_next() -> None:
+    """A narrow body, told before that one begins, farther past its end than what is told on the way counts."""
+    first, lane = begun_again(told(0.0))
+    assert first._course is not None
+    end = int(first._course.end[0])
+    along = float(first._course.along_m[0, end]) + FRONT_M + NEXT_M + 0.5
+    across = float(first._course.y_m[0, end]) - lane.y_m
+    cosine, sine = np.cos(lane.heading_rad), np.sin(lane.heading_rad)
+    forward, right = np.array([cosine * along - sine * across]), np.array([sine * along + cosine * across])
+    two = np.full(1, 2, np.int64)
+    new = replace(told(0.0), forward_m=forward, left_m=right - 0.2, right_m=right + 0.2, identity=two)
+    out, lane = begun_again(new)
+    creeps = replace(TURNED, speed_mps=CONFIG.speed_mps)
+    for _ in range(30):
+        out.update(lane, new, creeps.observe(), Reference(0.0, 0.0))
+    assert out.is_driven

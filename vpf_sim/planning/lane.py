@@ -49,6 +49,12 @@ class LaneObstacles(Sided[Floats]):
         """Some of them."""
         return LaneObstacles(*(getattr(self, name)[rows] for name in self.__slots__))
 
+    def joined(self, other: "LaneObstacles") -> "LaneObstacles":
+        """These, and others after them."""
+        return LaneObstacles(
+            *(np.concatenate([getattr(one, name) for one in (self, other)]) for name in self.__slots__)
+        )
+
 
 NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))
 

@@ -59,11 +59,12 @@ class WayOutConfig:
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """Where a car left the road's direction: the road as it was seen, the pose, and what was known to stand."""
+    """Where a course began: the road as it was seen, or known from before, the pose, and what was known to stand."""
 
     lane: Lane
     pose: Floats  # (3,)
     bodies: LaneObstacles
+    beyond_m: Floats  # (K,) how far past its end a course is held against each
     known: frozenset[int]  # their identities
 
     def lane_at(self, observation: Observation) -> tuple[Lane, float]:
@@ -165,27 +166,30 @@ class WayOut:
             self._course = self._best(some, lane, bodies, beyond_m, clearance_m)
             if self._course is not None:
                 pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
-                self._start = _Start(lane, pose, bodies, frozenset(obstacles.identity.tolist()))
+                self._start = _Start(lane, pose, bodies, beyond_m, frozenset(obstacles.identity.tolist()))
                 self._gone_m, self._clearance_m, self._left_road = 0.0, clearance_m, True
                 return
 
     def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> tuple[LaneObstacles, Floats]:
         """What stands near, and how far past its end a course is held against each (K,) m: on a course those known
-        where it began, and what is told since.
+        where it began, and what is told since; what was told on a course stays so for the next that begins on it.
 
         A body's sides are told as seen from the car. One that is wide is seen at an angle as another body, and wide
         things that were not seen from the road's direction are none.
         """
         if self._start is None:
-            near = _near(place(obstacles, lane))
-            return near, np.full(len(near), BEYOND_M)
+            placed = place(obstacles, lane)
+            seen = placed.chosen(placed.along_m < RELEVANT_M)
+            return seen, np.full(len(seen), BEYOND_M)
         _, gone = self._start.lane_at(observation)
-        known = _near(replace(self._start.bodies, along_m=self._start.bodies.along_m - gone))
+        known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
         width = obstacles.width_m
         new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
-        fresh = _near(place(obstacles.chosen(new & (width < NARROW_M)), lane))
-        both = (np.concatenate([getattr(one, name) for one in (known, fresh)]) for name in LaneObstacles.__slots__)
-        return LaneObstacles(*both), np.repeat([BEYOND_M, NEXT_M], [len(known), len(fresh)])
+        fresh = place(obstacles.chosen(new & (width < NARROW_M)), lane)
+        both = known.joined(fresh)
+        beyond_m = np.concatenate([self._start.beyond_m, np.full(len(fresh), NEXT_M)])
+        near = both.along_m < RELEVANT_M
+        return both.chosen(near), beyond_m[near]
 
     def _best(
         self, found: Courses, lane: Lane, bodies: LaneObstacles, beyond_m: Floats, clearance_m: float
@@ -268,7 +272,3 @@ def _lanes(shift_m: float, road: RoadEdges) -> int:
 
 def _shifted(lane: Lane, shift_m: float) -> Lane:
     return replace(lane, y_m=lane.y_m + shift_m, left_m=lane.left_m + shift_m, right_m=lane.right_m + shift_m)
-
-
-def _near(bodies: LaneObstacles) -> LaneObstacles:
-    return bodies.chosen(bodies.along_m < RELEVANT_M)
