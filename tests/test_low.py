@@ -62,6 +62,14 @@ def test_points_on_a_line_are_not_trusted() -> None:
     assert first_gap_m(approach(scene)) == -np.inf
 
 
+@pytest.mark.parametrize(("share", "told"), [(0.1, False), (1.0, True)])
+def test_what_is_placed_on_a_line_is_of_it_however_its_ray_met_the_road(share: float, told: bool) -> None:
+    """Rays of points 0.15 m above a line that is 5.25 m aside meet the road 0.63 m beside it. A pallet sticks out."""
+    scene = pallet(0.0)
+    scene[:, 1] = -5.25 + share * scene[:, 1]
+    assert (first_gap_m(approach(scene)) > 5.0) == told
+
+
 @pytest.mark.parametrize(("right_m", "least_m", "most_m"), [(1.37, 6.0, 14.0), (0.8, 15.0, 21.0)])
 def test_far_off_what_seems_low_before_a_line_is_taken_for_the_end_of_a_dash(
     right_m: float, least_m: float, most_m: float
@@ -98,12 +106,9 @@ def test_a_pallet_beside_a_pedestrian_is_told_though_one_point_between_them_is_t
 def test_the_lines_are_where_the_edges_put_them() -> None:
     config = replace(LowConfig(), line_px=0.0)
     right = np.array([-8.8, -8.6, -5.25, -5.0, -1.6, 0.0, 1.6, 3.5, 4.9])
-    depth = 10.0
-    pixels = np.column_stack(
-        [CAMERA.cx_px + CAMERA.fx_px * right / depth, np.full(9, CAMERA.cy_px + CAMERA.fy_px * 1.4 / depth)]
-    )
+    places = np.column_stack([np.full(9, 10.0), right])
     road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.05, 1.0, 0.0, 3.5)
-    assert off_lines(CAMERA, pixels, road, config).tolist() == [
+    assert off_lines(CAMERA, places, road, config).tolist() == [
         False, False, False, True, False, True, False, True, False,
     ]  # fmt: skip
 

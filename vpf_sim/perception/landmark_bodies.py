@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.clusters import clusters, stepped
 from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.low import LowConfig, is_part, is_shaded
+from vpf_sim.perception.low import LowConfig, is_part, is_shaded, off_lines
 from vpf_sim.perception.marks import Integers, Marks, among, frames
 from vpf_sim.perception.outlines import (
     Seen,
@@ -70,13 +70,18 @@ class Bodies:
         return tall, joined(bodies, seen, spots.beside_m, spots.sticks_out_m, spots.before_m)
 
     def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:
-        """Those of low points that are neither of the taller bodies told nor of their shadows."""
+        """Those of low points that are neither of the taller bodies told nor of their shadows, nor paint.
+
+        Lines that were not known when a point was seen may be by now: one that lies on them tells no new body.
+        """
         marks, low = self._marks, self.config.low
         chosen = marks.believed & marks.low
         if not chosen.any():
             return none()
         place, parts = vehicle_from_world(marks.place_m, pose), marks.believed & ~marks.low & (marks.body >= 0)
         chosen[chosen] = ~is_part(place[chosen], place[parts], marks.body[parts], tall, low)
+        fresh = chosen & (marks.body < 0)
+        chosen[fresh] = off_lines(self.camera, place[fresh], road, low)
         shaded = is_shaded(place, tall, low)
 
         def are_bodies(believed: Integers, label: Integers) -> Bools:

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
+from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.carriageway import carriageway_offsets, near_edge_line
 from vpf_sim.perception.clearing import Clearing
 from vpf_sim.perception.corners import eigenvalues, is_corner
@@ -265,7 +265,8 @@ class LandmarkTracker:
         chosen = np.flatnonzero(low)
         if not len(chosen):
             return low
-        chosen = chosen[off_lines(self.camera, flow.points_px[chosen], road, self.config.low)]
+        foot = ground_from_pixels(self.camera, flow.points_px[chosen])
+        chosen = chosen[off_lines(self.camera, foot, road, self.config.low)]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
             confirmed[chosen] = self._moves_so_now(flow, points, chosen)
@@ -331,7 +332,9 @@ class LandmarkTracker:
         far = points.depth_m[above] > config.dash_far_m
         slides = np.flatnonzero(far & (points.height_m[above] < config.dash_height_m))
         if len(slides):
-            founding[slides] *= off_lines(self.camera, points_px[slides], road, config.low)
+            founding[slides] *= off_lines(
+                self.camera, ground_from_pixels(self.camera, points_px[slides]), road, config.low
+            )
         return founding
 
     def _forget(self, flow: Flow) -> None:

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.carriageway import carriageway_offsets
 from vpf_sim.perception.triangulation import Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles, RoadEdges
@@ -68,15 +67,17 @@ def is_low(points: Triangulation, age_s: Floats, texture: Floats, config: LowCon
     return low
 
 
-def off_lines(camera: Camera, points_px: Floats, road: RoadEdges, config: LowConfig) -> Bools:
-    """(N,) pixels whose place on the flat road is within the carriageway and on no painted line; lines are a lane's
-    width apart."""
-    foot, lane_width_m = ground_from_pixels(camera, points_px), road.lane_width_m
-    left, right = carriageway_offsets(foot[:, 0], road)
+def off_lines(camera: Camera, foot_m: Floats, road: RoadEdges, config: LowConfig) -> Bools:
+    """(N,) places (N, 2) on the flat road, vehicle axes, within the carriageway and on no painted line.
+
+    Lines are a lane's width apart.
+    """
+    lane_width_m = road.lane_width_m
+    left, right = carriageway_offsets(foot_m[:, 0], road)
     lanes = np.maximum(np.rint((right - left) / lane_width_m), 1.0)
-    across = (foot[:, 1] - left) / (right - left) * lanes
+    across = (foot_m[:, 1] - left) / (right - left) * lanes
     aside = np.abs(across - np.rint(across)) * lane_width_m
-    halo = config.line_px * (foot[:, 0] - camera.forward_m) / camera.fx_px
+    halo = config.line_px * (foot_m[:, 0] - camera.forward_m) / camera.fx_px
     is_edge = (np.rint(across) <= 0.0) | (np.rint(across) >= lanes)
     off: Bools = (across > 0.0) & (across < lanes) & (aside > np.where(is_edge, config.edge_m, config.line_m) + halo)
     return off
