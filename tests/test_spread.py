@@ -1,5 +1,7 @@
 """Far things that drive across, against near things that stand: both seen by a pinhole camera that drives straight."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tracked_points import CAMERA
@@ -23,10 +25,9 @@ def seen(corners_m: Floats, distance_m: Floats | float, time_s: float, born_s: f
     return Flow(points, zero, np.zeros(count), poses, pose, identity, points, poses, whole, np.zeros((count, 2, 2)))
 
 
-def keeps_together(count: int, stands: bool, now_m: float, born_s: float = 0.0) -> list[bool]:
-    """What is told of the corners of a body that stands, or of one five times as far off and as large that drives as
+def approached(spread: Spread, count: int, stands: bool, now_m: float, born_s: float = 0.0) -> None:
+    """Record 1 s of the corners of a body that stands, or of one five times as far off and as large that drives as
     fast as we do and across, so that it seems to be where the first is."""
-    spread = Spread(SpreadConfig(), RATE_HZ)
     times_s = np.arange(0.0, 1.01, 1.0 / RATE_HZ)
     for time_s in times_s:
         to_go_m = SPEED_MPS * (times_s[-1] - time_s)
@@ -37,7 +38,17 @@ def keeps_together(count: int, stands: bool, now_m: float, born_s: float = 0.0) 
             bearing = 1.5 / distance_m  # of the body that stands
             flow = seen(5.0 * CORNERS_M[:count] + np.array([5.0 * now_m * bearing, 0.0]), 5.0 * now_m, time_s, born_s)
         spread.record(flow)
+
+
+def told(spread: Spread, count: int, now_m: float) -> list[bool]:
     return spread.keeps_together(np.arange(count), np.full(count, 1.0 / now_m)).tolist()
+
+
+def keeps_together(count: int, stands: bool, now_m: float, born_s: float = 0.0) -> list[bool]:
+    """What is told of them then."""
+    spread = Spread(SpreadConfig(), RATE_HZ)
+    approached(spread, count, stands, now_m, born_s)
+    return told(spread, count, now_m)
 
 
 @pytest.mark.parametrize("now_m", [6.0, 12.0])
@@ -46,9 +57,40 @@ def test_what_is_far_off_and_drives_across_does_not_draw_apart(now_m: float) -> 
     assert keeps_together(4, True, now_m) == [False] * 4
 
 
-def test_two_points_or_young_ones_tell_nothing() -> None:
-    assert keeps_together(2, False, 6.0) == [False] * 2
+def test_one_point_or_young_ones_tell_nothing() -> None:
+    assert keeps_together(2, False, 6.0) == [True] * 2
+    assert keeps_together(1, False, 6.0) == [False]
     assert keeps_together(4, False, 12.0, born_s=0.8) == [False] * 4
+
+
+def test_what_a_point_was_found_to_be_holds_while_it_is_alone_and_followed() -> None:
+    spread = Spread(SpreadConfig(), RATE_HZ)
+    approached(spread, 2, False, 6.0)
+    assert told(spread, 2, 6.0) == [True] * 2
+    assert told(spread, 1, 6.0) == [True]
+    spread.record(seen(CORNERS_M[:2], 6.0, 0.0, 1.0))  # other tracks
+    approached(spread, 1, False, 6.0)
+    assert told(spread, 1, 6.0) == [False]
+
+
+def test_a_wiper_before_the_points_leaves_what_was_found() -> None:
+    spread = Spread(SpreadConfig(), RATE_HZ)
+    approached(spread, 2, False, 6.0)
+    assert told(spread, 2, 6.0) == [True] * 2
+    nothing = seen(CORNERS_M[:0], 6.0, 1.0, 0.0)
+    spread.record(replace(nothing, covered=np.arange(2)))
+    spread.record(seen(5.0 * CORNERS_M[:1], 30.0, 1.0, 0.0))
+    assert told(spread, 1, 6.0) == [True]
+
+
+def test_more_verdicts_than_are_kept_are_undone_by_as_many_others() -> None:
+    spread, kept = Spread(SpreadConfig(), RATE_HZ), round(SpreadConfig().kept_s * RATE_HZ)
+    approached(spread, 2, False, 6.0)
+    for _ in range(3 * kept):
+        assert told(spread, 2, 6.0) == [True] * 2
+    approached(spread, 2, True, 6.0)
+    found = [told(spread, 2, 6.0) for _ in range(kept)]
+    assert found == [[True] * 2] * (kept - 1) + [[False] * 2]
 
 
 def test_points_of_other_things_are_not_compared() -> None:
