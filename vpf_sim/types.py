@@ -10,7 +10,7 @@ the centre of its body. N is a number of image points, K a number of obstacles.
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import radians
-from typing import Any, Generic, Literal, Protocol, TypeVar
+from typing import Any, Generic, Literal, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,8 +185,24 @@ class Sided(Generic[Metres]):
         return self.right_m - self.left_m
 
 
+class SidedBodies(Sided[Floats]):
+    """K bodies, of which every field has a row each."""
+
+    __slots__: tuple[str, ...] = ()
+
+    def chosen(self, which: Bools) -> Self:
+        """Those of which `which` (K,) is true."""
+        return type(self)(*(getattr(self, name)[which] for name in self.__slots__))
+
+    def together_with(self, others: Self) -> Self:
+        """These, and the others after them."""
+        if not len(others.left_m):
+            return self
+        return type(self)(*(np.concatenate([getattr(one, name) for one in (self, others)]) for name in self.__slots__))
+
+
 @dataclass(frozen=True, slots=True)
-class Obstacles(Sided[Floats]):
+class Obstacles(SidedBodies):
     """K bodies believed to be on the road, in vehicle axes: nearest face, side edges, time to contact."""
 
     forward_m: Floats  # (K,) nearest face, from the pose
@@ -203,10 +219,6 @@ class Obstacles(Sided[Floats]):
 
     def __len__(self) -> int:
         return len(self.forward_m)
-
-    def chosen(self, which: Bools) -> "Obstacles":
-        """Those of which `which` (K,) is true."""
-        return Obstacles(*(getattr(self, name)[which] for name in self.__slots__))
 
 
 @dataclass(frozen=True, slots=True)

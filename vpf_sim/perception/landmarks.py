@@ -16,8 +16,8 @@ from vpf_sim.perception.ground_residual import GroundResidual, Spot
 from vpf_sim.perception.landmark_bodies import Bodies
 from vpf_sim.perception.landmark_config import LandmarkConfig
 from vpf_sim.perception.low import is_low, off_lines
-from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings, among, frames
-from vpf_sim.perception.outlines import from_here, none, together
+from vpf_sim.perception.marks import Integers, Marks, Rules, Sightings, among, followed, frames
+from vpf_sim.perception.outlines import from_here, none
 from vpf_sim.perception.sharpened import Match, sharpened
 from vpf_sim.perception.spots import SpotBook, in_sight
 from vpf_sim.perception.spread import Spread
@@ -134,7 +134,7 @@ class LandmarkTracker:
             tall = self._tall.chosen(~among(self._tall.identity, self._refuted))
             hiding = from_here(tall, self._seen_from, pose, 0.0)
             if moving is not None and len(moving):
-                hiding = together(hiding, moving)
+                hiding = hiding.together_with(moving)
                 self._make_way(moving, pose, road)
             since_s = self.config.residual.baseline_m / max(speed_mps, SLOWEST_MPS)
             known = footprints(hiding, road, self.config.cover, since_s)
@@ -265,12 +265,15 @@ class LandmarkTracker:
         chosen = np.flatnonzero(low)
         if not len(chosen):
             return low
-        foot = ground_from_pixels(self.camera, flow.points_px[chosen])
-        chosen = chosen[off_lines(self.camera, foot, road, self.config.low)]
+        chosen = chosen[self._off_lines(flow.points_px[chosen], road)]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
             confirmed[chosen] = self._moves_so_now(flow, points, chosen)
         return confirmed
+
+    def _off_lines(self, points_px: Floats, road: RoadEdges) -> Bools:
+        """(N,) pixels whose place on the flat road is within the carriageway and on no painted line."""
+        return off_lines(self.camera, ground_from_pixels(self.camera, points_px), road, self.config.low)
 
     def _moves_so_now(self, flow: Flow, points: Triangulation, chosen: Integers) -> Bools:
         """Which of the chosen points moved in the last window as the place found from the whole track does.
@@ -332,19 +335,16 @@ class LandmarkTracker:
         far = points.depth_m[above] > config.dash_far_m
         slides = np.flatnonzero(far & (points.height_m[above] < config.dash_height_m))
         if len(slides):
-            founding[slides] *= off_lines(
-                self.camera, ground_from_pixels(self.camera, points_px[slides]), road, config.low
-            )
+            founding[slides] *= self._off_lines(points_px[slides], road)
         return founding
 
     def _forget(self, flow: Flow) -> None:
         marks = self._marks
         if not len(marks):
             return
-        followed = among(marks.identity, flow.identity) | among(marks.identity, flow.covered)
         parts = among(marks.identity, self._bodies.parts)
         ahead = vehicle_from_world(marks.place_m, flow.pose)[:, 0] > -self.config.behind_m
-        wanted = ((marks.believed & ~parts) | followed) & ahead & (marks.hits > 0)
+        wanted = ((marks.believed & ~parts) | followed(marks.identity, flow)) & ahead & (marks.hits > 0)
         wanted &= ~among(marks.identity, self._bodies.gone)
         if not wanted.all():
             marks.keep(wanted)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.types import Bools, Floats
+from vpf_sim.types import Bools, Floats, Flow
 
 Integers = NDArray[np.int64]
 
@@ -22,6 +22,11 @@ def among(identity: Integers, others: Integers) -> Bools:
     ordered = np.sort(others)
     found: Bools = ordered.take(ordered.searchsorted(identity), mode="clip") == identity
     return found
+
+
+def followed(identity: Integers, flow: Flow) -> Bools:
+    """(N,) which tracks are followed still, seen or covered."""
+    return among(identity, flow.identity) | among(identity, flow.covered)
 
 
 def matches(identity: Integers, others: Integers) -> tuple[Integers, Integers]:

@@ -26,7 +26,6 @@ from vpf_sim.perception.mover import Mover, Sight
 from vpf_sim.perception.mover_evidence import Mirror, evidence
 from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines, suspect
 from vpf_sim.perception.moving_frame import Residuals, against
-from vpf_sim.perception.outlines import together
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.triangulation import Triangulation
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
@@ -113,8 +112,8 @@ class MoverTracker:
     def obstacles(self, pose: Floats, speed_mps: float, standing: Obstacles) -> Obstacles:
         """All bodies in the axes of the vehicle: the `standing`, the moving, whose identities are negative, and what is
         met soon and is none of these."""
-        known = together(standing, self.moving(pose, speed_mps))
-        return together(known, self._closing.obstacles(pose, speed_mps, known))
+        known = standing.together_with(self.moving(pose, speed_mps))
+        return known.together_with(self._closing.obstacles(pose, speed_mps, known))
 
     def moving(self, pose: Floats, speed_mps: float) -> Obstacles:
         """Those believed to move, in the axes of the vehicle; their identities are negative."""

@@ -125,14 +125,6 @@ def on_top(tall: Obstacles, low: Obstacles) -> Obstacles:
     return replace(tall, forward_m=face, left_m=left, right_m=right)
 
 
-def together(some: Obstacles, others: Obstacles) -> Obstacles:
-    """The bodies of both."""
-    if not len(others):
-        return some
-    names = Obstacles.__slots__
-    return Obstacles(*(np.concatenate([getattr(some, name), getattr(others, name)]) for name in names))
-
-
 def joined(
     tall: Obstacles, low: Obstacles, beside_m: float, sticks_out_m: float | Floats, before_m: float
 ) -> Obstacles:
@@ -147,7 +139,7 @@ def joined(
     behind = low.forward_m[:, None] - tall.forward_m[None]
     along = (behind > -before_m) & (behind < SAME_ALONG_M)
     own = low.chosen(~np.any((_apart_m(low, tall) < beside_m) & (out < sticks_out_m) & along, axis=1))
-    return together(tall, own)
+    return tall.together_with(own)
 
 
 def nearest_extent(seen: Seen, label: Integers, count: int) -> tuple[Floats, Floats]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.geometry import distance_m
-from vpf_sim.perception.marks import Integers, among, frames, matches
+from vpf_sim.perception.marks import Integers, among, followed, frames, matches
 from vpf_sim.types import Bools, Floats, Flow
 
 LEAST_POINTS = 2  # of one thing
@@ -50,8 +50,8 @@ class Spread:
     def record(self, flow: Flow) -> None:
         """Remember this frame."""
         self._past.append(flow)
-        followed = among(self._judged, flow.identity) | among(self._judged, flow.covered)
-        self._judged, self._votes = self._judged[followed], self._votes[followed]
+        kept = followed(self._judged, flow)
+        self._judged, self._votes = self._judged[kept], self._votes[kept]
 
     def keeps_together(self, rows: Integers, inverse_per_m: Floats) -> Bools:
         """(N,) of those rows of the newest frame, which draw apart from the ones about them less than what stands.
@@ -69,6 +69,8 @@ class Spread:
         """Compare the rows with the ones about them, and count what is beyond doubt."""
         config, now, before = self._config, self._past[-1], self._past[0]
         chosen, past = matches(now.identity[rows], before.identity)
+        if len(chosen) < LEAST_POINTS:
+            return
         place, inverse = before.points_px[past], inverse_per_m[chosen]
         moved = now.points_px[rows[chosen]] - place
         mine = np.abs(inverse - inverse[:, None]) < config.alike * inverse[:, None]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges, Sided
+from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges, SidedBodies
 
 BODY_M = (1.0, 6.0)  # so far behind its face a body may still go on,
 BODY_BEYOND_M = 0.6  # and so far beyond its sides its points may stray;
@@ -28,7 +28,7 @@ class Lane:
 
 
 @dataclass(frozen=True, slots=True)
-class LaneObstacles(Sided[Floats]):
+class LaneObstacles(SidedBodies):
     """K bodies in lane coordinates."""
 
     along_m: Floats  # (K,) nearest face, from the pose
@@ -44,16 +44,6 @@ class LaneObstacles(Sided[Floats]):
 
     def __len__(self) -> int:
         return len(self.along_m)
-
-    def chosen(self, rows: Bools) -> "LaneObstacles":
-        """Some of them."""
-        return LaneObstacles(*(getattr(self, name)[rows] for name in self.__slots__))
-
-    def joined(self, other: "LaneObstacles") -> "LaneObstacles":
-        """These, and others after them."""
-        return LaneObstacles(
-            *(np.concatenate([getattr(one, name) for one in (self, other)]) for name in self.__slots__)
-        )
 
 
 NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))

@@ -178,18 +178,17 @@ class WayOut:
         things that were not seen from the road's direction are none.
         """
         if self._start is None:
-            placed = place(obstacles, lane)
-            seen = placed.chosen(placed.along_m < RELEVANT_M)
-            return seen, np.full(len(seen), BEYOND_M)
-        _, gone = self._start.lane_at(observation)
-        known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
-        width = obstacles.width_m
-        new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
-        fresh = place(obstacles.chosen(new & (width < NARROW_M)), lane)
-        both = known.joined(fresh)
-        beyond_m = np.concatenate([self._start.beyond_m, np.full(len(fresh), NEXT_M)])
-        near = both.along_m < RELEVANT_M
-        return both.chosen(near), beyond_m[near]
+            bodies = place(obstacles, lane)
+            beyond_m = np.full(len(bodies), BEYOND_M)
+        else:
+            _, gone = self._start.lane_at(observation)
+            known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
+            new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
+            fresh = place(obstacles.chosen(new & (obstacles.width_m < NARROW_M)), lane)
+            bodies = known.together_with(fresh)
+            beyond_m = np.concatenate([self._start.beyond_m, np.full(len(fresh), NEXT_M)])
+        near = bodies.along_m < RELEVANT_M
+        return bodies.chosen(near), beyond_m[near]
 
     def _best(
         self, found: Courses, lane: Lane, bodies: LaneObstacles, beyond_m: Floats, clearance_m: float
