@@ -6,21 +6,13 @@ import numpy as np
 import pytest
 from ideal import Body, Road
 from test_closed_loop import drive
+from test_pace import BUMPER_M, CONFIG, HALF_M, LANE, RATE_HZ, ROBUST, about, pace, wanted
 
-from vpf_sim.planning import variant
 from vpf_sim.planning.creep import STAGES
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.pace import EASY_MPS, FULL_MPS2, HARD_MPS, NEAR_M, TURNS_M, Pace
-from vpf_sim.planning.reach import Reach
-from vpf_sim.types import VehicleModel
+from vpf_sim.planning.lane import LaneObstacles
+from vpf_sim.planning.pace import EASY_MPS, FULL_MPS2, HARD_MPS, NEAR_M, TURNS_M
+from vpf_sim.types import Bools
 
-ROBUST = variant.load("robust").valley
-assert ROBUST is not None
-CONFIG = ROBUST.reference
-CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
-HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
-LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 ROW_S_M = 60.0
 TRUCK_M, LOW_M = 2.5, 1.2  # a truck's width, a pallet's length
 # Rows about one place of the road, in which the seen gap is shut; the free side is that beyond the truck.
@@ -46,35 +38,37 @@ def test_a_row_that_is_shut_behind_its_first_is_passed_on_the_free_side(
     assert run.clearance_m > 0.1
 
 
-def row(*bodies: tuple[float, float, float]) -> Neighbours:
+def row(*bodies: tuple[float, float, float]) -> LaneObstacles:
     """Each by the way to its face, and its left and right side."""
     way, left, right = np.array(bodies).T
-    return Neighbours(LaneObstacles(way + BUMPER_M, left, right), ROBUST.field, CAR, SPEED_MPS)
+    return LaneObstacles(way + BUMPER_M, left, right)
 
 
-def wanted(neighbours: Neighbours, speed_mps: float) -> float:
-    """v_d at first sight, the minimum being where the car is."""
-    return Pace(CONFIG, SPEED_MPS, RATE_HZ, Reach(ROBUST.reach, CAR)).update(LANE, neighbours, 0.0, speed_mps)
+def shut(bodies: LaneObstacles) -> Bools:
+    """(K,) which stand in a row that leaves no way through where the car is."""
+    return about(bodies).shut_rows(0.0, CONFIG.walking_clearance_m, CONFIG.minimum_clearance_m)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize(("gap_m", "behind_m", "shut"), [(0.1, 3.6, True), (0.2, 3.6, True), (0.3, 3.6, False)])
-def test_what_stands_behind_the_first_must_leave_more(side: float, gap_m: float, behind_m: float, shut: bool) -> None:
+@pytest.mark.parametrize(("gap_m", "behind_m", "is_shut"), [(0.1, 3.6, True), (0.2, 3.6, True), (0.3, 3.6, False)])
+def test_what_stands_behind_the_first_must_leave_more(
+    side: float, gap_m: float, behind_m: float, is_shut: bool
+) -> None:
     """A truck a metre beside our way, a body so far behind its face on the other side; alone, 0.2 m would be enough."""
     truck = (5.0, *sorted((side * (HALF_M + 1.0), side * (HALF_M + 3.5))))
     behind = (5.0 + behind_m, *sorted((-side * (HALF_M + gap_m), -side * (HALF_M + gap_m + 0.8))))
-    assert row(truck, behind).shut_rows(0.0, CONFIG.walking_clearance_m, CONFIG.minimum_clearance_m).all() == shut
-    assert row(behind).shut_rows(0.0, CONFIG.walking_clearance_m, CONFIG.minimum_clearance_m).any() == (gap_m < 0.12)
+    assert shut(row(truck, behind)).all() == is_shut
+    assert shut(row(behind)).any() == (gap_m < 0.12)
     nearer = (behind_m - 2.0, *behind[1:])
-    assert not row(truck, nearer).shut_rows(0.0, 0.12, 0.25).any() or gap_m < 0.12, "the first of the row"
+    assert not shut(row(truck, nearer)).any() or gap_m < 0.12, "the first of the row"
 
 
 def test_a_body_of_another_row_or_beside_the_car_shuts_none() -> None:
     in_way = (-0.5, 0.5)
     truck = (5.0, HALF_M + 1.0, HALF_M + 3.5)
     far = row(truck, (5.0 + ROBUST.field.long_m + 2.0, *in_way))
-    assert far.shut_rows(0.0, 0.12, 0.25).tolist() == [False, True]
-    assert row((-1.0, *truck[1:]), (3.0, *in_way)).shut_rows(0.0, 0.12, 0.25).tolist() == [False, True]
+    assert shut(far).tolist() == [False, True]
+    assert shut(row((-1.0, *truck[1:]), (3.0, *in_way))).tolist() == [False, True]
 
 
 def test_the_car_stops_before_the_first_of_a_row_that_is_shut() -> None:
@@ -83,10 +77,7 @@ def test_the_car_stops_before_the_first_of_a_row_that_is_shut() -> None:
     stop = sqrt(2.0 * CONFIG.brake_mps2 * (3.5 - CONFIG.standoff_m))
     assert wanted(row(truck, low), 1.5) == pytest.approx(stop)
     assert wanted(row(low), 1.5) > stop
-    watch, standing = (
-        Pace(CONFIG, SPEED_MPS, RATE_HZ, Reach(ROBUST.reach, CAR)),
-        row((1.0, *truck[1:]), (4.6, *low[1:])),
-    )
+    watch, standing = pace(), about(row((1.0, *truck[1:]), (4.6, *low[1:])))
     wants = [watch.update(LANE, standing, 0.0, 0.0) for _ in range(round((STAGES * CONFIG.standing_s + 1.0) * RATE_HZ))]
     assert wants[0] == 0.0
     assert wants[-1] == pytest.approx(CONFIG.creep_mps)

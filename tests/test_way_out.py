@@ -138,6 +138,16 @@ def told(speed_mps: float) -> Obstacles:
     return Obstacles(*one, identity=np.zeros(1, np.int64), speed_mps=np.array([speed_mps]))
 
 
+def narrow(forward_m: float, right_m: float, half_m: float, identity: int) -> Obstacles:
+    """A body that stands there, vehicle axes."""
+    forward, left, right = (np.array([one]) for one in (forward_m, right_m - half_m, right_m + half_m))
+    name = np.full(1, identity, np.int64)
+    return replace(told(0.0), forward_m=forward, left_m=left, right_m=right, identity=name)
+
+
+ON_THE_WAY = narrow(2.3, 0.0, 0.5, 1)
+
+
 def began() -> WayOut:
     out, car = WayOut(CONFIG, CAR, 60.0), Bicycle(speed_mps=0.0)
     for _ in range(round(60.0 * CONFIG.standing_s) + 2):
@@ -166,10 +176,9 @@ def test_on_its_course_the_car_knows_the_road_by_its_own_motion() -> None:
 def test_after_it_the_own_lane_is_the_one_it_was() -> None:
     """The road is found again two lanes off, and later where it is."""
     out, car = began(), Bicycle(3.0, 1.0, 0.8, 0.5)
-    nearer = replace(told(0.0), forward_m=np.array([2.3]), left_m=np.array([-0.5]), right_m=np.array([0.5]))
     seen = out.lane(road(1.0, -0.8), car.observe())
     for _ in range(60):
-        out.update(seen, replace(nearer, identity=np.ones(1, np.int64)), car.observe(), Reference(0.0, 5.0))
+        out.update(seen, ON_THE_WAY, car.observe(), Reference(0.0, 5.0))
     assert not out.is_driven
     along = Bicycle(6.0, -3.0, 0.05, 2.0).observe()
     for y_m in (4.1, 4.2, -2.8, -2.7):
@@ -185,8 +194,7 @@ def test_what_is_told_on_the_way_ends_it_no_farther_than_a_little_past_the_cours
     assert out._course is not None
     end = int(out._course.end[0])
     front_m, y_m = float(out._course.along_m[0, end]) + FRONT_M, float(out._course.y_m[0, end])
-    forward, left, right = (np.array([one]) for one in (front_m + past_m - car.x_m, y_m - 0.2, y_m + 0.2))
-    new = replace(told(0.0), forward_m=forward, left_m=left, right_m=right, identity=np.ones(1, np.int64))
+    new = narrow(front_m + past_m - car.x_m, y_m, 0.2, 1)
     for _ in range(30):
         out.update(LANE, new, car.observe(), Reference(0.0, 0.0))
     assert out.is_driven == drives
@@ -196,9 +204,8 @@ def test_who_is_turned_and_has_no_course_stands() -> None:
     """A narrow body is told on the way, right before the car."""
     out, car = began(), Bicycle(3.0, 1.0, 0.8, 0.5)
     lane = out.lane(road(1.0, -0.8), car.observe())
-    near = replace(told(0.0), forward_m=np.array([2.3]), left_m=np.array([-0.5]), right_m=np.array([0.5]))
     for _ in range(60):
-        reference = out.update(lane, replace(near, identity=np.ones(1, np.int64)), car.observe(), Reference(0.0, 5.0))
+        reference = out.update(lane, ON_THE_WAY, car.observe(), Reference(0.0, 5.0))
     assert not out.is_driven
     assert reference is not None
     assert reference.speed_mps == 0.0
@@ -211,9 +218,8 @@ def begun_again(new: Obstacles) -> tuple[WayOut, Lane]:
     """A narrow body ends the course, the car stands turned, and looks for another while the `new` is told."""
     out, moves = began(), replace(TURNED, speed_mps=0.5)
     lane = out.lane(road(0.1, -0.35), TURNED.observe())
-    near = replace(told(0.0), forward_m=np.array([2.3]), left_m=np.array([-0.5]), right_m=np.array([0.5]))
     for _ in range(30):
-        out.update(lane, replace(near, identity=np.ones(1, np.int64)), moves.observe(), Reference(0.0, 0.0))
+        out.update(lane, ON_THE_WAY, moves.observe(), Reference(0.0, 0.0))
     assert not out.is_driven
     for _ in range(round(60.0 * CONFIG.standing_s) + 2):
         out.update(lane, new, TURNED.observe(), Reference(0.0, 0.0))
@@ -228,9 +234,7 @@ def test_what_was_told_on_a_course_is_held_no_farther_against_the_next() -> None
     along = float(first._course.along_m[0, end]) + FRONT_M + NEXT_M + 0.5
     across = float(first._course.y_m[0, end]) - lane.y_m
     cosine, sine = np.cos(lane.heading_rad), np.sin(lane.heading_rad)
-    forward, right = np.array([cosine * along - sine * across]), np.array([sine * along + cosine * across])
-    two = np.full(1, 2, np.int64)
-    new = replace(told(0.0), forward_m=forward, left_m=right - 0.2, right_m=right + 0.2, identity=two)
+    new = narrow(cosine * along - sine * across, sine * along + cosine * across, 0.2, 2)
     out, lane = begun_again(new)
     creeps = replace(TURNED, speed_mps=CONFIG.speed_mps)
     for _ in range(30):
