@@ -48,8 +48,9 @@ class Ending:
         """The status after one more step; called once a step."""
         self._steps += 1
         self._slow_steps = self._slow_steps + 1 if ego.speed < STUCK_MPS else 0
-        self._check(frame, self._last_frame if self._moved(ego) else None)
-        self._last_frame = frame
+        if frame is not None:
+            self._check(frame, self._last_frame if self._moved(ego) else None)
+            self._last_frame = frame
         if ego.crashed:
             return "collision"
         if off_road(ego):

@@ -110,11 +110,17 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self._show()
         return self._observation(), self._info(self._ending.status_at_reset)
 
-    def step(self, action: NDArray[np.float32]) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
-        """Apply throttle and steering for one tick of the clock."""
+    def step(
+        self, action: NDArray[np.float32], *, look: bool = True
+    ) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
+        """Apply throttle and steering for one tick of the clock.
+
+        Without `look` the frame of this step is not drawn, for a driver that will not look at it: there is no `image`,
+        of the truth only `foe`, and all else and all later frames are the same.
+        """
         command = _checked_action(action)
         self.advance(command)
-        self._frame = self._taken()
+        self._frame = self._taken(look)
         status = self._ending.status(self.ego, self._frame)
         reward = self._reward(command, status)
         self._show()
@@ -149,11 +155,12 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def _new_renderer(self) -> cameras.Renderer:
         return cameras.Renderer(self.road, self.rig, self.weather, self.episode_seed)
 
-    def _taken(self) -> Image | None:
-        """What the camera sees now: the renderer makes a fresh array each time."""
+    def _taken(self, look: bool = True) -> Image | None:
+        """What the camera sees now, if anybody looks: the renderer makes a fresh array each time."""
         if self._renderer is None:
             return None
-        return self._sensors.frame(self._renderer.render(self.ego, self._steps / self.rate_hz))
+        take = self._renderer.render if look else self._renderer.skip
+        return self._sensors.frame(take(self.ego, self._steps / self.rate_hz))
 
     def _build_world(self) -> None:
         """The road, its bodies and the ego car."""
@@ -206,8 +213,13 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "collided_with": self._collided_with() if status == "collision" else None,
             **({} if self._sensors.are_exact else {"ego": self._state()}),
             **({"invalid_frame": asdict(self._ending.invalid_frame)} if self._ending.invalid_frame else {}),
-            **(self._renderer.truth(self._truth) if self._renderer and self._truth else {}),
+            **(self._renderer.truth(self._told) if self._renderer and self._told else {}),
         }
+
+    @property
+    def _told(self) -> tuple[str, ...]:
+        """What is asked for of the truth, as far as this step has it."""
+        return self._truth if self._frame is not None else tuple(name for name in self._truth if name == "foe")
 
     def _collided_with(self) -> str:
         """The kind of the body hit: of those in contact, the nearest."""

@@ -54,11 +54,13 @@ class Sensors:
         speed = max(0.0, self._scale * float(state[3]) + float(noise[3]))
         return np.array([x, y, -wrap_angle(-yaw), speed, state[4] + self._bias_radps + noise[4]])
 
-    def frame(self, taken: Image) -> Image:
-        """(H, W, 3) the frame of the camera as it is mounted, at the body's pitch."""
+    def frame(self, taken: Image | None) -> Image | None:
+        """(H, W, 3) the frame of the camera as it is mounted, at the body's pitch; None of a tick in which none is."""
         if self._errors.pitch_deg == self._errors.mounting_deg == 0.0:
             return taken
         self._pitch()
+        if taken is None:
+            return None
         turned = self._homography(self._mounting_rad + self._pitch_rad)
         size = (taken.shape[1], taken.shape[0])
         frame: Image = cv2.warpPerspective(taken, turned, size, borderMode=cv2.BORDER_REPLICATE).astype(np.uint8)

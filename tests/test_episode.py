@@ -85,6 +85,31 @@ def test_the_hash_of_the_frames_is_none_for_who_is_shown_none() -> None:
     assert roll_out(TinyWorld(), Blind(), Constant(), seed=3).frames_sha256 is None
 
 
+class EachThird(Constant):
+    """It looks at one frame of three."""
+
+    @property
+    def looks(self) -> bool:
+        return len(self.seen) % 3 == 0
+
+
+def test_only_what_the_driver_looks_at_is_drawn_and_hashed() -> None:
+    world, driver = TinyWorld(), EachThird()
+    outcome = roll_out(world, driver, Constant(), seed=3)
+    assert world.looks == [step % 3 == 0 for step in range(1, 11)]
+    assert [observation.image.size > 0 for observation in driver.seen] == [step % 3 == 0 for step in range(10)]
+    frames = b"".join(np.full((6, 8, 3), 3 + step, np.uint8).tobytes() for step in range(0, 10, 3))
+    assert outcome.frames_sha256 == sha256(frames).hexdigest()
+    assert outcome.steps.looked.tolist() == [float(step % 3 == 0) for step in range(10)] + [0.0]
+
+
+def test_a_watcher_changes_neither_the_hash_nor_what_the_driver_looks_at() -> None:
+    world, shown = TinyWorld(), []
+    outcome = roll_out(world, EachThird(), Constant(), seed=3, watch=lambda image, _: shown.append(int(image[0, 0, 0])))
+    assert shown == list(range(3, 13))
+    assert outcome.frames_sha256 == roll_out(TinyWorld(), EachThird(), Constant(), seed=3).frames_sha256
+
+
 def test_equal_episodes_have_equal_states_and_others_do_not() -> None:
     def states(steering: float) -> bytes:
         return roll_out(TinyWorld(), Constant(1.0, steering), Constant(), seed=0).steps.states()

@@ -32,14 +32,16 @@ class TinyWorld:
 
     def reset(self, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
         self.seed, self.steps = seed, 0
+        self.looks: list[bool] = []
         self.ego: Any = SimpleNamespace(
             position=np.zeros(2), heading=0.0, velocity=np.zeros(2), LENGTH=4.5, WIDTH=1.9, place=(0.0, 0.0)
         )
         self.ego.road = self.road
         return self._observed(), self._info("invalid_frame" if self.invalid_after == 0 else "running")
 
-    def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+    def step(self, action: Any, *, look: bool = True) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
         self.steps += 1
+        self.looks.append(look)
         self.ego.position = self.ego.position + np.asarray(action, float)
         success, invalid = self.ego.position[0] >= LENGTH_M, self.steps == self.invalid_after
         status = "invalid_frame" if invalid else "success" if success else "running"
@@ -48,7 +50,8 @@ class TinyWorld:
     def _observed(self) -> dict[str, Any]:
         image = np.full((6, 8, 3), (self.seed + self.steps) % 256, np.uint8)
         ego = np.array([*self.ego.position, 0.0, RATE_HZ, 0.0])
-        return {"image": image, "ego": ego, "goal": np.array(self.goal_m), "time": np.array([self.steps / RATE_HZ])}
+        seen = {"image": image} if all(self.looks[-1:]) else {}
+        return {**seen, "ego": ego, "goal": np.array(self.goal_m), "time": np.array([self.steps / RATE_HZ])}
 
     def _info(self, status: str) -> dict[str, Any]:
         x, y = self.ego.position.tolist()

@@ -49,6 +49,11 @@ class FieldDriver:
         self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
         return command
 
+    @property
+    def looks(self) -> bool:
+        """Whether it looks at the next frame."""
+        return self._planner.looks
+
     def trace(self) -> Plan | None:
         """The plan of the last step, for overlays and scores."""
         return self._plan
@@ -244,6 +249,11 @@ def command_of(driver: Driver, observation: Observation) -> Command:
 def sees(driver: Driver) -> bool:
     """Whether a driver looks at the frames: all do but those that say `sees = False`."""
     return bool(getattr(driver, "sees", True))
+
+
+def looks(driver: Driver) -> bool:
+    """Whether a driver that acted looks at the next frame: one that sees does, but where it says `looks = False`."""
+    return sees(driver) and bool(getattr(driver, "looks", True))
 
 
 def trace_of(driver: Driver) -> Plan | None:

@@ -80,7 +80,7 @@ class DriverSetup:
 class Observation:
     """What a driver sees at one moment."""
 
-    image: Image  # (H, W, 3) RGB; (0, 0, 3) for a driver that looks at no frame
+    image: Image  # (H, W, 3) RGB; (0, 0, 3) where the driver does not look
     time_s: float
     x_m: float
     y_m: float
@@ -99,7 +99,11 @@ class Command:
 
 
 class Driver(Protocol):
-    """What is under test. One that also declares `sees = False` looks at no frame, and is shown none."""
+    """What is under test.
+
+    One that also declares `sees = False` looks at no frame, and is shown none. One that looks at some of them has
+    `looks`, which tells after each `act` whether it looks at the next: those that it does not need not be drawn.
+    """
 
     privileged: Privilege
 

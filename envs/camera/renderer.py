@@ -59,7 +59,7 @@ class Renderer:
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
         self._glass = Glass(rig.camera, weather, light, seed)
         self._sensor = Sensor(rig, weather, seed)
-        self._drawn: list[Drawn] = []
+        self._drawn: list[Drawn] | None = None  # in the frame rendered last; None if it was skipped
         self._now: Snapshot | None = None
         self._before: Snapshot | None = None
 
@@ -79,13 +79,35 @@ class Renderer:
         self._sensor.expose(frame)
         return frame
 
+    def skip(self, ego: Carrier, time_s: float) -> None:
+        """Let a frame pass that nobody looks at: those after it are what they would be, to the last bit.
+
+        Nothing is drawn but where later frames show what this one would have shown.
+        """
+        if self._wet_road.is_due or self._glass.is_due(time_s):
+            self.render(ego, time_s)
+            return
+        now, before = self._advance(ego, time_s)
+        self._drawn = None
+        self._ground.follow(now.view)
+        self._things.follow(now)
+        self._wet_road.skip(now.view)
+        self._streaks.skip(now, before)
+        self._glass.skip(now, before)
+        self._sensor.skip()
+
     def truth(self, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
         """The arrays called `names` for the frame rendered last (see `vpf_sim.envs.camera.truth`), and `hidden`: (H, W)
-        bool, what the weather hides or fakes with mirror images, spray, drops and wipers."""
+        bool, what the weather hides or fakes with mirror images, spray, drops and wipers.
+
+        Of a frame that was skipped there is `foe` alone.
+        """
         if self._now is None or self._before is None:
             raise RuntimeError("no frame has been rendered yet")
+        if self._drawn is None and set(names) - {"foe"}:
+            raise RuntimeError(f"truth: expected a frame that was rendered for {', '.join(names)}, got one skipped")
         moment = Moment(self._now.view, self._before.view, self._now.time_s - self._before.time_s)
-        result = truth(names, moment, self._drawn, self._lens)
+        result = truth(names, moment, self._drawn or [], self._lens)
         if "hidden" in names:
             outside = self._wet_road.hidden() | self._spray.hidden()
             result["hidden"] = self._lens.nearest(outside) | self._glass.hidden()
@@ -111,7 +133,7 @@ class Renderer:
         self._sky.draw(now.view, frame)
         self._ground.draw(now.view, frame)
         self._veil.ground(frame)
-        self._drawn = self._things.seen(now, before)
-        self._wet_road.draw(frame, now.view, self._drawn)
+        drawn = self._drawn = self._things.seen(now, before)
+        self._wet_road.draw(frame, now.view, drawn)
         self._things.paint_shadows(frame, now)
-        self._things.paint(frame, self._spray.added(self._drawn, now, before))
+        self._things.paint(frame, self._spray.added(drawn, now, before))

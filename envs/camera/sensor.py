@@ -5,6 +5,7 @@ from math import ceil
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.light import GAMMA
 from vpf_sim.envs.camera.rig import Rig
@@ -42,11 +43,20 @@ class Sensor:
         if self._layers is not None:
             self._add_noise(frame, *self._layers)
 
+    def skip(self) -> None:
+        """Leave out the next frame's noise."""
+        if self._layers is not None:
+            self._corners()
+
+    def _corners(self) -> NDArray[np.int64]:
+        """(STRIPS, 2) row and column of the bank from which the next frame's strips take their noise."""
+        return self._rng.integers(0, MARGIN_PX, (STRIPS, 2))
+
     def _add_noise(self, frame: Image, brighter: Image, darker: Image) -> None:
         height, width = self._size
         flat = frame.reshape(height, 3 * width)
         strip = -(-height // STRIPS)
-        for top, (y, x) in zip(range(0, height, strip), self._rng.integers(0, MARGIN_PX, (STRIPS, 2)), strict=True):
+        for top, (y, x) in zip(range(0, height, strip), self._corners(), strict=True):
             part = flat[top : top + strip]
             corner = slice(y, y + len(part)), slice(3 * x, 3 * (x + width))
             cv2.add(part, brighter[corner], part)

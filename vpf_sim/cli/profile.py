@@ -24,14 +24,18 @@ def profile(
     if json:
         print_json(measured)
         return
-    columns = [
-        {"step": times["step_ms"], "yardstick": times["yardstick_ms"], **times["stages_ms"]}
-        for times in (measured, measured["mean"])
-    ]
-    cells = [
-        (name, *(number(of, 3) for times in columns for of in (times[name], times[name] / times["yardstick"])))
-        for name in columns[0]
-    ]
-    print_table(("stage", "ms, median", "x yardstick", "ms a step, mean", "x yardstick"), cells)
-    print("\nMedians are over the steps in which a stage runs. The parts of render and of bodies are inside them; hash")
-    print("runs on a helper thread.")
+    stages, once_ms = measured["stages_ms"], measured["once_ms"]
+    yardstick_ms = measured["yardstick_ms"]
+    times = {"step": (measured["step_ms"], None), "yardstick": (yardstick_ms, yardstick_ms)}
+    times |= {name: (ms, once_ms[name]) for name, ms in stages.items()}
+    cells = [(name, *(part for ms in pair for part in _both(ms, yardstick_ms))) for name, pair in times.items()]
+    print_table(("stage", "ms a step, mean", "x yardstick", "ms once, median", "x yardstick"), cells)
+    print(
+        "\nA step looks at every third frame; once is where a stage runs. The parts of render and of bodies are inside"
+    )
+    print("them; hash runs on a helper thread.")
+
+
+def _both(ms: float | None, yardstick_ms: float) -> tuple[str, str]:
+    """Milliseconds, and their multiple of the yardstick."""
+    return ("", "") if ms is None else (number(ms, 3), number(ms / yardstick_ms, 3))

@@ -49,6 +49,7 @@ class Step(NamedTuple):
     met_confirmed_m: float = nan  # from the bumper to that body when it was first reported; nan if it never was
     outside: float = 0.0  # 1 where a corner of the body is beyond the carriageway's edge
     in_lane: float = 1.0  # 1 where all of its corners are in one lane
+    looked: float = 0.0  # 1 where the driver looked at the frame
     near_bearing_rad: float = nan  # of the nearest body's centre from the rear axle, off the heading, + is right
     near_bumper_m: float = nan  # from the front bumper to that body
     near_speed_mps: float = nan  # of that body

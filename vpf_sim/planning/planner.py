@@ -56,10 +56,15 @@ class Planner:
         self._speed_reference_mps = setup.speed_reference_mps
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
-        self._frame = -1
+        self._frame = 0  # the next one
         self._seen: Perception | None = None  # of the last frame that was looked at,
         self._seen_s = 0.0  # and when
         self._way = way(setup, variant)
+
+    @property
+    def looks(self) -> bool:
+        """Whether it looks at the next frame."""
+        return self._frame % self._every == 0
 
     def step(self, observation: Observation) -> Plan:
         """Perceive, then plan."""
@@ -70,9 +75,9 @@ class Planner:
 
         Of a frame that is not looked at, what was seen in the last one that was, from where the vehicle is now.
         """
-        self._frame += 1
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
-        if self._seen is None or self._frame % self._every == 0:
+        looks, self._frame = self.looks, self._frame + 1
+        if self._seen is None or looks:
             self._seen, self._seen_s = self._look(observation, pose), observation.time_s
             return self._seen
         return self._carried(self._seen, observation, pose)

@@ -30,6 +30,7 @@ class Glass:
         self._size = (camera.width_px, camera.height_px)
         self._time_s: float | None = None
         self._tick = 0
+        self._changed = False  # water, since it was last drawn
         self._speed_mps = WARM_UP_MPS
         pane = Pane.of(camera)
         self._wiper = Wiper(pane, weather.wiper_period_s, seed) if weather.wiper_period_s > 0.0 else None
@@ -43,18 +44,32 @@ class Glass:
 
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Put the water of this moment before the picture, in place."""
+        due = self.is_due(now.time_s)
+        self.skip(now, before)
+        if self._droplets is not None:
+            if due:
+                self._refraction.see(frame)
+            if self._changed:
+                cover = np.asarray(cv2.max(self._droplets.planes.alpha, self._film.cover), np.uint8)
+                self._refraction.look(cover)
+                self._changed = False
+            self._refraction.apply(frame)
+        blade = self._blade()
+        if blade is not None:
+            paint_blade(frame, blade)
+
+    def is_due(self, time_s: float) -> bool:
+        """Whether the water of the next frames shows what the picture of this moment does."""
+        return self._droplets is not None and (self._time_s is None or _tick_at(time_s) > self._tick)
+
+    def skip(self, now: Snapshot, before: Snapshot) -> None:
+        """Bring water and wiper to this moment."""
         gap_s = now.time_s - before.time_s
         if gap_s > 0.0:
             self._speed_mps = float(np.linalg.norm(now.view.centre - before.view.centre)) / gap_s
         if self._droplets is not None:
-            if self._advance(self._droplets, now.time_s):
-                cover = np.asarray(cv2.max(self._droplets.planes.alpha, self._film.cover), np.uint8)
-                self._refraction.look(frame, cover)
-            self._refraction.apply(frame)
+            self._changed |= self._advance(self._droplets, now.time_s)
         self._time_s = now.time_s
-        blade = self._blade()
-        if blade is not None:
-            paint_blade(frame, blade)
 
     def hidden(self) -> Bools:
         """(H, W) where water or the blade hides more than half of what is behind."""
@@ -71,7 +86,7 @@ class Glass:
 
     def _advance(self, droplets: Droplets, time_s: float) -> bool:
         """Bring water and wiper to a time; whether anything changed, which it does not when they are there already."""
-        now = int(time_s / TICK_S + 1e-6)
+        now = _tick_at(time_s)
         if self._time_s is None:
             with droplets.unseen():
                 self._tick_through(droplets, range(now - WARM_UP_TICKS, now + 1, WARM_UP_STRIDE))
@@ -100,3 +115,8 @@ class Glass:
         droplets.wipe(swath)
         self._film.wipe(swath, until_s)
         return True
+
+
+def _tick_at(time_s: float) -> int:
+    """The last tick until a time."""
+    return int(time_s / TICK_S + 1e-6)

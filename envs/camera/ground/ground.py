@@ -43,13 +43,17 @@ class Ground:
         faded = max((len(level.weights) for level in self._levels), default=0)
         self._over = np.empty((faded, camera.width_px), np.uint8)
 
+    def follow(self, view: View) -> None:
+        """Let the rasters cover what the camera sees."""
+        painted = False
+        for patch in reversed(self._patches):
+            painted |= patch.follow(view, patient=painted)
+
     def draw(self, view: View, frame: Image) -> None:
         """Paint the ground into the picture."""
         if not self._levels:
             return
-        painted = False
-        for patch in reversed(self._patches):
-            painted |= patch.follow(view, patient=painted)
+        self.follow(view)
         to_world = view.ground_homography()
         for level, patch in zip(self._levels, self._patches, strict=True):
             for band in level.bands:

@@ -66,11 +66,13 @@ class Streaks:
 
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw the drops of this frame, in place; the camera's velocity is that between the two snapshots."""
-        if self._none:
-            return
-        gap_s = now.time_s - before.time_s
-        velocity = (now.view.centre - before.view.centre) / gap_s if gap_s > 0.0 else np.zeros(3)
-        self.draw_passing(frame, now.view.axes @ (self._wind - velocity), -now.view.axes[:, 2])
+        if not self._none:
+            self.draw_passing(frame, *self._passing(now, before))
+
+    def skip(self, now: Snapshot, before: Snapshot) -> None:
+        """Let the drops of a frame fall that nobody looks at."""
+        if not self._none:
+            self._chances(self._shower(*self._passing(now, before)))
 
     def draw_passing(self, frame: Image, drift: Floats, down: Floats) -> None:
         """Draw drops that fall along `down` (3,) and pass the camera at `drift` (3,) m/s besides, in camera axes."""
@@ -79,7 +81,7 @@ class Streaks:
     def specks(self, frame: Image, drift: Floats, down: Floats) -> Specks:
         """The next frame's drops, those that stand out by FAINTEST or more."""
         camera, shower = self._camera, self._shower(drift, down)
-        drawn = self._rng.integers(0, 65536, (5, int(self._rng.poisson(shower.expected))), dtype=np.uint16)
+        drawn = self._chances(shower)
         chance = drawn[1:] * np.float32(1.0 / 65536.0)
         stratum = shower.strata[drawn[0]]
         x_px = shower.corners_px[0][stratum] + chance[0] * (camera.width_px / CELLS[0])
@@ -100,6 +102,16 @@ class Streaks:
         width = (1e-3 * camera.fx_px) * diameter_mm * scale
         level = opacity(width, np.hypot(dx, dy)) * contrast
         return Specks(x_px, y_px, dx, dy, width, level).part(np.flatnonzero(level >= FAINTEST))
+
+    def _passing(self, now: Snapshot, before: Snapshot) -> tuple[Floats, Floats]:
+        """How the rain passes the camera besides falling, m/s, and whither it falls: (3,) each, in camera axes."""
+        gap_s = now.time_s - before.time_s
+        velocity = (now.view.centre - before.view.centre) / gap_s if gap_s > 0.0 else np.zeros(3)
+        return now.view.axes @ (self._wind - velocity), -now.view.axes[:, 2]
+
+    def _chances(self, shower: Shower) -> NDArray[np.uint16]:
+        """(5, n) what the next frame's n drops are drawn by."""
+        return self._rng.integers(0, 65536, (5, int(self._rng.poisson(shower.expected))), dtype=np.uint16)
 
     def _shower(self, drift: Floats, down: Floats) -> Shower:
         """The drops to choose from, for about this motion of the rain past the camera."""

@@ -102,17 +102,29 @@ class WetRoad:
         """Mirror what is drawn above the horizon and the things that will be drawn, in place."""
         if self._none:
             return
-        self._age += 1
-        if self._last is None or not self._ripple or self._age == EVERY:
+        if self._last is None or not self._ripple or self.is_due:
             mirror = self._mirror(view, self._mirrored_sky(frame), drawn)
             self._age = 0
         else:
             mirror = self._last[0]
-        if self._ripple:
-            self._from_row = self._rng.integers(-self._ripple, self._ripple + 1, self._rows) + np.arange(self._rows)
+        self._age += 1
+        self._shake()
         water = self._water(view)
         self._last = (mirror, water, drawn)
         self._lay(frame, water.through, self._light(mirror, water))
+
+    @property
+    def is_due(self) -> bool:
+        """Whether the mirror image that the next frames show is that of this one."""
+        return not self._none and self._ripple > 0 and (self._last is None or self._age == EVERY)
+
+    def skip(self, view: View) -> None:
+        """Let a frame pass that nobody looks at, and that is not due."""
+        if self._none:
+            return
+        self._age += 1
+        self._shake()
+        self._puddles.raster(view)
 
     def hidden(self) -> Bools:
         """(H, W) where the last frame shows mirror images of things: they make up a quarter of what is seen, or differ
@@ -140,6 +152,11 @@ class WetRoad:
         for thing in drawn:
             erase(mask, thing.drawing)
         return mask.astype(bool)
+
+    def _shake(self) -> None:
+        """Let the drops of one frame shake the mirror image in puddles."""
+        if self._ripple:
+            self._from_row = self._rng.integers(-self._ripple, self._ripple + 1, self._rows) + np.arange(self._rows)
 
     def _water(self, view: View) -> Water:
         """Where there is water."""

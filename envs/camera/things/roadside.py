@@ -89,17 +89,26 @@ class Roadside:
 
     def seen(self, view: View) -> tuple[Drawing | None, list[float]]:
         """The faces in view, the farthest thing first, and the depth of each, m."""
-        look = self._look
-        if look is None or (away := look.away(view)) is None:
-            look = self._look = self._looked(view)
-            away = look.normals @ view.centre - look.offsets_m
+        look, away = self._looked_at(view)
         if not len(look.depths_m):
             return None, []
         moved_m = float(view.axes[2] @ (view.centre - look.view.centre))
         planes = partial(planes_of, look.normals, away, view)
         return drawing(view, look.faces_m, look.colours, planes, look.firsts), [far - moved_m for far in look.depths_m]
 
-    def _looked(self, view: View) -> "Look":
+    def follow(self, view: View) -> None:
+        """Look again where it is time to."""
+        self._looked_at(view)
+
+    def _looked_at(self, view: View) -> tuple[Look, Floats]:
+        """The faces in view, and (n,) m how far the camera is before their planes."""
+        look = self._look
+        if look is None or (away := look.away(view)) is None:
+            look = self._look = self._looked(view)
+            away = look.normals @ view.centre - look.offsets_m
+        return look, away
+
+    def _looked(self, view: View) -> Look:
         """The faces in view from here and wherever the camera may go until it looks again."""
         group, axes, eye = self._close(view), view.axes, view.centre
         ahead = (group.middles_m @ axes[2, :2] - float(axes[2, :2] @ eye[:2])).take(group.owner)

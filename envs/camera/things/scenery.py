@@ -30,6 +30,10 @@ class Scenery:
         """The faces in view, the farthest thing first, and the depth of each, m."""
         return self._roadside.seen(view)
 
+    def follow(self, view: View) -> None:
+        """Look at what is in view, without a picture."""
+        self._roadside.follow(view)
+
     def trees_seen(self, view: View) -> list[Sprite]:
         """The trees in view, the farthest first."""
         return self._trees.seen(view)

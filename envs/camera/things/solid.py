@@ -61,18 +61,29 @@ class Solid:
 
     def seen(self, view: View, pose: Floats) -> Drawing | None:
         """The visible faces at a pose (x, y, heading); None if there are none."""
+        near, away = self._looked_at(view, pose)
+        look = self._look
+        if look is None or away is None or not len(away):
+            return None
+        return drawing(near, look.faces_m, look.colours, partial(planes_of, look.normals, away, near), ONE)
+
+    def follow(self, view: View, pose: Floats) -> None:
+        """Look again at the pose where it is time to."""
+        self._looked_at(view, pose)
+
+    def _looked_at(self, view: View, pose: Floats) -> tuple[View, Floats | None]:
+        """The view in the body's axes, and (n,) m how far it is before the planes of the faces; None if it is too far
+        away to be seen."""
         self._go(pose)
         near = view.within(self._to_world)
         depth = float(-near.axes[2] @ near.centre)
         if depth > RANGE_M:
-            return None
+            return near, None
         look = self._look
         if look is None or (away := look.away(near.centre)) is None:
             look = self._look = self._looked(near, depth)
             away = look.normals @ near.centre - look.offsets_m
-        if not len(away):
-            return None
-        return drawing(near, look.faces_m, look.colours, partial(planes_of, look.normals, away, near), ONE)
+        return near, away
 
     def _go(self, pose: Floats) -> None:
         """Stand at a pose."""

@@ -74,6 +74,14 @@ class Things:
                 drawn.append(body)
         return drawn
 
+    def follow(self, now: Snapshot) -> None:
+        """Look at what is in view as `seen` does, without a picture."""
+        self._scenery.follow(now.view)
+        self._order, _ = self._bodies.in_view(now)
+        for i in self._order:
+            body = now.bodies[i]
+            self._of(body).solid.follow(now.view, now.poses[id(body)])
+
     def paint(self, frame: Image, drawn: list[Drawn]) -> None:
         """Draw things over the picture, in their order."""
         paint(frame, [thing.drawing for thing in drawn])

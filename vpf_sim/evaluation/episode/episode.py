@@ -37,7 +37,7 @@ class EpisodeResult:
 def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None = None) -> EpisodeResult:
     """Drive one episode and score it; `watch` is shown each frame with the driver's plan for it.
 
-    No frames are taken of an episode whose driver does not look at them and that nobody watches.
+    Where nobody watches, only the frames that the driver looks at are drawn; the drive is the same.
     """
     result = _run(scenario, weather, driver, seed, watch)
     # A world's objects hold each other: left until the collector comes by, the last few worlds would scatter the heap.
@@ -50,15 +50,10 @@ def _run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | N
     tested = drivers.create(driver)
     truth, frames = (("foe",), True) if drivers.sees(tested) else ((), watch is not None)
 
-    def each_step(image: Image, plan: Plan | None) -> None:
-        stopwatch.end_step()
-        if watch is not None:
-            watch(image, plan)
-
     with closing(FourLane(scenario, weather, truth=truth, frames=frames)) as env:
         job = Job(scenario, weather, driver, seed)
         with stopwatch.watching(IN_EPISODES):
-            outcome = roll_out(env, tested, drivers.create("pid"), seed, each_step)
+            outcome = roll_out(env, tested, drivers.create("pid"), seed, watch, stopwatch.end_step)
         wall_s = perf_counter() - started_s
         if len(outcome.steps):
             own_run = pid_without_obstacles(env.scenario, seed)
@@ -71,9 +66,19 @@ def _run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | N
     return EpisodeResult(record, outcome.steps, timing)
 
 
-def roll_out(env: Any, driver: Driver, shadow: Driver, seed: int, watch: Watcher | None = None) -> Outcome:
-    """Reset, then observe, act, step and record until the episode ends; the shadow is asked but never obeyed."""
-    traceback = None
+def roll_out(
+    env: Any,
+    driver: Driver,
+    shadow: Driver,
+    seed: int,
+    watch: Watcher | None = None,
+    tick: Callable[[], None] = lambda: None,
+) -> Outcome:
+    """Reset, then observe, act, step and record until the episode ends; the shadow is asked but never obeyed.
+
+    `tick` is called once a step.
+    """
+    traceback, looks = None, drivers.sees(driver)
     with FrameHasher() as frames:
         log = StepLog()
         try:
@@ -83,16 +88,19 @@ def roll_out(env: Any, driver: Driver, shadow: Driver, seed: int, watch: Watcher
             ended = info["status"] != "running"
             while not ended:
                 observation = read(observed)
-                if drivers.sees(driver):
+                if looks:
                     frames.add(observation.image)
-                log.observe(observation, info, env)
+                log.observe(observation, info, env, looks)
                 command = drivers.command_of(driver, observation)
                 log.act(command, shadow.act(observation), plan := drivers.trace_of(driver))
                 if watch is not None:
                     watch(observation.image, plan)
-                observed, _, terminated, truncated, info = env.step(np.array([command.throttle, command.steering]))
+                tick()
+                looks = drivers.looks(driver)
+                action = np.array([command.throttle, command.steering])
+                observed, _, terminated, truncated, info = env.step(action, look=looks or watch is not None)
                 ended = terminated or truncated
-            log.observe(read(observed), info, env)
+            log.observe(read(observed), info, env, looked=False)
             status = info["status"]
         except (Exception, SystemExit):
             status, traceback, info = "error", format_exc(), {}

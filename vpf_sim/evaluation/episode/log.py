@@ -20,8 +20,11 @@ class StepLog:
         self._steps: list[Step] = []
         self._sight = Sight()
 
-    def observe(self, observation: Observation, info: dict[str, Any], env: Any) -> None:
-        """A new row with the state, which sensors that err do not tell, and what the harness measures of the world."""
+    def observe(self, observation: Observation, info: dict[str, Any], env: Any, looked: bool) -> None:
+        """A new row with the state, which sensors that err do not tell, and what the harness measures of the world.
+
+        `looked` tells whether the driver looks at this frame.
+        """
         observation = _true(observation, info)
         ego, network = env.ego, env.road.network
         self._sight.observe(observation, env)
@@ -50,6 +53,7 @@ class StepLog:
                 true_foe_y_px=true_foe_y_px,
                 true_left_m=true_left_m,
                 true_right_m=true_right_m,
+                looked=float(looked),
             )
         )
 

@@ -17,6 +17,7 @@ STAGES = {
     "render.lens": "vpf_sim.envs.camera.lens:Lens.distorted",
     "render.glass": "vpf_sim.envs.camera.glass.glass:Glass.draw",
     "render.sensor": "vpf_sim.envs.camera.sensor:Sensor.expose",
+    "skip": "vpf_sim.envs.camera.renderer:Renderer.skip",  # a frame that nobody looks at
     "physics": "vpf_sim.envs.four_lane:FourLane.advance",
     "ending": "vpf_sim.envs.ending:Ending.status",
     "observation": "vpf_sim.envs.four_lane:FourLane._observation",

@@ -1,9 +1,8 @@
-"""Where the time of a step goes, in multiples of a yardstick on the same frames, in the same run and thread."""
+"""Where the time of a step goes, in multiples of a yardstick on frames of the same drive, in the same run."""
 
-from collections.abc import Iterator
 from contextlib import closing
 from hashlib import sha256
-from itertools import count
+from itertools import pairwise
 from typing import Any
 
 import cv2
@@ -13,61 +12,79 @@ from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.stages import STAGES
-from vpf_sim.evaluation.episode.stopwatch import Stopwatch
+from vpf_sim.evaluation.episode.stopwatch import WINDOW_STEPS, Stopwatch
 from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.perception.flow import grey
 from vpf_sim.types import Image
 
 WARM_UP_STEPS = 30
+PAIRS = 6  # of frames that follow each other, on which the yardstick is timed after each WINDOW_STEPS
 
 
 def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
     """What a step of the driver `vpf`, its stages and the yardstick take, in ms, and in yardsticks, over `steps` steps.
 
-    Medians, of a stage over the steps in which it runs; and under `mean` what each takes a step on average, as the
-    median of the means over half seconds: two steps of three look at no frame.
+    A step is act and step: render, perceive, plan, control, physics, as in an episode that nobody watches. What it and
+    its stages take is the median of the means over half seconds, for two steps of three look at no frame; `once_ms` is
+    what a stage takes where it runs, the median over these steps, and `camera_ratio` that of a frame.
 
-    A step is act and step: render, perceive, plan, control, physics. `hash`, done by a helper thread in an episode, and
-    the yardstick are timed apart from it.
+    After each half second the yardstick is timed on frames that follow each other; the steps between these are not.
+    `hash`, done by a helper thread in an episode, is timed apart from the step.
     """
     limit_opencv()
-    watch = Stopwatch()
-    grey_before: Image | None = None
-    with watch.watching(STAGES):
-        for frame in _frames(scenario, weather, steps + 1, watch):  # the first has none before it
-            with watch.stage("hash"):
-                sha256(frame.data).digest()
-            grey = np.asarray(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), np.uint8)
-            if grey_before is None:
+    watch, yardstick = Stopwatch(), Stopwatch()
+    with closing(FourLane(scenario, weather)) as env, watch.watching(STAGES):
+        drive = _Drive(env)
+        for number in range(steps):
+            if drive.ended:
+                drive.begin()
                 watch.skip_step()
-            else:
-                with watch.stage("yardstick"):
-                    _yardstick(grey_before, grey)
-                watch.end_step()
-            grey_before = grey
-    return _report(watch.medians_ms()) | {"mean": _report(watch.typical_ms())}
+            with watch.stage("step"):
+                image = drive.step()
+            if image is not None:
+                with watch.stage("hash"):
+                    sha256(image.data).digest()
+            watch.end_step()
+            if number % WINDOW_STEPS == WINDOW_STEPS - 1 or number == steps - 1:
+                for before, now in pairwise(drive.frames(PAIRS + 1)):
+                    with yardstick.stage("yardstick"):
+                        _yardstick(before, now)
+                    yardstick.end_step()
+                watch.skip_step()
+    return _report(watch, yardstick)
 
 
-def _frames(scenario: str, weather: str, steps: int, watch: Stopwatch) -> Iterator[Image]:
-    """The frame of each step, after the step was timed; episodes follow each other until there are enough."""
-    left = steps
-    driver = drivers.create("vpf")
-    with closing(FourLane(scenario, weather)) as env:
-        for seed in count():
-            observed, _ = env.reset(seed=seed)
-            driver.reset(setup_for(driver, env, seed))
-            ended, step = False, 0
-            while not ended:
-                with watch.stage("step"):
-                    command = drivers.command_of(driver, read(observed))
-                    observed, _, *ends, _ = env.step(np.array([command.throttle, command.steering]))
-                ended, step = any(ends), step + 1
-                if step <= WARM_UP_STEPS:
-                    watch.skip_step()
-                    continue
-                yield observed["image"]
-                left -= 1
-                if left == 0:
-                    return
+class _Drive:
+    """The driver `vpf` in episodes that follow each other."""
+
+    def __init__(self, env: FourLane) -> None:
+        self._env, self._driver, self._seed = env, drivers.create("vpf"), 0
+        self.ended = True
+
+    def begin(self) -> None:
+        """The next episode, a little way."""
+        self._observed, _ = self._env.reset(seed=self._seed)
+        self._driver.reset(setup_for(self._driver, self._env, self._seed))
+        self._seed, self.ended = self._seed + 1, False
+        for _ in range(WARM_UP_STEPS):
+            self.step()
+
+    def step(self, look: bool = False) -> Image | None:
+        """Act and step; the frame, if the driver or `look` asks for it."""
+        command = drivers.command_of(self._driver, read(self._observed))
+        action = np.array([command.throttle, command.steering])
+        self._observed, _, *ends, _ = self._env.step(action, look=look or drivers.looks(self._driver))
+        self.ended = any(ends)
+        return self._observed.get("image")
+
+    def frames(self, number: int) -> list[Image]:
+        """Grey frames that follow each other, fewer where the episode ends."""
+        found: list[Image] = []
+        while len(found) < number and not self.ended:
+            image = self.step(look=True)
+            assert image is not None
+            found.append(grey(image))
+        return found
 
 
 def _yardstick(before: Image, now: Image) -> None:
@@ -78,12 +95,15 @@ def _yardstick(before: Image, now: Image) -> None:
         cv2.calcOpticalFlowPyrLK(before, now, corners, none, winSize=(25, 25), maxLevel=2, criteria=(3, 30, 0.03))
 
 
-def _report(times_ms: dict[str, float]) -> dict[str, Any]:
-    step_ms, yardstick_ms = times_ms["step"], times_ms["yardstick"]
+def _report(watch: Stopwatch, yardstick: Stopwatch) -> dict[str, Any]:
+    names = (*STAGES, "hash")
+    a_step, once = watch.typical_ms(), watch.medians_ms()
+    step_ms, yardstick_ms = a_step["step"], yardstick.typical_ms(PAIRS)["yardstick"]
     return {
         "step_ms": step_ms,
         "yardstick_ms": yardstick_ms,
         "step_ratio": step_ms / yardstick_ms,
-        "camera_ratio": times_ms["render"] / yardstick_ms,
-        "stages_ms": {name: times_ms[name] for name in (*STAGES, "hash") if name in times_ms},
+        "camera_ratio": once["render"] / yardstick_ms,
+        "stages_ms": {name: a_step[name] for name in names if name in a_step},
+        "once_ms": {name: once[name] for name in names if name in once},
     }

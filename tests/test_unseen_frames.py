@@ -1,0 +1,138 @@
+"""Frames that nobody looks at are not drawn: those that are drawn are the same to the last bit, and so is the drive."""
+
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from short_scenario import SHORT
+from straight_road import FAR, SMALL, FakeRenderer
+from straight_road import scenario as straight
+
+from vpf_sim import drivers, scenarios
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.episode import episode
+from vpf_sim.evaluation.episode.episode import NO_FRAME, read, setup_for
+from vpf_sim.types import Command, Image
+
+STEPS = 60
+THIRD, SECOND, SELDOM = (lambda step: step % 3 == 0), (lambda step: step % 2 == 0), (lambda step: step in (20, 21, 58))
+BUSY = """
+schema = 1
+[road]
+segments = [{kind = "line", length_m = 30}, {kind = "arc", length_m = 200, radius_m = 100}]
+[goal]
+s_m = 200.0
+[ego.sensors]
+pitch_deg = 0.3
+[[bodies]]
+kind = "car"
+s_m = 20.0
+lane = 3
+speed_mps = 7.0
+[[bodies]]
+kind = "truck"
+s_m = 32.0
+lane = 1
+[[bodies]]
+kind = "cone"
+s_m = 24.0
+lane = 4
+"""
+# Without the sensors' errors, which turn frames as a whole; rain of which one thing at a time is drawn.
+WEATHERS = ["clear", "rain", "WetNoon", "FoggyNoon"]
+
+
+def frames(weather: str, looks: Callable[[int], bool]) -> Iterator[tuple[int, Image]]:
+    """The frames of the steps that are looked at, on a way that winds."""
+    with closing(FourLane(scenarios.parse(BUSY, "busy.toml"), weather)) as env:
+        env.reset(seed=5)
+        for step in range(1, STEPS):
+            action = np.array([0.3 * np.sin(step / 9.0), 0.2 * np.sin(step / 25.0)])
+            observed, *_ = env.step(action, look=looks(step))
+            assert ("image" in observed) == looks(step)
+            if looks(step):
+                yield step, observed["image"]
+
+
+@pytest.mark.parametrize("weather", WEATHERS)
+def test_frames_after_unseen_ones_are_what_they_would_be(weather: str) -> None:
+    every = dict(frames(weather, lambda _: True))
+    for looks in (THIRD, SECOND, SELDOM):
+        for step, image in frames(weather, looks):
+            assert np.array_equal(image, every[step]), f"step {step}"
+
+
+def test_a_step_that_is_not_looked_at_tells_the_rest_the_same() -> None:
+    seen, unseen = (FourLane("town04", "rain", truth=("foe", "depth")) for _ in range(2))
+    with closing(seen), closing(unseen):
+        for env in (seen, unseen):
+            env.reset(seed=1)
+        for _ in range(4):
+            observed, *told, info = seen.step(np.array([0.5, 0.1]))
+            other, *other_told, other_info = unseen.step(np.array([0.5, 0.1]), look=False)
+            assert told == other_told
+            assert observed.keys() - other.keys() == {"image"}
+            assert all(np.array_equal(observed[name], other[name]) for name in other)
+            assert info.keys() - other_info.keys() == {"depth"}, "there is no picture to tell it of"
+            assert all(np.array_equal(info[name], other_info[name]) for name in other_info)
+
+
+class Stuck(FakeRenderer):
+    """It shows the first frame for ever."""
+
+    def render(self, ego: object, time_s: float) -> np.ndarray:  # noqa: ARG002
+        return super().render(ego, 0.0)
+
+    def skip(self, ego: object, time_s: float) -> None:
+        """Nothing is drawn."""
+
+
+def test_a_stale_frame_is_told_across_unseen_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vpf_sim.envs.camera.Renderer", Stuck)
+    env = FourLane(straight(FAR), rig=SMALL)
+    env.reset(seed=0)
+    statuses = [env.step(np.zeros(2), look=step == 5)[4]["status"] for step in range(6)]
+    assert statuses == ["running"] * 5 + ["invalid_frame"]
+
+
+@pytest.mark.parametrize("driver", ["vpf", "vpf-paper"])
+def test_a_field_driver_says_at_which_frames_it_looks(driver: str) -> None:
+    """It does the same where all others are kept from it, and another thing where one of its own is."""
+
+    def done(blinded: Callable[[bool, int], bool]) -> tuple[list[tuple[Command, bytes]], int]:
+        tested, found, looked = drivers.create(driver), [], 1
+        with closing(FourLane(scenarios.parse(BUSY, "busy.toml"), "clear")) as env:
+            observed, _ = env.reset(seed=5)
+            tested.reset(setup_for(tested, env, 5))
+            looks = True
+            for step in range(STEPS):
+                observation = read(observed)
+                if blinded(looks, step):
+                    observation = replace(observation, image=np.zeros_like(observation.image))
+                command, plan = drivers.command_of(tested, observation), drivers.trace_of(tested)
+                assert plan is not None
+                found.append((command, plan.perception.flow.points_px.tobytes()))
+                looks = drivers.looks(tested)
+                looked += looks
+                observed, *_ = env.step(np.zeros(2))
+        return found, looked
+
+    whole, looked = done(lambda looks, step: False)  # noqa: ARG005
+    assert looked == (1 + STEPS // 3 if driver == "vpf" else 1 + STEPS)
+    assert done(lambda looks, step: not looks)[0] == whole  # noqa: ARG005
+    assert done(lambda looks, step: looks and step > STEPS // 2)[0] != whole
+
+
+def test_a_watched_drive_has_the_same_record(tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT)
+    shown: list[Image] = []
+    alone = episode.run(str(path), "rain", "vpf", 3)
+    watched = episode.run(str(path), "rain", "vpf", 3, watch=lambda image, _: shown.append(image))
+    assert watched.record == alone.record
+    assert len(shown) == alone.record["steps"]
+    assert all(image.shape != NO_FRAME.shape for image in shown)
+    assert np.flatnonzero(alone.steps.looked).tolist() == list(range(0, len(shown), 3))
