@@ -13,7 +13,7 @@ from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, courses, separation
+from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, Hindrances, courses, separation
 from vpf_sim.planning.valley import Valley, ValleyConfig
 from vpf_sim.planning.way_out import NEXT_M, WayOut
 from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges, VehicleModel
@@ -25,7 +25,6 @@ assert CONFIG is not None
 CAR = VehicleModel()
 SETUP = DriverSetup(Camera(), CAR, 60.0, 5.55, (1e3, 0.0), 0)
 LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
-FAR = np.array([BEYOND_M])
 FRONT_M, HALF_M = CAR.l_r_m + 0.5 * CAR.length_m, 0.5 * CAR.width_m  # from the rear axle
 DEAD_END = (Body(28.0, 0.0, width_m=3.0), Body(28.0, 2.9))  # no gap to the right edge
 CLOSED = (*DEAD_END, Body(28.0, -3.5, width_m=3.0), Body(28.0, -7.0, width_m=3.0))
@@ -124,10 +123,10 @@ def test_the_separation_of_rectangles() -> None:
     straight = courses(LANE, 0.0, CAR, per_m=1e3, lock=1e-9)  # goes on as it is
     beside = LaneObstacles(np.array([4.0]), np.array([1.5]), np.array([2.5]))
     ahead = LaneObstacles(np.array([5.0]), np.array([-0.5]), np.array([0.5]))
-    apart, edges = separation(straight, LANE, beside, np.array([2.0]), FAR, CAR)
+    apart, edges = separation(straight, LANE, Hindrances.of(beside, 2.0, BEYOND_M), CAR)
     assert apart[0, 40] == pytest.approx(1.5 - HALF_M)
     assert edges[0] == pytest.approx(12.0 - HALF_M)
-    apart, _ = separation(straight, LANE, ahead, np.array([1.0]), FAR, CAR)
+    apart, _ = separation(straight, LANE, Hindrances.of(ahead, 1.0, BEYOND_M), CAR)
     assert apart[0, 0] == pytest.approx(5.0 - 0.5 * CAR.length_m)
     assert apart[0].min() < 0.0
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.types import Bools, Floats, VehicleModel
+from vpf_sim.types import Bools, Floats, SidedBodies, VehicleModel
 
 STEP_M = 0.1
 WAY_M = 28.0  # on which courses are looked at
@@ -125,20 +125,30 @@ def _straight_on(
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Hindrances(SidedBodies):
+    """K bodies from which a course must keep, in lane coordinates."""
+
+    along_m: Floats  # (K,) nearest face, from the pose
+    left_m: Floats  # (K,) y of the left side
+    right_m: Floats  # (K,) y of the right side
+    length_m: Floats  # (K,) that they are taken to be long
+    beyond_m: Floats  # (K,) how far past its end a course is held against each, no farther than BEYOND_M
+
+    @classmethod
+    def of(cls, bodies: LaneObstacles, length_m: float, beyond_m: float) -> "Hindrances":
+        """Bodies that are at least so long, and how far past its end a course is held against them."""
+        length = np.maximum(bodies.length_m, length_m)
+        return cls(bodies.along_m, bodies.left_m, bodies.right_m, length, np.full(len(bodies), beyond_m))
+
+
 def separation(
-    course: Courses,
-    lane: Lane,
-    obstacles: LaneObstacles,
-    length_m: Floats,
-    beyond_m: Floats,
-    vehicle: VehicleModel,
-    every: int = 1,
+    course: Courses, lane: Lane, bodies: Hindrances, vehicle: VehicleModel, every: int = 1
 ) -> tuple[Floats, Floats]:
     """(N, T) m by which our body is apart at least from all bodies, and (N,) from both edges, until it is past its end.
 
-    Rectangles are apart by no less than along any of their sides' directions. `length_m` (K,) is how long bodies are
-    taken to be, and `beyond_m` (K,) how far past its end a course is held against each: no farther than `BEYOND_M`, as
-    against the edges. Of `every` steps only one is looked at.
+    Rectangles are apart by no less than along any of their sides' directions. Against the edges a course is held to
+    BEYOND_M past its end. Of `every` steps only one is looked at.
     """
     look = slice(None, None, every)
     cosine, sine = np.cos(course.turned_rad[:, look]), np.sin(course.turned_rad[:, look])
@@ -148,7 +158,7 @@ def separation(
     past = np.arange(course.along_m.shape[1])[None, look] - course.end[:, None]
     edges = np.minimum(y - aside - lane.left_m, lane.right_m - y - aside)
     apart = np.full(along.shape, np.inf)
-    sizes = (obstacles.along_m, obstacles.left_m, obstacles.right_m, length_m, beyond_m)
+    sizes = (bodies.along_m, bodies.left_m, bodies.right_m, bodies.length_m, bodies.beyond_m)
     for face, left, right, length, beyond in zip(*sizes, strict=True):
         long, wide = 0.5 * length, 0.5 * (right - left)
         forward, across = face + long - along, left + wide - y

@@ -14,9 +14,9 @@ import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.planning.creep import STANDING_MPS
-from vpf_sim.planning.lane import Lane, LaneObstacles, locate, place
+from vpf_sim.planning.lane import Lane, locate, place
 from vpf_sim.planning.reach import rear_m
-from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, Courses, courses, separation
+from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, Courses, Hindrances, courses, separation
 from vpf_sim.types import Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
 
 STEERS_MPS = 0.25  # from here on the yaw rate tells how the wheels stand
@@ -63,8 +63,7 @@ class _Start:
 
     lane: Lane
     pose: Floats  # (3,)
-    bodies: LaneObstacles
-    beyond_m: Floats  # (K,) how far past its end a course is held against each
+    bodies: Hindrances
     known: frozenset[int]  # their identities
 
     def lane_at(self, observation: Observation) -> tuple[Lane, float]:
@@ -158,47 +157,43 @@ class WayOut:
         """Look for a course from here; before what moves the car waits."""
         if np.any((obstacles.speed_mps > 0.0) & (obstacles.forward_m < RELEVANT_M)):
             return
-        bodies, beyond_m = self._bodies(lane, obstacles, observation)
+        bodies = self._bodies(lane, obstacles, observation)
         per_m = self._config.steering_radps / self._config.steering_mps
         found = [courses(lane, self._steering_rad, self._vehicle, per_m, lock) for lock in LOCKS]
         for share, some in product(TIGHTER, found):
             clearance_m = share * self._config.clearance_m
-            self._course = self._best(some, lane, bodies, beyond_m, clearance_m)
+            self._course = self._best(some, lane, bodies, clearance_m)
             if self._course is not None:
                 pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
-                self._start = _Start(lane, pose, bodies, beyond_m, frozenset(obstacles.identity.tolist()))
+                self._start = _Start(lane, pose, bodies, frozenset(obstacles.identity.tolist()))
                 self._gone_m, self._clearance_m, self._left_road = 0.0, clearance_m, True
                 return
 
-    def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> tuple[LaneObstacles, Floats]:
-        """What stands near, and how far past its end a course is held against each (K,) m: on a course those known
-        where it began, and what is told since; what was told on a course stays so for the next that begins on it.
+    def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Hindrances:
+        """What stands near: on a course what was known where it began, and what is told since, which stays so for the
+        next course that begins on this one.
 
         A body's sides are told as seen from the car. One that is wide is seen at an angle as another body, and wide
         things that were not seen from the road's direction are none.
         """
+        length_m = self._config.body_length_m
         if self._start is None:
-            bodies = place(obstacles, lane)
-            beyond_m = np.full(len(bodies), BEYOND_M)
+            bodies = Hindrances.of(place(obstacles, lane), length_m, BEYOND_M)
         else:
             _, gone = self._start.lane_at(observation)
             known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
             new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
             fresh = place(obstacles.chosen(new & (obstacles.width_m < NARROW_M)), lane)
-            bodies = known.together_with(fresh)
-            beyond_m = np.concatenate([self._start.beyond_m, np.full(len(fresh), NEXT_M)])
-        near = bodies.along_m < RELEVANT_M
-        return bodies.chosen(near), beyond_m[near]
+            bodies = known.together_with(Hindrances.of(fresh, length_m, NEXT_M))
+        return bodies.chosen(bodies.along_m < RELEVANT_M)
 
-    def _best(
-        self, found: Courses, lane: Lane, bodies: LaneObstacles, beyond_m: Floats, clearance_m: float
-    ) -> Courses | None:
+    def _best(self, found: Courses, lane: Lane, bodies: Hindrances, clearance_m: float) -> Courses | None:
         """Of the courses that keep far enough from all the one that turns least and keeps farthest."""
         found = found.chosen(found.end + round(BEYOND_M / STEP_M) < found.along_m.shape[1])
         for every in COARSE, 1:  # most courses fail at a coarse look
             if not len(found):
                 return None
-            apart, edges = self._separation(found, lane, bodies, beyond_m, every)
+            apart, edges = separation(found, lane, bodies, self._vehicle, every)
             least = apart.min(axis=1)
             drivable = (least >= _kept(clearance_m, apart[0])) & (edges >= self._config.edge_gap_m)
             found, least = found.chosen(drivable), least[drivable]
@@ -206,13 +201,6 @@ class WayOut:
             return None
         cost = np.abs(found.turned_rad).max(axis=1) + FARTHER * found.end * STEP_M - WIDER * np.minimum(least, WIDE_M)
         return found.one(int(np.argmin(cost)))
-
-    def _separation(
-        self, course: Courses, lane: Lane, bodies: LaneObstacles, beyond_m: Floats, every: int = 1
-    ) -> tuple[Floats, Floats]:
-        """From the bodies and from the edges (`turning.separation`)."""
-        length = np.maximum(bodies.length_m, self._config.body_length_m)
-        return separation(course, lane, bodies, length, beyond_m, self._vehicle, every)
 
     def _follow(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Reference | None:
         """On along the course, until it leads back to the road's direction, or nowhere any longer."""
@@ -224,13 +212,13 @@ class WayOut:
         step = int(self._gone_m / STEP_M)
         rest = self._course.rest(step)
         if step > last:
-            bodies, beyond_m = self._bodies(lane, obstacles, observation)
-            if self._has_ended(step, bodies) or not self._is_free(rest, lane, bodies, beyond_m):
+            bodies = self._bodies(lane, obstacles, observation)
+            if self._has_ended(step, bodies) or not self._is_free(rest, lane, bodies):
                 self._course, self._stood_s = None, 0.0
                 return None
         return self._reference(rest, self._gone_m / STEP_M - step, lane, observation)
 
-    def _has_ended(self, step: int, bodies: LaneObstacles) -> bool:
+    def _has_ended(self, step: int, bodies: Hindrances) -> bool:
         """Whether the car goes along the road again and has passed all bodies that may be long: no side was seen."""
         assert self._course is not None
         if step + 2 >= self._course.along_m.shape[1]:
@@ -240,11 +228,11 @@ class WayOut:
         beside = wide & (front < 0.0) & (bodies.along_m + LONGEST_M > -0.5 * self._vehicle.length_m)
         return step > int(self._course.end[0]) + SETTLING and not bool(np.any(beside))
 
-    def _is_free(self, rest: Courses, lane: Lane, bodies: LaneObstacles, beyond_m: Floats) -> bool:
+    def _is_free(self, rest: Courses, lane: Lane, bodies: Hindrances) -> bool:
         """Whether what is left of a course still keeps from all, as far as is known now."""
         here = -self._vehicle.l_r_m * cos(lane.heading_rad)
         rest = replace(rest, along_m=rest.along_m - rest.along_m[0, 0] + here)
-        apart, _ = self._separation(rest, lane, bodies, beyond_m)
+        apart, _ = separation(rest, lane, bodies, self._vehicle)
         return bool(apart.min() >= FIRM * _kept(self._clearance_m, apart[0]))
 
     def _reference(self, rest: Courses, share: float, lane: Lane, observation: Observation) -> Reference:
