@@ -12,6 +12,7 @@ from straight_road import FAR, SMALL, FakeRenderer
 from straight_road import scenario as straight
 
 from vpf_sim import drivers, scenarios
+from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.episode.episode import NO_FRAME, read, setup_for
@@ -41,11 +42,17 @@ kind = "cone"
 s_m = 24.0
 lane = 4
 """
-# Without the sensors' errors, which turn frames as a whole; rain of which one thing at a time is drawn.
-WEATHERS = ["clear", "rain", "WetNoon", "FoggyNoon"]
+RAIN = weathers.load("rain")
+WEATHERS = {
+    "clear": weathers.load("clear"),
+    "wet": weathers.load("WetNoon"),
+    "rain": RAIN,
+    "rain before a dry glass": RAIN.model_copy(update={"droplets": 0.0, "wiper_period_s": 0.0}),
+    "drops on the glass alone": weathers.load("clear").model_copy(update={"droplets": 80.0, "wiper_period_s": 1.5}),
+}
 
 
-def frames(weather: str, looks: Callable[[int], bool]) -> Iterator[tuple[int, Image]]:
+def frames(weather: weathers.Weather, looks: Callable[[int], bool]) -> Iterator[tuple[int, Image]]:
     """The frames of the steps that are looked at, on a way that winds."""
     with closing(FourLane(scenarios.parse(BUSY, "busy.toml"), weather)) as env:
         env.reset(seed=5)
@@ -59,9 +66,9 @@ def frames(weather: str, looks: Callable[[int], bool]) -> Iterator[tuple[int, Im
 
 @pytest.mark.parametrize("weather", WEATHERS)
 def test_frames_after_unseen_ones_are_what_they_would_be(weather: str) -> None:
-    every = dict(frames(weather, lambda _: True))
+    every = dict(frames(WEATHERS[weather], lambda _: True))
     for looks in (THIRD, SECOND, SELDOM):
-        for step, image in frames(weather, looks):
+        for step, image in frames(WEATHERS[weather], looks):
             assert np.array_equal(image, every[step]), f"step {step}"
 
 
