@@ -28,6 +28,7 @@ from vpf_sim.types import (
     Expansion,
     Floats,
     Flow,
+    Image,
     Observation,
     Obstacles,
     Perception,
@@ -105,38 +106,61 @@ class Planner:
         turned = expansion.derotated(flow, self._camera)
         foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe, turned)
         self._foe = foe
-        steady = flow
-        if self._steadiness is not None:
-            before_rad = self._steadiness.passing_rad
-            steady = self._steadiness.update(flow, foe, turned)
-            self._road.turn(self._steadiness.passing_rad - before_rad)
+        steady = self._steadied(flow, foe, turned)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         bodies = _nothing() if self._seen is None else self._known(self._seen, observation, pose)
         road = self._road.update(observation.image, image, pose, *motion, bodies)
-        view = None if self._flow.is_swept else image
-        if view is not None and self._looks(pose, observation.speed_mps):
-            view = contrast(observation.image, view)
-            if self._steadiness is not None:
-                view = self._steadiness.frame(view)
-        if self._landmarks is not None:
-            moving = None
-            if self._movers is not None and self._landmarks.looks:
-                moving = self._movers.moving(pose, observation.speed_mps)
-            self._landmarks.look(view, pose, road, moving, observation.speed_mps)
-            match = partial(self._anchors.aside_px, flow) if self._anchors is not None else None
-            bodies = self._find_bodies(self._landmarks, steady, match, road, observation)
-            if self._second_look is not None:
-                told, speed_mps, sure = bodies, observation.speed_mps, self._landmarks.stands_surely
-                bodies = self._second_look.update(view, pose, told, speed_mps, sure)
-                self._landmarks.refute(told.identity[~among(told.identity, bodies.identity)])
-        if self._steadiness is not None and self._road.pitch is not None:
-            self._steadiness.level(*self._road.pitch, observation.time_s)
         sight_m, suspects = (np.inf, np.inf), None
         if self._landmarks is not None:
+            view = self._view(observation, image, pose, self._landmarks)
+            bodies = self._bodies(self._landmarks, view, flow, steady, road, observation)
             sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
             suspects = self._landmarks.suspects(pose)
+        if self._steadiness is not None and self._road.pitch is not None:
+            self._steadiness.level(*self._road.pitch, observation.time_s)
         salience = cache(partial(self._salience, flow, steady, foe, turned))
         return Perception(flow, foe, salience, bodies, road, pose, sight_m, suspects)
+
+    def _steadied(self, flow: Flow, foe: Expansion, turned: Derotated) -> Flow:
+        """The flow without the body's pitching, of which the road is told, too."""
+        if self._steadiness is None:
+            return flow
+        before_rad = self._steadiness.passing_rad
+        steady = self._steadiness.update(flow, foe, turned)
+        self._road.turn(self._steadiness.passing_rad - before_rad)
+        return steady
+
+    def _view(self, observation: Observation, image: Image, pose: Floats, landmarks: LandmarkTracker) -> Image | None:
+        """The picture in which the road is compared, where it is in this frame; None beneath the wiper."""
+        if self._flow.is_swept:
+            return None
+        second = self._second_look
+        if not landmarks.looks and (second is None or not second.looks(pose, observation.speed_mps)):
+            return image
+        view = contrast(observation.image, image)
+        return view if self._steadiness is None else self._steadiness.frame(view)
+
+    def _bodies(
+        self,
+        landmarks: LandmarkTracker,
+        view: Image | None,
+        flow: Flow,
+        steady: Flow,
+        road: RoadEdges,
+        observation: Observation,
+    ) -> Obstacles:
+        """Those that the look at the road and the flow tell of, and that a second look does not refute."""
+        pose, speed_mps, moving = flow.pose, observation.speed_mps, None
+        if self._movers is not None and landmarks.looks:
+            moving = self._movers.moving(pose, speed_mps)
+        landmarks.look(view, pose, road, moving, speed_mps)
+        match = partial(self._anchors.aside_px, flow) if self._anchors is not None else None
+        told = self._find_bodies(landmarks, steady, match, road, observation)
+        if self._second_look is None:
+            return told
+        bodies = self._second_look.update(view, pose, told, speed_mps, landmarks.stands_surely)
+        landmarks.refute(told.identity[~among(told.identity, bodies.identity)])
+        return bodies
 
     def _salience(self, flow: Flow, steady: Flow, foe: Expansion, turned: Derotated) -> Salience:
         """Obstacle map and time to contact of a frame's points."""
@@ -144,11 +168,6 @@ class Planner:
         labels = obstacles.cluster_labels(obstacle_map, flow)
         ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
         return Salience(obstacle_map, ttc_s)
-
-    def _looks(self, pose: Floats, speed_mps: float) -> bool:
-        """Whether any stage after the road's looks at this frame: most do from time to time only."""
-        landmarks, second = self._landmarks, self._second_look
-        return landmarks is not None and (landmarks.looks or (second is not None and second.looks(pose, speed_mps)))
 
     @staticmethod
     def _remembered(camera: Camera, variant: Variant, rate_hz: float) -> Anchors | None:
