@@ -154,12 +154,18 @@ def test_hidden_lines_are_bridged_by_own_motion_and_the_doubt_grows() -> None:
     assert result[-1].confidence < result[15].confidence
 
 
-@pytest.mark.parametrize(("curvature", "side"), [(0.0, 1.0), (0.01, -1.0), (-0.01, -1.0)])
-def test_a_vehicle_that_turns_across_the_road_and_back_knows_where_it_is(curvature: float, side: float) -> None:
-    """By 63 deg and back on curves of 5 m, from one lane to the next but one; other lines lie along its way then."""
+@pytest.mark.parametrize(
+    ("curvature", "side", "turn"),
+    [(0.0, 1.0, 1.1), (0.01, -1.0, 1.1), (-0.01, -1.0, 1.1), (0.0, 1.0, 1.43), (-0.01, -1.0, 1.43)],
+)
+def test_a_vehicle_that_turns_across_the_road_and_back_knows_where_it_is(
+    curvature: float, side: float, turn: float
+) -> None:
+    """By 63 or, as on a way out, 82 deg and back on curves of 4 to 5 m, from one lane to the next but one; other lines
+    lie along its way then."""
     picture = RoadPicture(Camera(), curvature)
     tracker = RoadEdgeTracker(picture.camera, RoadEdgeConfig(), 20.0)
-    turned = np.concatenate([np.zeros(30), np.linspace(0.0, 1.1, 45), np.full(6, 1.1), np.linspace(1.1, 0.0, 45)])
+    turned = np.concatenate([np.zeros(30), np.linspace(0.0, turn, 45), np.full(6, turn), np.linspace(turn, 0.0, 45)])
     along, right, result = 0.0, -2.9 * side, []
     for i, heading in enumerate(np.concatenate([turned, np.zeros(30)])):
         pose = picture.pose(along, right, side * heading)
