@@ -3,6 +3,7 @@
 from contextlib import closing
 from hashlib import sha256
 from itertools import pairwise
+from math import ceil
 from typing import Any
 
 import cv2
@@ -24,6 +25,8 @@ PAIRS = 6  # of frames that follow each other, on which the yardstick is timed a
 def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
     """What a step of the driver `vpf`, its stages and the yardstick take, in ms, and in yardsticks, over `steps` steps.
 
+    As many whole half seconds are driven as these take: in fewer steps no frame may be looked at.
+
     A step is act and step: render, perceive, plan, control, physics, as in an episode that nobody watches. What it and
     its stages take is the median of the means over half seconds, for two steps of three look at no frame; `once_ms` is
     what a stage takes where it runs, the median over these steps, and `camera_ratio` that of a frame.
@@ -35,7 +38,7 @@ def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
     watch, yardstick = Stopwatch(), Stopwatch()
     with closing(FourLane(scenario, weather)) as env, watch.watching(STAGES):
         drive = _Drive(env)
-        for number in range(steps):
+        for number in range(WINDOW_STEPS * ceil(steps / WINDOW_STEPS)):
             if drive.ended:
                 drive.begin()
                 watch.skip_step()
@@ -45,7 +48,7 @@ def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
                 with watch.stage("hash"):
                     sha256(image.data).digest()
             watch.end_step()
-            if number % WINDOW_STEPS == WINDOW_STEPS - 1 or number == steps - 1:
+            if number % WINDOW_STEPS == WINDOW_STEPS - 1:
                 for before, now in pairwise(drive.frames(PAIRS + 1)):
                     with yardstick.stage("yardstick"):
                         _yardstick(before, now)
