@@ -113,6 +113,17 @@ def test_the_lines_are_where_the_edges_put_them() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("heading_deg", [-50.0, -30.0, 30.0, 50.0])
+def test_the_lines_of_a_turned_car_are_those_of_the_road(heading_deg: float) -> None:
+    """Across its own axes the carriageway is as wide as five lanes or six."""
+    config, heading = replace(LowConfig(), line_px=0.0), np.radians(heading_deg)
+    across = np.array([-3.5, -2.0, 0.0, 1.75, 3.5])  # of the road, whose lines are at multiples of 3.5
+    forward = np.full(5, 10.0)
+    places = np.column_stack([forward, forward * np.tan(heading) + across / np.cos(heading)])
+    road = RoadEdges(-7.0, 7.0, heading, 0.0, 0.05, 1.0, 1.75, 3.5)
+    assert off_lines(CAMERA, places, road, config).tolist() == [False, True, False, True, False]
+
+
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 14\.0"):
         LowConfig(near_m=20.0)

@@ -70,11 +70,11 @@ def is_low(points: Triangulation, age_s: Floats, texture: Floats, config: LowCon
 def off_lines(camera: Camera, foot_m: Floats, road: RoadEdges, config: LowConfig) -> Bools:
     """(N,) places (N, 2) on the flat road, vehicle axes, within the carriageway and on no painted line.
 
-    Lines are a lane's width apart.
+    Lines are a lane's width apart; along the axes of a turned vehicle farther.
     """
     lane_width_m = road.lane_width_m
     left, right = carriageway_offsets(foot_m[:, 0], road)
-    lanes = np.maximum(np.rint((right - left) / lane_width_m), 1.0)
+    lanes = max(round((road.right_m - road.left_m) / lane_width_m), 1)
     across = (foot_m[:, 1] - left) / (right - left) * lanes
     aside = np.abs(across - np.rint(across)) * lane_width_m
     halo = config.line_px * (foot_m[:, 0] - camera.forward_m) / camera.fx_px
