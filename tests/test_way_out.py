@@ -12,10 +12,10 @@ from ideal import Body, Eyes, Road, clearance, perception
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning import variant
-from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.lane import Lane, LaneObstacles, place
 from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, Hindrances, courses, separation
 from vpf_sim.planning.valley import Valley, ValleyConfig
-from vpf_sim.planning.way_out import NEXT_M, WayOut
+from vpf_sim.planning.way_out import BEGINS_M, NEXT_M, WayOut
 from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges, VehicleModel
 
 ROBUST = variant.load("robust").valley
@@ -197,6 +197,20 @@ def test_what_is_told_on_the_way_ends_it_no_farther_than_a_little_past_the_cours
     for _ in range(30):
         out.update(LANE, new, car.observe(), Reference(0.0, 0.0))
     assert out.is_driven == drives
+
+
+def test_who_stands_near_a_body_keeps_the_clearance_from_all_that_follows() -> None:
+    """A wide body begins 0.1 m beside the corner, and a narrow one, ahead on the other side, leaves room enough."""
+    beside = narrow(0.5 * CAR.length_m, HALF_M + 0.1 + 1.05, 1.05, 0)
+    both = beside.together_with(narrow(4.6, -1.2, 0.3, 1))
+    out, car = WayOut(CONFIG, CAR, 60.0), Bicycle(speed_mps=0.0)
+    for _ in range(round(60.0 * CONFIG.standing_s) + 2):
+        out.update(LANE, both, car.observe(), Reference(0.0, 0.0))
+    assert out._course is not None
+    bodies = Hindrances.of(place(both, LANE), CONFIG.body_length_m, BEYOND_M)
+    apart, _ = separation(out._course, LANE, bodies, CAR)
+    assert apart[0, 0] == pytest.approx(0.1)
+    assert apart[0, round(BEGINS_M / STEP_M) :].min() >= CONFIG.clearance_m
 
 
 def test_who_is_turned_and_has_no_course_stands() -> None:

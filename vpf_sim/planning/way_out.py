@@ -8,7 +8,7 @@ camera sees little of the road: where the car is on it is known from before and 
 
 from dataclasses import dataclass, replace
 from itertools import product
-from math import asin, atan, cos, sin, tan
+from math import asin, atan, ceil, cos, sin, tan
 
 import numpy as np
 
@@ -29,6 +29,7 @@ BACK_RAD = 0.3  # by a car that goes along it again;
 FORGOTTEN_M = 30.0  # after so much of the road's way the own motion says no more
 WIDE_BODY_M, LONGEST_M = 1.4, 9.0  # what is as wide may be a truck
 TIGHTER = (1.0, 0.7)  # shares of the clearance: with less only where there is no other way
+BEGINS_M = 2.0  # of a course, on which it may be as near to a body as the car stands
 FIRM = 0.5  # of what a course keeps to bodies: with less, its rest is no longer driven
 WIDE_M, WIDER = 0.5, 2.0  # more clearance than this is not better; rad of turning less are worth a metre of it
 FARTHER = 0.02  # rad of turning that a metre of way is worth
@@ -160,8 +161,10 @@ class WayOut:
         bodies = self._bodies(lane, obstacles, observation)
         per_m = self._config.steering_radps / self._config.steering_mps
         found = [courses(lane, self._steering_rad, self._vehicle, per_m, lock) for lock in LOCKS]
-        for share, some in product(TIGHTER, found):
-            clearance_m = share * self._config.clearance_m
+        here, _ = separation(found[0].one(0), lane, bodies, self._vehicle)
+        clearances_m = [share * self._config.clearance_m for share in TIGHTER]
+        clearances_m.append(_kept(clearances_m[-1], here[0]))  # at last from all what there is from the nearest now
+        for clearance_m, some in product(clearances_m, found):
             self._course = self._best(some, lane, bodies, clearance_m)
             if self._course is not None:
                 pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
@@ -194,8 +197,9 @@ class WayOut:
             if not len(found):
                 return None
             apart, edges = separation(found, lane, bodies, self._vehicle, every)
-            least = apart.min(axis=1)
-            drivable = (least >= _kept(clearance_m, apart[0])) & (edges >= self._config.edge_gap_m)
+            least = apart[:, ceil(BEGINS_M / STEP_M / every) :].min(axis=1)
+            drivable = (apart.min(axis=1) >= _kept(clearance_m, apart[0])) & (least >= clearance_m)
+            drivable &= edges >= self._config.edge_gap_m
             found, least = found.chosen(drivable), least[drivable]
         if not len(found):
             return None
