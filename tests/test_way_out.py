@@ -147,18 +147,20 @@ def narrow(forward_m: float, right_m: float, half_m: float, identity: int) -> Ob
 ON_THE_WAY = narrow(2.3, 0.0, 0.5, 1)
 
 
-def began() -> WayOut:
+def stood_before(bodies: Obstacles) -> WayOut:
+    """After it has stood for so long that it looks for a way."""
     out, car = WayOut(CONFIG, CAR, 60.0), Bicycle(speed_mps=0.0)
     for _ in range(round(60.0 * CONFIG.standing_s) + 2):
-        out.update(LANE, told(0.0), car.observe(), Reference(0.0, 0.0))
+        out.update(LANE, bodies, car.observe(), Reference(0.0, 0.0))
     return out
 
 
+def began() -> WayOut:
+    return stood_before(told(0.0))
+
+
 def test_before_a_body_that_moves_the_car_waits() -> None:
-    out, car = WayOut(CONFIG, CAR, 60.0), Bicycle(speed_mps=0.0)
-    for _ in range(round(60.0 * CONFIG.standing_s) + 2):
-        out.update(LANE, told(1.0), car.observe(), Reference(0.0, 0.0))
-    assert not out.is_driven
+    assert not stood_before(told(1.0)).is_driven
     assert began().is_driven
 
 
@@ -203,9 +205,7 @@ def test_who_stands_near_a_body_keeps_the_clearance_from_all_that_follows() -> N
     """A wide body begins 0.1 m beside the corner, and a narrow one, ahead on the other side, leaves room enough."""
     beside = narrow(0.5 * CAR.length_m, HALF_M + 0.1 + 1.05, 1.05, 0)
     both = beside.together_with(narrow(4.6, -1.2, 0.3, 1))
-    out, car = WayOut(CONFIG, CAR, 60.0), Bicycle(speed_mps=0.0)
-    for _ in range(round(60.0 * CONFIG.standing_s) + 2):
-        out.update(LANE, both, car.observe(), Reference(0.0, 0.0))
+    out = stood_before(both)
     assert out._course is not None
     bodies = Hindrances.of(place(both, LANE), CONFIG.body_length_m, BEYOND_M)
     apart, _ = separation(out._course, LANE, bodies, CAR)

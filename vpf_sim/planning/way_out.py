@@ -163,8 +163,8 @@ class WayOut:
         found = [courses(lane, self._steering_rad, self._vehicle, per_m, lock) for lock in LOCKS]
         here, _ = separation(found[0].one(0), lane, bodies, self._vehicle)
         clearances_m = [share * self._config.clearance_m for share in TIGHTER]
-        clearances_m.append(_kept(clearances_m[-1], here[0]))  # at last from all what there is from the nearest now
-        for clearance_m, some in product(clearances_m, found):
+        at_last_m = _kept(clearances_m[-1], here[0])  # from all what there is from the nearest now
+        for clearance_m, some in product(dict.fromkeys([*clearances_m, at_last_m]), found):
             self._course = self._best(some, lane, bodies, clearance_m)
             if self._course is not None:
                 pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
@@ -191,7 +191,10 @@ class WayOut:
         return bodies.chosen(bodies.along_m < RELEVANT_M)
 
     def _best(self, found: Courses, lane: Lane, bodies: Hindrances, clearance_m: float) -> Courses | None:
-        """Of the courses that keep far enough from all the one that turns least and keeps farthest."""
+        """Of the courses that keep far enough from all the one that turns least and keeps farthest.
+
+        On the first BEGINS_M of one the car may be as near to a body as it is now.
+        """
         found = found.chosen(found.end + round(BEYOND_M / STEP_M) < found.along_m.shape[1])
         for every in COARSE, 1:  # most courses fail at a coarse look
             if not len(found):
