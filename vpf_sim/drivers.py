@@ -4,7 +4,7 @@ Naming the drivers loads none of them: planners and controllers are imported whe
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, cast, get_args
 
@@ -28,7 +28,9 @@ class FieldDriver:
         from vpf_sim.planning import variant as variants
 
         self._variant = variants.load(variant)
-        self._gains = load_gains(self._variant.gains)
+        gains, own = load_gains(self._variant.gains), self._variant.controller
+        changed = {} if own is None else {key: value for key, value in asdict(own).items() if value is not None}
+        self._gains = replace(gains, **changed)
         self._plan: Plan | None = None
 
     def reset(self, setup: DriverSetup) -> None:

@@ -16,6 +16,7 @@ from vpf_sim.cli import (
     drivers,
     gallery,
     profile,
+    readings,
     replay,
     report,
     scenarios,
@@ -27,7 +28,19 @@ from vpf_sim.cli import (
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.processes import threads
 
-SIMULATING = ("drive", "sweep", "benchmark", "ablate", "replay", "profile", "gallery", "doctor", "video", "report")
+SIMULATING = (
+    "drive",
+    "sweep",
+    "benchmark",
+    "ablate",
+    "readings",
+    "replay",
+    "profile",
+    "gallery",
+    "doctor",
+    "video",
+    "report",
+)
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
 
 app = typer.Typer(
@@ -42,6 +55,7 @@ app.command("drive")(drive.drive)
 app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
 app.command("ablate")(ablate.ablate)
+app.command("readings")(readings.readings)
 app.command("replay")(replay.replay)
 app.command("score")(score.score)
 app.command("report")(report.report)

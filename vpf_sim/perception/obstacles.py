@@ -1,6 +1,6 @@
 """The paper's obstacle map O_t: which points stand out from the road, as a smoothed binary plane (section III-C)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Literal
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.perception.ground import ground_flow
+from vpf_sim.perception.obstacle_region import RegionConfig, Surroundings, inside
 from vpf_sim.types import Bools, Camera, Floats, Flow, ObstacleMap
 
 
@@ -27,6 +28,9 @@ class ObstacleMapConfig:
     ratio: float = 0.1  # of the road's flow, that the residual must exceed as well
     above_horizon_px: float | None = None  # points higher than this do not count; None: the full frame
     min_points: int = 1  # marked points that a cluster needs
+    weight: Literal["none", "ttc"] = "none"  # of a point in G * O: 1, or 1 - TTC / the horizon
+    horizon_s: float = 5.0  # as printed for the road field
+    region: RegionConfig = field(default_factory=RegionConfig)
 
     def __post_init__(self) -> None:
         if self.method not in ("otsu_flow", "otsu_residual", "absolute"):
@@ -35,6 +39,13 @@ class ObstacleMapConfig:
             raise ValueError(f"normalisation: expected as_printed or proper, got '{self.normalisation}'")
         if self.reduction < 1 or (self.sigma_px is not None and self.sigma_px <= 0.0) or self.disc_px <= 0.0:
             raise ValueError("reduction, sigma_px, disc_px: expected > 0")
+        if not self.horizon_s > 0.0:
+            raise ValueError(f"horizon_s: expected > 0, got {self.horizon_s}")
+
+    @property
+    def needs_surroundings(self) -> bool:
+        """Whether the road, the speed or the points' time to contact decide anything."""
+        return self.weight != "none" or self.region.shape != "full_frame"
 
 
 def otsu(values: Floats) -> float:
@@ -51,36 +62,41 @@ def otsu(values: Floats) -> float:
     return float(0.5 * (ordered[best] + ordered[best + 1]))
 
 
-def on_obstacle(flow: Flow, camera: Camera, config: ObstacleMapConfig) -> Bools:
-    """(N,) which points are not of the road. The absolute test is |r| > 3 sigma + ratio |g| (METHOD A6).
+def on_obstacle(flow: Flow, camera: Camera, config: ObstacleMapConfig, around: Surroundings | None = None) -> Bools:
+    """(N,) which points of the region are not of the road. The absolute test is |r| > 3 sigma + ratio |g| (METHOD A6).
 
     g is the flow of the flat road under the own motion, r = v - g. Otsu on |v| takes the near road for the obstacle;
     Otsu on |r| always finds some; the absolute test finds none where there is none.
     """
-    inside = flow.gap_s > 0.0
+    candidates = flow.gap_s > 0.0
     if config.above_horizon_px is not None:
         horizon = camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)
-        inside = inside & (flow.points_px[:, 1] > horizon - config.above_horizon_px)
+        candidates = candidates & (flow.points_px[:, 1] > horizon - config.above_horizon_px)
+    if around is not None:
+        candidates = candidates & inside(flow.points_px, camera, around, config.region)
     if config.method == "otsu_flow":
         size = np.hypot(*flow.displacement_px.T)
-        moving: Bools = inside & (size > otsu(size[inside]))
+        moving: Bools = candidates & (size > otsu(size[candidates]))
         return moving
     road = ground_flow(camera, flow.points_px, flow.past_pose, flow.pose)
     residual = np.hypot(*(flow.displacement_px - road).T)
     if config.method == "otsu_residual":
-        threshold: Floats | float = otsu(residual[inside])
+        threshold: Floats | float = otsu(residual[candidates])
     else:
         threshold = 3.0 * config.noise_px + config.ratio * np.hypot(*road.T)
-    marked: Bools = inside & (residual > threshold)
+    marked: Bools = candidates & (residual > threshold)
     return marked
 
 
-def rasterise(points_px: Floats, camera: Camera, config: ObstacleMapConfig) -> Floats:
-    """(h, w) binary plane of the reduced image, 1 on the discs about the points."""
+def rasterise(points_px: Floats, camera: Camera, config: ObstacleMapConfig, weight: Floats | None = None) -> Floats:
+    """(h, w) plane of the reduced image: 1, or the largest weight (N,) in [0, 1], on the discs about the points."""
     height, width = (-(-size // config.reduction) for size in (camera.height_px, camera.width_px))
-    plane = np.zeros((height, width), np.uint8)
+    plane = np.zeros((height, width), np.float32)
     rows, columns = _cells(points_px, config.reduction, plane.shape)
-    plane[rows, columns] = 1
+    if weight is None:
+        plane[rows, columns] = 1.0
+    else:
+        np.maximum.at(plane, (rows, columns), weight.astype(np.float32))
     return cv2.dilate(plane, _disc(config.disc_px / config.reduction)).astype(np.float64)
 
 
@@ -114,16 +130,20 @@ def _cells(points_px: Floats, reduction: int, shape: tuple[int, ...]) -> tuple[N
     return cell[:, 1], cell[:, 0]
 
 
-def detect(flow: Flow, camera: Camera, config: ObstacleMapConfig) -> ObstacleMap:
-    """O_t of one frame and the gradient g = grad (G * O_t)."""
-    marked = on_obstacle(flow, camera, config)
+def detect(flow: Flow, camera: Camera, config: ObstacleMapConfig, around: Surroundings | None = None) -> ObstacleMap:
+    """O_t of one frame and the gradient g = grad (G * O_t); `around` where the configuration `needs_surroundings`."""
+    marked = on_obstacle(flow, camera, config, around)
     plane = rasterise(flow.points_px[marked], camera, config)
     if config.min_points > 1 and np.any(marked):
         label = cluster_labels(ObstacleMap(marked, plane, np.empty((2, 0, 0)), config.reduction), flow)
         size = np.bincount(label[label >= 0])
         marked = marked & (size[np.maximum(label, 0)] >= config.min_points)
         plane = rasterise(flow.points_px[marked], camera, config)
-    return ObstacleMap(marked, plane, smoothed_gradient(plane, config), config.reduction)
+    weighted = plane
+    if config.weight == "ttc" and around is not None:
+        urgency = np.clip(1.0 - around.ttc_s[marked] / config.horizon_s, 0.0, 1.0)
+        weighted = rasterise(flow.points_px[marked], camera, config, urgency)
+    return ObstacleMap(marked, plane, smoothed_gradient(weighted, config), config.reduction)
 
 
 @lru_cache(maxsize=8)

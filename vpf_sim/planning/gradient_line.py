@@ -36,13 +36,14 @@ class GradientLine:
         x, y, yaw = observation.x_m, observation.y_m, observation.yaw_rad
         if self._heading is None:
             self._heading = HeadingReference(config.reference, yaw)
-        target = target_field.force(x, y, yaw, observation.goal_m, config.target_field)
+        lane = locate(perception.road)
+        target = target_field.force(x, y, yaw, observation.goal_m, lane, config.target_field)
         obstacle = obstacle_field.force(
             perception.obstacle_map, perception.ttc_s, self._setup.camera, config.obstacle_field
         )
         bend = self._bend.update(perception.expansion.x_px)
-        lane = locate(perception.road)
-        road = road_field.force(lane.y_m, lane.right_m, lane.left_m, bend, config.road_field)
+        right_m, left_m = road_field.edges(perception.road, config.road_field)
+        road = road_field.force(lane.y_m, right_m, left_m, bend, config.road_field)
         force = total_field.compose(target, obstacle, road, config.total_field)
         world = total_field.to_world(force.total, yaw, config.total_field)
         heading = self._heading.update(world)

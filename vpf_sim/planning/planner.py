@@ -13,6 +13,7 @@ from vpf_sim.perception.flow import FlowTracker, grey
 from vpf_sim.perception.landmarks import LandmarkTracker
 from vpf_sim.perception.marks import among
 from vpf_sim.perception.movers import MoverTracker
+from vpf_sim.perception.obstacle_region import Surroundings
 from vpf_sim.perception.outlines import carried, from_here
 from vpf_sim.perception.road_edges import RoadEdgeTracker
 from vpf_sim.perception.second_look import SecondLook
@@ -118,7 +119,7 @@ class Planner:
             suspects = self._landmarks.suspects(pose)
         if self._steadiness is not None and self._road.pitch is not None:
             self._steadiness.level(*self._road.pitch, observation.time_s)
-        salience = cache(partial(self._salience, flow, steady, foe, turned))
+        salience = cache(partial(self._salience, flow, steady, foe, turned, road, observation.speed_mps))
         return Perception(flow, foe, salience, bodies, road, pose, sight_m, suspects)
 
     def _steadied(self, flow: Flow, foe: Expansion, turned: Derotated) -> Flow:
@@ -162,9 +163,15 @@ class Planner:
         landmarks.refute(told.identity[~among(told.identity, bodies.identity)])
         return bodies
 
-    def _salience(self, flow: Flow, steady: Flow, foe: Expansion, turned: Derotated) -> Salience:
+    def _salience(
+        self, flow: Flow, steady: Flow, foe: Expansion, turned: Derotated, road: RoadEdges, speed_mps: float
+    ) -> Salience:
         """Obstacle map and time to contact of a frame's points."""
-        obstacle_map = obstacles.detect(steady, self._camera, self._variant.obstacle_map)
+        config, around = self._variant.obstacle_map, None
+        if config.needs_surroundings:
+            ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, None, turned)
+            around = Surroundings(road, speed_mps, ttc_s)
+        obstacle_map = obstacles.detect(steady, self._camera, config, around)
         labels = obstacles.cluster_labels(obstacle_map, flow)
         ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
         return Salience(obstacle_map, ttc_s)

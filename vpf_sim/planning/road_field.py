@@ -20,7 +20,7 @@ from typing import Literal
 
 import numpy as np
 
-from vpf_sim.types import Camera, Floats
+from vpf_sim.types import Camera, Floats, RoadEdges
 
 Bend = Literal[-1, 0, 1]  # left, straight, right
 EXPONENT_LIMIT = 300.0  # keeps the square of a potential far off the road finite
@@ -29,7 +29,11 @@ STEP_M = 1e-6  # of the numerical gradient
 
 @dataclass(frozen=True, slots=True)
 class RoadFieldConfig:
-    """`printed`: the formulas as typed; `repaired`: the same field by the identity, with + bending to the right."""
+    """`printed`: the formulas as typed; `repaired`: the same field by the identity, with + bending to the right.
+
+    `edges`, between which the only minimum lies in the middle: those of the carriageway; of the own lane; or as far to
+    the left of the own lane's middle as the right edge is to its right, so that the own lane is preferred.
+    """
 
     shape: Literal["printed", "repaired"]
     depth: float  # A
@@ -39,6 +43,7 @@ class RoadFieldConfig:
     x_offset_m: float  # delta x, of the printed form
     foe_dead_band_px: float  # the FOE nearer to the centre than this means a straight road
     foe_median_s: float  # over which the FOE's median is taken
+    edges: Literal["carriageway", "lane", "preferred"] = "carriageway"
 
     def __post_init__(self) -> None:
         for key in ("depth", "b_per_m", "x_offset_m"):
@@ -64,6 +69,14 @@ class FoeBend:
         if abs(aside) <= self._dead_band_px:
             return 0
         return 1 if aside > 0.0 else -1
+
+
+def edges(road: RoadEdges, config: RoadFieldConfig) -> tuple[float, float]:
+    """m, y of the right and of the left edge, from the own lane's middle."""
+    right, left = road.right_m - road.lane_m, road.left_m - road.lane_m
+    if config.edges == "lane":
+        return 0.5 * road.lane_width_m, -0.5 * road.lane_width_m
+    return (right, left) if config.edges == "carriageway" else (right, -right)
 
 
 def straight(y_m: float, right_m: float, left_m: float, depth: float = 0.5, b_per_m: float = 1.0) -> float:

@@ -31,6 +31,15 @@ BASE = "robust"
 
 
 @dataclass(frozen=True, slots=True)
+class ControllerConfig:
+    """What a variant changes of the gains that it names; None leaves them as they are."""
+
+    c_r_per_s: float | None = None
+    u0_radps: float | None = None
+    reference_filter_hz: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Variant:
     """One section a stage. The way through the field is the paper's `gradient_line` or the `valley`, never both."""
 
@@ -45,6 +54,7 @@ class Variant:
     landmarks: LandmarkConfig | None = None  # without it, no bodies: only the obstacle map
     second_look: SecondLookConfig | None = None  # without it, the car stands for good before what is not there
     movers: MoverConfig | None = None  # without it, all bodies stand
+    controller: ControllerConfig | None = None
     gradient_line: GradientLineConfig | None = None
     valley: ValleyConfig | None = None
 

@@ -1,0 +1,192 @@
+"""The search for the best reading: proposals of an optimiser, dropped at the first drive that fails.
+
+A generation of readings drives the paper's four cells one after the other, the hardest to reach first; who fails does
+not go on (early stopping). What it scored goes back to the optimiser, a tree-structured Parzen estimator (Bergstra et
+al. 2011, optuna's TPESampler), which proposes the next generation. The best ones drive more seeds in the end.
+
+Proposals depend on the seed and on the scores alone, and drives repeat to the bit. So a search that was stopped starts
+again from its first proposal: the folders of its generations hold what has been driven already.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.analysis.benchmark import PAPER
+from vpf_sim.evaluation.readings import space
+from vpf_sim.evaluation.readings.space import Quantity, Reading
+from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
+
+CELLS = (("town04", "clear"), ("town04-clean", "clear"), ("town04", "rain"), ("town04-clean", "rain"))
+Record = dict[str, Any]
+Drive = Callable[[Plan, Path], Sequence[Record]]  # drives what the folder lacks of a plan, and gives its records
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is searched, and how far."""
+
+    readings: int = 200
+    generation: int = 20
+    seeds: str = "0:1"  # of each drive on the way
+    finalists: int = 4
+    final_seeds: str = "10:15"
+    seed: int = 0  # of the optimiser
+
+    def __post_init__(self) -> None:
+        for name in ("readings", "generation", "finalists"):
+            if getattr(self, name) < 1:
+                raise InputError(f"readings: {name}: expected at least 1, got {getattr(self, name)}")
+        for name in ("seeds", "final_seeds"):
+            parse_seeds(getattr(self, name), f"readings: {name}")
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """A reading, and how far it came."""
+
+    number: int
+    reading: Reading
+    driver: str
+    cells: Mapping[str, Mapping[str, Any]]  # "scenario.weather" -> successes, episodes, route, MSE
+    score: float
+
+
+class Optimiser(Protocol):
+    """Proposes readings, and hears how good they were."""
+
+    def ask(self, count: int) -> list[Reading]: ...
+
+    def tell(self, scores: Sequence[float]) -> None:
+        """Of those that were asked for last, in their order; higher is better."""
+
+
+class Tpe:
+    """optuna's tree-structured Parzen estimator; the first 40 proposals are drawn at random."""
+
+    def __init__(self, quantities: Sequence[Quantity], seed: int) -> None:
+        try:
+            import optuna
+        except ImportError:
+            raise InputError("readings: the optimiser is missing: pip install 'vpf_sim[readings]'") from None
+        optuna.logging.set_verbosity(optuna.logging.WARNING)
+        sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=40, n_ei_candidates=48)
+        self._study = optuna.create_study(sampler=sampler, direction="maximize")
+        self._quantities = quantities
+        self._open: list[Any] = []
+
+    def ask(self, count: int) -> list[Reading]:
+        self._open = [self._study.ask() for _ in range(count)]
+        return [{one.name: self._value(trial, one) for one in self._quantities} for trial in self._open]
+
+    def tell(self, scores: Sequence[float]) -> None:
+        for trial, score in zip(self._open, scores, strict=True):
+            self._study.tell(trial, score)
+
+    @staticmethod
+    def _value(trial: Any, quantity: Quantity) -> str | float:
+        if quantity.choices:
+            return str(trial.suggest_categorical(quantity.name, list(quantity.choices)))
+        return float(trial.suggest_float(quantity.name, quantity.low, quantity.high, log=True))
+
+
+def search(asked: Asked, folder: Path, drive: Drive, optimiser: Optimiser) -> list[Tried]:
+    """Every reading that was tried, in the order of the search."""
+    tried: list[Tried] = []
+    while len(tried) < asked.readings:
+        proposals = optimiser.ask(min(asked.generation, asked.readings - len(tried)))
+        names = [write(folder, len(tried) + i, reading) for i, reading in enumerate(proposals)]
+        results = _climb(names, asked.seeds, folder / f"generation-{len(tried) // asked.generation:02}", drive)
+        found = [
+            Tried(len(tried) + i, reading, name, results[name], score(results[name]))
+            for i, (reading, name) in enumerate(zip(proposals, names, strict=True))
+        ]
+        optimiser.tell([one.score for one in found])
+        tried += found
+    return tried
+
+
+def finals(asked: Asked, tried: Sequence[Tried], folder: Path, drive: Drive) -> list[Tried]:
+    """The best of them once more in all cells, on other seeds; the best first."""
+    best = sorted(tried, key=lambda one: -one.score)[: asked.finalists]
+    cells: dict[str, dict[str, dict[str, Any]]] = {one.driver: {} for one in best}
+    for scenario, weather in CELLS:
+        drivers = tuple(one.driver for one in best)
+        plan = Plan((scenario,), (weather,), drivers, asked.final_seeds)
+        for name, result in _results(drive(plan, folder / "finals" / f"{scenario}.{weather}")).items():
+            cells[name][f"{scenario}.{weather}"] = result
+    again = [Tried(one.number, one.reading, one.driver, cells[one.driver], score(cells[one.driver])) for one in best]
+    return sorted(again, key=lambda one: -one.score)
+
+
+def write(folder: Path, number: int, reading: Reading) -> str:
+    """Store the variant of a reading; the name of its driver."""
+    path = folder / "variants" / f"reading-{number:03}.toml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(space.toml(space.variant_table(reading)), encoding="utf-8")
+    return f"vpf@{path}"
+
+
+def score(cells: Mapping[str, Mapping[str, Any]]) -> float:
+    """Higher is better: cells passed, what the others drove, and how near the path MSE is to the paper's or below.
+
+    A cell counts 1 by its share of successes and half by its path MSE: 0.5 at 0, 0.25 at the paper's value, 0 from
+    twice that on. A cell that was not driven any more counts nothing.
+    """
+    total = 0.0
+    for name, cell in cells.items():
+        scenario, _, weather = name.partition(".")
+        share = cell["successes"] / cell["episodes"]
+        total += share + 0.5 * (1.0 - share) * cell["route"]
+        if cell["path_mse_m2"] is not None:
+            paper = PAPER[scenario, weather]["path_mse_m2"]
+            total += 0.5 * share * max(0.0, 1.0 - 0.5 * cell["path_mse_m2"] / paper)
+    return total
+
+
+def _climb(names: Sequence[str], seeds: str, folder: Path, drive: Drive) -> dict[str, dict[str, dict[str, Any]]]:
+    """Cell by cell, those that have passed all before: driver -> cell -> result."""
+    results: dict[str, dict[str, dict[str, Any]]] = {name: {} for name in names}
+    left = tuple(names)
+    for scenario, weather in CELLS:
+        if not left:
+            break
+        plan = Plan((scenario,), (weather,), left, seeds)
+        found = _results(drive(plan, folder / f"{scenario}.{weather}"))
+        for name in left:
+            results[name][f"{scenario}.{weather}"] = found[name]
+        left = tuple(name for name in left if found[name]["successes"] == found[name]["episodes"])
+    return results
+
+
+def _results(records: Iterable[Record]) -> dict[str, dict[str, Any]]:
+    by_driver: dict[str, list[Record]] = {}
+    for record in records:
+        by_driver.setdefault(record["driver"], []).append(record)
+    return {name: _result(rows) for name, rows in by_driver.items()}
+
+
+def _result(rows: Sequence[Record]) -> dict[str, Any]:
+    passed = [row for row in rows if row["status"] == "success"]
+    errors = [row["path_mse_m2"] for row in passed if row["path_mse_m2"] is not None]
+    return {
+        "successes": len(passed),
+        "episodes": len(rows),
+        "route": sum(row.get("route_completion") or 0.0 for row in rows) / len(rows),
+        "path_mse_m2": sum(errors) / len(errors) if errors else None,
+        "clearance_m": min((row["min_clearance_m"] for row in passed if row.get("min_clearance_m")), default=None),
+        "steering_span": _mean([_span(row) for row in passed]),
+    }
+
+
+def _span(row: Record) -> float | None:
+    found = ((row.get("accuracy") or {}).get("shadow") or {}).get("steering") or {}
+    value: float | None = found.get("span")
+    return value
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
