@@ -219,7 +219,7 @@ def description(name: str) -> Description:
         from vpf_sim.planning import variant
 
         own, driver = name.removeprefix(FIELD), create(name)
-        return Description(name, driver.privileged, variant.ablation().get(own, f"the potential field, variant {own}"))
+        return Description(name, driver.privileged, variant.summary(own) or f"the potential field, variant {own}")
     if name not in _REGISTRY:
         raise unknown_name("driver", name, _REGISTRY)
     return Description(name, _REGISTRY[name].privileged, _REGISTRY[name].summary)

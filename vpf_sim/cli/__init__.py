@@ -19,6 +19,7 @@ from vpf_sim.cli import (
     readings,
     replay,
     report,
+    reproduce,
     scenarios,
     score,
     sweep,
@@ -34,6 +35,7 @@ SIMULATING = (
     "benchmark",
     "ablate",
     "readings",
+    "reproduce",
     "replay",
     "profile",
     "gallery",
@@ -59,6 +61,7 @@ app.command("readings")(readings.readings)
 app.command("replay")(replay.replay)
 app.command("score")(score.score)
 app.command("report")(report.report)
+app.command("reproduce")(reproduce.reproduce)
 app.command("video")(video.video)
 app.command("check")(check.check)
 app.command("profile")(profile.profile)

@@ -1,7 +1,8 @@
-"""`vpf-sim ablate`: from the paper's variant to ours, one change at a time."""
+"""`vpf-sim ablate`: from one variant to another, one change at a time."""
 
+from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -31,7 +32,26 @@ COLUMNS = {  # label, digits
 }
 
 
+class ChainName(StrEnum):
+    """Which ablation."""
+
+    robust = "robust"
+    paper = "paper"
+    without = "without"
+
+
+ChainOption = Annotated[
+    ChainName,
+    typer.Option(
+        "--chain",
+        help="robust: from vpf@full-frame to vpf; paper: from vpf-literal to vpf-paper; "
+        "without: vpf-paper without one of its repairs.",
+    ),
+]
+
+
 def ablate(
+    chain: ChainOption = ChainName.robust,
     scenario: ScenariosOption = None,
     weather: WeathersOption = None,
     seeds: SeedsOption = None,
@@ -43,7 +63,7 @@ def ablate(
     mixed: MixedOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Drive each step from vpf-paper to vpf on the same seeds, and tell what each change buys."""
+    """Drive each step from one variant to another on the same seeds, and tell what each change buys."""
     from vpf_sim.cli.results import exit_code, read_summary
     from vpf_sim.cli.running import Means, fill, plan_of
     from vpf_sim.evaluation.analysis.ablation import plan as ablation_plan
@@ -52,7 +72,7 @@ def ablate(
     if seeds is not None:
         parse_seeds(seeds)
     asked = bool(seeds or scenario or weather)
-    plan = plan_of(out, resume, asked, lambda: ablation_plan(seeds, scenario or [], weather or []))
+    plan = plan_of(out, resume, asked, lambda: ablation_plan(seeds, scenario or [], weather or [], chain.value))
     path = fill("ablate", plan, Means(out, resume, mixed, workers, timeout, cluster))
     rows = _store(path)
     if json:
@@ -81,7 +101,9 @@ def print_steps(rows: list[Row], seeds: str) -> None:
     """The steps, then what each changes against the one before."""
     from vpf_sim.cli.tables import number, print_table, within
 
-    print(f"Seeds {seeds}. Each step keeps the changes of those before it:\n")
+    apart = any(row["driver"].startswith("vpf@without-") for row in rows)
+    how = "One change is taken back at a time" if apart else "Each step keeps the changes of those before it"
+    print(f"Seeds {seeds}. {how}:\n")
     for step, change in {row["driver"]: row["changes"] for row in rows}.items():
         print(f"  {step}: {change}")
     header = ("scenario", "weather", "step", *(label for label, _ in COLUMNS.values()))
@@ -95,7 +117,7 @@ def print_steps(rows: list[Row], seeds: str) -> None:
         for row in rows
     ]
     print_table(header, lines, words=3)
-    print("\nDifferences to the step before on the same seeds, with 95 % intervals:\n")
+    print(f"\nDifferences to the {'first' if apart else 'step before'} on the same seeds, with 95 % intervals:\n")
     lines = [
         (*_names(row), *(_change(row["difference"][key], digits, within) for key, (_, digits) in COLUMNS.items()))
         for row in rows

@@ -1,11 +1,11 @@
-"""From the variant `paper` to the variant `robust`, one change at a time: the steps of the ablation.
+"""From the variant `full-frame` to the variant `robust`, one change at a time: the steps of the ablation.
 
 Each step is a variant of its own: all changes up to its own are made, those after it are not. The order is one in
 which every step runs. What cannot stand alone goes together: the valley has its own target, obstacle and road field and
 goes by the bodies on the road, so landmarks and the three potentials come in with it at once.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,7 +15,7 @@ Table = dict[str, Any]  # of a variant's file
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What a step takes over from `robust`: whole sections or single keys; `held` has keys that a later step takes."""
+    """What a step takes over from the last variant: sections or keys; `held` has keys that a later step takes."""
 
     name: str
     summary: str
@@ -99,20 +99,26 @@ CHANGES = (
 )
 
 
-def steps(paper: Table, robust: Table) -> dict[str, tuple[str, Table]]:
+def steps(first: Table, last: Table, changes: Sequence[Change] = CHANGES) -> dict[str, tuple[str, Table]]:
     """Summary and table of each step by its name, in order; a change of which both variants think alike is none."""
     made: dict[str, tuple[str, Table]] = {}
-    table = paper
-    for change in CHANGES:
-        after = deepcopy(table)
-        for path in change.takes:
-            _put(after, path, _at(robust, path))
-        for path, value in change.held.items():
-            _put(after, path, value)
+    table = first
+    for change in changes:
+        after = taken_over(table, last, change)
         if after != table:
             made[change.name] = (change.summary, after)
         table = after
     return made
+
+
+def taken_over(table: Table, other: Table, change: Change) -> Table:
+    """A copy of a variant's table with what a change takes from another variant's."""
+    after = deepcopy(table)
+    for path in change.takes:
+        _put(after, path, _at(other, path))
+    for path, value in change.held.items():
+        _put(after, path, value)
+    return after
 
 
 def _at(table: Table, path: str) -> Any:

@@ -1,14 +1,14 @@
 """A variant of the method: the configuration of every stage, read from a TOML file in variants/, or from a user's own.
 
-Between `paper` and `robust` lie the steps of the ablation (`vpf_sim.planning.changes`), each by its name. A file may
-say with `base` which of these it starts from, and then only what it changes; one's own starts from `robust` if it does
-not.
+Between `full-frame` and `robust`, and between `literal` and `paper`, lie the steps of the ablations
+(`vpf_sim.planning.changes`, `vpf_sim.planning.repairs`), each by its name. A file may say with `base` which of these it
+starts from, and then only what it changes; one's own starts from `robust` if it does not.
 """
 
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from vpf_sim import tables
 from vpf_sim.errors import InputError, unknown_name
@@ -22,12 +22,14 @@ from vpf_sim.perception.odometry import OdometryConfig
 from vpf_sim.perception.road_edges import RoadEdgeConfig
 from vpf_sim.perception.second_look import SecondLookConfig
 from vpf_sim.perception.steadiness import SteadinessConfig
+from vpf_sim.planning import repairs
 from vpf_sim.planning.changes import steps
 from vpf_sim.planning.gradient_line import GradientLineConfig
 from vpf_sim.planning.valley import ValleyConfig
 
 PACKAGE = "vpf_sim.planning.variants"
 BASE = "robust"
+Chain = Literal["robust", "paper", "without"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,22 +84,33 @@ def load(name: str) -> Variant:
     return tables.build(Variant, _whole(own, name), name)
 
 
-def ablation() -> dict[str, str]:
-    """What each step from `paper` to `robust` changes, by its name, in order."""
-    return {name: summary for name, (summary, _) in _steps().items()}
+def ablation(chain: Chain = "robust") -> dict[str, str]:
+    """What each step of a chain changes, by its name, in order.
+
+    `robust`: from `full-frame` to `robust`; `paper`: from `literal` to `paper`; `without`: `paper` without one repair.
+    """
+    return {name: summary for name, (summary, _) in _steps(chain).items()}
+
+
+def summary(name: str) -> str | None:
+    """What a step of any chain changes; None of a name that is no step."""
+    return next((steps[name] for steps in map(ablation, get_args(Chain)) if name in steps), None)
 
 
 def _table(name: str) -> dict[str, Any]:
     if name in names():
         return _whole(tables.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
-    between = _steps()
+    between = {step: found for chain in get_args(Chain) for step, found in _steps(chain).items()}
     if name in between:
         return between[name][1]
     raise unknown_name("variant", name, [*names(), *between])
 
 
-def _steps() -> dict[str, tuple[str, dict[str, Any]]]:
-    return steps(tables.read(PACKAGE, "paper.toml"), tables.read(PACKAGE, "robust.toml"))
+def _steps(chain: Chain) -> dict[str, tuple[str, dict[str, Any]]]:
+    if chain == "robust":
+        return steps(_table("full-frame"), _table("robust"))
+    make = repairs.made if chain == "paper" else repairs.taken_back
+    return make(_table("literal"), _table("paper"))
 
 
 def _whole(own: dict[str, Any], file: str) -> dict[str, Any]:

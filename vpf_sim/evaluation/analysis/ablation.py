@@ -1,10 +1,11 @@
-"""The ablation: from `paper` to `robust` one change at a time, on the same seeds; what each change buys."""
+"""The ablations: from one variant to another one change at a time, on the same seeds; what each change buys."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from vpf_sim.evaluation.analysis import benchmark
 from vpf_sim.evaluation.analysis.comparisons import succeeded, value_at
 from vpf_sim.evaluation.analysis.statistics import (
     Difference,
@@ -15,10 +16,13 @@ from vpf_sim.evaluation.analysis.statistics import (
 )
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.planning.repairs import WITHOUT
+from vpf_sim.planning.variant import Chain
 
-FIRST, LAST, BETWEEN = "vpf-paper", "vpf", "vpf@"
-SCENARIOS = ("town04-clean", "town04", "random")
-WEATHERS = ("clear",)
+BETWEEN = "vpf@"
+FIRST = {"robust": "vpf@full-frame", "paper": "vpf-literal", "without": "vpf-paper"}
+SCENARIOS = {"robust": ("town04-clean", "town04", "random")}  # otherwise those of the paper's table
+WEATHERS = {"robust": ("clear",)}
 SEEDS = "1000:1010"
 OF_SUCCESSES = ("path_mse_m2", "min_clearance_m")
 OF_ALL = ("route_completion", "steering_changes_per_s", "driver_ms")
@@ -29,26 +33,30 @@ Record = dict[str, Any]
 Row = dict[str, Any]
 
 
-def changes() -> dict[str, str]:
-    """What each driver of the ablation changes, in order: the first is the paper's, the last is `vpf`."""
+def changes(chain: Chain = "robust") -> dict[str, str]:
+    """What each driver of a chain changes, in order; `robust` ends with `vpf`, `paper` with `vpf-paper`."""
+    from vpf_sim import drivers
     from vpf_sim.planning import variant
 
-    *between, (_, last) = variant.ablation().items()
-    return {
-        FIRST: "the paper's field with the fewest repairs that make it run",
-        **{f"{BETWEEN}{name}": summary for name, summary in between},
-        LAST: last,
-    }
+    first = FIRST[chain]
+    steps = {f"{BETWEEN}{name}": summary for name, summary in variant.ablation(chain).items()}
+    if chain != "without":
+        _, summary = steps.popitem()
+        steps["vpf" if chain == "robust" else "vpf-paper"] = summary
+    return {first: drivers.description(first).summary, **steps}
 
 
-def plan(seeds: str | None, scenarios: Sequence[str], weathers: Sequence[str]) -> Plan:
-    """The ablation's grid."""
-    return Plan(tuple(scenarios) or SCENARIOS, tuple(weathers) or WEATHERS, tuple(changes()), seeds or SEEDS)
+def plan(seeds: str | None, scenarios: Sequence[str], weathers: Sequence[str], chain: Chain = "robust") -> Plan:
+    """The grid of an ablation."""
+    where = tuple(scenarios) or SCENARIOS.get(chain, benchmark.SCENARIOS)
+    when = tuple(weathers) or WEATHERS.get(chain, benchmark.WEATHERS)
+    return Plan(where, when, tuple(changes(chain)), seeds or SEEDS)
 
 
 def table(jobs: Iterable[Job], records: Iterable[Record], timing: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """`{"rows": [...]}`: each step's scores in each scenario and weather, and their differences to the step before.
 
+    Where one repair is taken back, the difference is to the variant with all of them.
     Success is over the planned seeds; path MSE and clearance over the successful episodes, or, of two steps, over the
     seeds at which both succeeded; the others over all that were driven. Comfort is that of a successful and comfortable
     episode among all planned. `driver_ms`, what a clock measured, is the time of the driver in a step.
@@ -63,8 +71,11 @@ def table(jobs: Iterable[Job], records: Iterable[Record], timing: Iterable[Mappi
 
 
 def _rows(cell: tuple[str, str], steps: Mapping[str, Mapping[int, Record | None]]) -> list[Row]:
-    told, order, rows = changes(), [*steps], []
+    told = {driver: summary for chain in FIRST for driver, summary in changes(chain).items()}
+    order, rows = [*steps], []
     for before, step in zip([None, *order], order, strict=False):
+        if before is not None and step.startswith(f"{BETWEEN}{WITHOUT}"):
+            before = order[0]
         scores = _scores([*steps[step].values()])
         change = None if before is None else _differences(steps[step], steps[before])
         row = {"scenario": cell[0], "weather": cell[1], "driver": step, "changes": told.get(step, "")}

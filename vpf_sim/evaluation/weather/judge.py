@@ -20,7 +20,7 @@ from vpf_sim.planning import variant
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow, Image, ObstacleMap
 
-PLAIN_VARIANT = "paper"
+PLAIN_VARIANT = "full-frame"
 WINDOW_FRAMES = frame_statistics.FRAMES_ON  # 0.1 s at 60 Hz
 NEAR_PX = 16  # a mark so near to something that stands up means it
 RIM_PX = 4  # a corner so near to what the weather hides sits on its rim

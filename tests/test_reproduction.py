@@ -1,0 +1,137 @@
+"""The paper's table, definitions and claims, from made-up drives whose numbers follow by hand."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vpf_sim.evaluation.analysis import reproduction
+from vpf_sim.evaluation.analysis.reproduction import CELLS, Drive
+from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.types import Floats
+
+RATE_HZ = 60.0
+ERRORS_M2 = dict(zip(CELLS, (0.3, 0.6, 0.4, 0.9), strict=True))
+
+
+def table(steering: Floats, pid: Floats, yaw_rate: Floats | float = 0.0, beside_m: float = 0.0) -> StepTable:
+    """A straight drive along x, `beside_m` to the right of y = 0, at 5 m/s."""
+    n = len(steering)
+    time = np.arange(n + 1) / RATE_HZ
+    empty = {name: np.zeros(n + 1) for name in Step._fields}
+    columns = empty | {
+        "time_s": time,
+        "x_m": 5.0 * time,
+        "y_m": np.full(n + 1, beside_m),
+        "speed_mps": np.full(n + 1, 5.0),
+        "yaw_rate_radps": np.broadcast_to(yaw_rate, n + 1),
+        "route_m": 5.0 * time,
+        "in_lane": np.ones(n + 1),
+        "steering": np.append(steering, np.nan),
+        "pid_steering": np.append(pid, np.nan),
+        "paired_steering": np.append(pid, np.nan),
+    }
+    return StepTable(np.column_stack([columns[name] for name in Step._fields]))
+
+
+def drive(cell: tuple[str, str], good: bool = True, **more: Any) -> Drive:
+    own = more.pop("table", table(np.zeros(120), np.zeros(120)))
+    record = {
+        "status": "success" if good else "collision",
+        "path_mse_m2": ERRORS_M2[cell],
+        "min_clearance_m": 0.4,
+        "seed": 0,
+    }
+    return Drive(*cell, {**record, **more}, own, own)
+
+
+def test_accuracies_of_a_constant_difference() -> None:
+    pid = np.tile([0.5, -0.5], 60)
+    found = reproduction.accuracies(table(pid + 0.2, pid), "steering", "shadow")
+    assert found["range"] == pytest.approx(0.9)
+    assert found["difference"] == pytest.approx(0.8)
+    assert found["rms"] == pytest.approx(0.8)
+    assert found["span"] == pytest.approx(0.8)
+    assert (found["tolerance"], found["sign"]) == (0.0, 1.0)
+    assert found["correlation"] == pytest.approx(1.0)
+
+
+def test_the_same_commands_are_right_and_opposite_ones_have_no_sign_in_common() -> None:
+    pid = np.tile([0.5, -0.5], 60)
+    assert all(
+        value == pytest.approx(1.0) for value in reproduction.accuracies(table(pid, pid), "steering", "paired").values()
+    )
+    assert reproduction.accuracies(table(-pid, pid), "steering", "shadow")["sign"] == 0.0
+
+
+def test_the_path_beside_the_pids_by_place_and_by_time() -> None:
+    own = drive(CELLS[0], table=table(np.zeros(120), np.zeros(120), beside_m=2.0))
+    late = table(np.zeros(120), np.zeros(120))
+    rows = late.rows.copy()
+    rows[:, Step._fields.index("x_m")] -= 1.0  # the PID's car is 1 m behind
+    errors = reproduction.path_errors(replace(own, rival=StepTable(rows)))
+    assert errors["lane centre"] == ERRORS_M2[CELLS[0]]
+    assert errors["PID at the same time"] == pytest.approx(5.0)
+    assert errors["PID's path"] == pytest.approx(4.0, abs=0.1)
+
+
+def test_jerkiness_is_the_yaw_acceleration_without_the_relays_ripple() -> None:
+    n, rising = 240, np.linspace(0.0, 0.4, 241)  # 0.1 rad/s2 over 4 s
+    ripple = 0.05 * (-1.0) ** np.arange(n + 1)
+    calm, restless = (
+        reproduction.jerkiness(table(np.zeros(n), np.zeros(n), rate)) for rate in (rising, rising + ripple)
+    )
+    assert calm == pytest.approx(0.1, rel=0.01)
+    assert restless == pytest.approx(calm, rel=0.05)
+
+
+def told(drives: list[Drive]) -> dict[str, bool | None]:
+    rows = reproduction.cells(drives)
+    return {row["claim"]: row["holds"] for row in reproduction.claims(rows, drives, 5.0)}
+
+
+def test_claims_hold_by_what_was_measured() -> None:
+    holds = told([drive(cell) for cell in CELLS])
+    assert holds["The vehicle reaches its destination in all four conditions."]
+    assert holds["The mean squared error of the path is below 1 on average."]
+    assert holds["The error grows with obstacles and in rain."] is False, "0.6 m2 is not below 0.4 m2"
+    assert holds["Its path is jerkier in rain."] is False, "all are the same"
+    assert holds["It takes less computation than learning."] is None
+
+
+def test_jerkier_drives_with_obstacles_and_in_rain_are_told() -> None:
+    def turning(size: float) -> StepTable:
+        return table(np.zeros(240), np.zeros(240), size * np.sin(np.arange(241) / 30.0))
+
+    sizes = dict(zip(CELLS, (0.1, 0.2, 0.2, 0.4), strict=True))
+    holds = told([drive(cell, table=turning(size)) for cell, size in sizes.items()])
+    assert holds["Its path is jerkier with obstacles."]
+    assert holds["Its path is jerkier in rain."]
+
+
+def test_a_collision_refutes_and_a_cell_without_success_leaves_open() -> None:
+    holds = told([drive(cell, good=cell != CELLS[-1]) for cell in CELLS])
+    assert holds["The vehicle reaches its destination in all four conditions."] is False
+    assert holds["The error grows with obstacles and in rain."] is None
+    assert holds["The accuracies fall in the order of the table."] is None
+
+
+def test_a_definition_in_the_papers_order_is_named() -> None:
+    """Steering and throttle that differ from the PID as the paper's accuracies do, by 1 - mean |d|."""
+    drives = []
+    for cell in CELLS:
+        paper = reproduction.PAPER[cell]
+        one = table(np.full(120, 1.0 - paper["steering"]), np.zeros(120))
+        columns = {"throttle": np.full(121, 1.0 - paper["throttle"]), "pid_throttle": np.zeros(121)}
+        drives.append(drive(cell, table=one.replaced(columns)))
+    rows = reproduction.cells(drives)
+    (shadow,) = [
+        row
+        for row in reproduction.definitions(rows)
+        if (row["protocol"], row["definition"]) == ("shadow", "difference")
+    ]
+    for signal in ("throttle", "steering"):
+        assert shadow[signal]["off"] == pytest.approx(0.0, abs=1e-9)
+        assert shadow[signal]["same_order"]
+    assert told(drives)["The accuracies fall in the order of the table."]

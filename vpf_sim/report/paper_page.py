@@ -1,0 +1,87 @@
+"""The page that holds a run against the paper: its table, the definitions, the claims and the figures."""
+
+import json
+from base64 import b64encode
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+
+from vpf_sim.evaluation.analysis import reproduction
+from vpf_sim.evaluation.analysis.benchmark import SCENARIOS
+from vpf_sim.evaluation.analysis.reproduction import CELLS, RIVAL, Drive
+from vpf_sim.evaluation.job import Job
+from vpf_sim.report import paper_figures
+from vpf_sim.report.places import places
+from vpf_sim.report.redraw import Redrawing
+from vpf_sim.report.stored_run import StoredRun
+
+JSON, PAGE = "paper.json", "paper.html"
+NO_OBSTACLE_M = 40.0  # where to look on a road without obstacles
+
+
+def drives_of(run: StoredRun, driver: str) -> list[Drive]:
+    """The episodes of a driver, each with the PID's way on the same seed, without obstacles: the planned trajectory."""
+    found = []
+    for record in run.records.values():
+        table = run.steps(record["id"])
+        if record["driver"] == driver and table is not None:
+            rival = run.steps(Job(SCENARIOS[0], record["weather"], RIVAL, record["seed"]).id)
+            found.append(Drive(record["scenario"], record["weather"], record, table, rival))
+    return found
+
+
+def answer(run: StoredRun, driver: str) -> dict[str, Any]:
+    """What paper.json holds."""
+    drives = drives_of(run, driver)
+    rows = reproduction.cells(drives)
+    stages = [run.timing.get(drive.record["id"], {}).get("stages_ms") or {} for drive in drives]
+    times = [stage["driver"] for stage in stages if stage.get("driver") is not None]
+    return {
+        "driver": driver,
+        "cells": rows,
+        "definitions": reproduction.definitions(rows),
+        "claims": reproduction.claims(rows, drives, float(np.median(times)) if times else None),
+    }
+
+
+def write(run: StoredRun, driver: str, found: dict[str, Any]) -> Path:
+    """Write paper.json, the figures as PNG files, and the page with all of it; the page's path."""
+    drives = drives_of(run, driver)
+    figures = _figures(drives)
+    folder = run.path
+    for name, picture in figures.items():
+        (folder / f"{name}.png").write_bytes(picture)
+    (folder / JSON).write_text(json.dumps(found, indent=2, allow_nan=False), "utf-8")
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("vpf_sim.report", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+    pictures = {name: b64encode(picture).decode() for name, picture in figures.items()}
+    page = environment.get_template("paper.html.jinja").render(**found, pictures=pictures, signals=reproduction.SIGNALS)
+    (folder / PAGE).write_text(page, "utf-8")
+    return folder / PAGE
+
+
+def _figures(drives: list[Drive]) -> dict[str, bytes]:
+    seeds = {
+        scenario: sorted({int(one.record["seed"]) for one in drives if one.scenario == scenario})
+        for scenario, _ in CELLS
+    }
+    where = {
+        (scenario, seed): place for scenario, some in seeds.items() for seed, place in places(scenario, some).items()
+    }
+    found = {}
+    for cell in CELLS:
+        here = [drive for drive in drives if (drive.scenario, drive.weather) == cell]
+        shown = min(here, key=lambda drive: (not drive.good, drive.record["seed"]), default=None)
+        if shown is not None:
+            bodies = where[cell[0], int(shown.record["seed"])].standing
+            face_m = min((body.route_m[0] for body in bodies), default=NO_OBSTACLE_M)
+            drawing = Redrawing(dict(shown.record), shown.table, think=True)
+            found[cell] = paper_figures.look_along(drawing, face_m)
+    return {
+        "paths": paper_figures.paths(drives, where),
+        "flow": paper_figures.flow(found),
+        "forces": paper_figures.forces(found),
+    }
