@@ -49,7 +49,7 @@ def readings(
     from vpf_sim.errors import InputError
     from vpf_sim.evaluation.readings.outcome import by_choice
     from vpf_sim.evaluation.readings.search import Asked, Tpe, finals, search
-    from vpf_sim.evaluation.readings.space import quantities
+    from vpf_sim.evaluation.readings.space import known, quantities
     from vpf_sim.evaluation.sweeps.run_folder import new_path, read_records, write_json
 
     space = quantities()
@@ -58,7 +58,7 @@ def readings(
         print_json({"quantities": rows}) if json else _print_space(rows)
         return
     asked = Asked(readings, seeds=seeds or "0:1", finalists=finalists, final_seeds=final_seeds, seed=seed)
-    optimiser = Tpe(space, asked.seed)
+    optimiser = Tpe(space, asked.seed, known())
     Means(out, resume).check()
     if out is not None and out.exists() and not resume:
         raise InputError(f"{out}: expected a new folder, or --resume to go on with the search in it")

@@ -45,6 +45,11 @@ def quantities() -> tuple[Quantity, ...]:
     return tuple(_quantity(name, table) for name, table in tables.read(__package__, "space.toml").items())
 
 
+def known() -> tuple[Reading, ...]:
+    """Readings that are worth a first look, as known.toml has them."""
+    return tuple(tables.read(__package__, "known.toml").values())
+
+
 def _quantity(name: str, table: Mapping[str, Any]) -> Quantity:
     if "choices" not in table:
         return Quantity(name, table["about"], {"": table["source"]}, {}, table["low"], table["high"])
