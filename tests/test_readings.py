@@ -92,7 +92,8 @@ class Scripted:
 class World:
     """Cells that the readings with an even number pass, with an error that falls with the number."""
 
-    def __init__(self) -> None:
+    def __init__(self, error_m2: float = 0.4) -> None:
+        self.error_m2 = error_m2
         self.driven: list[tuple[str, str, str]] = []
 
     def drive(self, plan: Plan, folder: Path) -> list[dict[str, Any]]:
@@ -107,7 +108,7 @@ class World:
                     **job._asdict(),
                     "status": "success" if good else "collision",
                     "route_completion": 1.0 if good else 0.3,
-                    "path_mse_m2": 1.0 / (1 + number) if good else None,
+                    "path_mse_m2": self.error_m2 / (1 + number) if good else None,
                     "min_clearance_m": 0.4,
                     "accuracy": {"shadow": {"steering": {"span": 0.8}}},
                 }
@@ -124,6 +125,12 @@ def test_who_fails_a_cell_does_not_drive_the_next(tmp_path: Path) -> None:
     assert [driven.count(one.driver) for one in tried] == [4, 1, 4, 1, 4, 1]
     assert optimiser.told == [one.score for one in tried]
     assert sorted(tried, key=lambda one: -one.score)[0].number == 4, "the smallest error of those that pass"
+
+
+def test_who_strays_far_more_than_the_paper_does_not_drive_the_next(tmp_path: Path) -> None:
+    world = World(error_m2=2.0)  # 2, 0.67 and 0.4 m2 of numbers 0, 2 and 4; the paper's first two cells: 0.74, 0.42
+    tried = search.search(Asked(readings=6, generation=6), tmp_path, world.drive, Scripted())
+    assert [len(one.cells) for one in tried] == [1, 1, 2, 1, 4, 1]
 
 
 def test_the_best_drive_again_on_other_seeds(tmp_path: Path) -> None:
@@ -180,6 +187,13 @@ def test_the_optimiser_proposes_the_same_again() -> None:
     assert proposals[0] != search.Tpe(SPACE, 8).ask(3)
     for reading in proposals[0]:
         assert reading.keys() == FIRST.keys()
+
+
+def test_known_readings_are_tried_first() -> None:
+    pytest.importorskip("optuna")
+    known = space.known()
+    assert known
+    assert search.Tpe(SPACE, 0, known).ask(len(known) + 1)[: len(known)] == [*known]
 
 
 def test_the_command_lists_the_space(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,8 +1,9 @@
 """The search for the best reading: proposals of an optimiser, dropped at the first drive that fails.
 
 A generation of readings drives the paper's four cells one after the other, the hardest to reach first. A reading that
-fails, or whose path MSE is half more than the paper's, does not go on (early stopping). What it scored goes back to the optimiser, a tree-structured Parzen estimator (Bergstra et
-al. 2011, optuna's TPESampler), which proposes the next generation. The best ones drive more seeds in the end.
+fails, or whose path MSE is half more than the paper's, does not go on (early stopping). Its score goes back to the
+optimiser, a tree-structured Parzen estimator (Bergstra et al. 2011, optuna's TPESampler), which proposes the next
+generation. The best ones drive more seeds in the end.
 
 Proposals depend on the seed and on the scores alone, and drives repeat to the bit. So a search that was stopped starts
 again from its first proposal: the folders of its generations hold what has been driven already.
