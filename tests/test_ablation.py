@@ -61,9 +61,9 @@ def test_a_step_without_any_record_has_no_scores() -> None:
     assert flow["difference"]["success_rate"]["difference"] == 0.0
 
 
-def test_the_grid_goes_from_the_papers_variant_to_ours() -> None:
+def test_the_grid_goes_from_the_full_frame_to_ours() -> None:
     drivers = ablation.plan(None, [], []).driver
-    assert (drivers[0], drivers[-1]) == ("vpf-paper", "vpf")
+    assert (drivers[0], drivers[-1]) == ("vpf@full-frame", "vpf")
     assert len(set(drivers)) == len(drivers) >= 8
     assert all(name.startswith("vpf@") for name in drivers[1:-1])
     asked = ablation.plan("3:5", ["random"], ["rain"])
@@ -73,7 +73,8 @@ def test_the_grid_goes_from_the_papers_variant_to_ours() -> None:
 @pytest.fixture
 def two_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     told = ablation.changes()
-    monkeypatch.setattr(ablation, "changes", lambda: {key: told[key] for key in ("vpf@valley", "vpf@memory")})
+    shown = {key: told[key] for key in ("vpf@valley", "vpf@memory")}
+    monkeypatch.setattr(ablation, "changes", lambda _="robust": shown)
 
 
 @pytest.mark.usefixtures("two_steps")

@@ -1,4 +1,4 @@
-"""From `paper` to `robust` one change at a time: the steps, and variants of one's own laid over them."""
+"""From `full-frame` to `robust` one change at a time: the steps, and variants of one's own laid over them."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from vpf_sim.planning import variant
 from vpf_sim.planning.changes import CHANGES, Change, Table, steps
 from vpf_sim.planning.variant import PACKAGE, Variant
 
-PAPER, ROBUST = (tables.read(PACKAGE, f"{name}.toml") for name in ("paper", "robust"))
+PAPER, ROBUST = (tables.read(PACKAGE, f"{name}.toml") for name in ("full-frame", "robust"))
 STEPS = steps(PAPER, ROBUST)
 
 
@@ -24,7 +24,7 @@ def leaves(table: Table, path: str = "") -> dict[str, object]:
     return found
 
 
-def test_the_changes_lead_from_paper_to_robust() -> None:
+def test_the_changes_lead_from_full_frame_to_robust() -> None:
     """A key of robust that no change takes over shows here: give it a change in planning/changes.py."""
     last = [*STEPS.values()][-1][1]
     assert leaves(last) == leaves(ROBUST)
@@ -62,7 +62,7 @@ def test_a_change_that_changes_nothing_is_no_step() -> None:
 
 
 def test_the_tables_that_steps_are_made_of_stay_as_they_are() -> None:
-    again = (tables.read(PACKAGE, f"{name}.toml") for name in ("paper", "robust"))
+    again = (tables.read(PACKAGE, f"{name}.toml") for name in ("full-frame", "robust"))
     steps(PAPER, ROBUST)
     assert tuple(again) == (PAPER, ROBUST)
 

@@ -12,13 +12,14 @@ from vpf_sim.planning.variant import PACKAGE, Variant
 
 
 def test_all_variants_load() -> None:
-    assert variant.names() == ["literal", "paper", "robust", "super-twisting"]
+    assert variant.names() == ["full-frame", "literal", "paper", "robust", "super-twisting"]
     for name in variant.names():
         assert isinstance(variant.load(name), Variant)
 
 
-def test_literal_is_printed_throughout_and_paper_repaired() -> None:
-    literal, paper = (variant.load(name).gradient_line for name in ("literal", "paper"))
+@pytest.mark.parametrize("name", ["full-frame", "paper"])
+def test_literal_is_printed_throughout_and_the_others_repaired(name: str) -> None:
+    literal, paper = (variant.load(one).gradient_line for one in ("literal", name))
     assert literal is not None
     assert paper is not None
     assert (literal.target_field.direction, paper.target_field.direction) == ("printed", "repaired")
@@ -27,8 +28,6 @@ def test_literal_is_printed_throughout_and_paper_repaired() -> None:
     assert (literal.total_field.axes, paper.total_field.axes) == ("printed", "mapped")
     assert (literal.total_field.rotation, paper.total_field.rotation) == ("printed", "repaired")
     assert (literal.reference.heading, paper.reference.heading) == ("printed", "repaired")
-    assert paper.total_field.lambda_y == 1e-7
-    assert paper.obstacle_field.gamma == 3e5
     # Table I of the paper.
     for line in (literal, paper):
         road = line.road_field
@@ -37,7 +36,7 @@ def test_literal_is_printed_throughout_and_paper_repaired() -> None:
 
 
 def test_the_papers_flow_and_smoothing() -> None:
-    for name in ("literal", "paper"):
+    for name in ("literal", "full-frame"):
         stages = variant.load(name)
         assert (stages.flow.window_px, stages.flow.max_level, stages.flow.epsilon_px) == (25, 2, 0.03)
         assert stages.obstacle_map.sigma_px == 320.0
