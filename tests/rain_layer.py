@@ -5,7 +5,7 @@ import numpy as np
 
 from vpf_sim.envs.camera import Weather
 from vpf_sim.evaluation.rendering.shimmer import course
-from vpf_sim.perception.flow import grey
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.types import Floats
 
 REDUCTION = 2  # the size of a pixel that is compared

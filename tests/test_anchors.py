@@ -8,8 +8,8 @@ import pytest
 from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
-from vpf_sim.perception.anchors import Anchors
-from vpf_sim.perception.sharpened import AskedConfig, sharpened
+from vpf_sim.perception.egomotion.keyframes import Anchors
+from vpf_sim.perception.obstacles.track_refinement import AskedConfig, sharpened
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
 

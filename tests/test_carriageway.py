@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.carriageway import carriageway_offsets
+from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import RoadEdges
 
 

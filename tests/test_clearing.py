@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.clearing import Clearing, ClearingConfig
+from vpf_sim.perception.obstacles.free_road import Clearing, ClearingConfig
 from vpf_sim.types import Floats
 
 LOOKS = ClearingConfig().looks

@@ -7,7 +7,7 @@ import pytest
 from test_movers import Traffic, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points, tracker
 
-from vpf_sim.perception.closing import Closing, ClosingConfig
+from vpf_sim.perception.obstacles.collision_alarm import Closing, ClosingConfig
 from vpf_sim.types import Floats, Obstacles
 
 LOOK_FRAMES = 3

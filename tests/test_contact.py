@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.contact import ContactConfig, as_printed, of_clusters, time_to_contact
-from vpf_sim.perception.ground import past_image
+from vpf_sim.perception.egomotion.ground_plane import past_image
+from vpf_sim.perception.paper.time_to_contact import ContactConfig, as_printed, of_clusters, time_to_contact
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 

@@ -5,7 +5,7 @@ import pytest
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.perception.contrast import contrast
-from vpf_sim.perception.flow import grey
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.planning import variant
 from vpf_sim.planning.planner import Planner
 from vpf_sim.seeding import stream

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.corners import eigenvalues, is_corner
+from vpf_sim.perception.egomotion.corners import eigenvalues, is_corner
 from vpf_sim.types import Floats
 
 

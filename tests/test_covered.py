@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.covered import CoverConfig, driven_over, footprints, shadow
+from vpf_sim.perception.road.occlusion import CoverConfig, driven_over, footprints, shadow
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 CONFIG = CoverConfig()

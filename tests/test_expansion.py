@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.expansion import (
+from vpf_sim.perception.egomotion.focus_of_expansion import (
     ExpansionConfig,
     as_printed,
     derotate,
     estimate,
     least_squares,
 )
-from vpf_sim.perception.ground import past_image
+from vpf_sim.perception.egomotion.ground_plane import past_image
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow
 

@@ -11,14 +11,14 @@ from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.truth.surroundings import seen_edges, true_edges
-from vpf_sim.perception import road_edges
-from vpf_sim.perception.birds_eye import BirdsEye
-from vpf_sim.perception.flow import grey
-from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
-from vpf_sim.perception.line_search import RidgeMap, comb
-from vpf_sim.perception.rival_road import rival_of
-from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road_model import CURVATURES, lines, seen_places, state_of
+from vpf_sim.perception.egomotion.flow import grey
+from vpf_sim.perception.road import edge_tracker as road_edges
+from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road.markings import RidgeMap, comb
+from vpf_sim.perception.road.model import CURVATURES, lines, seen_places, state_of
+from vpf_sim.perception.road.relocalisation import rival_of
+from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.types import Camera, Floats, Image
 
 CONFIG = RoadEdgeConfig()

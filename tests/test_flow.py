@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.perception.corners import structure_tensor
-from vpf_sim.perception.flow import FlowTracker, grey
-from vpf_sim.perception.flow_config import FlowConfig
+from vpf_sim.perception.egomotion.corners import structure_tensor
+from vpf_sim.perception.egomotion.flow import FlowTracker, grey
+from vpf_sim.perception.egomotion.flow_config import FlowConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow, Image
 

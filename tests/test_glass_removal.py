@@ -6,14 +6,14 @@ import cv2
 import numpy as np
 import pytest
 
+from vpf_sim.evaluation.weather.glass_blade import BladeWatch
+from vpf_sim.evaluation.weather.glass_removal import GlassMask, Restoration
+from vpf_sim.evaluation.weather.glass_spots import SpotConfig, SpotWatch
 from vpf_sim.geometry import ground_from_pixels
-from vpf_sim.perception import expansion
-from vpf_sim.perception.expansion import ExpansionConfig
-from vpf_sim.perception.flow import FlowTracker
-from vpf_sim.perception.flow_config import FlowConfig
-from vpf_sim.perception.glass_blade import BladeWatch
-from vpf_sim.perception.glass_removal import GlassMask, Restoration
-from vpf_sim.perception.glass_spots import SpotConfig, SpotWatch
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
+from vpf_sim.perception.egomotion.flow import FlowTracker
+from vpf_sim.perception.egomotion.flow_config import FlowConfig
+from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Image
 

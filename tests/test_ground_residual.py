@@ -8,10 +8,10 @@ import pytest
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.geometry import rotation, vehicle_from_world
-from vpf_sim.perception.clearing import ClearingConfig
-from vpf_sim.perception.covered import CoverConfig, footprints
-from vpf_sim.perception.ground_residual import GroundResidual, ResidualConfig, Spot
-from vpf_sim.perception.spots import SpotBook, SpotConfig, in_sight
+from vpf_sim.perception.obstacles.free_road import ClearingConfig
+from vpf_sim.perception.obstacles.planar_parallax.detector import GroundResidual, ResidualConfig, Spot
+from vpf_sim.perception.obstacles.planar_parallax.tracker import SpotBook, SpotConfig, in_sight
+from vpf_sim.perception.road.occlusion import CoverConfig, footprints
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.perception.growth import Box, Contact, GrowthConfig, GrowthTracker
+from vpf_sim.replay.looming import Box, Contact, GrowthConfig, GrowthTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tracked_points import Drive, body, road_points, tracker
 
-from vpf_sim.perception.ground_residual import Spot
+from vpf_sim.perception.obstacles.planar_parallax.detector import Spot
 from vpf_sim.types import Floats, Obstacles
 
 

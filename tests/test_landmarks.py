@@ -9,10 +9,10 @@ import pytest
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
-from vpf_sim.perception.ground_residual import Spot
-from vpf_sim.perception.landmark_bodies import Bodies
-from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.marks import Marks
+from vpf_sim.perception.obstacles.planar_parallax.detector import Spot
+from vpf_sim.perception.obstacles.point_hypotheses import Marks
+from vpf_sim.perception.obstacles.static_config import LandmarkConfig
+from vpf_sim.perception.obstacles.static_obstacles import Bodies
 from vpf_sim.types import Floats, Flow, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import rendered_drive as rendered
 
-from vpf_sim.perception.road_edges import RoadEdgeConfig
+from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
 from vpf_sim.replay import lane_height
 from vpf_sim.replay.recording import Frame
 

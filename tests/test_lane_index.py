@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.lane_index import NUMBERS, _median
-from vpf_sim.perception.road_model import seen_lines, seen_places, state_of
+from vpf_sim.perception.road.hypotheses import NUMBERS, _median
+from vpf_sim.perception.road.model import seen_lines, seen_places, state_of
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera
 

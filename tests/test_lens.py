@@ -13,9 +13,9 @@ from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.lens import Lens
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import distort, ground_from_pixels, project, undistort
-from vpf_sim.perception.flow import FlowTracker, grey
-from vpf_sim.perception.flow_config import FlowConfig
-from vpf_sim.perception.ground import ground_flow
+from vpf_sim.perception.egomotion.flow import FlowTracker, grey
+from vpf_sim.perception.egomotion.flow_config import FlowConfig
+from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.types import Camera, Floats
 
 BARREL = Camera(k1=-0.184, k2=0.031)  # the lens of RADIATE's left camera

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.birds_eye import BirdsEye, Patch
-from vpf_sim.perception.line_duty import LEAST_MEMORY_M, LineDuty
+from vpf_sim.perception.road.birds_eye import BirdsEye, Patch
+from vpf_sim.perception.road.line_type import LEAST_MEMORY_M, LineDuty
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tracked_points import CAMERA, CORNER, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
-from vpf_sim.perception.low import LowConfig, off_lines
+from vpf_sim.perception.obstacles.low_obstacles import LowConfig, off_lines
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.low_sight import LookQuality, LowSight, LowSightConfig
+from vpf_sim.perception.obstacles.planar_parallax.sensing_range import LookQuality, LowSight, LowSightConfig
 
 CONFIG = LowSightConfig()
 NEAR_M, PERIOD_S, SIGHTINGS = 6.5, 0.1, 2

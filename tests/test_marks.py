@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vpf_sim.perception.marks import among
+from vpf_sim.perception.obstacles.point_hypotheses import among
 
 
 def test_identities_among_others_in_any_order() -> None:

@@ -10,10 +10,10 @@ from road_picture import RoadPicture
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import project
-from vpf_sim.perception.mounting import MountedPitch, MountingConfig
-from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road_model import lines, seen_lines
-from vpf_sim.perception.steadiness import Steadiness, SteadinessConfig
+from vpf_sim.perception.egomotion.camera_pitch import Steadiness, SteadinessConfig
+from vpf_sim.perception.egomotion.mount_pitch import MountedPitch, MountingConfig
+from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road.model import lines, seen_lines
 from vpf_sim.planning.planner import Planner
 from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream

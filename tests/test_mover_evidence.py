@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.mover_evidence import EvidenceConfig, Mirror, evidence
+from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig, Mirror, evidence
 from vpf_sim.types import Bools, Floats
 
 CONFIG = EvidenceConfig()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.mover_sides import Sides, SidesConfig
+from vpf_sim.perception.obstacles.moving.extent import Sides, SidesConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 

@@ -7,10 +7,10 @@ import pytest
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.mover import Mover, Sight
-from vpf_sim.perception.mover_search import MoverConfig, appear
-from vpf_sim.perception.movers import MoverTracker
-from vpf_sim.perception.moving_frame import Course, against
+from vpf_sim.perception.obstacles.moving.detection import MoverConfig, appear
+from vpf_sim.perception.obstacles.moving.moving_frame import Course, against
+from vpf_sim.perception.obstacles.moving.track import Mover, Sight
+from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow, Obstacles
 

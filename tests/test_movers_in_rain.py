@@ -5,10 +5,10 @@ import pytest
 from test_movers import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
-from vpf_sim.perception.mover import Mover, Sight
-from vpf_sim.perception.mover_evidence import EvidenceConfig
-from vpf_sim.perception.mover_search import Apparent, MoverConfig, appear, outlines
-from vpf_sim.perception.movers import MoverTracker
+from vpf_sim.perception.obstacles.moving.detection import Apparent, MoverConfig, appear, outlines
+from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig
+from vpf_sim.perception.obstacles.moving.track import Mover, Sight
+from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow
 

@@ -5,7 +5,7 @@ from math import erf, exp, pi, sqrt
 import numpy as np
 import pytest
 
-from vpf_sim.perception.obstacles import ObstacleMapConfig, smoothed_gradient
+from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, smoothed_gradient
 from vpf_sim.planning.obstacle_field import ObstacleFieldConfig, force
 from vpf_sim.types import Camera, Floats, ObstacleMap
 

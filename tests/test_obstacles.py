@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.ground import ground_flow, past_image
-from vpf_sim.perception.obstacles import (
+from vpf_sim.perception.egomotion.ground_plane import ground_flow, past_image
+from vpf_sim.perception.paper.obstacle_map import (
     ObstacleMapConfig,
     cluster_labels,
     detect,

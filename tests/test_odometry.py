@@ -11,7 +11,7 @@ import pytest
 from vpf_sim.drivers import FieldDriver
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.perception.odometry import Odometry, OdometryConfig
+from vpf_sim.perception.egomotion.odometry import Odometry, OdometryConfig
 from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Floats, Image, Observation, VehicleModel

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation, vehicle_from_world
-from vpf_sim.perception.clusters import stepped
-from vpf_sim.perception.outlines import (
+from vpf_sim.perception.obstacles.clustering import stepped
+from vpf_sim.perception.obstacles.extent import (
     Seen,
     as_wide_as_seen,
     at_least,

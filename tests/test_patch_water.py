@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.perception.patch_water import Grid, WaterConfig, texture, what_stays
+from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import Grid, WaterConfig, texture, what_stays
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 

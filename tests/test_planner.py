@@ -8,7 +8,7 @@ import pytest
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import project, rotation, vehicle_from_world, wrap_angle
-from vpf_sim.perception import obstacles
+from vpf_sim.perception.paper import obstacle_map as obstacles
 from vpf_sim.planning import variant
 from vpf_sim.planning.planner import Planner
 from vpf_sim.planning.variant import Variant

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vpf_sim.perception import expansion
-from vpf_sim.perception.flow import FlowTracker, grey
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
+from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
 from vpf_sim.replay import readers
 from vpf_sim.replay.obstacles_ahead import LeadBody, closing_mps

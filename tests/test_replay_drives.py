@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vpf_sim.perception.flow import grey
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.replay import open_loop, readers
 from vpf_sim.replay.obstacles_ahead import LeadBody
 from vpf_sim.replay.real_table import rows

@@ -12,8 +12,8 @@ from vpf_sim.envs.camera import Rig, weather
 from vpf_sim.envs.camera.renderer import Renderer
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.geometry import distort, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road_model import lines, moved, state_of
+from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road.model import lines, moved, state_of
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
 
 SPEED_MPS = 5.55

@@ -6,10 +6,10 @@ import pytest
 from road_picture import ASPHALT, RoadPicture
 
 from vpf_sim.geometry import ground_from_pixels
-from vpf_sim.perception.lane_filter import LaneFilter, Sightings, initial_covariance
-from vpf_sim.perception.lane_index import LASTING_MOST, LaneIndex
-from vpf_sim.perception.road_edges import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road_model import CURVATURES, lines, state_of
+from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road.hypotheses import LASTING_MOST, LaneIndex
+from vpf_sim.perception.road.model import CURVATURES, lines, state_of
+from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 

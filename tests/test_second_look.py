@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.second_look import SecondLook, SecondLookConfig
+from vpf_sim.perception.obstacles.close_range_verification import SecondLook, SecondLookConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image, Obstacles
 

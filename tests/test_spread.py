@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tracked_points import CAMERA
 
-from vpf_sim.perception.spread import Spread, SpreadConfig
+from vpf_sim.perception.obstacles.looming_consistency import Spread, SpreadConfig
 from vpf_sim.types import Floats, Flow
 
 RATE_HZ, SPEED_MPS = 20.0, 5.5

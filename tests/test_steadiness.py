@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import project, vehicle_from_world
-from vpf_sim.perception.steadiness import Steadiness, SteadinessConfig
+from vpf_sim.perception.egomotion.camera_pitch import Steadiness, SteadinessConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 

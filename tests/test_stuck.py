@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.ground import past_image
-from vpf_sim.perception.stuck import least_motion, scene_motion, stuck
+from vpf_sim.perception.egomotion.ground_plane import past_image
+from vpf_sim.perception.egomotion.windscreen_points import least_motion, scene_motion, stuck
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 

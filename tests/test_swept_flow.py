@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from test_flow import CAMERA, ROBUST, moved, texture
 
-from vpf_sim.perception.flow import FlowTracker
-from vpf_sim.perception.tracks import Tracks
+from vpf_sim.perception.egomotion.flow import FlowTracker
+from vpf_sim.perception.egomotion.tracks import Tracks
 from vpf_sim.seeding import stream
 from vpf_sim.types import Flow, Image
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from vpf_sim.geometry import project, vehicle_from_world
-from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.landmarks import LandmarkTracker
+from vpf_sim.perception.obstacles.static_config import LandmarkConfig
+from vpf_sim.perception.obstacles.static_tracker import LandmarkTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, Obstacles, RoadEdges
 

@@ -33,7 +33,7 @@ class FieldDriver:
 
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.controllers.gtsmc import Gtsmc
-        from vpf_sim.perception.odometry import Odometry
+        from vpf_sim.perception.egomotion.odometry import Odometry
         from vpf_sim.planning.planner import Planner
 
         self._planner = Planner(setup, self._variant)

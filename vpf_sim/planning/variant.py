@@ -12,16 +12,16 @@ from typing import Any
 
 from vpf_sim import tables
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.perception.contact import ContactConfig
-from vpf_sim.perception.expansion import ExpansionConfig
-from vpf_sim.perception.flow_config import FlowConfig
-from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.mover_search import MoverConfig
-from vpf_sim.perception.obstacles import ObstacleMapConfig
-from vpf_sim.perception.odometry import OdometryConfig
-from vpf_sim.perception.road_edges import RoadEdgeConfig
-from vpf_sim.perception.second_look import SecondLookConfig
-from vpf_sim.perception.steadiness import SteadinessConfig
+from vpf_sim.perception.egomotion.camera_pitch import SteadinessConfig
+from vpf_sim.perception.egomotion.flow_config import FlowConfig
+from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
+from vpf_sim.perception.egomotion.odometry import OdometryConfig
+from vpf_sim.perception.obstacles.close_range_verification import SecondLookConfig
+from vpf_sim.perception.obstacles.moving.detection import MoverConfig
+from vpf_sim.perception.obstacles.static_config import LandmarkConfig
+from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig
+from vpf_sim.perception.paper.time_to_contact import ContactConfig
+from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
 from vpf_sim.planning.changes import steps
 from vpf_sim.planning.gradient_line import GradientLineConfig
 from vpf_sim.planning.valley import ValleyConfig
