@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vpf_sim.planning import variant
-from vpf_sim.planning.lane import Lane, LaneObstacles, place
-from vpf_sim.planning.neighbours import Neighbours
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
 from vpf_sim.types import Obstacles, VehicleModel
 
 VEHICLE = VehicleModel()

@@ -5,8 +5,8 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from vpf_sim.planning.caution import Caution, CautionConfig
-from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.speed.tentative_obstacles import Caution, CautionConfig
 from vpf_sim.types import VehicleModel
 
 CONFIG = CautionConfig(brake_mps2=3.0, reaction_s=0.3, standoff_m=3.0, clearance_m=0.3, least_mps=2.8, rise_mps2=1.5)

@@ -8,8 +8,8 @@ import pytest
 from vpf_sim import drivers, tables
 from vpf_sim.errors import InputError
 from vpf_sim.planning import variant
-from vpf_sim.planning.changes import CHANGES, Change, Table, steps
 from vpf_sim.planning.variant import PACKAGE, Variant
+from vpf_sim.planning.variants.ablation_steps import CHANGES, Change, Table, steps
 
 PAPER, ROBUST = (tables.read(PACKAGE, f"{name}.toml") for name in ("paper", "robust"))
 STEPS = steps(PAPER, ROBUST)
@@ -25,7 +25,7 @@ def leaves(table: Table, path: str = "") -> dict[str, object]:
 
 
 def test_the_changes_lead_from_paper_to_robust() -> None:
-    """A key of robust that no change takes over shows here: give it a change in planning/changes.py."""
+    """A key of robust that no change takes over shows here: give it a change in planning/variants/ablation_steps.py."""
     last = [*STEPS.values()][-1][1]
     assert leaves(last) == leaves(ROBUST)
     assert variant.load([*STEPS][-1]) == variant.load("robust")

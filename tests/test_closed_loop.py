@@ -12,7 +12,7 @@ from ideal import Body, Eyes, Road, clearance, perception
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
-from vpf_sim.planning.valley import Valley
+from vpf_sim.planning.lane.planner import Valley
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Floats
 

@@ -7,8 +7,8 @@ import pytest
 from test_overlay import plan
 
 from vpf_sim.errors import InputError
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LanePotential
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.lateral_cost import LanePotential
 from vpf_sim.report import field_view
 from vpf_sim.report.compass import REFERENCE
 from vpf_sim.types import Camera, Plan

@@ -11,11 +11,11 @@ from ideal import Road
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
 from vpf_sim.planning import variant
-from vpf_sim.planning.glide import Glide
-from vpf_sim.planning.lane import Lane, LaneObstacles, locate
-from vpf_sim.planning.lane_reference import LaneReference
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.reach import Reach, rear_m
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles, locate
+from vpf_sim.planning.lane.kinematic_limits import Reach, rear_m
+from vpf_sim.planning.lane.lateral_path import Glide
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.types import Floats, VehicleModel
 
 ROBUST = variant.load("robust").valley

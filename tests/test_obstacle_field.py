@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, smoothed_gradient
-from vpf_sim.planning.obstacle_field import ObstacleFieldConfig, force
+from vpf_sim.planning.paper.obstacle_field import ObstacleFieldConfig, force
 from vpf_sim.types import Camera, Floats, ObstacleMap
 
 CAMERA = Camera()

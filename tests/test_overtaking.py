@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from vpf_sim.planning import variant
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field import LaneField
-from vpf_sim.planning.lane_reference import LaneReference
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.reach import Reach
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.kinematic_limits import Reach
+from vpf_sim.planning.lane.lateral_cost import LaneField
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.types import VehicleModel
 
 ROBUST = variant.load("robust").valley

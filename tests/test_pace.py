@@ -9,10 +9,12 @@ import pytest
 from vpf_sim.controllers import gtsmc
 from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.planning import variant
-from vpf_sim.planning.glide import Glide
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.pace import (
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.gap_cost import ROW_M
+from vpf_sim.planning.lane.kinematic_limits import Reach
+from vpf_sim.planning.lane.lateral_path import Glide
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.speed.limits import (
     CLOSED_M,
     EASY_MPS,
     EASY_SHARE,
@@ -30,8 +32,6 @@ from vpf_sim.planning.pace import (
     TURNS_M,
     Pace,
 )
-from vpf_sim.planning.reach import Reach
-from vpf_sim.planning.rows import ROW_M
 from vpf_sim.types import Floats, VehicleModel
 
 ROBUST = variant.load("robust").valley

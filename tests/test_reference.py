@@ -5,7 +5,7 @@ from math import cos, radians, sin
 import numpy as np
 import pytest
 
-from vpf_sim.planning.reference import HeadingReference, ReferenceConfig
+from vpf_sim.planning.paper.reference import HeadingReference, ReferenceConfig
 from vpf_sim.types import Floats
 
 

@@ -6,7 +6,7 @@ from math import exp
 import numpy as np
 import pytest
 
-from vpf_sim.planning.road_field import FoeBend, RoadFieldConfig, curved_printed, curved_repaired, force, straight
+from vpf_sim.planning.paper.road_field import FoeBend, RoadFieldConfig, curved_printed, curved_repaired, force, straight
 from vpf_sim.types import Camera
 
 RIGHT, LEFT = 5.25, -8.75

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.rows import narrowness
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.gap_cost import narrowness
 
 ROAD = Lane(y_m=0.0, right_m=5.0, left_m=-5.0, heading_rad=0.0, curvature_per_m=0.0)
 PLACES_M = np.linspace(-4.75, 4.75, 20)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.planning.settling import rest
+from vpf_sim.planning.lane.steering_unwind import rest
 from vpf_sim.seeding import stream
 
 STEP_M = 0.002

@@ -8,9 +8,9 @@ from ideal import Body, Road
 from test_closed_loop import drive
 from test_pace import BUMPER_M, CONFIG, HALF_M, LANE, RATE_HZ, ROBUST, about, pace, wanted
 
-from vpf_sim.planning.creep import STAGES
-from vpf_sim.planning.lane import LaneObstacles
-from vpf_sim.planning.pace import EASY_MPS, FULL_MPS2, HARD_MPS, NEAR_M, TURNS_M
+from vpf_sim.planning.lane.frame import LaneObstacles
+from vpf_sim.planning.lane.speed.creep import STAGES
+from vpf_sim.planning.lane.speed.limits import EASY_MPS, FULL_MPS2, HARD_MPS, NEAR_M, TURNS_M
 from vpf_sim.types import Bools
 
 ROW_S_M = 60.0

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vpf_sim.planning.sight_speed import SightConfig, safe_speed, speed_within_sight
-from vpf_sim.planning.stopping import stopping_way
+from vpf_sim.planning.lane.speed.clear_distance import SightConfig, safe_speed, speed_within_sight
+from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import VehicleModel
 
 CONFIG = SightConfig(brake_mps2=3.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)

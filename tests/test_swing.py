@@ -7,7 +7,7 @@ from bicycle import Bicycle
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.controllers.swing import Swing
 from vpf_sim.evaluation.metrics.comfort import BOUNDS, nuplan_signals
-from vpf_sim.planning.pace import eased
+from vpf_sim.planning.lane.speed.limits import eased
 from vpf_sim.types import Floats, Reference, VehicleModel
 
 RATE_HZ = 60.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation
-from vpf_sim.planning.target_field import TargetFieldConfig, force
+from vpf_sim.planning.paper.target_field import TargetFieldConfig, force
 
 REPAIRED = TargetFieldConfig(alpha=1.3, direction="repaired")
 PRINTED = TargetFieldConfig(alpha=1.3, direction="printed")

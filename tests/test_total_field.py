@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.planning.total_field import TotalFieldConfig, compose, to_world
+from vpf_sim.planning.paper.total_field import TotalFieldConfig, compose, to_world
 
 REPAIRED = TotalFieldConfig(axes="mapped", rotation="repaired", lambda_x=0.5, lambda_y=0.25)
 PRINTED = replace(REPAIRED, axes="printed", rotation="printed")

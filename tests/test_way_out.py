@@ -12,10 +12,10 @@ from ideal import Body, Eyes, Road, clearance, perception
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning import variant
-from vpf_sim.planning.lane import Lane, LaneObstacles, place
-from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, Hindrances, courses, separation
-from vpf_sim.planning.valley import Valley, ValleyConfig
-from vpf_sim.planning.way_out import BEGINS_M, NEXT_M, WayOut
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
+from vpf_sim.planning.lane.planner import Valley, ValleyConfig
+from vpf_sim.planning.lane.recovery import BEGINS_M, NEXT_M, WayOut
+from vpf_sim.planning.lane.recovery_candidates import BEYOND_M, LOCKS, STEP_M, Hindrances, courses, separation
 from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges, VehicleModel
 
 ROBUST = variant.load("robust").valley

@@ -20,8 +20,8 @@ from vpf_sim.perception.obstacles.track_refinement import Match
 from vpf_sim.perception.paper import obstacle_map as obstacles
 from vpf_sim.perception.paper import time_to_contact as contact
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
-from vpf_sim.planning.gradient_line import GradientLine
-from vpf_sim.planning.valley import Valley
+from vpf_sim.planning.lane.planner import Valley
+from vpf_sim.planning.paper.planner import GradientLine
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
 from vpf_sim.types import (

@@ -1,8 +1,8 @@
 """A variant of the method: the configuration of every stage, read from a TOML file in variants/, or from a user's own.
 
-Between `paper` and `robust` lie the steps of the ablation (`vpf_sim.planning.changes`), each by its name. A file may
-say with `base` which of these it starts from, and then only what it changes; one's own starts from `robust` if it does
-not.
+Between `paper` and `robust` lie the steps of the ablation (`vpf_sim.planning.variants.ablation_steps`), each by its
+name. A file may say with `base` which of these it starts from, and then only what it changes; one's own starts from
+`robust` if it does not.
 """
 
 from dataclasses import dataclass
@@ -22,9 +22,9 @@ from vpf_sim.perception.obstacles.static_config import LandmarkConfig
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig
 from vpf_sim.perception.paper.time_to_contact import ContactConfig
 from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
-from vpf_sim.planning.changes import steps
-from vpf_sim.planning.gradient_line import GradientLineConfig
-from vpf_sim.planning.valley import ValleyConfig
+from vpf_sim.planning.lane.planner import ValleyConfig
+from vpf_sim.planning.paper.planner import GradientLineConfig
+from vpf_sim.planning.variants.ablation_steps import steps
 
 PACKAGE = "vpf_sim.planning.variants"
 BASE = "robust"

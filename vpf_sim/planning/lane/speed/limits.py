@@ -4,12 +4,12 @@ from math import inf, sqrt, tan
 
 import numpy as np
 
-from vpf_sim.planning.creep import Creep
-from vpf_sim.planning.glide import Glide
-from vpf_sim.planning.lane import Lane
-from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.reach import SPEEDS_MPS, Reach
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.lane.kinematic_limits import SPEEDS_MPS, Reach
+from vpf_sim.planning.lane.lateral_path import Glide
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
+from vpf_sim.planning.lane.speed.creep import Creep
 from vpf_sim.types import Bools, Floats
 
 SHORTEST_M = 0.1  # of a stop: a face is told no better

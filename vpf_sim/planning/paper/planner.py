@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import Any
 
-from vpf_sim.planning import obstacle_field, road_field, target_field, total_field
-from vpf_sim.planning.lane import locate
-from vpf_sim.planning.obstacle_field import ObstacleFieldConfig
-from vpf_sim.planning.reference import HeadingReference, ReferenceConfig
-from vpf_sim.planning.road_field import FoeBend, RoadFieldConfig
-from vpf_sim.planning.target_field import TargetFieldConfig
-from vpf_sim.planning.total_field import TotalFieldConfig
+from vpf_sim.planning.lane.frame import locate
+from vpf_sim.planning.paper import obstacle_field, road_field, target_field, total_field
+from vpf_sim.planning.paper.obstacle_field import ObstacleFieldConfig
+from vpf_sim.planning.paper.reference import HeadingReference, ReferenceConfig
+from vpf_sim.planning.paper.road_field import FoeBend, RoadFieldConfig
+from vpf_sim.planning.paper.target_field import TargetFieldConfig
+from vpf_sim.planning.paper.total_field import TotalFieldConfig
 from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
 
 

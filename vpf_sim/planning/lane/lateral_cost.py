@@ -1,6 +1,6 @@
 """The robust variant's visual potential field: target, road and obstacle potential across the lane, and its minimum.
 
-All three are functions of y, the place across the road (`vpf_sim.planning.lane`), in the same units:
+All three are functions of y, the place across the road (`vpf_sim.planning.lane.frame`), in the same units:
 
     U(y) = k y^2                                                            target: the middle of the own lane
          + h_w ((1 - g_r(y) / d_w)^2 + (1 - g_l(y) / d_w)^2), each for g < d_w    road: g is the gap to the edge
@@ -18,9 +18,9 @@ The paper follows the local gradient; here the car goes to the global minimum, s
 vanishes and the side would be left to chance (METHOD A9, A10). What has been decided is kept: a term in the distance
 from the last minimum, and a latch on the side of every body that is near. It is a light one where a gap between two
 bodies proves narrow and the car does not go there yet: something low, told last, may close it, and a free side is
-better. What lies behind a body and cannot be reached before it (`vpf_sim.planning.reach`) costs, and places beyond an
-edge are no choice: the car stops rather than go there. A tie goes to the minimum that is nearer to the last one, then
-to the side with more road, then to the left.
+better. What lies behind a body and cannot be reached before it (`vpf_sim.planning.lane.kinematic_limits`) costs, and
+places beyond an edge are no choice: the car stops rather than go there. A tie goes to the minimum that is nearer to the
+last one, then to the side with more road, then to the left.
 """
 
 from dataclasses import dataclass
@@ -28,12 +28,12 @@ from math import tan
 
 import numpy as np
 
-from vpf_sim.planning.lane import Lane
-from vpf_sim.planning.lane_field_config import LaneFieldConfig
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.reach import Reach
-from vpf_sim.planning.rows import narrowness
-from vpf_sim.planning.stopping import stopping_way
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.lane.gap_cost import narrowness
+from vpf_sim.planning.lane.kinematic_limits import Reach
+from vpf_sim.planning.lane.lateral_cost_config import LaneFieldConfig
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9

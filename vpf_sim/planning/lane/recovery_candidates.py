@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.types import Bools, Floats, SidedBodies, VehicleModel
 
 STEP_M = 0.1

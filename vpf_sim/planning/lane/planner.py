@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim.planning.caution import Caution, CautionConfig
-from vpf_sim.planning.lane import NOTHING, Lane, LaneObstacles, locate, place
-from vpf_sim.planning.lane_field import LaneField, LanePotential
-from vpf_sim.planning.lane_field_config import LaneFieldConfig
-from vpf_sim.planning.lane_reference import LaneReference
-from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.reach import Reach, ReachConfig
-from vpf_sim.planning.sight_speed import SightConfig, speed_within_sight
-from vpf_sim.planning.way_out import WayOut, WayOutConfig
+from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
+from vpf_sim.planning.lane.kinematic_limits import Reach, ReachConfig
+from vpf_sim.planning.lane.lateral_cost import LaneField, LanePotential
+from vpf_sim.planning.lane.lateral_cost_config import LaneFieldConfig
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.recovery import WayOut, WayOutConfig
+from vpf_sim.planning.lane.reference import LaneReference
+from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
+from vpf_sim.planning.lane.speed.clear_distance import SightConfig, speed_within_sight
+from vpf_sim.planning.lane.speed.tentative_obstacles import Caution, CautionConfig
 from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference, RoadEdges
 
 LOST_MPS, LOST_M = 1.0, 12.0  # while the road itself is not seen, and how far: some way or a wiper may bring it back

@@ -1,9 +1,10 @@
 """Out of a dead end: a car that stands before a blocked road turns out on its tightest curve where that is drivable.
 
 There is no reverse gear. A body that is told late, or one that is not there, may close the gap in which the car is
-already; what `vpf_sim.planning.reach` counts on, a shift from the road's direction and back to it before the body, is
-then out of reach, but not the turn of `vpf_sim.planning.turning`. It leads far from the road's direction, where the
-camera sees little of the road: where the car is on it is known from before and from the own motion.
+already; what `vpf_sim.planning.lane.kinematic_limits` counts on, a shift from the road's direction and back to it
+before the body, is then out of reach, but not the turn of `vpf_sim.planning.lane.recovery_candidates`. It leads far
+from the road's direction, where the camera sees little of the road: where the car is on it is known from before and
+from the own motion.
 """
 
 from dataclasses import dataclass, replace
@@ -13,10 +14,10 @@ from math import asin, atan, ceil, cos, sin, tan
 import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
-from vpf_sim.planning.creep import STANDING_MPS
-from vpf_sim.planning.lane import Lane, locate, place
-from vpf_sim.planning.reach import rear_m
-from vpf_sim.planning.turning import BEYOND_M, LOCKS, STEP_M, Courses, Hindrances, courses, separation
+from vpf_sim.planning.lane.frame import Lane, locate, place
+from vpf_sim.planning.lane.kinematic_limits import rear_m
+from vpf_sim.planning.lane.recovery_candidates import BEYOND_M, LOCKS, STEP_M, Courses, Hindrances, courses, separation
+from vpf_sim.planning.lane.speed.creep import STANDING_MPS
 from vpf_sim.types import Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
 
 STEERS_MPS = 0.25  # from here on the yaw rate tells how the wheels stand

@@ -16,8 +16,8 @@ from math import sin, tan
 
 import numpy as np
 
-from vpf_sim.planning.lane import Lane
-from vpf_sim.planning.settling import rest
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.lane.steering_unwind import rest
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift D in T: 1.4 D / T and 4.4 D / T^2

@@ -1,4 +1,4 @@
-"""How high the potentials across the lane are, how far they reach, and which bodies count (`lane_field`)."""
+"""How high the potentials across the lane are, how far they reach, and which bodies count (`lane.lateral_cost`)."""
 
 from dataclasses import dataclass
 

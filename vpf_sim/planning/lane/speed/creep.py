@@ -1,16 +1,16 @@
 """Walking up to what blocks the way: standing, a camera sees no flow, and what blocks it may not be there, or narrower.
 
 There is no reverse gear, and the way before a body is what getting aside takes. So the car stops where the nearer side
-of the body is still in reach (`vpf_sim.planning.reach`), walks on to the least distance at which a car would stop, and
-only where that has not helped either, as near as there is.
+of the body is still in reach (`vpf_sim.planning.lane.kinematic_limits`), walks on to the least distance at which a car
+would stop, and only where that has not helped either, as near as there is.
 """
 
 import numpy as np
 
-from vpf_sim.planning.lane import Lane
-from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.reach import Reach
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.lane.kinematic_limits import Reach
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
 from vpf_sim.types import Floats
 
 STANDING_MPS = 0.1

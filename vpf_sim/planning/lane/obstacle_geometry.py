@@ -5,9 +5,9 @@ from math import inf, sqrt, tan
 
 import numpy as np
 
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.lane_field_config import LaneFieldConfig
-from vpf_sim.planning.rows import ROW_M, same_row
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.gap_cost import ROW_M, same_row
+from vpf_sim.planning.lane.lateral_cost_config import LaneFieldConfig
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 NEXT_M = 4.0  # ahead, what stands beside our way is passed next

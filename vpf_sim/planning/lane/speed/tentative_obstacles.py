@@ -7,8 +7,8 @@ there; where something is, that way is not lost. The car never stops for a suspi
 from dataclasses import dataclass
 from math import inf
 
-from vpf_sim.planning.lane import Lane, LaneObstacles
-from vpf_sim.planning.sight_speed import SightConfig, safe_speed
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.speed.clear_distance import SightConfig, safe_speed
 from vpf_sim.types import VehicleModel
 
 

@@ -5,10 +5,10 @@ rear axle, s the way along it, gives heading and steering without a lag, and wha
 
     |y_r'| <= sine of the largest angle,    |y_r''| <= 1 / R,    |y_r'''| <= (largest d delta / dt) / (L v),
 
-or less, where comfort asks for less (`vpf_sim.planning.reach`). All are of the way, not of time: a car at walking speed
-follows the same path more slowly, and one that stands follows none. Within them the path begins at every step with the
-third derivative of the least-jerk path (T. Flash, N. Hogan, J. Neurosci. 5, 1985: a polynomial of fifth order) from
-place y, slope p, bend c to rest at y_m on the way S, S receding:
+or less, where comfort asks for less (`vpf_sim.planning.lane.kinematic_limits`). All are of the way, not of time: a car
+at walking speed follows the same path more slowly, and one that stands follows none. Within them the path begins at
+every step with the third derivative of the least-jerk path (T. Flash, N. Hogan, J. Neurosci. 5, 1985: a polynomial of
+fifth order) from place y, slope p, bend c to rest at y_m on the way S, S receding:
 
     60 (y_m - y) / S^3 - 36 p / S^2 - 9 c / S.
 
@@ -17,9 +17,9 @@ For a constant S that is a filter of third order; after a step D it is done in 1
 
 from math import copysign, inf, sqrt
 
-from vpf_sim.planning.lane import Lane
-from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
-from vpf_sim.planning.reach import PEAK_SPEED, Limits, Reach
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.lane.kinematic_limits import PEAK_SPEED, Limits, Reach
+from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
 
 SHORTEST_S = 0.8  # of a shift
 

@@ -1,7 +1,7 @@
 """From the field's minimum to heading and speed: how the robust variant moves across the lane.
 
 The minimum jumps when a body appears; the reference glides after it on a path y_r of the rear axle that the car can
-follow (`vpf_sim.planning.glide`). The heading is that path's direction, with psi_r the road's,
+follow (`vpf_sim.planning.lane.lateral_path`). The heading is that path's direction, with psi_r the road's,
 
     psi_d = lag(psi_r + asin(k (y_r - y) / v)) + asin(y_r'),    d psi_d / dt = d lag / dt + v y_r'' / sqrt(1 - y_r'^2).
 
@@ -18,14 +18,14 @@ from math import asin, exp, sqrt
 import numpy as np
 
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.planning.glide import Glide
-from vpf_sim.planning.lane import Lane
-from vpf_sim.planning.lane_reference_config import LaneReferenceConfig
-from vpf_sim.planning.neighbours import Neighbours
-from vpf_sim.planning.pace import Pace
-from vpf_sim.planning.reach import Reach, rear_m
-from vpf_sim.planning.rows import ROW_M
-from vpf_sim.planning.stopping import stopping_way
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.lane.gap_cost import ROW_M
+from vpf_sim.planning.lane.kinematic_limits import Reach, rear_m
+from vpf_sim.planning.lane.lateral_path import Glide
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
+from vpf_sim.planning.lane.speed.limits import Pace
+from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import Reference, VehicleModel
 
 SLOWEST_CLOSING_MPS = 0.5

@@ -6,7 +6,7 @@ sooner than the car needs to get to the other side of the row.
 
 import numpy as np
 
-from vpf_sim.planning.lane import Lane, LaneObstacles
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.types import Bools, Floats
 
 ROW_M = 5.0  # what stands so far behind the first that is in our way is met with it
