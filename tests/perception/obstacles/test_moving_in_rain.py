@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_movers import Contrasted, Seen, vehicle
+from test_moving_tracker import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
 from vpf_sim.perception.obstacles.moving.detection import Apparent, MoverConfig, appear, outlines

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ideal import Body, Road
 from test_closed_loop import drive
-from test_pace import BUMPER_M, CONFIG, HALF_M, LANE, RATE_HZ, ROBUST, about, pace, wanted
+from test_speed_limits import BUMPER_M, CONFIG, HALF_M, LANE, RATE_HZ, ROBUST, about, pace, wanted
 
 from vpf_sim.planning.lane.frame import LaneObstacles
 from vpf_sim.planning.lane.speed.creep import STAGES

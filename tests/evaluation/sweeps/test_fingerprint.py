@@ -9,7 +9,7 @@ import pytest
 from vpf_sim.evaluation.sweeps import fingerprint as module
 from vpf_sim.evaluation.sweeps.fingerprint import PACKAGES, fingerprint, hash_of_files, own_code, source
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture

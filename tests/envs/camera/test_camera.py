@@ -3,8 +3,10 @@
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
+import highway_scenes
 import numpy as np
 import pytest
 from highway_scenes import WIDTH_M, add_body, add_ego, bent_road, straight_road
@@ -152,9 +154,10 @@ print(digest.hexdigest())
 
 
 def test_a_seed_gives_the_same_bytes_in_a_fresh_process():
+    helpers = Path(highway_scenes.__file__).parent
     runs = [
         subprocess.run(
-            [sys.executable, "-c", DIGEST], capture_output=True, text=True, check=True, cwd=sys.path[0], timeout=120
+            [sys.executable, "-c", DIGEST], capture_output=True, text=True, check=True, cwd=helpers, timeout=120
         ).stdout
         for _ in range(2)
     ]

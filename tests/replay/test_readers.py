@@ -290,7 +290,7 @@ def test_a_bare_video_is_calibrated_on_the_way() -> None:
 
 def test_the_page_on_recordings_names_every_key_and_column(tmp_path: Path) -> None:
     """Its drive.toml is read as it stands, and has every key that there is."""
-    page = (Path(__file__).parents[1] / "docs" / "recordings.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "recordings.md").read_text()
     example = page.split("```toml")[1].split("```")[0]
     table = tomllib.loads(example)
     for section, config in (("", DriveFile), ("camera", CameraKeys), ("vehicle", VehicleKeys), ("signals", SignalKeys)):

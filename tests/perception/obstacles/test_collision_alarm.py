@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_movers import Traffic, vehicle
+from test_moving_tracker import Traffic, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points, tracker
 
 from vpf_sim.perception.obstacles.collision_alarm import Closing, ClosingConfig

@@ -59,7 +59,7 @@ def test_a_wrong_rules_file_has_a_line_for_each_fault(capsys: pytest.CaptureFixt
     assert second.endswith("got 'sucess_rate': did you mean 'success_rate'?")
 
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 
 
 def test_the_example_rules_show_every_key() -> None:
