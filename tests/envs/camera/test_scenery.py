@@ -14,8 +14,8 @@ from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.layout import LaneShape, lane_shapes
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import paint
 from vpf_sim.envs.camera.things.furniture import CLEARANCE_M, LAMP_HEIGHT_M, LAMP_POST, POST, gantry
-from vpf_sim.envs.camera.things.painter import paint
 from vpf_sim.envs.camera.things.roadside import Roadside, Standing
 from vpf_sim.envs.camera.things.scenery import Scenery
 from vpf_sim.envs.camera.things.signs import SIGNS

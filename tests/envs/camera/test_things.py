@@ -11,8 +11,8 @@ from highway_scenes import add_body, add_ego, straight_road
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import Drawing, Sprite, drawing, paint
 from vpf_sim.envs.camera.things.bodies import body_mesh
-from vpf_sim.envs.camera.things.painter import Drawing, Sprite, drawing, paint
 from vpf_sim.envs.camera.things.solid import FADED_IN_M, RANGE_M, SLIVER_PX, Solid
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View

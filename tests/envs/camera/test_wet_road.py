@@ -7,10 +7,10 @@ from highway_scenes import WIDTH_M, add_body, add_ego, straight_road
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.layout import lane_shapes
+from vpf_sim.envs.camera.painter import Drawing
+from vpf_sim.envs.camera.painter import drawing as drawing_of
 from vpf_sim.envs.camera.rain.mirror import horizon_row, mirrored_faces, mirrored_points, reflectance
 from vpf_sim.envs.camera.rain.wet_road import EVERY, WetRoad
-from vpf_sim.envs.camera.things.painter import Drawing
-from vpf_sim.envs.camera.things.painter import drawing as drawing_of
 from vpf_sim.envs.camera.truth import STILL, Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Image
