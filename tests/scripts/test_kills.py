@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).parents[3] / "scripts" / "kill_sweeps.py"
+SCRIPT = Path(__file__).parents[2] / "scripts" / "kill_sweeps.py"
 
 
 @pytest.mark.slow
