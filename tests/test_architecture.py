@@ -3,6 +3,8 @@
 import ast
 import subprocess
 import sys
+from collections import defaultdict
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -39,6 +41,19 @@ EVALUATION = [
     "gate",
     "machine",
 ]
+# The sub-packages of perception and planning, and which of their neighbours each may import.
+SUBPACKAGES: dict[str, dict[str, set[str]]] = {
+    "perception": {
+        "egomotion": set(),
+        "road": set(),
+        "obstacles": {"egomotion", "road"},
+        "paper": {"egomotion"},
+    },
+    "perception.obstacles": {"planar_parallax": set(), "moving": set()},
+    "planning": {"paper": {"lane"}, "lane": set(), "variants": set()},
+    "planning.lane": {"speed": set()},
+}
+MOST_FILES = 16  # in a folder of perception
 
 
 def modules() -> list[tuple[str, Path]]:
@@ -88,6 +103,53 @@ def test_a_package_of_the_evaluation_imports_only_those_before_it(name: str, pat
     later = EVALUATION[EVALUATION.index(package) + 1 :] if package in EVALUATION else EVALUATION
     wrong = {full for full in imported_names(path) for other in later if f"{full}.".startswith(f"{PREFIX}{other}.")}
     assert not wrong, f"{name} must not import {sorted(wrong)}"
+
+
+@pytest.mark.parametrize("package", SUBPACKAGES)
+def test_subpackages_are_all_listed(package: str) -> None:
+    folder = ROOT / "vpf_sim" / Path(*package.split("."))
+    assert set(SUBPACKAGES[package]) == {path.parent.name for path in folder.glob("*/__init__.py")}
+
+
+@pytest.mark.parametrize("package", SUBPACKAGES)
+def test_a_subpackage_imports_only_those_it_may(package: str) -> None:
+    for own, allowed in SUBPACKAGES[package].items():
+        for name, path in modules():
+            if name.startswith(f"{package}.{own}."):
+                others = {f"vpf_sim.{package}.{other}." for other in SUBPACKAGES[package].keys() - allowed - {own}}
+                wrong = {full for full in imported_names(path) if f"{full}.".startswith(tuple(others))}
+                assert not wrong, f"{name} must not import {sorted(wrong)}"
+
+
+def imports_between_neighbours() -> dict[str, dict[str, set[str]]]:
+    """By package: which of the modules and packages directly in it imports which others of them."""
+    names = {name for name, _ in modules() if name}
+    edges: dict[str, dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+    for name, path in modules():
+        own = name.split(".")
+        for full in imported_names(path):
+            other = full.removeprefix("vpf_sim.")
+            if full == other or other not in names:
+                continue  # nothing of ours, or a name inside a module, which is there as well
+            target = other.split(".")
+            depth = next((i for i, pair in enumerate(zip(own, target, strict=False)) if pair[0] != pair[1]), None)
+            if depth is not None:
+                edges[".".join(own[:depth])][own[depth]].add(target[depth])
+    return edges
+
+
+def test_neighbours_import_each_other_in_no_circle() -> None:
+    for package, graph in imports_between_neighbours().items():
+        try:
+            TopologicalSorter(graph).prepare()
+        except CycleError as error:
+            pytest.fail(f"vpf_sim.{package}: imports in a circle: {' <- '.join(error.args[1])}")
+
+
+def test_no_folder_of_perception_holds_too_many_files() -> None:
+    for init in (ROOT / "vpf_sim" / "perception").rglob("__init__.py"):
+        files = [path.name for path in init.parent.glob("*.py") if path != init]
+        assert len(files) <= MOST_FILES, f"{init.parent}: {len(files)} files"
 
 
 def test_importing_the_package_loads_nothing_heavy() -> None:

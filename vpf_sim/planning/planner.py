@@ -5,22 +5,24 @@ from functools import cache, partial
 
 import numpy as np
 
-from vpf_sim.perception import contact, expansion, obstacles
-from vpf_sim.perception.anchors import Anchors
 from vpf_sim.perception.contrast import contrast
-from vpf_sim.perception.expansion import Derotated
-from vpf_sim.perception.flow import FlowTracker, grey
-from vpf_sim.perception.landmarks import LandmarkTracker
-from vpf_sim.perception.marks import among
-from vpf_sim.perception.movers import MoverTracker
-from vpf_sim.perception.obstacle_region import Surroundings
-from vpf_sim.perception.outlines import carried, from_here
-from vpf_sim.perception.road_edges import RoadEdgeTracker
-from vpf_sim.perception.second_look import SecondLook
-from vpf_sim.perception.sharpened import Match
-from vpf_sim.perception.steadiness import Steadiness
-from vpf_sim.planning.gradient_line import GradientLine
-from vpf_sim.planning.valley import Valley
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
+from vpf_sim.perception.egomotion.camera_pitch import Steadiness
+from vpf_sim.perception.egomotion.flow import FlowTracker, grey
+from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
+from vpf_sim.perception.egomotion.keyframes import Anchors
+from vpf_sim.perception.obstacles.close_range_verification import SecondLook
+from vpf_sim.perception.obstacles.extent import carried, from_here
+from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
+from vpf_sim.perception.obstacles.point_hypotheses import among
+from vpf_sim.perception.obstacles.static_tracker import LandmarkTracker
+from vpf_sim.perception.obstacles.track_refinement import Match
+from vpf_sim.perception.paper import obstacle_map as obstacles
+from vpf_sim.perception.paper import time_to_contact as contact
+from vpf_sim.perception.paper.obstacle_region import Surroundings
+from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
+from vpf_sim.planning.lane.planner import Valley
+from vpf_sim.planning.paper.planner import GradientLine
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
 from vpf_sim.types import (

@@ -1,8 +1,8 @@
 """A variant of the method: the configuration of every stage, read from a TOML file in variants/, or from a user's own.
 
 Between `full-frame` and `robust`, and between `literal` and `paper`, lie the steps of the ablations
-(`vpf_sim.planning.changes`, `vpf_sim.planning.repairs`), each by its name. A file may say with `base` which of these it
-starts from, and then only what it changes; one's own starts from `robust` if it does not.
+(`vpf_sim.planning.variants.ablation_steps`, `repair_steps`), each by its name. A file may say with `base` which of
+these it starts from, and then only what it changes; one's own starts from `robust` if it does not.
 """
 
 from dataclasses import dataclass
@@ -12,20 +12,20 @@ from typing import Any, Literal, get_args
 
 from vpf_sim import tables
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.perception.contact import ContactConfig
-from vpf_sim.perception.expansion import ExpansionConfig
-from vpf_sim.perception.flow_config import FlowConfig
-from vpf_sim.perception.landmark_config import LandmarkConfig
-from vpf_sim.perception.mover_search import MoverConfig
-from vpf_sim.perception.obstacles import ObstacleMapConfig
-from vpf_sim.perception.odometry import OdometryConfig
-from vpf_sim.perception.road_edges import RoadEdgeConfig
-from vpf_sim.perception.second_look import SecondLookConfig
-from vpf_sim.perception.steadiness import SteadinessConfig
-from vpf_sim.planning import repairs
-from vpf_sim.planning.changes import steps
-from vpf_sim.planning.gradient_line import GradientLineConfig
-from vpf_sim.planning.valley import ValleyConfig
+from vpf_sim.perception.egomotion.camera_pitch import SteadinessConfig
+from vpf_sim.perception.egomotion.flow_config import FlowConfig
+from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
+from vpf_sim.perception.egomotion.odometry import OdometryConfig
+from vpf_sim.perception.obstacles.close_range_verification import SecondLookConfig
+from vpf_sim.perception.obstacles.moving.detection import MoverConfig
+from vpf_sim.perception.obstacles.static_config import LandmarkConfig
+from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig
+from vpf_sim.perception.paper.time_to_contact import ContactConfig
+from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
+from vpf_sim.planning.lane.planner import ValleyConfig
+from vpf_sim.planning.paper.planner import GradientLineConfig
+from vpf_sim.planning.variants import repair_steps
+from vpf_sim.planning.variants.ablation_steps import steps
 
 PACKAGE = "vpf_sim.planning.variants"
 BASE = "robust"
@@ -109,7 +109,7 @@ def _table(name: str) -> dict[str, Any]:
 def _steps(chain: Chain) -> dict[str, tuple[str, dict[str, Any]]]:
     if chain == "robust":
         return steps(_table("full-frame"), _table("robust"))
-    make = repairs.made if chain == "paper" else repairs.taken_back
+    make = repair_steps.made if chain == "paper" else repair_steps.taken_back
     return make(_table("literal"), _table("paper"))
 
 

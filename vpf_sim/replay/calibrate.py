@@ -10,8 +10,8 @@ from itertools import chain, islice
 
 import numpy as np
 
-from vpf_sim.perception import expansion
-from vpf_sim.perception.flow import FlowTracker, grey
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
+from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
 from vpf_sim.replay import own_derotation, road_speed
 from vpf_sim.replay.recording import Frame

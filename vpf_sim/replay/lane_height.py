@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from vpf_sim.perception.birds_eye import BirdsEye, ridge
-from vpf_sim.perception.flow import grey
-from vpf_sim.perception.line_search import RidgeMap, comb, noise_threshold
-from vpf_sim.perception.road_edges import RIDGE_REACH_M, RoadEdgeConfig
+from vpf_sim.perception.egomotion.flow import grey
+from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
+from vpf_sim.perception.road.edge_tracker import RIDGE_REACH_M, RoadEdgeConfig
+from vpf_sim.perception.road.markings import RidgeMap, comb, noise_threshold
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, Floats, Image
 

@@ -5,7 +5,7 @@ from math import inf, nan
 import numpy as np
 
 from vpf_sim.geometry import project
-from vpf_sim.perception.growth import GrowthConfig, GrowthTracker
+from vpf_sim.replay.looming import GrowthConfig, GrowthTracker
 from vpf_sim.types import Camera, Floats, Image, Perception
 
 REACH_M = 25.0  # of a body that counts, from the pose

@@ -13,8 +13,8 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import distance_m
-from vpf_sim.perception.expansion import LEAST_CONFIDENCE
-from vpf_sim.perception.flow import grey
+from vpf_sim.perception.egomotion.flow import grey
+from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
 from vpf_sim.planning import variant
 from vpf_sim.replay import frame_table, road_speed, scores
 from vpf_sim.replay.film import Film

@@ -6,8 +6,8 @@ from math import nan
 import numpy as np
 
 from vpf_sim.geometry import rotation_flow
-from vpf_sim.perception import expansion
-from vpf_sim.perception.flow import FlowTracker
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
+from vpf_sim.perception.egomotion.flow import FlowTracker
 from vpf_sim.planning.variant import Variant
 from vpf_sim.replay import road_speed
 from vpf_sim.replay.rectify import Mounting

@@ -1,8 +1,8 @@
 """The lane that a recorded car drives in: what of the road a driver on someone else's recording can be held to.
 
-A driver keeps to the lane in which it began (`perception.road_edges`). The human on the recording changes lanes. Of
-what the camera finds, only where the lines lie beside the car is used: the lane nearest to the car is the one to keep
-to. Where no road is found, it is taken to lie straight ahead of the car.
+A driver keeps to the lane in which it began (`perception.road.edge_tracker`). The human on the recording changes lanes.
+Of what the camera finds, only where the lines lie beside the car is used: the lane nearest to the car is the one to
+keep to. Where no road is found, it is taken to lie straight ahead of the car.
 """
 
 from dataclasses import replace

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels
-from vpf_sim.perception import expansion
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.replay.rectify import Mounting
 from vpf_sim.types import Camera, Floats, Flow
 

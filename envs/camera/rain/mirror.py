@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.things.painter import SHIFT, Drawing, Sprite
+from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image

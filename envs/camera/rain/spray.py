@@ -8,9 +8,9 @@ import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.rain.mirror import erase
 from vpf_sim.envs.camera.texture import noise
-from vpf_sim.envs.camera.things.painter import Sprite
 from vpf_sim.envs.camera.things.things import Snapshot, body_size
 from vpf_sim.envs.camera.truth import STILL, Drawn
 from vpf_sim.envs.camera.view import View

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import Drawing, drawing, in_front, planes_of
 from vpf_sim.envs.camera.things.air import Air, contrasts
 from vpf_sim.envs.camera.things.mesh import Mesh
-from vpf_sim.envs.camera.things.painter import Drawing, drawing, in_front, planes_of
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Bools, Camera, Floats

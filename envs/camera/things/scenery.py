@@ -4,7 +4,7 @@ import numpy as np
 
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.things.painter import Drawing, Sprite
+from vpf_sim.envs.camera.painter import Drawing, Sprite
 from vpf_sim.envs.camera.things.roadside import Roadside
 from vpf_sim.envs.camera.things.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees, TreeStand
 from vpf_sim.envs.camera.things.verge import STATION_M, Verge

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.things.painter import Box, footprint, in_front
+from vpf_sim.envs.camera.painter import Box, footprint, in_front
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.geometry import is_same
 from vpf_sim.types import Floats, Image

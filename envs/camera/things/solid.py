@@ -6,9 +6,9 @@ from functools import partial
 import numpy as np
 
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import Drawing, drawing, planes_of
 from vpf_sim.envs.camera.things.air import Air, contrasts
 from vpf_sim.envs.camera.things.mesh import Mesh
-from vpf_sim.envs.camera.things.painter import Drawing, drawing, planes_of
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import NEAR_M, View, body_axes
 from vpf_sim.geometry import is_same

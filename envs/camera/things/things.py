@@ -8,9 +8,9 @@ from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
 
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
 from vpf_sim.envs.camera.things.bodies import HEIGHTS_M, body_mesh
 from vpf_sim.envs.camera.things.occlusion import far_to_near
-from vpf_sim.envs.camera.things.painter import Drawing, Sprite, footprint, paint
 from vpf_sim.envs.camera.things.scenery import Scenery
 from vpf_sim.envs.camera.things.shadows import Shadow
 from vpf_sim.envs.camera.things.solid import RANGE_M, STALE_M, Solid

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.texture import noise
-from vpf_sim.envs.camera.things.painter import Sprite
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream

@@ -16,8 +16,8 @@ from vpf_sim.evaluation.analysis.statistics import (
 )
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.planning.repairs import WITHOUT
 from vpf_sim.planning.variant import Chain
+from vpf_sim.planning.variants.repair_steps import WITHOUT
 
 BETWEEN = "vpf@"
 FIRST = {"robust": "vpf@full-frame", "paper": "vpf-literal", "without": "vpf-paper"}

@@ -15,7 +15,7 @@ from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.stages import STAGES
 from vpf_sim.evaluation.episode.stopwatch import WINDOW_STEPS, Stopwatch
 from vpf_sim.evaluation.processes.threads import limit_opencv
-from vpf_sim.perception.flow import grey
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.types import Image
 
 WARM_UP_STEPS = 30

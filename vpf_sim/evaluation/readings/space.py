@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim import tables
-from vpf_sim.perception.obstacles import ObstacleMapConfig, rasterise, smoothed_gradient
+from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, rasterise, smoothed_gradient
 from vpf_sim.planning.variant import PACKAGE
 from vpf_sim.types import Camera
 

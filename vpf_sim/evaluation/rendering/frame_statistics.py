@@ -11,7 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from vpf_sim.perception.flow import grey
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.types import Bools, Floats, Image
 
 WIDTH_PX = 640

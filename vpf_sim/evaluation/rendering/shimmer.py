@@ -14,7 +14,7 @@ from vpf_sim.envs.camera import Rig, Weather
 from vpf_sim.evaluation.rendering import frame_statistics
 from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive
 from vpf_sim.evaluation.truth.true_motion import OFF_PX, TrueMotion, Truth
-from vpf_sim.perception.flow import grey
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.types import Bools, Floats, Image
 
 NEAREST_M, FARTHEST_M = 15.0, 60.0  # the ground that is looked at

@@ -13,9 +13,11 @@ import numpy as np
 
 from vpf_sim.evaluation.rendering import frame_statistics
 from vpf_sim.evaluation.truth.true_motion import OFF_PX, Shot, TrueMotion, Truth, at, ttc_errors
-from vpf_sim.perception import contact, expansion, obstacles
-from vpf_sim.perception.expansion import ExpansionConfig
-from vpf_sim.perception.flow import FlowTracker, grey
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
+from vpf_sim.perception.egomotion.flow import FlowTracker, grey
+from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
+from vpf_sim.perception.paper import obstacle_map as obstacles
+from vpf_sim.perception.paper import time_to_contact as contact
 from vpf_sim.planning import variant
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow, Image, ObstacleMap

@@ -11,7 +11,7 @@ from vpf_sim.envs.camera import Weather
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
 from vpf_sim.evaluation.weather.judge import Judge, Score
-from vpf_sim.perception.flow import grey
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.scenarios.parts import Body
 from vpf_sim.types import Image
 

@@ -15,9 +15,9 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.things.things import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
-from vpf_sim.perception import expansion
-from vpf_sim.perception.flow import FlowTracker, grey
-from vpf_sim.perception.glass_removal import GlassMask, Restoration
+from vpf_sim.evaluation.weather.glass_removal import GlassMask, Restoration
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
+from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow, Image

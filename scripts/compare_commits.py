@@ -1,0 +1,195 @@
+"""Two commits of this repository drive the same episodes: are states and frames equal to the bit?
+
+    python scripts/compare_commits.py BEFORE [AFTER] [--small] [--scenario S] [--weather W] [--driver D] [--seeds 0:2]
+                                      [--replay DRIVE] [--workers N] [--keep FOLDER]
+
+Without AFTER, it is the working tree. By default `vpf` drives all scenarios of the catalog that BEFORE has, clear and
+in rain, on seeds 0 and 1; --small is four episodes. With --replay the records of recorded drives are compared as well.
+Each commit is laid out in a folder of its own, as it would be installed, and runs there with this interpreter and its
+packages. Exit code 0 only if all is equal.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+import tomllib
+from collections.abc import Iterator, Mapping
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+HASHES = ("status", "states_sha256", "frames_sha256")
+DEFAULT = {"weather": ["clear", "rain"], "driver": ["vpf"], "seeds": "0:2"}
+SMALL = {"scenario": ["random", "town04"], "weather": ["rain"], "driver": ["vpf", "vpf-paper"], "seeds": "1:2"}
+MOST_TOLD = 8  # keys of a replay's record
+Lines = dict[str, dict[str, Any]]  # of a run folder, by the name of the episode or drive
+
+
+def git(*arguments: str) -> bytes:
+    """What git prints; SystemExit with its words if it fails."""
+    done = subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True)
+    if done.returncode:
+        sys.exit(f"git {' '.join(arguments)}: {done.stderr.decode().strip()}")
+    return done.stdout
+
+
+def check_out(revision: str | None, folder: Path) -> None:
+    """The files of a revision, or those of the working tree that git does not ignore."""
+    if revision is not None:
+        with tarfile.open(fileobj=BytesIO(git("archive", "--format=tar", revision))) as archive:
+            archive.extractall(folder, filter="data")
+        return
+    for name in git("ls-files", "-z", "-co", "--exclude-standard").decode().split("\0"):
+        if name and (ROOT / name).is_file():  # neither the end of the list nor a file that was deleted
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, folder / name)
+
+
+def lay_out(revision: str | None, folder: Path) -> Path:
+    """A folder for PYTHONPATH in which the packages of a revision lie as they would be installed."""
+    source, site = folder / "source", folder / "site"
+    source.mkdir(parents=True)
+    site.mkdir()
+    check_out(revision, source)
+    project = tomllib.loads((source / "pyproject.toml").read_text("utf-8"))
+    mapped: dict[str, str] = project["tool"]["setuptools"]["package-dir"]
+    for package in sorted(mapped, key=lambda name: name.count(".")):  # outer ones first
+        shutil.move(source / mapped[package], site / Path(*package.split(".")))
+    return site
+
+
+class Commit:
+    """A revision that can be run. Its command line is the same for both; so are the packages that it needs."""
+
+    def __init__(self, revision: str | None, folder: Path) -> None:
+        self.name = revision or "the working tree"
+        self._folder = folder
+        self._runs = 0
+        self._site = lay_out(revision, folder)
+        paths = [str(self._site), *filter(None, [os.environ.get("PYTHONPATH")])]
+        self._environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+        for module in ("vpf_sim", "vpf_sim.envs"):
+            found = Path(self._python("-c", f"import {module}; print({module}.__file__)").stdout.strip())
+            if not found.is_relative_to(self._site):
+                sys.exit(f"{self.name}: {module} would come from {found}, not from {self._site}")
+
+    def scenarios(self) -> list[str]:
+        """Those of its catalog."""
+        return sorted(path.stem for path in (self._site / "vpf_sim" / "scenarios" / "catalog").glob("*.toml"))
+
+    def sweep(self, grid: Mapping[str, list[str] | str], workers: int | None) -> Lines:
+        """The records of a grid of episodes."""
+        options = [word for key, values in grid.items() for value in _listed(values) for word in (f"--{key}", value)]
+        options += [] if workers is None else ["--workers", str(workers)]
+        return self._lines("sweep", "episodes.jsonl", "id", options)
+
+    def replay(self, drives: list[Path], driver: str) -> Lines:
+        """The records of recorded drives."""
+        options = [*(str(drive.resolve()) for drive in drives), "--driver", driver, "--no-video"]
+        return self._lines("replay", "replays.jsonl", "name", options)
+
+    def _lines(self, command: str, file: str, key: str, options: list[str]) -> Lines:
+        self._runs += 1
+        out = self._folder / f"run-{self._runs}"
+        done = self._python("-m", "vpf_sim.cli", command, *options, "--out", str(out))
+        path = out / file
+        if not path.exists():
+            sys.exit(f"{self.name}: vpf-sim {command} made no {file}:\n{done.stderr.strip()}")
+        rows = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
+        return {str(row[key]): row for row in rows}
+
+    def _python(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, *arguments]
+        return subprocess.run(command, cwd=self._folder, env=self._environment, capture_output=True, text=True)
+
+
+def _listed(values: list[str] | str) -> list[str]:
+    return [values] if isinstance(values, str) else values
+
+
+def _places(values: list[str] | str) -> list[str] | str:
+    """What was asked, files by their whole paths: the commits run in folders of their own."""
+    if isinstance(values, str):
+        return values
+    return [str(Path(value).resolve()) if value.endswith(".toml") else value for value in values]
+
+
+def hashes_that_differ(before: Lines, after: Lines) -> Iterator[str]:
+    """A line for each episode that both did not drive to the same end, states and frames."""
+    for name in sorted(before.keys() | after.keys()):
+        one, two = before.get(name, {}), after.get(name, {})
+        keys = [key for key in HASHES if one.get(key) != two.get(key)]
+        if keys:
+            yield f"{name}: {', '.join(keys)}"
+        elif one.get("states_sha256") is None:
+            yield f"{name}: driven by neither ({one.get('status')})"
+
+
+def records_that_differ(before: Lines, after: Lines) -> Iterator[str]:
+    """A line for each drive whose records are not the same value by value."""
+    for name in sorted(before.keys() | after.keys()):
+        one, two = dict(_leaves(before.get(name))), dict(_leaves(after.get(name)))
+        keys = sorted(key for key in one.keys() | two.keys() if one.get(key, ...) != two.get(key, ...))
+        if keys:
+            more = f" and {len(keys) - MOST_TOLD} more" if len(keys) > MOST_TOLD else ""
+            yield f"{name}: {', '.join(keys[:MOST_TOLD])}{more}"
+
+
+def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """("key.key", value) of all values in nested tables and lists."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{path}.{key}" if path else key)
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            yield from _leaves(inner, f"{path}[{index}]")
+    else:
+        yield path, value
+
+
+def main() -> int:
+    """Compare, print what differs, and give the exit code."""
+    asked = _parser().parse_args()
+    with TemporaryDirectory(prefix="compare-commits-") as temporary:
+        folder = Path(temporary) if asked.keep is None else asked.keep.resolve()
+        before = Commit(asked.before, folder / "before")
+        after = Commit(asked.after, folder / "after")
+        grid = {"scenario": before.scenarios(), **(SMALL if asked.small else DEFAULT)}
+        grid |= {key: _places(getattr(asked, key)) for key in grid if getattr(asked, key)}
+        one, two = before.sweep(grid, asked.workers), after.sweep(grid, asked.workers)
+        differ, driven = list(hashes_that_differ(one, two)), len(one.keys() | two.keys())
+        for driver in grid["driver"] if asked.replay else []:
+            one, two = before.replay(asked.replay, driver), after.replay(asked.replay, driver)
+            differ += [f"{driver} on {line}" for line in records_that_differ(one, two)]
+            driven += len(one.keys() | two.keys())
+    for line in differ:
+        print(f"differs: {line}")
+    print(f"{driven - len(differ)} of {driven} equal: {before.name} and {after.name}")
+    return 1 if differ or not driven else 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("before", help="a revision")
+    parser.add_argument("after", nargs="?", help="another one; the working tree by default")
+    parser.add_argument("--small", action="store_true", help="four episodes only")
+    parser.add_argument("--scenario", action="append", help="name or file; may be repeated")
+    parser.add_argument("--weather", action="append", help="may be repeated")
+    parser.add_argument("--driver", action="append", help="may be repeated")
+    parser.add_argument("--seeds", help="A:B, half open")
+    parser.add_argument("--replay", action="append", type=Path, metavar="DRIVE", help="may be repeated")
+    parser.add_argument("--workers", type=int, help="worker processes; one a core by default")
+    parser.add_argument(
+        "--keep", type=Path, metavar="FOLDER", help="leave both commits and their runs in this new folder"
+    )
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,67 @@
+"""Points stuck to the glass: told by the motion that they lack."""
+
+import numpy as np
+import pytest
+
+from vpf_sim.perception.egomotion.ground_plane import past_image
+from vpf_sim.perception.egomotion.windscreen_points import least_motion, scene_motion, stuck
+from vpf_sim.seeding import stream
+from vpf_sim.types import Camera, Floats
+
+CAMERA = Camera(forward_m=0.0)
+HERE = np.zeros(3)
+
+
+def street(count: int) -> Floats:
+    """(count, 3) m: the road and what stands on it, walls 8 m aside."""
+    rng = stream(0, "street")
+    forward = rng.uniform(4.0, 40.0, count)
+    right = np.where(rng.random(count) < 0.5, rng.uniform(-4.0, 4.0, count), 8.0 * rng.choice([-1.0, 1.0], count))
+    return np.column_stack([forward, right, rng.uniform(0.0, 2.5, count)])
+
+
+def seen(past_pose: Floats, count: int = 300) -> tuple[Floats, Floats, Floats]:
+    """Pixels of the street now and before, and the pose of then for each, of those in both pictures."""
+    scene, past = street(count), np.tile(past_pose, (count, 1))
+    now = past_image(CAMERA, scene, np.tile(HERE, (count, 1)), HERE)
+    before = past_image(CAMERA, scene, past, HERE)
+    inside = np.all((now >= 0) & (now < [640, 480]), axis=1)
+    return now[inside], before[inside], past[inside]
+
+
+@pytest.mark.parametrize("past", [(-3.0, 0.0, 0.0), (-3.0, 0.05, -0.05), (-3.0, -0.1, 0.08)])
+def test_scenery_moves_at_least_as_far_as_is_said(past: tuple[float, float, float]) -> None:
+    now, before, poses = seen(np.array(past))
+    least = least_motion(*scene_motion(CAMERA, now, poses, HERE))
+    assert np.all(np.hypot(*(now - before).T) > 0.85 * least - 0.5)
+    assert not stuck(CAMERA, now, before, poses, HERE).any()
+
+
+def test_the_road_moves_exactly_so() -> None:
+    road = street(50) * [1.0, 0.5, 0.0]
+    past = np.tile([-2.0, 0.1, 0.03], (50, 1))
+    now = past_image(CAMERA, road, np.tile(HERE, (50, 1)), HERE)
+    before = past_image(CAMERA, road, past, HERE)
+    by_way, by_turn = scene_motion(CAMERA, now, past, HERE)
+    np.testing.assert_allclose(by_way + by_turn, now - before, atol=1e-6)
+
+
+def test_spots_on_the_glass_are_found_where_scenery_would_have_moved() -> None:
+    rng = stream(1, "spots")
+    spots = rng.uniform([0.0, 0.0], [640.0, 480.0], (400, 2))
+    past = np.tile([-3.0, 0.0, 0.0], (400, 1))
+    found = stuck(CAMERA, spots, spots + rng.normal(0.0, 0.15, (400, 2)), past, HERE)
+    far = np.abs(spots[:, 1] - CAMERA.cy_px) < 15.0  # near the horizon the scene hardly moves
+    assert found[spots[:, 1] > CAMERA.cy_px + 60.0].all()
+    assert not found[far & (np.abs(spots[:, 0] - CAMERA.cx_px) < 60.0)].any()
+    assert found.mean() > 0.7
+
+
+def test_nothing_is_stuck_while_the_car_stands() -> None:
+    spots = stream(2, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
+    assert not stuck(CAMERA, spots, spots, np.tile(HERE, (100, 1)), HERE).any()
+
+
+def test_a_turn_alone_gives_spots_away() -> None:
+    spots = stream(3, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
+    assert stuck(CAMERA, spots, spots, np.tile([0.0, 0.0, -0.05], (100, 1)), HERE).all()

@@ -1,0 +1,344 @@
+"""Bodies that move, from simulated tracks: boxes on wheels at known places and speeds beside what stands."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
+
+from vpf_sim.geometry import vehicle_from_world
+from vpf_sim.perception.obstacles.moving.detection import MoverConfig, appear
+from vpf_sim.perception.obstacles.moving.moving_frame import Course, against
+from vpf_sim.perception.obstacles.moving.track import Mover, Sight
+from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
+from vpf_sim.seeding import stream
+from vpf_sim.types import Floats, Flow, Obstacles
+
+
+def vehicle(forward_m: float, right_m: float, count: int = 16, width_m: float = 1.8) -> Floats:
+    """The rear of a car: points on it, and the lowest corners of its tyres that can be followed."""
+    rng = stream(31, f"vehicle {forward_m} {right_m}")
+    across = right_m + width_m * np.linspace(-0.5, 0.5, count)
+    rear = np.column_stack([np.full(count, forward_m), across, rng.uniform(0.2, 1.4, count)])
+    feet = [[forward_m, right_m + side * 0.5 * width_m, 0.12] for side in (-1.0, 1.0)]
+    return np.concatenate([feet, rear])
+
+
+class Traffic(Drive):
+    """A drive along the x axis among points that move along it at a speed each."""
+
+    def __init__(self, scene_m: Floats, speed_mps: Floats, noise_px: float = 0.05) -> None:
+        super().__init__(scene_m, noise_px)
+        self.start, self.speed = scene_m, speed_mps
+
+    def flow(self, frame: int):  # type: ignore[no-untyped-def]
+        self.scene = self.start.copy()
+        self.scene[:, 0] += self.speed * frame / RATE_HZ
+        return super().flow(frame)
+
+
+class Seen:
+    """Movers and landmarks together, as the planner has them."""
+
+    def __init__(self) -> None:
+        self.movers = MoverTracker(CAMERA, MoverConfig(), RATE_HZ)
+        self.landmarks = tracker()
+
+    def run(self, drive: Drive, frames: range) -> list[Obstacles]:
+        found = []
+        for frame in frames:
+            flow, time_s = drive.flow(frame), frame / RATE_HZ
+            points = self.landmarks.triangulate(flow)
+            moving = self.movers.update(flow, points, drive.road, SPEED_MPS, time_s)
+            standing = self.landmarks.update(flow, drive.road, SPEED_MPS, time_s, points, moving)
+            found.append(self.movers.obstacles(flow.pose, SPEED_MPS, standing))
+        return found
+
+
+def traffic(*bodies: tuple[Floats, float], noise_px: float = 0.05) -> Traffic:
+    road = road_points(400)
+    parts = [*bodies, (road[road[:, 1] < -4.5], 0.0)]  # where no body hides it
+    speeds = np.concatenate([np.full(len(points), speed) for points, speed in parts])
+    return Traffic(np.concatenate([points for points, _ in parts]), speeds, noise_px)
+
+
+@pytest.mark.parametrize("speed_mps", [3.0, 5.0, 9.0])
+def test_a_body_that_moves_has_the_inverse_depth_of_its_closing_speed(speed_mps: float) -> None:
+    drive = traffic((vehicle(20.0, 1.0), speed_mps), noise_px=0.0)
+    for frame in range(40):
+        flow = drive.flow(frame)
+    points = tracker().triangulate(flow)
+    seen = appear(flow, points, CAMERA, RATE_HZ, MoverConfig())
+    mine = flow.identity < 18
+    depth = 20.0 + (speed_mps - SPEED_MPS) * 39 / RATE_HZ - CAMERA.forward_m
+    assert seen.inverse_per_m[mine] == pytest.approx((1.0 - speed_mps / SPEED_MPS) / depth, abs=1e-6)
+    assert seen.own_mps[mine] == pytest.approx(SPEED_MPS, abs=1e-6)
+    assert seen.moves[flow.identity < 2].all()
+    assert not seen.moves[~mine].any()
+
+
+@pytest.mark.parametrize(("start_m", "speed_mps", "seconds"), [(30.0, 3.0, 5.0), (16.0, 4.8, 3.0), (9.0, 9.0, 2.5)])
+def test_a_lead_car_is_found_at_its_place_with_its_speed(start_m: float, speed_mps: float, seconds: float) -> None:
+    drive = traffic((vehicle(start_m, 0.4), speed_mps))
+    found = Seen().run(drive, range(round(seconds * RATE_HZ)))
+    last = found[-1]
+    assert len(last) == 1
+    assert last.identity[0] < 0
+    true_m = start_m + (speed_mps - SPEED_MPS) * (len(found) - 1) / RATE_HZ
+    assert last.forward_m[0] == pytest.approx(true_m, rel=0.06)
+    assert last.speed_mps[0] == pytest.approx(speed_mps, abs=0.6)
+    assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.5, 1.3), abs=0.35)
+    closing = SPEED_MPS - last.speed_mps[0]
+    assert last.ttc_s[0] == pytest.approx(last.forward_m[0] / closing if closing > 0.0 else np.inf)
+    assert {int(name) for bodies in found for name in bodies.identity} == {-1}
+
+
+def test_a_lead_car_is_found_far_off_before_it_seems_to_stand() -> None:
+    drive = traffic((vehicle(30.0, 0.0), 3.0))
+    found = Seen().run(drive, range(round(5.0 * RATE_HZ)))
+    first = next(k for k, bodies in enumerate(found) if len(bodies))
+    assert 30.0 + (3.0 - SPEED_MPS) * first / RATE_HZ > 20.0
+    assert all((bodies.identity < 0).all() for bodies in found)
+
+
+def test_what_stands_does_not_move() -> None:
+    drive = traffic((body(45.0, -3.0, 1.8, 1.4, 12), 0.0), (body(50.0, 0.5, 1.0, 1.0, 8), 0.0), noise_px=0.1)
+    found = Seen().run(drive, range(400))
+    assert all((bodies.identity >= 0).all() for bodies in found)
+    assert len(found[-1]) == 2
+    assert not found[-1].speed_mps.any()
+
+
+def test_a_body_in_the_mirror_of_a_wet_road_does_not_move() -> None:
+    """The mirror image of a standing car is seen as points below the road, at the car's distance."""
+    rear = body(45.0, 0.0, 1.8, 1.4, 14)
+    mirror = rear * [1.0, 1.0, -1.0]
+    found = Seen().run(traffic((rear, 0.0), (mirror, 0.0)), range(420))
+    assert all((bodies.identity >= 0).all() for bodies in found)
+    assert found[-1].forward_m == pytest.approx([45.0 - SPEED_MPS * 419 / RATE_HZ], abs=0.4)
+
+
+def test_a_standing_cone_beside_a_moving_car_is_still_found() -> None:
+    cone = [[33.0, 2.6, height] for height in (0.4, 0.5, 0.6)]
+    found = Seen().run(traffic((vehicle(14.0, 0.0), 4.5), (np.array(cone), 0.0)), range(240))
+    assert sorted(np.sign(found[-1].identity + 0.5)) == [-1.0, 1.0]
+
+
+def test_a_body_is_predicted_while_it_is_passed_and_then_forgotten() -> None:
+    """Its wheels are still seen when its face has left the picture; they must not hold it back."""
+    side = np.column_stack(
+        [14.0 + np.repeat([1.0, 3.7], 6), np.full(12, 2.3), np.tile([0.0, 0.1, 0.3, 0.5, 0.6, 0.9], 2)]
+    )
+    drive = traffic((np.concatenate([vehicle(14.0, 3.2), side]), 3.0))
+    found = Seen().run(drive, range(round(18.0 * RATE_HZ)))
+    beside = round((14.0 + 2.0) / (SPEED_MPS - 3.0) * RATE_HZ)  # its face is 2 m behind us
+    assert len(found[beside]) == 1
+    assert found[beside].forward_m[0] == pytest.approx(-2.0, abs=1.5)
+    assert found[beside].left_m[0] < 3.2 - 0.9  # by then it may have drifted
+    assert np.isinf(found[beside].ttc_s[0])
+    assert not len(found[-1])
+
+
+def test_a_body_that_is_faster_comes_up_beside_and_draws_ahead() -> None:
+    """It is seen from when its face is in the picture; its place and speed are those it has."""
+    drive = traffic((vehicle(5.0, 3.2), 9.0))
+    found = Seen().run(drive, range(round(4.0 * RATE_HZ)))
+    believed = [k for k, bodies in enumerate(found) if len(bodies)]
+    last = found[-1]
+    assert believed[0] < 2.5 * RATE_HZ
+    assert last.forward_m[0] == pytest.approx(5.0 + (9.0 - SPEED_MPS) * (len(found) - 1) / RATE_HZ, rel=0.08)
+    assert last.speed_mps[0] == pytest.approx(9.0, abs=0.8)
+    assert 0.5 * (last.left_m[0] + last.right_m[0]) == pytest.approx(3.2, abs=0.5)
+
+
+def test_tracks_that_slip_along_a_line_are_no_body() -> None:
+    """Points at 20 m that seem to drive on at 3 m/s: as high and wide as a body is, but in one line."""
+    along = np.linspace(0.0, 1.0, 9)
+    line = np.column_stack([np.full(9, 20.0), -1.2 + 2.4 * along, 0.1 + 0.9 * along])
+    found = Seen().run(traffic((line, 3.0)), range(180))
+    assert not any((bodies.identity < 0).any() for bodies in found)
+
+
+def test_what_the_road_shines_through_is_no_body() -> None:
+    """A mirror image as wide as a vehicle is crossed by the road's own marks."""
+    ghost = vehicle(20.0, 0.0)
+    rng = stream(32, "road in it")
+    road = np.column_stack([rng.uniform(5.0, 60.0, 900), rng.uniform(-6.0, 6.0, 900), np.zeros(900)])
+    drive = Traffic(np.concatenate([ghost, road]), np.concatenate([np.full(18, 3.0), np.zeros(900)]))
+    found = Seen().run(drive, range(180))
+    assert not any((bodies.identity < 0).any() for bodies in found)
+
+
+class Contrasted(Traffic):
+    """Traffic whose points have a squared contrast each, as a share of 1."""
+
+    def __init__(self, scene_m: Floats, speed_mps: Floats, contrast: Floats) -> None:
+        super().__init__(scene_m, speed_mps)
+        self.contrast = contrast
+
+    def flow(self, frame: int) -> Flow:
+        flow: Flow = super().flow(frame)
+        return replace(flow, structure=flow.structure * self.contrast[flow.identity][:, None, None])
+
+
+def before_trees(contrast: float) -> Contrasted:
+    """A car at 14 m that drives at 3 m/s, before a row of trees with just its inverse depth, as it is a second on."""
+    car = vehicle(14.0, 3.2)
+    rng = stream(33, "trees")
+    depth = (14.0 - CAMERA.forward_m + 3.0 - SPEED_MPS) / (1.0 - 3.0 / SPEED_MPS) + SPEED_MPS
+    trees = np.column_stack(
+        [np.full(60, depth + CAMERA.forward_m), rng.uniform(4.0, 15.0, 60), rng.uniform(1.6, 7.0, 60)]
+    )
+    speeds, contrasts = np.repeat([[3.0, 0.0], [contrast, 1.0]], [len(car), len(trees)], axis=1)
+    return Contrasted(np.concatenate([car, trees]), speeds, contrasts)
+
+
+def test_trees_behind_a_body_that_share_its_flow_do_not_hide_it() -> None:
+    found = Seen().run(before_trees(1.0), range(round(1.5 * RATE_HZ)))
+    last = found[-1]
+    assert np.count_nonzero(last.identity < 0) == 1
+    mover = int(np.argmin(last.identity))
+    assert last.forward_m[mover] == pytest.approx(14.0 + (3.0 - SPEED_MPS) * (len(found) - 1) / RATE_HZ, rel=0.08)
+    assert (last.left_m[mover], last.right_m[mover]) == pytest.approx((2.3, 4.1), abs=0.5)
+
+
+def test_an_image_as_faint_as_a_wet_road_mirrors_is_no_body() -> None:
+    found = Seen().run(before_trees(0.1), range(round(1.5 * RATE_HZ)))
+    assert not any((bodies.identity < 0).any() for bodies in found)
+
+
+def test_a_body_that_is_believed_keeps_its_place_against_a_nearer_suspect() -> None:
+    """A second reading of the same tracks, with the same time to contact: as far as its points say, it may be right."""
+    drive = traffic((vehicle(16.0, 0.0), 3.0))
+    seen = Seen()
+    seen.run(drive, range(round(2.0 * RATE_HZ)))
+    (mover,) = [mover for mover in seen.movers.movers if mover.identity is not None]
+    pose = drive.pose(round(2.0 * RATE_HZ) - 1)
+    place = mover.place(pose)
+    sight = Sight(place[0] - 3.0, 3.6, 0.5, -1.2, 1.2)
+    seen.movers.movers.append(Mover(sight, CAMERA, pose, 0.9, MoverConfig().filter))
+    found = seen.run(drive, range(round(2.0 * RATE_HZ), round(2.2 * RATE_HZ)))
+    assert [int(name) for name in found[-1].identity] == [-1]
+    expected = 16.0 + (3.0 - SPEED_MPS) * 2.2
+    assert found[-1].forward_m == pytest.approx([expected], abs=0.6)
+
+
+def test_a_believed_body_is_not_given_up_for_a_second_in_which_little_of_it_is_seen() -> None:
+    """As while the wiper passes: of all its points three are left, side by side."""
+    drive = traffic((vehicle(16.0, 0.0), 3.0))
+    seen = Seen()
+    nothing = seen.run(drive, range(10))[-1]
+    assert not len(nothing)
+    seen.run(drive, range(10, round(2.0 * RATE_HZ)))
+    for frame in range(round(2.0 * RATE_HZ), round(3.0 * RATE_HZ)):
+        flow = drive.flow(frame)
+        left = flow.chosen(np.flatnonzero((flow.identity > 17) | ((flow.identity > 3) & (flow.identity < 7))))
+        seen.movers.update(left, seen.landmarks.triangulate(left), drive.road, SPEED_MPS, frame / RATE_HZ)
+    told = seen.movers.obstacles(flow.pose, SPEED_MPS, nothing)
+    assert [int(name) for name in told.identity] == [-1]
+    assert told.forward_m == pytest.approx([16.0 + (3.0 - SPEED_MPS) * 3.0], abs=1.0)
+
+
+def two(ahead_m: float, right_m: float, pose: Floats) -> list[Mover]:
+    """Two believed bodies on a road along the x axis, the second so far ahead of the first and right of it."""
+    movers = []
+    for name, (x, y) in enumerate([(12.0, 0.0), (12.0 + ahead_m, right_m)], start=1):
+        forward, right = vehicle_from_world(np.array([x, y]), pose)
+        sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+        mover = Mover(sight, CAMERA, pose, 4.0, MoverConfig().filter)
+        mover.predict(0.0, 0.0, 0.0)
+        mover.identity = name
+        movers.append(mover)
+    return movers
+
+
+@pytest.mark.parametrize(("ahead_m", "right_m", "count"), [(4.0, 3.5, 2), (4.0, -3.5, 2), (4.0, 0.0, 1), (0.0, 2.0, 1)])
+@pytest.mark.parametrize("yaw_rad", [-0.35, 0.0, 0.35])
+def test_two_bodies_are_one_by_how_they_lie_along_the_road_wherever_we_look(
+    ahead_m: float, right_m: float, count: int, yaw_rad: float
+) -> None:
+    """Cars in neighbouring lanes, 4 m apart along the road, are 1.9 m apart across the axis of one turned by .35."""
+    seen, pose = Seen(), np.array([0.0, 0.0, yaw_rad])
+    seen.movers.movers = two(ahead_m, right_m, pose)
+    seen.movers._merge(pose)
+    assert len(seen.movers.movers) == count
+
+
+def test_no_point_is_of_two_bodies_the_nearer_of_which_hides_the_farther() -> None:
+    """Where both are met at one time the near one's side, seen beside the far one, grows as the far one does."""
+    side = np.column_stack(
+        [9.0 + np.repeat([2.5, 3.4, 4.2], 5), np.full(15, 2.4), np.tile(np.linspace(0.2, 1.2, 5), 3)]
+    )
+    near = np.concatenate([vehicle(9.0, 3.3), side])
+    drive, seen = traffic((near, 5.05), (vehicle(16.0, 1.3), 4.6)), Seen()
+    seen.run(drive, range(60))
+    pose = drive.pose(59)
+    seen.movers.movers = []
+    for name, (start_m, right_m, speed_mps) in enumerate([(16.0, 1.3, 4.6), (9.0, 3.3, 5.05)], start=1):
+        depth = start_m + speed_mps - SPEED_MPS - CAMERA.forward_m
+        mover = Mover(
+            Sight(depth, speed_mps, 0.2, right_m - 1.0, right_m + 1.0), CAMERA, pose, 5.0, MoverConfig().filter
+        )
+        mover.identity = name
+        seen.movers.movers.append(mover)
+    found = seen.run(drive, range(60, 120))
+    far, nearer = sorted(seen.movers.movers, key=lambda mover: mover.identity or 0)
+    assert len(far.tracks)
+    assert not np.isin(far.tracks, nearer.tracks).any()
+    assert sorted(0.5 * (found[-1].left_m + found[-1].right_m)) == pytest.approx([1.3, 3.3], abs=0.35)
+
+
+def test_tracks_older_than_a_fast_body_is_in_sight_are_not_of_it_and_do_not_spoil_it() -> None:
+    """It drives 9 m/s, 3 m before the camera: .9 s ago it was beside us, and an older track is of what stands."""
+    drive = Drive(body(12.0, 3.2, 1.8, 1.2, 12))
+    for frame in range(60):
+        flow = drive.flow(frame)
+    course, old = Course(9.0, 0.0, 0.0), flow.age_frames > 52
+    assert old.any()
+    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, MoverConfig().noise)
+    mover = Mover(Sight(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, MoverConfig().filter)
+    chi2, _, change = mover.fit(tracks, np.ones(len(flow)), SPEED_MPS, 3.0, np.ones(len(flow), np.bool_))
+    assert np.isfinite(change)
+    assert (chi2[old] > 1e3).all()
+
+
+def test_a_body_that_is_only_predicted_hides_none_behind_it() -> None:
+    """Beside us, beyond the picture, one is believed still; where it would be the right half of another is seen."""
+    drive, seen = traffic((vehicle(9.5, 3.2), 3.0)), Seen()
+    seen.run(drive, range(60))
+    beside = Mover(Sight(3.6, 3.0, 0.2, 4.7, 6.7), CAMERA, drive.pose(59), 5.0, MoverConfig().filter)
+    beside.identity = 99
+    passed = next(mover for mover in seen.movers.movers if mover.identity is not None)
+    seen.movers.movers.append(beside)
+    for frame in range(60, 84):
+        seen.run(drive, range(frame, frame + 1))
+        assert beside in seen.movers.movers
+        right_half = np.arange(10, 18)
+        assert np.isin(passed.tracks, right_half).sum() >= 4
+
+
+@pytest.mark.parametrize("yaw_rad", [-0.3, 0.0, 0.3])
+def test_the_sides_of_a_body_are_where_they_are_in_the_world_however_the_car_is_turned(yaw_rad: float) -> None:
+    """Points all over a rear whose middle lies .5 m right of what is believed, on a road along the x axis."""
+    pose, face_m = np.array([0.0, 0.0, yaw_rad]), 12.0
+    forward, right = vehicle_from_world(np.array([face_m, 1.0]), pose)
+    sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+    mover = Mover(sight, CAMERA, pose, 4.0, MoverConfig().filter)
+    mover.course = Course(3.0, 0.0, 0.0)
+    rear = vehicle_from_world(np.column_stack([np.full(20, face_m), 1.5 + np.linspace(-0.95, 0.95, 20)]), pose)
+    for _ in range(20):
+        mover.spread(1.9, rear[:, 1] / (rear[:, 0] - CAMERA.forward_m), np.full(20, 4.0), pose, 0.05)
+        mover._sides.predict(0.05)
+    assert mover._place_m == pytest.approx([face_m, 1.5], abs=0.2)
+    assert mover.is_seen
+
+
+def test_a_body_seen_from_its_side_tells_nothing_of_its_rear() -> None:
+    pose = np.array([0.0, 0.0, 1.2])
+    mover = Mover(Sight(7.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 4.0, MoverConfig().filter)
+    mover.predict(0.0, 0.0, 0.0)
+    mover.predict(0.05, 0.0, 0.0)
+    before = mover._place_m.copy()
+    mover.spread(2.0, np.linspace(-0.2, 0.2, 9), np.full(9, 4.0), pose, 0.05)
+    assert mover._place_m == pytest.approx(before)
+    assert not mover.is_seen

@@ -1,0 +1,34 @@
+"""How high a camera hangs, by the lanes of a road that we rendered."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import rendered_drive as rendered
+
+from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
+from vpf_sim.replay import lane_height
+from vpf_sim.replay.recording import Frame
+
+CONFIG = RoadEdgeConfig()
+
+
+@pytest.mark.parametrize("believed_m", [1.0, 2.0])
+def test_lanes_tell_the_height_whatever_was_believed(believed_m: float) -> None:
+    recording = rendered.recording(100.0)
+    camera = replace(recording.camera, height_m=believed_m)
+    found = lane_height.height_m(recording.frames(), camera, recording.times_s, CONFIG)
+    assert found == pytest.approx(rendered.CAMERA.height_m, rel=0.03)
+
+
+def test_a_picture_without_lanes_tells_nothing() -> None:
+    recording = rendered.recording(np.inf)
+    noise = np.random.default_rng(1).integers(0, 255, (480, 640, 3)).astype(np.uint8)
+    grain = [Frame(k, np.roll(noise, 7 * k, axis=1)) for k in range(len(recording))]
+    assert lane_height.height_m(iter(grain), recording.camera, recording.times_s, CONFIG) is None
+
+
+def test_neither_does_a_drive_of_gaps() -> None:
+    recording = rendered.recording(np.inf)
+    gaps = iter([Frame(k, None, "lost") for k in range(len(recording))])
+    assert lane_height.height_m(gaps, recording.camera, recording.times_s, CONFIG) is None

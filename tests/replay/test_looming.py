@@ -1,0 +1,79 @@
+"""A picture of a body that grows by a known rate."""
+
+from math import inf, isnan
+
+import cv2
+import numpy as np
+import pytest
+
+from vpf_sim.replay.looming import Box, Contact, GrowthConfig, GrowthTracker
+from vpf_sim.seeding import stream
+from vpf_sim.types import Image
+
+RATE_HZ = 20.0
+FOCAL, WIDTH_M = 500.0, 1.6
+
+
+def texture(name: str) -> Image:
+    smooth = cv2.GaussianBlur(stream(21, name).normal(0.0, 1.0, (240, 240)), (0, 0), 3.0)
+    return np.clip(120.0 + 45.0 * smooth / smooth.std(), 0, 255).astype(np.uint8)
+
+
+def frame(distance_m: float, aside_px: float, foreign: float = 0.0) -> tuple[Image, Box]:
+    """(320, 480) a square body, sharp at any distance, before a grey wall; in part of it stands a still picture."""
+    size = FOCAL * WIDTH_M / distance_m
+    left, top = 240.0 + aside_px - 0.5 * size, 160.0 - 0.5 * size
+    matrix = np.array([[size / 240.0, 0.0, left], [0.0, size / 240.0, top]])
+    picture = cv2.warpAffine(texture("body"), matrix, (480, 320), flags=cv2.INTER_AREA, borderValue=100.0)
+    rows = int(foreign * size)
+    if rows:
+        y, x = int(top) + 8, int(left) + 8
+        width = int(size) - 16
+        picture[y : y + rows, x : x + width] = texture("pane")[:rows, :width]
+    noise = stream(int(1000 * distance_m), "noise").normal(0.0, 1.0, (320, 480))
+    seen = np.clip(picture.astype(float) + noise, 0, 255).astype(np.uint8)
+    return seen, (left, top, left + size, top + size)
+
+
+def drive(closing_mps: float, frames: int = 16, foreign: float = 0.0, drift_px: float = 0.0) -> tuple[Contact, float]:
+    """The last contact, and the distance then."""
+    tracker = GrowthTracker(GrowthConfig(), RATE_HZ)
+    for k in range(frames):
+        distance = 8.0 - closing_mps * k / RATE_HZ
+        contact = tracker.update(*frame(distance, drift_px * k, foreign))
+    return contact, distance
+
+
+@pytest.mark.parametrize("closing_mps", [0.5, 1.0, 4.0])
+@pytest.mark.parametrize("drift_px", [0.0, 1.3])
+def test_the_time_is_distance_over_closing_speed(closing_mps: float, drift_px: float) -> None:
+    contact, distance = drive(closing_mps, drift_px=drift_px)
+    assert contact.ttc_s == pytest.approx(distance / closing_mps, rel=0.12)
+    assert contact.points >= 20
+
+
+def test_what_shines_in_a_pane_does_not_mislead() -> None:
+    contact, distance = drive(1.0, foreign=0.3)
+    assert contact.ttc_s == pytest.approx(distance, rel=0.15)
+
+
+@pytest.mark.parametrize("closing_mps", [0.0, -1.0])
+def test_what_keeps_its_distance_or_leaves_is_no_alarm(closing_mps: float) -> None:
+    contact, _ = drive(closing_mps)
+    assert contact.ttc_s == inf
+    assert contact.growth_per_s < 0.02
+
+
+def test_too_little_is_not_known() -> None:
+    assert isnan(drive(1.0, frames=3)[0].ttc_s)
+    tracker = GrowthTracker(GrowthConfig(), RATE_HZ)
+    plain = np.full((320, 480), 90, np.uint8)
+    for _ in range(12):
+        contact = tracker.update(plain, (100.0, 100.0, 300.0, 200.0))
+    assert isnan(contact.ttc_s)
+    assert isnan(tracker.update(plain, None).ttc_s)
+
+
+def test_nonsense_is_refused() -> None:
+    with pytest.raises(ValueError, match="baseline_s"):
+        GrowthConfig(baseline_s=0.0)

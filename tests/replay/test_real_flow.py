@@ -1,0 +1,85 @@
+"""Flow, focus of expansion and time to contact on the recorded drives, where these are at hand."""
+
+import os
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vpf_sim.perception.egomotion import focus_of_expansion as expansion
+from vpf_sim.perception.egomotion.flow import FlowTracker, grey
+from vpf_sim.planning import variant
+from vpf_sim.replay import readers
+from vpf_sim.replay.obstacles_ahead import LeadBody, closing_mps
+from vpf_sim.replay.recording import Recording
+from vpf_sim.seeding import stream
+from vpf_sim.types import Expansion
+
+SHARED = os.environ.get("VPF_SIM_SHARED")
+pytestmark = pytest.mark.skipif(not SHARED, reason="needs the recorded drives; set VPF_SIM_SHARED")
+
+
+def recording(name: str) -> Recording:
+    return readers.read(Path(SHARED or "") / "drives" / name)
+
+
+def foci(drive: Recording) -> list[Expansion]:
+    """Of every frame but the first."""
+    robust, random = variant.load("robust"), stream(0, "focus of expansion")
+    tracker = FlowTracker(drive.camera, robust.flow, drive.rate_hz)
+    seen: list[Expansion] = []
+    for frame in drive.frames():
+        assert frame.image is not None
+        flow = tracker.update(grey(frame.image), drive.poses[frame.index])
+        before = seen[-1] if seen else None
+        seen.append(expansion.estimate(flow, drive.camera, robust.expansion, random, before))
+    return seen[1:]
+
+
+def test_the_focus_agrees_with_the_poses_but_for_what_these_are_off() -> None:
+    """Two pixels; and the poses' frame is turned against the camera's: apart from that, one in the later half."""
+    drive = recording("kitti_vo_seq1")
+    error = np.array([[foe.x_px, foe.y_px] for foe in foci(drive)]) - drive.foe_px[1:]
+    x, y = np.nanmedian(np.abs(error), axis=0)
+    assert max(x, y) <= 2.0
+    offset = np.nanmedian(error[10:30], axis=0)
+    assert np.nanmedian(np.abs(error[30:] - offset), axis=0).max() < 1.2
+
+
+def test_a_wet_lens_in_fog_leaves_a_focus() -> None:
+    seen = foci(recording("radiate_fog"))
+    assert np.mean([foe.confidence > 0.0 for foe in seen]) >= 0.9
+    place = np.array([[foe.x_px, foe.y_px] for foe in seen if foe.confidence > 0.0])
+    assert np.subtract(*np.quantile(place, [0.75, 0.25], axis=0)).max() <= 12.0
+    dry = foci(recording("kitti_vo_seq1"))
+    assert np.median([foe.confidence for foe in seen]) < 0.5 * np.median([foe.confidence for foe in dry])
+
+
+def test_the_time_to_the_lead_car_is_the_lidar_s() -> None:
+    drive = recording("kitti_raw_leadcar")
+    lead, closing = LeadBody(drive.camera, drive.rate_hz), closing_mps(drive.lead_gap_m, drive.times_s)
+    images = [frame.image for frame in drive.frames()]
+    ratio = []
+    for image, gap_m, speed in zip(images, drive.lead_gap_m, closing, strict=True):
+        assert image is not None
+        ttc_s = lead.ttc_s(grey(image), float(gap_m))
+        if speed > 0.5 and not np.isnan(ttc_s):
+            ratio.append(ttc_s * speed / gap_m)
+    assert len(ratio) > 40
+    assert np.all(np.abs(np.array(ratio) - 1.0) < 0.25)
+    assert np.median(np.abs(np.array(ratio) - 1.0)) < 0.1
+
+
+def test_what_stands_before_a_standing_car_is_no_alarm() -> None:
+    """The first frame of the drive over and over, with the noise of a sensor."""
+    drive, random = recording("kitti_raw_leadcar"), stream(0, "standing")
+    image = next(drive.frames()).image
+    assert image is not None
+    still, lead = grey(image).astype(float), LeadBody(drive.camera, drive.rate_hz)
+    times = []
+    for _ in range(20):
+        noisy = np.clip(still + random.normal(0.0, 2.0, still.shape), 0.0, 255.0).astype(np.uint8)
+        times.append(lead.ttc_s(noisy, float(drive.lead_gap_m[0])))
+    assert not np.any(np.array(times) < 8.0)
+    assert any(np.isinf(late) for _, late in pairwise(times))

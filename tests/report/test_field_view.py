@@ -1,0 +1,49 @@
+"""The field from above: dark where the potential is low, and the wanted place where it was put."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_overlay import plan
+
+from vpf_sim.errors import InputError
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.lateral_cost import LanePotential
+from vpf_sim.report import field_view
+from vpf_sim.report.compass import REFERENCE
+from vpf_sim.types import Camera, Plan
+
+LEFT_M, RIGHT_M, WIDTH_PX = -8.75, 5.25, 640
+
+
+def bowl(minimum_m: float) -> Plan:
+    """A plan whose potential is a parabola about its minimum."""
+    y = np.linspace(-9.0, 9.0, 361)
+    none = np.zeros_like(y)
+    extra = {
+        "lane": Lane(0.0, RIGHT_M, LEFT_M, 0.0, 0.0),
+        "obstacles": LaneObstacles(np.empty(0), np.empty(0), np.empty(0)),
+        "potential": LanePotential(y, 0.1 * (y - minimum_m) ** 2, none, none, minimum_m),
+        "reference_y_m": minimum_m,
+    }
+    return replace(plan(Camera()), extra=extra)
+
+
+def column(y_m: float) -> int:
+    margin = field_view.MARGIN_M
+    return round((y_m - LEFT_M + margin) * WIDTH_PX / (RIGHT_M - LEFT_M + 2.0 * margin))
+
+
+@pytest.mark.parametrize("minimum_m", [-6.0, 0.0, 3.5])
+def test_the_picture_is_darkest_beside_the_minimum_and_marks_it(minimum_m: float) -> None:
+    picture = field_view.draw(bowl(minimum_m), WIDTH_PX)
+    row = picture[60].astype(int)
+    assert row[column(minimum_m)].tolist() == list(REFERENCE)
+    brightness = row.sum(axis=1)
+    beside, away = brightness[column(minimum_m) + 8], brightness[column(minimum_m + (4.0 if minimum_m < 0 else -4.0))]
+    assert beside < away
+
+
+def test_a_plan_without_a_potential_is_refused() -> None:
+    with pytest.raises(InputError, match="expected a plan with a potential across the road"):
+        field_view.draw(plan(Camera()))

@@ -1,0 +1,22 @@
+"""The trivial baseline: no throttle and no steering."""
+
+from vpf_sim.types import Command, DriverSetup, Observation, Plan, Privilege
+
+
+class NeutralDriver:
+    """Touches nothing: the trivial driver."""
+
+    privileged: Privilege = "none"
+    sees = False
+
+    def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002
+        from vpf_sim.controllers.neutral import Neutral
+
+        self._controller = Neutral()
+
+    def act(self, observation: Observation) -> Command:  # noqa: ARG002
+        return self._controller.command()
+
+    def trace(self) -> Plan | None:
+        """No plan either."""
+        return None

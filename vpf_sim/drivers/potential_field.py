@@ -1,0 +1,63 @@
+"""The driver under test: the Visual Potential Field planner in a variant, and the sliding mode controller behind it."""
+
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING
+
+from vpf_sim.types import Command, DriverSetup, Observation, Plan, Privilege
+
+if TYPE_CHECKING:
+    from vpf_sim.controllers.gtsmc import Gains
+    from vpf_sim.planning.variant import Variant
+
+
+class FieldDriver:
+    """The Visual Potential Field planner in a variant by name or file, with the sliding mode controller it names."""
+
+    privileged: Privilege = "none"
+
+    def __init__(self, variant: str) -> None:
+        from vpf_sim.controllers.gtsmc import load_gains
+        from vpf_sim.planning import variant as variants
+
+        self._variant = variants.load(variant)
+        gains, own = load_gains(self._variant.gains), self._variant.controller
+        changed = {} if own is None else {key: value for key, value in asdict(own).items() if value is not None}
+        self._gains = replace(gains, **changed)
+        self._plan: Plan | None = None
+
+    def reset(self, setup: DriverSetup) -> None:
+        from vpf_sim.controllers.gtsmc import Gtsmc
+        from vpf_sim.perception.egomotion.odometry import Odometry
+        from vpf_sim.planning.planner import Planner
+
+        self._planner = Planner(setup, self._variant)
+        self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
+        self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
+        self._plan = None
+
+    def act(self, observation: Observation) -> Command:
+        if self._odometry is not None:
+            observation = self._odometry.update(observation)
+        plan = self._planner.step(observation)
+        command = self._controller.command(observation, plan.reference)
+        self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
+        return command
+
+    @property
+    def looks(self) -> bool:
+        """Whether it looks at the next frame."""
+        return self._planner.looks
+
+    def trace(self) -> Plan | None:
+        """The plan of the last step, for overlays and scores."""
+        return self._plan
+
+    @property
+    def variant(self) -> "Variant":
+        """The configuration of its planner."""
+        return self._variant
+
+    @property
+    def gains(self) -> "Gains":
+        """Those of its controller."""
+        return self._gains

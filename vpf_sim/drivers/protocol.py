@@ -1,0 +1,34 @@
+"""How any driver is asked: its command, whether it needs frames, and its plan if it shows one."""
+
+import numpy as np
+
+from vpf_sim.types import Command, Driver, Observation, Plan
+
+
+def command_of(driver: Driver, observation: Observation) -> Command:
+    """What a driver does, within the limits; anything but a command of finite numbers is the driver's fault."""
+    command = driver.act(observation)
+    if not isinstance(command, Command):
+        raise TypeError(f"driver: act: expected a vpf_sim.types.Command, got {command!r}")
+    values = np.array([command.throttle, command.steering], dtype=float)
+    if not np.isfinite(values).all():
+        raise ValueError(f"driver: expected finite throttle and steering, got {command}")
+    throttle, steering = values.tolist()
+    return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
+
+
+def sees(driver: Driver) -> bool:
+    """Whether a driver looks at the frames: all do but those that say `sees = False`."""
+    return bool(getattr(driver, "sees", True))
+
+
+def looks(driver: Driver) -> bool:
+    """Whether a driver that acted looks at the next frame: one that sees does, but where it says `looks = False`."""
+    return sees(driver) and bool(getattr(driver, "looks", True))
+
+
+def trace_of(driver: Driver) -> Plan | None:
+    """The plan of a driver that shows one."""
+    trace = getattr(driver, "trace", None)
+    plan = trace() if trace is not None else None
+    return plan if isinstance(plan, Plan) else None

@@ -1,0 +1,1 @@
+"""Optical flow, the camera's own motion and pitch, and depth from motion."""

@@ -1,0 +1,329 @@
+"""Sparse optical flow: Shi-Tomasi corners, pyramidal Lucas-Kanade, and tracks chained from frame to frame."""
+
+from math import ceil, log2
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.geometry import undistort
+from vpf_sim.perception.egomotion.corners import inverse, is_corner, structure_tensor
+from vpf_sim.perception.egomotion.flow_config import BANDS, Band, FlowConfig
+from vpf_sim.perception.egomotion.ground_plane import ground_flow
+from vpf_sim.perception.egomotion.tracks import Tracks
+from vpf_sim.perception.egomotion.windscreen_points import stuck
+from vpf_sim.perception.quantiles import median
+from vpf_sim.types import Bools, Camera, Floats, Flow, Image
+
+Singles = NDArray[np.float32]
+
+LOOSE_PX = 1.0  # a point that moved so far within a window is not stuck any more
+FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
+# Of the points, that jump at once where something sweeps across the picture; drops move fewer. And so many at least.
+SWEPT_SHARE, SWEPT_LEAST = 0.08, 8
+COVERED_LEVELS, COVERED_RATIO = 12.0, 4.0  # mean difference of a window to the one that is sought, and over the median
+
+
+def grey(image_rgb: Image) -> Image:
+    """(H, W) uint8 luma of an (H, W, 3) RGB image, 0.299 R + 0.587 G + 0.114 B."""
+    return cv2.cvtColor(image_rgb, cv2.COLOR_RGB2GRAY).astype(np.uint8, copy=False)
+
+
+def squares(vectors: Floats) -> Floats:
+    """(N,) squared lengths of (N, 2)."""
+    x, y = vectors.T
+    length: Floats = x * x + y * y
+    return length
+
+
+class FlowTracker:
+    """Follows corners frame by frame and reports each one's motion over the window (METHOD 0.7, A4).
+
+    Corners are topped up, not recomputed: each band is searched once a period, beside the points already followed.
+    Points known to lie on the road do not count against the band's share, so that new ones are looked for elsewhere;
+    nor do points that are stuck to the glass. These are followed on and reported as such.
+    """
+
+    def __init__(self, camera: Camera, config: FlowConfig, rate_hz: float) -> None:
+        self.camera = camera
+        self.config = config
+        self.rate_hz = rate_hz
+        self._window_frames = max(1, round(config.window_s * rate_hz))
+        self._period_frames = max(1, round(config.detect_period_s * rate_hz))
+        self._anchor_frames = None if config.anchor_s is None else max(2, round(config.anchor_s * rate_hz))
+        self._hold_frames = None if config.hold_s is None else max(1, round(config.hold_s * rate_hz))
+        self._jump_px = 0.5 * config.reach_px_per_s / rate_hz
+        self._bands = [(self._rows(band), round(band.share * config.points)) for band in BANDS[config.bands]]
+        self._top = max(0, min(rows.start for rows, _ in self._bands) - config.window_px)
+        self._bottom = min(camera.height_px, max(rows.stop for rows, _ in self._bands) + config.window_px)
+        self._corner_px = np.array([0.0, self._top])  # of what is followed
+        self._previous: Image | None = None
+        self._poses: Floats = np.empty((0, 3))  # newest first
+        self._next_identity = 0
+        self._frame = 0
+        self._tracks = Tracks.none(self._window_frames)
+        self._held: Image | None = None  # the last frame before something began to sweep across the picture,
+        self._held_until = 0  # and the last in which it serves
+
+    def update(self, image: Image, pose: Floats, hidden: Image | None = None) -> Flow:
+        """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels.
+
+        No corners are looked for where `hidden` (H, W) is not 0.
+        """
+        self._poses = np.concatenate([pose[None], self._poses[: self._window_frames]])
+        if self._previous is not None and len(self._tracks):
+            self._follow(self._previous, image)
+        if self._anchor_frames is not None:
+            self._tracks.renew_anchor(self._anchor_frames, pose)
+        if self._frame % self._period_frames == 0:
+            self._look_for_stuck(pose)
+        flow = self._report(pose)
+        self._weigh_again(image)
+        if not self.is_swept:  # a blade has corners too
+            self._top_up(image, pose, hidden)
+        self._previous = image
+        self._frame += 1
+        return flow
+
+    @property
+    def is_swept(self) -> bool:
+        """Whether something sweeps across the last frame, as a wiper does."""
+        return self._held is not None
+
+    @property
+    def levels(self) -> int:
+        """maxLevel of Lucas-Kanade: each level doubles the motion that half a window can follow."""
+        if self.config.max_level is not None:
+            return self.config.max_level
+        motion_px = self.config.reach_px_per_s / self.rate_hz
+        return max(1, ceil(log2(motion_px / (self.config.window_px / 2))))
+
+    def _rows(self, band: Band) -> slice:
+        edges = self.camera.cy_px + self.camera.fy_px * (
+            np.array([band.top, band.bottom]) - np.tan(self.camera.pitch_rad)
+        )
+        top, bottom = np.clip(edges, 0, self.camera.height_px).astype(int)
+        return slice(int(top), int(bottom))
+
+    def _lucas_kanade(
+        self, before: Image, after: Image, points_px: Floats, guess_px: Floats | None = None
+    ) -> tuple[Floats, Bools, Singles]:
+        """(N, 2) where points have gone, (N,) whether they were found, and (N,) grey levels by which the windows of
+        those differ."""
+        config = self.config
+        rows, offset = slice(self._top, self._bottom), self._corner_px
+        points = (points_px - offset).astype(np.float32)
+        moved, status, error = cv2.calcOpticalFlowPyrLK(
+            before[rows],
+            after[rows],
+            points,
+            np.empty_like(points) if guess_px is None else (guess_px - offset).astype(np.float32),
+            winSize=(config.window_px, config.window_px),
+            maxLevel=self.levels,
+            criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, config.iterations, config.epsilon_px),
+            flags=0 if guess_px is None else cv2.OPTFLOW_USE_INITIAL_FLOW,
+        )
+        return moved + offset, status.ravel() == 1, error.ravel().astype(np.float32, copy=False)
+
+    def _follow(self, before: Image, after: Image) -> None:
+        tracks = self._tracks
+        now, found, good, error = self._moved(before, after)
+        if self._hold_frames is not None:
+            now, good = self._hold((before, after), now, found, good, error, self._hold_frames)
+        good &= (now[:, 0] >= 0) & (now[:, 0] <= self.camera.width_px - 1)
+        good &= (now[:, 1] >= self._top) & (now[:, 1] <= self._bottom - 1)
+        tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
+        tracks.age, tracks.next_age = tracks.age + 1, tracks.next_age + 1
+        tracks.keep(good)
+        if not tracks.covered.any():
+            self._held = None
+
+    def _moved(self, before: Image, after: Image) -> tuple[Floats, Bools, Bools, Singles]:
+        """What `_there_and_back` says of each point. Covered ones are not followed nor found: `_hold` seeks them."""
+        points = self._tracks.trail[0]
+        if not self.is_swept:
+            return self._there_and_back(before, after, points)
+        seen = np.flatnonzero(self._tracks.covered == 0)
+        now, (found, good) = points.copy(), np.zeros((2, len(points)), np.bool_)
+        error = np.zeros(len(points), np.float32)
+        if len(seen):
+            now[seen], found[seen], good[seen], error[seen] = self._there_and_back(before, after, points[seen])
+        return now, found, good, error
+
+    def _there_and_back(self, before: Image, after: Image, points_px: Floats) -> tuple[Floats, Bools, Bools, Singles]:
+        """(N, 2) where points have gone, (N,) whether they were found, and whether the way back leads to where they
+        were too, which is asked once a period, and (N,) grey levels by which the windows of those found differ."""
+        now, found, error = self._lucas_kanade(before, after, points_px)
+        limit = self.config.forward_backward_px
+        if limit is None or self._frame % self._period_frames != 1 % self._period_frames:
+            return now, found, found, error
+        back, returned, _ = self._lucas_kanade(after, before, now)
+        return now, found, found & returned & (np.hypot(*(back - points_px).T) < limit), error
+
+    def _hold(
+        self, frames: tuple[Image, Image], now_px: Floats, found: Bools, good: Bools, error: Singles, hold_frames: int
+    ) -> tuple[Floats, Bools]:
+        """Where the points are now, and which are kept, if a wiper's blade sweeps across them: it takes them along.
+
+        Such points jump, or look otherwise. They go on as they went, are not reported, and are sought again in every
+        frame by how they looked before the sweep. A few that jump at other times are lost.
+        """
+        tracks = self._tracks
+        jumps, turn = self._jumps(now_px, found)
+        if self._held is None:
+            if np.count_nonzero(jumps) <= max(SWEPT_LEAST, SWEPT_SHARE * len(tracks)):
+                return now_px, good & ~jumps
+            self._held, self._held_until = frames[0], self._frame + hold_frames
+            tracks.held_px = tracks.trail[0].copy()
+        seen = found & ~jumps
+        usual = median(error[seen]) if seen.any() else 0.0
+        limit = max(COVERED_LEVELS, COVERED_RATIO * usual)
+        covered = ~seen | (error > limit)
+        now = self._seek(frames[1], now_px, covered, turn, limit)
+        kept = covered | good
+        if self._frame >= self._held_until:  # what has not come back by now was water, and is wiped away
+            kept &= tracks.covered == 0
+        return now, kept
+
+    def _jumps(self, now_px: Floats, found: Bools) -> tuple[Bools, Floats]:
+        """(N,) points that move on otherwise than before by more than any does that is followed, against (2,) what most
+        do so: the camera turns."""
+        tracks = self._tracks
+        known = found & (tracks.age > 0)
+        jump = now_px - 2.0 * tracks.trail[0] + tracks.trail[1]
+        far = known & (squares(jump) > self._jump_px**2)
+        if not far.any():
+            return far, np.zeros(2)
+        turn = np.array([median(part) for part in jump[known].T])
+        return known & (squares(jump - turn) > self._jump_px**2), turn
+
+    def _seek(self, after: Image, now_px: Floats, covered: Bools, turn_px: Floats, limit: float) -> Floats:
+        """(N, 2) where the points are now: covered ones where they are found again, or where they should be by now."""
+        tracks = self._tracks
+        tracks.covered = np.where(covered, tracks.covered + 1, 0)
+        expected = 2.0 * tracks.trail[0] - tracks.trail[1] + turn_px
+        now = np.where(covered[:, None], expected, now_px)
+        sought = np.flatnonzero(covered)
+        if len(sought) and self._held is not None:
+            place, found, differs = self._lucas_kanade(self._held, after, tracks.held_px[sought], expected[sought])
+            aside = place - expected[sought]
+            found &= (differs < limit) & (np.hypot(*aside.T) < self._jump_px)
+            now[sought[found]] = place[found]
+            tracks.show(sought[found], aside[found])
+        return now
+
+    def _report(self, pose: Floats) -> Flow:
+        covered = self._tracks.covered > 0
+        tracks = self._tracks.chosen(~covered) if self.is_swept else self._tracks
+        frames = np.minimum(tracks.age, self._window_frames)
+        now, past, first = (
+            undistort(self.camera, points)
+            for points in (tracks.trail[0], tracks.trail[frames, np.arange(len(tracks))], tracks.first_px)
+        )
+        displacement = now - past
+        still = np.abs(displacement) < LOOSE_PX
+        return Flow(
+            points_px=now,
+            displacement_px=displacement,
+            gap_s=frames / self.rate_hz,
+            past_pose=self._poses.take(frames, axis=0),
+            pose=pose,
+            identity=tracks.identity,
+            first_px=first,
+            first_pose=tracks.first_pose,
+            age_frames=tracks.age,
+            structure=tracks.structure,
+            stuck=tracks.stuck & still[:, 0] & still[:, 1],
+            covered=self._tracks.identity[covered],
+        )
+
+    def _look_for_stuck(self, pose: Floats) -> None:
+        """A point's first sighting in the undistorted frame is near enough to that in the frame as it is."""
+        tracks = self._tracks
+        if len(tracks):
+            tracks.stuck = stuck(self.camera, tracks.trail[0], tracks.first_px, tracks.first_pose, pose)
+
+    def _weigh_again(self, image: Image) -> None:
+        """Look at a part of the windows in every frame: what was a corner from afar may be an edge from near.
+
+        The noise of the chained steps adds up, and goes with the inverse of the tensor, so the inverses are averaged.
+        """
+        tracks = self._tracks
+        if not self._guarded:
+            return
+        due = np.flatnonzero(((tracks.identity + self._frame) % self._period_frames == 0) & (tracks.covered == 0))
+        if not len(due):
+            return
+        tensor = structure_tensor(image, tracks.trail[0, due], self.config.window_px)
+        looks = 1 + tracks.age[due, None, None] // self._period_frames
+        mean = inverse(tracks.structure[due] + FAINT)
+        mean = mean + (inverse(tensor + FAINT) - mean) / (looks + 1)
+        tracks.structure[due] = inverse(mean) - FAINT
+        corner = self._is_corner(tensor)
+        if not corner.all():
+            keep = np.ones(len(tracks), np.bool_)
+            keep[due] = corner
+            tracks.keep(keep)
+
+    @property
+    def _guarded(self) -> bool:
+        return self.config.texture_floor > 0.0 or self.config.corner_ratio > 0.0
+
+    def _is_corner(self, tensor: Floats) -> Bools:
+        return is_corner(tensor, self.config.texture_floor, self.config.corner_ratio)
+
+    def _top_up(self, image: Image, pose: Floats, hidden: Image | None) -> None:
+        """Search the bands whose turn it is; at the start all of them."""
+        for index, (rows, quota) in enumerate(self._bands):
+            turn = (self._frame - index * self._period_frames // len(self._bands)) % self._period_frames == 0
+            if self._frame and not turn:
+                continue
+            self._drop_settled(rows, quota)
+            points = self._tracks.trail[0]
+            inside = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
+            wanted = quota - np.count_nonzero(inside & ~self._tracks.stuck)
+            if wanted >= max(1, quota // 20):
+                self._add(self._corners(image, rows, points[inside], int(wanted), hidden), image, pose)
+
+    def _drop_settled(self, rows: slice, quota: int) -> None:
+        """Long-lived points of the road make room for new ones: half of the band's share at most."""
+        tracks = self._tracks
+        points = tracks.trail[0]
+        old = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop) & (tracks.age > 2 * self._window_frames)
+        if np.count_nonzero(old) <= quota // 2:
+            return
+        chosen = np.flatnonzero(old)
+        now, first = (undistort(self.camera, of[chosen]) for of in (points, tracks.first_px))
+        road = ground_flow(self.camera, now, tracks.first_pose[chosen], self._poses[0])
+        residual = np.hypot(*(now - first - road).T)
+        settled = chosen[residual < 0.02 * np.hypot(*road.T) + 0.1]
+        excess = len(chosen) - quota // 2
+        keep = np.ones(len(tracks), np.bool_)
+        keep[settled[:excess]] = False  # the oldest first
+        tracks.keep(keep)
+
+    def _corners(self, image: Image, rows: slice, taken_px: Floats, count: int, hidden: Image | None) -> Floats:
+        config = self.config
+        strip = image[rows]
+        mask = np.full(strip.shape, 255, np.uint8)
+        columns, lines = np.rint(taken_px).astype(np.intp).T
+        mask[np.minimum(lines - rows.start, len(strip) - 1), columns] = 0
+        size = 2 * round(config.min_distance_px) + 1
+        mask = cv2.erode(mask, np.ones((size, size), np.uint8)).astype(np.uint8, copy=False)
+        if hidden is not None:
+            mask[hidden[rows] != 0] = 0
+        found = cv2.goodFeaturesToTrack(
+            strip, count, config.quality, config.min_distance_px, mask=mask, blockSize=config.block_px
+        )
+        if found is None:
+            return np.empty((0, 2))
+        corners: Floats = found.reshape(-1, 2).astype(np.float64) + np.array([0.0, rows.start])
+        return corners
+
+    def _add(self, points_px: Floats, image: Image, pose: Floats) -> None:
+        tensor = structure_tensor(image, points_px, self.config.window_px)
+        if self._guarded:
+            corner = self._is_corner(tensor)
+            points_px, tensor = points_px[corner], tensor[corner]
+        self._tracks.append(points_px, tensor, pose, self._next_identity)
+        self._next_identity += len(points_px)

@@ -1,0 +1,223 @@
+"""The focus of expansion (FOE): the image of the direction in which the camera moves (paper, section III-A)."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import inf, sqrt
+from typing import Literal
+
+import numpy as np
+
+from vpf_sim.geometry import rotation_flow
+from vpf_sim.perception.egomotion.focus_fit import Prior, fit
+from vpf_sim.types import Camera, Expansion, Floats, Flow
+
+LEAST_CONFIDENCE = 0.1  # below it what rests on the flow is not to be trusted
+UNIT = np.eye(2)
+SHARP_RAD = 0.016  # standard deviation of the FOE's direction at which it is half as useful as an exact one
+
+
+@dataclass(frozen=True, slots=True)
+class ExpansionConfig:
+    method: Literal["as_printed", "least_squares", "robust"] = "robust"
+    tolerance_px: float = 0.15  # error across the radial direction that one step between frames may have, plus
+    tolerance_ratio: float = 0.04  # this share of its length; over n chained steps it grows with sqrt(n)
+    min_flow_px: float = 1.7  # shorter motions do not vote: the far road creeps towards the pixel grid
+    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.001, 0.03)  # usual unmeasured pitch, yaw and roll rate
+    # How far a vehicle usually moves off the direction straight ahead, given its camera's pitch: to the side, up or
+    # down. inf, inf: nothing is known of where the camera looks.
+    direction_sd_rad: tuple[float, float] = (0.05, 0.0035)
+    drift_sd_rad: float = 0.013  # change of that direction within a second, as a random walk
+
+    def __post_init__(self) -> None:
+        if self.method not in ("as_printed", "least_squares", "robust"):
+            raise ValueError(f"method: expected as_printed, least_squares or robust, got '{self.method}'")
+        if min(self.tolerance_px, self.tolerance_ratio, self.min_flow_px) <= 0.0:
+            raise ValueError("tolerance_px, tolerance_ratio, min_flow_px: expected > 0")
+        if min(*self.direction_sd_rad, self.drift_sd_rad) <= 0.0:
+            raise ValueError("direction_sd_rad, drift_sd_rad: expected > 0")
+
+
+def lines(points_px: Floats, flow_px: Floats) -> tuple[Floats, Floats]:
+    """A (N, 2) and b (N,) of the lines through the points along their flow: a = (v_y, -v_x), b = x v_y - y v_x."""
+    a = np.stack([flow_px[:, 1], -flow_px[:, 0]], axis=1)
+    b: Floats = np.sum(a * points_px, axis=1)
+    return a, b
+
+
+def least_squares(points_px: Floats, flow_px: Floats) -> Floats:
+    """(2,) px, FOE = (A^T A)^-1 A^T b, the paper's definition; rows weigh by |v|, which is right (METHOD A3)."""
+    a, b = lines(points_px, flow_px)
+    return np.asarray(np.linalg.lstsq(a, b, rcond=None)[0], np.float64)
+
+
+def as_printed(points_px: Floats, flow_px: Floats) -> Floats:
+    """(2,) px, the paper's closed form as printed: wrong sign, wrong first product of the denominator (METHOD A2).
+
+    FOE = -1 / (sum a0^2 a1^2 - (sum a0 a1)^2) * (sum b a0 sum a1^2 - sum b a1 sum a0 a1, -sum b a0 sum a0 a1 + sum b a1
+    sum a0^2). It points nowhere near the FOE and is kept as a documented misprint.
+    """
+    a, b = lines(points_px, flow_px)
+    a0, a1 = a.T
+    denominator = np.sum(a0**2 * a1**2) - np.sum(a0 * a1) ** 2
+    numerator = np.array(
+        [
+            np.sum(a0 * b) * np.sum(a1**2) - np.sum(a1 * b) * np.sum(a0 * a1),
+            np.sum(a1 * b) * np.sum(a0**2) - np.sum(a0 * b) * np.sum(a0 * a1),
+        ]
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        solution: Floats = -numerator / denominator
+    return solution
+
+
+def derotate(flow: Flow, camera: Camera) -> Floats:
+    """(N, 2) px, the displacement that the camera's translation alone gives, in the axes of the camera now.
+
+    The past point is turned by the known yaw change over its window, so the line through it and the point now passes
+    through the image of the chord that the camera's centre moved along.
+    """
+    yaw_change = flow.pose[2] - flow.past_pose[:, 2]
+    past = flow.points_px - flow.displacement_px
+    turned: Floats = past - rotation_flow(camera, past, -yaw_change)
+    return flow.points_px - turned
+
+
+@dataclass(frozen=True, slots=True)
+class Derotated:
+    """What several stages take from one flow."""
+
+    flow_px: Floats  # (N, 2) see `derotate`
+    shift_px: Floats  # (N,) see `chord_shift`
+
+
+def derotated(flow: Flow, camera: Camera) -> Derotated:
+    """Both, for stages to share."""
+    return Derotated(derotate(flow, camera), chord_shift(flow, camera))
+
+
+def chord_shift(flow: Flow, camera: Camera) -> Floats:
+    """(N,) px by which the FOE now lies right of each point's chord: half the turn over its window (METHOD A3)."""
+    yaw_change = np.remainder(flow.pose[2] - flow.past_pose[:, 2] + np.pi, 2.0 * np.pi) - np.pi
+    shift: Floats = camera.fx_px * np.tan(0.5 * yaw_change)
+    return shift
+
+
+def estimate(
+    flow: Flow,
+    camera: Camera,
+    config: ExpansionConfig,
+    rng: np.random.Generator,
+    before: Expansion | None = None,
+    turned: Derotated | None = None,
+) -> Expansion:
+    """The FOE of one frame; `before` is that of the frame before, which the robust method goes on from.
+
+    `turned` is the flow `derotated`, where it is at hand.
+
+    Without enough motion it is the last one with a covariance that grows, or the point straight ahead, and its
+    confidence is 0. The confidence of the robust FOE is the share of moving points that agree, less where the
+    covariance is large; points that are stuck to the glass count among those that do not agree.
+    """
+    if config.method == "robust":
+        return _robust(flow, camera, config, rng, before, turned)
+    moving = np.hypot(flow.displacement_px[:, 0], flow.displacement_px[:, 1]) > 1e-9
+    if np.count_nonzero(moving) < 2:
+        return _unknown(camera, len(flow))
+    solve = least_squares if config.method == "least_squares" else as_printed
+    x, y = solve(flow.points_px[moving], flow.displacement_px[moving])
+    if not (np.isfinite(x) and np.isfinite(y)):
+        return _unknown(camera, len(flow))
+    return Expansion(float(x), float(y), np.full((2, 2), np.nan), moving, 1.0)
+
+
+def _robust(
+    flow: Flow,
+    camera: Camera,
+    config: ExpansionConfig,
+    rng: np.random.Generator,
+    before: Expansion | None,
+    turned: Derotated | None,
+) -> Expansion:
+    rate_hz = _rate_hz(flow)
+    if rate_hz == inf:
+        return _held(before, camera, config, rate_hz, len(flow))
+    turned = turned or derotated(flow, camera)
+    points = flow.points_px.copy()
+    # Moving a line by the shift moves its intersection with the others from the chord's image to the present FOE.
+    points[:, 0] += turned.shift_px
+    steps = np.maximum(flow.gap_s * rate_hz, 1.0)
+    length = np.hypot(turned.flow_px[:, 0], turned.flow_px[:, 1])
+    voters = np.flatnonzero((length > config.min_flow_px) & ~flow.stuck)
+    tolerance = np.sqrt(steps) * (config.tolerance_px + config.tolerance_ratio * length / steps)
+    prior = _prior(camera, config, before, rate_hz)
+    points, moved, gap_s, tolerance = (
+        values.take(voters, axis=0) for values in (points, turned.flow_px, flow.gap_s, tolerance)
+    )
+    found = fit(points, moved, gap_s, tolerance, camera, prior, rng)
+    if found is None:
+        return _held(before, camera, config, rate_hz, len(flow))
+    inliers = np.zeros(len(flow), np.bool_)
+    inliers[voters] = found.inliers
+    share = float(np.count_nonzero(found.inliers)) / (len(voters) + np.count_nonzero(flow.stuck))
+    spread_rad = sqrt(found.covariance_px2[0, 0] + found.covariance_px2[1, 1]) / camera.fx_px
+    x, y = (float(value) for value in found.foe_px)
+    return Expansion(x, y, found.covariance_px2, inliers, min(1.0, share / (1.0 + spread_rad / SHARP_RAD)))
+
+
+def _prior(camera: Camera, config: ExpansionConfig, before: Expansion | None, rate_hz: float) -> Prior:
+    """The usual direction and rates of a vehicle, and where the FOE was a frame ago."""
+    usual = _usual(camera, config)
+    if before is None or not np.isfinite(before.covariance_px2).all():
+        return usual
+    information = usual.information.copy()
+    last = np.array([before.x_px, before.y_px])
+    known = _inverse(_drifted(before.covariance_px2, camera, config, rate_hz))
+    pull = information[:2, :2] @ usual.state[:2] + known @ last
+    information[:2, :2] += known
+    x, y = (_inverse(information[:2, :2]) @ pull).tolist()
+    return Prior(np.array([x, y, 0.0, 0.0, 0.0]), information, last)
+
+
+@lru_cache(maxsize=8)
+def _usual(camera: Camera, config: ExpansionConfig) -> Prior:
+    """What is known of a vehicle without a frame before; not to be changed."""
+    information = np.zeros((5, 5))
+    sides = np.array(config.direction_sd_rad) * [camera.fx_px, camera.fy_px]
+    information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in config.rotation_sd_radps)]
+    return Prior(np.array([*_straight_ahead(camera), 0.0, 0.0, 0.0]), information, None)
+
+
+def _inverse(matrix: Floats) -> Floats:
+    """(2, 2), in closed form: `np.linalg.inv` takes ten times as long, and this is asked for in every frame."""
+    (a, b), (c, d) = matrix.tolist()
+    inverse: Floats = np.array(((d, -b), (-c, a))) / (a * d - b * c)
+    return inverse
+
+
+def _drifted(covariance_px2: Floats, camera: Camera, config: ExpansionConfig, rate_hz: float) -> Floats:
+    """(2, 2) px^2, a frame later."""
+    later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * UNIT
+    return later
+
+
+def _rate_hz(flow: Flow) -> float:
+    """Frames a second: the youngest points are no older than their windows. inf without a point that was followed."""
+    young = flow.gap_s > 0.0
+    return float((flow.age_frames[young] / flow.gap_s[young]).min(initial=inf))
+
+
+def _straight_ahead(camera: Camera) -> Floats:
+    """(2,) px, the horizon above the car's own way."""
+    return np.array([camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)])
+
+
+def _held(before: Expansion | None, camera: Camera, config: ExpansionConfig, rate_hz: float, count: int) -> Expansion:
+    if before is None:
+        return _unknown(camera, count)
+    covariance = _drifted(before.covariance_px2, camera, config, rate_hz)
+    return Expansion(before.x_px, before.y_px, covariance, np.zeros(count, np.bool_), 0.0)
+
+
+def _unknown(camera: Camera, count: int) -> Expansion:
+    x, y = (float(value) for value in _straight_ahead(camera))
+    return Expansion(x, y, np.full((2, 2), np.inf), np.zeros(count, np.bool_), 0.0)

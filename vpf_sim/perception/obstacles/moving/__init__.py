@@ -1,0 +1,1 @@
+"""Moving obstacles: detected, tracked, and weighed point by point against what stands."""

@@ -1,0 +1,81 @@
+"""Tracks in the frame of a body that moves along the road: where its points were seen first, if it drove so."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.perception.egomotion.ground_plane import past_image
+from vpf_sim.perception.egomotion.triangulation import NoiseModel, information
+from vpf_sim.types import Camera, Floats, Flow
+
+STEP_MPS = 0.1  # of the numerical derivatives
+STEP_RATIO = 0.02
+# (4, 1) each: what is expected, and with a step in depth, in speed and in the course.
+FARTHER = np.array([[1.0], [1.0 + STEP_RATIO], [1.0], [1.0]])
+FASTER_MPS = np.array([[0.0], [0.0], [STEP_MPS], [0.0]])
+TURNED_RAD = np.array([[0.0], [0.0], [0.0], [STEP_RATIO]])
+NEVER_PX = 1e3  # residual of a point that would have been behind the camera
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """How a body drives: its speed along a road that has this direction in the world, and bend, where the body is."""
+
+    speed_mps: float
+    direction_rad: float
+    curvature_per_m: float
+
+    def way(self, time_s: Floats, speed_mps: Floats, turn_rad: Floats) -> Floats:
+        """(V, M, 2) m that it has driven in the last seconds (M,), along the chord of its arc, at V speeds (V, 1) and
+        turned by so much (V, 1)."""
+        way = speed_mps * time_s
+        angle = self.direction_rad + turn_rad - 0.5 * self.curvature_per_m * way
+        return np.stack([way * np.cos(angle), way * np.sin(angle)], axis=-1)
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """M tracks against a body's course: residual of the first sighting and its derivatives, px."""
+
+    residual_px: Floats  # (M, 2) seen less expected
+    by_depth: Floats  # (M, 2) px / m, of what is expected
+    by_speed: Floats  # (M, 2) px / (m/s)
+    by_turn: Floats  # (M, 2) px / rad, of the course
+    weight: Floats  # (M, 2, 2) inverse covariance of a sighting, px^-2
+
+
+def rays(camera: Camera, points_px: Floats) -> Floats:
+    """(M, 3) forward, right, down of pixels (M, 2) at unit depth, in the axes of the vehicle."""
+    x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
+    y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
+    cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+    return np.stack([cosine - sine * y, x, sine + cosine * y], axis=1)
+
+
+def against(
+    flow: Flow, camera: Camera, course: Course, depth_m: Floats, rate_hz: float, window_px: int, noise: NoiseModel
+) -> Residuals:
+    """The tracks of `flow` against a body on `course` that has each of them at `depth_m` (M,) now.
+
+    The point is put in space, and looked at from where the camera was when the track began, which has been moved on by
+    the body's own way since: in the frame of the body the camera alone has moved. A faster body came from behind: what
+    would have been behind the camera when its track began is not of it (`NEVER_PX`).
+    """
+    ray, age_s = rays(camera, flow.points_px), flow.age_frames / rate_hz
+    depth = depth_m * FARTHER
+    place = ray * depth[..., None] * [1.0, 1.0, -1.0] + [camera.forward_m, 0.0, camera.height_m]
+    past_pose = np.tile(flow.first_pose, (len(depth), 1, 1))
+    past_pose[..., :2] += course.way(age_s, course.speed_mps + FASTER_MPS, TURNED_RAD)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        seen = past_image(camera, place.reshape(-1, 3), past_pose.reshape(-1, 3), flow.pose)
+    expected, farther, faster, turned = seen.reshape(len(depth), -1, 2)
+    by_depth = (farther - expected) / (STEP_RATIO * depth_m)[:, None]
+    by_speed = (faster - expected) / STEP_MPS
+    by_turn = (turned - expected) / STEP_RATIO
+    weight = information(flow, window_px, age_s, noise)
+    residual = flow.first_px - expected
+    never = np.isnan(residual + by_depth + by_speed + by_turn).any(axis=1)
+    residual[never] = NEVER_PX
+    for slope in (by_depth, by_speed, by_turn):
+        slope[never] = 0.0
+    return Residuals(residual, by_depth, by_speed, by_turn, weight)

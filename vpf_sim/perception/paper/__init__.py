@@ -1,0 +1,1 @@
+"""What the printed method needs: time to contact and the obstacle map."""

@@ -1,0 +1,1 @@
+"""The edges of the carriageway from painted lines, and what obstacles hide of the road."""

@@ -1,0 +1,157 @@
+"""Looking for painted lines in a bird's-eye patch: about predicted places, and from scratch."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.perception.quantiles import quantile
+from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.state_filter import Sightings
+from vpf_sim.types import Bools, Camera, Floats, Image, Integers
+
+CENTROID_M = 0.15  # about the strongest response, to this far on both sides
+HEADINGS_RAD = np.radians(np.arange(-12.0, 12.01, 0.6))
+CURVATURES = np.arange(-0.02, 0.0201, 0.00125)
+COMB_REACH_M = 26.0  # rows ahead that take part in the first search
+UNLIKELY_PER_M = 0.5  # lines that a width off the likely one must explain more,
+UNLIKELY_PER_RAD = 2.0  # and a direction,
+UNLIKELY_M = 10.0  # and a curvature, times so much
+
+
+@dataclass(frozen=True, slots=True)
+class RidgeMap:
+    """The ridges of one frame and what counts as one."""
+
+    response: Image  # (rows, columns)
+    threshold: float  # grey levels
+    visible: Bools  # (rows, columns) in the frame and not hidden by a body
+
+
+def noise_threshold(response: Image, least: float) -> float:
+    """Grey levels that the grain of the road seldom reaches; lines are too few to move the quantile."""
+    return max(least, 2.0 * quantile(response[::3, ::3], 0.9))
+
+
+def sight(
+    ridges: RidgeMap,
+    view: BirdsEye,
+    expected_m: Floats,
+    wanted: Bools,
+    numbers: Floats,
+    reach_m: float,
+    variance: Floats,
+) -> Sightings:
+    """The strongest ridge within `reach_m` of each expected place (L, R), as its centre of mass."""
+    columns = (expected_m - view.right_m[0]) / view.column_m
+    reach = round(reach_m / view.column_m)
+    window = np.arange(-reach, reach + 1)
+    last = ridges.response.shape[1] - 1
+    inside = wanted & (columns >= reach) & (columns <= last - reach)
+    centre = np.where(inside, np.rint(np.where(inside, columns, 0.0)), reach).astype(np.intp)
+    row = np.arange(len(view.forward_m))[None, :]
+    index = (row * ridges.response.shape[1] + centre)[..., None] + window
+    response = ridges.response.ravel().take(index)
+    peak, height = response.argmax(axis=-1), response.max(axis=-1)
+    near = np.abs(window[:, None] - window) <= round(CENTROID_M / view.column_m)  # each column to the others
+    mass = response * near.take(peak, axis=0)
+    # Whole numbers, which floats hold: the products are exact in any order.
+    sums = mass.astype(np.float32) @ np.stack([np.ones(len(window)), window], axis=1).astype(np.float32)
+    total, moment = sums[..., 0].astype(np.float64), sums[..., 1].astype(np.float64)
+    place = centre + moment / np.maximum(total, 1e-9)
+    visible = ridges.visible[row, np.clip(np.rint(place), 0, last).astype(np.intp)]
+    seen = inside & visible & (height > ridges.threshold)
+    return Sightings(
+        numbers=numbers,
+        forward_m=view.forward_m,
+        right_m=view.right_m[0] + place * view.column_m,
+        variance_m2=np.broadcast_to(variance, seen.shape),
+        seen=seen,
+    )
+
+
+def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_px: float) -> Floats:
+    """(R,) m^2 of one sighting at each row."""
+    depth = forward_m - camera.forward_m
+    variance: Floats = sigma_m**2 + (sigma_px * depth / camera.fx_px) ** 2
+    return variance
+
+
+def explained(ridges: RidgeMap, view: BirdsEye, right_m: Floats, reached: Bools) -> float:
+    """How many lines' worth of the ridges lie at these places of lines (L, R), where they reach the row: as `comb`
+    counts them, but for the ridges between the lines."""
+    rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
+    bright = cv2.dilate(_bright(ridges, rows), np.ones((1, 3), np.uint8))  # a column aside is as near as a line is told
+    columns, inside = view.columns(right_m[:, rows], reached[:, rows])
+    return float((bright[np.arange(len(rows)), columns] * inside).sum()) / len(rows)
+
+
+def comb(
+    ridges: RidgeMap,
+    view: BirdsEye,
+    widths_m: Floats,
+    likely_m: float,
+    likely_rad: float = 0.0,
+    headings_rad: Floats = HEADINGS_RAD,
+) -> tuple[float, Floats]:
+    """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
+
+    Each heading and curvature straightens the patch; parallel lines then stand out in the mean over its rows, and lines
+    a lane apart in that taken modulo the lane's width. The score counts lines: one that is seen in every row, and as
+    bright as can be, is 1. The place y is that of the pose right of any one line. Of widths and headings, the likely
+    one is taken unless another explains more, and the straight road: a single line fits any width, and mirror images
+    lie askew.
+    """
+    rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
+    fine = _bright(ridges, rows)
+    bright = np.maximum(fine[:, 0:-1:2], fine[:, 1::2])
+    column_m = 2.0 * view.column_m
+    heading, curvature = (grid.ravel() for grid in np.meshgrid(headings_rad, CURVATURES, indexing="ij"))
+    straight = _straightened(bright, view.forward_m[rows], column_m, heading, curvature)
+    unlikely = UNLIKELY_PER_RAD * np.abs(heading - likely_rad) + UNLIKELY_M * np.abs(curvature)
+    best, road = -np.inf, np.zeros(4)
+    for width_m in widths_m.tolist():
+        score, i, tooth = _best_tooth(straight, width_m / column_m, unlikely)
+        score -= UNLIKELY_PER_M * abs(width_m - likely_m)
+        if score > best:
+            right_m = view.right_m[0] + 0.5 * view.column_m + tooth * column_m
+            best, road = score, np.array([-right_m * np.cos(heading[i]), heading[i], curvature[i], width_m])
+    return best, road
+
+
+def _bright(ridges: RidgeMap, rows: Integers) -> NDArray[np.float32]:
+    """(rows, columns) how bright the ridges are in these rows of the patch: 0, or half .. 1 as bright as can be."""
+    bright = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
+    return np.where(ridges.visible[rows] & (bright > 0.5), bright, 0.0).astype(np.float32)
+
+
+def _best_tooth(straight: NDArray[np.float32], period: float, unlikely: Floats) -> tuple[float, int, int]:
+    """The comb, its teeth `period` columns apart, that meets most lines: score, row of `straight`, column.
+
+    Each row (H,) must meet so much more as it is `unlikely`.
+    """
+    teeth = round(period)
+    phase = np.rint(np.mod(np.arange(straight.shape[1]), period)).astype(np.intp) % teeth
+    lines = straight @ np.eye(teeth, dtype=np.float32)[phase]
+    sharp = lines - np.median(lines, axis=1, keepdims=True) - unlikely[:, None]
+    i, tooth = np.unravel_index(np.argmax(sharp), sharp.shape)
+    return float(sharp[i, tooth]), int(i), int(tooth)
+
+
+def _straightened(
+    bright: Floats | NDArray[np.float32],
+    forward_m: Floats,
+    column_m: float,
+    heading_rad: Floats,
+    curvature_per_m: Floats,
+) -> NDArray[np.float32]:
+    """(H, columns) mean over the rows, each shifted back by what H headings and curvatures move a line there."""
+    shift_m = np.tan(heading_rad)[:, None] * forward_m + 0.5 * curvature_per_m[:, None] * forward_m**2
+    width = bright.shape[1]
+    start = width + np.clip(np.rint(shift_m / column_m), -width, width).astype(np.intp)  # (H, R)
+    padded = np.pad(bright, ((0, 0), (width, width)))
+    total = np.zeros((len(heading_rad), width), np.float32)
+    for row in range(len(bright)):
+        total += np.lib.stride_tricks.sliding_window_view(padded[row], width)[start[:, row]]
+    return total / np.float32(len(bright))

@@ -1,0 +1,111 @@
+"""The robust variant's way: to the lowest place of the field across the lane, along the road's direction."""
+
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
+from vpf_sim.planning.lane.kinematic_limits import Reach, ReachConfig
+from vpf_sim.planning.lane.lateral_cost import LaneField, LanePotential
+from vpf_sim.planning.lane.lateral_cost_config import LaneFieldConfig
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.recovery import WayOut, WayOutConfig
+from vpf_sim.planning.lane.reference import LaneReference
+from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
+from vpf_sim.planning.lane.speed.clear_distance import SightConfig, speed_within_sight
+from vpf_sim.planning.lane.speed.tentative_obstacles import Caution, CautionConfig
+from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference, RoadEdges
+
+LOST_MPS, LOST_M = 1.0, 12.0  # while the road itself is not seen, and how far: some way or a wiper may bring it back
+
+
+@dataclass(frozen=True, slots=True)
+class ValleyConfig:
+    field: LaneFieldConfig
+    reference: LaneReferenceConfig
+    reach: ReachConfig
+    sight: SightConfig | None = None  # without it, as fast where little is seen
+    caution: CautionConfig | None = None  # without it, as fast before what is suspected
+    way_out: WayOutConfig | None = None  # without it, the car stands for good in a dead end
+
+
+class Valley:
+    """Follows the valley of the field from frame to frame."""
+
+    def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
+        reach, self._speed_mps = Reach(config.reach, setup.vehicle), setup.speed_reference_mps
+        self._sight, self._vehicle, self._field_config = config.sight, setup.vehicle, config.field
+        self._caution = (
+            Caution(config.caution, setup.vehicle, self._speed_mps, setup.rate_hz) if config.caution else None
+        )
+        self._dt_s, self._lost_m = 1.0 / setup.rate_hz, 0.0  # way since the road was seen
+        self._alone = self._neighbours(NOTHING)
+        self._field = LaneField(config.field, setup.vehicle, self._speed_mps, reach)
+        self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
+        self._way_out = WayOut(config.way_out, setup.vehicle, setup.rate_hz) if config.way_out else None
+
+    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
+        road, out = perception.road, self._way_out
+        lane = locate(road) if out is None else out.lane(road, observation)
+        obstacles = place(perception.obstacles, lane)
+        neighbours = self._neighbours(obstacles) if len(obstacles) else self._alone
+        potential = self._field.update(lane, neighbours, observation.speed_mps)
+        wanted = self._reference.update(
+            lane, neighbours, potential.minimum_m, observation.yaw_rad, observation.speed_mps
+        )
+        slowed = self._slowed(wanted, perception, lane, potential.minimum_m, observation.speed_mps)
+        turned = self._turned_out(lane, perception.obstacles, observation, wanted)
+        reference = slowed if turned is None else turned
+        extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
+        return _force(potential, lane.y_m), reference, extra
+
+    def _neighbours(self, bodies: LaneObstacles) -> Neighbours:
+        return Neighbours(bodies, self._field_config, self._vehicle, self._speed_mps)
+
+    def _slowed(
+        self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
+    ) -> Reference:
+        """The reference, slowed by what is suspected on the way to a goal aside and by what cannot be seen."""
+        allowed = inf
+        if self._sight is not None:
+            allowed = speed_within_sight(perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
+            allowed = min(allowed, self._on_road(perception.road, speed_mps))
+        if self._caution is not None and perception.suspects is not None:
+            suspects = place(perception.suspects, lane)
+            allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
+        return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
+
+    def _on_road(self, road: RoadEdges, speed_mps: float) -> float:
+        """m/s at most by whether the road itself is seen, inf where it is: after some way without it the car stands."""
+        if max(road.confidence, road.lane_confidence) > 0.0:
+            self._lost_m = 0.0
+            return inf
+        self._lost_m += speed_mps * self._dt_s
+        return LOST_MPS if self._lost_m < LOST_M else 0.0
+
+    def _turned_out(
+        self, lane: Lane, obstacles: Obstacles, observation: Observation, wanted: Reference
+    ) -> Reference | None:
+        """The reference of the way out of a dead end, where one is driven; after it, all begins anew from there.
+
+        Who is to stand only because the road is not seen is in no dead end, and on a way out the road need not be seen.
+        """
+        if self._way_out is None:
+            return None
+        was_driven = self._way_out.is_driven
+        turned = self._way_out.update(lane, obstacles, observation, wanted)
+        if was_driven or turned is not None:
+            self._lost_m = 0.0
+            self._field.keep(lane.y_m)
+            self._reference.restart(observation.speed_mps)
+        return turned
+
+
+def _force(potential: LanePotential, y_m: float) -> Force:
+    """-grad U at the vehicle, to be looked at: across the road, with the target's pull of 1 along it."""
+    forces = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    forces[:, 1] = -potential.slope(y_m)
+    target, road, obstacle = forces
+    return Force(target, obstacle, road, target + obstacle + road)

@@ -1,0 +1,171 @@
+"""Ways aside on the tightest curve: where a walking car could go from here, and how near to all that stands.
+
+From the road's direction a car at its full lock, of radius R of the rear axle, gets with the corner of its front, a
+ahead of that axle and b beside it,
+
+    (R + b) sin(theta) - a (1 - cos(theta)) ahead,    (R + b) (1 - cos(theta)) + a sin(theta) aside
+
+while it turns by theta: never more than sqrt((R + b)^2 + a^2) - a ahead, 1.9 m for the car here, and then as far aside
+as it likes, as long as it may turn so far. So a course is a turn to an angle, a straight, and a turn back to the
+road's direction (L. E. Dubins, Am. J. Math. 79, 1957: the shortest paths of a bounded curvature are such), all with the
+rate at which the steering turns.
+
+Poses are of the rear axle, along and across the road, the bend of which is taken off the curvature.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.types import Bools, Floats, SidedBodies, VehicleModel
+
+STEP_M = 0.1
+WAY_M = 28.0  # on which courses are looked at
+LOCKS = (0.9, 1.0)  # shares of the full lock: what is left is for following the course
+BEYOND_M = 8.0  # a course leads out where it is free so far behind its end
+ANGLES_RAD: Floats = np.radians([5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0])
+STRAIGHT_M, ASIDE_M = 7.5, 0.2  # the longest, and how much farther aside each leads than the one before
+
+
+@dataclass(frozen=True, slots=True)
+class Courses:
+    """N courses of T steps of `STEP_M`; an end is the first step back in the road's direction, T where none is."""
+
+    along_m: Floats  # (N, T) of the rear axle, from where the pose is now
+    y_m: Floats  # (N, T)
+    turned_rad: Floats  # (N, T) yaw from the road's direction, + right
+    steering_rad: Floats  # (N, T)
+    end: "np.typing.NDArray[np.intp]"  # (N,)
+
+    def __len__(self) -> int:
+        return len(self.end)
+
+    def chosen(self, rows: "Bools | slice") -> "Courses":
+        """Some of them."""
+        return Courses(
+            self.along_m[rows], self.y_m[rows], self.turned_rad[rows], self.steering_rad[rows], self.end[rows]
+        )
+
+    def one(self, index: int) -> "Courses":
+        """A single one of them, N = 1."""
+        return self.chosen(slice(index, index + 1))
+
+    def rest(self, step: int) -> "Courses":
+        """What is left of them."""
+        row = slice(step, None)
+        end = np.maximum(self.end - step, 0)
+        return Courses(self.along_m[:, row], self.y_m[:, row], self.turned_rad[:, row], self.steering_rad[:, row], end)
+
+
+def courses(lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float) -> Courses:
+    """All courses from here with a share of the full lock; `per_m` rad the steering turns on a metre of way at most."""
+    turn, wheels_straight = _turns(lane, steering_rad, vehicle, per_m, lock)
+    steps = turn.along_m.shape[1]
+    every = np.arange(len(turn))
+    angle = turn.turned_rad[every, np.minimum(wheels_straight, steps - 1)]
+    aside = np.maximum(np.abs(np.sin(angle)), ASIDE_M / STRAIGHT_M)
+    count = np.where(wheels_straight < steps, (STRAIGHT_M * aside / ASIDE_M).astype(np.intp), 0) + 1
+    row = np.repeat(every, count)
+    nth = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    straight = np.round(nth * ASIDE_M / aside[row] / STEP_M).astype(np.intp)[:, None]
+    step, begin = np.arange(steps)[None], wheels_straight[row][:, None]
+    source = row[:, None] * steps + np.where(step <= begin, step, np.maximum(step - straight, begin))
+    gone = np.clip(step - begin, 0, straight) * STEP_M
+    along, y, turned, steering = (
+        part.ravel()[source] for part in (turn.along_m, turn.y_m, turn.turned_rad, turn.steering_rad)
+    )
+    along, y = along + gone * np.cos(angle[row])[:, None], y + gone * np.sin(angle[row])[:, None]
+    return Courses(along, y, turned, steering, np.minimum(turn.end[row] + straight[:, 0], steps))
+
+
+def _turns(
+    lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float
+) -> tuple[Courses, "np.typing.NDArray[np.intp]"]:
+    """The courses without a straight, and the step of each with which that could begin: T where there is none."""
+    side, angle = (one.ravel() for one in np.meshgrid(np.array([-1.0, 1.0]), ANGLES_RAD, indexing="ij"))
+    count, steps = len(side), round(WAY_M / STEP_M)
+    turned, steering = np.full(count, -lane.heading_rad), np.full(count, steering_rad)
+    along, y = -vehicle.l_r_m * np.cos(turned), lane.y_m - vehicle.l_r_m * np.sin(turned)
+    stage, straight = np.zeros(count, np.intp), np.full(count, steps)
+    rows: list[tuple[Floats, Floats, Floats, Floats]] = []
+    end, most = np.full(count, steps), per_m * STEP_M
+    full = lock * vehicle.steering_limit_rad * side
+    wishes = np.stack([full, -full, 0.0 * full])
+    while len(rows) < steps and end.max() + 1 >= len(rows):
+        rows.append((along, y, turned, steering))
+        unwound = -np.log(np.cos(steering)) / vehicle.wheelbase_m / per_m  # rad, while the wheels are turned back
+        turns_on = side * steering
+        stage = stage + ((stage == 0) & (angle - side * turned <= unwound * (turns_on > 0.0)))
+        straight = np.where((stage > 0) & (turns_on <= 0.0), np.minimum(straight, len(rows) - 1), straight)
+        stage = stage + ((stage == 1) & (side * turned <= unwound * (turns_on < 0.0)))
+        is_back = (stage == 2) & (np.abs(steering) < most)
+        end = np.where(is_back, np.minimum(end, len(rows) - 1), end)
+        before, steering = steering, steering + np.clip(wishes[stage, np.arange(count)] - steering, -most, most)
+        bend = np.tan(0.5 * (before + steering)) / vehicle.wheelbase_m - lane.curvature_per_m
+        bend = np.where(is_back, 0.0, bend)
+        middle = turned + 0.5 * STEP_M * bend
+        along, y = along + STEP_M * np.cos(middle), y + STEP_M * np.sin(middle)
+        turned = turned + STEP_M * bend
+    along, y, turned, steering = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
+    return Courses(*_straight_on(along, y, turned, steering, steps - len(rows)), end), straight
+
+
+def _straight_on(
+    along_m: Floats, y_m: Floats, turned_rad: Floats, steering_rad: Floats, steps: int
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Ways that end straight, longer by some steps."""
+    gone = STEP_M * np.arange(1, steps + 1)
+    last, none = turned_rad[:, -1:], np.zeros((len(turned_rad), steps))
+    return (
+        np.concatenate([along_m, along_m[:, -1:] + gone * np.cos(last)], axis=1),
+        np.concatenate([y_m, y_m[:, -1:] + gone * np.sin(last)], axis=1),
+        np.concatenate([turned_rad, last + none], axis=1),
+        np.concatenate([steering_rad, none], axis=1),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Hindrances(SidedBodies):
+    """K bodies from which a course must keep, in lane coordinates."""
+
+    along_m: Floats  # (K,) nearest face, from the pose
+    left_m: Floats  # (K,) y of the left side
+    right_m: Floats  # (K,) y of the right side
+    length_m: Floats  # (K,) that they are taken to be long
+    beyond_m: Floats  # (K,) how far past its end a course is held against each, no farther than BEYOND_M
+
+    @classmethod
+    def of(cls, bodies: LaneObstacles, length_m: float, beyond_m: float) -> "Hindrances":
+        """Bodies that are at least so long, and how far past its end a course is held against them."""
+        length = np.maximum(bodies.length_m, length_m)
+        return cls(bodies.along_m, bodies.left_m, bodies.right_m, length, np.full(len(bodies), beyond_m))
+
+
+def separation(
+    course: Courses, lane: Lane, bodies: Hindrances, vehicle: VehicleModel, every: int = 1
+) -> tuple[Floats, Floats]:
+    """(N, T) m by which our body is apart at least from all bodies, and (N,) from both edges, until it is past its end.
+
+    Rectangles are apart by no less than along any of their sides' directions. Against the edges a course is held to
+    BEYOND_M past its end. Of `every` steps only one is looked at.
+    """
+    look = slice(None, None, every)
+    cosine, sine = np.cos(course.turned_rad[:, look]), np.sin(course.turned_rad[:, look])
+    half_length, half_width = 0.5 * vehicle.length_m, 0.5 * vehicle.width_m
+    along, y = course.along_m[:, look] + vehicle.l_r_m * cosine, course.y_m[:, look] + vehicle.l_r_m * sine
+    ahead, aside = half_length * cosine + half_width * np.abs(sine), half_length * np.abs(sine) + half_width * cosine
+    past = np.arange(course.along_m.shape[1])[None, look] - course.end[:, None]
+    edges = np.minimum(y - aside - lane.left_m, lane.right_m - y - aside)
+    apart = np.full(along.shape, np.inf)
+    sizes = (bodies.along_m, bodies.left_m, bodies.right_m, bodies.length_m, bodies.beyond_m)
+    for face, left, right, length, beyond in zip(*sizes, strict=True):
+        long, wide = 0.5 * length, 0.5 * (right - left)
+        forward, across = face + long - along, left + wide - y
+        own_forward, own_across = cosine * forward + sine * across, cosine * across - sine * forward
+        own_long, own_wide = long * cosine + wide * np.abs(sine), long * np.abs(sine) + wide * cosine
+        gap = np.maximum(np.abs(forward) - long - ahead, np.abs(across) - wide - aside)
+        gap = np.maximum(gap, np.abs(own_forward) - own_long - half_length)
+        gap = np.maximum(gap, np.abs(own_across) - own_wide - half_width)
+        apart = np.where(past <= round(beyond / STEP_M), np.minimum(apart, gap), apart)
+    return apart, edges.min(axis=1, where=past <= round(BEYOND_M / STEP_M), initial=np.inf)

@@ -1,0 +1,59 @@
+"""Speed by what may lie ahead: before what is suspected in the way, the car slows so far that it could stop.
+
+A low body is suspected one or two metres of way before it is believed. To slow down then costs little where nothing is
+there; where something is, that way is not lost. The car never stops for a suspicion: near enough, looks decide.
+"""
+
+from dataclasses import dataclass
+from math import inf
+
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.speed.clear_distance import SightConfig, safe_speed
+from vpf_sim.types import VehicleModel
+
+
+@dataclass(frozen=True, slots=True)
+class CautionConfig(SightConfig):
+    """The stop that must be possible, its standoff where a way aside begins, and how the speed changes: suspicions
+    flash up. Nor is it braked harder until what is suspected is believed."""
+
+    clearance_m: float  # beside the car, in which something is in the way
+    rise_mps2: float  # once the suspicion is gone
+
+
+class Caution:
+    """The speed that suspicion allows, with the memory of the last one."""
+
+    def __init__(
+        self, config: CautionConfig, vehicle: VehicleModel, speed_reference_mps: float, rate_hz: float
+    ) -> None:
+        self._config = config
+        self._vehicle = vehicle
+        self._dt_s = 1.0 / rate_hz
+        self._reference_mps = speed_reference_mps
+        self._allowed_mps = speed_reference_mps
+
+    def update(
+        self, lane: Lane, suspects: LaneObstacles, goal_m: float, speed_mps: float, seen_mps: float = inf
+    ) -> float:
+        """m/s after one step, where the car goes from `lane.y_m` to `goal_m` across the road.
+
+        The reference speed at most, and `seen_mps`, which what is seen allows: it falls as the car may brake from
+        `speed_mps`, and rises gently.
+        """
+        config = self._config
+        wanted = min(safe_speed(self._nearest(lane, suspects, goal_m), config, self._vehicle), seen_mps)
+        least = min(self._allowed_mps, speed_mps) - config.brake_mps2 * self._dt_s
+        most = self._allowed_mps + config.rise_mps2 * self._dt_s
+        self._allowed_mps = min(max(wanted, least), most, self._reference_mps)
+        return self._allowed_mps
+
+    def _nearest(self, lane: Lane, suspects: LaneObstacles, goal_m: float) -> float:
+        """m to the first of them that the car may touch on its way aside; inf where there is none."""
+        if not len(suspects):
+            return inf
+        margin = 0.5 * self._vehicle.width_m + self._config.clearance_m
+        least, most = min(lane.y_m, goal_m) - margin, max(lane.y_m, goal_m) + margin
+        meets = (suspects.right_m > least) & (suspects.left_m < most)
+        ahead = suspects.along_m > 0.5 * self._vehicle.length_m
+        return float(suspects.along_m.min(where=meets & ahead, initial=inf))

@@ -1,0 +1,1 @@
+"""The paper's potential fields, and the heading by their total force."""

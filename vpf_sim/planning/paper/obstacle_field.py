@@ -1,0 +1,49 @@
+"""The obstacles' repulsion from the image (paper, section IV-B).
+
+    F_rep = (F_x, F_y) = gamma / |R| (integral over A of g dx, sum over A of TTC_i),    g = grad (G * O_t)
+
+A is the region of interest that the obstacle map keeps points of (`vpf_sim.perception.paper.obstacle_region`); the
+printed "A as in eq. (A)" points at the matrix of the least squares (METHOD A9). G spreads beyond A, so the integral
+goes over the frame. g points TO the obstacle, so that F_T = F_att - F_rep leads away from it.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from vpf_sim.types import Camera, Floats, ObstacleMap
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleFieldConfig:
+    """`printed`: both terms; `lateral`: F_x alone, since F_y grows with safety and always has one sign.
+
+    `area`, |R|: the pixels of the frame, or those of the obstacles.
+    """
+
+    gamma: float
+    terms: Literal["printed", "lateral"]
+    area: Literal["frame", "obstacles"] = "frame"
+
+    def __post_init__(self) -> None:
+        if not self.gamma >= 0.0:
+            raise ValueError(f"gamma: expected >= 0, got {self.gamma}")
+
+
+def force(obstacle_map: ObstacleMap, ttc_s: Floats, camera: Camera, config: ObstacleFieldConfig) -> Floats:
+    """(2,) (F_x, F_y) in image axes, x right. TTC in s of each point, (N,); points without one do not count.
+
+    The mean of a derivative over the frame is the difference of G * O between its right and left edge, divided by
+    its width: zero for an obstacle in the middle, growing towards the side.
+    """
+    pixels = float(camera.width_px * camera.height_px)
+    lateral = config.gamma * float(obstacle_map.gradient[0].mean())
+    if config.area == "obstacles":
+        share = float(obstacle_map.plane.mean())
+        if share == 0.0:
+            return np.zeros(2)
+        lateral, pixels = lateral / share, pixels * share
+    if config.terms == "lateral":
+        return np.array([lateral, 0.0])
+    return np.array([lateral, config.gamma * float(ttc_s[np.isfinite(ttc_s)].sum()) / pixels])

@@ -1,0 +1,50 @@
+"""The paper's way: the fields' total force at the vehicle, turned into the world; its direction is the heading."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from vpf_sim.planning.lane.frame import locate
+from vpf_sim.planning.paper import obstacle_field, road_field, target_field, total_field
+from vpf_sim.planning.paper.obstacle_field import ObstacleFieldConfig
+from vpf_sim.planning.paper.reference import HeadingReference, ReferenceConfig
+from vpf_sim.planning.paper.road_field import FoeBend, RoadFieldConfig
+from vpf_sim.planning.paper.target_field import TargetFieldConfig
+from vpf_sim.planning.paper.total_field import TotalFieldConfig
+from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
+
+
+@dataclass(frozen=True, slots=True)
+class GradientLineConfig:
+    target_field: TargetFieldConfig
+    obstacle_field: ObstacleFieldConfig
+    road_field: RoadFieldConfig
+    total_field: TotalFieldConfig
+    reference: ReferenceConfig
+
+
+class GradientLine:
+    """Follows the line of the total force from frame to frame."""
+
+    def __init__(self, setup: DriverSetup, config: GradientLineConfig) -> None:
+        self._setup = setup
+        self._config = config
+        self._bend = FoeBend(config.road_field, setup.camera, setup.rate_hz)
+        self._heading: HeadingReference | None = None
+
+    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
+        config = self._config
+        x, y, yaw = observation.x_m, observation.y_m, observation.yaw_rad
+        if self._heading is None:
+            self._heading = HeadingReference(config.reference, yaw)
+        lane = locate(perception.road)
+        target = target_field.force(x, y, yaw, observation.goal_m, lane, config.target_field)
+        obstacle = obstacle_field.force(
+            perception.obstacle_map, perception.ttc_s, self._setup.camera, config.obstacle_field
+        )
+        bend = self._bend.update(perception.expansion.x_px)
+        right_m, left_m = road_field.edges(perception.road, config.road_field)
+        road = road_field.force(lane.y_m, right_m, left_m, bend, config.road_field)
+        force = total_field.compose(target, obstacle, road, config.total_field)
+        world = total_field.to_world(force.total, yaw, config.total_field)
+        heading = self._heading.update(world)
+        return force, Reference(heading, self._setup.speed_reference_mps), {"lane": lane, "bend": bend}

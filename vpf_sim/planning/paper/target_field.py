@@ -1,0 +1,59 @@
+"""The target's attraction (paper, section IV-A).
+
+Printed: U_att = 1/2 alpha ||sqrt((x - x_goal)^2 + (y - y_goal)^2)||, F_att = grad U_att with the module alpha r and the
+angle theta_goal = atan((y - y_goal) / (x - x_goal)). Module alpha r belongs to U_att = 1/2 alpha r^2, and it is -grad
+U_att that leads to the goal (METHOD A8).
+"""
+
+from dataclasses import dataclass
+from math import atan, atan2, cos, hypot, sin
+from typing import Literal
+
+import numpy as np
+
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.types import Floats
+
+
+@dataclass(frozen=True, slots=True)
+class TargetFieldConfig:
+    """`printed`: atan, an angle of the world taken for one of the vehicle; `repaired`: atan2, in vehicle axes.
+
+    `reach_m` limits the distance in the module, so that the weight against the other fields does not change along the
+    way. `at`: the goal's own direction, or that of the preferred lane's middle `reach_m` ahead, the "global minimum" of
+    each horizon.
+    """
+
+    alpha: float
+    direction: Literal["printed", "repaired"]
+    reach_m: float | None = None  # None: the module grows with the distance to the goal, as printed
+    at: Literal["goal", "horizon"] = "goal"
+
+    def __post_init__(self) -> None:
+        if self.reach_m is not None and not self.reach_m > 0.0:
+            raise ValueError(f"reach_m: expected > 0, got {self.reach_m}")
+        if self.at == "horizon" and (self.reach_m is None or self.direction != "repaired"):
+            raise ValueError("at: horizon needs reach_m and the repaired direction")
+        if not self.alpha > 0.0:
+            raise ValueError(f"alpha: expected > 0, got {self.alpha}")
+
+
+def force(
+    x_m: float, y_m: float, yaw_rad: float, goal_m: tuple[float, float], lane: Lane, config: TargetFieldConfig
+) -> Floats:
+    """(2,) F_att in vehicle axes.
+
+    The printed angle is right in the world for goals ahead along X, since both differences change sign together; it
+    turns back for a goal behind, and does not know the vehicle's own yaw.
+    """
+    ahead, aside = goal_m[0] - x_m, goal_m[1] - y_m
+    distance = hypot(ahead, aside)
+    module = config.alpha * (distance if config.reach_m is None else min(distance, config.reach_m))
+    if config.at == "horizon" and config.reach_m is not None and distance > config.reach_m:
+        reach = config.reach_m
+        angle = atan2(lane.heading_rad * reach + 0.5 * lane.curvature_per_m * reach**2 - lane.y_m, reach)
+    elif config.direction == "repaired":
+        angle = atan2(aside, ahead) - yaw_rad
+    else:
+        angle = atan(aside / ahead) if ahead else atan2(aside, 0.0)
+    return np.array([module * cos(angle), module * sin(angle)])
