@@ -27,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 HASHES = ("status", "states_sha256", "frames_sha256")
 DEFAULT = {"weather": ["clear", "rain"], "driver": ["vpf"], "seeds": "0:2"}
 SMALL = {"scenario": ["random", "town04"], "weather": ["rain"], "driver": ["vpf", "vpf-paper"], "seeds": "1:2"}
+NO_LIMIT_S = "1000000"  # of an episode: how long it takes is not what is compared
 MOST_TOLD = 8  # keys of a replay's record
 Lines = dict[str, dict[str, Any]]  # of a run folder, by the name of the episode or drive
 
@@ -87,6 +88,7 @@ class Commit:
         """The records of a grid of episodes."""
         options = [word for key, values in grid.items() for value in _listed(values) for word in (f"--{key}", value)]
         options += [] if workers is None else ["--workers", str(workers)]
+        options += ["--timeout", NO_LIMIT_S]
         return self._lines("sweep", "episodes.jsonl", "id", options)
 
     def replay(self, drives: list[Path], driver: str) -> Lines:
