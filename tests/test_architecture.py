@@ -38,6 +38,7 @@ EVALUATION = [
     "episode",
     "sweeps",
     "analysis",
+    "readings",
     "gate",
     "machine",
 ]
