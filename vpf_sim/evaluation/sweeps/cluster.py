@@ -9,6 +9,7 @@ from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from logging import CRITICAL, getLogger
 from typing import Any
+from uuid import uuid4
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
@@ -31,9 +32,10 @@ def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limi
     distributed = _distributed()
     asked = read_manifest(folder.path)
     ready, running = distributed.as_completed(loop=client.loop), {}
+    session = uuid4().hex  # a scheduler answers a key that it has seen with what it found then
 
     def submit(job: Job, attempt: int) -> None:
-        name = f"{job.id} attempt {attempt} {digest(asked)} {id(ready)}"
+        name = f"{job.id} attempt {attempt} {digest(asked)} {session}"
         future = client.submit(_drive, job, asked, limit_s(job), mixed, key=name, pure=False)
         running[future.key] = (job, attempt)
         ready.add(future)
