@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast, get_args
 
 import numpy as np
 
+from vpf_sim import process_state
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.types import Command, Driver, DriverSetup, Floats, Observation, Plan, Privilege
 
@@ -267,7 +268,8 @@ def _load(path: str) -> Driver:
     """An instance of the class at "package.module:Class", checked against the driver's protocol."""
     module_name, _, class_name = path.partition(":")
     try:
-        module = import_module(module_name)
+        with process_state.kept():
+            module = import_module(module_name)
     except (ImportError, ValueError) as error:
         raise InputError(f"driver '{path}': cannot import '{module_name}': {error}") from error
     except Exception as error:
@@ -279,7 +281,8 @@ def _load(path: str) -> Driver:
     if missing:
         raise InputError(f"driver '{path}': expected privileged, reset and act; missing: {', '.join(missing)}")
     try:
-        driver = cast(Driver, found())
+        with process_state.kept():
+            driver = cast(Driver, process_state.InItsOwnPlace(found()))
     except TypeError as error:
         raise InputError(f"driver '{path}': expected a class that is made without arguments: {error}") from error
     except Exception as error:

@@ -37,7 +37,7 @@ TimeoutOption = Annotated[
 
 
 def prints_on_stderr() -> redirect_stdout[TextIO]:
-    """A context in which a driver may print: stdout is for the command's answer."""
+    """A context in which a driver may print: stdout is for the command's answer. See `streams` for native code."""
     return redirect_stdout(sys.stderr)
 
 
