@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
+from importlib.util import find_spec
 from logging import CRITICAL, getLogger
 from queue import Empty, SimpleQueue
 from threading import Thread
@@ -78,13 +79,14 @@ def connected(address: str | None, asked: Asked, mixed: bool) -> Iterator[Any]:
 
 def _client(address: str) -> Any:
     """A client of the scheduler; InputError, soon and in one line, where there is none."""
-    distributed = _distributed()
-    for name in ("distributed", "asyncio", "tornado.application"):
-        getLogger(name).setLevel(CRITICAL)  # what goes wrong is told below, without their tracebacks
+    if not _is_installed():
+        raise InputError(MISSING)
     fault = _unreachable(address)
     if fault is None:
+        for name in ("distributed", "asyncio", "tornado.application"):
+            getLogger(name).setLevel(CRITICAL)  # what goes wrong is told below, without their tracebacks
         try:
-            return distributed.Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
+            return _distributed().Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
         except (OSError, ValueError) as error:
             fault = " ".join(str(error).split()) or type(error).__name__
     raise InputError(f"--cluster: expected a Dask scheduler at {address}, got: {fault}")
@@ -118,6 +120,14 @@ def _unreachable(address: str) -> str | None:
         return outcome.get(timeout=CONNECT_S)
     except Empty:
         return f"no answer in {CONNECT_S:g} s"
+
+
+def _is_installed() -> bool:
+    """Whether there is Dask, which takes seconds to load."""
+    try:
+        return find_spec("distributed") is not None
+    except ValueError:  # it is marked as missing
+        return False
 
 
 def _distributed() -> Any:
