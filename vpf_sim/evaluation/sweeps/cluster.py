@@ -97,10 +97,10 @@ def _unreachable(address: str) -> str | None:
 
     Dask itself would try again and again, and look up names for as long as that takes.
     """
-    place = urlsplit(address if "://" in address else f"tcp://{address}")
-    if place.scheme not in ("tcp", "tls"):
-        return None if place.scheme in ("ws", "wss", "inproc", "ucx", "ucxx") else "an address of no known kind"
     try:
+        place = urlsplit(address if "://" in address else f"tcp://{address}")
+        if place.scheme not in ("tcp", "tls"):
+            return None if place.scheme in ("ws", "wss", "inproc", "ucx", "ucxx") else "an address of no known kind"
         host, port = place.hostname, place.port
     except ValueError as error:  # a port that is no number
         return str(error)
