@@ -90,7 +90,7 @@ def test_junit(tmp_path: Path) -> None:
     def change(job: Job) -> dict[str, Any] | None:
         return {"min_clearance_m": None} if job.scenario == "straight" else spread(job)
 
-    folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "new" / "out.xml"
+    folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "out.xml"
     rules.write_text("[[rules]]\nsuccess_rate_at_least = 0.9\nclearance_m_at_least = 0.1")
     assert cli.run(["check", str(folder), "--rules", str(rules), "--junit", str(out)]) == 1
     root = Xml.fromstring(out.read_bytes())

@@ -96,13 +96,12 @@ def test_an_episode_leaves_the_process_as_it_was(place: Path) -> None:
 
 
 def test_relative_names_mean_the_same_after_a_driver_has_gone_elsewhere(place: Path) -> None:
-    driver = drivers.create("restless_drivers:Restless")
-    driver.reset(None)  # type: ignore[arg-type]
-    assert Path.cwd() == place
-    driver.act(None)  # type: ignore[arg-type]
-    assert Path.cwd() == place
     with process_state.kept():
-        os.environ["THEIRS"] = "2"
+        driver = drivers.create("restless_drivers:Restless")
+        driver.reset(None)  # type: ignore[arg-type]
+        assert Path.cwd() == place
+        driver.act(None)  # type: ignore[arg-type]
+        assert Path.cwd() == place
     assert os.environ["THEIRS"] == "1"
 
 
