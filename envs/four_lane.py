@@ -1,6 +1,6 @@
 """vpf_sim/FourLane-v0: the ego car on a scenario's road, seen through its camera."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from math import radians
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.error import ResetNeeded
 from highway_env.road.road import Road
 from numpy.typing import NDArray
 
@@ -16,6 +17,7 @@ from vpf_sim.envs import camera as cameras
 from vpf_sim.envs.bodies import place_bodies
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.envs.camera.rig import checked_rig
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
 from vpf_sim.envs.rectangles import clearance, distance, solid_bodies
@@ -73,24 +75,27 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         rig: Rig | None = None,
         frames: bool = True,
     ) -> None:
-        self.rig = rig or Rig()
+        self.rig = checked_rig(rig)
         self.camera = self.rig.camera
         self.vehicle_model = VehicleModel()
         self.rate_hz = _checked_rate(rate_hz)
         self.metadata = {**self.metadata, "render_fps": round(rate_hz)}
         self.render_mode = _checked_name("render mode", render_mode, self.metadata["render_modes"])
-        self._truth = tuple(str(_checked_name("truth", name, TRUTHS)) for name in truth)
+        self._truth = _checked_truth(truth)
         self._takes_frames = frames
+        if not isinstance(frames, bool):
+            raise InputError(f"frames: expected True or False, got {frames!r}")
         if not frames and (self.render_mode or self._truth):
             raise InputError("frames: expected them to be taken for a render mode or for truth, got False")
-        self._undrawn = scenarios.load(scenario) if isinstance(scenario, str) else scenario
+        self._undrawn = scenarios.load(scenario)
         self.scenario = self._undrawn.draw(0)
-        self.weather = weathers.load(weather) if isinstance(weather, str) else weather
+        self.weather = weathers.load(weather)
         self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self.observation_space = _observation_space(self.camera if frames else None)
         self._low, self._high = _ego_bounds()
         self._window: Window | None = None
+        self._ending: Ending | None = None  # before the first reset
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -118,10 +123,10 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         Without `look` the frame of this step is not drawn, for a driver that will not look at it: there is no `image`,
         of the truth only `foe`, and all else and all later frames are the same.
         """
-        command = _checked_action(action)
+        ending, command = self._begun("step"), _checked_action(action)
         self.advance(command)
         self._frame = self._taken(look)
-        status = self._ending.status(self.ego, self._frame)
+        status = ending.status(self.ego, self._frame)
         reward = self._reward(command, status)
         self._show()
         return self._observation(), reward, status in TERMINATED, status in TRUNCATED, self._info(status)
@@ -145,12 +150,19 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def render(self) -> Image | None:
         """The frame last taken, for `rgb_array`; the window of `human` is drawn by reset and step."""
+        self._begun("render")
         return self._frame.copy() if self.render_mode == "rgb_array" and self._frame is not None else None
 
     def close(self) -> None:
         if self._window is not None:
             self._window.close()
             self._window = None
+
+    def _begun(self, what: str) -> Ending:
+        """What ends the episode that is on; ResetNeeded before the first."""
+        if self._ending is None:
+            raise ResetNeeded(f"{what}: expected reset() first")
+        return self._ending
 
     def _new_renderer(self) -> cameras.Renderer:
         return cameras.Renderer(self.road, self.rig, self.weather, self.episode_seed)
@@ -212,7 +224,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
             **({} if self._sensors.are_exact else {"ego": self._state()}),
-            **({"invalid_frame": asdict(self._ending.invalid_frame)} if self._ending.invalid_frame else {}),
+            **({"invalid_frame": asdict(invalid)} if (invalid := self._begun("info").invalid_frame) else {}),
             **(self._renderer.truth(self._told) if self._renderer and self._told else {}),
         }
 
@@ -253,19 +265,30 @@ def _observation_space(camera: Camera | None) -> Any:
 
 def _checked_rate(rate_hz: float) -> float:
     if rate_hz not in RATES_HZ:
-        raise InputError(f"rate_hz: expected 60 or 20, got {rate_hz:g}")
-    return rate_hz
+        got = f"{rate_hz:g}" if isinstance(rate_hz, int | float) else repr(rate_hz)
+        raise InputError(f"rate_hz: expected 60 or 20, got {got}")
+    return float(rate_hz)
 
 
 def _checked_name(what: str, name: str | None, known: Sequence[str]) -> str | None:
     if name is not None and name not in known:
-        raise unknown_name(what, name, known)
+        raise unknown_name(what, str(name), known)
     return name
+
+
+def _checked_truth(truth: Sequence[str]) -> tuple[str, ...]:
+    """The names in a list or tuple; a string would be one of letters."""
+    if isinstance(truth, str) or not isinstance(truth, Iterable):
+        raise InputError(f"truth: expected a tuple of names, such as ('depth',), got {truth!r}")
+    return tuple(str(_checked_name("truth", name, TRUTHS)) for name in truth)
 
 
 def _checked_action(action: NDArray[np.float32]) -> Floats:
     """The action as a fresh array; beyond the limits it is clipped, as an actuator would."""
-    command = np.array(action, np.float64)
+    try:
+        command = np.array(action, np.float64)
+    except (TypeError, ValueError):  # what is no numbers
+        command = np.empty(0)
     if command.shape != (2,) or not np.isfinite(command).all():
         raise ValueError(f"action: expected two finite numbers in [-1, 1], throttle and steering, got {action}")
     return np.minimum(np.maximum(command, -1.0), 1.0)

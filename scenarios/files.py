@@ -38,8 +38,13 @@ def names() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in catalog.iterdir() if entry.name.endswith(".toml"))
 
 
-def load(name_or_path: str) -> Scenario | RandomScenario:
-    """The scenario of that name in the catalog, or of that TOML file; InputError on anything wrong."""
+def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScenario:
+    """The scenario of that name in the catalog, or of that TOML file; InputError on anything wrong. One that is loaded
+    already passes."""
+    if isinstance(name_or_path, Scenario | RandomScenario):
+        return name_or_path
+    if not isinstance(name_or_path, str):
+        raise InputError(f"scenario: expected a name, a TOML file or a Scenario, got {name_or_path!r}")
     if name_or_path in names():
         text = (files("vpf_sim.scenarios.catalog") / f"{name_or_path}.toml").read_text("utf-8")
         return parse(text, f"{name_or_path}.toml")

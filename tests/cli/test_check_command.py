@@ -46,7 +46,7 @@ def test_the_command_says_what_failed_and_how_to_see_it(capsys: pytest.CaptureFi
     rules.write_text('[[rules]]\nscenario = "town04"\nsuccess_rate_at_least = 0.9\ncollisions_at_most = 3')
     assert cli.run(["check", str(folder), "--rules", str(rules)]) == 1
     said = capsys.readouterr().out
-    assert "FAIL town04, clear, vpf: expected success_rate_at_least 0.9, got 0.7 over 10 episodes, 1 without a" in said
+    assert "FAIL town04, clear, vpf: expected success_rate_at_least 0.9, got 0.7 (10 episodes), 1 without a" in said
     assert "again: for seed in 3 5 8; do vpf-sim drive town04 --weather clear --driver vpf --seed $seed; done\n" in said
     assert said.endswith("\n1 passed, 1 failed, 0 skipped\n")
 
@@ -90,7 +90,7 @@ def test_junit(tmp_path: Path) -> None:
     def change(job: Job) -> dict[str, Any] | None:
         return {"min_clearance_m": None} if job.scenario == "straight" else spread(job)
 
-    folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "new" / "out.xml"
+    folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "out.xml"
     rules.write_text("[[rules]]\nsuccess_rate_at_least = 0.9\nclearance_m_at_least = 0.1")
     assert cli.run(["check", str(folder), "--rules", str(rules), "--junit", str(out)]) == 1
     root = Xml.fromstring(out.read_bytes())

@@ -22,6 +22,7 @@ from vpf_sim.cli import (
     reproduce,
     scenarios,
     score,
+    streams,
     sweep,
     video,
     weathers,
@@ -79,11 +80,20 @@ def main() -> None:
     if arguments and arguments[0] in SIMULATING and "--help" not in arguments:
         _limit_threads(arguments)
     sys.path.append(os.getcwd())  # where a user's own driver is
-    sys.exit(run(arguments))
+    streams.take()
+    code = run(arguments)
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        code = _refuse(f"standard output: {error.strerror}")
+    sys.exit(code)
 
 
 def run(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code; faults of the user are one line each on stderr and 2."""
+    for argument in arguments:
+        if not argument.isascii() and argument != argument.encode("utf-8", "replace").decode():
+            return _refuse(f"expected names in UTF-8, got {argument!a}; rename the file or folder")
     try:
         code = app(list(arguments), prog_name="vpf-sim", standalone_mode=False)
     except InputError as error:

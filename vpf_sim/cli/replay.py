@@ -131,10 +131,11 @@ def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording
 
 
 def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", video: bool) -> int:
+    from vpf_sim import process_state
     from vpf_sim.replay import open_loop
 
     try:
-        with drivers_speak():
+        with drivers_speak(), process_state.kept():
             record, timing = open_loop.run(recording, driver, folder.path, _tell(recording.name), video)
             folder.add(record, timing)
     except InputError as error:

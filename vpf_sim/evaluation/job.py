@@ -2,6 +2,7 @@
 
 import re
 from hashlib import sha256
+from os import fsencode
 from typing import NamedTuple
 
 
@@ -24,4 +25,4 @@ def _slug(name: str) -> str:
     if re.fullmatch(r"[\w@-]+", name):
         return name
     last = re.split(r"[/\\:]", name.removesuffix(".toml"))[-1]
-    return f"{re.sub(r'[^A-Za-z0-9_-]', '_', last)}-{sha256(name.encode()).hexdigest()[:8]}"
+    return f"{re.sub(r'[^A-Za-z0-9_-]', '_', last)}-{sha256(fsencode(name)).hexdigest()[:8]}"

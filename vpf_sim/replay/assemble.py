@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.geometry import mounting_in_words
 from vpf_sim.planning import variant
 from vpf_sim.replay import calibrate, camera_motion, derived, lane_height, series
 from vpf_sim.replay.recording import Frame, Kind, Origin, Recording
@@ -136,7 +137,7 @@ def _tell_mounting(source: Source, own: calibrate.OwnWay) -> None:
         how = "taken to look straight ahead and level: the drive never went straight for long enough to tell"
     else:
         pitch, yaw = np.degrees([own.mounting.pitch_rad, own.mounting.yaw_rad])
-        how = f"looks {pitch:.2f} deg down and {yaw:.2f} deg right, by the focus of expansion of {own.looks} frames"
+        how = f"{mounting_in_words(pitch, yaw)}, by the focus of expansion of {own.looks} frames"
     source.origins["camera"] = Origin(said.kind, "; ".join(part for part in (said.how, how) if part))
 
 

@@ -88,7 +88,7 @@ def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
     worst = worst_first(short)
     seeds = [seed for seed in worst if short[seed] > 0.0] or worst[:1]
     told = "no interval" if value is None else _number(value, limit) + kind.unit
-    actual = f"{told} over {len(values)} episode" + "s" * (len(values) != 1)
+    actual = f"{told} ({len(values)} episode{'s' * (len(values) != 1)})"
     return _checked(Check(cell, expected, actual, "passed" if kept else "failed", tuple(seeds)), kind.score, episodes)
 
 

@@ -134,7 +134,7 @@ def _is_unwritten(path: Path) -> bool:
 def write_json(path: Path, value: dict[str, Any]) -> None:
     """A file, keys sorted, whole or not at all."""
     draft = path.with_name(f"{path.name}.draft")
-    with draft.open("w") as file:
+    with draft.open("w", encoding="utf-8") as file:
         json.dump(value, file, indent=2, sort_keys=True, allow_nan=False)
         file.write("\n")
         file.flush()

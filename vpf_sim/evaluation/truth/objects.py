@@ -24,8 +24,8 @@ class ObjectBook:
     """Remembers which body was first confirmed where, and which reports were wrong."""
 
     def __init__(self) -> None:
-        self._confirmed_m: dict[int, float] = {}  # by a body's id: bumper to face
-        self._ahead: set[int] = set()
+        self._confirmed_m: dict[Any, float] = {}  # of a body: bumper to face
+        self._ahead: set[Any] = set()  # bodies
         self._wrong: set[int] = set()  # identities of reports
         self._met: deque[tuple[float, float]] = deque()
 
@@ -40,7 +40,7 @@ class ObjectBook:
         for index, foot, in_corridor in self._feet(reported, ego, network):
             owners = [body for body in bodies if _gap_m(body, foot) <= FOOT_M]
             for body in [*owners, *_passed(reported, index, ego, bodies)] if owners else []:
-                self._confirmed_m.setdefault(id(body), _ahead_m(ego, body))
+                self._confirmed_m.setdefault(body, _ahead_m(ego, body))
             if not in_corridor:
                 continue
             right += bool(owners)
@@ -72,13 +72,13 @@ class ObjectBook:
     def _meet(self, ego: Any, bodies: list[Any]) -> None:
         """Note the bodies that the bumper reaches in this frame in the corridor."""
         for body in bodies:
-            key, ahead_m = id(body), _ahead_m(ego, body)
+            ahead_m = _ahead_m(ego, body)
             if ahead_m > REACHED_M:
-                self._ahead.add(key)
-            elif key in self._ahead:
-                self._ahead.remove(key)
+                self._ahead.add(body)
+            elif body in self._ahead:
+                self._ahead.remove(body)
                 if abs(body.place[1] - ego.place[1]) <= CORRIDOR_M:
-                    self._met.append((float(KINDS.index(body.kind)), self._confirmed_m.get(key, nan)))
+                    self._met.append((float(KINDS.index(body.kind)), self._confirmed_m.get(body, nan)))
 
 
 def _passed(reported: Obstacles, index: int, ego: Any, bodies: list[Any]) -> list[Any]:
