@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, cast, get_args
 import numpy as np
 
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.types import Command, Driver, DriverSetup, Floats, Observation, Plan, Privilege
+from vpf_sim.types import Command, Driver, DriverSetup, Floats, Observation, Perception, Plan, Privilege
 
 if TYPE_CHECKING:
     from vpf_sim.controllers.gtsmc import Gains
@@ -42,12 +42,19 @@ class FieldDriver:
         self._plan = None
 
     def act(self, observation: Observation) -> Command:
-        if self._odometry is not None:
-            observation = self._odometry.update(observation)
+        observation = self._measured(observation)
         plan = self._planner.step(observation)
         command = self._controller.command(observation, plan.reference)
         self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
         return command
+
+    def perceive(self, observation: Observation) -> Perception:
+        """What `act` would perceive, without planning or steering; one of the two is called each step."""
+        return self._planner.perceive(self._measured(observation))
+
+    def _measured(self, observation: Observation) -> Observation:
+        """The observation with the pose that the odometry makes of it."""
+        return observation if self._odometry is None else self._odometry.update(observation)
 
     @property
     def looks(self) -> bool:
@@ -261,6 +268,20 @@ def trace_of(driver: Driver) -> Plan | None:
     trace = getattr(driver, "trace", None)
     plan = trace() if trace is not None else None
     return plan if isinstance(plan, Plan) else None
+
+
+def perception_of(driver: Driver, observation: Observation) -> Perception | None:
+    """What a driver perceives at a frame, by its `perceive` if it has one, else by the plan that it makes.
+
+    None if it shows neither.
+    """
+    perceive = getattr(driver, "perceive", None)
+    if perceive is not None:
+        seen = perceive(observation)
+        return seen if isinstance(seen, Perception) else None
+    command_of(driver, observation)
+    plan = trace_of(driver)
+    return None if plan is None else plan.perception
 
 
 def _load(path: str) -> Driver:
