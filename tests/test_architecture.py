@@ -36,6 +36,7 @@ EVALUATION = [
     "episode",
     "sweeps",
     "analysis",
+    "perception",
     "gate",
     "machine",
 ]

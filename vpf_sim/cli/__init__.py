@@ -15,6 +15,7 @@ from vpf_sim.cli import (
     drive,
     drivers,
     gallery,
+    perception,
     profile,
     replay,
     report,
@@ -27,7 +28,19 @@ from vpf_sim.cli import (
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.processes import threads
 
-SIMULATING = ("drive", "sweep", "benchmark", "ablate", "replay", "profile", "gallery", "doctor", "video", "report")
+SIMULATING = (
+    "drive",
+    "sweep",
+    "benchmark",
+    "ablate",
+    "replay",
+    "profile",
+    "gallery",
+    "doctor",
+    "video",
+    "report",
+    "perception",
+)
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
 
 app = typer.Typer(
@@ -47,6 +60,7 @@ app.command("score")(score.score)
 app.command("report")(report.report)
 app.command("video")(video.video)
 app.command("check")(check.check)
+app.command("perception")(perception.perception)
 app.command("profile")(profile.profile)
 app.command("gallery")(gallery.gallery)
 app.command("doctor")(doctor.doctor)

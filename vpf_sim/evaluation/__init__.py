@@ -11,6 +11,7 @@ package imports only those above it:
 - episode: the loop, its log and its clock
 - sweeps: many episodes, and the folder that keeps them
 - analysis: what the records of a run say
+- perception: perception alone, on the poses of stored drives
 - gate: whether a run keeps the rules
 - machine: whether this machine drives as it should, and how fast
 """
