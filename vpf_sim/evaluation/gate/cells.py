@@ -37,6 +37,7 @@ class Episode(BaseModel):
     path_mse_m2: float | None
     min_clearance_m: float | None
     comfort: Comfort | None
+    states_sha256: str | None
 
     @property
     def succeeded(self) -> bool:
@@ -53,6 +54,10 @@ class Run:
     path: Path
     cells: dict[Cell, Episodes]
     hashes: dict[str, Any]
+
+    def episodes(self) -> dict[str, Episode]:
+        """Those that have a record, by id."""
+        return {one.id: one for episodes in self.cells.values() for one in episodes.values() if one is not None}
 
 
 def read_run(path: Path) -> Run:

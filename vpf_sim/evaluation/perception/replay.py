@@ -43,7 +43,8 @@ Judged = tuple[StoredDrive, list[Judgement]]
 def replay(drives: Iterable[StoredDrive], names: Sequence[str], workers: int) -> Iterator[Judged]:
     """Each drive as each of the drivers of these names perceives it, in the order in which they are ready."""
     for name in names:
-        drivers.create(name)  # a wrong name is told at once
+        if not drivers.sees(drivers.create(name)):
+            raise InputError(f"driver '{name}': expected one that perceives, got one that looks at no frame")
     longest_first = sorted(drives, key=lambda drive: -drive.record["steps"])
     for done in pool.run(partial(judge, tuple(names)), longest_first, workers):
         if done.result is None:
@@ -103,8 +104,9 @@ def watch(
     for driver in perceivers.values():
         driver.reset(setup_for(driver, world, seed))
     commands = np.stack([table.throttle, table.steering], axis=1)
-    driven = int(np.argmin(np.isfinite(commands).all(axis=1)))  # the first row without a command, the last at least
-    for row, command in enumerate(commands[:driven]):
+    for row, command in enumerate(commands[:-1]):
+        if not np.isfinite(command).all():  # here the driver of the run broke down
+            break
         observation = read(observed)
         show(row, [_perceived(name, driver, observation, row) for name, driver in perceivers.items()], info)
         looks = any(map(drivers.looks, perceivers.values()))
