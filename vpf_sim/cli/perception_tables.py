@@ -7,6 +7,7 @@ from vpf_sim.cli.tables import number, percent, percent_within, print_table, wit
 Row = dict[str, Any]
 RATE = "false_positives_per_minute"
 OF_REPORTS = ("distance_error_m", "left_error_m", "right_error_m", "speed_error_mps")
+PLACED = ("distance m", "left m", "right m", "speed m/s")
 DIFFERENCES = {  # label, digits, scale
     "recall": ("recall at due distance, %", 1, 100.0),
     "precision": ("precision, %", 1, 100.0),
@@ -22,30 +23,19 @@ DIFFERENCES = {  # label, digits, scale
 
 
 def print_totals(totals: list[Row]) -> None:
-    """By weather and driver: what is seen, how well it is placed, and both by kind and by distance."""
-    header = ("driver", "weather", "drives", "min", "bodies", "recall %", "precision %", "false pos./min")
-    print_table(header, [(*_names(row), *_seen(row)) for row in totals], words=2)
-    print("\nErrors, median / 95th percentile:\n")
-    header = ("driver", "weather", "distance m", "left m", "right m", "speed m/s", "edges m", "lane m", "FOE px")
-    print_table(header, [(*_names(row), *_placed(row)) for row in totals], words=2)
-    print("\nBy kind:\n")
-    header = ("driver", "weather", "kind", "bodies", "recall %", "first m", "distance m", "left m", "right m", "m/s")
-    lines = [(*_names(row), kind, *_of_kind(one)) for row in _whole(totals) for kind, one in row["by_kind"].items()]
-    print_table(header, lines, words=3)
-    print("\nBy distance from the bumper:\n")
-    header = (
-        "driver",
-        "weather",
-        "m",
-        "recall %",
-        "precision %",
-        "false/min",
-        "distance m",
-        "left m",
-        "right m",
-        "m/s",
-    )
-    print_table(header, [(*_names(row), *_of_band(one)) for row in _whole(totals) for one in row["by_distance"]], 3)
+    """By driver and weather: what is seen, and how well it is placed; then both by kind and by distance."""
+    print_table(("", "drives", "bodies", "recall %", "precision %", "false pos./min"), [_seen(row) for row in totals])
+    print("\nErrors of right reports, median / 95th percentile:\n")
+    print_table(("", *PLACED), [(_name(row), *_errors(row)) for row in totals])
+    print("\nErrors of road and focus of expansion (FOE), median / 95th percentile:\n")
+    print_table(("", "edges at 10 m, m", "lane at 10 m, m", "FOE px"), [_of_frames(row) for row in totals])
+    for row in _single(totals):
+        print(f"\n{_name(row)}, by kind:\n")
+        header = ("", "bodies", "recall %", "first seen m", *PLACED)
+        print_table(header, [(kind, *_of_kind(one)) for kind, one in row["by_kind"].items()])
+        print(f"\n{_name(row)}, by distance from the bumper:\n")
+        header = ("m", "recall %", "precision %", "false pos./min", *PLACED)
+        print_table(header, [_of_band(one) for one in row["by_distance"]])
     print("\nRecall: bodies met in the corridor that were confirmed 15 m before (cones 10, pallets 6); by distance:")
     print("at the nearer end of the band or before. Precision and false positives: means over drives. [95 % intervals]")
 
@@ -64,25 +54,24 @@ def print_differences(differences: list[Row]) -> None:
         )
 
 
-def _whole(totals: list[Row]) -> list[Row]:
+def _single(totals: list[Row]) -> list[Row]:
     """Without those of all weathers, which say little by kind and distance."""
-    single = [row for row in totals if row["weather"] != "all"]
-    return single or totals
+    return [row for row in totals if row["weather"] != "all"]
 
 
 def _weather(told: Row) -> str:
     return "all weathers" if told["weather"] == "all" else str(told["weather"])
 
 
-def _names(row: Row) -> tuple[str, str]:
-    return row["driver"], row["weather"]
+def _name(row: Row) -> str:
+    return f"{row['driver']}, {_weather(row)}"
 
 
 def _seen(row: Row) -> tuple[str, ...]:
     ends = row["intervals"]
     return (
+        _name(row),
         str(row["drives"]),
-        number(row["minutes"], 1),
         str(row["bodies_met"]),
         percent_within(row["recall"], ends["recall"]),
         percent_within(row["precision"], ends["precision"]),
@@ -90,9 +79,9 @@ def _seen(row: Row) -> tuple[str, ...]:
     )
 
 
-def _placed(row: Row) -> tuple[str, ...]:
-    frames = (_spread(row["edge_error_m"], 3), _spread(row["lane_error_m"], 3), _spread(row["foe_error_px"], 1))
-    return (*_errors(row), *frames)
+def _of_frames(row: Row) -> tuple[str, ...]:
+    edges, lane = (_spread(row[key], 3) for key in ("edge_error_m", "lane_error_m"))
+    return _name(row), edges, lane, _spread(row["foe_error_px"], 1)
 
 
 def _of_kind(row: Row) -> tuple[str, ...]:

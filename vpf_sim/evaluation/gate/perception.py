@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from vpf_sim.evaluation.gate.cells import Cell, Run, worst_first
 from vpf_sim.evaluation.gate.checks import Check, Outcome, matching, number
@@ -65,11 +66,11 @@ def _missing(cell: Cell, found: Sequence[Record], run: Run) -> int:
 
 def _value(told: Figures, figure: str) -> float | None:
     """A figure, of errors the median, or the 95th percentile of one that says so; None where there is none."""
-    value = getattr(told, figure.removesuffix(P95))
-    if not isinstance(value, dict):
-        found: float | None = value
-        return found
-    return value["p95" if figure.endswith(P95) else "median"]
+    value: Any = getattr(told, figure.removesuffix(P95))
+    if isinstance(value, dict):
+        value = value["p95" if figure.endswith(P95) else "median"]
+    found: float | None = value
+    return found
 
 
 def _may_lack(figure: str, row: Figures) -> bool:

@@ -108,8 +108,8 @@ def _line(fault: dict[str, Any]) -> str:
     location: tuple[int | str, ...] = fault["loc"]
     key = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location).removeprefix(".")
     if fault["type"] == "extra_forbidden":
-        section = {1: Rules, 3: Rule, 4: PerceptionBounds}[len(location)]
-        known = list(section.model_fields)
+        sections: dict[int, type[Section]] = {1: Rules, 3: Rule, 4: PerceptionBounds}
+        known = list(sections[len(location)].model_fields)
         near = get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
         return f"{key}: unknown key, " + (f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}")
     if fault["type"] == "model_type":

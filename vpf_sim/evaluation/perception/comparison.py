@@ -90,7 +90,8 @@ def _mean(pairs: Sequence[Pair], key: str) -> Difference | None:
 def _value(record: Record, key: str) -> float | None:
     """A figure of a drive; of errors the median."""
     value: Any = getattr(record, key)
-    return value["median"] if isinstance(value, dict) else value
+    found: float | None = value["median"] if isinstance(value, dict) else value
+    return found
 
 
 def _told(found: Difference | None) -> Row | None:

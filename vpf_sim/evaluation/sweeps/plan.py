@@ -33,7 +33,11 @@ class Plan:
     def jobs(self) -> list[Job]:
         """The planned episodes, seed by seed, so that a sweep that ends early has something of everything."""
         if self.drives:
-            jobs = [Job(*place, driver, seed) for *place, seed in self.drives for driver in self.driver]
+            jobs = [
+                Job(scenario, weather, driver, seed)
+                for scenario, weather, seed in self.drives
+                for driver in self.driver
+            ]
         else:
             grid = product(parse_seeds(self.seeds), self.scenario, self.weather, self.driver)
             jobs = [Job(scenario, weather, driver, seed) for seed, scenario, weather, driver in grid]
