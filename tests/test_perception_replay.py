@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from short_scenario import SHORT
+from short_scenario import SHORT, write_short
 
 from vpf_sim import cli, drivers
 from vpf_sim.errors import InputError
@@ -233,6 +233,22 @@ def test_wrong_use_is_told_in_a_line(
     said = capsys.readouterr()
     assert said.err.startswith(f"vpf-sim: {sentence}")
     assert (said.err.count("\n"), said.out) == (1, "")
+
+
+def test_the_fixed_set_is_driven_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = Plan((str(write_short(tmp_path)),), ("clear",), ("pid",), "3:4")
+    monkeypatch.setattr(poses, "fixed_set", lambda: plan)
+    monkeypatch.chdir(tmp_path)
+    lines = []
+    for _ in range(2):
+        assert cli.run(["perception", "--id", "other", "--workers", "1"]) == 2
+        lines.append(capsys.readouterr().err.splitlines())
+    (folder,) = (tmp_path / "runs").iterdir()
+    assert lines[0][0] == f"driving the 1 drives whose poses are used, once: runs/{folder.name}"
+    assert lines[1] == lines[0][-1:], "the second time nothing is driven"
+    assert [drive.record["status"] for drive in poses.stored_drives([folder])] == ["success"]
 
 
 def test_a_run_without_steps_and_one_of_another_world_are_refused(run: Path, tmp_path: Path) -> None:

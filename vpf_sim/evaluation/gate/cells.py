@@ -55,10 +55,6 @@ class Run:
     cells: dict[Cell, Episodes]
     hashes: dict[str, Any]
 
-    def episodes(self) -> dict[str, Episode]:
-        """Those that have a record, by id."""
-        return {one.id: one for episodes in self.cells.values() for one in episodes.values() if one is not None}
-
 
 def read_run(path: Path) -> Run:
     """The run in a folder, checked to be one."""

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim.evaluation.analysis.statistics import mean_interval, share_interval
+from vpf_sim.evaluation.analysis.statistics import share_interval
+from vpf_sim.evaluation.analysis.summary import interval
 from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.metrics.perception import DUE_M, KINDS
 from vpf_sim.evaluation.perception.judgement import Judgement
@@ -74,8 +75,8 @@ def figures(found: Sequence[Judgement]) -> Row:
         RATE: fmean(rates),
         "intervals": {
             "recall": list(share_interval(int(known.sum()), len(known))) if len(known) else None,
-            "precision": _ends(precision),
-            RATE: _ends(rates),
+            "precision": interval(precision),
+            RATE: interval(rates),
         },
         **_report_errors([(one, np.ones(len(one.reports), np.bool_)) for one in found]),
         **_frame_errors(found),
@@ -194,11 +195,6 @@ def _frame_errors(found: Sequence[Judgement]) -> Row:
         "foe_error_px": foe_error and {**foe_error, "x": medians["x"], "y": medians["y"]},
         "foe_share": foe["foe_share"],
     }
-
-
-def _ends(values: Sequence[float]) -> list[float] | None:
-    found = mean_interval(np.array(values, float)) if values else None
-    return None if found is None else list(found)
 
 
 def _median(values: Floats) -> float | None:
