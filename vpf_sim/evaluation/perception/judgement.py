@@ -10,7 +10,7 @@ from vpf_sim.evaluation.episode.log import NOWHERE_PX, perceived
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.truth import extents, surroundings
-from vpf_sim.evaluation.truth.objects import ObjectBook
+from vpf_sim.evaluation.truth.objects import ObjectBook, Report
 from vpf_sim.types import Floats, Perception
 
 SEEN = ("foe_x_px", "foe_y_px", "seen_left_m", "seen_right_m")
@@ -88,7 +88,7 @@ class Judge:
             if report.in_corridor
         ]
 
-    def _truth(self, report: Any, seen: Perception, ego: Any) -> tuple[float, ...]:
+    def _truth(self, report: Report, seen: Perception, ego: Any) -> tuple[float, ...]:
         if not report.owners:
             return 0.0, float(report.is_new), nan, nan, nan, nan, nan
         off = extents.errors(report, self._book.reports, seen.obstacles, ego)
