@@ -36,8 +36,9 @@ def print_totals(totals: list[Row]) -> None:
         print(f"\n{_name(row)}, by distance from the bumper:\n")
         header = ("m", "recall %", "precision %", "false pos./min", *PLACED)
         print_table(header, [_of_band(one) for one in row["by_distance"]])
-    print("\nRecall: bodies met in the corridor that were confirmed 15 m before (cones 10, pallets 6); by distance:")
-    print("at the nearer end of the band or before. Precision and false positives: means over drives. [95 % intervals]")
+    print("\nRecall: bodies met in the corridor that were confirmed 15 m before (cones 10, pallets 6);")
+    print("by distance: at the nearer end of the band or before. Precision and false positives are means")
+    print("over the drives. [95 % intervals]")
 
 
 def print_differences(differences: list[Row]) -> None:
@@ -49,9 +50,8 @@ def print_differences(differences: list[Row]) -> None:
             [(label, *_difference(told[key], digits, scale)) for key, (label, digits, scale) in DIFFERENCES.items()],
         )
     if differences:
-        print(
-            "\nRecall: over the bodies (McNemar's test); all else over the drives (sign flips), of errors the medians."
-        )
+        print("\nRecall: over the bodies (McNemar's test). All else: over the drives (sign flips); of errors the")
+        print("medians.")
 
 
 def _single(totals: list[Row]) -> list[Row]:
