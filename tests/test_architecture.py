@@ -39,6 +39,7 @@ EVALUATION = [
     "sweeps",
     "analysis",
     "readings",
+    "perception",
     "gate",
     "machine",
 ]

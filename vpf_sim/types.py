@@ -131,7 +131,8 @@ class Driver(Protocol):
     """What is under test.
 
     One that also declares `sees = False` looks at no frame, and is shown none. One that looks at some of them has
-    `looks`, which tells after each `act` whether it looks at the next: those that it does not need not be drawn.
+    `looks`, which tells after each `act` whether it looks at the next: those that it does not need not be drawn. One
+    whose perception can be measured alone has `perceive`, which gives the `Perception` that `act` would go by.
     """
 
     privileged: Privilege

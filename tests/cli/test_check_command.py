@@ -10,7 +10,8 @@ import pytest
 from gated_runs import lost, run, spread
 
 from vpf_sim import cli
-from vpf_sim.evaluation.gate import gate
+from vpf_sim.evaluation.gate.cells import Cell
+from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.job import Job
 
 
@@ -63,8 +64,8 @@ def test_json_has_every_check_and_nothing_else(capsys: pytest.CaptureFixture[str
 
 
 def test_names_are_quoted_for_the_shell() -> None:
-    cell = gate.Cell("my road.toml", "clear", "my:Driver; rm -rf /")
-    command = gate.Check(cell, "", "", "failed", (3,)).rerun
+    cell = Cell("my road.toml", "clear", "my:Driver; rm -rf /")
+    command = Check(cell, "", "", "failed", (3,)).rerun
     assert command == "vpf-sim drive 'my road.toml' --weather clear --driver 'my:Driver; rm -rf /' --seed 3"
 
 
@@ -110,6 +111,6 @@ def test_junit(tmp_path: Path) -> None:
 
     from vpf_sim.report.junit import write_junit
 
-    write_junit([gate.Check(gate.Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
+    write_junit([Check(Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
     (failure,) = Xml.fromstring(out.read_bytes()).iter("failure")
     assert '?[31m<&>" ]]> é ?' in str(failure.text)

@@ -15,6 +15,7 @@ from vpf_sim.cli import (
     drive,
     drivers,
     gallery,
+    perception,
     profile,
     readings,
     replay,
@@ -43,6 +44,7 @@ SIMULATING = (
     "doctor",
     "video",
     "report",
+    "perception",
 )
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
 
@@ -65,6 +67,7 @@ app.command("report")(report.report)
 app.command("reproduce")(reproduce.reproduce)
 app.command("video")(video.video)
 app.command("check")(check.check)
+app.command("perception")(perception.perception)
 app.command("profile")(profile.profile)
 app.command("gallery")(gallery.gallery)
 app.command("doctor")(doctor.doctor)

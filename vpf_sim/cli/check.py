@@ -10,7 +10,7 @@ from vpf_sim.cli.options import JsonOption, check_place, print_json
 from vpf_sim.cli.tables import print_table
 
 if TYPE_CHECKING:
-    from vpf_sim.evaluation.gate.gate import Check
+    from vpf_sim.evaluation.gate.checks import Check
 
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 RulesOption = Annotated[Path, typer.Option("--rules", metavar="FILE", help="What the run must keep, as TOML.")]

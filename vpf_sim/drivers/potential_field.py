@@ -3,7 +3,7 @@
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
-from vpf_sim.types import Command, DriverSetup, Observation, Plan, Privilege
+from vpf_sim.types import Command, DriverSetup, Observation, Perception, Plan, Privilege
 
 if TYPE_CHECKING:
     from vpf_sim.controllers.gtsmc import Gains
@@ -36,12 +36,19 @@ class FieldDriver:
         self._plan = None
 
     def act(self, observation: Observation) -> Command:
-        if self._odometry is not None:
-            observation = self._odometry.update(observation)
+        observation = self._measured(observation)
         plan = self._planner.step(observation)
         command = self._controller.command(observation, plan.reference)
         self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
         return command
+
+    def perceive(self, observation: Observation) -> Perception:
+        """What `act` would perceive, without planning or steering; one of the two is called each step."""
+        return self._planner.perceive(self._measured(observation))
+
+    def _measured(self, observation: Observation) -> Observation:
+        """The observation with the pose that the odometry makes of it."""
+        return observation if self._odometry is None else self._odometry.update(observation)
 
     @property
     def looks(self) -> bool:

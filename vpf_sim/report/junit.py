@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
-from vpf_sim.evaluation.gate.gate import Check
+from vpf_sim.evaluation.gate.checks import Check
 
 SUITE = "vpf-sim check"
 FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # in XML 1.0, even escaped

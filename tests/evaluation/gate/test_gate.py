@@ -7,6 +7,8 @@ from gated_runs import Change, checks, lost, only, spread
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.gate import gate
+from vpf_sim.evaluation.gate.cells import Cell
+from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.gate.rules import BOUNDS
 
 
@@ -82,8 +84,8 @@ def test_every_bound_of_the_rules_is_judged() -> None:
     ],
 )
 def test_bounds(change: Change, bound: str, outcome: str, actual: str, seeds: tuple[int, ...], tmp_path: Path) -> None:
-    assert only(tmp_path, bound, change) == gate.Check(
-        gate.Cell("town04", "clear", "vpf"), bound.replace(" = ", " "), actual, outcome, seeds
+    assert only(tmp_path, bound, change) == Check(
+        Cell("town04", "clear", "vpf"), bound.replace(" = ", " "), actual, outcome, seeds
     )
 
 
