@@ -34,14 +34,17 @@ class FieldDriver:
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.controllers.gtsmc import Gtsmc
         from vpf_sim.perception.odometry import Odometry
+        from vpf_sim.perception.plausible import Plausibility
         from vpf_sim.planning.planner import Planner
 
         self._planner = Planner(setup, self._variant)
         self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
         self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
+        self._plausibility = Plausibility(setup.vehicle)
         self._plan = None
 
     def act(self, observation: Observation) -> Command:
+        observation = self._plausibility.update(observation)
         if self._odometry is not None:
             observation = self._odometry.update(observation)
         plan = self._planner.step(observation)
