@@ -115,7 +115,9 @@ def test_spikes_of_the_yaw_rate_have_the_size_and_the_share_that_are_asked() -> 
 
 
 def test_a_seed_gives_the_same_faults_and_another_seed_others() -> None:
-    faults = SensorFaults(drop_share=0.1, torn_share=0.1, noise_rows_share=0.1, black_share=0.1, exposure_jump_share=0.1)
+    faults = SensorFaults(
+        drop_share=0.1, torn_share=0.1, noise_rows_share=0.1, black_share=0.1, exposure_jump_share=0.1
+    )
     first, again, other = (np.array([image for image, _ in seen(faults, 200, seed)]) for seed in (1, 1, 2))
     assert (first == again).all()
     assert (first != other).any()
@@ -146,7 +148,10 @@ def test_a_scenario_on_a_base_is_the_base_with_what_it_changes() -> None:
         ('base = "strait"', "my.toml: base: unknown scenario 'strait'"),
         ("base = 1", "my.toml: base: expected the name of a scenario, got 1"),
         (f"{BASED}[ego.sensor_faults]\ndrop_share = 1.5", "my.toml: ego.sensor_faults.drop_share: expected less than"),
-        (f"{BASED}[ego.sensor_faults]\nlatency_ms = -1", "my.toml: ego.sensor_faults.latency_ms: expected greater than"),
+        (
+            f"{BASED}[ego.sensor_faults]\nlatency_ms = -1",
+            "my.toml: ego.sensor_faults.latency_ms: expected greater than",
+        ),
         (f"{BASED}[ego.sensor_faults]\ndrop_shar = 0.1", "unknown key, did you mean 'drop_share'?"),
     ],
 )
