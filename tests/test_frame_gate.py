@@ -7,7 +7,7 @@ from vpf_sim.perception.frame_gate import FrameGate
 from vpf_sim.types import Image
 
 RATE_HZ, STEP_M = 60.0, 0.09
-WORLD = np.kron(np.random.default_rng(3).integers(60, 180, (400, 80)), np.ones((4, 8))).astype(np.uint8)
+WORLD = np.kron(np.random.default_rng(3).integers(80, 160, (1600, 80)), np.ones((1, 8))).astype(np.uint8)
 
 
 def picture(k: int) -> Image:
