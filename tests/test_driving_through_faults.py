@@ -1,4 +1,4 @@
-"""`vpf` with a camera that fails: it drives on through lost and late frames, and stops where no frame is to be trusted."""
+"""`vpf` with a camera that fails: it drives on through lost and late frames, and stops where none can be trusted."""
 
 from contextlib import closing
 
