@@ -23,6 +23,7 @@ from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
 from vpf_sim.envs.rectangles import clearance, distance, solid_bodies
 from vpf_sim.envs.road import build_road
 from vpf_sim.envs.route import Route
+from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
 from vpf_sim.envs.sensors import Sensors
 from vpf_sim.envs.window import Window
 from vpf_sim.errors import InputError, unknown_name
@@ -46,8 +47,11 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     x squared change of action, less 5 on collision or off_road, plus 5 on success. `info`: `status` ("running" until
     the end), `route_m`, `lane_offset_m` from the centre of the ego's lane (+ is right), `clearance_m` to the nearest
     body, `collided_with`, and the arrays that `truth` names; where a frame was none also `invalid_frame`: its number,
-    `time_s` and `fault`; where the scenario's sensors err also `ego`, the true state. Success, collision and off_road
-    terminate; timeout, stuck and invalid_frame truncate.
+    `time_s` and `fault`; where the scenario's sensors err or fail also `ego`, the true state. Success, collision and
+    off_road terminate; timeout, stuck and invalid_frame truncate.
+
+    Where the scenario's camera fails (`ego.sensor_faults`), `image` is the last frame that has arrived, the observation
+    has also `frame_time`, s, when it was taken, and every frame is drawn. `render` shows the frame before the faults.
 
     Without `frames` nothing is rendered, for a driver that looks at none: there is no `image`, no frame to be invalid,
     and all else is the same.
@@ -92,7 +96,9 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.weather = weathers.load(weather)
         self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self.observation_space = _observation_space(self.camera if frames else None)
+        self._faults = self._undrawn.ego.sensor_faults
+        self._camera_fails = frames and self._faults.of_the_camera
+        self.observation_space = _observation_space(self.camera if frames else None, self._camera_fails)
         self._low, self._high = _ego_bounds()
         self._window: Window | None = None
         self._ending: Ending | None = None  # before the first reset
@@ -107,6 +113,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self._build_world()
         self._renderer = self._new_renderer() if self._takes_frames else None
         self._sensors = Sensors(self.scenario.ego.sensors, self.camera, self.rate_hz, self.episode_seed)
+        self._signal_faults = SignalFaults(self._faults, self.episode_seed)
+        self._camera_faults = CameraFaults(self._faults, self.rate_hz, self.episode_seed)
         self._steps, self._route_m = 0, self._path.progress(self.ego.place[0])
         self._action = np.zeros(2)
         self._frame = self._taken()
@@ -171,8 +179,11 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         """What the camera sees now, if anybody looks: the renderer makes a fresh array each time."""
         if self._renderer is None:
             return None
-        take = self._renderer.render if look else self._renderer.skip
-        return self._sensors.frame(take(self.ego, self._steps / self.rate_hz))
+        take = self._renderer.render if look or self._camera_fails else self._renderer.skip
+        frame = self._sensors.frame(take(self.ego, self._steps / self.rate_hz))
+        if self._camera_fails and frame is not None:
+            self._arrived, self._arrived_s = self._camera_faults.frame(frame, self._steps / self.rate_hz)
+        return frame
 
     def _build_world(self) -> None:
         """The road, its bodies and the ego car."""
@@ -202,13 +213,19 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         return (self._route_m - before_m) / 10.0 - 0.01 * float(change @ change) + end
 
     def _observation(self) -> EnvObservation:
-        measured = self._sensors.read(self._state())
+        measured = self._signal_faults.read(self._sensors.read(self._state()), self._steps / self.rate_hz)
         return {
-            **({} if self._frame is None else {"image": self._frame}),
+            **self._seen(),
             "ego": np.minimum(np.maximum(measured, self._low), self._high),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
         }
+
+    def _seen(self) -> EnvObservation:
+        """What the camera gives: its frame, or the last that has arrived of a camera that fails."""
+        if self._camera_fails:
+            return {"image": self._arrived, "frame_time": np.array([self._arrived_s])}
+        return {} if self._frame is None else {"image": self._frame}
 
     def _state(self) -> Floats:
         """(5,) x, y, yaw in (-pi, pi], speed, yaw rate: the truth."""
@@ -223,10 +240,15 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "lane_offset_m": self.ego.place[1] - self._path.offset_m,
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
-            **({} if self._sensors.are_exact else {"ego": self._state()}),
+            **({"ego": self._state()} if self._reads_wrong else {}),
             **({"invalid_frame": asdict(invalid)} if (invalid := self._begun("info").invalid_frame) else {}),
             **(self._renderer.truth(self._told) if self._renderer and self._told else {}),
         }
+
+    @property
+    def _reads_wrong(self) -> bool:
+        """Whether the state in the observation may differ from the true one."""
+        return not self._sensors.are_exact or self._faults.of_the_signals
 
     @property
     def _told(self) -> tuple[str, ...]:
@@ -250,7 +272,8 @@ def _ego_bounds() -> tuple[Floats, Floats]:
     return np.array([-1.0, -1.0, -1.0, 0.0, -1.0]) * high, high
 
 
-def _observation_space(camera: Camera | None) -> Any:
+def _observation_space(camera: Camera | None, stamped: bool) -> Any:
+    """`stamped`: with the time at which the image was taken."""
     low, high = _ego_bounds()
     shape = None if camera is None else (camera.height_px, camera.width_px, 3)
     return spaces.Dict(
@@ -259,6 +282,7 @@ def _observation_space(camera: Camera | None) -> Any:
             "ego": spaces.Box(low, high, dtype=np.float64),
             "goal": spaces.Box(-FARTHEST_M, FARTHEST_M, (2,), np.float64),
             "time": spaces.Box(0.0, LONGEST_S, (1,), np.float64),
+            **({"frame_time": spaces.Box(0.0, LONGEST_S, (1,), np.float64)} if stamped else {}),
         }
     )
 

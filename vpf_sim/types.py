@@ -9,7 +9,7 @@ the centre of its body. N is a number of image points, K a number of obstacles.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from math import radians, tan
+from math import isnan, nan, radians, tan
 from typing import Any, Generic, Literal, Protocol, Self, TypeVar, cast
 
 import numpy as np
@@ -107,9 +107,12 @@ class DriverSetup:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What a driver sees at one moment."""
+    """What a driver sees at one moment.
 
-    image: Image  # (H, W, 3) RGB; (0, 0, 3) where the driver does not look
+    Where the newest frame is late or was dropped, `image` is the last that has arrived, with its own `frame_time_s`.
+    """
+
+    image: Image  # (H, W, 3) RGB, the last that has arrived; (0, 0, 3) where the driver does not look
     time_s: float
     x_m: float
     y_m: float
@@ -117,6 +120,11 @@ class Observation:
     speed_mps: float
     yaw_rate_radps: float
     goal_m: tuple[float, float]
+    frame_time_s: float = nan  # time stamp of the camera, when the image was taken; left out, it is `time_s`
+
+    def __post_init__(self) -> None:
+        if isnan(self.frame_time_s):
+            object.__setattr__(self, "frame_time_s", self.time_s)
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,6 +28,10 @@ WaterOption = Annotated[
     str | None,
     typer.Option("--water", metavar="WEATHER", help="Put the water of a weather on the glass; told as ours."),
 ]
+FaultsOption = Annotated[
+    str | None,
+    typer.Option("--faults", metavar="SCENARIO", help="Let sensors fail as in that scenario; told as ours."),
+]
 VideoOption = Annotated[bool, typer.Option("--video/--no-video", help="Film each drive, with what the driver saw.")]
 
 
@@ -38,6 +42,7 @@ def replay(
     resume: ResumeOption = False,
     mixed: MixedOption = False,
     water: WaterOption = None,
+    faults: FaultsOption = None,
     video: VideoOption = True,
     json: JsonOption = False,
 ) -> None:
@@ -56,9 +61,11 @@ def replay(
     recordings, refused = _read(drive)
     if water is not None:
         recordings = _wet(recordings, water)
+    if faults is not None:
+        recordings = _failing(recordings, faults)
     folder = ReplayFolder(
         out or run_folder.new_path("replay"),
-        {"driver": driver, "water": water},
+        {"driver": driver, "water": water, **({} if faults is None else {"faults": _said(faults)})},
         {name: str(path) for name, (path, _) in recordings.items()},
         resume,
         mixed,
@@ -70,16 +77,17 @@ def replay(
             _answer(folder, summary, json)
     except (KeyboardInterrupt, OSError):
         say(f"stopped with {len(folder.done)} of {len(recordings)} drives stored")
-        say(f"go on with: {_way_back(drive, driver, water, video, folder.path)}")
+        say(f"go on with: {_way_back(drive, driver, water, faults, video, folder.path)}")
         raise
     finally:
         folder.close()
     raise typer.Exit(code)
 
 
-def _way_back(drives: list[Path], driver: str, water: str | None, video: bool, folder: Path) -> str:
+def _way_back(drives: list[Path], driver: str, water: str | None, faults: str | None, video: bool, folder: Path) -> str:
     """The command that goes on with the replay."""
     words = ["vpf-sim", "replay", *map(str, drives), "--driver", driver, *([] if water is None else ["--water", water])]
+    words += [] if faults is None else ["--faults", faults]
     return shlex.join([*words, *([] if video else ["--no-video"]), "--out", str(folder), "--resume"])
 
 
@@ -107,6 +115,21 @@ def _wet(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict
 
     loaded = weathers.load(weather)
     return {name: (path, with_water(recording, loaded)) for name, (path, recording) in recordings.items()}
+
+
+def _failing(recordings: "dict[str, tuple[Path, Recording]]", scenario: str) -> "dict[str, tuple[Path, Recording]]":
+    from vpf_sim import scenarios
+    from vpf_sim.replay.added_faults import with_faults
+
+    faults = scenarios.load(scenario).ego.sensor_faults
+    return {name: (path, with_faults(recording, faults)) for name, (path, recording) in recordings.items()}
+
+
+def _said(scenario: str) -> dict[str, object]:
+    """What a scenario says of sensors that fail."""
+    from vpf_sim import scenarios
+
+    return scenarios.load(scenario).ego.sensor_faults.model_dump()
 
 
 def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":

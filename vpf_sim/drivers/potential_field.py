@@ -28,11 +28,13 @@ class FieldDriver:
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.controllers.gtsmc import Gtsmc
         from vpf_sim.perception.egomotion.odometry import Odometry
+        from vpf_sim.perception.plausible import Plausibility
         from vpf_sim.planning.planner import Planner
 
         self._planner = Planner(setup, self._variant)
         self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
         self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
+        self._plausibility = Plausibility(setup.vehicle)
         self._plan = None
 
     def act(self, observation: Observation) -> Command:
@@ -47,7 +49,8 @@ class FieldDriver:
         return self._planner.perceive(self._measured(observation))
 
     def _measured(self, observation: Observation) -> Observation:
-        """The observation with the pose that the odometry makes of it."""
+        """The observation with readings that can be, and with the pose that the odometry makes of it."""
+        observation = self._plausibility.update(observation)
         return observation if self._odometry is None else self._odometry.update(observation)
 
     @property

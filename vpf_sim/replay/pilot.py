@@ -90,7 +90,8 @@ class FieldPilot:
         lane = present_lane(seen.road, found)
         self._follow(lane)
         from_model = self._from_model(seen, lane)
-        plan = Plan(from_model, *self._way.step(from_model, self._at_model(observation)))
+        force, reference, extra = self._way.step(from_model, self._at_model(observation))
+        plan = Plan(from_model, force, self._eyes.unless_blind(reference, observation), extra)
         command = self._model.drive(plan.reference, observation, interval)
         if self._model.is_far:
             self.restarts += 1

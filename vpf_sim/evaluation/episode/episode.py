@@ -131,4 +131,5 @@ def read(observed: dict[str, Any]) -> Observation:
     time_s = float(observed["time"][0])
     goal_m = (goal_x_m, goal_y_m)
     image = observed.get("image", NO_FRAME)
-    return Observation(image, time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m)
+    frame_time_s = float(observed["frame_time"][0]) if "frame_time" in observed else time_s
+    return Observation(image, time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m, frame_time_s)
