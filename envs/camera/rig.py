@@ -32,7 +32,7 @@ class Rig:
         _check_camera(self.camera)
         for key, value in (("noise_sd", self.noise_sd), ("exposure_ev", self.exposure_ev), ("blur_px", self.blur_px)):
             if not (_is_number(value) or (key == "noise_sd" and value is None)):
-                raise InputError(f"camera: {key}: expected a number, got {value!r}")
+                raise InputError(f"camera: {key}: expected a finite number, got {value!r}")
         if self.noise_sd is not None and not 0.0 <= self.noise_sd <= 20.0:
             raise InputError(f"camera: noise_sd: expected 0 to 20 grey levels, got {self.noise_sd}")
         if not -4.0 <= self.exposure_ev <= 4.0:

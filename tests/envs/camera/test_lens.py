@@ -76,15 +76,19 @@ def test_no_border_is_empty(camera: Camera) -> None:
 @pytest.mark.parametrize(
     ("k1", "k2", "expected"),
     [
-        (-0.3, 0.0, "a distortion that can be undone within the picture, to 1.25 off the axis, got -0.3, 0"),
-        (-0.1, -0.1, "a distortion that can be undone within the picture"),
-        (-2.0, 0.5, "a distortion that can be undone within the picture"),
-        (inf, 0.0, "finite numbers, got inf, 0.0"),
-        (nan, 0.0, "finite numbers"),
+        (
+            -0.3,
+            0.0,
+            "k1, k2: expected a distortion that can be undone within the picture, to 1.25 off the axis, got -0.3, 0",
+        ),
+        (-0.1, -0.1, "k1, k2: expected a distortion that can be undone within the picture"),
+        (-2.0, 0.5, "k1, k2: expected a distortion that can be undone within the picture"),
+        (inf, 0.0, "k1: expected a finite number, got inf"),
+        (0.0, nan, "k2: expected a finite number, got nan"),
     ],
 )
 def test_a_distortion_that_folds_within_the_picture_is_refused(k1: float, k2: float, expected: str) -> None:
-    with pytest.raises(InputError, match=f"camera: k1, k2: expected {expected}"):
+    with pytest.raises(InputError, match=f"camera: {expected}"):
         Rig(Camera(k1=k1, k2=k2))
 
 

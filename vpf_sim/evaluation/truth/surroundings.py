@@ -102,7 +102,8 @@ def true_edges(ego: Any, network: Any) -> tuple[float, float]:
 
 def true_lane(ego: Any, network: Any, offset_m: float) -> float:
     """m across the road from that point to the middle of the lane that lies `offset_m` right of the road's centre."""
-    return true_edges(ego, network)[0] + network.half_width_m + offset_m
+    middle_m: float = true_edges(ego, network)[0] + network.half_width_m + offset_m
+    return middle_m
 
 
 def seen_edges(road: RoadEdges) -> tuple[float, float]:
