@@ -34,7 +34,7 @@ def readings(
     readings: ReadingsOption = 200,
     seeds: SeedsOption = None,
     finalists: FinalistsOption = 4,
-    final_seeds: FinalSeedsOption = "10:15",
+    final_seeds: FinalSeedsOption = "10:20",
     seed: OptimiserSeedOption = 0,
     workers: WorkersOption = None,
     timeout: TimeoutOption = None,
