@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, camera_motion, image_files, series
+from vpf_sim.replay import assemble, camera_motion, derived, image_files, series
+from vpf_sim.replay.plausible import Where
 from vpf_sim.replay.readers import oxts
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens, mounting_of
@@ -75,7 +76,7 @@ def _stamps(file: Path, count: int) -> Floats:
             raise InputError(
                 f"{file}: line {number}: expected a time like 2011-09-26 13:02:25.594360375, got '{row[:40]}'"
             ) from None
-    return series.ascending(file, np.array(times))
+    return series.ascending(Where(str(file), "time"), np.array(times))
 
 
 def _calibration(folder: Path, name: str) -> dict[str, Floats] | None:
@@ -142,13 +143,18 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats, seat: _Seat 
         return
     rows = oxts.read(folder)
     sampled = _stamps(folder / "timestamps.txt", len(rows))
-    source.put("speed_mps", series.at(clock_s, sampled, rows[:, oxts.FORWARD_MPS]), "oxts vf")
-    source.put("yaw_rate_radps", series.at(clock_s, sampled, -rows[:, oxts.UP_RADPS]), "oxts wu, its sign turned")
-    source.acceleration_mps2 = series.filled(series.at(clock_s, sampled, rows[:, oxts.FORWARD_MPS2]))[0]
-    way = oxts.way(rows, np.zeros(3) if seat is None else seat.place)
-    source.put("poses", np.stack([series.at(clock_s, sampled, part) for part in way.T], axis=1), "oxts lat, lon, yaw")
+    speed = source.checked("speed_mps", rows[:, oxts.FORWARD_MPS], "oxts vf")
+    rate = source.checked("yaw_rate_radps", -rows[:, oxts.UP_RADPS], "oxts wu")
+    acceleration = source.checked("acceleration_mps2", rows[:, oxts.FORWARD_MPS2], "oxts af")
+    source.put("speed_mps", series.at(clock_s, sampled, speed), "oxts vf")
+    source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "oxts wu, its sign turned")
+    if np.isfinite(acceleration).any():
+        source.acceleration_mps2 = series.filled(clock_s, series.at(clock_s, sampled, acceleration))[0]
+    flat = oxts.fixes(rows, sampled, folder, source.notes)
+    way = oxts.way(rows, flat, np.zeros(3) if seat is None else seat.place)
+    source.put("poses", derived.poses_at(clock_s, sampled, way), "oxts lat, lon, yaw")
     if seat is not None and len(rows) == len(clock_s):  # one record was chosen for each picture
-        poses = oxts.camera_to_world(rows, seat.place, seat.unit_to_camera)
+        poses = oxts.camera_to_world(rows, flat, seat.place, seat.unit_to_camera)
         source.directions_m = camera_motion.directions(poses)
 
 

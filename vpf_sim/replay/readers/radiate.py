@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, image_files, places, series
+from vpf_sim.replay import assemble, derived, image_files, places, series
+from vpf_sim.replay.plausible import Where
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens
 from vpf_sim.types import Bools, Floats
@@ -74,9 +75,9 @@ def read(folder: Path) -> Recording:
         _labels(source, folder, clock_s)
     else:
         file = folder / "labels.csv"
-        columns = series.table(file, "a row for each frame")
-        source.put("speed_mps", series.column(file, columns, "speed_mps_lidar"), "lidar odometry", "derived")
-        source.put("yaw_rate_radps", series.column(file, columns, "yaw_rate_rads_lidar"), "lidar odometry", "derived")
+        table = series.table(file, "a row for each frame")
+        for name, column in (("speed_mps", "speed_mps_lidar"), ("yaw_rate_radps", "yaw_rate_rads_lidar")):
+            source.put(name, table.signal(column, name, source.notes), "lidar odometry", "derived")
     return assemble.recording(source)
 
 
@@ -100,10 +101,10 @@ def _excerpt(folder: Path) -> tuple[list[Path], Floats, list[str]]:
     if not (folder / "image").is_dir():
         raise InputError(f"{folder}: expected pictures in zed_left/ or image/, found neither")
     files, file = image_files.listed(folder / "image"), folder / "labels.csv"
-    clock_s = series.column(file, series.table(file, "a row for each frame"), "t_unix")
+    clock_s = series.table(file, "a row for each frame").times("t_unix")
     if len(files) != len(clock_s):
         raise InputError(f"{file}: expected {len(files)} rows for {len(files)} images, got {len(clock_s)}")
-    return files, series.ascending(file, clock_s), []
+    return files, clock_s, []
 
 
 def _stamps(file: Path) -> tuple[list[int], Floats]:
@@ -176,11 +177,13 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
         source.notes.append(f"GPS_IMU_Twist: its clock is {apart:.1f} s off the camera's: not used")
         return
     rows = np.array([_twist(files[k]) for k in used])
-    source.put("speed_mps", series.at(clock_s, sampled, np.hypot(rows[:, 2], rows[:, 3])), "GPS_IMU_Twist velocity")
-    source.put("yaw_rate_radps", series.at(clock_s, sampled, rows[:, 4]), "GPS_IMU_Twist angular velocity about down")
-    flat = places.north_east(rows[:, 0], rows[:, 1])
+    speed = source.checked("speed_mps", np.hypot(rows[:, 2], rows[:, 3]), "GPS_IMU_Twist")
+    rate = source.checked("yaw_rate_radps", rows[:, 4], "GPS_IMU_Twist")
+    source.put("speed_mps", series.at(clock_s, sampled, speed), "GPS_IMU_Twist velocity")
+    source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "GPS_IMU_Twist angular velocity about down")
+    flat = places.fixes(sampled, rows[:, 0], rows[:, 1], Where(str(folder), "GPS_IMU_Twist"), source.notes)
     way = places.way(flat, places.course(sampled, flat))
-    source.put("poses", np.stack([series.at(clock_s, sampled, part) for part in way.T], axis=1), "GPS_IMU_Twist places")
+    source.put("poses", derived.poses_at(clock_s, sampled, way), "GPS_IMU_Twist places")
 
 
 def _twist(file: Path) -> tuple[float, float, float, float, float]:
