@@ -1,8 +1,10 @@
 """drive.toml: what someone tells of a recording of their own. docs/recordings.md explains each key."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
+from vpf_sim import tables
 from vpf_sim.replay import plausible
 from vpf_sim.replay.assemble import CAMERA_AHEAD_M, WHEELBASE_M
 
@@ -91,3 +93,12 @@ class DriveFile:
     def __post_init__(self) -> None:
         plausible.key("rate_hz", self.rate_hz)
         plausible.key("speed_mps", self.speed_mps, "speed_mps_held")
+
+
+def load(path: Path) -> DriveFile:
+    """The file as it was written; what is wrong with it is an InputError of one line."""
+    table = tables.read_file(path, "drive")
+    columns = table.get("signals", {}).get("columns") if isinstance(table.get("signals"), dict) else None
+    if isinstance(columns, dict):
+        table["signals"]["columns"] = [[ours, theirs] for ours, theirs in columns.items()]
+    return tables.build(DriveFile, table, str(path))

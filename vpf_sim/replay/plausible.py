@@ -39,6 +39,7 @@ LIMITS = {
     "longitude_deg": Limit(-360.0, 360.0),
     "obstacle": Limit(0.0, 1.0),
     "lead_gap_m": Limit(-5.0, 1000.0),
+    "clock_s": Limit(-1e11, 1e11, "milliseconds or less?"),  # since 1970, too
     # Keys of drive.toml.
     "rate_hz": Limit(0.2, 1000.0),
     "speed_mps_held": Limit(0.0, 100.0, "another unit?"),
@@ -58,6 +59,7 @@ LIMITS = {
 MANY = 0.2  # of the values: more than this beyond the limits is no fault of a logger
 JUMP_M = 20.0  # by which a receiver may correct itself
 FRAME_INTERVAL_S, SELDOM_S = Limit(1e-3, 5.0), 0.5  # the median's; flow cannot be followed over more
+LONGEST_S = 1e6  # of a drive
 CLOCKS = {1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
 DARK, BRIGHT, BLANK = 24, 231, 4  # grey levels: of the brightest, the darkest part of a picture, and between them
 PARTS = (1.0, 99.0)  # percentiles
@@ -171,6 +173,8 @@ def frame_times(times_s: Floats, source: str, how: str = "") -> list[str]:
     if len(wrong):
         k = int(wrong[0])
         raise InputError(f"{where}: frame {k + 1}: expected a time after {times_s[k]:g} s, got {times_s[k + 1]:g} s")
+    if times_s[-1] - times_s[0] > LONGEST_S:
+        raise InputError(f"{where}: expected at most {LONGEST_S:g} s in all, got {times_s[-1] - times_s[0]:g} s")
     usual, limit = float(np.median(steps)), FRAME_INTERVAL_S
     if not limit.lowest <= usual <= limit.highest:
         raise InputError(

@@ -74,7 +74,7 @@ class Table:
 
     def times(self, name: str) -> Floats:
         """(M,) a column of times, each after the one before."""
-        return ascending(self.where(name), self.numbers(name))
+        return ascending(self.where(name), self.signal(name, "clock_s", []))
 
     def chosen(self, rows: Sequence[int]) -> "Table":
         """Some of the rows, in this order."""
@@ -104,13 +104,18 @@ def table(file: Path, what: str) -> Table:
         raise InputError(f"{file}: expected {what} as a CSV table, got: {error}") from None
     if len(rows) < 2:
         raise InputError(f"{file}: expected {what}: a header and rows, found {len(rows)} line(s)")
-    header, *body = rows
+    header, *body = [[_printable(name) for name in rows[0]], *rows[1:]]
     for place, row in zip(places[1:], body, strict=True):
         if len(row) != len(header):
             raise InputError(f"{file}: line {place}: expected {len(header)} cells, got {len(row)}")
     if delimiter != ",":
         body = [[DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in row] for row in body]
     return Table(file, _by_name(header, list(zip(*body, strict=True))), places[1:])
+
+
+def _printable(name: str) -> str:
+    """A name that messages can show in a line."""
+    return "".join(letter if letter.isprintable() else "?" for letter in name)
 
 
 def _by_name(header: list[str], columns: list[tuple[str, ...]]) -> dict[str, list[str]]:

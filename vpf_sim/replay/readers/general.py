@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from vpf_sim import tables
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, foreign_paths, image_files, video_file
+from vpf_sim.replay import assemble, drive_file, foreign_paths, image_files, video_file
 from vpf_sim.replay.drive_file import CameraKeys, DriveFile, SignalKeys
 from vpf_sim.replay.readers import general_signals
 from vpf_sim.replay.recording import Frame, Origin, Recording
@@ -40,11 +39,7 @@ def recognises(folder: Path) -> bool:
 
 def read(folder: Path) -> Recording:
     """The recording that drive.toml describes."""
-    table = tables.read_file(folder / FILE, "drive")
-    columns = table.get("signals", {}).get("columns") if isinstance(table.get("signals"), dict) else None
-    if isinstance(columns, dict):
-        table["signals"]["columns"] = [[ours, theirs] for ours, theirs in columns.items()]
-    drive = tables.build(DriveFile, table, str(folder / FILE))
+    drive = drive_file.load(folder / FILE)
     return _recording(folder, drive, _pictures(folder, drive))
 
 

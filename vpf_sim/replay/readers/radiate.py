@@ -39,6 +39,7 @@ HEIGHT_M = 1.6  # of the camera above the road, about: it is not recorded
 RADAR_CENTRE_PX, RADAR_M_PER_PX = 576.0, 0.17361
 ACROSS_M, REACH_M = 1.8, 40.0
 WEATHERS = {"fog": "fog", "rain": "rain", "snow": "snow", "night": "night", "motorway": "overcast"}
+STAMP = r"\s*Frame:\s*([0-9]{1,9})\s+Time:\s*([0-9]{1,11}(?:\.[0-9]*)?)\s*"
 VELOCITY_LINE, TURN_LINE = -2, -1
 
 
@@ -111,12 +112,12 @@ def _stamps(file: Path) -> tuple[list[int], Floats]:
     """Numbers and times, s, of the frames of a sensor."""
     numbers, times = [], []
     for row, line in enumerate(series.lines(file, "the time of each frame"), 1):
-        found = re.fullmatch(r"\s*Frame:\s*(\d+)\s+Time:\s*([\d.]+)\s*", line)
+        found = re.fullmatch(STAMP, line)
         if found:
             numbers.append(int(found[1]))
             times.append(float(found[2]))
         elif line.strip():
-            raise InputError(f"{file}: line {row}: expected 'Frame: 000001 Time: 1574859772.4', got '{line[:40]}'")
+            raise InputError(f"{file}: line {row}: expected 'Frame: 000001 Time: 1574859772.4', got {line[:40]!r}")
     if not numbers:
         raise InputError(f"{file}: expected a line for each frame, found none")
     return numbers, np.array(times)
