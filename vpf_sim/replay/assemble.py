@@ -256,6 +256,13 @@ def _tell_uneven_times(source: Source) -> None:
 def _check_sees_road(source: Source, lens: Lens, mounting: Mounting) -> None:
     """Intrinsics of another size of picture, or degrees for radians, put the road where nothing is seen."""
     size = f"{lens.width_px} x {lens.height_px} px"
+    try:
+        for value in (lens.fx_px, lens.fy_px):
+            plausible.key("focal length, px", value, "focal_px")
+        for value in lens.distortion:
+            plausible.key("distortion", value)
+    except ValueError as error:
+        raise InputError(f"{source.name}: {error}") from None
     if not (0.0 <= lens.cx_px < lens.width_px and 0.0 <= lens.cy_px < lens.height_px):
         centre = f"{lens.cx_px:g}, {lens.cy_px:g}"
         raise InputError(f"{source.name}: expected the camera's axis within its picture of {size}, got {centre}")

@@ -8,6 +8,7 @@ from vpf_sim import tables
 from vpf_sim.replay import plausible
 from vpf_sim.replay.assemble import CAMERA_AHEAD_M, WHEELBASE_M
 
+LONGEST_NAME = 200
 Sided = Literal["steering", "yaw_rate", "yaw", "y"]
 
 
@@ -74,6 +75,7 @@ class SignalKeys:
 
     def __post_init__(self) -> None:
         plausible.key("offset_s", self.offset_s)
+        _check_letters(self.file, *(name for pair in self.columns for name in pair))
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +93,16 @@ class DriveFile:
     signals: SignalKeys | None = None  # left out: signals.csv, if there is one
 
     def __post_init__(self) -> None:
+        _check_letters(self.frames, self.name, self.weather)
         plausible.key("rate_hz", self.rate_hz)
         plausible.key("speed_mps", self.speed_mps, "speed_mps_held")
+
+
+def _check_letters(*texts: str) -> None:
+    """Names stand in messages and tables, in a line each."""
+    for text in texts:
+        if not text.isprintable() or len(text) > LONGEST_NAME:
+            raise ValueError(f"expected names of at most {LONGEST_NAME} printable letters, got {text[:40]!r}")
 
 
 def load(path: Path) -> DriveFile:

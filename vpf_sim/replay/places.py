@@ -4,7 +4,7 @@ import numpy as np
 
 from vpf_sim.geometry import unwrapped
 from vpf_sim.replay import derived, series
-from vpf_sim.replay.plausible import Where, reached
+from vpf_sim.replay.plausible import Where, kept, reached
 from vpf_sim.types import Floats
 
 EARTH_RADIUS_M = 6378137.0
@@ -14,6 +14,8 @@ LEAST_SPEED_MPS = 1.0  # below which it is kept: a receiver that stands wanders
 
 def fixes(times_s: Floats, latitude_deg: Floats, longitude_deg: Floats, where: Where, notes: list[str]) -> Floats:
     """(N, 2) m from the first fix, north and east; nan where there was none, or where no car can have been."""
+    latitude_deg = kept(latitude_deg, "latitude_deg", where, notes)
+    longitude_deg = kept(longitude_deg, "longitude_deg", where, notes)
     none = (latitude_deg == 0.0) & (longitude_deg == 0.0)
     if none.any():
         notes.append(f"{where}: {np.count_nonzero(none)} of {len(none)} places left out: 0, 0, so no fix")

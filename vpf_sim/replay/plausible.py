@@ -27,6 +27,7 @@ class Limit:
 LIMITS = {
     # Signals, in our units.
     "speed_mps": Limit(-20.0, 100.0, "another unit?"),
+    "velocity_mps": Limit(-100.0, 100.0, "another unit?"),  # north or east
     "yaw_rate_radps": Limit(-3.0, 3.0, "degrees?"),
     "steering_rad": Limit(-1.4, 1.4, "degrees, or the angle of the steering wheel?"),
     "throttle": Limit(-1.0, 1.0, "percent?"),
@@ -35,6 +36,7 @@ LIMITS = {
     "yaw_rad": Limit(-130.0, 130.0, "degrees?"),
     "x_m": Limit(-1e8, 1e8),
     "y_m": Limit(-1e8, 1e8),
+    "altitude_m": Limit(-1000.0, 10000.0),
     "latitude_deg": Limit(-85.0, 85.0, "the longitude?"),
     "longitude_deg": Limit(-360.0, 360.0),
     "obstacle": Limit(0.0, 1.0),
@@ -120,10 +122,11 @@ def key(name: str, value: float | None, limit: str = "") -> None:
 def reached(times_s: Floats, places_m: Floats, where: Where, notes: list[str]) -> Floats:
     """(N, 2) the places, nan where no car can have come from the others in time; InputError where that is half."""
     known = np.isfinite(places_m).all(axis=1) & np.isfinite(times_s)
-    near = _connected(times_s, places_m, np.flatnonzero(known))
+    possible = known & (np.abs(places_m) <= LIMITS["x_m"].highest).all(axis=1)
+    near = _connected(times_s, places_m, np.flatnonzero(possible))
     astray = known & ~near
     result = np.where(near[:, None], places_m, np.nan)
-    if not astray.any():
+    if not astray.any() or not near.any():
         return result
     first, count = int(np.argmax(astray)), int(np.count_nonzero(astray))
     last = np.flatnonzero(near)[np.argmin(np.abs(np.flatnonzero(near) - first))]

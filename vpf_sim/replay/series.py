@@ -10,7 +10,7 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import unwrapped
-from vpf_sim.replay.plausible import Where, kept
+from vpf_sim.replay.plausible import LIMITS, Where, kept
 from vpf_sim.types import Bools, Floats
 
 LONGEST_GAP_S = 0.5  # over which a signal is interpolated
@@ -165,7 +165,7 @@ def at(times_s: Floats, sampled_s: Floats, values: Floats, period: float | None 
 
     Angles have a `period`, and are interpolated on the shorter way round; the result goes on over the seam.
     """
-    known = np.isfinite(values) & np.isfinite(sampled_s)
+    known = np.isfinite(values) & (np.abs(sampled_s) <= LIMITS["clock_s"].highest)
     sampled_s, values = sampled_s[known], values[known]
     if not len(values):
         return np.full(len(times_s), np.nan)

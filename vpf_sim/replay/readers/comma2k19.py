@@ -109,10 +109,10 @@ def _lens(path: Path, video: video_file.Video) -> Lens:
 
 def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velocity_mps: Floats) -> None:
     """Way, mounting and the truth of the focus of expansion."""
-    far_m, length = np.linalg.norm(position_m, axis=1), np.linalg.norm(quaternion, axis=1)
-    known = (
-        np.isfinite(velocity_mps).all(axis=1) & (np.abs(far_m / EARTH_M - 1.0) < 0.02) & (np.abs(length - 1.0) < 0.1)
-    )
+    with np.errstate(over="ignore", invalid="ignore"):
+        far_m, length, speed = (np.linalg.norm(part, axis=1) for part in (position_m, quaternion, velocity_mps))
+    on_earth = (np.abs(far_m / EARTH_M - 1.0) < 0.02) & (np.abs(length - 1.0) < 0.1)
+    known = on_earth & (speed <= plausible.LIMITS["speed_mps"].highest)
     if not known.all():
         source.notes.append(
             f"global_pose: {np.count_nonzero(~known)} of {len(known)} poses left out: no place on earth"
@@ -122,9 +122,11 @@ def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velo
     turn = _matrices(np.where(known[:, None], quaternion, np.nan)) @ RIGHT_DOWN_FORWARD.T  # from the camera to ECEF
     origin = position_m[np.argmax(known)]
     level = _level(origin)  # from ECEF to (east, down, north), x right, y down, z forward of a map
-    poses = np.concatenate([level @ turn, ((position_m - origin) @ level.T)[:, :, None]], axis=2)
-    moved = np.einsum("nji,nj->ni", turn, velocity_mps)  # in the camera's axes
-    total = moved[known & (np.linalg.norm(velocity_mps, axis=1) > 1.0)].sum(axis=0)
+    poses = np.concatenate(
+        [level @ turn, ((np.where(known[:, None], position_m, np.nan) - origin) @ level.T)[:, :, None]], axis=2
+    )
+    moved = np.einsum("nji,nj->ni", turn, np.where(known[:, None], velocity_mps, np.nan))  # in the camera's axes
+    total = moved[known & (speed > 1.0)].sum(axis=0)
     if not np.linalg.norm(total):
         return  # it stood: the pictures may tell
     source.mounting = mounting_seeing(total, HEIGHT_M)

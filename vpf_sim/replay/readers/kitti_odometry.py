@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, camera_motion, image_files, series
+from vpf_sim.replay import assemble, camera_motion, image_files, plausible, series
 from vpf_sim.replay.plausible import Where
 from vpf_sim.replay.readers.kitti_raw import CAMERA_AHEAD_M, HEIGHT_M, WHEELBASE_M
 from vpf_sim.replay.recording import Origin, Recording
@@ -94,7 +94,9 @@ def _poses(file: Path, images: int) -> Floats:
     if len(rows) not in (images, images - 1) or len(rows) < 2:
         raise InputError(f"{file}: expected {images} rows for {images} images (or {images - 1}), got {len(rows)}")
     poses = np.reshape(rows, (-1, 3, 4))
-    turned = poses[:, :, :3]
+    if np.abs(poses[:, :, 3]).max() > plausible.LIMITS["x_m"].highest:
+        raise InputError(f"{file}: expected places up to {plausible.LIMITS['x_m'].highest:g} m, got farther ones")
+    turned = np.clip(poses[:, :, :3], -2.0, 2.0)
     if np.abs(turned @ turned.transpose(0, 2, 1) - np.eye(3)).max() > 1e-2 or np.linalg.det(turned).min() < 0.0:
         raise InputError(f"{file}: expected camera-to-world rotations in the first three columns, got other matrices")
     return poses

@@ -14,6 +14,7 @@ from vpf_sim.types import Floats
 
 FIELDS = 30
 RECEPTION = 5  # of them, the last, are about the reception; some drives lack them
+ATTITUDE = [3, 4, 5]
 LATITUDE, LONGITUDE, ALTITUDE, ROLL, PITCH, YAW, FORWARD_MPS, FORWARD_MPS2, UP_RADPS = 0, 1, 2, 3, 4, 5, 8, 14, 22
 
 

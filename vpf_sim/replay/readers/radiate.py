@@ -39,7 +39,7 @@ HEIGHT_M = 1.6  # of the camera above the road, about: it is not recorded
 RADAR_CENTRE_PX, RADAR_M_PER_PX = 576.0, 0.17361
 ACROSS_M, REACH_M = 1.8, 40.0
 WEATHERS = {"fog": "fog", "rain": "rain", "snow": "snow", "night": "night", "motorway": "overcast"}
-STAMP = r"\s*Frame:\s*([0-9]{1,9})\s+Time:\s*([0-9]{1,11}(?:\.[0-9]*)?)\s*"
+STAMP = r"\s*Frame:\s*(0*[1-9][0-9]{0,6})\s+Time:\s*([0-9]{1,11}(?:\.[0-9]*)?)\s*"
 VELOCITY_LINE, TURN_LINE = -2, -1
 
 
@@ -135,11 +135,15 @@ def _lens(file: Path, size: tuple[int, int]) -> Lens:
     expected = SIZE
     if file.exists():
         text = "\n".join(series.lines(file, "RADIATE's calibration")).partition("left_cam_calib:")[2]
-        rows = re.findall(r"^\s+(\w+):\s*(-?[\d.]+(?:e[+-]?\d+)?)\s*$", text.partition("_cam_calib:")[0], re.MULTILINE)
+        rows = re.findall(
+            r"^\s+(\w+):\s*(-?[0-9]+\.?[0-9]*(?:e[+-]?[0-9]+)?)\s*$", text.partition("_cam_calib:")[0], re.MULTILINE
+        )
         value = {key: float(number) for key, number in rows}
         if missing := [key for key in LEFT_CAMERA if key not in value]:
             raise InputError(f"{file}: left_cam_calib: expected numbers {', '.join(missing)}, found none")
-        if found := re.search(r"^\s+res:\s*\[(\d+),\s*(\d+)\]", text.partition("_cam_calib:")[0], re.MULTILINE):
+        if found := re.search(
+            r"^\s+res:\s*\[([0-9]{1,6}),\s*([0-9]{1,6})\]", text.partition("_cam_calib:")[0], re.MULTILINE
+        ):
             expected = (int(found[1]), int(found[2]))
     if size != expected:
         wanted, actual = (f"{width} x {height}" for width, height in (expected, size))
@@ -153,7 +157,10 @@ def _weather(folder: Path) -> str:
     """By meta.json, else by the sequence's name: fog_6_0."""
     kind = folder.resolve().name.removeprefix("tiny_").removeprefix("radiate_").partition("_")[0]
     if (folder / "meta.json").exists():
-        kind = str(_json(folder / "meta.json").get("type", kind))
+        meta = _json(folder / "meta.json")
+        if not isinstance(meta, dict):
+            raise InputError(f"{folder / 'meta.json'}: expected an object with 'type', got other JSON")
+        kind = str(meta.get("type", kind))
     return WEATHERS.get(kind, "")
 
 
@@ -162,6 +169,8 @@ def _json(file: Path) -> Any:
         return json.loads("\n".join(series.lines(file, "JSON")))
     except ValueError as error:
         raise InputError(f"{file}: expected JSON, got: {error}") from None
+    except RecursionError:
+        raise InputError(f"{file}: expected JSON, got brackets within brackets without end") from None
 
 
 def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
@@ -178,7 +187,8 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
         source.notes.append(f"GPS_IMU_Twist: its clock is {apart:.1f} s off the camera's: not used")
         return
     rows = np.array([_twist(files[k]) for k in used])
-    speed = source.checked("speed_mps", np.hypot(rows[:, 2], rows[:, 3]), "GPS_IMU_Twist")
+    along = [source.checked("velocity_mps", rows[:, k], "GPS_IMU_Twist, north or east") for k in (2, 3)]
+    speed = np.hypot(*along)
     rate = source.checked("yaw_rate_radps", rows[:, 4], "GPS_IMU_Twist")
     source.put("speed_mps", series.at(clock_s, sampled, speed), "GPS_IMU_Twist velocity")
     source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "GPS_IMU_Twist angular velocity about down")
