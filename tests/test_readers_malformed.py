@@ -110,7 +110,7 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (row("image_02/timestamps.txt", 3, "noon"), "line 4: expected a time like 2011-09-26 13:02:25"),
         (
             row("image_02/timestamps.txt", 3, "2001-01-01 00:00:00.0"),
-            "time: row 3: expected a time after that of row 2, got -",
+            "timestamps.txt: line 4: time: expected a time after that of line 3, got -",
         ),
         (shorter("image_02/timestamps.txt"), "timestamps.txt: expected 24 rows for 24 files, got 1"),
         (write("oxts/data/0000000003.txt", "1 2 3"), "0000000003.txt: expected 30 numbers, got 3"),

@@ -182,7 +182,7 @@ def _yaw_rate_at_last(source: Source) -> None:
     elif {"speed_mps", "steering_rad"} <= set(source.signals):
         rate = source.signals["speed_mps"] * np.tan(source.signals["steering_rad"]) / source.wheelbase_m
         source.put("yaw_rate_radps", rate, "from speed and steering: the kinematic bicycle", "derived")
-    else:
+    if "yaw_rate_radps" not in source.signals:
         source.put("yaw_rate_radps", np.zeros(len(source.times_s)), "none: nothing tells the turn", "assumed")
 
 

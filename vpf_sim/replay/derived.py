@@ -4,11 +4,13 @@ import numpy as np
 
 from vpf_sim.geometry import unwrapped, vehicle_from_world
 from vpf_sim.replay import series
+from vpf_sim.replay.plausible import LIMITS
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 LEAST_SPEED_MPS = 1.0  # below which a curvature is noise
 SLOPE_WINDOW_S = 0.5  # over which an acceleration is taken
 PERIODS = (None, None, 2.0 * np.pi)  # of x, y, yaw
+FASTEST_MPS = LIMITS["speed_mps"].highest
 END_WINDOW_S = 1.0  # over which the motion is taken that goes on at an end without poses
 
 
@@ -27,7 +29,8 @@ def slope(times_s: Floats, values: Floats, window_s: float = SLOPE_WINDOW_S) -> 
     sums = [np.concatenate([[0.0], np.cumsum(part)]) for part in (time, values, time * values, time * time)]
     t, v, tv, tt = (part[last] - part[first] for part in sums)
     n = last - first
-    lines: Floats = (n * tv - t * v) / (n * tt - t * t)
+    spread = n * tt - t * t
+    lines: Floats = np.divide(n * tv - t * v, spread, out=np.zeros(count), where=spread > 0.0)
     result: Floats = lines + (time - t / n) * _change(t / n, lines)
     return result
 
@@ -69,7 +72,7 @@ def _moving_on(poses: Floats, times_s: Floats, known_s: Floats, known: Floats) -
     if len(known) < 2:
         return poses
     for axis in (0, 1):
-        rates = slope(known_s, known[:, axis], END_WINDOW_S)
+        rates = np.clip(slope(known_s, known[:, axis], END_WINDOW_S), -FASTEST_MPS, FASTEST_MPS)
         for rate, beyond_s in (
             (rates[0], np.minimum(times_s - known_s[0], 0.0)),
             (rates[-1], np.maximum(times_s - known_s[-1], 0.0)),

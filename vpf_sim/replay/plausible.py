@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.errors import InputError
 from vpf_sim.types import Bools, Floats, Image
@@ -142,7 +143,7 @@ def reached(times_s: Floats, places_m: Floats, where: Where, notes: list[str]) -
     return result
 
 
-def _connected(times_s: Floats, places_m: Floats, known: Floats) -> Bools:
+def _connected(times_s: Floats, places_m: Floats, known: NDArray[np.intp]) -> Bools:
     """Which (N,) places a car can have driven through: the longest run without a jump, and all that it reaches."""
     result = np.zeros(len(times_s), np.bool_)
     result[known] = True

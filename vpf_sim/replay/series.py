@@ -2,8 +2,9 @@
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from vpf_sim.replay.plausible import LIMITS, Where, kept
 from vpf_sim.types import Bools, Floats
 
 LONGEST_GAP_S = 0.5  # over which a signal is interpolated
+MOST_LISTED, LONGEST_LISTED = 8, 40  # columns, and letters of each, in a message
 SHARED_NAME = re.compile(r"^(.*) \(column \d+\)$")
 DECIMAL_COMMA = re.compile(r"^([+-]?\d*),(\d+)$")
 
@@ -25,9 +27,9 @@ def numbers(file: Path, what: str) -> list[list[float]]:
         try:
             values = [float(word) for word in line.split(":", 1)[-1].split()]
         except ValueError:
-            raise InputError(f"{file}: line {number}: expected numbers, got '{line.strip()[:40]}'") from None
+            raise InputError(f"{file}: line {number}: expected numbers, got {line.strip()[:40]!r}") from None
         if not np.all(np.isfinite(values)):
-            raise InputError(f"{file}: line {number}: expected finite numbers, got '{line.strip()[:40]}'")
+            raise InputError(f"{file}: line {number}: expected finite numbers, got {line.strip()[:40]!r}")
         if values:
             rows.append(values)
     return rows
@@ -61,7 +63,7 @@ class Table:
     def texts(self, name: str) -> list[str]:
         """The cells of a column."""
         if name not in self.cells:
-            raise InputError(f"{self.file}: expected a column '{name}', found {', '.join(self.cells)}")
+            raise InputError(f"{self.file}: expected a column '{name}', found {listed(self.cells)}")
         return self.cells[name]
 
     def numbers(self, name: str) -> Floats:
@@ -111,6 +113,13 @@ def table(file: Path, what: str) -> Table:
     if delimiter != ",":
         body = [[DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in row] for row in body]
     return Table(file, _by_name(header, list(zip(*body, strict=True))), places[1:])
+
+
+def listed(names: Collection[str]) -> str:
+    """Names of columns in a line, however many they are."""
+    first = [name[:LONGEST_LISTED] for name in islice(names, MOST_LISTED)]
+    more = len(names) - len(first)
+    return ", ".join(first) + (f" and {more} more" if more > 0 else "")
 
 
 def _printable(name: str) -> str:

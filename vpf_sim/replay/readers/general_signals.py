@@ -26,7 +26,6 @@ LATITUDE, LONGITUDE = {"latitude_deg": 1.0}, {"longitude_deg": 1.0}
 PLAIN = (*OBSTACLE, *GAP, *X, *Y, *LATITUDE, *LONGITUDE)
 KNOWN = (*SPEED, *YAW_RATE, *WHEEL, *STEERING, *ACCELERATION, *THROTTLE, *BRAKE, *YAW, *PLAIN, TIME, FILE)
 
-MOST_LISTED = 8  # columns, in a note
 RARE_S = 2.0  # between rows; a logger is faster, unless its clock counts milliseconds
 
 
@@ -84,7 +83,7 @@ class Signals:
         unknown = [name for name in self.table.cells if name and name not in KNOWN]
         empty = [name for name in self.table.cells if name in KNOWN and name != FILE and not self._has_values(name)]
         told = [("not used", unknown), ("without a value", empty)]
-        notes = [f"{self.file.name}: {what}: {_listed(names)}" for what, names in told if names]
+        notes = [f"{self.file.name}: {what}: {series.listed(names)}" for what, names in told if names]
         if self.sampled_s is not self._frames_s and len(self.sampled_s) > 1:
             step_s = float(np.median(np.diff(self.sampled_s)))
             if step_s > RARE_S:
@@ -95,11 +94,6 @@ class Signals:
         return bool(np.isfinite(self.table.numbers(name)).any())
 
 
-def _listed(names: list[str]) -> str:
-    more = len(names) - MOST_LISTED
-    return ", ".join(names[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
-
-
 def named(file: Path, keys: SignalKeys) -> series.Table:
     """The table's columns under our names; others are left alone."""
     table = series.table(file, "signals")
@@ -107,7 +101,7 @@ def named(file: Path, keys: SignalKeys) -> series.Table:
         if ours not in KNOWN:
             raise InputError(f"drive.toml: signals.columns: unknown signal '{ours}'; known: {', '.join(KNOWN)}")
         if theirs not in table:
-            raise InputError(f"{file}: expected a column '{theirs}' for {ours}, found {', '.join(table.cells)}")
+            raise InputError(f"{file}: expected a column '{theirs}' for {ours}, found {series.listed(table.cells)}")
     renamed = {theirs: ours for ours, theirs in keys.columns}
     result = [renamed.get(name, name) for name in table.cells]
     for name in result:

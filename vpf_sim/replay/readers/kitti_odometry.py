@@ -110,4 +110,6 @@ def _times(file: Path, files: list[Path]) -> tuple[Floats, Origin]:
     times = np.array([values[0] for values in series.numbers(file, "the time of each image")])
     if len(times) != images:
         raise InputError(f"{file}: expected {images} rows for {images} images, got {len(times)}")
-    return series.ascending(Where(str(file), "time"), times), Origin("recorded", "times.txt")
+    return series.ascending(Where(str(file), "time", range(1, images + 1), "line"), times), Origin(
+        "recorded", "times.txt"
+    )

@@ -79,7 +79,7 @@ def _stamps(file: Path, count: int) -> Floats:
             raise InputError(
                 f"{file}: line {number}: expected a time like 2011-09-26 13:02:25.594360375, got {row[:40]!r}"
             ) from None
-    return series.ascending(Where(str(file), "time"), np.array(times))
+    return series.ascending(Where(str(file), "time", range(1, count + 1), "line"), np.array(times))
 
 
 def _calibration(folder: Path, name: str) -> dict[str, Floats] | None:
@@ -101,7 +101,8 @@ def _calibration(folder: Path, name: str) -> dict[str, Floats] | None:
             )
         found[key.strip()] = numbers if shape is None else numbers.reshape(shape)
     for key, matrix in found.items():
-        if key.startswith("R") and np.abs(matrix @ matrix.T - np.eye(3)).max() > 1e-2:
+        turn = np.clip(matrix, -2.0, 2.0)
+        if key.startswith("R") and turn.shape == (3, 3) and np.abs(turn @ turn.T - np.eye(3)).max() > 1e-2:
             raise InputError(f"{file}: {key}: expected a rotation, got another matrix")
     return found
 

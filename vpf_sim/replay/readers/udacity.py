@@ -107,7 +107,9 @@ def _picture(folder: Path, frame_id: str) -> str:
 def _name(table: series.Table, key: str) -> str:
     found = [name for name in NAMES[key] if name in table]
     if not found:
-        raise InputError(f"{table.file}: expected a column {' or '.join(NAMES[key])}, found {', '.join(table.cells)}")
+        raise InputError(
+            f"{table.file}: expected a column {' or '.join(NAMES[key])}, found {series.listed(table.cells)}"
+        )
     return found[0]
 
 
