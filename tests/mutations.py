@@ -93,7 +93,7 @@ def spoiled_rows(draw: st.DrawFn, rows: Rows) -> bytes:
     """A CSV file with rows, columns and cells that are lost, doubled, moved or changed; and sometimes other bytes."""
     rows = [list(row) for row in rows]
     for _ in range(draw(st.integers(0, 3))):
-        if not rows or not rows[0]:
+        if not rows or not all(rows):
             break
         row, column = draw(st.integers(0, len(rows) - 1)), draw(st.integers(0, min(map(len, rows)) - 1))
         kind = draw(

@@ -296,7 +296,8 @@ WRITERS: dict[str, Callable[[Path], Path]] = {
 }
 
 
-@pytest.mark.parametrize("examples", MANY)
+@pytest.mark.slow
+@pytest.mark.parametrize("examples", [1000])
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_recording_of_which_a_file_is_spoiled_is_possible_or_refused(
     name: str, examples: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
