@@ -177,13 +177,13 @@ def frame_times(times_s: Floats, source: str, how: str = "") -> list[str]:
     if len(wrong):
         k = int(wrong[0])
         raise InputError(f"{where}: frame {k + 1}: expected a time after {times_s[k]:g} s, got {times_s[k + 1]:g} s")
-    if times_s[-1] - times_s[0] > LONGEST_S:
-        raise InputError(f"{where}: expected at most {LONGEST_S:g} s in all, got {times_s[-1] - times_s[0]:g} s")
     usual, limit = float(np.median(steps)), FRAME_INTERVAL_S
     if not limit.lowest <= usual <= limit.highest:
         raise InputError(
             f"{where}: expected one every {limit.lowest:g} to {limit.highest:g} s, got {usual:g} s{clock(usual)}"
         )
+    if times_s[-1] - times_s[0] > LONGEST_S:
+        raise InputError(f"{where}: expected at most {LONGEST_S:g} s in all, got {times_s[-1] - times_s[0]:g} s")
     return [f"a frame every {usual:g} s: too seldom for the flow to be followed"] if usual > SELDOM_S else []
 
 
