@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vpf_sim.geometry import wrap_angle
+from vpf_sim.geometry import unwrapped, wrap_angle
 from vpf_sim.types import Floats
 
 SEARCHED = 30  # segments ahead of the last place that are looked at
@@ -66,6 +66,6 @@ class Polyline:
 
 def _headings(along: Floats) -> Floats:
     """(M,) rad, continuous: at a waypoint the mean of the segments that meet there, at the ends the segment's own."""
-    heading = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+    heading = unwrapped(np.arctan2(along[:, 1], along[:, 0]))
     between = 0.5 * (heading[:-1] + heading[1:])
     return np.concatenate([heading[:1], between, heading[-1:]])

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import islice
 
 import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.geometry import unwrapped
 from vpf_sim.planning import variant
-from vpf_sim.replay import calibrate, camera_motion, derived, lane_height, series
+from vpf_sim.replay import agreement, calibrate, camera_motion, derived, lane_height, plausible, series
 from vpf_sim.replay.recording import Frame, Kind, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduction, rotation
 from vpf_sim.types import Camera, Floats, Image
@@ -20,6 +22,7 @@ FIELD_OF_VIEW_RAD = float(np.radians(60.0))  # across, of a camera of which noth
 COURSE_WINDOW_S = 1.0
 REPEAT_GREY_LEVELS = 0.02  # mean difference below which a picture is the one before once more
 REPEAT_LEAST_SPEED_MPS = 1.0
+FIRST_FRAMES = 5  # whose brightness is looked at
 
 
 @dataclass(slots=True)
@@ -45,9 +48,20 @@ class Source:
     notes: list[str] = field(default_factory=list)
     no_images: str = ""
 
+    def checked(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> Floats:
+        """(M,) or (M, 3) the values without those that cannot be, at times of their own or at those of the frames."""
+        where = plausible.Where(self.name, f"{name} ({how})")
+        if values.ndim == 1:
+            return plausible.kept(values, name, where, self.notes, refuses=kind == "recorded")
+        if kind != "recorded":
+            return values
+        places_m = plausible.reached(self.times_s, values[:, :2], where, self.notes)
+        return np.column_stack([places_m, values[:, 2:]])
+
     def put(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> None:
-        """A signal with where it comes from; nothing if no value is known."""
-        if np.isfinite(values).any():
+        """A signal with where it comes from, without what cannot be; nothing if no value is known."""
+        values = self.checked(name, values, how, kind)
+        if np.count_nonzero(np.isfinite(values.reshape(len(values), -1)).all(axis=1)) > (values.ndim > 1):
             self.signals[name] = values
             self.origins[name] = Origin(kind, how)
 
@@ -60,6 +74,12 @@ def assumed_lens(width_px: int, height_px: int, field_of_view_rad: float = FIELD
 
 def recording(source: Source) -> Recording:
     """All that is known or follows; a drive without speed, or images to tell it from, is an InputError."""
+    said = source.origins.get("times_s")
+    source.notes += plausible.frame_times(source.times_s, source.name, said.how if said else "")
+    if not source.no_images:
+        source.notes += plausible.brightness(
+            frame.image for frame in islice(source.frames(), FIRST_FRAMES) if frame.image is not None
+        )
     if "poses" in source.signals:
         source.signals["poses"] = derived.from_start(_without_gaps(source, "poses", "pose"))
     _motion_from_poses(source)
@@ -79,6 +99,10 @@ def recording(source: Source) -> Recording:
         speed, rate = source.signals["speed_mps"], source.signals["yaw_rate_radps"]
         way = derived.travelled(source.times_s, speed, rate, source.camera_ahead_m)
         source.put("poses", way, "from speed and yaw rate: dead reckoning", "derived")
+    recorded = {name for name, origin in source.origins.items() if origin.kind == "recorded"}
+    if "poses" in recorded and source.heading_recorded:
+        recorded.add("heading")
+    source.notes += agreement.notes(source.times_s, source.signals, frozenset(recorded), source.wheelbase_m)
     return _finished(source)
 
 
@@ -153,12 +177,12 @@ def _yaw_rate_at_last(source: Source) -> None:
     if "yaw_rate_radps" in source.signals:
         return
     if "poses" in source.signals:
-        rate = derived.slope(source.times_s, np.unwrap(source.signals["poses"][:, 2]), COURSE_WINDOW_S)
+        rate = derived.slope(source.times_s, unwrapped(source.signals["poses"][:, 2]), COURSE_WINDOW_S)
         source.put("yaw_rate_radps", rate, "from the course over ground", "derived")
     elif {"speed_mps", "steering_rad"} <= set(source.signals):
         rate = source.signals["speed_mps"] * np.tan(source.signals["steering_rad"]) / source.wheelbase_m
         source.put("yaw_rate_radps", rate, "from speed and steering: the kinematic bicycle", "derived")
-    else:
+    if "yaw_rate_radps" not in source.signals:
         source.put("yaw_rate_radps", np.zeros(len(source.times_s)), "none: nothing tells the turn", "assumed")
 
 
@@ -181,10 +205,9 @@ def _without_gaps(source: Source, name: str, what: str) -> Floats:
     """What the driver needs at every frame is interpolated, and that is told."""
     values = source.signals[name]
     if values.ndim == 2:
-        parts = [series.filled(values[:, i]) for i in range(values.shape[1])]
-        result, missing = np.stack([part for part, _ in parts], axis=1), parts[0][1]
+        result, missing = derived.bridged(source.times_s, values)
     else:
-        result, missing = series.filled(values)
+        result, missing = series.filled(source.times_s, values)
     if missing.any():
         source.notes.append(f"{what}: {np.count_nonzero(missing)} of {len(missing)} values missing, interpolated")
     return result
@@ -204,7 +227,7 @@ def _finished(source: Source) -> Recording:
     def frames() -> Iterator[Frame]:
         if source.no_images:
             raise InputError(source.no_images)
-        return rectified_frames(_without_repeats(source.frames(), speed), handed_on)
+        return rectified_frames(_showing_something(source.frames(), speed), handed_on)
 
     names = ("poses", "speed_mps", "yaw_rate_radps", "steering_rad", "throttle", "obstacle", "lead_gap_m")
     return Recording(
@@ -233,6 +256,13 @@ def _tell_uneven_times(source: Source) -> None:
 def _check_sees_road(source: Source, lens: Lens, mounting: Mounting) -> None:
     """Intrinsics of another size of picture, or degrees for radians, put the road where nothing is seen."""
     size = f"{lens.width_px} x {lens.height_px} px"
+    try:
+        for value in (lens.fx_px, lens.fy_px):
+            plausible.key("focal length, px", value, "focal_px")
+        for value in lens.distortion:
+            plausible.key("distortion", value)
+    except ValueError as error:
+        raise InputError(f"{source.name}: {error}") from None
     if not (0.0 <= lens.cx_px < lens.width_px and 0.0 <= lens.cy_px < lens.height_px):
         centre = f"{lens.cx_px:g}, {lens.cy_px:g}"
         raise InputError(f"{source.name}: expected the camera's axis within its picture of {size}, got {centre}")
@@ -252,14 +282,18 @@ def _truth(source: Source, camera: Camera) -> Floats | None:
     return result
 
 
-def _without_repeats(frames: Iterator[Frame], speed_mps: Floats) -> Iterator[Frame]:
-    """A picture that comes twice while the car moves is a gap: it would say that the car stands."""
+def _showing_something(frames: Iterator[Frame], speed_mps: Floats) -> Iterator[Frame]:
+    """A picture that shows nothing is a gap, and so is one that comes twice while the car moves, as if it stood."""
     before: Image | None = None
     for frame in frames:
         if frame.image is None:
             yield frame
             continue
         small = frame.image[::4, ::4, 1]
+        if plausible.is_blank(small):
+            before = None
+            yield replace(frame, image=None, fault=f"frame {frame.index}: all of it is of one brightness")
+            continue
         moving = speed_mps[frame.index] > REPEAT_LEAST_SPEED_MPS
         same = before is not None and moving and float(cv2.absdiff(small, before).mean()) < REPEAT_GREY_LEVELS
         before = small.copy()
