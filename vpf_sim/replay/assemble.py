@@ -1,7 +1,8 @@
 """From what a source recorded to a whole recording: calibrated, gaps told, what is missing derived where it can be."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -44,6 +45,7 @@ class Source:
     weather: str = ""
     notes: list[str] = field(default_factory=list)
     no_images: str = ""
+    files: Sequence[Path | None] = ()  # its pictures, and others of which it is a function; some may be missing
 
     def put(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> None:
         """A signal with where it comes from; nothing if no value is known."""
@@ -217,6 +219,7 @@ def _finished(source: Source) -> Recording:
         weather=source.weather,
         notes=tuple(source.notes),
         no_images=source.no_images,
+        files=tuple(source.files),
         foe_px=np.empty(0) if foe is None else foe,
         **{name: source.signals[name] for name in names if name in source.signals},
     )
