@@ -160,7 +160,12 @@ def _tell_fault(words: str) -> None:
 def _tell(name: str) -> Any:
     def tell(done: int, total: int) -> None:
         if sys.stderr.isatty():
-            print(f"\r{in_one_line(name)}: {done}/{total} frames", end="\n" if done == total else "", file=sys.stderr, flush=True)
+            print(
+                f"\r{in_one_line(name)}: {done}/{total} frames",
+                end="\n" if done == total else "",
+                file=sys.stderr,
+                flush=True,
+            )
 
     return tell
 
