@@ -79,8 +79,9 @@ def replay(
 
 def _way_back(drives: list[Path], driver: str, water: str | None, video: bool, mixed: bool, folder: Path) -> str:
     """The command that goes on with the replay."""
-    asked = {"driver": driver, "water": water, "no_video": not video, "out": folder}
-    return command("replay", *drives, **asked, resume=True, mixed=mixed)
+    return command(
+        "replay", *drives, driver=driver, water=water, no_video=not video, out=folder, resume=True, mixed=mixed
+    )
 
 
 def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":

@@ -40,8 +40,15 @@ class Means:
 
     def way_back(self, command: str, folder: Path) -> str:
         """The command that goes on with the run."""
-        means = {"workers": self.workers, "cluster": self.cluster, "timeout": self.timeout_s, "mixed": self.mixed}
-        return shell.command(command, out=folder, resume=True, **means)
+        return shell.command(
+            command,
+            out=folder,
+            resume=True,
+            workers=self.workers,
+            cluster=self.cluster,
+            timeout=self.timeout_s,
+            mixed=self.mixed,
+        )
 
 
 def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan]) -> Plan:

@@ -93,7 +93,7 @@ class ReplayFolder:
                 what = change(stored.get(key), asked[key])
                 raise InputError(f"{self.path}: --resume: {key} changed: {what}; start a new run")
         for name, recording in asked["recordings"].items():
-            kinds = ("read", "derived") if same_code or not mixed else ("read",)  # other code may derive other bits
+            kinds = ("read", "derived") if same_code else ("read",)  # other code may derive other bits
             before = stored.get("recordings", {}).get(name, {})
             if what := inputs.changed(before, recording, kinds):
                 raise InputError(f"{self.path}: --resume: the drive '{name}' changed: {what}; start a new run")
