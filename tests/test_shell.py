@@ -1,5 +1,6 @@
 """Commands that are offered run as they stand: every word comes back whole from a shell."""
 
+import re
 import shlex
 import subprocess
 from pathlib import Path
@@ -10,6 +11,8 @@ from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.gate import again
 from vpf_sim.shell import command
 
+ROOT = Path(__file__).parents[1]
+WRITTEN_OUT = re.compile(r"vpf-sim [a-z]+ (?:--?[a-z]+ )*\{")  # an f-string or a template that fills in a word
 WORDS = [
     "plain",
     "two words",
@@ -56,3 +59,11 @@ def test_the_seeds_to_drive_again_are_a_loop_that_a_shell_runs() -> None:
     )
     parts = "drive|my roads/it's.toml|--weather|clear|--driver|pid|--seed|"
     assert shown.stdout == f"{parts}3|{parts}5|"
+
+
+def test_no_command_is_put_together_elsewhere() -> None:
+    """There nobody would quote what a user named."""
+    assert WRITTEN_OUT.search("f'vpf-sim report {path}'")
+    assert WRITTEN_OUT.search("vpf-sim video {{ folder }}")
+    sources = [*(ROOT / "vpf_sim").rglob("*.py"), *(ROOT / "vpf_sim").rglob("*.jinja")]
+    assert [path for path in sources if WRITTEN_OUT.search(path.read_text("utf-8"))] == []
