@@ -11,20 +11,8 @@ import recorded_layouts as layouts
 from vpf_sim import cli
 from vpf_sim.replay import inputs, readers
 
-ODD_NAMES = [
-    "commute 08:30",
-    "town/north",
-    "../outside",
-    "a\\b",
-    "what?",
-    "*",
-    'say "hi"',
-    "it's",
-    "a\nb",
-    ".hidden",
-    "-rf",
-]
-ODD_NAMES += ["con", "x" * 300, "$HOME", "/tmp/vpf_sim_outside"]
+ODD_NAMES = ["commute 08:30", "../outside", "a\\b", 'say "hi"?*', "a\nb", ".hidden", "-rf", "con", "x" * 300]
+ODD_NAMES += ["/tmp/vpf_sim_outside"]
 LAYOUTS: dict[str, Callable[[Path], Path]] = {
     "general": lambda folder: layouts.general(folder / "drive"),
     "kitti odometry": layouts.kitti_odometry,
@@ -125,10 +113,10 @@ def test_another_picture_is_another_drive_in_each_layout(layout: str, tmp_path: 
     folder = LAYOUTS[layout](tmp_path)
     before = inputs.of_recording(readers.read(folder))
     files = [path for path in sorted(tmp_path.rglob("*")) if path.suffix in (".png", ".jpg", ".mp4", ".hevc")]
-    one = files[len(files) // 2]
-    one.write_bytes(one.read_bytes() + b"\0")
+    for one in files:
+        one.write_bytes(one.read_bytes() + b"\0")
     after = inputs.of_recording(readers.read(folder))
-    name = one.name if one.suffix in (".mp4", ".hevc") else "pictures"
+    name = files[0].name if files[0].suffix in (".mp4", ".hevc") else "pictures"
     assert inputs.changed(before, after, ("read", "derived")) == name
 
 
@@ -163,15 +151,3 @@ def test_names_in_drive_toml_stay_in_the_folder_and_the_record_keeps_them(many: 
 def test_two_drives_of_a_name_are_told_apart(many: tuple[Path, Path]) -> None:
     records = [json.loads(line) for line in (many[1] / "replays.jsonl").read_text().splitlines()]
     assert [record["name"] for record in records[-4:]] == ["same", "same-2", "Same-3", "same-2-2"]
-
-
-def test_a_table_has_a_line_a_row_whatever_a_drive_is_called(
-    many: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder, run = many
-    drives = sorted(str(path) for path in folder.glob("d*"))
-    command = ["replay", *drives, "--driver", "neutral", "--no-video", "--out", str(run), "--resume"]
-    assert cli.run(command) == 0
-    said = capsys.readouterr().out
-    assert "a\\nb" in said
-    assert "a\nb" not in said

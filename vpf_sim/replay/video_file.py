@@ -151,6 +151,10 @@ def _index(path: Path) -> _Index:
     films = [index for index in found if index.packets > 1] or found
     best = max(films, key=lambda index: index.size_px[0] * index.size_px[1])
     best.others = len(films) - 1
+    if best.packets + best.hidden < best.claimed:  # the file is cut off, or an edit list leaves out whole groups
+        with av.open(str(path), options={"ignore_editlist": "1"}) as container:
+            packets = sum(1 for _ in _packets(container, container.streams.video[best.stream]))
+        best.hidden = max(best.hidden, packets - best.packets)
     return best
 
 
