@@ -1,8 +1,9 @@
 """From what a source recorded to a whole recording: calibrated, gaps told, what is missing derived where it can be."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -47,6 +48,7 @@ class Source:
     weather: str = ""
     notes: list[str] = field(default_factory=list)
     no_images: str = ""
+    files: Sequence[Path | None] = ()  # its pictures, and others of which it is a function; some may be missing
 
     def checked(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> Floats:
         """(M,) or (M, 3) the values without those that cannot be, at times of their own or at those of the frames."""
@@ -240,6 +242,7 @@ def _finished(source: Source) -> Recording:
         weather=source.weather,
         notes=tuple(source.notes),
         no_images=source.no_images,
+        files=tuple(source.files),
         foe_px=np.empty(0) if foe is None else foe,
         **{name: source.signals[name] for name in names if name in source.signals},
     )

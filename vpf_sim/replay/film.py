@@ -87,7 +87,7 @@ class Film:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        self._writer.close()
+        self._writer.__exit__(kind, error, traceback)
 
 
 def _reading(value: float) -> str:

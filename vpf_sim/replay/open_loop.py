@@ -1,7 +1,7 @@
 """A driver on a recorded drive: it sees the frames and says what it would do, and nobody does it."""
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from math import nan
 from pathlib import Path
@@ -12,6 +12,7 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
+from vpf_sim.files import file_name
 from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
@@ -24,15 +25,16 @@ from vpf_sim.replay.obstacles_ahead import LeadBody, is_in_the_way
 from vpf_sim.replay.own_derotation import OwnDerotation, OwnMotion
 from vpf_sim.replay.pilot import Decision, Pilot, pilot
 from vpf_sim.replay.recording import Recording
+from vpf_sim.replay.run_files import film_file, table_file
 from vpf_sim.replay.segments import Segment, goal_words, route, segments
 from vpf_sim.types import Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
 OWN_VARIANT = "robust"  # whose flow serves for what is told of no rotation
 LEAST_SPEED_MPS = 2.0  # of a car whose flow must show where it goes
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
-FRAMES, VIDEOS = "frames", "videos"  # folders of the run
 
 Progress = Callable[[int, int], None]
+Store = Callable[[dict[str, Any], dict[str, Any]], None]
 
 
 @dataclass(slots=True)
@@ -75,10 +77,16 @@ class Gathered:
 
 
 def run(
-    recording: Recording, driver_name: str, out: Path, progress: Progress = lambda *_: None, filmed: bool = True
+    recording: Recording,
+    driver_name: str,
+    out: Path,
+    progress: Progress = lambda *_: None,
+    filmed: bool = True,
+    store: Store = lambda *_: None,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Drive along; write frames/NAME.parquet and videos/NAME.mp4 into `out`; the drive's record and its timing.
 
+    Both are given to `store`, too, before the film is finished: a disk without room for the film costs the film alone.
     Where pictures are missing that the driver needs, only the signals are stored and checked.
     """
     driver = drivers.create(driver_name)
@@ -87,28 +95,20 @@ def run(
     with ExitStack() as stack:
         film = None
         if filmed and not recording.no_images:
-            film = stack.enter_context(_filming(recording, out / VIDEOS / f"{recording.name}.mp4"))
+            film = stack.enter_context(
+                Film(film_file(out, recording.name), recording.camera, recording.rate_hz, _human(recording))
+            )
         can_drive = not recording.no_images or not drivers.sees(driver)
         gathered = Gathered()
         rows = list(_rows(recording, asked if can_drive else None, film, clock, gathered, progress))
         speed = road_speed.speed(recording.times_s, gathered.speed_votes)
         table = FrameTable.of(rows).replaced("flow_speed_mps", speed)
-        frame_table.write(table, out / FRAMES / f"{recording.name}.parquet")
-    record = _record(recording, driver_name, asked, table)
-    record["notes"] += gathered.notes()
-    return record, clock.entry(recording)
-
-
-@contextmanager
-def _filming(recording: Recording, path: Path) -> Iterator[Film]:
-    """Under another name until all is well: then the file gets its own."""
-    draft = path.with_name(f"{path.stem}.draft{path.suffix}")
-    try:
-        with Film(draft, recording.camera, recording.rate_hz, _human(recording)) as film:
-            yield film
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+        frame_table.write(table, table_file(out, recording.name))
+        record = _record(recording, driver_name, asked, table)
+        record["notes"] += gathered.notes()
+        timing = clock.entry(recording)
+        store(record, timing)
+    return record, timing
 
 
 def _human(recording: Recording) -> dict[str, str]:
@@ -277,6 +277,7 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
     labelled = bool(np.isfinite(recording.obstacle).any())
     return {
         "name": recording.name,
+        "file": file_name(recording.name),
         "driver": driver_name,
         "layout": recording.layout,
         "weather": recording.weather,

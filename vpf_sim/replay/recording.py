@@ -64,6 +64,7 @@ class Recording:
     weather: str = ""  # as the recording names it; empty where it does not
     notes: tuple[str, ...] = ()  # gaps and assumptions, a line each
     no_images: str = ""  # why there are none, and what can be done; then `frames` raises it as an InputError
+    files: tuple[Path | None, ...] = ()  # its pictures, and others of which it is a function; some may be missing
 
     def __post_init__(self) -> None:
         for name in ("steering_rad", "throttle", "obstacle", "lead_gap_m"):

@@ -96,6 +96,7 @@ def _with_video(folder: Path, stamps: Floats) -> tuple[assemble.Source, Floats]:
         name, LAYOUT, stamps - stamps[0], frames, lens, camera_ahead_m=assemble.CAMERA_AHEAD_M, notes=notes
     )
     source.no_images = missing
+    source.files = [path] if path.exists() else []
     source.origins["times_s"] = Origin("recorded", "global_pose/frame_times")
     return source, stamps
 

@@ -1,6 +1,6 @@
 """Reader of anyone's recording: a video or a folder of pictures, drive.toml, and a table (docs/recordings.md)."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import radians
 from pathlib import Path
@@ -31,6 +31,7 @@ class _Pictures:
     frames: Callable[[], Iterator[Frame]]
     names: tuple[str, ...]  # of the pictures; none of a video
     notes: tuple[str, ...]
+    files: Sequence[Path | None]
 
 
 def recognises(folder: Path) -> bool:
@@ -50,7 +51,8 @@ def read_video(path: Path) -> Recording:
 
 
 def _recording(folder: Path, drive: DriveFile, pictures: _Pictures) -> Recording:
-    keys = drive.camera
+    keys, signals = drive.camera, drive.signals or SignalKeys()
+    table = foreign_paths.beside(folder, signals.file)
     source = assemble.Source(
         name=drive.name or folder.resolve().name,
         layout=LAYOUT,
@@ -64,11 +66,10 @@ def _recording(folder: Path, drive: DriveFile, pictures: _Pictures) -> Recording
         camera_ahead_m=keys.ahead_of_rear_axle_m,
         weather=drive.weather,
         notes=list(pictures.notes),
+        files=[*pictures.files, *(path for path in (folder / FILE, table) if path.is_file())],
     )
     source.origins["camera"] = _camera_origin(keys, source.lens)
     source.origins["times_s"] = pictures.how
-    signals = drive.signals or SignalKeys()
-    table = foreign_paths.beside(folder, signals.file)
     if drive.signals is not None or table.exists():
         general_signals.put(source, table, signals, drive.vehicle, pictures.names)
     if drive.speed_mps is not None and "speed_mps" not in source.signals:
@@ -115,18 +116,21 @@ def _images(folder: Path, drive: DriveFile, place: Path) -> _Pictures:
         notes += [f"{folder.name}/: {note}" for note in missing]
         names = tuple(file.name if file else "" for file in files)
         times, how = np.arange(len(files)) / drive.rate_hz, Origin("recorded", f"{FILE}: rate_hz")
-    return _Pictures(size, times - times[0], how, lambda: image_files.frames(files, size), names, tuple(notes))
+    return _Pictures(size, times - times[0], how, lambda: image_files.frames(files, size), names, tuple(notes), files)
 
 
 def _video(path: Path, drive: DriveFile) -> _Pictures:
-    video = video_file.read(path, None if drive.rate_hz is None else video_file.evenly(path, drive.rate_hz))
+    video = video_file.read(path, rate_hz=drive.rate_hz)
     how = Origin("recorded", f"{path.name}" if drive.rate_hz is None else f"{FILE}: rate_hz")
-    return _Pictures((video.width_px, video.height_px), video.times_s, how, video.frames, (), video.notes)
+    return _Pictures((video.width_px, video.height_px), video.times_s, how, video.frames, (), video.notes, (path,))
 
 
 def _lens(keys: CameraKeys, size: tuple[int, int]) -> Lens:
     width, height = size
-    across = assemble.FIELD_OF_VIEW_RAD if keys.field_of_view_deg is None else float(np.radians(keys.field_of_view_deg))
+    if keys.field_of_view_deg is None:  # along the longer side: a phone that is held upright has the same lens
+        across = 2.0 * float(np.arctan(width / max(size) * np.tan(0.5 * assemble.FIELD_OF_VIEW_RAD)))
+    else:
+        across = float(np.radians(keys.field_of_view_deg))
     lens = assemble.assumed_lens(width, height, across)
     fx = lens.fx_px if keys.fx_px is None else keys.fx_px
     return replace(
@@ -153,7 +157,8 @@ def _camera_origin(keys: CameraKeys, lens: Lens) -> Origin:
     """What of the camera was told and what is taken for granted."""
     assumed = []
     if keys.fx_px is None and keys.field_of_view_deg is None:
-        assumed.append(f"field of view {np.degrees(assemble.FIELD_OF_VIEW_RAD):.0f} deg across")
+        side = "across" if lens.width_px >= lens.height_px else "from top to bottom"
+        assumed.append(f"field of view {np.degrees(assemble.FIELD_OF_VIEW_RAD):.0f} deg {side}")
     if keys.height_m is None:
         assumed.append(f"{assemble.HEIGHT_M:g} m above the road")
     if assumed:

@@ -41,6 +41,7 @@ def read(folder: Path) -> Recording:
         layout=LAYOUT,
         times_s=times,
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=lens,
         mounting=Mounting(camera_motion.mounted_pitch(directions), height_m=HEIGHT_M),
         wheelbase_m=WHEELBASE_M,

@@ -52,6 +52,7 @@ def read(folder: Path) -> Recording:
         layout=LAYOUT,
         times_s=clock_s - clock_s[0],
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=lens,
         mounting=None if seat is None else mounting_of(FORWARD_LEFT_UP @ seat.unit_to_camera.T, HEIGHT_M),
         height_m=HEIGHT_M,

@@ -42,6 +42,7 @@ def read(folder: Path) -> Recording:
         layout=LAYOUT,
         times_s=times - times[0],
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=lens,
         mounting=_mounting(folder / "velo_to_rectcam_4x4.txt"),
         height_m=kitti_raw.HEIGHT_M,

@@ -63,6 +63,7 @@ def read(folder: Path) -> Recording:
         layout=LAYOUT,
         times_s=clock_s - clock_s[0],
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=_lens(folder / "calib.yaml", size),
         height_m=HEIGHT_M,
         weather=_weather(folder),

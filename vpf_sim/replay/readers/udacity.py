@@ -54,6 +54,7 @@ def read(folder: Path) -> Recording:
         layout=LAYOUT,
         times_s=times,
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=assemble.assumed_lens(*size),
         height_m=HEIGHT_M,
         height_assumed=True,
