@@ -1,8 +1,11 @@
 """Planning and control are total: whatever is seen, measured and asked for, the command is finite and in its limits."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
+import ideal
 import numpy as np
 import pytest
 import total_scenes as scenes
@@ -11,9 +14,13 @@ from hypothesis import strategies as st
 
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.planning.lane import NOTHING, Lane
+from vpf_sim.planning.lane_reference import LaneReference
+from vpf_sim.planning.neighbours import Neighbours
 from vpf_sim.planning.planner import way
+from vpf_sim.planning.reach import Reach
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
-from vpf_sim.types import Command, DriverSetup, Floats, Observation, Reference
+from vpf_sim.types import Command, DriverSetup, Floats, Observation, Obstacles, Reference, RoadEdges
 
 FEW = settings(max_examples=50, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=1000)
@@ -47,6 +54,49 @@ def test_any_scene_gives_a_command(drive: scenes.Drive) -> None:
 @given(scenes.drives())
 def test_any_of_a_thousand_scenes_gives_a_command(drive: scenes.Drive) -> None:
     plan_and_follow(drive)
+
+
+@pytest.mark.parametrize("rate_hz", [5.0, 10.0, 20.0])
+@pytest.mark.parametrize("aside_m", [-3.0, 1.0, 3.0])
+def test_a_speed_that_jumps_leaves_the_path_a_direction(rate_hz: float, aside_m: float) -> None:
+    """As one that is derived from the flow does: the bend of walking speed is met by a step of many metres."""
+    config = scenes.load("robust").valley
+    reach = Reach(config.reach, scenes.VEHICLE)
+    path = LaneReference(config.reference, scenes.VEHICLE, 8.0, rate_hz, reach)
+    nobody = Neighbours(NOTHING, config.field, scenes.VEHICLE, 8.0)
+    lane = Lane(y_m=0.0, right_m=6.0, left_m=-6.0, heading_rad=0.0, curvature_per_m=0.0)
+    for speed_mps in [1.2, 1.2, 57.0, 1.2, 1.2, 1.2, 57.0, 57.0, 0.0, 57.0]:
+        reference = path.update(lane, nobody, aside_m, 0.0, speed_mps)
+        assert abs(reference.heading_rad) < 0.5 * np.pi
+        assert np.isfinite([reference.speed_mps, reference.heading_rate_radps]).all()
+
+
+@pytest.mark.parametrize("variant", scenes.VARIANTS)
+def test_a_drive_that_begins_standing_has_a_reference(variant: str) -> None:
+    """Its speed to keep is none."""
+    setup = DriverSetup(scenes.CAMERA, scenes.VEHICLE, 20.0, 0.0, (50.0, 0.0), 0)
+    none = np.empty(0)
+    nobody = Obstacles(none, none, none, none, none, np.empty(0, np.int64))
+    seen = ideal.perception(RoadEdges(-5.0, 5.0, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5), nobody)
+    plans = way(setup, scenes.load(variant))
+    observation = Observation(scenes.NO_IMAGE, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (50.0, 0.0))
+    _, reference, _ = plans.step(replace(seen, low_sight_m=(10.0, 20.0)), observation)
+    assert (reference.heading_rad, reference.speed_mps) == (pytest.approx(0.0, abs=0.01), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"rate_hz": 0.0}, "rate_hz: expected a finite number > 0, got 0.0"),
+        ({"speed_reference_mps": float("nan")}, "speed_reference_mps: expected a finite number >= 0, got nan"),
+        ({"goal_m": (float("inf"), 0.0)}, "goal_m: expected finite numbers"),
+        ({"route": np.zeros((5, 2))}, "route: expected finite waypoints, two of them apart"),
+    ],
+)
+def test_a_setup_that_no_drive_has_is_refused(change: dict[str, Any], sentence: str) -> None:
+    setup = DriverSetup(scenes.CAMERA, scenes.VEHICLE, 20.0, 8.0, (50.0, 0.0), 0)
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        replace(setup, **change)
 
 
 @st.composite

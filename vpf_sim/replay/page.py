@@ -31,7 +31,7 @@ class Drive:
 
 def write(folder: Path, records: list[dict[str, Any]], timing: dict[str, Any], summary: dict[str, Any]) -> Path:
     """The page of what is in a replay's folder."""
-    drives = [_drive(folder, record["name"]) for record in records]
+    drives = [_drive(folder, record) for record in records]
     driver = records[0]["driver"] if records else ""
     text = _render(driver=driver, tables=tables(records, timing, summary), drives=drives, ours=OURS, theirs=THEIRS)
     draft = folder / f"{NAME}.draft"
@@ -39,9 +39,10 @@ def write(folder: Path, records: list[dict[str, Any]], timing: dict[str, Any], s
     return draft.replace(folder / NAME)
 
 
-def _drive(folder: Path, name: str) -> Drive:
+def _drive(folder: Path, record: dict[str, Any]) -> Drive:
+    name, kinds = record["name"], {signal: origin["kind"] for signal, origin in record["origins"].items()}
     film = folder / VIDEOS / f"{name}.mp4"
-    drawn = plots(frame_table.read(folder / FRAMES / f"{name}.parquet"))
+    drawn = plots(frame_table.read(folder / FRAMES / f"{name}.parquet"), kinds)
     if not film.exists():
         return Drive(name, "", False, drawn)
     if film.stat().st_size > MOST_INSIDE_BYTES:
