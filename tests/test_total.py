@@ -1,7 +1,8 @@
 """Planning and control are total: whatever is seen, measured and asked for, the command is finite and in its limits."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +15,8 @@ from hypothesis import strategies as st
 
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.episode.episode import setup_for
 from vpf_sim.planning.lane import NOTHING, Lane
 from vpf_sim.planning.lane_reference import LaneReference
 from vpf_sim.planning.neighbours import Neighbours
@@ -190,3 +193,23 @@ def test_any_of_a_thousand_routes_gives_a_command(
     name: str, setup: DriverSetup, route: Floats, seen: list[Observation]
 ) -> None:
     follow(name, setup, route, seen)
+
+
+@pytest.fixture(scope="module")
+def traffic() -> Iterator[FourLane]:
+    """A road with other cars on it."""
+    with closing(FourLane("traffic", "clear", frames=False)) as env:
+        env.reset(seed=1)
+        yield env
+
+
+@FEW
+@given(scenes.SPEEDS, SEEN)
+def test_any_place_on_or_off_the_road_gives_a_command(
+    traffic: FourLane, reference_mps: float, seen: list[Observation]
+) -> None:
+    """Of the one baseline that is told the world."""
+    driver = drivers.create("idm")
+    driver.reset(replace(setup_for(driver, traffic, 1), speed_reference_mps=reference_mps))
+    for observation in seen:
+        assert_command(driver.act(observation))

@@ -59,7 +59,8 @@ def doubts(table: FrameTable, recording: Recording) -> list[str]:
     """What a reader of the scores must know of them, a line each."""
     if not np.isfinite(table.throttle).any():
         return []
-    lines, count = [], len(table)
+    lines: list[str] = []
+    count = len(table)
     for name in SIGNALS:
         origin, known = recording.origins[NAMES[name]], np.isfinite(getattr(table, f"recorded_{name}")).sum()
         if not origin.is_known:
