@@ -212,7 +212,7 @@ def _without_gaps(source: Source, name: str, what: str) -> Floats:
     values = source.signals[name]
     if values.ndim == 2:
         parts = [series.filled(values[:, i]) for i in range(values.shape[1])]
-        result, missing = np.stack([part for part, _ in parts], axis=1), parts[0][1]
+        result, missing = np.stack([part for part, _ in parts], axis=1), np.any([gap for _, gap in parts], axis=0)
     else:
         result, missing = series.filled(values)
     if missing.any():
