@@ -22,8 +22,10 @@ class Polyline:
     """Waypoints (M, 2) m, joined. It is followed from its start: a place once passed never comes back."""
 
     def __init__(self, points_m: Floats) -> None:
-        self._points_m = points_m
-        self._along = np.diff(points_m, axis=0)
+        """A waypoint at the place of the one before, as where a car stood, leads nowhere and is left out."""
+        goes_on = np.any(np.diff(points_m, axis=0) != 0.0, axis=1)
+        self._points_m = points_m[np.concatenate([[True], goes_on])]
+        self._along = np.diff(self._points_m, axis=0)
         self._length_m = np.hypot(*self._along.T)
         self._heading = _headings(self._along)
         self._segment = 0

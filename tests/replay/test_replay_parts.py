@@ -148,7 +148,14 @@ def record(name: str, weather: str, throttle: str = "recorded", added: str | Non
         "added": added,
         "obstacles_by": "label",
         "origins": {"throttle": {"kind": throttle}, "steering_rad": {"kind": "recorded"}},
-        "accuracy": {**part, **halves, "frames": frames, "idle": {**part, **halves}},
+        "error": None,
+        "accuracy": {
+            **part,
+            **halves,
+            "frames": frames,
+            "unseen": {key: value // 2 for key, value in frames.items()},
+            "idle": {**part, **halves},
+        },
     }
 
 
@@ -158,7 +165,7 @@ def filled(records: list[Any]) -> list[dict[str, Any]]:
 
 def test_drives_count_by_their_frames() -> None:
     (row,) = filled([record("a", "Overcast"), record("b", "cloudy", mae=0.3)])
-    assert (row["weather"], row["drives"], row["frames"]) == ("cloudy", ["a", "b"], 40)
+    assert (row["weather"], row["drives"], row["frames"], row["unseen"]) == ("cloudy", ["a", "b"], 40, 20)
     assert row["accuracy"]["throttle"]["mae"] == pytest.approx((10 * 0.1 + 30 * 0.3) / 40)
     assert row["paper"] == {"throttle": 0.6943, "steering": 0.6492}
 

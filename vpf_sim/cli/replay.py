@@ -131,11 +131,11 @@ def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording
         lacks_film = video and not recording.no_images and not film_file(folder.path, recording.name).exists()
         if recording.name not in folder.done or lacks_film:
             code = max(code, _replay_one(folder, driver, recording, video))
-    return code
+    return max(code, *(int(record["error"] is not None) for record in folder.records()), 0)
 
 
 def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", video: bool) -> int:
-    from vpf_sim.replay import open_loop
+    from vpf_sim.replay import driver_error, open_loop
 
     try:
         with drivers_speak():
@@ -146,7 +146,11 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
     except OSError:
         raise
     except Exception as error:  # the driver's own; the other drives are still worth their time
-        _tell_fault(f"{recording.name}: error: {type(error).__name__}: {error}")
+        _tell_fault(f"{recording.name}: error: at {driver_error.place(error)}: {driver_error.what(error)}")
+        return 1
+    if (fault := record["error"]) is not None:
+        said = f"frame {fault['frame']} of {len(recording)}, at {fault['place']}: {fault['what']}"
+        _tell_fault(f"{recording.name}: error: {said}; the frames before are kept")
         return 1
     if not record["driven"]:
         _tell_fault(recording.no_images)

@@ -12,9 +12,9 @@ from vpf_sim.errors import InputError
 from vpf_sim.geometry import unwrapped
 from vpf_sim.planning import variant
 from vpf_sim.replay import agreement, calibrate, camera_motion, derived, lane_height, plausible, series
-from vpf_sim.replay.recording import Frame, Kind, Origin, Recording
+from vpf_sim.replay.recording import PICTURES, Frame, Kind, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduction, rotation
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 WHEELBASE_M = 2.7  # of a usual car
 CAMERA_AHEAD_M = 1.5  # of the rear axle, behind the windscreen of a usual car
@@ -49,6 +49,7 @@ class Source:
     notes: list[str] = field(default_factory=list)
     no_images: str = ""
     files: Sequence[Path | None] = ()  # its pictures, and others of which it is a function; some may be missing
+    bridged: dict[str, Bools] = field(default_factory=dict)  # (N,) by signal, where it was filled in over a gap
 
     def checked(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> Floats:
         """(M,) or (M, 3) the values without those that cannot be, at times of their own or at those of the frames."""
@@ -66,6 +67,27 @@ class Source:
         if np.count_nonzero(np.isfinite(values.reshape(len(values), -1)).all(axis=1)) > (values.ndim > 1):
             self.signals[name] = values
             self.origins[name] = Origin(kind, how)
+
+    def derive(self, name: str, values: Floats, how: str, *inputs: str, within_s: float = 0.0) -> None:
+        """A signal that follows from others, each value from theirs within so long before and after.
+
+        It is bridged where one of them is.
+        """
+        self.put(name, values, how, "derived")
+        if name in self.signals:
+            pictures = Origin("recorded", "the flow of the pictures")
+            self.origins[name] = Origin.following(how, {one: self.origins.get(one, pictures) for one in inputs})
+            self.bridged[name] = self.is_bridged(*inputs, within_s=within_s)
+
+    def is_bridged(self, *names: str, within_s: float = 0.0) -> Bools:
+        """(N,) whether one of the signals is filled in within so long before and after each frame."""
+        gaps = [self.bridged[name] for name in names if name in self.bridged]
+        count = np.concatenate([[0], np.cumsum(np.any(gaps, axis=0))]) if gaps else np.zeros(len(self.times_s) + 1)
+        first, last = (
+            np.searchsorted(self.times_s, self.times_s + sign * (within_s + 1e-9), side)
+            for sign, side in ((-1.0, "left"), (1.0, "right"))
+        )
+        return np.asarray(count[last] > count[first])
 
 
 def assumed_lens(width_px: int, height_px: int, field_of_view_rad: float = FIELD_OF_VIEW_RAD) -> Lens:
@@ -100,7 +122,7 @@ def recording(source: Source) -> Recording:
     if "poses" not in source.signals:
         speed, rate = source.signals["speed_mps"], source.signals["yaw_rate_radps"]
         way = derived.travelled(source.times_s, speed, rate, source.camera_ahead_m)
-        source.put("poses", way, "from speed and yaw rate: dead reckoning", "derived")
+        source.derive("poses", way, "from speed and yaw rate: dead reckoning", "speed_mps", "yaw_rate_radps")
     recorded = {name for name, origin in source.origins.items() if origin.kind == "recorded"}
     if "poses" in recorded and source.heading_recorded:
         recorded.add("heading")
@@ -111,11 +133,13 @@ def recording(source: Source) -> Recording:
 def _motion_from_poses(source: Source) -> None:
     if "poses" not in source.signals:
         return
-    poses = source.signals["poses"]
+    poses, step_s = source.signals["poses"], float(np.diff(source.times_s).max())
     if "speed_mps" not in source.signals:
-        source.put("speed_mps", derived.speed(source.times_s, poses), "from the poses", "derived")
+        speed = derived.speed(source.times_s, poses)
+        source.derive("speed_mps", speed, "from the poses", "poses", within_s=step_s)
     if "yaw_rate_radps" not in source.signals and source.heading_recorded:
-        source.put("yaw_rate_radps", derived.yaw_rate(source.times_s, poses), "from the poses", "derived")
+        rate = derived.yaw_rate(source.times_s, poses)
+        source.derive("yaw_rate_radps", rate, "from the poses", "poses", within_s=step_s)
 
 
 def _looked_at(source: Source) -> calibrate.OwnWay | None:
@@ -169,9 +193,9 @@ def _tell_mounting(source: Source, own: calibrate.OwnWay) -> None:
 def _motion_from_pictures(source: Source, own: calibrate.OwnWay) -> None:
     if "speed_mps" not in source.signals:
         how = f"from the road's flow, for a camera {source.height_m:g} m above it"
-        source.put("speed_mps", own.speed_mps, how, "derived")
+        source.derive("speed_mps", own.speed_mps, how, PICTURES)
     if "yaw_rate_radps" not in source.signals:
-        source.put("yaw_rate_radps", own.yaw_rate_radps, "from the flow", "derived")
+        source.derive("yaw_rate_radps", own.yaw_rate_radps, "from the flow", PICTURES)
 
 
 def _yaw_rate_at_last(source: Source) -> None:
@@ -180,31 +204,37 @@ def _yaw_rate_at_last(source: Source) -> None:
         return
     if "poses" in source.signals:
         rate = derived.slope(source.times_s, unwrapped(source.signals["poses"][:, 2]), COURSE_WINDOW_S)
-        source.put("yaw_rate_radps", rate, "from the course over ground", "derived")
+        how, half_s = "from the course over ground", 0.5 * COURSE_WINDOW_S
+        source.derive("yaw_rate_radps", rate, how, "poses", within_s=half_s)
     elif {"speed_mps", "steering_rad"} <= set(source.signals):
         rate = source.signals["speed_mps"] * np.tan(source.signals["steering_rad"]) / source.wheelbase_m
-        source.put("yaw_rate_radps", rate, "from speed and steering: the kinematic bicycle", "derived")
+        how = "from speed and steering: the kinematic bicycle"
+        source.derive("yaw_rate_radps", rate, how, "speed_mps", "steering_rad")
     if "yaw_rate_radps" not in source.signals:
         source.put("yaw_rate_radps", np.zeros(len(source.times_s)), "none: nothing tells the turn", "assumed")
 
 
 def _commands(source: Source) -> None:
-    """Steering and throttle as the motion has them, where they were not recorded."""
+    """Steering and throttle as the motion has them, where they were not recorded; unknown where that is bridged."""
     speed, rate = source.signals["speed_mps"], source.signals["yaw_rate_radps"]
     if "steering_rad" not in source.signals:
         angle = derived.steering(speed, rate, source.wheelbase_m)
         how = f"from speed and yaw rate: the kinematic bicycle of {source.wheelbase_m:g} m wheelbase"
-        source.put("steering_rad", angle, how, "derived")
+        inputs = ("speed_mps", "yaw_rate_radps")
+        source.derive("steering_rad", np.where(source.is_bridged(*inputs), np.nan, angle), how, *inputs)
     if "throttle" not in source.signals:
-        acceleration, how = source.acceleration_mps2, "the recorded acceleration"
-        if acceleration is None:
-            acceleration, how = derived.slope(source.times_s, speed), "the speed's slope over 0.5 s"
         scale = "full throttle 3 m/s2, full brake 6 m/s2"
-        source.put("throttle", derived.throttle(acceleration), f"from {how}; {scale}", "derived")
+        if source.acceleration_mps2 is not None:
+            pedals = derived.throttle(source.acceleration_mps2)
+            source.put("throttle", pedals, f"from the recorded acceleration; {scale}", "derived")
+            return
+        unknown = source.is_bridged("speed_mps", within_s=0.5 * derived.SLOPE_WINDOW_S)
+        pedals = np.where(unknown, np.nan, derived.throttle(derived.slope(source.times_s, speed)))
+        source.derive("throttle", pedals, f"from the speed's slope over 0.5 s; {scale}", "speed_mps")
 
 
 def _without_gaps(source: Source, name: str, what: str) -> Floats:
-    """What the driver needs at every frame is interpolated, and that is told."""
+    """What the driver needs at every frame is interpolated; that is told, and no score goes by it."""
     values = source.signals[name]
     if values.ndim == 2:
         result, missing = derived.bridged(source.times_s, values)
@@ -212,6 +242,7 @@ def _without_gaps(source: Source, name: str, what: str) -> Floats:
         result, missing = series.filled(source.times_s, values)
     if missing.any():
         source.notes.append(f"{what}: {np.count_nonzero(missing)} of {len(missing)} values missing, interpolated")
+    source.bridged[name] = missing | source.bridged.get(name, missing)
     return result
 
 
@@ -243,6 +274,7 @@ def _finished(source: Source) -> Recording:
         notes=tuple(source.notes),
         no_images=source.no_images,
         files=tuple(source.files),
+        bridged=source.bridged,
         foe_px=np.empty(0) if foe is None else foe,
         **{name: source.signals[name] for name in names if name in source.signals},
     )

@@ -13,7 +13,7 @@ import numpy as np
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
-from vpf_sim.replay import own_derotation, road_speed
+from vpf_sim.replay import own_derotation, road_speed, series
 from vpf_sim.replay.recording import Frame
 from vpf_sim.replay.rectify import Mounting, mounting_seeing
 from vpf_sim.seeding import stream
@@ -91,7 +91,8 @@ def _looks(
     rate_hz = 1.0 / float(np.median(np.diff(times_s)))
     config = variant.load(VARIANT).flow
     tracker, last = FlowTracker(camera, config, rate_hz), -1
-    speed = np.full(len(times_s), ASSUMED_SPEED_MPS) if speed_mps is None else speed_mps
+    told = np.full(len(times_s), np.nan) if speed_mps is None else speed_mps
+    speed = series.filled(told)[0] if np.isfinite(told).any() else np.full(len(times_s), ASSUMED_SPEED_MPS)
     along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times_s))])
     both, straight = speed_mps is not None and yaw_rate_radps is not None, 0
     for yielded, frame in enumerate(frames):
@@ -106,7 +107,8 @@ def _looks(
             continue
         steps = np.rint(flow.gap_s * rate_hz).astype(np.intp)
         flow = replace(flow, gap_s=times_s[frame.index] - times_s[frame.index - steps])  # whatever the rate was there
-        yield _Look(frame.index, flow, np.inf if speed_mps is None else float(speed[frame.index]), rate)
+        known = np.isfinite(told[frame.index])
+        yield _Look(frame.index, flow, float(speed[frame.index]) if known else np.inf, rate)
         straight += abs(rate) < STRAIGHT_RADPS
         if both and (straight >= ENOUGH or yielded >= HELD):
             return

@@ -17,7 +17,8 @@ from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
 from vpf_sim.planning import variant
-from vpf_sim.replay import frame_table, road_speed, scores
+from vpf_sim.replay import driver_error, frame_table, road_speed, scores
+from vpf_sim.replay.driver_error import DriverError
 from vpf_sim.replay.film import Film
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.model_vehicle import Interval
@@ -65,6 +66,8 @@ class Clock:
 class Gathered:
     """What is found frame by frame and told of the whole drive."""
 
+    rows: list[FrameRow] = field(default_factory=list)
+    error: DriverError | None = None  # that ended the drive
     speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
     faults: list[str] = field(default_factory=list)  # why pictures are missing
 
@@ -87,7 +90,8 @@ def run(
     """Drive along; write frames/NAME.parquet and videos/NAME.mp4 into `out`; the drive's record and its timing.
 
     Both are given to `store`, too, before the film is finished: a disk without room for the film costs the film alone.
-    Where pictures are missing that the driver needs, only the signals are stored and checked.
+    Where pictures are missing that the driver needs, only the signals are stored and checked. Where the driver fails,
+    the record is of the frames before, and says so.
     """
     driver = drivers.create(driver_name)
     asked = pilot(driver, _setup(recording, driver))
@@ -100,12 +104,17 @@ def run(
             )
         can_drive = not recording.no_images or not drivers.sees(driver)
         gathered = Gathered()
-        rows = list(_rows(recording, asked if can_drive else None, film, clock, gathered, progress))
-        speed = road_speed.speed(recording.times_s, gathered.speed_votes)
-        table = FrameTable.of(rows).replaced("flow_speed_mps", speed)
+        try:
+            for row in _rows(recording, asked if can_drive else None, film, clock, gathered, progress):
+                gathered.rows.append(row)
+        except DriverError as error:
+            gathered.error = error
+        table = FrameTable.of(gathered.rows)
+        table = table.replaced("flow_speed_mps", road_speed.speed(table.time_s, gathered.speed_votes))
         frame_table.write(table, table_file(out, recording.name))
         record = _record(recording, driver_name, asked, table)
         record["notes"] += gathered.notes()
+        record["error"] = gathered.error.entry() if gathered.error else None
         timing = clock.entry(recording)
         store(record, timing)
     return record, timing
@@ -135,12 +144,14 @@ def _rows(
         if k == segment.stop:
             segment, number = next(parts), number + 1
             if asked is not None:
-                asked.begin(segment)
+                with driver_error.at_frame(k):
+                    asked.begin(segment)
         moved_m += _step_m(recording, k)
         row = _recorded(recording, k, number)
         if image is not None and asked is not None:
             began = thread_time()
-            decision = asked.decide(_observation(recording, k, image, segment), _interval(recording, k))
+            with driver_error.at_frame(k):
+                decision = asked.decide(_observation(recording, k, image, segment), _interval(recording, k))
             clock.driver_ms.append(1e3 * (thread_time() - began))
             last = _unless_doubtful(decision, last, row.speed_mps)
             row = row._replace(image=1.0, **_seen(last))
@@ -204,7 +215,7 @@ def _observation(recording: Recording, k: int, image: Image, segment: Segment) -
         x_m=x,
         y_m=y,
         yaw_rad=yaw,
-        speed_mps=float(recording.speed_mps[k]),
+        speed_mps=max(float(recording.speed_mps[k]), 0.0),  # no driver here knows of reverse
         yaw_rate_radps=float(recording.yaw_rate_radps[k]),
         goal_m=segment.goal_m,
     )
@@ -282,12 +293,13 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
         "layout": recording.layout,
         "weather": recording.weather,
         "added": _added(recording),
-        "frames": len(recording),
+        "frames": len(table),
+        "held": int(np.count_nonzero(table.held == 1.0)),
         "gaps": int(np.count_nonzero(table.image == 0.0)),
         "rate_hz": scores.rounded(recording.rate_hz),
         "foe_median_error_px": scores.foe_error(table, "foe"),
         "foe_median_error_own_derotation_px": scores.foe_error(table, "own_foe"),
-        "accuracy": scores.accuracies(table, recording.rate_hz),
+        "accuracy": scores.accuracies(table, recording),
         "perception": scores.perception(table, recording),
         "signal_checks": scores.signal_checks(recording),
         "derived": list(recording.derived),
@@ -295,7 +307,7 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
         "obstacles_by": "label" if labelled else "own detection" if np.isfinite(table.obstacle_seen).any() else None,
         "goal": goal_words(recording),
         "protocol": asked.protocol,
-        "segments": int(table.segment[-1]) + 1,
+        "segments": int(table.segment.max(initial=-1.0)) + 1,
         "restarts": asked.restarts,
         "camera": {
             "width_px": camera.width_px,
@@ -303,7 +315,7 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
             "focal_px": scores.rounded(camera.fx_px),
             "height_m": scores.rounded(camera.height_m),
         },
-        "notes": list(recording.notes),
+        "notes": [*recording.notes, *scores.doubts(table, recording)],
         "driven": bool(np.isfinite(table.throttle).any()),
         "no_images": recording.no_images or None,
     }

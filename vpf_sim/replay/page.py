@@ -32,16 +32,17 @@ class Drive:
 
 def write(folder: Path, records: list[dict[str, Any]], timing: dict[str, Any], summary: dict[str, Any]) -> Path:
     """The page of what is in a replay's folder."""
-    drives = [_drive(folder, record["name"]) for record in records]
+    drives = [_drive(folder, record) for record in records]
     driver = records[0]["driver"] if records else ""
     text = _render(driver=driver, tables=tables(records, timing, summary), drives=drives, ours=OURS, theirs=THEIRS)
     write_text(folder / NAME, text)
     return folder / NAME
 
 
-def _drive(folder: Path, name: str) -> Drive:
+def _drive(folder: Path, record: dict[str, Any]) -> Drive:
+    name, kinds = record["name"], {signal: origin["kind"] for signal, origin in record["origins"].items()}
     film = film_file(folder, name)
-    drawn = plots(frame_table.read(table_file(folder, name)))
+    drawn = plots(frame_table.read(table_file(folder, name)), kinds)
     if not film.exists():
         return Drive(name, "", False, drawn)
     if film.stat().st_size > MOST_INSIDE_BYTES:

@@ -46,10 +46,11 @@ def real_images(rows: Sequence[dict[str, Any]], differences: Sequence[str]) -> T
     of_both = [f"{signal} {score}" for signal in ("a", "δ") for score in scores]
     notes = (
         "a is throttle, δ steering; range, span and tol. (tolerance) are accuracies in %, mae the mean |difference|; "
-        "idle is the range accuracy of touching nothing: what of it is the road's and not the driver's.",
+        "idle is the range accuracy of touching nothing: what of it is the road's and not the driver's; unseen is the "
+        "share of frames in which the driver saw nothing or held its last command. What is assumed is not scored.",
         *differences,
     )
-    header = (*names, "frames", *of_both, "paper a", "paper δ")
+    header = (*names, "frames", "unseen %", *of_both, "paper a", "paper δ")
     return Table("Throttle and steering beside the human's", header, tuple(map(_score, rows)), len(names), notes)
 
 
@@ -58,6 +59,7 @@ def _score(row: dict[str, Any]) -> tuple[str, ...]:
     kinds = row["signals"]
     signals = f"a {kinds['throttle']}, δ {kinds['steering']}" if row["frames"] else NOTHING
     cells = [weather, PART_NAMES[row["part"]], signals, ", ".join(row["drives"]), str(row["frames"])]
+    cells.append(worded(row["unseen"] / row["frames"] if row["frames"] else None, 1, True))
     for name in ("throttle", "steering"):
         scores, idle = row["accuracy"][name] or {}, row["idle"][name] or {}
         cells += [worded(scores.get(key), 1, True) for key in ("range", "span", "tolerance")]
@@ -84,8 +86,14 @@ def drives(records: Sequence[dict[str, Any]]) -> Table:
         f"{record['name']}: {record['protocol']}; goal: {record['goal']}" for record in records if record["driven"]
     ]
     notes += [f"{record['name']}: {note}" for record in records for note in record["notes"]]
+    notes += [f"{record['name']}: {_error(record['error'])}" for record in records if record["error"]]
     notes += [record["no_images"] for record in records if record["no_images"]]
     return Table("The drives", header, tuple(_drive(record) for record in records), 5, tuple(notes))
+
+
+def _error(error: dict[str, Any]) -> str:
+    """Why a drive ended early."""
+    return f"the driver failed at frame {error['frame']}, at {error['place']}: {error['what']}; in no row of the scores"
 
 
 def _drive(record: dict[str, Any]) -> tuple[str, ...]:
