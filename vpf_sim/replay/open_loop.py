@@ -16,7 +16,7 @@ from vpf_sim.geometry import distance_m
 from vpf_sim.perception.expansion import LEAST_CONFIDENCE
 from vpf_sim.perception.flow import grey
 from vpf_sim.planning import variant
-from vpf_sim.replay import frame_table, road_speed, scores
+from vpf_sim.replay import doubts, frame_table, glass_points, road_speed, scores
 from vpf_sim.replay.film import Film
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.model_vehicle import Interval
@@ -63,6 +63,7 @@ class Clock:
 class Gathered:
     """What is found frame by frame and told of the whole drive."""
 
+    riding: glass_points.RidingPoints
     speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
     faults: list[str] = field(default_factory=list)  # why pictures are missing
 
@@ -89,13 +90,14 @@ def run(
         if filmed and not recording.no_images:
             film = stack.enter_context(_filming(recording, out / VIDEOS / f"{recording.name}.mp4"))
         can_drive = not recording.no_images or not drivers.sees(driver)
-        gathered = Gathered()
+        gathered = Gathered(glass_points.RidingPoints(recording.camera))
         rows = list(_rows(recording, asked if can_drive else None, film, clock, gathered, progress))
         speed = road_speed.speed(recording.times_s, gathered.speed_votes)
         table = FrameTable.of(rows).replaced("flow_speed_mps", speed)
         frame_table.write(table, out / FRAMES / f"{recording.name}.parquet")
     record = _record(recording, driver_name, asked, table)
     record["notes"] += gathered.notes()
+    record["doubts"] = doubts.lines(recording, record, gathered.riding)
     return record, clock.entry(recording)
 
 
@@ -149,6 +151,8 @@ def _rows(
                 row = row._replace(ttc_s=lead.ttc_s(picture, row.lead_gap_m))
                 motion = own.update(picture, moved_m)
                 gathered.speed_votes.append((row.time_s, motion.speed_votes))
+                if row.speed_mps > LEAST_SPEED_MPS:
+                    gathered.riding.add(motion.flow)
                 row, moved_m = row._replace(**_own(motion)), 0.0
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
         if film is not None:
@@ -302,6 +306,7 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
             "focal_px": scores.rounded(camera.fx_px),
             "height_m": scores.rounded(camera.height_m),
         },
+        "mounting": doubts.mounting(recording) or None,
         "notes": list(recording.notes),
         "driven": bool(np.isfinite(table.throttle).any()),
         "no_images": recording.no_images or None,

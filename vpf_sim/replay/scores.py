@@ -24,10 +24,15 @@ DIGITS = 6  # of stored scores
 def accuracies(table: FrameTable, rate_hz: float) -> dict[str, Any] | None:
     """Of throttle and steering, whole and in parts with and without obstacles; None where neither is known.
 
+    Frames in which no lane was found are not scored: there the driver decided nothing. `frames` counts the others.
+
     Beside the driver's stands `idle`, the accuracy of touching nothing: what of it is the road's and not the driver's.
     """
     recorded = {"throttle": table.recorded_throttle, "steering": table.recorded_steering}
-    known = {name: np.isfinite(values) & np.isfinite(getattr(table, name)) for name, values in recorded.items()}
+    decided = table.road_found != 0.0  # nan of a driver that looks for no lane
+    known = {
+        name: np.isfinite(values) & np.isfinite(getattr(table, name)) & decided for name, values in recorded.items()
+    }
     if not any(there.any() for there in known.values()):
         return None
     parts = part_masks(table, rate_hz)
@@ -43,7 +48,7 @@ def accuracies(table: FrameTable, rate_hz: float) -> dict[str, Any] | None:
     return {
         **scores(whole, False),
         **{part: scores(parts[part], False) for part in PARTS},
-        "frames": {name: None if mask is None else int(mask.sum()) for name, mask in masks.items()},
+        "frames": {name: None if mask is None else int((mask & decided).sum()) for name, mask in masks.items()},
         "idle": {**scores(whole, True), **{part: scores(parts[part], True) for part in PARTS}},
         "lane": {name: _steering_beside_idle(scores, mask) for name, mask in _lane_masks(table).items()},
     }
@@ -57,7 +62,7 @@ def _lane_masks(table: FrameTable) -> dict[str, Bools]:
 def _steering_beside_idle(
     scores: Callable[[Bools | None, bool], dict[str, Accuracy | None]], mask: Bools
 ) -> dict[str, Any]:
-    """Where no lane is found the driver goes where the car points, so its steering there says little of it."""
+    """Both are None where no lane was found."""
     return {
         "frames": int(mask.sum()),
         "steering": scores(mask, False)["steering"],
