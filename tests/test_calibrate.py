@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 import recorded_street as street
@@ -11,7 +12,7 @@ from vpf_sim.replay import calibrate, rectify
 from vpf_sim.replay.recording import Frame
 from vpf_sim.replay.rectify import Lens, Mounting
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats
+from vpf_sim.types import Floats, Image
 
 FRAMES, RATE_HZ = 30, 20.0
 SPEED_MPS = 8.0
@@ -64,13 +65,45 @@ def test_speed_and_turn_are_told_by_the_pictures(straight: list[Frame]) -> None:
     assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.0, abs=0.01)
 
 
-def test_a_bend_tells_the_mounting_too(bend: list[Frame]) -> None:
-    """While the car turns, where the flow comes from is told apart from the turn of the picture."""
-    for told in (None, np.full(FRAMES, 0.25)):
-        own = looked(bend, np.full(FRAMES, SPEED_MPS), told)
-        assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
-        assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.01)
-        assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.25, abs=0.02)
+def test_a_bend_tells_the_mounting_where_the_turn_was_recorded(bend: list[Frame]) -> None:
+    """Where the flow comes from is told apart from the turn of the picture."""
+    own = looked(bend, np.full(FRAMES, SPEED_MPS), np.full(FRAMES, 0.25))
+    assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
+    assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.01)
+    assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.25, abs=0.02)
+
+
+def test_a_short_bend_of_unknown_turn_tells_no_yaw(bend: list[Frame]) -> None:
+    """A turn and a direction to the side look much the same: no straight way, no yaw."""
+    own = looked(bend, np.full(FRAMES, SPEED_MPS), None)
+    assert not own.yaw.is_used
+    assert own.mounting.yaw_rad == 0.0
+    assert own.yaw.seconds == 0.0
+    assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
+
+
+def test_the_interval_holds_the_mounting(straight: list[Frame]) -> None:
+    own = looked(straight, None, None)
+    assert own.pitch.is_used and own.yaw.is_used
+    assert abs(own.pitch.rad - 0.06) < own.pitch.half_width_rad
+    assert abs(own.yaw.rad + 0.05) < own.yaw.half_width_rad
+
+
+def test_drops_on_the_glass_do_not_stop_the_car(straight: list[Frame]) -> None:
+    """Most points stick to them; what moves between them tells the speed."""
+    places = stream(0, "drops").uniform([0.0, 0.0], [street.WIDTH, street.HEIGHT], (150, 2)).astype(int)
+
+    def wet(image: Image) -> Image:
+        seen = image.copy()
+        for x, y in places.tolist():
+            cv2.circle(seen, (x, y), 4, (30, 30, 30), -1)
+            cv2.circle(seen, (x - 1, y - 1), 1, (240, 240, 240), -1)
+        return seen
+
+    drops = [replace(frame, image=wet(frame.image)) for frame in straight if frame.image is not None]
+    own = looked(drops, None, None)
+    assert np.nanmin(own.speed_mps[2:]) > 0.5 * SPEED_MPS
+    assert np.nanmedian(own.speed_mps) == pytest.approx(SPEED_MPS, rel=0.15)
 
 
 def test_a_camera_before_the_axle_moves_outward_in_a_bend(bend: list[Frame]) -> None:

@@ -84,7 +84,8 @@ def look(
     moving = [one for one in held if one.moves]
     stride = max(1, len(moving) // ENOUGH)
     second_s = stride * float(np.median(np.diff(times_s)))  # of way that a look stands for
-    guess, pitch, yaw, looked = Mounting(height_m=camera.height_m), Angle(), Angle(), 0
+    guess, looked = Mounting(height_m=camera.height_m), 0
+    pitch, yaw = (Angle(prior) for prior in PRIOR_SD_RAD)
     for turn in range(1 + ROUNDS):
         seen = _seen(moving[::stride], camera, guess, turn > 0, ahead_m)
         if len(seen) >= LEAST_LOOKS:

@@ -1,5 +1,6 @@
 """What a reader of a replay should doubt: a line for each thing, with its size."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -25,9 +26,11 @@ RIDERS: dict[Rider, Doubt] = {
 }
 
 
-def lines(recording: Recording, record: dict[str, Any], riding: RidingPoints) -> list[Doubt]:
-    """All of a drive, by its record."""
-    found = [_lens(recording), _mounting(recording), _speed(recording)]
+def lines(
+    recording: Recording, record: dict[str, Any], riding: RidingPoints, lane_widths_m: Sequence[float]
+) -> list[Doubt]:
+    """All of a drive, by its record, what rides along with the camera, and the lanes that were found."""
+    found = [_lens(recording), _mounting(recording), _speed(recording, lane_widths_m)]
     found += [_share("flow", record["perception"]["foe"]["share"], "the last prediction holds")]
     found += [_share("lane", record["perception"]["road_found_share"], "course and speed are kept, unscored")]
     found += [RIDERS[name] for name in riding.found()]
@@ -59,16 +62,17 @@ def _mounting(recording: Recording) -> Doubt | None:
     }
     if not doubtful:
         return None
-    words = ", ".join(
-        f"{name} {np.degrees(found.rad - found.half_width_rad):.1f} to {np.degrees(found.rad + found.half_width_rad):.1f}"
-        f" deg ({'used' if found.is_used else 'not used, 0 taken'})"
-        for name, found in doubtful.items()
-    )
+    words = ", ".join(f"{name} {_interval(found)}" for name, found in doubtful.items())
     return "mounting", f"{words}: drive straight for longer, or give pitch_deg and yaw_deg"
 
 
-def _speed(recording: Recording) -> Doubt | None:
-    """By the flow it is as exact as the camera's height."""
+def _interval(found: Angle) -> str:
+    low, high = np.degrees([found.rad - found.half_width_rad, found.rad + found.half_width_rad])
+    return f"{low:.1f} to {high:.1f} deg ({'used' if found.is_used else 'not used, 0 taken'})"
+
+
+def _speed(recording: Recording, lane_widths_m: Sequence[float]) -> Doubt | None:
+    """By the flow it is as exact as the camera's height, which the width of the lanes must bear out."""
     speed, camera = recording.origins["speed_mps"], recording.origins["camera"]
     if "flow" not in speed.how:
         return None
@@ -79,8 +83,11 @@ def _speed(recording: Recording) -> Doubt | None:
         why, scale = f"the camera may hang {NO_LANES[0]:g} to {NO_LANES[1]:g} m high", np.array(NO_LANES) / height
     else:
         return "speed", "from the road's flow, as exact as the camera's height and focal length"
-    low, high = scale
-    return "speed", f"from the road's flow, {low:.2f} to {high:.2f} times as told, for {why}: give height_m, or a table"
+    lanes_m = float(np.median(lane_widths_m)) if len(lane_widths_m) else width
+    if not LANES[0] <= lanes_m <= LANES[1]:
+        why += f", and lanes come out {lanes_m:.1f} m wide"
+    times = f"{scale[0]:.2f} to {scale[1]:.2f} times as told"
+    return "speed", f"from the road's flow, {times}, for {why}: give height_m, or a table with the speed"
 
 
 def _share(what: str, found: float | None, then: str) -> Doubt | None:

@@ -24,8 +24,8 @@ NORMAL = 1.48 / 2.0  # standard deviation of a normal distribution over its quar
 class Angle:
     """One angle of the mounting, rad, its interval at 95 %, and on how much way it rests."""
 
+    sd_rad: float
     rad: float = 0.0
-    sd_rad: float = np.inf
     seconds: float = 0.0
     metres: float = 0.0
 
@@ -50,12 +50,12 @@ def angle(seen_rad: Floats, sd_rad: Floats, prior_sd_rad: float, seconds: float,
     the fit of each says of itself, over the root of the number of independent ones.
     """
     if not len(seen_rad):
-        return Angle(sd_rad=prior_sd_rad)
+        return Angle(prior_sd_rad)
     independent = min(float(len(seen_rad)), max(1.0, seconds / CORRELATED_S))
     scatter = NORMAL * float(np.subtract(*np.percentile(seen_rad, [75, 25])))
     variance = (1.25**2 * scatter**2 + float(np.median(sd_rad)) ** 2) / independent + PERSISTENT_SD_RAD**2
     share = prior_sd_rad**2 / (prior_sd_rad**2 + variance)
-    return Angle(share * float(np.median(seen_rad)), float(np.sqrt(share * variance)), seconds, metres)
+    return Angle(float(np.sqrt(share * variance)), share * float(np.median(seen_rad)), seconds, metres)
 
 
 def angles_seen(camera: Camera, foe_px: Floats) -> tuple[Floats, Floats]:

@@ -65,6 +65,7 @@ class Gathered:
 
     riding: glass_points.RidingPoints
     speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
+    lane_widths_m: list[float] = field(default_factory=list)  # where a lane was found
     faults: list[str] = field(default_factory=list)  # why pictures are missing
 
     def notes(self) -> list[str]:
@@ -97,7 +98,7 @@ def run(
         frame_table.write(table, out / FRAMES / f"{recording.name}.parquet")
     record = _record(recording, driver_name, asked, table)
     record["notes"] += gathered.notes()
-    record["doubts"] = doubts.lines(recording, record, gathered.riding)
+    record["doubts"] = doubts.lines(recording, record, gathered.riding, gathered.lane_widths_m)
     return record, clock.entry(recording)
 
 
@@ -146,6 +147,8 @@ def _rows(
             clock.driver_ms.append(1e3 * (thread_time() - began))
             last = _unless_doubtful(decision, last, row.speed_mps)
             row = row._replace(image=1.0, **_seen(last))
+            if decision.road_found and decision.plan is not None:
+                gathered.lane_widths_m.append(decision.plan.perception.road.lane_width_m)
             if image.size:
                 picture = grey(image)
                 row = row._replace(ttc_s=lead.ttc_s(picture, row.lead_gap_m))

@@ -18,17 +18,17 @@ from vpf_sim.types import Bools, Camera, Floats, Flow, Integers
 NEAR_M, FAR_M, HALF_M = 3.0, 25.0, 4.0  # of the road that is looked at, from the camera
 ASTRAY_M = 0.3  # a point of the road does not move across by more in a window
 LEAST_FLOW_PX, LEAST_SPEED_MPS, MOST_SPEED_MPS = 1.0, 1.0, 70.0
-WINDOW_S = 1.0  # whose points vote together
+WINDOW_S = 0.6  # whose points vote together
 LEAST_VOTES = 5
 WIDTH = 0.1  # of the kernel, of the speed's logarithm
 KNOT_S = 0.2  # between the places of the path
 STEP_MPS = 0.2
 GRID_MPS = np.arange(0.0, MOST_SPEED_MPS, STEP_MPS)
 MOST_GAIN_MPS2, MOST_LOSS_MPS2 = 5.0, 9.0  # of a car's speed: a strong engine, an emergency brake
-USUAL_MPS2 = 1.5  # standard deviation of an acceleration
+USUAL_MPS2 = 3.0  # standard deviation of an acceleration
 CLUTTER = 0.05  # of the density of votes: windows without road agree on anything
 DOUBTED_REST = 0.01  # likelihood of a car that moves while its picture stands
-JUMP, REST_JUMP = 20.0, 8.0  # log likelihood that a cut in the film costs, and one to a car that stands or from it
+JUMP, REST_JUMP = 20.0, 12.0  # log likelihood that a cut in the film costs, and one to a car that stands or from it
 LEAST_DENSE = 30.0  # votes that count in full
 SMOOTH_S = 0.4  # changes shorter than this are noise
 
