@@ -84,7 +84,8 @@ def test_a_short_bend_of_unknown_turn_tells_no_yaw(bend: list[Frame]) -> None:
 
 def test_the_interval_holds_the_mounting(straight: list[Frame]) -> None:
     own = looked(straight, None, None)
-    assert own.pitch.is_used and own.yaw.is_used
+    assert own.pitch.is_used
+    assert own.yaw.is_used
     assert abs(own.pitch.rad - 0.06) < own.pitch.half_width_rad
     assert abs(own.yaw.rad + 0.05) < own.yaw.half_width_rad
 
