@@ -62,6 +62,11 @@ def test_a_text_is_an_overlay() -> None:
     assert counted(text).found() == ("overlay",)
 
 
+def test_a_car_ahead_that_keeps_its_distance_is_no_overlay() -> None:
+    car = np.column_stack([np.linspace(290.0, 350.0, 12), np.tile([170.0, 200.0], 6)])
+    assert counted(car).found() == ()
+
+
 def test_drops_all_over_the_picture_are_on_the_glass() -> None:
     assert counted(anywhere(400)).found() == ("glass",)
 

@@ -19,6 +19,7 @@ CELLS = (12, 16)  # rows and columns in which the whole drive's still points are
 PERSISTENT = 0.5  # share of the moving frames in which a cell has a still point
 FEWEST_FRAMES = 25  # that moved, without which nothing persists
 BONNET_ROWS, BONNET_SHARE = 4, 0.3  # rows from below in which a bonnet lies, and the share of the columns it spans
+CENTRE = (slice(2, 9), slice(3, 13))  # cells where a car ahead stays, too, while it keeps its distance
 WATER_SHARE = 0.15  # of the points, that ride along in the median frame
 
 Rider = Literal["bonnet", "overlay", "glass"]
@@ -92,11 +93,13 @@ class RidingPoints:
             return ()
         stays = self._cells > PERSISTENT * self._frames
         bonnet = stays[-BONNET_ROWS:].any(axis=0).mean() >= BONNET_SHARE and self.share < WATER_SHARE
-        elsewhere = stays[:-BONNET_ROWS] if bonnet else stays
+        if bonnet:
+            stays[-BONNET_ROWS:] = False
+        stays[CENTRE] = False
         glass = self.share >= WATER_SHARE
         found: list[tuple[Rider, bool]] = [
             ("bonnet", bool(bonnet)),
-            ("overlay", bool(elsewhere.any()) and not glass),
+            ("overlay", bool(stays.any()) and not glass),
             ("glass", glass),
         ]
         return tuple(name for name, there in found if there)
