@@ -123,7 +123,7 @@ def mountings(records: Sequence[dict[str, Any]]) -> Table:
     rows = [
         (record["name"], name, "yes" if one["used"] else "no", *(worded(one[key], 1) for key in keys))
         for record in records
-        for name, one in (record["mounting"] or {}).items()
+        for name, one in (record.get("mounting") or {}).items()
     ]
     note = "from and to: the interval at 95 %. An angle that is not used is taken to be 0."
     return Table("The camera's mounting, found on the way", header, tuple(rows), 3, (note,))
@@ -131,7 +131,7 @@ def mountings(records: Sequence[dict[str, Any]]) -> Table:
 
 def doubts(records: Sequence[dict[str, Any]]) -> Table:
     """What a reader should doubt, a line for each thing."""
-    rows = [(record["name"], what, why) for record in records for what, why in record["doubts"]]
+    rows = [(record["name"], what, why) for record in records for what, why in record.get("doubts", [])]
     return Table("What to doubt", ("drive", "what", "why"), tuple(rows), 3)
 
 
