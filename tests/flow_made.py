@@ -4,7 +4,7 @@ import numpy as np
 
 from vpf_sim.perception.ground import past_image
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Floats, Flow
+from vpf_sim.types import Bools, Camera, Floats, Flow
 
 CAMERA = Camera(640, 360, 554.0, 554.0, 319.5, 179.5, forward_m=0.0)
 GAP_S = 0.1
@@ -18,8 +18,11 @@ def street(count: int, seed: int = 0) -> Floats:
     return np.column_stack([forward, right, rng.uniform(0.0, 2.5, count)])
 
 
-def flow_of(points_px: Floats, past_px: Floats, moved_m: float) -> Flow:
-    """Points (N, 2) where they are, and where they were a window before, of a car that is told to have moved so far."""
+def flow_of(points_px: Floats, past_px: Floats, moved_m: float, stuck: Bools | None = None) -> Flow:
+    """Points (N, 2) where they are, and where they were a window before, of a car that is told to have moved so far.
+
+    Which of them are `stuck` (N,) the tracker has told by their lives.
+    """
     count = len(points_px)
     past = np.tile([-moved_m, 0.0, 0.0], (count, 1))
     return Flow(
@@ -33,6 +36,7 @@ def flow_of(points_px: Floats, past_px: Floats, moved_m: float) -> Flow:
         first_pose=past,
         age_frames=np.full(count, 3),
         structure=np.tile(np.eye(2), (count, 1, 1)),
+        stuck=np.zeros(count, np.bool_) if stuck is None else stuck,
     )
 
 
@@ -43,7 +47,8 @@ def driving(speed_mps: float, count: int, stuck_px: Floats, told_mps: float = 10
     now, before = (past_image(CAMERA, scene, pose, np.zeros(3)) for pose in (here, np.tile(past, (len(scene), 1))))
     inside = np.flatnonzero(np.all((now >= 0) & (now < [CAMERA.width_px, CAMERA.height_px]), axis=1))[:count]
     points = np.concatenate([now[inside], stuck_px])
-    return flow_of(points, np.concatenate([before[inside], stuck_px]), told_mps * GAP_S)
+    rides = np.arange(len(points)) >= len(inside)
+    return flow_of(points, np.concatenate([before[inside], stuck_px]), told_mps * GAP_S, rides)
 
 
 def anywhere(count: int, seed: int = 3) -> Floats:

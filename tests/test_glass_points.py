@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from flow_made import CAMERA, anywhere, driving, flow_of
 
-from vpf_sim.replay.glass_points import RidingPoints, moves, riding
+from vpf_sim.replay.glass_points import RidingPoints, moves
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
@@ -30,15 +30,6 @@ def test_traffic_that_crosses_before_a_standing_car_does_not_move_it() -> None:
     before[crossing] -= [6.0, 0.0]
     assert 0.1 < crossing.mean() < 0.5
     assert not moves(flow_of(points, before, 1.0), CAMERA)
-
-
-def test_drops_are_left_out_and_the_street_is_kept() -> None:
-    drops = anywhere(200)
-    flow = driving(12.0, 100, drops)
-    rides = riding(flow, CAMERA)
-    below = flow.points_px[:, 1] > 240.0  # where the road must move in a single window
-    assert rides[100:][below[100:]].all()
-    assert not rides[:100].any()
 
 
 def counted(stuck_px: Floats, frames: int = 40) -> RidingPoints:

@@ -127,7 +127,7 @@ def _looks(
         flow = replace(flow, gap_s=times_s[frame.index] - times_s[frame.index - steps])  # whatever the rate was there
         moves = glass_points.moves(flow, camera)
         if moves:
-            flow = glass_points.without(flow, glass_points.riding(flow, camera))
+            flow = glass_points.without(flow, flow.stuck)
         yield _Look(frame.index, flow, np.inf if speed_mps is None else float(speed[frame.index]), rate, moves)
         straight += abs(rate) < STRAIGHT_RADPS
         if both and (straight >= ENOUGH or yielded >= HELD):

@@ -5,7 +5,6 @@ from typing import Literal
 import numpy as np
 
 from vpf_sim.perception import expansion
-from vpf_sim.perception.stuck import stuck
 from vpf_sim.replay import own_derotation
 from vpf_sim.types import Bools, Camera, Floats, Flow
 
@@ -23,12 +22,6 @@ CENTRE = (slice(2, 9), slice(3, 13))  # cells where a car ahead stays, too, whil
 WATER_SHARE = 0.15  # of the points, that ride along in the median frame
 
 Rider = Literal["bonnet", "overlay", "glass"]
-
-
-def riding(flow: Flow, camera: Camera) -> Bools:
-    """(N,) points that stay where they are, in their life or in this window, although the scene there must move."""
-    past = flow.points_px - flow.displacement_px
-    return flow.stuck | stuck(camera, flow.points_px, past, flow.past_pose, flow.pose)
 
 
 def without(flow: Flow, chosen: Bools) -> Flow:
@@ -65,7 +58,6 @@ class RidingPoints:
     """Counts over a drive where points ride along, to tell what is in the picture that is no scene."""
 
     def __init__(self, camera: Camera) -> None:
-        self._camera = camera
         self._size = np.array([camera.width_px, camera.height_px])
         self._frames = 0
         self._cells = np.zeros(CELLS)
@@ -73,7 +65,7 @@ class RidingPoints:
 
     def add(self, flow: Flow) -> None:
         """A frame in which the car moves."""
-        rides = riding(flow, self._camera)
+        rides = flow.stuck
         self._frames += 1
         self._shares.append(float(np.mean(rides)) if len(flow) else 0.0)
         place: Floats = flow.points_px[rides] / self._size * [CELLS[1], CELLS[0]]

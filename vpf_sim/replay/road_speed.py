@@ -20,6 +20,7 @@ ASTRAY_M = 0.3  # a point of the road does not move across by more in a window
 LEAST_FLOW_PX, LEAST_SPEED_MPS, MOST_SPEED_MPS = 1.0, 1.0, 70.0
 WINDOW_S = 0.6  # whose points vote together
 LEAST_VOTES = 5
+BRIDGED_S = 0.6  # from a window with as many, to which the path is believed
 WIDTH = 0.1  # of the kernel, of the speed's logarithm
 KNOT_S = 0.2  # between the places of the path
 STEP_MPS = 0.2
@@ -71,8 +72,10 @@ def speed(times_s: Floats, voted: list[tuple[float, Floats]], stands: Bools | No
         refined = np.array([_mean(ballots[a:b], GRID_MPS[i]) for a, b, i in zip(first, last, path, strict=True)])
         smooth = _smoothed(np.where(rests, 0.0, refined), np.where(known | rests, 1.0, 1e-3))
         smooth = np.where(rests, 0.0, np.maximum(smooth, 0.0))
-        near = (known | rests)[np.rint((times_s - knots[0]) / KNOT_S).astype(np.intp)]
-        result = np.where(near, np.interp(times_s, knots, smooth), np.nan)
+        sure = knots[known | rests]
+        after = np.clip(np.searchsorted(sure, times_s), 1, len(sure) - 1) if len(sure) > 1 else np.zeros(1, np.intp)
+        away = np.minimum(np.abs(times_s - sure[after]), np.abs(times_s - sure[after - 1]))
+        result = np.where(away <= BRIDGED_S, np.interp(times_s, knots, smooth), np.nan)
     return result
 
 
