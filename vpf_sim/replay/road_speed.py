@@ -82,7 +82,7 @@ def speed(times_s: Floats, voted: list[tuple[float, Floats]], stands: Bools | No
 def _support(ballots: Floats, rests: bool) -> Floats:
     """(S,) log likelihood of each speed of the grid by votes (M, 3) of time, speed and weight."""
     if rests:
-        return np.log(np.where(GRID_MPS < 0.5 * LEAST_SPEED_MPS, 1.0, DOUBTED_REST))
+        return np.where(GRID_MPS < 0.5 * LEAST_SPEED_MPS, 0.0, np.log(DOUBTED_REST))
     if not len(ballots):
         return np.zeros(len(GRID_MPS))
     _, place, weight = ballots.T
