@@ -106,7 +106,7 @@ def _looks(
     speed_mps: Floats | None,
     yaw_rate_radps: Floats | None,
 ) -> Iterator[_Look]:
-    """What rides along with the camera is counted and left out first."""
+    """Of every frame with flow; what rides along with the camera is left out first."""
     rate_hz = 1.0 / float(np.median(np.diff(times_s)))
     config = variant.load(VARIANT).flow
     tracker, last = FlowTracker(camera, config, rate_hz), -1
