@@ -16,7 +16,7 @@ from vpf_sim.types import Camera, RoadEdges
 USUAL = RoadEdgeConfig()
 ANY = replace(USUAL, **ANY_ROAD)
 CAMERA = Camera(forward_m=0.0)
-LOOKS, RATE_HZ, SPEED_MPS = 4, 20.0, 10.0
+LOOKS, RATE_HZ, SPEED_MPS = 6, 20.0, 10.0  # which lines are the edges is judged at the fifth look
 
 
 def seen(config: RoadEdgeConfig, picture: RoadPicture, right_m: float) -> RoadEdges:
