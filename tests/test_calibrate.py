@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 import recorded_street as street
@@ -12,7 +11,7 @@ from vpf_sim.replay import calibrate, rectify
 from vpf_sim.replay.recording import Frame
 from vpf_sim.replay.rectify import Lens, Mounting
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats, Image
+from vpf_sim.types import Floats
 
 FRAMES, RATE_HZ = 30, 20.0
 SPEED_MPS = 8.0
@@ -88,23 +87,6 @@ def test_the_interval_holds_the_mounting(straight: list[Frame]) -> None:
     assert own.yaw.is_used
     assert abs(own.pitch.rad - 0.06) < own.pitch.half_width_rad
     assert abs(own.yaw.rad + 0.05) < own.yaw.half_width_rad
-
-
-def test_drops_on_the_glass_do_not_stop_the_car(straight: list[Frame]) -> None:
-    """Most points stick to them; what moves between them tells the speed."""
-    places = stream(0, "drops").uniform([0.0, 0.0], [street.WIDTH, street.HEIGHT], (150, 2)).astype(int)
-
-    def wet(image: Image) -> Image:
-        seen = image.copy()
-        for x, y in places.tolist():
-            cv2.circle(seen, (x, y), 4, (30, 30, 30), -1)
-            cv2.circle(seen, (x - 1, y - 1), 1, (240, 240, 240), -1)
-        return seen
-
-    drops = [replace(frame, image=wet(frame.image)) for frame in straight if frame.image is not None]
-    own = looked(drops, None, None)
-    assert np.nanmin(own.speed_mps[2:]) > 0.5 * SPEED_MPS
-    assert np.nanmedian(own.speed_mps) == pytest.approx(SPEED_MPS, rel=0.15)
 
 
 def test_a_camera_before_the_axle_moves_outward_in_a_bend(bend: list[Frame]) -> None:
