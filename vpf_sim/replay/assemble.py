@@ -12,6 +12,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.geometry import unwrapped
 from vpf_sim.planning import variant
 from vpf_sim.replay import agreement, calibrate, camera_motion, derived, lane_height, plausible, series
+from vpf_sim.replay.mounting_estimate import Angle
 from vpf_sim.replay.recording import PICTURES, Frame, Kind, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduction, rotation
 from vpf_sim.types import Bools, Camera, Floats, Image
@@ -47,6 +48,7 @@ class Source:
     heading_recorded: bool = True  # else that of the poses is their course, too rough to tell a yaw rate from
     weather: str = ""
     notes: list[str] = field(default_factory=list)
+    mounting_found: dict[str, Angle] = field(default_factory=dict)
     no_images: str = ""
     files: Sequence[Path | None] = ()  # its pictures, and others of which it is a function; some may be missing
     bridged: dict[str, Bools] = field(default_factory=dict)  # (N,) by signal, where it was filled in over a gap
@@ -158,6 +160,7 @@ def _looked_at(source: Source) -> calibrate.OwnWay | None:
     )
     if source.mounting is None:
         source.mounting = own.mounting
+        source.mounting_found = {"pitch": own.pitch, "yaw": own.yaw}
         _tell_mounting(source, own)
     return own
 
@@ -182,12 +185,15 @@ def _height_by_lanes(source: Source) -> float:
 
 def _tell_mounting(source: Source, own: calibrate.OwnWay) -> None:
     said = source.origins.get("camera", Origin("recorded"))
-    if own.looks < calibrate.LEAST_LOOKS:
-        how = "taken to look straight ahead and level: the drive never went straight for long enough to tell"
-    else:
-        pitch, yaw = np.degrees([own.mounting.pitch_rad, own.mounting.yaw_rad])
-        how = f"looks {pitch:.2f} deg down and {yaw:.2f} deg right, by the focus of expansion of {own.looks} frames"
-    source.origins["camera"] = Origin(said.kind, "; ".join(part for part in (said.how, how) if part))
+    named = (("down", own.pitch), ("right", own.yaw))
+    parts = [said.how, *(_angle_words(way, one) for way, one in named)]
+    source.origins["camera"] = Origin(said.kind, "; ".join(part for part in parts if part))
+
+
+def _angle_words(way: str, found: Angle) -> str:
+    value, half = np.degrees([found.rad, found.half_width_rad])
+    interval = f"{value - half:.1f} to {value + half:.1f} deg {way} by {found.seconds:.1f} s of straight way"
+    return f"looks {interval}" if found.is_used else f"taken to look 0 deg {way}: the pictures leave {interval}"
 
 
 def _motion_from_pictures(source: Source, own: calibrate.OwnWay) -> None:
@@ -272,6 +278,7 @@ def _finished(source: Source) -> Recording:
         origins=source.origins,
         weather=source.weather,
         notes=tuple(source.notes),
+        mounting_found=source.mounting_found,
         no_images=source.no_images,
         files=tuple(source.files),
         bridged=source.bridged,

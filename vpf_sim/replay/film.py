@@ -46,7 +46,7 @@ class Film:
             if decision.is_held:
                 self._say(picture, "flow not to be trusted: the last prediction holds")
             elif decision.road_found is False:
-                self._say(picture, "no road found: straight ahead assumed")
+                self._say(picture, "no lane found: course and speed kept, not scored")
         self._writer.write(np.vstack([picture, self._strip(picture.shape[1])]))
 
     def _say(self, picture: Image, words: str) -> None:

@@ -17,7 +17,7 @@ from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
 from vpf_sim.planning import variant
-from vpf_sim.replay import driver_error, frame_table, road_speed, scores
+from vpf_sim.replay import doubts, driver_error, frame_table, glass_points, road_speed, scores
 from vpf_sim.replay.driver_error import DriverError
 from vpf_sim.replay.film import Film
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
@@ -66,9 +66,11 @@ class Clock:
 class Gathered:
     """What is found frame by frame and told of the whole drive."""
 
+    riding: glass_points.RidingPoints
     rows: list[FrameRow] = field(default_factory=list)
     error: DriverError | None = None  # that ended the drive
     speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
+    lane_widths_m: list[float] = field(default_factory=list)  # where a lane was found
     faults: list[str] = field(default_factory=list)  # why pictures are missing
 
     def notes(self) -> list[str]:
@@ -103,7 +105,7 @@ def run(
                 Film(film_file(out, recording.name), recording.camera, recording.rate_hz, _human(recording))
             )
         can_drive = not recording.no_images or not drivers.sees(driver)
-        gathered = Gathered()
+        gathered = Gathered(glass_points.RidingPoints(recording.camera))
         try:
             for row in _rows(recording, asked if can_drive else None, film, clock, gathered, progress):
                 gathered.rows.append(row)
@@ -115,6 +117,7 @@ def run(
         record = _record(recording, driver_name, asked, table)
         record["notes"] += gathered.notes()
         record["error"] = gathered.error.entry() if gathered.error else None
+        record["doubts"] = doubts.lines(recording, record, gathered.riding, gathered.lane_widths_m)
         timing = clock.entry(recording)
         store(record, timing)
     return record, timing
@@ -155,11 +158,15 @@ def _rows(
             clock.driver_ms.append(1e3 * (thread_time() - began))
             last = _unless_doubtful(decision, last, row.speed_mps)
             row = row._replace(image=1.0, **_seen(last))
+            if decision.road_found and decision.plan is not None:
+                gathered.lane_widths_m.append(decision.plan.perception.road.lane_width_m)
             if image.size:
                 picture = grey(image)
                 row = row._replace(ttc_s=lead.ttc_s(picture, row.lead_gap_m))
                 motion = own.update(picture, moved_m)
                 gathered.speed_votes.append((row.time_s, motion.speed_votes))
+                if row.speed_mps > LEAST_SPEED_MPS:
+                    gathered.riding.add(motion.flow)
                 row, moved_m = row._replace(**_own(motion)), 0.0
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
         if film is not None:
@@ -315,6 +322,7 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
             "focal_px": scores.rounded(camera.fx_px),
             "height_m": scores.rounded(camera.height_m),
         },
+        "mounting": doubts.mounting(recording) or None,
         "notes": [*recording.notes, *scores.doubts(table, recording)],
         "driven": bool(np.isfinite(table.throttle).any()),
         "no_images": recording.no_images or None,

@@ -10,6 +10,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from vpf_sim.replay.mounting_estimate import Angle
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 Kind = Literal["recorded", "derived", "assumed", "absent"]
@@ -81,6 +82,7 @@ class Recording:
     lead_gap_m: Floats = field(default_factory=lambda: np.empty(0))  # (N,) from the camera to the body ahead
     weather: str = ""  # as the recording names it; empty where it does not
     notes: tuple[str, ...] = ()  # gaps and assumptions, a line each
+    mounting_found: Mapping[str, Angle] = field(default_factory=dict)  # "pitch", "yaw" of a camera found on the way
     no_images: str = ""  # why there are none, and what can be done; then `frames` raises it as an InputError
     files: tuple[Path | None, ...] = ()  # its pictures, and others of which it is a function; some may be missing
     bridged: Mapping[str, Bools] = field(default_factory=dict)  # (N,) where a signal was filled in over a gap

@@ -25,16 +25,18 @@ DIGITS = 6  # of stored scores
 def accuracies(table: FrameTable, recording: Recording) -> dict[str, Any] | None:
     """Of throttle and steering, whole and in parts with and without obstacles; None where nobody drove.
 
-    A signal that is assumed, or follows from one that is, has no score. Beside the driver's stands `idle`, the accuracy
-    of touching nothing: what of it is the road's and not the driver's; and `unseen`, how many of the frames of each
-    part the driver did not see.
+    Frames in which no lane was found are not scored: there the driver decided nothing. A signal that is assumed, or
+    follows from one that is, has no score. Beside the driver's stands `idle`, the accuracy of touching nothing: what of
+    it is the road's and not the driver's; `frames`, how many of each part are scored; and `unseen`, in how many of
+    these the driver did not see.
     """
     recorded = {"throttle": table.recorded_throttle, "steering": table.recorded_steering}
     driven = {name: np.isfinite(getattr(table, name)) for name in SIGNALS}
     if not any(there.any() for there in driven.values()):
         return None
     told = {name: np.isfinite(values) & recording.origins[NAMES[name]].is_known for name, values in recorded.items()}
-    known = {name: told[name] & driven[name] for name in SIGNALS}
+    decided = _decided(table)
+    known = {name: told[name] & driven[name] & decided for name in SIGNALS}
     parts, blind = part_masks(table, recording.rate_hz), unseen(table)
 
     def scores(mask: Bools | None, idle: bool) -> dict[str, Accuracy | None]:
@@ -48,8 +50,8 @@ def accuracies(table: FrameTable, recording: Recording) -> dict[str, Any] | None
     return {
         **scores(whole, False),
         **{part: scores(parts[part], False) for part in PARTS},
-        "frames": {name: None if mask is None else int(mask.sum()) for name, mask in masks.items()},
-        "unseen": {name: None if mask is None else int((mask & blind).sum()) for name, mask in masks.items()},
+        "frames": {name: None if mask is None else int((mask & decided).sum()) for name, mask in masks.items()},
+        "unseen": {name: None if mask is None else int((mask & decided & blind).sum()) for name, mask in masks.items()},
         "idle": {**scores(whole, True), **{part: scores(parts[part], True) for part in PARTS}},
         "lane": {name: _steering_beside_idle(scores, mask) for name, mask in _lane_masks(table).items()},
     }
@@ -67,7 +69,7 @@ def doubts(table: FrameTable, recording: Recording) -> list[str]:
             lines.append(f"{name}: not scored, the human's is {origin.kind}")
         elif known < count:
             lines.append(f"{name}: scored in {known} of {count} frames, elsewhere the human's is not known")
-    blind = int(unseen(table).sum())
+    blind = int((unseen(table) & _decided(table)).sum())
     if blind:
         lines.append(f"{blind} of {count} frames are scored unseen: nothing was seen, or the last command held")
     return lines
@@ -82,6 +84,11 @@ def unseen(table: FrameTable) -> Bools:
     return np.asarray((table.image == 0.0) | (table.held == 1.0) | nothing)
 
 
+def _decided(table: FrameTable) -> Bools:
+    """(N,) all but the frames in which no lane was found; of a driver that looks for none, all."""
+    return np.asarray(table.road_found != 0.0)
+
+
 def _lane_masks(table: FrameTable) -> dict[str, Bools]:
     """Frames in which a lane was found, and in which none was; both empty for a driver that looks for none."""
     return {"found": table.road_found == 1.0, "not_found": table.road_found == 0.0}
@@ -90,7 +97,7 @@ def _lane_masks(table: FrameTable) -> dict[str, Bools]:
 def _steering_beside_idle(
     scores: Callable[[Bools | None, bool], dict[str, Accuracy | None]], mask: Bools
 ) -> dict[str, Any]:
-    """Where no lane is found the driver goes where the car points, so its steering there says little of it."""
+    """Both are None where no lane was found."""
     return {
         "frames": int(mask.sum()),
         "steering": scores(mask, False)["steering"],

@@ -35,6 +35,8 @@ def tables(
         checks(records),
         perception(records),
         compute(records, timing),
+        mountings(records),
+        doubts(records),
     ]
     return [table for table in found if table.rows]
 
@@ -122,6 +124,25 @@ def origins(records: Sequence[dict[str, Any]]) -> Table:
     return Table("What is recorded and what is not", ("drive", "signal", "is", "how"), tuple(rows), 4)
 
 
+def mountings(records: Sequence[dict[str, Any]]) -> Table:
+    """How cameras look whose mounting was found on the way."""
+    header = ("drive", "angle", "used", "deg", "from", "to", "straight way s")
+    keys = ("deg", "from_deg", "to_deg", "straight_s")
+    rows = [
+        (record["name"], name, "yes" if one["used"] else "no", *(worded(one[key], 1) for key in keys))
+        for record in records
+        for name, one in (record.get("mounting") or {}).items()
+    ]
+    note = "from and to: the interval at 95 %. An angle that is not used is taken to be 0."
+    return Table("The camera's mounting, found on the way", header, tuple(rows), 3, (note,))
+
+
+def doubts(records: Sequence[dict[str, Any]]) -> Table:
+    """What a reader should doubt, a line for each thing."""
+    rows = [(record["name"], what, why) for record in records for what, why in record.get("doubts", [])]
+    return Table("What to doubt", ("drive", "what", "why"), tuple(rows), 3)
+
+
 def lanes(records: Sequence[dict[str, Any]]) -> Table:
     """The steering where a lane was found, and where none was."""
     header = ("drive", "lane", "frames", "δ range", "δ span", "δ mae", "idle mae")
@@ -131,7 +152,7 @@ def lanes(records: Sequence[dict[str, Any]]) -> Table:
         if record["accuracy"] and record["perception"]["road_found_share"] is not None
         for key, words in (("found", "found"), ("not_found", "not found"))
     ]
-    note = "Where no lane is found the driver goes straight ahead of where the car points: there it follows the human."
+    note = "Where no lane is found the model car keeps course and speed; these frames are not scored."
     return Table("Steering with and without a lane", header, tuple(row for row in rows if row[2] != "0"), 2, (note,))
 
 
