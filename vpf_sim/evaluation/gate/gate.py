@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from shlex import quote
 from statistics import fmean
 from typing import Literal, NamedTuple
 
@@ -18,6 +17,7 @@ from vpf_sim.evaluation.analysis.statistics import mean_interval
 from vpf_sim.evaluation.gate import baseline
 from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Episodes, Run, values_of, worst_first
 from vpf_sim.evaluation.gate.rules import Rule, Score
+from vpf_sim.shell import command
 
 Outcome = Literal["passed", "failed", "skipped"]
 
@@ -44,11 +44,10 @@ class Check:
 
 def again(cell: Cell, seeds: Sequence[int]) -> str:
     """A command that drives some seeds of a cell, for a shell."""
-    scenario, weather, driver = map(quote, cell)
-    command = f"vpf-sim drive {scenario} --weather {weather} --driver {driver} --seed"
+    drive = command("drive", cell.scenario, weather=cell.weather, driver=cell.driver)
     if len(seeds) == 1:
-        return f"{command} {seeds[0]}"
-    return f"for seed in {' '.join(map(str, seeds))}; do {command} $seed; done"
+        return f"{drive} --seed {seeds[0]}"
+    return f"for seed in {' '.join(map(str, seeds))}; do {drive} --seed $seed; done"
 
 
 def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
