@@ -102,6 +102,7 @@ def _classes(base: type[RoadObject], kinds: Iterable[BodyKind]) -> dict[BodyKind
             (base,),
             {
                 "__doc__": f"A {kind}.",
+                "__module__": __name__,
                 "kind": kind,
                 "LENGTH": SIZES[kind].length_m,
                 "WIDTH": SIZES[kind].width_m,
@@ -114,6 +115,7 @@ def _classes(base: type[RoadObject], kinds: Iterable[BodyKind]) -> dict[BodyKind
 
 STANDING = _classes(Standing, SIZES)
 TRAFFIC = _classes(Traffic, MOVING)
+globals().update({one.__name__: one for one in (*STANDING.values(), *TRAFFIC.values())})  # where pickle looks
 
 
 def place_bodies(road: Road, scenario: Scenario) -> None:

@@ -1,6 +1,6 @@
 """vpf_sim/FourLane-v0: the ego car on a scenario's road, seen through its camera."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from math import radians
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.error import ResetNeeded
 from highway_env.road.road import Road
 from numpy.typing import NDArray
 
@@ -16,11 +17,13 @@ from vpf_sim.envs import camera as cameras
 from vpf_sim.envs.bodies import place_bodies
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.envs.camera.rig import checked_rig
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
 from vpf_sim.envs.rectangles import clearance, distance, solid_bodies
 from vpf_sim.envs.road import build_road
 from vpf_sim.envs.route import Route
+from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
 from vpf_sim.envs.sensors import Sensors
 from vpf_sim.envs.window import Window
 from vpf_sim.errors import InputError, unknown_name
@@ -44,8 +47,11 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     x squared change of action, less 5 on collision or off_road, plus 5 on success. `info`: `status` ("running" until
     the end), `route_m`, `lane_offset_m` from the centre of the ego's lane (+ is right), `clearance_m` to the nearest
     body, `collided_with`, and the arrays that `truth` names; where a frame was none also `invalid_frame`: its number,
-    `time_s` and `fault`; where the scenario's sensors err also `ego`, the true state. Success, collision and off_road
-    terminate; timeout, stuck and invalid_frame truncate.
+    `time_s` and `fault`; where the scenario's sensors err or fail also `ego`, the true state. Success, collision and
+    off_road terminate; timeout, stuck and invalid_frame truncate.
+
+    Where the scenario's camera fails (`ego.sensor_faults`), `image` is the last frame that has arrived, the observation
+    has also `frame_time`, s, when it was taken, and every frame is drawn. `render` shows the frame before the faults.
 
     Without `frames` nothing is rendered, for a driver that looks at none: there is no `image`, no frame to be invalid,
     and all else is the same.
@@ -73,24 +79,29 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         rig: Rig | None = None,
         frames: bool = True,
     ) -> None:
-        self.rig = rig or Rig()
+        self.rig = checked_rig(rig)
         self.camera = self.rig.camera
         self.vehicle_model = VehicleModel()
         self.rate_hz = _checked_rate(rate_hz)
         self.metadata = {**self.metadata, "render_fps": round(rate_hz)}
         self.render_mode = _checked_name("render mode", render_mode, self.metadata["render_modes"])
-        self._truth = tuple(str(_checked_name("truth", name, TRUTHS)) for name in truth)
+        self._truth = _checked_truth(truth)
         self._takes_frames = frames
+        if not isinstance(frames, bool):
+            raise InputError(f"frames: expected True or False, got {frames!r}")
         if not frames and (self.render_mode or self._truth):
             raise InputError("frames: expected them to be taken for a render mode or for truth, got False")
-        self._undrawn = scenarios.load(scenario) if isinstance(scenario, str) else scenario
+        self._undrawn = scenarios.load(scenario)
         self.scenario = self._undrawn.draw(0)
-        self.weather = weathers.load(weather) if isinstance(weather, str) else weather
+        self.weather = weathers.load(weather)
         self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self.observation_space = _observation_space(self.camera if frames else None)
+        self._faults = self._undrawn.ego.sensor_faults
+        self._camera_fails = frames and self._faults.of_the_camera
+        self.observation_space = _observation_space(self.camera if frames else None, self._camera_fails)
         self._low, self._high = _ego_bounds()
         self._window: Window | None = None
+        self._ending: Ending | None = None  # before the first reset
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -102,6 +113,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self._build_world()
         self._renderer = self._new_renderer() if self._takes_frames else None
         self._sensors = Sensors(self.scenario.ego.sensors, self.camera, self.rate_hz, self.episode_seed)
+        self._signal_faults = SignalFaults(self._faults, self.episode_seed)
+        self._camera_faults = CameraFaults(self._faults, self.rate_hz, self.episode_seed)
         self._steps, self._route_m = 0, self._path.progress(self.ego.place[0])
         self._action = np.zeros(2)
         self._frame = self._taken()
@@ -118,10 +131,10 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         Without `look` the frame of this step is not drawn, for a driver that will not look at it: there is no `image`,
         of the truth only `foe`, and all else and all later frames are the same.
         """
-        command = _checked_action(action)
+        ending, command = self._begun("step"), _checked_action(action)
         self.advance(command)
         self._frame = self._taken(look)
-        status = self._ending.status(self.ego, self._frame)
+        status = ending.status(self.ego, self._frame)
         reward = self._reward(command, status)
         self._show()
         return self._observation(), reward, status in TERMINATED, status in TRUNCATED, self._info(status)
@@ -145,12 +158,19 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def render(self) -> Image | None:
         """The frame last taken, for `rgb_array`; the window of `human` is drawn by reset and step."""
+        self._begun("render")
         return self._frame.copy() if self.render_mode == "rgb_array" and self._frame is not None else None
 
     def close(self) -> None:
         if self._window is not None:
             self._window.close()
             self._window = None
+
+    def _begun(self, what: str) -> Ending:
+        """What ends the episode that is on; ResetNeeded before the first."""
+        if self._ending is None:
+            raise ResetNeeded(f"{what}: expected reset() first")
+        return self._ending
 
     def _new_renderer(self) -> cameras.Renderer:
         return cameras.Renderer(self.road, self.rig, self.weather, self.episode_seed)
@@ -159,8 +179,11 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         """What the camera sees now, if anybody looks: the renderer makes a fresh array each time."""
         if self._renderer is None:
             return None
-        take = self._renderer.render if look else self._renderer.skip
-        return self._sensors.frame(take(self.ego, self._steps / self.rate_hz))
+        take = self._renderer.render if look or self._camera_fails else self._renderer.skip
+        frame = self._sensors.frame(take(self.ego, self._steps / self.rate_hz))
+        if self._camera_fails and frame is not None:
+            self._arrived, self._arrived_s = self._camera_faults.frame(frame, self._steps / self.rate_hz)
+        return frame
 
     def _build_world(self) -> None:
         """The road, its bodies and the ego car."""
@@ -190,13 +213,19 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         return (self._route_m - before_m) / 10.0 - 0.01 * float(change @ change) + end
 
     def _observation(self) -> EnvObservation:
-        measured = self._sensors.read(self._state())
+        measured = self._signal_faults.read(self._sensors.read(self._state()), self._steps / self.rate_hz)
         return {
-            **({} if self._frame is None else {"image": self._frame}),
+            **self._seen(),
             "ego": np.minimum(np.maximum(measured, self._low), self._high),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
         }
+
+    def _seen(self) -> EnvObservation:
+        """What the camera gives: its frame, or the last that has arrived of a camera that fails."""
+        if self._camera_fails:
+            return {"image": self._arrived, "frame_time": np.array([self._arrived_s])}
+        return {} if self._frame is None else {"image": self._frame}
 
     def _state(self) -> Floats:
         """(5,) x, y, yaw in (-pi, pi], speed, yaw rate: the truth."""
@@ -211,10 +240,15 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "lane_offset_m": self.ego.place[1] - self._path.offset_m,
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
-            **({} if self._sensors.are_exact else {"ego": self._state()}),
-            **({"invalid_frame": asdict(self._ending.invalid_frame)} if self._ending.invalid_frame else {}),
+            **({"ego": self._state()} if self._reads_wrong else {}),
+            **({"invalid_frame": asdict(invalid)} if (invalid := self._begun("info").invalid_frame) else {}),
             **(self._renderer.truth(self._told) if self._renderer and self._told else {}),
         }
+
+    @property
+    def _reads_wrong(self) -> bool:
+        """Whether the state in the observation may differ from the true one."""
+        return not self._sensors.are_exact or self._faults.of_the_signals
 
     @property
     def _told(self) -> tuple[str, ...]:
@@ -238,7 +272,8 @@ def _ego_bounds() -> tuple[Floats, Floats]:
     return np.array([-1.0, -1.0, -1.0, 0.0, -1.0]) * high, high
 
 
-def _observation_space(camera: Camera | None) -> Any:
+def _observation_space(camera: Camera | None, stamped: bool) -> Any:
+    """`stamped`: with the time at which the image was taken."""
     low, high = _ego_bounds()
     shape = None if camera is None else (camera.height_px, camera.width_px, 3)
     return spaces.Dict(
@@ -247,25 +282,37 @@ def _observation_space(camera: Camera | None) -> Any:
             "ego": spaces.Box(low, high, dtype=np.float64),
             "goal": spaces.Box(-FARTHEST_M, FARTHEST_M, (2,), np.float64),
             "time": spaces.Box(0.0, LONGEST_S, (1,), np.float64),
+            **({"frame_time": spaces.Box(0.0, LONGEST_S, (1,), np.float64)} if stamped else {}),
         }
     )
 
 
 def _checked_rate(rate_hz: float) -> float:
     if rate_hz not in RATES_HZ:
-        raise InputError(f"rate_hz: expected 60 or 20, got {rate_hz:g}")
-    return rate_hz
+        got = f"{rate_hz:g}" if isinstance(rate_hz, int | float) else repr(rate_hz)
+        raise InputError(f"rate_hz: expected 60 or 20, got {got}")
+    return float(rate_hz)
 
 
 def _checked_name(what: str, name: str | None, known: Sequence[str]) -> str | None:
     if name is not None and name not in known:
-        raise unknown_name(what, name, known)
+        raise unknown_name(what, str(name), known)
     return name
+
+
+def _checked_truth(truth: Sequence[str]) -> tuple[str, ...]:
+    """The names in a list or tuple; a string would be one of letters."""
+    if isinstance(truth, str) or not isinstance(truth, Iterable):
+        raise InputError(f"truth: expected a tuple of names, such as ('depth',), got {truth!r}")
+    return tuple(str(_checked_name("truth", name, TRUTHS)) for name in truth)
 
 
 def _checked_action(action: NDArray[np.float32]) -> Floats:
     """The action as a fresh array; beyond the limits it is clipped, as an actuator would."""
-    command = np.array(action, np.float64)
+    try:
+        command = np.array(action, np.float64)
+    except (TypeError, ValueError):  # what is no numbers
+        command = np.empty(0)
     if command.shape != (2,) or not np.isfinite(command).all():
         raise ValueError(f"action: expected two finite numbers in [-1, 1], throttle and steering, got {action}")
     return np.minimum(np.maximum(command, -1.0), 1.0)

@@ -5,11 +5,12 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
+from gymnasium.error import ResetNeeded
 from gymnasium.utils import RecordConstructorArgs
 
 from vpf_sim.envs.camera import Renderer, Rig, Weather
+from vpf_sim.envs.camera.rig import checked_rig
 from vpf_sim.envs.camera.weather import load
-from vpf_sim.types import Image
 
 ORIGINAL = "state"  # where an observation that is not a dictionary goes
 
@@ -18,7 +19,12 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
     """Adds what a camera on the ego vehicle sees to the observation.
 
     The observation becomes a dictionary: `image` (H, W, 3) uint8 RGB beside the entries it had, or, where it was no
-    dictionary, beside the whole of it as `state`. The scenery is drawn anew at each reset, from the seed of the reset.
+    dictionary, beside the whole of it as `state`. Of several controlled vehicles the camera is on the first. Rewards
+    pass as they are. The scenery is drawn anew at each reset, from the seed of the reset. `render()` stays the
+    environment's own, the road from above; the camera's frame is `image`.
+
+    InputError for a weather or rig that is none, ResetNeeded for a step before the first reset, ValueError for an
+    action of another shape or that is not finite. A copy (`copy.deepcopy`) goes on with the same pictures.
 
     >>> env = CameraObservation(gym.make("highway-v0"))  # doctest: +SKIP
     >>> observation, info = env.reset(seed=1)  # doctest: +SKIP
@@ -34,8 +40,8 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
             )
         if isinstance(env.observation_space, spaces.Dict) and "image" in env.observation_space.spaces:
             raise ValueError("expected an environment without an observation `image`, got one that has it")
-        self.rig = rig or Rig()
-        self.weather = weather if isinstance(weather, Weather) else load(weather)
+        self.rig = checked_rig(rig)
+        self.weather = load(weather)
         self.renderer: Renderer | None = None
         self._episodes = 0
         self._extend_space()
@@ -51,22 +57,20 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
         # the environment's own generator is not drawn from: its episodes stay as they are without the camera
         episode_seed = int(world.np_random_seed) + self._episodes
         self.renderer = Renderer(world.road, self.rig, self.weather, episode_seed)
-        return self._observed(observation), info
+        return self._observed(observation, self.renderer), info
 
-    def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[dict[str, Any], Any, bool, bool, dict[str, Any]]:
         """One step of the environment, seen at its end."""
-        observation, reward, terminated, truncated, info = self.env.step(action)
-        return self._observed(observation), float(reward), terminated, truncated, info
-
-    def _observed(self, observation: Any) -> dict[str, Any]:
-        rest = observation if isinstance(self.env.observation_space, spaces.Dict) else {ORIGINAL: observation}
-        return {**rest, "image": self._picture()}
-
-    def _picture(self) -> Image:
-        world: Any = self.env.unwrapped
         if self.renderer is None:
-            raise RuntimeError("expected reset() before step()")
-        return self.renderer.render(world.vehicle, float(world.time))
+            raise ResetNeeded("step: expected reset() first")
+        _check_action(self.env.action_space, action)
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        return self._observed(observation, self.renderer), reward, terminated, truncated, info
+
+    def _observed(self, observation: Any, renderer: Renderer) -> dict[str, Any]:
+        world: Any = self.env.unwrapped
+        rest = observation if isinstance(self.env.observation_space, spaces.Dict) else {ORIGINAL: observation}
+        return {**rest, "image": renderer.render(world.vehicle, float(world.time))}
 
     def _extend_space(self) -> None:
         camera = self.rig.camera
@@ -74,3 +78,22 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
         rest = inner.spaces if isinstance(inner, spaces.Dict) else {ORIGINAL: inner}
         picture = spaces.Box(0, 255, (camera.height_px, camera.width_px, 3), np.uint8)
         self.observation_space = spaces.Dict({**rest, "image": picture})
+
+
+def _check_action(space: gym.Space[Any], action: Any) -> None:
+    """ValueError where highway-env could do nothing with an action; what it clips, it clips."""
+    if isinstance(space, spaces.Tuple):
+        if not isinstance(action, tuple | list | np.ndarray) or len(action) != len(space):
+            raise ValueError(f"action: expected one for each of {len(space)} vehicles, got {action!r}")
+        for part, own in zip(space.spaces, action, strict=True):
+            _check_action(part, own)
+    elif isinstance(space, spaces.Discrete):
+        if not space.contains(action):
+            raise ValueError(f"action: expected a whole number from 0 to {space.n - 1}, got {action!r}")
+    elif isinstance(space, spaces.Box):
+        try:
+            values = np.asarray(action, np.float64)
+        except (TypeError, ValueError):  # what is no numbers
+            values = np.empty(0)
+        if values.shape != space.shape or not np.isfinite(values).all():
+            raise ValueError(f"action: expected finite numbers of the shape {space.shape}, got {action!r}")

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from math import cos, hypot, inf, sin
+from operator import itemgetter
 
 from highway_env.vehicle.objects import Landmark, RoadObject
 
@@ -60,9 +61,9 @@ def nearest(ego: RoadObject) -> tuple[float, RoadObject | None]:
     bounds = []
     for other in solid_bodies(ego):
         other_x, other_y = other.position.tolist()
-        bounds.append((hypot(other_x - x, other_y - y) - (ego.diagonal + other.diagonal) / 2.0, id(other), other))
+        bounds.append((hypot(other_x - x, other_y - y) - (ego.diagonal + other.diagonal) / 2.0, other))
     nearest_m, body = inf, None
-    for bound_m, _, other in sorted(bounds):
+    for bound_m, other in sorted(bounds, key=itemgetter(0)):
         if bound_m > nearest_m:
             break
         if (gap_m := distance(ego, other)) < nearest_m:

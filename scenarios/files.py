@@ -24,6 +24,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "road.segments.clothoid": parts.Clothoid,
     "ego": parts.Ego,
     "ego.sensors": parts.Sensors,
+    "ego.sensor_faults": parts.SensorFaults,
     "goal": parts.Goal,
     "bodies": parts.Body,
     "limits": parts.Limits,
@@ -38,8 +39,13 @@ def names() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in catalog.iterdir() if entry.name.endswith(".toml"))
 
 
-def load(name_or_path: str) -> Scenario | RandomScenario:
-    """The scenario of that name in the catalog, or of that TOML file; InputError on anything wrong."""
+def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScenario:
+    """The scenario of that name in the catalog, or of that TOML file; InputError on anything wrong. One that is loaded
+    already passes."""
+    if isinstance(name_or_path, Scenario | RandomScenario):
+        return name_or_path
+    if not isinstance(name_or_path, str):
+        raise InputError(f"scenario: expected a name, a TOML file or a Scenario, got {name_or_path!r}")
     if name_or_path in names():
         text = (files("vpf_sim.scenarios.catalog") / f"{name_or_path}.toml").read_text("utf-8")
         return parse(text, f"{name_or_path}.toml")
@@ -55,11 +61,34 @@ def parse(text: str, file: str) -> Scenario | RandomScenario:
 
 
 def _checked(content: dict[str, Any], file: str) -> Scenario | RandomScenario:
+    content = _on_base(content, file)
     try:
         return (RandomScenario if "random" in content else Scenario).model_validate(content)
     except ValidationError as error:
         faults = _causes([dict(fault) for fault in error.errors(include_url=False)])
         raise InputError("\n".join(line for fault in faults for line in _lines(file, fault))) from None
+
+
+def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
+    """The tables of a file, laid over those of the catalog's scenario that its `base` names."""
+    if "base" not in content:
+        return content
+    base = content["base"]
+    if not isinstance(base, str):
+        raise InputError(f"{file}: base: expected the name of a scenario, got {base!r}")
+    if base not in names():
+        raise InputError(f"{file}: base: {unknown_name('scenario', base, names())}")
+    below = tables.read("vpf_sim.scenarios.catalog", f"{base}.toml")
+    return _laid_over(below, {key: value for key, value in content.items() if key != "base"})
+
+
+def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    """Tables merged key by key; any other value of `above` replaces that of `below`."""
+    merged = dict(below)
+    for key, value in above.items():
+        nested = isinstance(value, dict) and isinstance(merged.get(key), dict)
+        merged[key] = _laid_over(merged[key], value) if nested else value
+    return merged
 
 
 def _causes(faults: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -126,7 +155,7 @@ def _known(location: tuple[int | str, ...]) -> list[str]:
     """The keys of the section that a key is in."""
     section = SECTIONS[".".join(step for step in location[:-1] if isinstance(step, str))]
     fields = {**section.model_fields, **(RandomScenario.model_fields if section is Scenario else {})}
-    return [field.alias or name for name, field in fields.items()]
+    return [*(["base"] if section is Scenario else []), *(field.alias or name for name, field in fields.items())]
 
 
 def _nearest_of(value: object, expected: str) -> str:

@@ -99,8 +99,41 @@ class Sensors(Section):
     pitch_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # of the body on its springs
 
 
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Seconds = Annotated[float, Field(gt=0.0, le=LONGEST_S)]
+
+
+class SensorFaults(Section):
+    """How the sensors of the ego fail, by default not at all; shares are of all camera frames, or of all readings."""
+
+    drop_share: Share = 0.0  # frames that never arrive
+    latency_ms: Annotated[float, Field(ge=0.0, le=2000.0)] = 0.0  # from the exposure of a frame to its arrival
+    freeze_share: Share = 0.0  # frames that repeat an earlier picture under a new time stamp, in stretches
+    freeze_s: Seconds = 0.5  # length of such a stretch
+    black_share: Share = 0.0
+    torn_share: Share = 0.0  # frames whose lower part is that of the frame before
+    noise_rows_share: Share = 0.0  # frames with a band of rows of noise
+    exposure_jump_share: Share = 0.0  # frames that are brighter or darker
+    exposure_jump_stops: Annotated[float, Field(gt=0.0, le=8.0)] = 1.0  # by so many stops, factors of 2
+    speed_stuck_after_s: Seconds | None = None  # the speedometer repeats its reading from then on
+    yaw_rate_spike_share: Share = 0.0  # readings of the yaw rate that are off
+    yaw_rate_spike_radps: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0  # by so much, to either side
+
+    @property
+    def of_the_camera(self) -> bool:
+        """Whether any frame may fail."""
+        shares = (self.drop_share, self.freeze_share, self.black_share, self.torn_share, self.noise_rows_share)
+        return any(share > 0.0 for share in (*shares, self.exposure_jump_share, self.latency_ms))
+
+    @property
+    def of_the_signals(self) -> bool:
+        """Whether the speedometer or the yaw rate's sensor may fail."""
+        return self.speed_stuck_after_s is not None or self.yaw_rate_spike_share > 0.0
+
+
 class Ego(Section):
     sensors: Sensors = Sensors()
+    sensor_faults: SensorFaults = SensorFaults()
     lane: PositiveInt = 2
     s_m: float = 5.0
     lateral_m: float = 0.0  # + is right

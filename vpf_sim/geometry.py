@@ -48,6 +48,12 @@ def is_same(pose: Floats, other: Floats) -> bool:
     return pose is other or pose.tolist() == other.tolist()
 
 
+def mounting_in_words(pitch_deg: float, yaw_deg: float) -> str:
+    """How a camera is mounted, in words: pitch is + down, yaw + to the right."""
+    vertical, lateral = "down" if pitch_deg >= 0.0 else "up", "right" if yaw_deg >= 0.0 else "left"
+    return f"looks {abs(pitch_deg):.2f} deg {vertical} and {abs(yaw_deg):.2f} deg {lateral}"
+
+
 def vehicle_from_world(points_m: Floats, pose: Floats) -> Floats:
     """(..., 2) world points in the axes of the vehicle at `pose` (x, y, yaw)."""
     relative: Floats = (points_m - pose[:2]) @ rotation(pose[2])

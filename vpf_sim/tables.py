@@ -17,7 +17,7 @@ LARGEST = 1e15  # of a number: no quantity in SI units is larger, and nan and in
 
 def read(package: str, name: str) -> dict[str, Any]:
     """The TOML file `name` that is installed with `package`."""
-    return tomllib.loads(files(package).joinpath(name).read_text())
+    return tomllib.loads(files(package).joinpath(name).read_text("utf-8"))
 
 
 def read_file(path: Path, what: str) -> dict[str, Any]:

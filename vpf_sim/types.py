@@ -9,11 +9,13 @@ the centre of its body. N is a number of image points, K a number of obstacles.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
-from math import inf, radians
-from typing import Any, Generic, Literal, Protocol, Self, TypeVar
+from math import inf, isnan, nan, radians, tan
+from typing import Any, Generic, Literal, Protocol, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
+
+from vpf_sim.errors import InputError
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -22,22 +24,49 @@ Image = NDArray[np.uint8]  # (H, W, 3) RGB or (H, W) grey
 
 Privilege = Literal["none", "route", "world"]
 
+FROM_SIZE = cast(float, None)  # in the place of what follows from the size of a picture
+
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """A pinhole camera on the vehicle, looking forward; k1, k2 are the radial distortion of OpenCV's model."""
+    """A pinhole camera on the vehicle, looking forward; k1, k2 are the radial distortion of OpenCV's model.
+
+    What is not given of the lens follows from the size: 90 deg across, square pixels, the axis in the middle.
+    """
 
     width_px: int = 640
     height_px: int = 480
-    fx_px: float = 320.0  # 90 deg horizontal field of view
-    fy_px: float = 320.0
-    cx_px: float = 319.5
-    cy_px: float = 239.5
+    fx_px: float = FROM_SIZE
+    fy_px: float = FROM_SIZE
+    cx_px: float = FROM_SIZE
+    cy_px: float = FROM_SIZE
     height_m: float = 1.4  # above the road
     forward_m: float = 0.8  # ahead of the pose
     pitch_rad: float = 0.0  # + looks down
     k1: float = 0.0
     k2: float = 0.0
+
+    def __post_init__(self) -> None:
+        focal_px = next((given for given in (self.fx_px, self.fy_px) if given is not FROM_SIZE), None)
+        if focal_px is None:
+            focal_px = 0.5 * self.width_px
+        follows = {
+            "fx_px": focal_px,
+            "fy_px": focal_px,
+            "cx_px": 0.5 * (self.width_px - 1),
+            "cy_px": 0.5 * (self.height_px - 1),
+        }
+        for key, value in follows.items():
+            if getattr(self, key) is FROM_SIZE:
+                object.__setattr__(self, key, value)
+
+    @classmethod
+    def of(cls, width_px: int, height_px: int, fov_deg: float = 90.0, **mounting: float) -> Self:
+        """The camera with a size and a horizontal field of view; `mounting` are other fields, such as `height_m`."""
+        if not 1.0 <= fov_deg <= 170.0:
+            raise InputError(f"camera: fov_deg: expected 1 to 170, got {fov_deg}")
+        focal_px = round(0.5 * width_px / tan(0.5 * radians(fov_deg)), 9)
+        return cls(width_px, height_px, focal_px, focal_px, **mounting)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,9 +127,12 @@ class DriverSetup:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What a driver sees at one moment."""
+    """What a driver sees at one moment.
 
-    image: Image  # (H, W, 3) RGB; (0, 0, 3) where the driver does not look
+    Where the newest frame is late or was dropped, `image` is the last that has arrived, with its own `frame_time_s`.
+    """
+
+    image: Image  # (H, W, 3) RGB, the last that has arrived; (0, 0, 3) where the driver does not look
     time_s: float
     x_m: float
     y_m: float
@@ -108,6 +140,11 @@ class Observation:
     speed_mps: float
     yaw_rate_radps: float
     goal_m: tuple[float, float]
+    frame_time_s: float = nan  # time stamp of the camera, when the image was taken; left out, it is `time_s`
+
+    def __post_init__(self) -> None:
+        if isnan(self.frame_time_s):
+            object.__setattr__(self, "frame_time_s", self.time_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +159,8 @@ class Driver(Protocol):
     """What is under test.
 
     One that also declares `sees = False` looks at no frame, and is shown none. One that looks at some of them has
-    `looks`, which tells after each `act` whether it looks at the next: those that it does not need not be drawn.
+    `looks`, which tells after each `act` whether it looks at the next: those that it does not need not be drawn. One
+    whose perception can be measured alone has `perceive`, which gives the `Perception` that `act` would go by.
     """
 
     privileged: Privilege

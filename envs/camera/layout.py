@@ -68,13 +68,13 @@ def lane_shapes(road: Road) -> list[LaneShape]:
 def lines(shapes: list[LaneShape]) -> list[Line]:
     """The markings of the lanes; the line that two lanes share comes once."""
     kept: list[Line] = []
-    drawn: list[Floats] = []
+    drawn: list[cKDTree] = []
     for shape in shapes:
         for edge, kind in zip((shape.left_m, shape.right_m), shape.line_types, strict=True):
-            if kind == LineType.NONE or _covered(edge, drawn):
+            if kind == LineType.NONE or _covered(points := _resampled(edge), drawn):
                 continue
             kept.append(Line(shape.s_m, edge, striped=kind == LineType.STRIPED))
-            drawn.append(_resampled(edge))
+            drawn.append(cKDTree(points, balanced_tree=False))
     return kept
 
 
@@ -113,34 +113,48 @@ class Edge:
 def outer_edges(shapes: list[LaneShape]) -> list[Edge]:
     """Where the carriageway ends, in stretches that follow one lane."""
     edges = []
-    for shape in shapes:
+    strips = [_Strip.of(shape) for shape in shapes]
+    for shape, strip in zip(shapes, strips, strict=True):
         across = shape.right_m - shape.left_m
         across /= np.linalg.norm(across, axis=1, keepdims=True)
-        others = [other for other in shapes if other is not shape]
+        others = [other for other in strips if other is not strip]
         for points, outward in ((shape.left_m, -across), (shape.right_m, across)):
-            free = ~_on_lanes(points + 0.5 * outward, others)
+            outside = points + 0.5 * outward
+            free = ~np.logical_or.reduce([np.zeros(len(points), bool), *(other.holds(outside) for other in others)])
             edges += [Edge(points[run], outward[run]) for run in _runs(free)]
     return edges
 
 
-def _on_lanes(points: Floats, shapes: list[LaneShape]) -> Bools:
-    """(N,) whether points lie on one of the lanes."""
-    covered = np.zeros(len(points), bool)
-    for shape in shapes:
+@dataclass(frozen=True, slots=True)
+class _Strip:
+    """The surface of a lane, in straight stretches."""
+
+    start_m: Floats  # (M - 1, 2) their first points on the middle of the lane
+    unit: Floats  # (M - 1, 2) their directions
+    length_m: Floats  # (M - 1,)
+    half_m: Floats  # (M,) half the lane's width where they begin and end
+    middles: cKDTree
+
+    @classmethod
+    def of(cls, shape: LaneShape) -> "_Strip":
         middle = 0.5 * (shape.left_m + shape.right_m)
-        start, end = middle[:-1], middle[1:]
-        along = end - start
-        nearest = cKDTree(0.5 * (start + end)).query(points)[1]
+        start, along = middle[:-1], np.diff(middle, axis=0)
+        length = np.linalg.norm(along, axis=1)
+        half = 0.5 * np.linalg.norm(shape.right_m - shape.left_m, axis=1)
+        return cls(start, along / length[:, None], length, half, cKDTree(0.5 * (start + middle[1:])))
+
+    def holds(self, points: Floats) -> Bools:
+        """(N,) whether points (N, 2) lie on it."""
+        last = len(self.start_m) - 1
+        nearest = self.middles.query(points)[1]
+        on = np.zeros(len(points), bool)
         # the nearest stretch by its middle, or one beside it where stretches differ in length
-        for index in (np.maximum(nearest - 1, 0), nearest, np.minimum(nearest + 1, len(start) - 1)):
-            relative = points - start[index]
-            length = np.linalg.norm(along[index], axis=1)
-            unit = along[index] / length[:, None]
+        for index in (np.maximum(nearest - 1, 0), nearest, np.minimum(nearest + 1, last)):
+            relative, unit = points - self.start_m[index], self.unit[index]
             s = np.einsum("ij,ij->i", relative, unit)
             lateral = relative[:, 1] * unit[:, 0] - relative[:, 0] * unit[:, 1]
-            half = 0.5 * np.linalg.norm(shape.right_m[index] - shape.left_m[index], axis=1)
-            covered |= (s > -0.1) & (s < length + 0.1) & (np.abs(lateral) <= half)
-    return covered
+            on |= (s > -0.1) & (s < self.length_m[index] + 0.1) & (np.abs(lateral) <= self.half_m[index])
+        return on
 
 
 def _runs(flags: Bools) -> list[slice]:
@@ -186,12 +200,14 @@ def _direction(lane: AbstractLane, s: float) -> Floats:
     return np.array([np.cos(heading), np.sin(heading)])
 
 
-def _covered(edge: Floats, drawn: list[Floats]) -> bool:
-    """Whether most of an edge lies on lines that are drawn already."""
-    if not drawn:
-        return False
-    distance, _ = cKDTree(np.concatenate(drawn)).query(_resampled(edge))
-    return bool(np.mean(distance < SAME_LINE_M) > 0.5)
+def _covered(points: Floats, drawn: list[cKDTree]) -> bool:
+    """Whether most of the points of an edge lie on lines that are drawn already."""
+    near = np.zeros(len(points), bool)
+    low, high = points.min(axis=0) - SAME_LINE_M, points.max(axis=0) + SAME_LINE_M
+    for line in drawn:
+        if (line.mins <= high).all() and (low <= line.maxes).all():
+            near |= np.isfinite(line.query(points, distance_upper_bound=SAME_LINE_M)[0])
+    return bool(np.mean(near) > 0.5)
 
 
 def _resampled(points: Floats, step_m: float = 0.5) -> Floats:

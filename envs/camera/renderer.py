@@ -117,7 +117,7 @@ class Renderer:
         """Note where everything is now; now and before."""
         view = View.at(self._camera, ego.position, ego.heading)
         bodies = [body for body in (*self._road.vehicles, *self._road.objects) if body is not ego]
-        poses = {id(body): self._pose(body) for body in bodies}
+        poses = {body: self._pose(body) for body in bodies}
         now = Snapshot(view, time_s, bodies, poses)
         self._before, self._now = self._now or now, now
         return now, self._before
@@ -125,7 +125,7 @@ class Renderer:
     def _pose(self, body: RoadObject) -> Floats:
         """(3,) x m, y m, heading rad of a body: the same array for as long as it stands."""
         pose = [*body.position.tolist(), float(body.heading)]
-        before = None if self._now is None else self._now.poses.get(id(body))
+        before = None if self._now is None else self._now.poses.get(body)
         return before if before is not None and before.tolist() == pose else np.array(pose)
 
     def _draw_world(self, frame: Image, now: Snapshot, before: Snapshot) -> None:

@@ -1,9 +1,13 @@
 """The camera and its sensor as they are mounted on the vehicle."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from math import isfinite, tan
+from numbers import Integral, Real
 
 from vpf_sim.errors import InputError
 from vpf_sim.types import Camera
+
+LARGEST_PX = 8192
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,21 +27,60 @@ class Rig:
     blur_px: float = 0.0
 
     def __post_init__(self) -> None:
-        from vpf_sim.envs.camera.lens import check_distortion  # and OpenCV, which listings do without
-
-        camera = self.camera
-        for key, low in (("width_px", 64), ("height_px", 48), ("fx_px", 1.0), ("fy_px", 1.0), ("height_m", 0.1)):
-            value = getattr(camera, key)
-            if not value >= low:
-                raise InputError(f"camera: {key}: expected at least {low}, got {value}")
-        if camera.width_px % 2:
-            raise InputError(f"camera: width_px: expected an even number, got {camera.width_px}")
-        if not abs(camera.pitch_rad) < 0.5:
-            raise InputError(f"camera: pitch_rad: expected between -0.5 and 0.5, got {camera.pitch_rad}")
-        check_distortion(camera)
+        if not isinstance(self.camera, Camera):
+            raise InputError(f"rig: camera: expected a vpf_sim.types.Camera, got {self.camera!r}")
+        _check_camera(self.camera)
+        for key, value in (("noise_sd", self.noise_sd), ("exposure_ev", self.exposure_ev), ("blur_px", self.blur_px)):
+            if not (_is_number(value) or (key == "noise_sd" and value is None)):
+                raise InputError(f"camera: {key}: expected a number, got {value!r}")
         if self.noise_sd is not None and not 0.0 <= self.noise_sd <= 20.0:
             raise InputError(f"camera: noise_sd: expected 0 to 20 grey levels, got {self.noise_sd}")
         if not -4.0 <= self.exposure_ev <= 4.0:
             raise InputError(f"camera: exposure_ev: expected -4 to 4, got {self.exposure_ev}")
         if not 0.0 <= self.blur_px <= 5.0:
             raise InputError(f"camera: blur_px: expected 0 to 5, got {self.blur_px}")
+
+
+def checked_rig(rig: object) -> Rig:
+    """The rig that an environment is given; the default one for None."""
+    if rig is None:
+        return Rig()
+    if not isinstance(rig, Rig):
+        remedy = ": Rig(camera=...)?" if isinstance(rig, Camera) else ""
+        raise InputError(f"rig: expected a vpf_sim.envs.camera.Rig, got {rig!r}{remedy}")
+    return rig
+
+
+def _check_camera(camera: Camera) -> None:
+    """Refuse a camera that is none, or whose picture would show nothing of the road."""
+    from vpf_sim.envs.camera.lens import check_distortion  # and OpenCV, which listings do without
+
+    for key in (item.name for item in fields(camera)):
+        value = getattr(camera, key)
+        if key in ("width_px", "height_px") and not isinstance(value, Integral):
+            raise InputError(f"camera: {key}: expected a whole number, got {value!r}")
+        if not _is_number(value):
+            raise InputError(f"camera: {key}: expected a finite number, got {value!r}")
+    for key, low in (("width_px", 64), ("height_px", 48), ("fx_px", 1.0), ("fy_px", 1.0), ("height_m", 0.1)):
+        value = getattr(camera, key)
+        if value < low:
+            raise InputError(f"camera: {key}: expected at least {low}, got {value}")
+    for key, size in (("width_px", camera.width_px), ("height_px", camera.height_px)):
+        if size > LARGEST_PX:
+            raise InputError(f"camera: {key}: expected at most {LARGEST_PX}, got {size}")
+    if camera.width_px % 2:
+        raise InputError(f"camera: width_px: expected an even number, got {camera.width_px}")
+    for key, size in (("cx_px", camera.width_px), ("cy_px", camera.height_px)):
+        value = getattr(camera, key)
+        if not 0.0 <= value <= size - 1:
+            raise InputError(f"camera: {key}: expected within the picture, 0 to {size - 1}, got {value:g}")
+    if not abs(camera.pitch_rad) < 0.5:
+        raise InputError(f"camera: pitch_rad: expected between -0.5 and 0.5, got {camera.pitch_rad}")
+    horizon = camera.cy_px - camera.fy_px * tan(camera.pitch_rad)
+    if horizon > camera.height_px - 1:
+        raise InputError(f"camera: pitch_rad: expected one that shows the road, got only sky at {camera.pitch_rad:g}")
+    check_distortion(camera)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)

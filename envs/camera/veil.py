@@ -23,7 +23,6 @@ class Veil:
         self._extinction_per_m = atmosphere.extinction_per_m
         self._horizon = light.horizon
         self._strongest = float(np.maximum(light.horizon, 255.0 - light.horizon).max())
-        self._airlights: dict[int, tuple[Image, Image]] = {}
         top, left = ground_top(camera), self.transmission(_depth_of_rows(camera))
         veiled = int(np.count_nonzero(self._shows(left)))
         self._rows = slice(top, top + veiled)
@@ -50,18 +49,6 @@ class Veil:
         """(n, 3) colours as they are seen from (n,) depths."""
         left = self.transmission(depth_m)[:, None]
         return np.asarray(self._horizon + (colours - self._horizon) * left)
-
-    def sprite(self, colour: Image, through: Image, depth_m: float) -> Image:
-        """(h, w, 3) the colours, times opacity, of an upright picture as it is seen from a depth; `through` is what it
-        lets through, of 255. The same array where the veil does not show. Keep the pictures: what the air adds to each
-        is worked out once."""
-        left = float(self.transmission(np.array(depth_m)))
-        if not self._shows(np.array(left)):
-            return colour
-        if id(through) not in self._airlights:
-            opacity = cv2.bitwise_not(through).astype(np.float32) / 255.0
-            self._airlights[id(through)] = through, np.rint(opacity * self._horizon).astype(np.uint8)
-        return np.asarray(cv2.addWeighted(colour, left, self._airlights[id(through)][1], 1.0 - left, 0.0), np.uint8)
 
     def _shows(self, left: Floats) -> Floats:
         """Where a transmission changes any colour by a level."""

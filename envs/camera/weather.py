@@ -88,8 +88,13 @@ def names() -> list[str]:
     return sorted([*PRESETS, *ALIASES])
 
 
-def load(name_or_path: str) -> Weather:
-    """The weather of a preset, an alias, or a TOML file with a `base` and factors of its own."""
+def load(name_or_path: str | Weather) -> Weather:
+    """The weather of a preset, an alias, or a TOML file with a `base` and factors of its own; one that is loaded
+    already passes."""
+    if isinstance(name_or_path, Weather):
+        return name_or_path
+    if not isinstance(name_or_path, str):
+        raise InputError(f"weather: expected a name, a TOML file or a Weather, got {name_or_path!r}")
     if name_or_path.endswith(".toml"):
         return _read(Path(name_or_path))
     name = ALIASES.get(name_or_path, name_or_path)

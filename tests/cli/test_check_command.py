@@ -10,7 +10,8 @@ import pytest
 from gated_runs import lost, run, spread
 
 from vpf_sim import cli
-from vpf_sim.evaluation.gate import gate
+from vpf_sim.evaluation.gate.cells import Cell
+from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.job import Job
 
 
@@ -46,7 +47,7 @@ def test_the_command_says_what_failed_and_how_to_see_it(capsys: pytest.CaptureFi
     rules.write_text('[[rules]]\nscenario = "town04"\nsuccess_rate_at_least = 0.9\ncollisions_at_most = 3')
     assert cli.run(["check", str(folder), "--rules", str(rules)]) == 1
     said = capsys.readouterr().out
-    assert "FAIL town04, clear, vpf: expected success_rate_at_least 0.9, got 0.7 over 10 episodes, 1 without a" in said
+    assert "FAIL town04, clear, vpf: expected success_rate_at_least 0.9, got 0.7 (10 episodes), 1 without a" in said
     assert "again: for seed in 3 5 8; do vpf-sim drive town04 --weather clear --driver vpf --seed $seed; done\n" in said
     assert said.endswith("\n1 passed, 1 failed, 0 skipped\n")
 
@@ -63,8 +64,8 @@ def test_json_has_every_check_and_nothing_else(capsys: pytest.CaptureFixture[str
 
 
 def test_names_are_quoted_for_the_shell() -> None:
-    cell = gate.Cell("my road.toml", "clear", "my:Driver; rm -rf /")
-    command = gate.Check(cell, "", "", "failed", (3,)).rerun
+    cell = Cell("my road.toml", "clear", "my:Driver; rm -rf /")
+    command = Check(cell, "", "", "failed", (3,)).rerun
     assert command == "vpf-sim drive 'my road.toml' --weather clear --driver 'my:Driver; rm -rf /' --seed 3"
 
 
@@ -90,7 +91,7 @@ def test_junit(tmp_path: Path) -> None:
     def change(job: Job) -> dict[str, Any] | None:
         return {"min_clearance_m": None} if job.scenario == "straight" else spread(job)
 
-    folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "new" / "out.xml"
+    folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "out.xml"
     rules.write_text("[[rules]]\nsuccess_rate_at_least = 0.9\nclearance_m_at_least = 0.1")
     assert cli.run(["check", str(folder), "--rules", str(rules), "--junit", str(out)]) == 1
     root = Xml.fromstring(out.read_bytes())
@@ -110,6 +111,6 @@ def test_junit(tmp_path: Path) -> None:
 
     from vpf_sim.report.junit import write_junit
 
-    write_junit([gate.Check(gate.Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
+    write_junit([Check(Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
     (failure,) = Xml.fromstring(out.read_bytes()).iter("failure")
     assert '?[31m<&>" ]]> é ?' in str(failure.text)

@@ -28,7 +28,7 @@ def test_rate_and_time_left_are_those_of_this_session(time: list[float]) -> None
     time[0] += 60.0
     for status in ("success", "collision", "success", "success"):
         tally.count({"status": status})
-    assert tally.text() == "1 failed, 240 an hour, 0:01:30 left"
+    assert tally.text() == "3 of 4 reached the goal, 240 an hour, 0:01:30 left"
 
 
 @pytest.mark.parametrize(("seconds", "text"), [(0.4, "0:00:00"), (59.6, "0:01:00"), (3725.0, "1:02:05")])
@@ -44,8 +44,8 @@ def test_without_a_terminal_each_episode_is_a_line(capsys: pytest.CaptureFixture
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.splitlines() == [
-        "2/4 a success (0 failed, 100 an hour, 0:01:12 left)",
-        "3/4 b error (1 failed, 200 an hour, 0:00:18 left)",
+        "2/4 a success (1 of 1 reached the goal, 100 an hour, 0:01:12 left)",
+        "3/4 b error (1 failed, 1 of 2 reached the goal, 200 an hour, 0:00:18 left)",
         "b: error, the reason is in run/errors/b.txt",
     ]
 
@@ -60,5 +60,5 @@ def test_on_a_terminal_there_is_a_bar(
         tell({"id": "[a]", "status": "error"})
     said = capsys.readouterr().err
     assert "2/3" in said
-    assert "1 failed, 100 an hour, 0:00:36 left, last [a]" in said
+    assert "1 failed, 0 of 1 reached the goal, 100 an hour, 0:00:36 left, last [a]" in said
     assert "[a]: error, the reason is in run/errors/[a].txt" in said

@@ -10,6 +10,7 @@ from stored import record, store
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.gate import gate
 from vpf_sim.evaluation.gate.cells import read_run
+from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.gate.rules import read_rules
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
@@ -27,13 +28,13 @@ def run(path: Path, change: Change, plan: Plan = PLAN, world: str = "as it is") 
     return path
 
 
-def checks(tmp_path: Path, rules: str, change: Change = lambda _: {}) -> list[gate.Check]:
+def checks(tmp_path: Path, rules: str, change: Change = lambda _: {}) -> list[Check]:
     file = tmp_path / "rules.toml"
     file.write_text(rules)
     return gate.check(read_run(run(tmp_path / "run", change)), read_rules(file), file)
 
 
-def only(tmp_path: Path, bound: str, change: Change) -> gate.Check:
+def only(tmp_path: Path, bound: str, change: Change) -> Check:
     """The one check of a bound on town04."""
     (found,) = checks(tmp_path, f'[[rules]]\nscenario = "town04"\n{bound}', change)
     return found

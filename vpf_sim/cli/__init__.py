@@ -15,6 +15,7 @@ from vpf_sim.cli import (
     drive,
     drivers,
     gallery,
+    perception,
     profile,
     readings,
     replay,
@@ -22,6 +23,7 @@ from vpf_sim.cli import (
     reproduce,
     scenarios,
     score,
+    streams,
     sweep,
     video,
     weathers,
@@ -42,6 +44,7 @@ SIMULATING = (
     "doctor",
     "video",
     "report",
+    "perception",
 )
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
 
@@ -64,6 +67,7 @@ app.command("report")(report.report)
 app.command("reproduce")(reproduce.reproduce)
 app.command("video")(video.video)
 app.command("check")(check.check)
+app.command("perception")(perception.perception)
 app.command("profile")(profile.profile)
 app.command("gallery")(gallery.gallery)
 app.command("doctor")(doctor.doctor)
@@ -79,11 +83,20 @@ def main() -> None:
     if arguments and arguments[0] in SIMULATING and "--help" not in arguments:
         _limit_threads(arguments)
     sys.path.append(os.getcwd())  # where a user's own driver is
-    sys.exit(run(arguments))
+    streams.take()
+    code = run(arguments)
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        code = _refuse(f"standard output: {error.strerror}")
+    sys.exit(code)
 
 
 def run(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code; faults of the user are one line each on stderr and 2."""
+    for argument in arguments:
+        if not argument.isascii() and argument != argument.encode("utf-8", "replace").decode():
+            return _refuse(f"expected names in UTF-8, got {argument!a}; rename the file or folder")
     try:
         code = app(list(arguments), prog_name="vpf-sim", standalone_mode=False)
     except InputError as error:

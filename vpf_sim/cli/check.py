@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, print_json
+from vpf_sim.cli.options import JsonOption, check_place, print_json
 from vpf_sim.cli.tables import print_table
 
 if TYPE_CHECKING:
-    from vpf_sim.evaluation.gate.gate import Check
+    from vpf_sim.evaluation.gate.checks import Check
 
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 RulesOption = Annotated[Path, typer.Option("--rules", metavar="FILE", help="What the run must keep, as TOML.")]
@@ -26,6 +26,7 @@ def check(folder: FolderArgument, rules: RulesOption, junit: JunitOption = None,
     from vpf_sim.evaluation.gate.rules import read_rules
     from vpf_sim.report.junit import write_junit
 
+    check_place("--junit", junit)
     checks = gate.check(read_run(folder), read_rules(rules), rules)
     if junit is not None:
         write_junit(checks, junit)

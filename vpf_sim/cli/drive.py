@@ -6,8 +6,16 @@ from typing import Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriverOption, JsonOption, OutOption, WeatherOption, print_json, prints_on_stderr
-from vpf_sim.cli.tables import number, percent
+from vpf_sim.cli.options import (
+    DriverOption,
+    JsonOption,
+    OutOption,
+    WeatherOption,
+    check_place,
+    print_json,
+    prints_on_stderr,
+)
+from vpf_sim.cli.tables import measure
 
 ScenarioArgument = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name or file of a scenario.")]
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="What the scenario varies, drawn by this seed.")]
@@ -35,6 +43,8 @@ def drive(
     from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.evaluation.sweeps.plan import Plan
 
+    check_place("--video", video)
+    check_place("--rerun", rerun)
     limit_opencv()
     plan = Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}")
     with prints_on_stderr():
@@ -65,13 +75,16 @@ def _answer(result: Any, folder: Path, as_json: bool) -> None:
         print_json({**record, "timing": {key: timing[key] for key in ("wall_s", "steps_per_s")}})
         return
     shadow = (record["accuracy"] or {}).get("shadow") or {}
-    accuracy = ", ".join(
-        f"{name} {percent((shadow.get(name) or {}).get('range'))} %" for name in ("throttle", "steering")
-    )
+    accuracy = ", ".join(f"{name} {_share((shadow.get(name) or {}).get('range'))}" for name in ("throttle", "steering"))
     print(f"{record['id']}: {record['status']}")
-    print(f"  route driven     {percent(record['route_completion'])} %")
-    print(f"  path MSE         {number(record['path_mse_m2'], 3)} m2")
-    print(f"  least clearance  {number(record['min_clearance_m'])} m")
+    print(f"  route driven     {_share(record['route_completion'])}")
+    print(f"  path MSE         {measure(record['path_mse_m2'], 'm2', 3)}")
+    print(f"  least clearance  {measure(record['min_clearance_m'], 'm')}")
     print(f"  against the PID  {accuracy} (range, shadow)")
     print(f"  {record['steps']} steps, {timing['steps_per_s']:.0f} a second")
     print(f"  record and steps {folder}")
+
+
+def _share(share: float | None) -> str:
+    """As a percentage."""
+    return measure(None if share is None else 100.0 * share, "%", 1)

@@ -2,7 +2,7 @@
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, print_json
+from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
 from vpf_sim.cli.tables import print_table
 
 app = typer.Typer(help="The drivers that there are.", no_args_is_help=True, rich_markup_mode=None)
@@ -32,7 +32,12 @@ def show(name: str) -> None:
 
 @app.command()
 def validate(driver: str) -> None:
-    """Load a driver of your own, "package.module:Class", and check what it offers."""
-    from vpf_sim import drivers
+    """Load a driver of your own, "package.module:Class", and let it drive for some frames, without and with an
+    obstacle; exit code 2 and one line if it fails."""
+    from vpf_sim.evaluation.episode import trial
+    from vpf_sim.evaluation.processes.threads import limit_opencv
 
-    print(f"{driver}: a good driver, privileged: {drivers.create(driver).privileged}")
+    limit_opencv()
+    with prints_on_stderr():
+        privileged = trial.check(driver).privileged
+    print(f"{driver}: a good driver, privileged: {privileged}")

@@ -8,6 +8,8 @@ from typing import Annotated, Any, TextIO
 
 import typer
 
+from vpf_sim.errors import InputError
+
 ScenariosOption = Annotated[
     list[str] | None, typer.Option("--scenario", metavar="SCENARIO", help="Name or file; may be repeated.")
 ]
@@ -37,8 +39,19 @@ TimeoutOption = Annotated[
 
 
 def prints_on_stderr() -> redirect_stdout[TextIO]:
-    """A context in which a driver may print: stdout is for the command's answer."""
+    """A context in which a driver may print: stdout is for the command's answer. See `streams` for native code."""
     return redirect_stdout(sys.stderr)
+
+
+def check_place(option: str, path: Path | None) -> None:
+    """InputError for a file that could not be written where it is asked for, before hours are spent on what goes into
+    it: its folder must be there, since one that is made for a slip of the pen is found by nobody."""
+    if path is None:
+        return
+    if path.is_dir():
+        raise InputError(f"{option}: {path}: expected the name of a file, got a folder")
+    if not path.parent.is_dir():
+        raise InputError(f"{option}: {path}: expected a folder that exists, found no {path.parent}")
 
 
 def print_json(answer: dict[str, Any]) -> None:

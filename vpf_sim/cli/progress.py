@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
 Record = dict[str, Any]
+FAULTS = ("error", "invalid_frame")
 
 
 @dataclass(slots=True)
@@ -19,21 +20,25 @@ class Tally:
 
     total: int
     done: int
-    failed: int = 0
+    reached: int = 0  # episodes of this session that were a success
+    failed: int = 0  # and those that ended by a fault of the harness or of a driver's code: a crash is a result
     driven: int = 0  # in this session
     begun_s: float = field(default_factory=lambda: monotonic())
 
     def count(self, record: Record) -> None:
         self.done, self.driven = self.done + 1, self.driven + 1
-        self.failed += record["status"] != "success"
+        self.reached += record["status"] == "success"
+        self.failed += record["status"] in FAULTS
 
     def text(self) -> str:
-        """Failures, rate and time left, of this session: "1 failed, 312 an hour, 0:04:10 left"."""
+        """Successes, rate and time left, of this session: "3 of 4 reached the goal, 312 an hour, 0:04:10 left"."""
         if not self.driven:
             return "no episode yet"
         pace_s = (monotonic() - self.begun_s) / self.driven
         rate = 3600.0 / max(pace_s, 1e-9)
-        return f"{self.failed} failed, {rate:.0f} an hour, {clock((self.total - self.done) * pace_s)} left"
+        faults = f"{self.failed} failed, " if self.failed else ""
+        reached = f"{self.reached} of {self.driven} reached the goal"
+        return f"{faults}{reached}, {rate:.0f} an hour, {clock((self.total - self.done) * pace_s)} left"
 
 
 def clock(seconds: float) -> str:

@@ -29,6 +29,10 @@ WaterOption = Annotated[
     str | None,
     typer.Option("--water", metavar="WEATHER", help="Put the water of a weather on the glass; told as ours."),
 ]
+FaultsOption = Annotated[
+    str | None,
+    typer.Option("--faults", metavar="SCENARIO", help="Let sensors fail as in that scenario; told as ours."),
+]
 VideoOption = Annotated[bool, typer.Option("--video/--no-video", help="Film each drive, with what the driver saw.")]
 
 
@@ -39,6 +43,7 @@ def replay(
     resume: ResumeOption = False,
     mixed: MixedOption = False,
     water: WaterOption = None,
+    faults: FaultsOption = None,
     video: VideoOption = True,
     json: JsonOption = False,
 ) -> None:
@@ -58,8 +63,12 @@ def replay(
     recordings, refused = _read(drive)
     if water is not None:
         recordings = _wet(recordings, water)
+    plan = {"driver": driver, "water": water, "drives": {name: str(at) for name, (at, _) in recordings.items()}}
+    if faults is not None:
+        recordings = _failing(recordings, faults)
+        plan["faults"] = _said(faults)
     asked = {
-        "plan": {"driver": driver, "water": water, "drives": {name: str(at) for name, (at, _) in recordings.items()}},
+        "plan": plan,
         **inputs.hashes({name: recording for name, (_, recording) in recordings.items()}, driver, water),
     }
     folder = ReplayFolder(out or run_folder.new_path("replay"), asked, resume, mixed)
@@ -70,18 +79,19 @@ def replay(
             _answer(folder, summary, json)
     except (KeyboardInterrupt, OSError):
         say(f"stopped with {len(folder.done)} of {len(recordings)} drives stored")
-        say(f"go on with: {_way_back(drive, driver, water, video, mixed, folder.path)}")
+        say(f"go on with: {_way_back(drive, driver, water, faults, video, mixed, folder.path)}")
         raise
     finally:
         folder.close()
     raise typer.Exit(code)
 
 
-def _way_back(drives: list[Path], driver: str, water: str | None, video: bool, mixed: bool, folder: Path) -> str:
+def _way_back(
+    drives: list[Path], driver: str, water: str | None, faults: str | None, video: bool, mixed: bool, folder: Path
+) -> str:
     """The command that goes on with the replay."""
-    return command(
-        "replay", *drives, driver=driver, water=water, no_video=not video, out=folder, resume=True, mixed=mixed
-    )
+    options = {"driver": driver, "water": water, "faults": faults, "no_video": not video}
+    return command("replay", *drives, **options, out=folder, resume=True, mixed=mixed)
 
 
 def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
@@ -110,6 +120,21 @@ def _wet(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict
     return {name: (path, with_water(recording, loaded)) for name, (path, recording) in recordings.items()}
 
 
+def _failing(recordings: "dict[str, tuple[Path, Recording]]", scenario: str) -> "dict[str, tuple[Path, Recording]]":
+    from vpf_sim import scenarios
+    from vpf_sim.replay.added_faults import with_faults
+
+    faults = scenarios.load(scenario).ego.sensor_faults
+    return {name: (path, with_faults(recording, faults)) for name, (path, recording) in recordings.items()}
+
+
+def _said(scenario: str) -> dict[str, object]:
+    """What a scenario says of sensors that fail."""
+    from vpf_sim import scenarios
+
+    return scenarios.load(scenario).ego.sensor_faults.model_dump()
+
+
 def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":
     """Drives of the same name get a number, so that each has files of its own, also where case makes no difference."""
     taken: set[str] = set()
@@ -135,10 +160,11 @@ def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording
 
 
 def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", video: bool) -> int:
+    from vpf_sim import process_state
     from vpf_sim.replay import driver_error, open_loop
 
     try:
-        with drivers_speak():
+        with drivers_speak(), process_state.kept():
             record, _ = open_loop.run(recording, driver, folder.path, _tell(recording.name), video, folder.add)
     except InputError as error:
         _tell_fault(str(error))

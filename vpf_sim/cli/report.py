@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from vpf_sim.cli.options import prints_on_stderr
+from vpf_sim.cli.options import check_place, prints_on_stderr
 from vpf_sim.cli.video import RunArgument
 from vpf_sim.files import write_text
 
@@ -29,6 +29,7 @@ def write(folder: Path, out: Path | None = None, clips: int = CLIPS) -> Path:
     from vpf_sim.report.stored_run import open_run
 
     limit_opencv()
+    check_place("--out", out)
     path = out or folder / "report.html"
     run = open_run(folder)
     with prints_on_stderr():

@@ -5,10 +5,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from vpf_sim.cli.progress import FAULTS
 from vpf_sim.cli.tables import number, percent, percent_within, print_table, within
 
 Row = dict[str, Any]
-FAULTS = ("error", "invalid_frame")
 DEFINITIONS = ("range", "span", "tolerance")
 
 

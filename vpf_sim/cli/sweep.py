@@ -50,7 +50,9 @@ def sweep(
         parse_seeds(seeds)
 
     def make() -> Plan:
-        return make_plan({**DEFAULTS, **(read_plan(file) if file else {}), **given}, str(file or "sweep"))
+        told = read_plan(file) if file else {}
+        defaults = {"driver": DEFAULTS["driver"]} if "drives" in told else DEFAULTS
+        return make_plan({**defaults, **told, **given}, str(file or "sweep"))
 
     plan = plan_of(out, resume, bool(given or file), make)
     path = fill("sweep", plan, Means(out, resume, mixed, workers, timeout, cluster))

@@ -26,6 +26,11 @@ def number(value: float | None, digits: int = 2) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
 
 
+def measure(value: float | None, unit: str, digits: int = 2) -> str:
+    """A number with its unit, or a dash alone where there is none."""
+    return number(value, digits) if value is None else f"{number(value, digits)} {unit}"
+
+
 def percent(share: float | None) -> str:
     """A share as a percentage with one decimal."""
     return "-" if share is None else f"{100.0 * share:.1f}"

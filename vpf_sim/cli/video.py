@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.options import prints_on_stderr
+from vpf_sim.cli.options import check_place, prints_on_stderr
 
 if TYPE_CHECKING:
     from vpf_sim.report.redraw import Redrawing
@@ -27,6 +27,7 @@ def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out:
     from vpf_sim.report.redraw import redrawing
     from vpf_sim.report.stored_run import open_run
 
+    check_place("--out", out)
     limit_opencv()
     run = open_run(folder)
     with prints_on_stderr():

@@ -3,7 +3,7 @@
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
-from vpf_sim.types import Command, DriverSetup, Observation, Plan, Privilege
+from vpf_sim.types import Command, DriverSetup, Observation, Perception, Plan, Privilege
 
 if TYPE_CHECKING:
     from vpf_sim.controllers.gtsmc import Gains
@@ -28,20 +28,30 @@ class FieldDriver:
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.controllers.gtsmc import Gtsmc
         from vpf_sim.perception.egomotion.odometry import Odometry
+        from vpf_sim.perception.plausible import Plausibility
         from vpf_sim.planning.planner import Planner
 
         self._planner = Planner(setup, self._variant)
         self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
         self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
+        self._plausibility = Plausibility(setup.vehicle)
         self._plan = None
 
     def act(self, observation: Observation) -> Command:
-        if self._odometry is not None:
-            observation = self._odometry.update(observation)
+        observation = self._measured(observation)
         plan = self._planner.step(observation)
         command = self._controller.command(observation, plan.reference)
         self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
         return command
+
+    def perceive(self, observation: Observation) -> Perception:
+        """What `act` would perceive, without planning or steering; one of the two is called each step."""
+        return self._planner.perceive(self._measured(observation))
+
+    def _measured(self, observation: Observation) -> Observation:
+        """The observation with readings that can be, and with the pose that the odometry makes of it."""
+        observation = self._plausibility.update(observation)
+        return observation if self._odometry is None else self._odometry.update(observation)
 
     @property
     def looks(self) -> bool:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vpf_sim.types import Command, Driver, Observation, Plan
+from vpf_sim.types import Command, Driver, Observation, Perception, Plan
 
 
 def command_of(driver: Driver, observation: Observation) -> Command:
@@ -32,3 +32,17 @@ def trace_of(driver: Driver) -> Plan | None:
     trace = getattr(driver, "trace", None)
     plan = trace() if trace is not None else None
     return plan if isinstance(plan, Plan) else None
+
+
+def perception_of(driver: Driver, observation: Observation) -> Perception | None:
+    """What a driver perceives at a frame, by its `perceive` if it has one, else by the plan that it makes.
+
+    None if it shows neither.
+    """
+    perceive = getattr(driver, "perceive", None)
+    if perceive is not None:
+        seen = perceive(observation)
+        return seen if isinstance(seen, Perception) else None
+    command_of(driver, observation)
+    plan = trace_of(driver)
+    return None if plan is None else plan.perception

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import cast, get_args
 
+from vpf_sim import process_state
 from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
 from vpf_sim.drivers.potential_field import FieldDriver
@@ -90,7 +91,8 @@ def _load(path: str) -> Driver:
     """An instance of the class at "package.module:Class", checked against the driver's protocol."""
     module_name, _, class_name = path.partition(":")
     try:
-        module = import_module(module_name)
+        with process_state.kept():
+            module = import_module(module_name)
     except (ImportError, ValueError) as error:
         raise InputError(f"driver '{path}': cannot import '{module_name}': {error}") from error
     except Exception as error:
@@ -102,7 +104,8 @@ def _load(path: str) -> Driver:
     if missing:
         raise InputError(f"driver '{path}': expected privileged, reset and act; missing: {', '.join(missing)}")
     try:
-        driver = cast(Driver, found())
+        with process_state.kept():
+            driver = cast(Driver, process_state.InItsOwnPlace(found()))
     except TypeError as error:
         raise InputError(f"driver '{path}': expected a class that is made without arguments: {error}") from error
     except Exception as error:

@@ -12,6 +12,7 @@ package imports only those above it:
 - sweeps: many episodes, and the folder that keeps them
 - analysis: what the records of a run say
 - readings: a search over what the paper leaves open
+- perception: perception alone, on the poses of stored drives
 - gate: whether a run keeps the rules
 - machine: whether this machine drives as it should, and how fast
 """

@@ -1,5 +1,6 @@
 """The planner: the stages of the paper in their order, from a frame to a reference."""
 
+from collections import deque
 from dataclasses import replace
 from functools import cache, partial
 
@@ -11,6 +12,7 @@ from vpf_sim.perception.egomotion.camera_pitch import Steadiness
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
 from vpf_sim.perception.egomotion.keyframes import Anchors
+from vpf_sim.perception.frame_gate import FrameGate
 from vpf_sim.perception.obstacles.close_range_verification import SecondLook
 from vpf_sim.perception.obstacles.extent import carried, from_here
 from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
@@ -22,6 +24,7 @@ from vpf_sim.perception.paper import time_to_contact as contact
 from vpf_sim.perception.paper.obstacle_region import Surroundings
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.planning.lane.planner import Valley
+from vpf_sim.planning.lane.speed.limits import eased
 from vpf_sim.planning.paper.planner import GradientLine
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
@@ -36,9 +39,16 @@ from vpf_sim.types import (
     Obstacles,
     Perception,
     Plan,
+    Reference,
     RoadEdges,
     Salience,
 )
+
+NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
+REMEMBERED_S = 2.5  # own motion, for frames that arrive late
+FOLLOWED_S = 0.25  # between two frames, over which points are found again
+BLIND_S = 0.5  # without a new frame, after which the car brakes to a stop
+MOST_LATE = 0.45  # of a period: flow is counted in periods
 
 
 class Planner:
@@ -48,6 +58,7 @@ class Planner:
         # Frames from one look to the next, no more than asked.
         self._every = max(1, int(variant.flow.period_s * setup.rate_hz + 1e-6))
         camera, rate_hz = setup.camera, setup.rate_hz / self._every
+        self._period_s = 1.0 / rate_hz
         self._camera = camera
         self._variant = variant
         self._flow = FlowTracker(camera, variant.flow, rate_hz)
@@ -60,7 +71,10 @@ class Planner:
         self._speed_reference_mps = setup.speed_reference_mps
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
+        self._gate = FrameGate()
+        self._past: deque[Observation] = deque()  # without images, oldest first
         self._frame = 0  # the next one
+        self._waits = 0  # frames since one was due that could not be looked at
         self._seen: Perception | None = None  # of the last frame that was looked at,
         self._seen_s = 0.0  # and when
         self._way = way(setup, variant)
@@ -68,7 +82,7 @@ class Planner:
     @property
     def looks(self) -> bool:
         """Whether it looks at the next frame."""
-        return self._frame % self._every == 0
+        return self._waits > 0 or self._frame % self._every == 0
 
     def step(self, observation: Observation) -> Plan:
         """Perceive, then plan."""
@@ -77,14 +91,41 @@ class Planner:
     def perceive(self, observation: Observation) -> Perception:
         """Flow, focus of expansion, road edges, bodies of one frame; obstacle map and time to contact on request.
 
-        Of a frame that is not looked at, what was seen in the last one that was, from where the vehicle is now.
+        Of a frame that is not looked at or is none, what was seen in the last one that was, from where the vehicle is
+        now. A frame that arrives late is looked at from where it was taken.
         """
-        pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
-        looks, self._frame = self.looks, self._frame + 1
-        if self._seen is None or looks:
-            self._seen, self._seen_s = self._look(observation, pose), observation.time_s
-            return self._seen
-        return self._carried(self._seen, observation, pose)
+        is_due, self._frame = self.looks, self._frame + 1
+        taken = self._taken(observation)
+        if self._seen is None or (is_due and taken is not None):
+            taken = taken or observation
+            self._seen, self._seen_s = self._look(taken, _pose(taken)), taken.time_s
+            self._waits = 0
+            if taken is observation:
+                return self._seen
+        elif is_due:
+            self._waits += 1
+        return self._carried(self._seen, observation, _pose(observation))
+
+    def unless_blind(self, reference: Reference, observation: Observation) -> Reference:
+        """The reference; after too long without a new frame, one that brakes to a stop."""
+        if observation.time_s - self._seen_s <= BLIND_S:
+            return reference
+        return replace(reference, speed_mps=min(reference.speed_mps, max(eased(observation.speed_mps), 0.0)))
+
+    def _taken(self, observation: Observation) -> Observation | None:
+        """The observation of the moment at which the frame was taken; None without a frame to be trusted."""
+        oldest_s = observation.time_s - REMEMBERED_S
+        while self._past and self._past[0].time_s < oldest_s:
+            self._past.popleft()
+        self._past.append(replace(observation, image=NO_IMAGE))
+        if not observation.image.size:
+            return None
+        if observation.frame_time_s < observation.time_s:
+            then = [past for past in self._past if past.time_s <= observation.frame_time_s + 1e-6]
+            taken = replace(then[-1] if then else self._past[0], image=observation.image)
+        else:
+            taken = observation
+        return taken if self._gate.passes(taken.image, taken.frame_time_s, (taken.x_m, taken.y_m)) else None
 
     def _carried(self, seen: Perception, observation: Observation, pose: Floats) -> Perception:
         """What was seen, at another pose: by the own motion, and that of the bodies."""
@@ -93,7 +134,16 @@ class Planner:
         if suspects is not None:
             suspects = from_here(suspects, seen.pose, pose, speed_mps)
         bodies = self._known(seen, observation, pose)
-        return replace(seen, obstacles=bodies, road=road, pose=pose, suspects=suspects)
+        sight_m = self._sight_m(seen, observation)
+        return replace(seen, obstacles=bodies, road=road, pose=pose, suspects=suspects, low_sight_m=sight_m)
+
+    def _sight_m(self, seen: Perception, observation: Observation) -> tuple[float, float]:
+        """How far low bodies would be suspected: less the way that was driven since a frame that is late."""
+        since_s = observation.time_s - self._seen_s
+        if since_s <= 1.5 * self._period_s:
+            return seen.low_sight_m
+        now_m, best_m = seen.low_sight_m
+        return max(now_m - observation.speed_mps * (since_s - self._period_s), 0.0), best_m
 
     def _known(self, seen: Perception, observation: Observation, pose: Floats) -> Obstacles:
         """The bodies of the last look, in the axes of another pose and where those that move are by now."""
@@ -103,7 +153,9 @@ class Planner:
     def _look(self, observation: Observation, pose: Floats) -> Perception:
         """What one frame shows."""
         image = grey(observation.image)
-        flow = self._flow.update(image, pose)
+        if observation.time_s - self._seen_s > max(FOLLOWED_S, 2.5 * self._period_s):
+            self._flow.restart()
+        flow = self._flow.update(image, pose, late=min(self._waits / self._every, MOST_LATE))
         if self._anchors is not None:
             self._anchors.note(image)
         turned = expansion.derotated(flow, self._camera)
@@ -203,7 +255,7 @@ class Planner:
     def plan(self, perception: Perception, observation: Observation) -> Plan:
         """Target, obstacle and road field, their sum, heading and speed reference."""
         force, reference, extra = self._way.step(perception, observation)
-        return Plan(perception, force, reference, extra)
+        return Plan(perception, force, self.unless_blind(reference, observation), extra)
 
 
 def way(setup: DriverSetup, variant: Variant) -> GradientLine | Valley:
@@ -212,6 +264,11 @@ def way(setup: DriverSetup, variant: Variant) -> GradientLine | Valley:
         return Valley(setup, variant.valley)
     assert variant.gradient_line is not None  # Variant has checked
     return GradientLine(setup, variant.gradient_line)
+
+
+def _pose(observation: Observation) -> Floats:
+    """(3,) x m, y m, yaw rad."""
+    return np.array([observation.x_m, observation.y_m, observation.yaw_rad])
 
 
 def _nothing() -> Obstacles:

@@ -143,7 +143,7 @@ def _rows(
     lead = LeadBody(recording.camera, recording.rate_hz)
     segment, number, moved_m = Segment(0, 0, (0.0, 0.0), 0.0), -1, 0.0
     last = Decision(Command(0.0, 0.0) if asked else Command(nan, nan))
-    for k, image in _images(recording, clock, gathered.faults):
+    for k, image, taken_s in _images(recording, clock, gathered.faults):
         if k == segment.stop:
             segment, number = next(parts), number + 1
             if asked is not None:
@@ -154,7 +154,7 @@ def _rows(
         if image is not None and asked is not None:
             began = thread_time()
             with driver_error.at_frame(k):
-                decision = asked.decide(_observation(recording, k, image, segment), _interval(recording, k))
+                decision = asked.decide(_observation(recording, k, image, taken_s, segment), _interval(recording, k))
             clock.driver_ms.append(1e3 * (thread_time() - began))
             last = _unless_doubtful(decision, last, row.speed_mps)
             row = row._replace(image=1.0, **_seen(last))
@@ -183,10 +183,13 @@ def _unless_doubtful(decision: Decision, last: Decision, speed_mps: float) -> De
     return replace(decision, command=last.command, is_held=True) if doubtful else decision
 
 
-def _images(recording: Recording, clock: Clock, faults: list[str]) -> Iterator[tuple[int, Image | None]]:
-    """Every frame with its number, None for a gap; frames without a picture where the recording has none at all."""
+def _images(recording: Recording, clock: Clock, faults: list[str]) -> Iterator[tuple[int, Image | None, float]]:
+    """Every frame with its number and when it was taken, s; None for a gap.
+
+    Where the recording has no pictures at all, frames have none.
+    """
     if recording.no_images:
-        yield from ((k, NO_IMAGE) for k in range(len(recording)))
+        yield from ((k, NO_IMAGE, float(recording.times_s[k])) for k in range(len(recording)))
         return
     frames = recording.frames()
     for k in range(len(recording)):
@@ -195,7 +198,8 @@ def _images(recording: Recording, clock: Clock, faults: list[str]) -> Iterator[t
         clock.reading_ms.append(1e3 * (thread_time() - began))
         if frame is not None and frame.fault:
             faults.append(frame.fault)
-        yield k, frame.image if frame is not None else None
+        taken_s = float(recording.times_s[k]) if frame is None or frame.time_s is None else frame.time_s
+        yield k, frame.image if frame is not None else None, taken_s
 
 
 def _setup(recording: Recording, driver: Driver) -> DriverSetup:
@@ -214,7 +218,7 @@ def _setup(recording: Recording, driver: Driver) -> DriverSetup:
     )
 
 
-def _observation(recording: Recording, k: int, image: Image, segment: Segment) -> Observation:
+def _observation(recording: Recording, k: int, image: Image, taken_s: float, segment: Segment) -> Observation:
     x, y, yaw = (float(value) for value in recording.poses[k])
     return Observation(
         image=image,
@@ -225,6 +229,7 @@ def _observation(recording: Recording, k: int, image: Image, segment: Segment) -
         speed_mps=max(float(recording.speed_mps[k]), 0.0),  # no driver here knows of reverse
         yaw_rate_radps=float(recording.yaw_rate_radps[k]),
         goal_m=segment.goal_m,
+        frame_time_s=taken_s,
     )
 
 
@@ -284,9 +289,9 @@ def _own(motion: OwnMotion) -> dict[str, float]:
 
 
 def _added(recording: Recording) -> str | None:
-    """What was added to the pictures that the camera did not see; such a drive stands in no recorded cell."""
-    origin = recording.origins.get("weather")
-    return origin.how if origin is not None and origin.kind != "recorded" else None
+    """What was added to what the sensors told; such a drive stands in no recorded cell."""
+    origins = [recording.origins[name] for name in ("weather", "sensor_faults") if name in recording.origins]
+    return "; ".join(origin.how for origin in origins if origin.kind != "recorded") or None
 
 
 def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTable) -> dict[str, Any]:

@@ -99,7 +99,8 @@ class FieldPilot:
         return Decision(command, self._shown(plan, replace(seen, road=lane)), found)
 
     def _planned(self, from_model: Perception, observation: Observation) -> Plan:
-        return Plan(from_model, *self._way.step(from_model, self._at_model(observation)))
+        force, reference, extra = self._way.step(from_model, self._at_model(observation))
+        return Plan(from_model, force, self._eyes.unless_blind(reference, observation), extra)
 
     def _kept_on(self, seen: Perception, observation: Observation) -> Plan:
         """Course and speed as they are: without a lane there is nothing to decide by.

@@ -55,6 +55,7 @@ class Frame:
     index: int
     image: Image | None  # (H, W, 3) RGB
     fault: str = ""  # one line; empty where there is an image
+    time_s: float | None = None  # when the picture was taken; None: at the time of its number
 
 
 @dataclass(frozen=True, slots=True)

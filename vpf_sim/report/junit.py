@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
-from vpf_sim.evaluation.gate.gate import Check
+from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.files import write_bytes
 
 SUITE = "vpf-sim check"

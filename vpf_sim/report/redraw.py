@@ -18,14 +18,12 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_bodies
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
+from vpf_sim.evaluation.episode.on_rails import SAME, OnRails, rate_of
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.geometry import wrap_angle
 from vpf_sim.report.from_above import Body, Scene
 from vpf_sim.report.stored_run import Record, StoredRun
-from vpf_sim.types import Camera, Command, Driver, Floats, Image, Observation, Plan
+from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
 
-RATES_HZ = (60.0, 20.0)
-SAME = 1e-9  # m, rad, m/s: less than this is no other place
 BEYOND_M = 60.0  # of the road's ends that is drawn
 EVERY_M = 2.0
 
@@ -76,8 +74,8 @@ class Redrawing:
         same = self.record.get("frames_sha256") in (None, digest.hexdigest())  # None: its driver looked at no frame
         self._remark(same, world.moved_m, thinker)
 
-    def _world(self) -> "_OnRails":
-        return _OnRails(self.record, self.table, self.rate_hz)
+    def _world(self) -> OnRails:
+        return OnRails(self.record["scenario"], self.record["weather"], self.table)
 
     def _remark(self, same: bool, moved_m: float, thinker: "_Thinker | None") -> None:
         if not same:
@@ -88,28 +86,6 @@ class Redrawing:
             self.remarks.append(f"the car would now be up to {moved_m:.2f} m elsewhere: it is drawn where it was")
         if thinker is not None:
             self.remarks += thinker.remarks
-
-
-class _OnRails(FourLane):
-    """The episode's world, in which the car is after each step where the step table says."""
-
-    def __init__(self, record: Record, table: StepTable, rate_hz: float) -> None:
-        super().__init__(record["scenario"], record["weather"], rate_hz=rate_hz)
-        self._table, self._row = table, 0
-        self.moved_m = 0.0  # the farthest that the car had to be moved
-
-    def advance(self, command: Floats) -> None:
-        super().advance(command)
-        self._row += 1
-        place, yaw_rad = self._table.positions_m[self._row], float(self._table.yaw_rad[self._row])
-        speed_mps = float(self._table.speed_mps[self._row])
-        off_m = float(np.hypot(*(self.ego.position - place)))
-        turn = wrap_angle(yaw_rad - self.ego.heading)
-        if max(off_m, abs(turn), abs(speed_mps - self.ego.speed)) > SAME:
-            self.moved_m = max(self.moved_m, off_m)
-            self.ego.position, self.ego.speed = place.copy(), speed_mps
-            self.ego.heading += turn
-            self.ego.on_state_update()
 
 
 class _Thinker:
@@ -145,12 +121,6 @@ def redrawing(run: StoredRun, episode_id: str, think: bool) -> Redrawing:
     if table is None:
         raise InputError(f"{episode_id}: expected an episode with steps, got one that never began ({record['status']})")
     return Redrawing(record, table, think)
-
-
-def rate_of(table: StepTable) -> float:
-    """The clock of the episode, Hz."""
-    measured = 1.0 / float(table.time_s[1] - table.time_s[0])
-    return min(RATES_HZ, key=lambda rate: abs(rate - measured))
 
 
 def scene_of(world: FourLane) -> Scene:

@@ -13,7 +13,7 @@ from vpf_sim.envs.camera.ground.paint import painted
 from vpf_sim.envs.camera.ground.palette import RAMP, blotch_strength, grain_strength, ground_table
 from vpf_sim.envs.camera.ground.patches import patch_of, sample
 from vpf_sim.envs.camera.ground.raster import Raster
-from vpf_sim.envs.camera.ground.surface import Polygons, Surface
+from vpf_sim.envs.camera.ground.surface import Surface
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
@@ -33,10 +33,10 @@ class Ground:
     ) -> None:
         self._top = ground_top(camera)
         self._levels = levels(camera)
-        polygons = Polygons(painted(shapes, seed))
+        batches = painted(shapes, seed)
         self._patches = []
         for level, gain in zip(self._levels, even_gains(camera), strict=True):
-            surface = Surface(polygons, level.near_m, NEAR_FINE if level.steep else FAR_FINE)
+            surface = Surface(batches, level.near_m, NEAR_FINE if level.steep else FAR_FINE)
             self._patches.append(patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain)))
         self._table = ground_table(light, wetness, RAMP if look is None else ramp(look.verge, look.surface, look.worn))
         self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)

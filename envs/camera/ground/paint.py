@@ -1,11 +1,12 @@
 """What is painted on the ground: carriageway, shoulders, patches, markings, as polygons of palette values.
 
-All of it is flat and never moves, so it is cut into polygons of a few shapes once, when the road is new.
+All of it is flat and never moves, so it is cut into polygons of a few shapes once, when the road is new; what else
+drawing them takes is worked out for those about the camera.
 """
 
-from dataclasses import dataclass
-from itertools import pairwise
-from math import inf
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,7 @@ RAGGED_STEP_M, RAGGED_RANGE_M = 0.7, 28.0
 CHUNK, CHUNK_M = 10, 20.0  # stretches between samples in one polygon at most, and their length
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Batch:
     """Polygons of one number of vertices; those of one strip follow each other and do not overlap."""
 
@@ -43,6 +44,26 @@ class Batch:
     strips: NDArray[np.int64]  # (n,) which strip each belongs to
     thin: bool  # lines, whose width must be kept to a fraction of a pixel
     range_m: float = inf  # levels that begin farther ahead do not show it
+
+    def near(self, place: Floats, reach_m: float) -> "Batch":
+        """Those that reach so near to a place (2,), and some more."""
+        x, y = self._firsts_m - place[:, None]
+        chosen = np.flatnonzero(x * x + y * y < (reach_m + self._extent_m) ** 2)
+        return replace(self, polygons_m=self.polygons_m[chosen], values=self.values[chosen], strips=self.strips[chosen])
+
+    @cached_property
+    def _firsts_m(self) -> Floats:
+        """(2, n) their first vertices."""
+        return np.ascontiguousarray(self.polygons_m[:, 0].T)
+
+    @cached_property
+    def _extent_m(self) -> float:
+        """How far any of the polygons reaches from its first vertex."""
+        farthest = 0.0
+        for i in range(1, self.polygons_m.shape[1]):
+            x, y = self.polygons_m[:, i].T - self._firsts_m
+            farthest = max(farthest, float((x * x + y * y).max(initial=0.0)))
+        return sqrt(farthest)
 
     @property
     def centres_m(self) -> Floats:
@@ -117,22 +138,24 @@ def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: 
 
 def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float = inf) -> Batch:
     """Strips between two edges, cut into polygons that are neither long nor of many stretches."""
-    polygons, values, owners = [], [], []
+    polygons, values, owners = [np.empty((0, 2 * CHUNK + 2, 2))], [], []
     for owner, (left, right, value) in enumerate(strips):
-        for first, last in pairwise(_cuts(left)):
-            index = np.minimum(np.arange(first, first + CHUNK + 1), last)
-            polygons.append(np.concatenate([left[index], right[index[::-1]]]))
-            values.append(value)
-            owners.append(owner)
-    shape = (len(polygons), 2 * CHUNK + 2, 2)
-    return Batch(np.reshape(polygons, shape), np.array(values, np.int64), np.array(owners, np.int64), thin, range_m)
+        cuts = _cuts(left)
+        index = np.minimum(cuts[:-1, None] + np.arange(CHUNK + 1), cuts[1:, None])
+        polygons.append(np.concatenate([left[index], right[index[:, ::-1]]], axis=1))
+        values += [value] * len(index)
+        owners += [owner] * len(index)
+    return Batch(np.concatenate(polygons), np.array(values, np.int64), np.array(owners, np.int64), thin, range_m)
 
 
-def _cuts(points: Floats) -> list[int]:
+def _cuts(points: Floats) -> NDArray[np.int64]:
     """Indices at which a polyline (M, 2) is cut, its ends included."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)), np.full(CHUNK, np.inf)])
+    last = len(points) - 1
+    long = np.array([along[k + 1 :][:last] - along[:last] > CHUNK_M for k in range(1, CHUNK)])
+    reach = np.where(long.any(axis=0), long.argmax(axis=0) + 1, CHUNK)  # stretches from each point to the next cut
+    following = np.minimum(np.arange(last) + reach, last).tolist()
     cuts = [0]
-    for i in range(1, len(points)):
-        if i == len(points) - 1 or i - cuts[-1] == CHUNK or along[i + 1] - along[cuts[-1]] > CHUNK_M:
-            cuts.append(i)
-    return cuts
+    while cuts[-1] < last:
+        cuts.append(following[cuts[-1]])
+    return np.array(cuts)

@@ -20,20 +20,20 @@ Indices = NDArray[np.int64]
 
 
 class Polygons:
-    """All polygons of a road in the order in which they are laid, their vertices in one array.
+    """Polygons of a road in the order in which they are laid, their vertices in one array.
 
     Vertices that repeat the one before, with which short polygons fill their batch, are left out.
     """
 
     def __init__(self, batches: list[Batch]) -> None:
         points = np.concatenate([batch.polygons_m.reshape(-1, 2) for batch in batches])
-        across, along = (np.concatenate([of(batch).reshape(-1, 2) for batch in batches]) for of in (_across, _along))
+        across, along = (np.concatenate([of(batch) for batch in batches]) for of in (_across, _along))
         thin = np.concatenate([np.full(batch.polygons_m[..., 0].size, batch.thin) for batch in batches])
         counts = np.concatenate([np.full(len(b.values), b.polygons_m.shape[1]) for b in batches])
         starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-        kept = np.diff(points, axis=0, prepend=np.nan).any(axis=1)
-        sides = np.concatenate([across, along], axis=1)  # by which strips are narrowed
-        kept |= thin & np.diff(sides, axis=0, prepend=np.nan).any(axis=1)
+        kept = _differ(points)
+        narrowed = np.flatnonzero(thin)
+        kept[narrowed] |= (_differ(across) | _differ(along))[narrowed]
         kept[starts] = True
         self.points_m, self.across_m, self.along_m, self.thin = points[kept], across[kept], along[kept], thin[kept]
         self.counts = np.add.reduceat(kept, starts, dtype=np.int64)
@@ -41,7 +41,6 @@ class Polygons:
         self.values = np.concatenate([batch.values for batch in batches])
         self.centres_m = np.concatenate([batch.centres_m for batch in batches])
         self.radii_m = np.concatenate([batch.radii_m for batch in batches])
-        self.ranges_m = np.concatenate([np.full(len(batch.values), batch.range_m) for batch in batches])
         strips = np.concatenate([batch.strips for batch in batches])
         owner = np.repeat(np.arange(len(batches)), [len(batch.values) for batch in batches])
         self.runs = np.cumsum(np.diff(strips, prepend=-1).astype(bool) | np.diff(owner, prepend=-1).astype(bool))
@@ -50,12 +49,10 @@ class Polygons:
 class Surface:
     """Draws what is painted on the ground, for rasters that lie near each other, seen from a depth of `near_m` on."""
 
-    def __init__(self, polygons: Polygons, near_m: float, fine: tuple[int, int]) -> None:
-        self._polygons = polygons
+    def __init__(self, batches: list[Batch], near_m: float, fine: tuple[int, int]) -> None:
+        self._batches = [batch for batch in batches if batch.range_m > near_m]
         self._fine = fine  # pixels of the canvas per texel, across and along
-        self._shown = np.flatnonzero(polygons.ranges_m > near_m)
-        self._close = self._shown[:0]
-        self._discs_m = (polygons.centres_m[:0], polygons.radii_m[:0])
+        self._close: Polygons | None = None
         self._middle = np.full(2, np.inf)
         self._reach_m = 0.0
 
@@ -63,70 +60,74 @@ class Surface:
         """(rows, columns) palette values."""
         fine_x, fine_y = self._fine
         canvas = np.full((fine_y * raster.rows, fine_x * raster.columns), GRASS, np.uint8)
-        seen = self._seen(raster)
-        if len(seen):
-            self._fill(canvas, seen, raster.finer(fine_x, fine_y))
+        polygons, seen = self._seen(raster)
+        if polygons is not None and len(seen):
+            _fill(canvas, polygons, seen, raster.finer(fine_x, fine_y))
         while len(canvas) > fine_x * raster.rows:
             canvas = np.asarray(cv2.addWeighted(canvas[0::2], 0.5, canvas[1::2], 0.5, 0.0), np.uint8)
         return np.asarray(cv2.resize(canvas, (raster.columns, raster.rows), interpolation=cv2.INTER_AREA), np.uint8)
 
-    def _seen(self, raster: Raster) -> Indices:
-        """Which polygons may touch a raster."""
+    def _seen(self, raster: Raster) -> tuple[Polygons | None, Indices]:
+        """The polygons near a raster, None if there are none, and which of them may touch it."""
         outline = raster.outline()
         middle = outline.mean(axis=0)
         reach = float(np.hypot(*(outline - middle).T).max())
         if not np.hypot(*(middle - self._middle)) + reach <= self._reach_m:
             self._middle, self._reach_m = middle, reach + STEP_M
-            away = np.hypot(*(self._polygons.centres_m[self._shown] - middle).T)
-            self._close = self._shown[away - self._polygons.radii_m[self._shown] < self._reach_m]
-            self._discs_m = (self._polygons.centres_m[self._close], self._polygons.radii_m[self._close])
+            near = [batch.near(middle, self._reach_m) for batch in self._batches]
+            close = [batch for batch in near if len(batch.values)]
+            self._close = Polygons(close) if close else None
+        polygons = self._close
+        if polygons is None:
+            return None, np.empty(0, np.int64)
         sides = outline[[1, 2, 3, 0]] - outline
         normals = sides[:, ::-1] * (1.0, -1.0) / np.hypot(*sides.T)[:, None]
         normals *= np.sign(np.sum((outline - middle) * normals, axis=1))[:, None]  # outward
-        centres_m, radii_m = self._discs_m
-        outside = normals @ centres_m.T - np.sum(outline * normals, axis=1)[:, None]
-        return np.asarray(self._close[outside.max(axis=0) < radii_m])
+        outside = normals @ polygons.centres_m.T - np.sum(outline * normals, axis=1)[:, None]
+        return polygons, np.flatnonzero(outside.max(axis=0) < polygons.radii_m)
 
-    def _fill(self, canvas: Image, seen: Indices, matrix: Floats) -> None:
-        """Fill polygons, those of one strip in one call."""
-        counts = self._polygons.counts[seen]
-        ends = np.cumsum(counts)
-        starts = ends - counts
-        vertices = np.repeat(self._polygons.starts[seen] - starts, counts) + np.arange(ends[-1])
-        corners = self._narrowed(vertices, matrix)
-        fixed = _fixed(corners)
-        polygons = [fixed[a:b] for a, b in zip(starts.tolist(), ends.tolist(), strict=True)]
-        ahead = corners[:, 2] > NEAR_M
-        cut = np.flatnonzero(~np.logical_and.reduceat(ahead, starts))
-        if len(cut):
-            padded = starts[cut, None] + np.minimum(np.arange(counts.max()), counts[cut, None] - 1)
-            for index, polygon in zip(cut.tolist(), _clipped(corners[padded], ahead[padded]), strict=True):
-                polygons[index] = polygon
-        last = [*(np.flatnonzero(np.diff(self._polygons.runs[seen])) + 1).tolist(), len(seen)]
-        first = 0
-        for end, value in zip(last, self._polygons.values[seen[np.array(last) - 1]].tolist(), strict=True):
-            cv2.fillPoly(canvas, polygons[first:end], value, cv2.LINE_8, SHIFT)
-            first = end
 
-    def _narrowed(self, vertices: Indices, matrix: Floats) -> Floats:
-        """(P, 3) vertices in homogeneous coordinates of the canvas, strips narrowed by what OpenCV's filling adds on
-        either side: half a pixel, counted along the axis that the edge is steeper against."""
-        points = _homogeneous(self._polygons.points_m.take(vertices, axis=0), matrix)
-        thin = np.flatnonzero(self._polygons.thin[vertices] & (points[:, 2] > NEAR_M))
-        if len(thin):
-            index, here = vertices[thin], points.take(thin, axis=0)
-            across_m, along_m = (of.take(index, axis=0) for of in (self._polygons.across_m, self._polygons.along_m))
-            pixels = here[:, :2] / here[:, 2:]
-            across, along = (
-                (vector @ matrix[:, :2].T)[:, :2] - (vector @ matrix[2, :2])[:, None] * pixels
-                for vector in (across_m, along_m)
-            )  # on the canvas, times the depth
-            turned = np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
-            steeper = np.maximum(np.abs(along[:, 0]), np.abs(along[:, 1]))
-            share = 0.5 * here[:, 2] * steeper / np.maximum(turned, 1e-9)
-            inward = np.minimum(share, 0.45)[:, None] * across_m
-            points[thin] += inward @ matrix[:, :2].T
-        return points
+def _fill(canvas: Image, polygons: Polygons, seen: Indices, matrix: Floats) -> None:
+    """Fill polygons, those of one strip in one call."""
+    counts = polygons.counts[seen]
+    ends = np.cumsum(counts)
+    starts = ends - counts
+    vertices = np.repeat(polygons.starts[seen] - starts, counts) + np.arange(ends[-1])
+    corners = _narrowed(polygons, vertices, matrix)
+    fixed = _fixed(corners)
+    outlines = [fixed[a:b] for a, b in zip(starts.tolist(), ends.tolist(), strict=True)]
+    ahead = corners[:, 2] > NEAR_M
+    cut = np.flatnonzero(~np.logical_and.reduceat(ahead, starts))
+    if len(cut):
+        padded = starts[cut, None] + np.minimum(np.arange(counts.max()), counts[cut, None] - 1)
+        for index, polygon in zip(cut.tolist(), _clipped(corners[padded], ahead[padded]), strict=True):
+            outlines[index] = polygon
+    last = [*(np.flatnonzero(np.diff(polygons.runs[seen])) + 1).tolist(), len(seen)]
+    first = 0
+    for end, value in zip(last, polygons.values[seen[np.array(last) - 1]].tolist(), strict=True):
+        cv2.fillPoly(canvas, outlines[first:end], value, cv2.LINE_8, SHIFT)
+        first = end
+
+
+def _narrowed(polygons: Polygons, vertices: Indices, matrix: Floats) -> Floats:
+    """(P, 3) vertices in homogeneous coordinates of the canvas, strips narrowed by what OpenCV's filling adds on
+    either side: half a pixel, counted along the axis that the edge is steeper against."""
+    points = _homogeneous(polygons.points_m.take(vertices, axis=0), matrix)
+    thin = np.flatnonzero(polygons.thin[vertices] & (points[:, 2] > NEAR_M))
+    if len(thin):
+        index, here = vertices[thin], points.take(thin, axis=0)
+        across_m, along_m = (of.take(index, axis=0) for of in (polygons.across_m, polygons.along_m))
+        pixels = here[:, :2] / here[:, 2:]
+        across, along = (
+            (vector @ matrix[:, :2].T)[:, :2] - (vector @ matrix[2, :2])[:, None] * pixels
+            for vector in (across_m, along_m)
+        )  # on the canvas, times the depth
+        turned = np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
+        steeper = np.maximum(np.abs(along[:, 0]), np.abs(along[:, 1]))
+        share = 0.5 * here[:, 2] * steeper / np.maximum(turned, 1e-9)
+        inward = np.minimum(share, 0.45)[:, None] * across_m
+        points[thin] += inward @ matrix[:, :2].T
+    return points
 
 
 def _homogeneous(points: Floats, matrix: Floats) -> Floats:
@@ -148,13 +149,23 @@ def _clipped(polygons: Floats, inside: Bools) -> NDArray[np.int32]:
     return fixed
 
 
+def _differ(points: Floats) -> Bools:
+    """(P,) which points (P, 2) are another than the one before."""
+    x, y = np.diff(points, axis=0, prepend=np.nan).T
+    return np.asarray((x != 0.0) | (y != 0.0))
+
+
 def _across(batch: Batch) -> Floats:
-    """(n, V, 2) m from each vertex of a strip to the one beside it, 0 for other polygons."""
-    return batch.polygons_m[:, ::-1] - batch.polygons_m if batch.thin else np.zeros_like(batch.polygons_m)
+    """(n V, 2) m from each vertex of a thin strip to the one beside it; those of others are not needed."""
+    polygons = batch.polygons_m
+    return (polygons[:, ::-1] - polygons if batch.thin else np.zeros_like(polygons)).reshape(-1, 2)
 
 
 def _along(batch: Batch) -> Floats:
-    """(n, V, 2) m along the side of a strip at each vertex."""
-    half = batch.polygons_m.shape[1] // 2
-    sides = (batch.polygons_m[:, :half], batch.polygons_m[:, half:])
-    return np.concatenate([np.gradient(side, axis=1) for side in sides], axis=1)
+    """(n V, 2) m along the side of a thin strip at each vertex; those of others are not needed."""
+    polygons = batch.polygons_m
+    if not batch.thin:
+        return np.zeros((polygons.shape[0] * polygons.shape[1], 2))
+    half = polygons.shape[1] // 2
+    sides = (polygons[:, :half], polygons[:, half:])
+    return np.concatenate([np.gradient(side, axis=1) for side in sides], axis=1).reshape(-1, 2)

@@ -55,15 +55,21 @@ def flakes(lines: list[Line], rng: np.random.Generator) -> Floats:
     for line in lines:
         first, last = float(line.s_m[0]), float(line.s_m[-1])
         s = rng.uniform(first, last, int((last - first) / FLAKE_SPACING_M))
-        middle, ahead = (interpolated(s + shift, line.s_m, line.points_m) for shift in (0.0, 0.05))
+        order = np.argsort(s)  # a search in order is several times as fast
+        places = (interpolated(s[order] + shift, line.s_m, line.points_m) for shift in (0.0, 0.05))
+        middle, ahead = (place[np.argsort(order)] for place in places)
         along = ahead - middle
         along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
         middle = middle + rng.uniform(-0.08, 0.08, (len(s), 1)) * across
-        corners = np.array([[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]]) * rng.uniform(0.5, 1.5, (len(s), 4, 1))
-        size = np.stack([rng.uniform(0.02, 0.10, len(s)), rng.uniform(0.008, 0.022, len(s))], axis=1)
-        place = corners * size[:, None]
-        result.append(middle[:, None] + place[..., :1] * along[:, None] + place[..., 1:] * across[:, None])
+        askew = rng.uniform(0.5, 1.5, (len(s), 4, 1))[..., 0]
+        long, wide = rng.uniform(0.02, 0.10, len(s)), rng.uniform(0.008, 0.022, len(s))
+        polygons = np.empty((len(s), 4, 2))
+        for i, (ahead_of_it, beside_it) in enumerate(((-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0))):
+            a, b = ahead_of_it * askew[:, i] * long, beside_it * askew[:, i] * wide
+            for axis in range(2):
+                polygons[:, i, axis] = middle[:, axis] + a * along[:, axis] + b * across[:, axis]
+        result.append(polygons)
     return np.concatenate(result)
 
 

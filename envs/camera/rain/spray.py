@@ -73,8 +73,8 @@ class Spray:
     def _puffs(self, index: int, now: Snapshot, before: Snapshot, gap_s: float) -> tuple[list[Drawn], list[Drawn]]:
         """A body's puffs: those farther away than it, and those nearer."""
         body = now.bodies[index]
-        pose = now.poses[id(body)]
-        speed = float(np.hypot(*(pose - before.poses.get(id(body), pose))[:2])) / gap_s
+        pose = now.poses[body]
+        speed = float(np.hypot(*(pose - before.poses.get(body, pose))[:2])) / gap_s
         strength = self._strength * min(1.0, (speed - SLOWEST_MPS) / (FULL_MPS - SLOWEST_MPS))
         if strength <= 0.0:
             return [], []

@@ -108,7 +108,8 @@ def _mast(b: MeshBuilder, low_radius: float, high_radius: float, height: float, 
         b.whole([*foot, *tip], colour)
 
 
-def gantry(width: float, lane_middles_m: list[float], seed: int) -> tuple[Mesh, ...]:
+@lru_cache(maxsize=64)
+def gantry(width: float, lane_middles_m: tuple[float, ...], seed: int) -> tuple[Mesh, ...]:
     """A gantry over a road, its legs `width` m apart, with a board or a signal over each lane; y = 0 in its middle.
 
     Its legs, and what they carry.

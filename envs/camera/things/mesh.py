@@ -4,6 +4,7 @@ Body axes: x forward, y right, z up from the road, origin under the middle of th
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,11 @@ Point = tuple[float, float, float]
 Colour = tuple[float, float, float]
 
 VERTICES = 12  # every face has this many; the last one is repeated
+WHOLE = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)]  # the outline of all of a panel
+UNIT: list[Point] = [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 1.0), (0.0, 0.0, 1.0)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Mesh:
     """F faces in painter's order: what is drawn later covers what was drawn before."""
 
@@ -34,7 +37,7 @@ class Mesh:
     def height_m(self) -> float:
         return float(self.faces_m[..., 2].max())
 
-    @property
+    @cached_property
     def reach_m(self) -> float:
         """How far it reaches from its origin."""
         return float(np.linalg.norm(self.faces_m, axis=2).max())
@@ -42,10 +45,11 @@ class Mesh:
 
 @dataclass(slots=True)
 class MeshBuilder:
-    """Collects faces."""
+    """Collects faces. What they are in m is worked out for all of them at once, at the end: a road has thousands."""
 
-    faces: list[Floats] = field(default_factory=list)
-    normals: list[Floats] = field(default_factory=list)
+    panels: list[list[Point]] = field(default_factory=list)
+    outlines: list[list[tuple[float, float]]] = field(default_factory=list)
+    discs: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)  # by face: its points and its normal
     colours: list[Colour] = field(default_factory=list)
     lit: list[bool] = field(default_factory=list)
     parts: list[int] = field(default_factory=list)
@@ -67,30 +71,34 @@ class MeshBuilder:
 
     def shape(self, panel: list[Point], outline: list[tuple[float, float]], colour: Colour, lit: bool = True) -> None:
         """Add a polygon that lies on a panel, given as parts (right, up) of it."""
-        bottom_left, bottom_right, top_right, top_left = np.asarray(panel, float)
-        uv = np.asarray(outline, float)
-        u, v = uv[:, :1], uv[:, 1:]
-        points = (1 - v) * ((1 - u) * bottom_left + u * bottom_right) + v * ((1 - u) * top_left + u * top_right)
-        normal = np.cross(top_left - bottom_left, bottom_right - bottom_left)
-        self._add(points, normal / np.linalg.norm(normal), colour, lit)
+        self.panels.append(panel)
+        self.outlines.append(outline + outline[-1:] * (VERTICES - len(outline)))
+        self.colours.append(colour)
+        self.lit.append(lit)
+        self.parts.append(self.part)
+        self.distances.append(self.drawn_m)
 
     def whole(self, panel: list[Point], colour: Colour, lit: bool = True) -> None:
         """Add a panel itself."""
-        self.shape(panel, [(0, 0), (0, 1), (1, 1), (1, 0)], colour, lit)
+        self.shape(panel, WHOLE, colour, lit)
 
     def disc(self, centre: Point, radius: float, side: int, colour: Colour) -> None:
         """Add an upright disc that faces left (side -1) or right (+1)."""
         angle = np.linspace(0.0, 2.0 * np.pi, VERTICES, endpoint=False)
         x, z = centre[0] + radius * np.cos(angle), np.maximum(0.0, centre[2] + radius * np.sin(angle))
         points = np.stack([x, np.full(VERTICES, centre[1]), z], axis=1)
-        self._add(points, np.array([0.0, float(side), 0.0]), colour, True)
+        self.discs[len(self.panels)] = points, np.array([0.0, float(side), 0.0])
+        self.shape(UNIT, WHOLE, colour)
 
     def build(self) -> Mesh:
-        faces, parts, distances = np.array(self.faces), np.array(self.parts), np.array(self.distances)
+        faces, normals = _on_panels(np.array(self.panels, float), np.array(self.outlines, float))
+        for index, (points, normal) in self.discs.items():
+            faces[index], normals[index] = points, normal
+        parts, distances = np.array(self.parts), np.array(self.distances)
         centres = [faces[parts == part].mean(axis=(0, 1)) for part in range(self.part + 1)]
         return Mesh(
             faces_m=faces,
-            normals=np.array(self.normals),
+            normals=normals,
             colours=np.array(self.colours, float),
             lit=np.array(self.lit),
             parts=parts,
@@ -100,14 +108,16 @@ class MeshBuilder:
             centres_m=np.array(centres),
         )
 
-    def _add(self, points: Floats, normal: Floats, colour: Colour, lit: bool) -> None:
-        index = np.minimum(np.arange(VERTICES), len(points) - 1)
-        self.faces.append(points[index])
-        self.normals.append(normal)
-        self.colours.append(colour)
-        self.lit.append(lit)
-        self.parts.append(self.part)
-        self.distances.append(self.drawn_m)
+
+def _on_panels(panels: Floats, outlines: Floats) -> tuple[Floats, Floats]:
+    """(F, V, 3) points and (F, 3) unit normals of polygons on panels (F, 4, 3), whose outlines (F, V, 2) are given as
+    parts (right, up) of them."""
+    bottom_left, bottom_right, top_right, top_left = (panels[:, None, i] for i in range(4))
+    u, v = outlines[..., :1], outlines[..., 1:]
+    points = (1 - v) * ((1 - u) * bottom_left + u * bottom_right) + v * ((1 - u) * top_left + u * top_right)
+    normals = np.cross((top_left - bottom_left)[:, 0], (bottom_right - bottom_left)[:, 0])
+    lengths = np.sqrt([normal @ normal for normal in normals])
+    return points, normals / lengths[:, None]
 
 
 def _thickness(faces: Floats) -> Floats:

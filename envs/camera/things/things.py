@@ -30,14 +30,13 @@ class Snapshot:
     view: View
     time_s: float
     bodies: list[RoadObject]  # all but the one that carries the camera
-    poses: dict[int, Floats]  # (x, y, heading) of each body, by its id
+    poses: dict[RoadObject, Floats]  # (x, y, heading) of each body
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A body as it is drawn; the body is kept with it, so that its id stays its own."""
+    """A body as it is drawn."""
 
-    body: RoadObject
     solid: Solid
     shadow: Shadow
 
@@ -50,7 +49,7 @@ class Things:
         self._light = light
         self._veil = veil
         self._scenery = Scenery(camera, shapes, light, veil, seed)
-        self._shapes: dict[int, Shape] = {}
+        self._shapes: dict[RoadObject, Shape] = {}
         self._bodies = Order()
         self._order: list[int] = []
 
@@ -80,7 +79,7 @@ class Things:
         self._order, _ = self._bodies.in_view(now)
         for i in self._order:
             body = now.bodies[i]
-            self._of(body).solid.follow(now.view, now.poses[id(body)])
+            self._of(body).solid.follow(now.view, now.poses[body])
 
     def paint(self, frame: Image, drawn: list[Drawn]) -> None:
         """Draw things over the picture, in their order."""
@@ -90,23 +89,23 @@ class Things:
         """Darken the ground where bodies keep the light off; of those found by `seen`."""
         for i in self._order:
             body = now.bodies[i]
-            self._of(body).shadow.paint(frame, now.view, now.poses[id(body)])
+            self._of(body).shadow.paint(frame, now.view, now.poses[body])
 
     def _body(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
         """A body's faces in the picture and how it moved; None if none of them is seen."""
         body = now.bodies[index]
-        pose = now.poses[id(body)]
+        pose = now.poses[body]
         drawing = self._of(body).solid.seen(now.view, pose)
-        return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(id(body), pose), pose))
+        return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(body, pose), pose))
 
     def _of(self, body: RoadObject) -> Shape:
         """What is known of a body."""
-        if id(body) not in self._shapes:
+        if body not in self._shapes:
             rng = stream(self._seed, f"body {len(self._shapes)}")
             size = body_size(body)
             solid = Solid(body_mesh(_kind(body), size, rng), self._light, self._veil)
-            self._shapes[id(body)] = Shape(body, solid, Shadow(size, self._light))
-        return self._shapes[id(body)]
+            self._shapes[body] = Shape(solid, Shadow(size, self._light))
+        return self._shapes[body]
 
 
 def _covers(tree: Sprite, scenery: Drawing, depths: list[float]) -> bool:
@@ -147,7 +146,7 @@ class Order:
         """
         ahead = _ahead(now)
         discs = {i: _disc(now, i) for i in ahead}
-        places = [[i, *now.poses[id(now.bodies[i])].tolist()] for i in ahead]
+        places = [[i, *now.poses[now.bodies[i]].tolist()] for i in ahead]
         x, y, _ = now.view.centre.tolist()
         if places != self._places or hypot(x - self._eye[0], y - self._eye[1]) > STALE_M:
             self._places, self._eye, self._order = places, (x, y), _far_to_near(now, discs)
@@ -176,7 +175,7 @@ class Disc:
 
 def _disc(now: Snapshot, index: int) -> Disc:
     body, view = now.bodies[index], now.view
-    x, y, heading = now.poses[id(body)].tolist()
+    x, y, heading = now.poses[body].tolist()
     eye_x, eye_y, _ = view.centre.tolist()
     axis_x, axis_y, _ = view.axes[2].tolist()
     x, y = x - eye_x, y - eye_y
@@ -205,7 +204,7 @@ def _ahead(now: Snapshot) -> list[int]:
     slope = 0.5 * view.camera.width_px / view.camera.fx_px
     result = []
     for index, body in enumerate(now.bodies):
-        x, y, _ = now.poses[id(body)].tolist()
+        x, y, _ = now.poses[body].tolist()
         ahead, aside = c * (x - eye_x) + s * (y - eye_y), c * (y - eye_y) - s * (x - eye_x)
         if ahead < RANGE_M and not isinstance(body, Landmark):
             length, width, height = body_size(body)
@@ -223,7 +222,7 @@ def body_size(body: RoadObject) -> tuple[float, float, float]:
 
 def _footprint(now: Snapshot, index: int) -> Floats:
     body = now.bodies[index]
-    return footprint(now.poses[id(body)], *body_size(body)[:2])
+    return footprint(now.poses[body], *body_size(body)[:2])
 
 
 def _kind(body: RoadObject) -> str:

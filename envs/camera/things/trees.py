@@ -1,7 +1,7 @@
 """Pictures of trees and bushes, made from noise; drawn as upright pictures that face the camera."""
 
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from math import ceil
 
 import cv2
@@ -192,8 +192,7 @@ class TreeStand:
             self._sizes[:, variant, : len(shape)] = np.array(shape).T
         self._limits = np.array([[camera.width_px], [camera.height_px]], float)
         self._airs = [_airs(range_m, light, veil) for range_m in RANGES_M]
-        # of a function that does not hold the stand: a cycle would keep the pictures of past episodes
-        self._faded = lru_cache(FADED_PICTURES)(partial(_through_air, self._levels, self._airs))
+        self._faded: dict[tuple[int, int, int], Image] = {}  # pictures through the air, the oldest first
         self._trees = trees
         frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
         self._frames_m = frames[trees.variants] * trees.heights_m[:, None]
@@ -265,16 +264,18 @@ class TreeStand:
 
     def _sampled(self, kind: list[int], source: Floats, size: tuple[int, int]) -> Image:
         """(rows, columns, 4) a picture (variant, level, step of the air), seen at the places of the `source` (2, 3)."""
-        picture = self._faded(*kind)
+        picture = self._through_air(*kind)
         return np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
 
-
-def _through_air(
-    levels: list[list[Image]], airs: list[list[Floats | None]], variant: int, level: int, step: int
-) -> Image:
-    """(h, w, 4) a picture as it is seen from a distance."""
-    picture, air = levels[variant][level], airs[variant][step]
-    return picture if air is None else np.asarray(cv2.transform(picture, air), np.uint8)
+    def _through_air(self, variant: int, level: int, step: int) -> Image:
+        """(h, w, 4) a picture as it is seen from a distance, kept for when it is needed again."""
+        key = (variant, level, step)
+        if key not in self._faded:
+            if len(self._faded) == FADED_PICTURES:
+                del self._faded[next(iter(self._faded))]
+            picture, air = self._levels[variant][level], self._airs[variant][step]
+            self._faded[key] = picture if air is None else np.asarray(cv2.transform(picture, air), np.uint8)
+        return self._faded[key]
 
 
 def _airs(range_m: float, light: Light, veil: Veil) -> list[Floats | None]:
@@ -283,14 +284,15 @@ def _airs(range_m: float, light: Light, veil: Veil) -> list[Floats | None]:
     Of a pixel that covers a and lets 1 - a through, with colour a c, the air leaves t; the tree's opacity is o: it
     shows o (t a c + (1 - t) a h) with the horizon's colour h, and lets 1 - o a through.
     """
-    result: list[Floats | None] = []
-    for step in range(ceil(range_m / AIR_STEP_M)):
-        depth_m = (step + 0.5) * AIR_STEP_M
-        left = float(veil.transmission(np.array(depth_m)))
-        opacity = float(np.clip((range_m - depth_m) / (range_m * (1.0 - FADED_IN)), 0.0, 1.0))
-        veiled = opacity * (1.0 - left) * light.horizon
-        matrix = np.diag([*[opacity * left] * 3, opacity])
-        matrix[:3, 3] = -veiled / 255.0
-        shows = left < UNVEILED or opacity < 1.0
-        result.append(np.column_stack([matrix, [*veiled, 255.0 * (1.0 - opacity)]]) if shows else None)
-    return result
+    depths_m = (np.arange(ceil(range_m / AIR_STEP_M)) + 0.5) * AIR_STEP_M
+    left = veil.transmission(depths_m)
+    opacity = np.clip((range_m - depths_m) / (range_m * (1.0 - FADED_IN)), 0.0, 1.0)
+    veiled = (opacity * (1.0 - left))[:, None] * light.horizon
+    matrices = np.zeros((len(depths_m), 4, 5))
+    for channel in range(3):
+        matrices[:, channel, channel] = opacity * left
+    matrices[:, 3, 3] = opacity
+    matrices[:, :3, 3], matrices[:, :3, 4] = -veiled / 255.0, veiled
+    matrices[:, 3, 4] = 255.0 * (1.0 - opacity)
+    shows = (left < UNVEILED) | (opacity < 1.0)
+    return [matrix if shown else None for matrix, shown in zip(matrices, shows.tolist(), strict=True)]

@@ -113,7 +113,7 @@ class Verge:
                 middle = start + 0.5 * span * across
                 lanes = self._lanes_across(side.points_m[i], across, width)
                 pose = np.array([*middle, side.heading[i]])
-                for mesh in gantry(span, [0.5 * width - y for y in lanes], int(rng.integers(9))):
+                for mesh in gantry(span, tuple(0.5 * width - y for y in lanes), int(rng.integers(9))):
                     yield mesh, pose, TALL_RANGE_M
 
     def _width(self, point: Floats, across: Floats) -> float | None:

@@ -75,7 +75,7 @@ def test_every_kind_of_furniture_stands_beside_some_road() -> None:
 
 
 def test_a_gantry_spans_its_width_and_leaves_room_below() -> None:
-    left, right, carried = gantry(18.0, [-5.25, -1.75, 1.75, 5.25], 1)
+    left, right, carried = gantry(18.0, (-5.25, -1.75, 1.75, 5.25), 1)
     assert left.faces_m[..., 1].max() < -8.5
     assert right.faces_m[..., 1].min() > 8.5
     assert carried.faces_m[..., 2].min() >= CLEARANCE_M

@@ -31,7 +31,7 @@ class Scene:
 
     def snapshot(self, x: float, time_s: float) -> Snapshot:
         view = View.at(CAMERA, np.array([20.0, 2.0 * WIDTH_M]), 0.0)
-        return Snapshot(view, time_s, [self.car], {id(self.car): np.array([x, 2.0 * WIDTH_M, 0.0])})
+        return Snapshot(view, time_s, [self.car], {self.car: np.array([x, 2.0 * WIDTH_M, 0.0])})
 
     def drawn(self, speed: float, time_s: float = 5.0, x: float = 40.0) -> list[Drawn]:
         now, before = self.snapshot(x, time_s), self.snapshot(x - speed / 60.0, time_s - 1.0 / 60.0)

@@ -9,7 +9,7 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.sky.hills import HILLS
 from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.geometry import ground_from_pixels
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.types import Camera, Floats
 
 CAMERAS = {"default": Camera(), "pitched": Camera(pitch_rad=0.06), "up": Camera(pitch_rad=-0.1, height_m=1.65)}
 
@@ -68,18 +68,3 @@ def test_colours_are_veiled_by_their_depth() -> None:
     depths = np.array([5.0, 50.0, 500.0])
     got = veil("FoggyNoon").colours(np.full((3, 3), 40.0), depths)
     assert got == pytest.approx(seen("FoggyNoon", 40.0, depths))
-
-
-@pytest.mark.parametrize("depth_m", [8.0, 60.0, 300.0])
-def test_an_upright_picture_is_veiled_where_it_is_opaque(depth_m: float) -> None:
-    opacity = np.repeat(np.linspace(0.0, 1.0, 11)[None, :, None], 3, axis=2)
-    colour, through = rounded(60.0 * opacity), rounded(255.0 * (1.0 - opacity))
-    of = veil("FoggyNoon")
-    expected = opacity * seen("FoggyNoon", 60.0, np.array(depth_m))
-    assert of.sprite(colour, through, depth_m) == pytest.approx(expected, abs=1.6)
-    assert of.sprite(colour, through, depth_m) == pytest.approx(expected, abs=1.6)  # from what is kept
-    assert veil("ClearNoon").sprite(colour, through, 8.0) is colour
-
-
-def rounded(values: Floats) -> Image:
-    return np.rint(values).astype(np.uint8)

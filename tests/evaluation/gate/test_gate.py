@@ -7,6 +7,8 @@ from gated_runs import Change, checks, lost, only, spread
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.gate import gate
+from vpf_sim.evaluation.gate.cells import Cell
+from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.gate.rules import BOUNDS
 
 
@@ -21,69 +23,69 @@ def test_every_bound_of_the_rules_is_judged() -> None:
             lost,
             "success_rate_at_least = 0.7",
             "passed",
-            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            "0.7 (10 episodes), 1 without a record, 1 ended by a fault",
             (),
         ),
         (
             lost,
             "success_rate_at_least = 0.71",
             "failed",
-            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            "0.7 (10 episodes), 1 without a record, 1 ended by a fault",
             (3, 5, 8),
         ),
         (
             lost,
             "success_rate_at_least = 0.70001",
             "failed",
-            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            "0.7 (10 episodes), 1 without a record, 1 ended by a fault",
             (3, 5, 8),
         ),
-        (lost, "collisions_at_most = 3", "passed", "3 over 10 episodes, 1 without a record, 1 ended by a fault", ()),
+        (lost, "collisions_at_most = 3", "passed", "3 (10 episodes), 1 without a record, 1 ended by a fault", ()),
         (
             lost,
             "collisions_at_most = 2",
             "failed",
-            "3 over 10 episodes, 1 without a record, 1 ended by a fault",
+            "3 (10 episodes), 1 without a record, 1 ended by a fault",
             (3, 5, 8),
         ),
         (
             lost,
             "comfortable_share_at_least = 0.7",
             "passed",
-            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            "0.7 (10 episodes), 1 without a record, 1 ended by a fault",
             (),
         ),
         (
             lost,
             "comfortable_share_at_least = 0.8",
             "failed",
-            "0.7 over 10 episodes, 1 without a record, 1 ended by a fault",
+            "0.7 (10 episodes), 1 without a record, 1 ended by a fault",
             (3, 5, 8),
         ),
         (
             lost,
             "path_mse_m2_at_most = 9",
             "failed",
-            "0.4 m2 over 7 episodes, 1 without a record, 1 ended by a fault",
+            "0.4 m2 (7 episodes), 1 without a record, 1 ended by a fault",
             (3,),
         ),
         (
             lost,
             "clearance_m_at_least = 0.6",
             "failed",
-            "0.5 m over 7 episodes, 1 without a record, 1 ended by a fault",
+            "0.5 m (7 episodes), 1 without a record, 1 ended by a fault",
             (3, 0, 1, 2, 4, 6, 7, 9),
         ),
         # the mean of 0, 1, 2, 4, 6, 7, 9 tenths is 29 / 70
-        (spread, "path_mse_m2_at_most = 0.4143", "passed", "0.414 m2 over 7 episodes", ()),
-        (spread, "path_mse_m2_at_most = 0.414", "failed", "0.4143 m2 over 7 episodes", (9, 7, 6)),
-        (spread, "clearance_m_at_least = 0.5", "passed", "0.5 m over 7 episodes", ()),
-        (spread, "clearance_m_at_least = 0.500001", "failed", "0.5 m over 7 episodes", (0, 1, 2, 4, 6, 7, 9)),
+        (spread, "path_mse_m2_at_most = 0.4143", "passed", "0.414 m2 (7 episodes)", ()),
+        (spread, "path_mse_m2_at_most = 0.414", "failed", "0.4143 m2 (7 episodes)", (9, 7, 6)),
+        (spread, "clearance_m_at_least = 0.5", "passed", "0.5 m (7 episodes)", ()),
+        (spread, "clearance_m_at_least = 0.500001", "failed", "0.5 m (7 episodes)", (0, 1, 2, 4, 6, 7, 9)),
     ],
 )
 def test_bounds(change: Change, bound: str, outcome: str, actual: str, seeds: tuple[int, ...], tmp_path: Path) -> None:
-    assert only(tmp_path, bound, change) == gate.Check(
-        gate.Cell("town04", "clear", "vpf"), bound.replace(" = ", " "), actual, outcome, seeds
+    assert only(tmp_path, bound, change) == Check(
+        Cell("town04", "clear", "vpf"), bound.replace(" = ", " "), actual, outcome, seeds
     )
 
 
@@ -101,7 +103,7 @@ def test_the_upper_end_where_all_are_equal_is_their_value(tmp_path: Path) -> Non
 
 def test_one_episode_has_no_upper_end_and_is_shown(tmp_path: Path) -> None:
     found = only(tmp_path, "path_mse_m2_upper_at_most = 9", lambda job: {} if job.seed == 4 else {"status": "stuck"})
-    assert (found.outcome, found.actual, found.seeds) == ("failed", "no interval over 1 episode", (4,))
+    assert (found.outcome, found.actual, found.seeds) == ("failed", "no interval (1 episode)", (4,))
 
 
 def test_without_bodies_there_is_no_clearance_to_keep(tmp_path: Path) -> None:

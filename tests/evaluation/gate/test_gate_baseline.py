@@ -8,16 +8,14 @@ import pytest
 from gated_runs import PLAN, Change, checks, run
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.gate import gate
+from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
 
 AGAINST = '[[rules]]\nscenario = "town04"\nno_worse_than = "before{file}"\nscores = ["{score}"]'
 
 
-def against(
-    tmp_path: Path, score: str, change: Change, base: Change, file: str = "", seeds: str = "0:10"
-) -> gate.Check:
+def against(tmp_path: Path, score: str, change: Change, base: Change, file: str = "", seeds: str = "0:10") -> Check:
     """The one check of a score of town04 against a baseline."""
     run(tmp_path / "before", base, Plan(PLAN.scenario, PLAN.weather, PLAN.driver, seeds))
     (found,) = checks(tmp_path, AGAINST.format(file=file, score=score), change)

@@ -34,6 +34,20 @@ RULES = [
         "rules[0].scores: expected some scores, and no_worse_than beside them",
     ),
     ("[[rules]", "expected TOML, got: "),
+    (
+        "[[rules]]\nperception.recal_at_least = 1",
+        "rules[0].perception.recal_at_least: unknown key, did you mean 'recall_at_least'?",
+    ),
+    (
+        "[[rules]]\nperception.recall_at_least = 95",
+        "rules[0].perception.recall_at_least: expected less than or equal to 1, got 95",
+    ),
+    ("[[rules]]\nperception = 1", "rules[0].perception: expected a table, got 1"),
+    ("[[rules]]\n[rules.perception]", "rules[0].perception: expected a bound, such as recall_at_least, got none"),
+    (
+        "[[rules]]\nperception.recall_at_least = 0.9",
+        "FOLDER/perception.json: expected a table of perception, got: No such file or directory; vpf-sim perception",
+    ),
 ]
 
 
@@ -45,7 +59,8 @@ def test_a_wrong_rules_file_is_told_by_file_and_key(
     rules.write_text(text)
     assert cli.run(["check", str(folder), "--rules", str(rules)]) == 2
     said = capsys.readouterr()
-    assert said.err.startswith(f"vpf-sim: {rules}: {sentence}")
+    file = "" if sentence.startswith("FOLDER") else f"{rules}: "
+    assert said.err.startswith(f"vpf-sim: {file}{sentence.replace('FOLDER', str(folder))}")
     assert said.err.count("\n") == 1
     assert said.out == ""
 
@@ -65,13 +80,14 @@ DOCS = Path(__file__).parents[3] / "docs"
 def test_the_example_rules_show_every_key() -> None:
     rules = read_rules(DOCS / "rules.toml")
     assert {key for rule in rules for key in rule.bounds()} == set(BOUNDS)
-    assert [rule.no_worse_than for rule in rules] == [None, None, "baseline"]
-    assert set(Rule.model_fields) - set(re.findall(r"^(\w+) =", (DOCS / "rules.toml").read_text(), re.M)) == {"driver"}
+    assert [rule.no_worse_than for rule in rules] == [None, None, None, "baseline"]
+    shown = re.findall(r"^(?:\[rules\.)?(\w+)(?: =|\])", (DOCS / "rules.toml").read_text(), re.M)
+    assert set(Rule.model_fields) - set(shown) == {"driver"}
 
 
 def test_the_commands_of_the_guide_exist(capsys: pytest.CaptureFixture[str]) -> None:
     commands = re.findall(r"vpf-sim (\w+ [^|\n]*)", (DOCS / "gate.md").read_text())
-    assert {command.split()[0] for command in commands} == {"sweep", "check"}
+    assert {command.split()[0] for command in commands} == {"sweep", "check", "perception"}
     for command in commands:
         assert cli.run([*command.split(), "--help"]) == 0, command
         assert "Usage: vpf-sim" in capsys.readouterr().out

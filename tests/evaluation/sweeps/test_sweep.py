@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from short_scenario import write_short
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import seeds_for_mean, seeds_for_share, share_interval
 from vpf_sim.evaluation.analysis.summary import mean, summarize
+from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
 from vpf_sim.evaluation.sweeps.run_folder import manifest
@@ -133,6 +135,30 @@ def test_a_plan_is_its_grid_seed_by_seed() -> None:
 def test_a_plan_of_a_table() -> None:
     table = {"scenario": ["a"], "weather": ["clear"], "driver": ["pid"], "seeds": "0:1"}
     assert make_plan(table, "sweep.toml") == Plan(("a",), ("clear",), ("pid",), "0:1")
+
+
+def test_a_plan_of_single_drives_has_no_others() -> None:
+    table = {"driver": ["pid", "vpf"], "drives": [["a", "rain", 9], ["b", "clear", 4]]}
+    plan = make_plan(table, "sweep.toml")
+    assert plan.jobs() == [Job(*place, driver, seed) for *place, seed in table["drives"] for driver in table["driver"]]
+    assert (plan.scenario, plan.weather, plan.seeds) == (("a", "b"), ("rain", "clear"), "4:10"), "the grid about them"
+    assert make_plan(json.loads(json.dumps(asdict(plan))), "manifest.json") == plan
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"drives": []}, "drives: expected at least one, got none"),
+        ({"drives": [["a", "rain"]]}, "drives: expected 3 values, got 2"),
+        ({"drives": [["a", "rain", "9"]]}, "drives: expected int, got '9'"),
+        ({"drives": [["a", "rain", -1]]}, "drives[0]: expected a seed of 0 or more, got -1"),
+        ({"seeds": "0:3"}, "seeds: expected drives or a grid, got both"),
+    ],
+)
+def test_wrong_drives_of_a_plan_are_told(changes: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(InputError) as told:
+        make_plan({"driver": ["pid"], "drives": [["a", "rain", 9]], **changes}, "sweep.toml")
+    assert str(told.value) == f"sweep.toml: {sentence}"
 
 
 def record(seed: int, status: str, mse: float, throttle: float | None) -> dict[str, Any]:

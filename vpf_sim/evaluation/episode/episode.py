@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim import drivers
+from vpf_sim import drivers, process_state
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.hashing import FrameHasher
 from vpf_sim.evaluation.episode.log import StepLog
@@ -37,9 +37,11 @@ class EpisodeResult:
 def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None = None) -> EpisodeResult:
     """Drive one episode and score it; `watch` is shown each frame with the driver's plan for it.
 
-    Where nobody watches, only the frames that the driver looks at are drawn; the drive is the same.
+    Where nobody watches, only the frames that the driver looks at are drawn; the drive is the same. What the driver
+    changes of the process is put back.
     """
-    result = _run(scenario, weather, driver, seed, watch)
+    with process_state.kept():
+        result = _run(scenario, weather, driver, seed, watch)
     # A world's objects hold each other: left until the collector comes by, the last few worlds would scatter the heap.
     gc.collect()
     return result
@@ -129,4 +131,5 @@ def read(observed: dict[str, Any]) -> Observation:
     time_s = float(observed["time"][0])
     goal_m = (goal_x_m, goal_y_m)
     image = observed.get("image", NO_FRAME)
-    return Observation(image, time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m)
+    frame_time_s = float(observed["frame_time"][0]) if "frame_time" in observed else time_s
+    return Observation(image, time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m, frame_time_s)

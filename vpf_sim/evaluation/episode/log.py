@@ -8,7 +8,7 @@ from vpf_sim.envs.rectangles import nearest, solid_bodies
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.sight import Sight
-from vpf_sim.types import Command, Observation, Plan
+from vpf_sim.types import Command, Observation, Perception, Plan
 
 NOWHERE_PX = (nan, nan)  # the focus of expansion of a car that stands
 
@@ -64,7 +64,7 @@ class StepLog:
             steering=command.steering,
             pid_throttle=pid.throttle,
             pid_steering=pid.steering,
-            **({} if plan is None else _perceived(plan) | self._sight.columns(plan)),
+            **({} if plan is None else perceived(plan.perception) | self._sight.columns(plan)),
         )
 
     def table(self) -> StepTable:
@@ -89,10 +89,10 @@ def _nearest(ego: Any, near: Any) -> dict[str, float]:
     }
 
 
-def _perceived(plan: Plan) -> dict[str, float]:
-    """The columns that come from a plan; what the driver itself does not trust is left out."""
+def perceived(perception: Perception) -> dict[str, float]:
+    """The columns of focus of expansion and road; what the driver itself does not trust is left out."""
     columns: dict[str, float] = {}
-    expansion, road = plan.perception.expansion, plan.perception.road
+    expansion, road = perception.expansion, perception.road
     if expansion.confidence > 0.0:
         columns |= {"foe_x_px": expansion.x_px, "foe_y_px": expansion.y_px}
     if road.confidence > 0.0:

@@ -37,6 +37,7 @@ class Episode(BaseModel):
     path_mse_m2: float | None
     min_clearance_m: float | None
     comfort: Comfort | None
+    states_sha256: str | None
 
     @property
     def succeeded(self) -> bool:

@@ -4,74 +4,33 @@ The planned episodes are the denominator: one without a record is a failure, in 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
+from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation.analysis.statistics import mean_interval
-from vpf_sim.evaluation.gate import baseline
+from vpf_sim.evaluation.gate import baseline, perception
 from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Episodes, Run, values_of, worst_first
+from vpf_sim.evaluation.gate.checks import Check, matching, number
 from vpf_sim.evaluation.gate.rules import Rule, Score
-from vpf_sim.shell import command
-
-Outcome = Literal["passed", "failed", "skipped"]
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """A rule in a cell. `seeds` are those to drive again, the worst first."""
-
-    cell: Cell
-    expected: str
-    actual: str
-    outcome: Outcome
-    seeds: tuple[int, ...] = ()
-
-    @property
-    def rerun(self) -> str | None:
-        """The command that drives the seeds again."""
-        return again(self.cell, self.seeds) if self.seeds else None
-
-    def first(self, count: int) -> "Check":
-        """The same with so many of the seeds."""
-        return replace(self, seeds=self.seeds[:count])
-
-
-def again(cell: Cell, seeds: Sequence[int]) -> str:
-    """A command that drives some seeds of a cell, for a shell."""
-    drive = command("drive", cell.scenario, weather=cell.weather, driver=cell.driver)
-    if len(seeds) == 1:
-        return f"{drive} --seed {seeds[0]}"
-    return f"for seed in {' '.join(map(str, seeds))}; do {drive} --seed $seed; done"
 
 
 def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
     """Every rule in every cell that it is for; the paths of baselines start where the rules' `file` is."""
     checks: list[Check] = []
     for i, rule in enumerate(rules):
-        cells = _matching(rule, run, f"{file}: rules[{i}]")
+        if rule.perception is not None:
+            checks += perception.check(run, rule, rule.perception, f"{file}: rules[{i}].perception")
+        if not rule.bounds() and rule.no_worse_than is None:
+            continue
+        cells = matching(rule, run.cells, run.path, f"{file}: rules[{i}]")
         checks += [_bound(key, limit, cell, run.cells[cell]) for cell in cells for key, limit in rule.bounds().items()]
         if rule.no_worse_than is not None:
             checks += _no_worse(rule, run, cells, file.parent / rule.no_worse_than)
     return list(dict.fromkeys(checks))  # two rules may ask for the same
-
-
-def _matching(rule: Rule, run: Run, where: str) -> list[Cell]:
-    """The cells that a rule is for; a rule for none would hold whatever happens."""
-    wanted = Cell(rule.scenario, rule.weather, rule.driver)
-    for kind, pattern in wanted._asdict().items():
-        names = {getattr(cell, kind) for cell in run.cells}
-        if not any(fnmatchcase(name, pattern) for name in names):
-            raise InputError(f"{where}.{kind}: not in {run.path}: {unknown_name(kind, pattern, names)}")
-    cells = [cell for cell in run.cells if all(map(fnmatchcase, cell, wanted))]
-    if not cells:
-        raise InputError(f"{where}: expected a cell of {run.path}, got none that is {', '.join(wanted)}")
-    return cells
 
 
 def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
@@ -86,8 +45,8 @@ def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
     short = {seed: sign * (good - value) for seed, value in values.items()}
     worst = worst_first(short)
     seeds = [seed for seed in worst if short[seed] > 0.0] or worst[:1]
-    told = "no interval" if value is None else _number(value, limit) + kind.unit
-    actual = f"{told} over {len(values)} episode" + "s" * (len(values) != 1)
+    told = "no interval" if value is None else number(value, limit) + kind.unit
+    actual = f"{told} ({len(values)} episode{'s' * (len(values) != 1)})"
     return _checked(Check(cell, expected, actual, "passed" if kept else "failed", tuple(seeds)), kind.score, episodes)
 
 
@@ -140,12 +99,6 @@ def _upper(values: Sequence[float]) -> float | None:
     if interval is not None:
         return interval.high
     return fmean(values) if len(values) > 1 else None
-
-
-def _number(value: float, limit: float) -> str:
-    """Three digits, or as many as tell the value from the limit."""
-    texts = (f"{value:.{digits}g}" for digits in range(max(3, len(f"{value:.0f}")), 18))
-    return next(text for text in texts if np.sign(float(text) - limit) == np.sign(value - limit))
 
 
 class Kind(NamedTuple):

@@ -22,6 +22,32 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
+class PerceptionBounds(Section):
+    """Bounds on what `vpf-sim perception` stored; of errors on the median, and on the 95th percentile."""
+
+    recall_at_least: Share | None = None
+    precision_at_least: Share | None = None
+    false_positives_per_minute_at_most: NotNegative | None = None
+    distance_error_m_at_most: NotNegative | None = None
+    distance_error_m_p95_at_most: NotNegative | None = None
+    left_error_m_at_most: NotNegative | None = None
+    left_error_m_p95_at_most: NotNegative | None = None
+    right_error_m_at_most: NotNegative | None = None
+    right_error_m_p95_at_most: NotNegative | None = None
+    speed_error_mps_at_most: NotNegative | None = None
+    speed_error_mps_p95_at_most: NotNegative | None = None
+    edge_error_m_at_most: NotNegative | None = None
+    edge_error_m_p95_at_most: NotNegative | None = None
+    lane_error_m_at_most: NotNegative | None = None
+    lane_error_m_p95_at_most: NotNegative | None = None
+    foe_error_px_at_most: NotNegative | None = None
+    foe_error_px_p95_at_most: NotNegative | None = None
+
+    def bounds(self) -> dict[str, float]:
+        """The bounds that are given, by their keys."""
+        return {key: limit for key in PerceptionBounds.model_fields if (limit := getattr(self, key)) is not None}
+
+
 class Rule(Section):
     """Bounds for the cells that `scenario`, `weather` and `driver` name; "*" and "?" stand for any letters."""
 
@@ -34,6 +60,7 @@ class Rule(Section):
     path_mse_m2_upper_at_most: NotNegative | None = None  # the upper end of the mean's 95 % interval
     clearance_m_at_least: NotNegative | None = None
     comfortable_share_at_least: Share | None = None
+    perception: PerceptionBounds | None = None
     no_worse_than: str | None = None  # a run folder, or a summary.json; from where the rules file is
     scores: list[Score] = list(SCORES)  # that no_worse_than compares
 
@@ -68,7 +95,9 @@ def _empty(rules: list[Rule]) -> Iterator[str]:
     if not rules:
         yield "rules: expected at least one [[rules]], got none"
     for i, rule in enumerate(rules):
-        if not rule.bounds() and rule.no_worse_than is None:
+        if rule.perception is not None and not rule.perception.bounds():
+            yield f"rules[{i}].perception: expected a bound, such as recall_at_least, got none"
+        if not rule.bounds() and rule.no_worse_than is None and rule.perception is None:
             yield f"rules[{i}]: expected a bound, such as {BOUNDS[0]}, or no_worse_than, got none"
         if "scores" in rule.model_fields_set and (rule.no_worse_than is None or not rule.scores):
             yield f"rules[{i}].scores: expected some scores, and no_worse_than beside them"
@@ -79,7 +108,8 @@ def _line(fault: dict[str, Any]) -> str:
     location: tuple[int | str, ...] = fault["loc"]
     key = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location).removeprefix(".")
     if fault["type"] == "extra_forbidden":
-        known = list(Rules.model_fields if len(location) == 1 else Rule.model_fields)
+        sections: dict[int, type[Section]] = {1: Rules, 3: Rule, 4: PerceptionBounds}
+        known = list(sections[len(location)].model_fields)
         near = get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
         return f"{key}: unknown key, " + (f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}")
     if fault["type"] == "model_type":

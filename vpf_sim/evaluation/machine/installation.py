@@ -101,7 +101,11 @@ def display() -> Check:
         pygame.display.init()
         pygame.display.quit()
     except InputError:
-        return Check("display", True, 'none: --watch and render_mode "human" are refused, nothing else needs one')
+        return Check(
+            "display",
+            True,
+            'none: --watch is refused, render_mode "human" draws where nobody sees it, nothing else needs one',
+        )
     except pygame.error as error:
         return Check("display", False, f"SDL cannot open it: {error}", "unset SDL_VIDEODRIVER, or correct DISPLAY")
     return Check("display", True, "there is one")

@@ -3,12 +3,18 @@
 Workers need vpf_sim as it is here, and one thread each; of a common disk only a user's scenario and weather files.
 """
 
+import socket
 import sys
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
+from importlib.util import find_spec
 from logging import CRITICAL, getLogger
+from queue import Empty, SimpleQueue
+from threading import Thread
 from typing import Any
+from urllib.parse import urlsplit
+from uuid import uuid4
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
@@ -22,7 +28,7 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, change, read_manifest
 
 MISSING = "--cluster: expected Dask, which is not installed: pip install 'vpf_sim[cluster]'"
-CONNECT_S = 20.0
+CONNECT_S = 4.0  # to reach a scheduler: a name or a port that is none is told soon
 Asked = dict[str, Any]  # the manifest
 
 
@@ -31,9 +37,10 @@ def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limi
     distributed = _distributed()
     asked = read_manifest(folder.path)
     ready, running = distributed.as_completed(loop=client.loop), {}
+    session = uuid4().hex  # a scheduler answers a key that it has seen with what it found then
 
     def submit(job: Job, attempt: int) -> None:
-        name = f"{job.id} attempt {attempt} {digest(asked)} {id(ready)}"
+        name = f"{job.id} attempt {attempt} {digest(asked)} {session}"
         future = client.submit(_drive, job, asked, limit_s(job), mixed, key=name, pure=False)
         running[future.key] = (job, attempt)
         ready.add(future)
@@ -61,19 +68,66 @@ def connected(address: str | None, asked: Asked, mixed: bool) -> Iterator[Any]:
     if address is None:
         yield None
         return
-    try:
-        client = _distributed().Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise InputError(f"--cluster: expected a Dask scheduler at {address}, got: {error}") from None
-    getLogger("distributed.client").setLevel(
-        CRITICAL
-    )  # the loss of the scheduler is told below, without its tracebacks
+    client = _client(address)
     with client:
         if not client.nthreads():
             print(f"waiting for the first worker of {address}", file=sys.stderr, flush=True)
             client.wait_for_workers(1)
         _refuse_others(client, asked, mixed)
         yield client
+
+
+def _client(address: str) -> Any:
+    """A client of the scheduler; InputError, soon and in one line, where there is none."""
+    if not _is_installed():
+        raise InputError(MISSING)
+    fault = _unreachable(address)
+    if fault is None:
+        for name in ("distributed", "asyncio", "tornado.application"):
+            getLogger(name).setLevel(CRITICAL)  # what goes wrong is told below, without their tracebacks
+        try:
+            return _distributed().Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
+        except (OSError, ValueError) as error:
+            fault = " ".join(str(error).split()) or type(error).__name__
+    raise InputError(f"--cluster: expected a Dask scheduler at {address}, got: {fault}")
+
+
+def _unreachable(address: str) -> str | None:
+    """Why nothing answers at the host and port of an address; None if something does, or it names no such place.
+
+    Dask itself would try again and again, and look up names for as long as that takes.
+    """
+    try:
+        place = urlsplit(address if "://" in address else f"tcp://{address}")
+        if place.scheme not in ("tcp", "tls"):
+            return None if place.scheme in ("ws", "wss", "inproc", "ucx", "ucxx") else "an address of no known kind"
+        host, port = place.hostname, place.port
+    except ValueError as error:  # a port that is no number
+        return str(error)
+    if not host or port is None:
+        return "no HOST:PORT"
+    outcome: SimpleQueue[str | None] = SimpleQueue()
+
+    def connect() -> None:
+        try:
+            socket.create_connection((host, port), CONNECT_S).close()
+            outcome.put(None)
+        except OSError as error:
+            outcome.put(error.strerror or str(error))
+
+    Thread(target=connect, daemon=True).start()  # which ends with us while a name is still looked up
+    try:
+        return outcome.get(timeout=CONNECT_S)
+    except Empty:
+        return f"no answer in {CONNECT_S:g} s"
+
+
+def _is_installed() -> bool:
+    """Whether there is Dask, which takes seconds to load."""
+    try:
+        return find_spec("distributed") is not None
+    except ValueError:  # it is marked as missing
+        return False
 
 
 def _distributed() -> Any:

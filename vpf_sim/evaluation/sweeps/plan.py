@@ -17,12 +17,13 @@ MOST_SEEDS = 1_000_000  # of one run: more is a slip of the pen, and would not f
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The grid; `seeds` is "A:B", half open."""
+    """The grid; `seeds` is "A:B", half open. With `drives`, of the grid only these."""
 
     scenario: tuple[str, ...]
     weather: tuple[str, ...]
     driver: tuple[str, ...]
     seeds: str
+    drives: tuple[tuple[str, str, int], ...] = ()  # scenario, weather and seed of each
 
     def __post_init__(self) -> None:
         for key in ("scenario", "weather", "driver"):
@@ -31,8 +32,16 @@ class Plan:
 
     def jobs(self) -> list[Job]:
         """The planned episodes, seed by seed, so that a sweep that ends early has something of everything."""
-        grid = product(parse_seeds(self.seeds), self.scenario, self.weather, self.driver)
-        return list(dict.fromkeys(Job(scenario, weather, driver, seed) for seed, scenario, weather, driver in grid))
+        if self.drives:
+            jobs = [
+                Job(scenario, weather, driver, seed)
+                for scenario, weather, seed in self.drives
+                for driver in self.driver
+            ]
+        else:
+            grid = product(parse_seeds(self.seeds), self.scenario, self.weather, self.driver)
+            jobs = [Job(scenario, weather, driver, seed) for seed, scenario, weather, driver in grid]
+        return list(dict.fromkeys(jobs))
 
     def check(self) -> dict[str, dict[str, str]]:
         """The hashes, once every driver has been made; InputError on a name or file that is none."""
@@ -80,9 +89,32 @@ def read_plan(path: Path) -> dict[str, Any]:
 
 def make_plan(table: dict[str, Any], where: str) -> Plan:
     """A plan from keys and values, each checked; `where` is what messages call their source."""
-    plan = tables.build(Plan, table, where)
-    parse_seeds(plan.seeds, f"{where}: seeds")
+    plan = tables.build(Plan, table, where) if "drives" not in table else _of_drives(table, where)
+    if not plan.drives:
+        parse_seeds(plan.seeds, f"{where}: seeds")
     return plan
+
+
+def _of_drives(table: dict[str, Any], where: str) -> Plan:
+    """The plan of single drives: the grid is the least that has them all."""
+    drives = tables.build(_Drives, {"drives": table["drives"]}, where).drives
+    for place, (*_, seed) in enumerate(drives):
+        if not 0 <= seed < 10**MOST_DIGITS:
+            raise InputError(f"{where}: drives[{place}]: expected a seed of 0 or more, got {seed}")
+    if not drives:
+        raise InputError(f"{where}: drives: expected at least one, got none")
+    names = [[*dict.fromkeys(drive[i] for drive in drives)] for i in (0, 1)]
+    seeds = sorted(drive[2] for drive in drives)
+    grid = {"scenario": names[0], "weather": names[1], "seeds": f"{seeds[0]}:{seeds[-1] + 1}"}
+    for key, value in grid.items():
+        if table.get(key, value) != value:
+            raise InputError(f"{where}: {key}: expected drives or a grid, got both")
+    return tables.build(Plan, {**table, **grid}, where)
+
+
+@dataclass(frozen=True, slots=True)
+class _Drives:
+    drives: tuple[tuple[str, str, int], ...]
 
 
 def _hash(value: Iterable[Any] | Any) -> str:

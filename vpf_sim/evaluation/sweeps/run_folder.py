@@ -36,7 +36,8 @@ def new_path(command: str) -> Path:
 
 def manifest(command: str, plan: Plan) -> dict[str, Any]:
     """What was asked, where, and of which scenarios, weathers and drivers."""
-    return {"schema": 1, "command": command, "plan": asdict(plan), "fingerprint": fingerprint(), **plan.check()}
+    asked = {key: value for key, value in asdict(plan).items() if value}
+    return {"schema": 1, "command": command, "plan": asked, "fingerprint": fingerprint(), **plan.check()}
 
 
 class RunFolder:

@@ -8,6 +8,7 @@ all whose middles its face passes, as near.
 """
 
 from collections import deque
+from dataclasses import dataclass
 from math import cos, hypot, nan, sin
 from typing import Any
 
@@ -20,12 +21,25 @@ FOOT_M = 1.5
 REACHED_M = 0.3  # a body so near to the bumper, along the road, is met: where it is hit the episode ends
 
 
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A report ahead of the ego, and the bodies that it is right about."""
+
+    index: int  # its row in the driver's obstacles
+    ahead_m: float  # along the road from the front bumper to its foot
+    in_corridor: bool
+    owners: tuple[Any, ...]  # the bodies within FOOT_M of its foot, the nearest first; none: it is wrong
+    passed: tuple[Any, ...]  # the bodies of a row whose middles its face passes
+    is_new: bool  # wrong, and not wrong before
+
+
 class ObjectBook:
     """Remembers which body was first confirmed where, and which reports were wrong."""
 
     def __init__(self) -> None:
-        self._confirmed_m: dict[int, float] = {}  # by a body's id: bumper to face
-        self._ahead: set[int] = set()
+        self.reports: list[Report] = []  # of the last frame
+        self._confirmed_m: dict[Any, float] = {}  # of a body: bumper to face
+        self._ahead: set[Any] = set()  # bodies
         self._wrong: set[int] = set()  # identities of reports
         self._met: deque[tuple[float, float]] = deque()
 
@@ -36,49 +50,63 @@ class ObjectBook:
         several that are met in one frame the others come in the next.
         """
         bodies = solid_bodies(ego)
-        right = wrong = new = 0
-        for index, foot, in_corridor in self._feet(reported, ego, network):
-            owners = [body for body in bodies if _gap_m(body, foot) <= FOOT_M]
-            for body in [*owners, *_passed(reported, index, ego, bodies)] if owners else []:
-                self._confirmed_m.setdefault(id(body), _ahead_m(ego, body))
-            if not in_corridor:
-                continue
-            right += bool(owners)
-            wrong += not owners
-            new += not owners and int(reported.identity[index]) not in self._wrong
-            self._wrong |= set() if owners else {int(reported.identity[index])}
+        self.reports = [self._judged(reported, *foot, ego, bodies) for foot in self._feet(reported, ego, network)]
+        for report in self.reports:
+            for body in (*report.owners, *report.passed):
+                self._confirmed_m.setdefault(body, _ahead_m(ego, body))
         self._meet(ego, bodies)
         kind, confirmed_m = self._met.popleft() if self._met else (nan, nan)
+        counted = [report for report in self.reports if report.in_corridor]
+        right = sum(bool(report.owners) for report in counted)
         return {
             "objects_right": right,
-            "objects_wrong": wrong,
-            "new_wrong_objects": new,
+            "objects_wrong": len(counted) - right,
+            "new_wrong_objects": sum(report.is_new for report in counted),
             "met_kind": kind,
             "met_confirmed_m": confirmed_m,
         }
 
-    def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float], bool]]:
-        """Which reports are ahead, their feet in the world, and whether these are in the corridor."""
+    def _judged(
+        self,
+        reported: Obstacles,
+        index: int,
+        foot: tuple[float, float],
+        ahead_m: float,
+        in_corridor: bool,
+        ego: Any,
+        bodies: list[Any],
+    ) -> Report:
+        gaps_m = [(_gap_m(body, foot), body) for body in bodies]
+        owners = [body for gap_m, body in sorted(gaps_m, key=lambda pair: pair[0]) if gap_m <= FOOT_M]
+        passed = _passed(reported, index, ego, bodies) if owners else []
+        wrong, identity = in_corridor and not owners, int(reported.identity[index])
+        is_new = wrong and identity not in self._wrong
+        self._wrong |= {identity} if wrong else set()
+        return Report(index, ahead_m, in_corridor, tuple(owners), tuple(passed), is_new)
+
+    def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float], float, bool]]:
+        """Which reports are ahead, their feet in the world and from the bumper, m, and whether in the corridor."""
         feet = []
         s, lateral = ego.place
         for index in range(len(reported)):
             right = 0.5 * float(reported.left_m[index] + reported.right_m[index])
             foot = _in_world(ego, float(reported.forward_m[index]), right)
             foot_s, foot_lateral = network.centre.local_at(*foot)
-            if foot_s - s > 0.5 * ego.LENGTH:
-                feet.append((index, foot, abs(foot_lateral - lateral) <= CORRIDOR_M))
+            ahead_m = foot_s - s - 0.5 * ego.LENGTH
+            if ahead_m > 0.0:
+                feet.append((index, foot, ahead_m, abs(foot_lateral - lateral) <= CORRIDOR_M))
         return feet
 
     def _meet(self, ego: Any, bodies: list[Any]) -> None:
         """Note the bodies that the bumper reaches in this frame in the corridor."""
         for body in bodies:
-            key, ahead_m = id(body), _ahead_m(ego, body)
+            ahead_m = _ahead_m(ego, body)
             if ahead_m > REACHED_M:
-                self._ahead.add(key)
-            elif key in self._ahead:
-                self._ahead.remove(key)
+                self._ahead.add(body)
+            elif body in self._ahead:
+                self._ahead.remove(body)
                 if abs(body.place[1] - ego.place[1]) <= CORRIDOR_M:
-                    self._met.append((float(KINDS.index(body.kind)), self._confirmed_m.get(key, nan)))
+                    self._met.append((float(KINDS.index(body.kind)), self._confirmed_m.get(body, nan)))
 
 
 def _passed(reported: Obstacles, index: int, ego: Any, bodies: list[Any]) -> list[Any]:

@@ -100,7 +100,23 @@ def true_edges(ego: Any, network: Any) -> tuple[float, float]:
     return -network.half_width_m - lateral, network.half_width_m - lateral
 
 
+def true_lane(ego: Any, network: Any, offset_m: float) -> float:
+    """m across the road from that point to the middle of the lane that lies `offset_m` right of the road's centre."""
+    return true_edges(ego, network)[0] + network.half_width_m + offset_m
+
+
 def seen_edges(road: RoadEdges) -> tuple[float, float]:
-    """The same as perceived: what edges at the pose, heading and curvature of the road say of that point."""
-    shift = AHEAD_M * sin(road.heading_rad) + 0.5 * road.curvature_per_m * AHEAD_M**2
+    """The same as `true_edges`, perceived: what edges at the pose, heading and curvature of the road say."""
+    shift = _shift_m(road)
     return road.left_m + shift, road.right_m + shift
+
+
+def seen_lane(road: RoadEdges) -> float:
+    """The same as `true_lane`, perceived: of the lane that the driver takes for its own."""
+    return road.lane_m + _shift_m(road)
+
+
+def _shift_m(road: RoadEdges) -> float:
+    """How far the road goes to the right over AHEAD_M, in the axes of the vehicle."""
+    shift: float = AHEAD_M * sin(road.heading_rad) + 0.5 * road.curvature_per_m * AHEAD_M**2
+    return shift

@@ -59,18 +59,27 @@ class FlowTracker:
         self._corner_px = np.array([0.0, self._top])  # of what is followed
         self._previous: Image | None = None
         self._poses: Floats = np.empty((0, 3))  # newest first
+        self._late: Floats = np.empty(0)  # shares of a period, newest first
         self._next_identity = 0
         self._frame = 0
         self._tracks = Tracks.none(self._window_frames)
         self._held: Image | None = None  # the last frame before something began to sweep across the picture,
         self._held_until = 0  # and the last in which it serves
 
-    def update(self, image: Image, pose: Floats, hidden: Image | None = None) -> Flow:
+    def restart(self) -> None:
+        """Forget all points: since the last frame too much may have changed for them to be found again."""
+        self._previous, self._held = None, None
+        self._poses, self._late = np.empty((0, 3)), np.empty(0)
+        self._tracks = Tracks.none(self._window_frames)
+
+    def update(self, image: Image, pose: Floats, hidden: Image | None = None, late: float = 0.0) -> Flow:
         """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels.
 
-        No corners are looked for where `hidden` (H, W) is not 0.
+        No corners are looked for where `hidden` (H, W) is not 0. `late` is the share of a period by which the frame was
+        taken after its turn.
         """
         self._poses = np.concatenate([pose[None], self._poses[: self._window_frames]])
+        self._late = np.concatenate([[late], self._late[: self._window_frames]])
         if self._previous is not None and len(self._tracks):
             self._follow(self._previous, image)
         if self._anchor_frames is not None:
@@ -225,7 +234,7 @@ class FlowTracker:
         return Flow(
             points_px=now,
             displacement_px=displacement,
-            gap_s=frames / self.rate_hz,
+            gap_s=(frames + (self._late[0] - self._late.take(frames))) / self.rate_hz,
             past_pose=self._poses.take(frames, axis=0),
             pose=pose,
             identity=tracks.identity,

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.geometry import mounting_in_words
 from vpf_sim.replay import assemble, camera_motion, plausible, series, video_file
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens, mounting_seeing
@@ -132,7 +133,7 @@ def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velo
         return  # it stood: the pictures may tell
     source.mounting = mounting_seeing(total, HEIGHT_M)
     pitch, yaw = np.degrees([source.mounting.pitch_rad, source.mounting.yaw_rad])
-    said = f"looks {pitch:.2f} deg down and {yaw:.2f} deg right, by the poses"
+    said = f"{mounting_in_words(pitch, yaw)}, by the poses"
     source.origins["camera"] = Origin("assumed", f"f = 910 px, centre and height 1.22 m of the EON; {said}")
     way = camera_motion.planar(poses)
     way[:, 2] -= source.mounting.yaw_rad

@@ -1,0 +1,121 @@
+"""What commands say of short, empty, failing and mistyped runs means what it says."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from vpf_sim.cli import run
+from vpf_sim.cli.tables import measure
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.episode import trial
+from vpf_sim.evaluation.sweeps import cluster
+from vpf_sim.geometry import mounting_in_words
+
+README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
+DRIVERS = """from vpf_sim.types import Command
+
+
+class Good:
+    privileged, sees = "none", False
+
+    def reset(self, setup): pass
+
+    def act(self, observation): return Command(0.0, 0.0)
+
+
+class Divides(Good):
+    def act(self, observation): return Command(1.0 / (observation.time_s != 0.5) * 0.0, 0.0)
+
+
+class Tuple(Good):
+    def act(self, observation): return (0.0, 0.0)
+
+
+class Nan(Good):
+    def act(self, observation): return Command(float("nan"), 0.0)
+
+
+class Unready(Good):
+    def reset(self, setup): raise RuntimeError("no weights")
+"""
+
+
+@pytest.fixture
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "tried_drivers.py").write_text(DRIVERS)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return "tried_drivers"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("Divides", "frame 30: ZeroDivisionError"),
+        ("Tuple", "frame 0: TypeError: driver: act: expected a vpf_sim.types.Command, got \\(0.0, 0.0\\)"),
+        ("Nan", "frame 0: ValueError: driver: expected finite throttle and steering"),
+        ("Unready", "reset: RuntimeError: no weights"),
+    ],
+)
+def test_a_driver_that_cannot_drive_is_no_good_one(name: str, said: str, module: str) -> None:
+    with pytest.raises(InputError, match=f"^driver '{module}:{name}': without obstacles: {said}") as caught:
+        trial.check(f"{module}:{name}")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_driver_that_drives_is_a_good_one(module: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["drivers", "validate", f"{module}:Good"]) == 0
+    assert capsys.readouterr().out == f"{module}:Good: a good driver, privileged: none\n"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["drive", "straight", "--driver", "pid", "--video", "vidoes/a.mp4"],
+        ["drive", "straight", "--driver", "pid", "--rerun", "vidoes/a.rrd"],
+        ["check", "run", "--rules", "rules.toml", "--junit", "vidoes/a.xml"],
+        ["report", "run", "--out", "vidoes/a.html"],
+        ["video", "run", "--id", "a", "--out", "vidoes/a.mp4"],
+    ],
+)
+def test_a_mistyped_folder_is_refused_before_anything_is_done(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(command) == 2
+    assert capsys.readouterr().err == (
+        f"vpf-sim: {command[-2]}: {command[-1]}: expected a folder that exists, found no vidoes\n"
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_not_there_has_no_unit() -> None:
+    assert measure(None, "m") == "-"
+    assert measure(1.25, "m") == "1.25 m"
+
+
+def test_a_mounting_is_told_by_its_side() -> None:
+    assert mounting_in_words(-2.7, 1.0) == "looks 2.70 deg up and 1.00 deg right"
+    assert mounting_in_words(0.5, -3.0) == "looks 0.50 deg down and 3.00 deg left"
+
+
+@pytest.mark.parametrize("address", ["nonsense", "tcp://localhost", "tcp://localhost:x", "http://localhost:1"])
+def test_an_address_that_is_none_is_refused_without_a_try(address: str) -> None:
+    pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
+    with (
+        pytest.raises(InputError, match=f"^--cluster: expected a Dask scheduler at {re.escape(address)}, got: .+$"),
+        cluster.connected(address, {}, False),
+    ):
+        pass
+
+
+def test_the_readmes_commands_have_what_those_before_them_made() -> None:
+    """What a command reads under runs/ an earlier one has written, and rules that are named are made."""
+    (block,) = re.findall(r"```sh\n(vpf-sim drive.*?)```", README, re.DOTALL)
+    made: set[str] = set()
+    for line in block.splitlines():
+        command = line.partition("#")[0]
+        written = set(re.findall(r"(?:--out|>) (\S+)", command))
+        read = set(re.findall(r"\bruns/\w+|--rules (\S+)", command)) | set(re.findall(r"\bruns/\w+", command))
+        assert {name for name in read if name} <= made | written, line
+        made |= written

@@ -1,0 +1,101 @@
+"""`vpf-sim perception`: perception alone, on the poses of stored drives, scored against truth."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vpf_sim.cli.options import DriversOption, JsonOption, WorkersOption, print_json, prints_on_stderr
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.perception.replay import StoredDrive
+
+RunsArgument = Annotated[
+    list[Path] | None, typer.Argument(metavar="RUN", help="Run folders; a fixed set of drives by default.")
+]
+IdsOption = Annotated[
+    list[str] | None, typer.Option("--id", metavar="ID", help="A drive of the runs; may be repeated; all by default.")
+]
+FileOption = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the table as JSON.")]
+AgainstOption = Annotated[
+    Path | None,
+    typer.Option("--against", metavar="FILE", help="An earlier table, or a run folder with one, to compare with."),
+]
+
+
+def perception(
+    runs: RunsArgument = None,
+    driver: DriversOption = None,
+    ids: IdsOption = None,
+    against: AgainstOption = None,
+    workers: WorkersOption = None,
+    out: FileOption = None,
+    json: JsonOption = False,
+) -> None:
+    """Draw the frames of stored drives again, let perception alone look at them, and score it against truth."""
+    from vpf_sim.cli.perception_tables import print_differences, print_totals
+    from vpf_sim.evaluation.perception import measure, poses, store
+    from vpf_sim.evaluation.sweeps.sweep import default_workers
+
+    before = None if against is None else store.read(against)
+    drivers = list(dict.fromkeys(driver or ["vpf"]))
+    with prints_on_stderr():
+        drives = poses.stored_drives(runs or [_fixed_set(workers)], ids or [])
+        found = measure.measure(drives, drivers, workers or default_workers(), _Progress(len(drives)))
+        table = measure.table(found)
+        table["differences"] = _differences(table, before, against)
+        if not ids:
+            measure.keep(found)
+        if out is not None:
+            store.write(out, table)
+    if json:
+        print_json({"runs": sorted({str(drive.folder) for drive in drives}), **table})
+        return
+    print_totals(table["totals"])
+    print_differences(table["differences"])
+    _print_remarks(table["records"])
+
+
+def _fixed_set(workers: int | None) -> Path:
+    """The folder with the poses of the fixed set, which are driven now if they are not there yet."""
+    from vpf_sim.cli.progress import say
+    from vpf_sim.cli.running import Means, fill
+    from vpf_sim.evaluation.perception import poses
+    from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_records
+
+    plan = poses.fixed_set()
+    folder = poses.folder_of(plan)
+    begun = (folder / MANIFEST).exists()
+    if begun and {record["id"] for record in read_records(folder)} >= {job.id for job in plan.jobs()}:
+        return folder
+    say(f"driving the {len(plan.jobs())} drives whose poses are used, once: {folder}")
+    return fill("sweep", plan, Means(folder, resume=begun, mixed=begun, workers=workers))
+
+
+def _differences(table: dict[str, Any], before: Any, name: Path | None) -> list[dict[str, Any]]:
+    """Between the drivers, and to the earlier table."""
+    from vpf_sim.evaluation.perception import comparison
+    from vpf_sim.evaluation.perception.store import Record
+
+    records = [Record.model_validate(record) for record in table["records"]]
+    found = comparison.between_drivers(records)
+    return found if before is None else found + comparison.between_versions(records, before.records, str(name))
+
+
+class _Progress:
+    """A line on stderr for each drive that is ready."""
+
+    def __init__(self, total: int) -> None:
+        self._total, self._done = total, 0
+
+    def __call__(self, drive: "StoredDrive") -> None:
+        from vpf_sim.cli.progress import say
+
+        self._done += 1
+        say(f"{self._done}/{self._total} {drive.record['id']}")
+
+
+def _print_remarks(records: list[dict[str, Any]]) -> None:
+    """In what a drive is not as it was when it was driven."""
+    for name, remark in sorted({(record["drive"], remark) for record in records for remark in record["remarks"]}):
+        print(f"{name}: {remark}")

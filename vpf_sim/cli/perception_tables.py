@@ -1,0 +1,109 @@
+"""The tables of perception as text, none wider than 100 columns."""
+
+from typing import Any
+
+from vpf_sim.cli.tables import number, percent, percent_within, print_table, within
+
+Row = dict[str, Any]
+RATE = "false_positives_per_minute"
+OF_REPORTS = ("distance_error_m", "left_error_m", "right_error_m", "speed_error_mps")
+PLACED = ("distance m", "left m", "right m", "speed m/s")
+DIFFERENCES = {  # label, digits, scale
+    "recall": ("recall at due distance, %", 1, 100.0),
+    "precision": ("precision, %", 1, 100.0),
+    RATE: ("false positives a minute", 2, 1.0),
+    "distance_error_m": ("distance error, m", 3, 1.0),
+    "left_error_m": ("left side error, m", 3, 1.0),
+    "right_error_m": ("right side error, m", 3, 1.0),
+    "speed_error_mps": ("speed error, m/s", 3, 1.0),
+    "edge_error_m": ("edge error at 10 m, m", 4, 1.0),
+    "lane_error_m": ("lane error at 10 m, m", 4, 1.0),
+    "foe_error_px": ("FOE error, px", 3, 1.0),
+}
+
+
+def print_totals(totals: list[Row]) -> None:
+    """By driver and weather: what is seen, and how well it is placed; then both by kind and by distance."""
+    print_table(("", "drives", "bodies", "recall %", "precision %", "false pos./min"), [_seen(row) for row in totals])
+    print("\nErrors of right reports, median / 95th percentile:\n")
+    print_table(("", *PLACED), [(_name(row), *_errors(row)) for row in totals])
+    print("\nErrors of road and focus of expansion (FOE), median / 95th percentile:\n")
+    print_table(("", "edges at 10 m, m", "lane at 10 m, m", "FOE px"), [_of_frames(row) for row in totals])
+    for row in _single(totals):
+        print(f"\n{_name(row)}, by kind:\n")
+        header = ("", "bodies", "recall %", "first seen m", *PLACED)
+        print_table(header, [(kind, *_of_kind(one)) for kind, one in row["by_kind"].items()])
+        print(f"\n{_name(row)}, by distance from the bumper:\n")
+        header = ("m", "recall %", "precision %", "false pos./min", *PLACED)
+        print_table(header, [_of_band(one) for one in row["by_distance"]])
+    print("\nRecall: bodies met in the corridor that were confirmed 15 m before (cones 10, pallets 6);")
+    print("by distance: at the nearer end of the band or before. Precision and false positives are means")
+    print("over the drives. [95 % intervals]")
+
+
+def print_differences(differences: list[Row]) -> None:
+    """What a driver or version changes on the same poses; nothing where there is one of them."""
+    for told in differences:
+        print(f"\n{told['driver']} less {told['minus']}, {_weather(told)}, {told['drives']} drives:\n")
+        print_table(
+            ("figure", "difference", "95 % interval", "p", "pairs"),
+            [(label, *_difference(told[key], digits, scale)) for key, (label, digits, scale) in DIFFERENCES.items()],
+        )
+    if differences:
+        print("\nRecall: over the bodies (McNemar's test). All else: over the drives (sign flips); of errors the")
+        print("medians.")
+
+
+def _single(totals: list[Row]) -> list[Row]:
+    """Without those of all weathers, which say little by kind and distance."""
+    return [row for row in totals if row["weather"] != "all"]
+
+
+def _weather(told: Row) -> str:
+    return "all weathers" if told["weather"] == "all" else str(told["weather"])
+
+
+def _name(row: Row) -> str:
+    return f"{row['driver']}, {_weather(row)}"
+
+
+def _seen(row: Row) -> tuple[str, ...]:
+    ends = row["intervals"]
+    return (
+        _name(row),
+        str(row["drives"]),
+        str(row["bodies_met"]),
+        percent_within(row["recall"], ends["recall"]),
+        percent_within(row["precision"], ends["precision"]),
+        within(row[RATE], ends[RATE]),
+    )
+
+
+def _of_frames(row: Row) -> tuple[str, ...]:
+    edges, lane = (_spread(row[key], 3) for key in ("edge_error_m", "lane_error_m"))
+    return _name(row), edges, lane, _spread(row["foe_error_px"], 1)
+
+
+def _of_kind(row: Row) -> tuple[str, ...]:
+    return (str(row["bodies_met"]), percent(row["recall"]), number(row["first_confirmed_m"], 1), *_errors(row))
+
+
+def _of_band(row: Row) -> tuple[str, ...]:
+    band = f"{row['from_m']:.0f}-{row['to_m']:.0f}" if row["to_m"] is not None else f"{row['from_m']:.0f}-"
+    return (band, percent(row["recall"]), percent(row["precision"]), number(row[RATE]), *_errors(row))
+
+
+def _errors(row: Row) -> tuple[str, ...]:
+    return tuple(_spread(row[key], 2) for key in OF_REPORTS)
+
+
+def _spread(told: Row | None, digits: int) -> str:
+    return "-" if told is None else f"{number(told['median'], digits)} / {number(told['p95'], digits)}"
+
+
+def _difference(told: Row | None, digits: int, scale: float) -> tuple[str, ...]:
+    if told is None:
+        return "-", "-", "-", "0"
+    ends = told["interval"]
+    interval = "-" if ends is None else f"[{', '.join(f'{scale * end:+.{digits}f}' for end in ends)}]"
+    return f"{scale * told['difference']:+.{digits}f}", interval, number(told["p"], 3), str(told["pairs"])

@@ -1,0 +1,61 @@
+"""A driver on trial: whether it drives a short episode without and with an obstacle, and gives commands."""
+
+from contextlib import closing
+from traceback import extract_tb
+
+import numpy as np
+
+from vpf_sim import drivers, process_state, scenarios
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.episode.episode import read, setup_for
+from vpf_sim.types import Driver
+
+MOST_FRAMES = 90
+ROAD = """schema = 1
+[road]
+lanes = 3
+lane_width_m = 3.5
+segments = [{kind = "line", length_m = 80}]
+[ego]
+lane = 2
+s_m = 5.0
+speed_mps = 5.55
+speed_reference_mps = 5.55
+[goal]
+s_m = 13.0
+"""
+CAR = '[[bodies]]\nkind = "car"\ns_m = 30.0\nlane = 2\n'
+TRIALS = {"without obstacles": ROAD, "with an obstacle": ROAD + CAR}
+
+
+def check(name: str) -> Driver:
+    """The driver of a name, after its trial; InputError with the place and the frame where it fails."""
+    with process_state.kept():
+        for what, text in TRIALS.items():
+            driver = drivers.create(name)
+            _drive(driver, f"driver '{name}': {what}", text)
+    return driver
+
+
+def _drive(driver: Driver, where: str, text: str) -> None:
+    """Up to the goal, or for MOST_FRAMES."""
+    with closing(FourLane(scenarios.parse(text, "trial.toml"), frames=drivers.sees(driver))) as env:
+        observed, _ = env.reset(seed=0)
+        place = "reset"
+        try:
+            driver.reset(setup_for(driver, env, 0))
+            for frame in range(MOST_FRAMES):
+                place = f"frame {frame}"
+                command = drivers.command_of(driver, read(observed))
+                drivers.trace_of(driver)
+                look = drivers.looks(driver)
+                observed, _, terminated, truncated, _ = env.step(
+                    np.array([command.throttle, command.steering]), look=look
+                )
+                if terminated or truncated:
+                    break
+        except (Exception, SystemExit) as error:
+            last = extract_tb(error.__traceback__)[-1]
+            told = " ".join(f"{type(error).__name__}: {error}".split())
+            raise InputError(f"{where}: {place}: {told} ({last.filename}, line {last.lineno})") from error

@@ -1,0 +1,60 @@
+"""The stored drives whose poses are used: those of runs, or of a fixed set that is driven once."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from vpf_sim import tables
+from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.evaluation.perception.replay import StoredDrive
+from vpf_sim.evaluation.sweeps.fingerprint import digest
+from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
+from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, change, read_manifest, read_records
+
+PACKAGE, FIXED = "vpf_sim.evaluation.perception", "drives.toml"
+
+
+def fixed_set() -> Plan:
+    """The drives on which perception is measured where no run is named."""
+    return make_plan(tables.read(PACKAGE, FIXED), FIXED)
+
+
+def folder_of(plan: Plan) -> Path:
+    """Where the poses of a plan are kept; another plan, scenario or weather has another folder."""
+    return Path("runs") / f"perception-{digest([plan.jobs(), plan.hashes()])[:8]}"
+
+
+def stored_drives(folders: Iterable[Path], ids: Sequence[str] = ()) -> list[StoredDrive]:
+    """The episodes of run folders that have steps, those named by `ids` alone if there are some."""
+    found: dict[tuple[str, str], StoredDrive] = {}
+    for folder in folders:
+        for drive in _of_run(folder):
+            found.setdefault((drive.record["id"], drive.record["states_sha256"]), drive)
+    known = {name for name, _ in found}
+    for name in ids:
+        if name not in known:
+            raise unknown_name("drive", name, known)
+    return [drive for (name, _), drive in found.items() if not ids or name in ids]
+
+
+def _of_run(folder: Path) -> list[StoredDrive]:
+    if not folder.is_dir():
+        raise InputError(
+            f"{folder}: expected a run folder, got {'a file' if folder.exists() else 'nothing of that name'}"
+        )
+    manifest = read_manifest(folder)
+    drives = [StoredDrive(folder, record) for record in read_records(folder) if record["steps"]]
+    if not drives:
+        raise InputError(f"{folder}: expected at least one episode with steps, got none")
+    _check_world(folder, manifest, drives)
+    return drives
+
+
+def _check_world(folder: Path, manifest: dict[str, Any], drives: Sequence[StoredDrive]) -> None:
+    """InputError where a scenario or weather no longer says what it said: its road would be another."""
+    names = [tuple(sorted({drive.record[key] for drive in drives})) for key in ("scenario", "weather")]
+    now = Plan(names[0], names[1], ("neutral",), "0:1").hashes()
+    for kind in ("scenarios", "weathers"):
+        stored = {name: manifest[kind].get(name) for name in now[kind]}
+        if stored != now[kind]:
+            raise InputError(f"{folder / MANIFEST}: {kind} changed since the run: {change(stored, now[kind])}")
