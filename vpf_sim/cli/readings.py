@@ -69,17 +69,18 @@ def readings(
 
     tried = search(asked, folder, drive, optimiser)
     best = finals(asked, tried, folder, drive)
+    choices = by_choice(space, tried)
     answer = {
         "asked": asdict(asked),
         "tried": [asdict(one) for one in tried],
         "finals": [asdict(one) for one in best],
-        "choices": by_choice(space, tried),
+        "choices": choices,
     }
     write_json(folder / NAME, answer)
     if json:
         print_json({"out": str(folder), **answer})
     else:
-        _print_choices(answer["choices"])
+        _print_choices(choices)
         _print_finals(best, asked.final_seeds)
         print(f"\nall readings and their scores: {folder / NAME}")
         print(f"the best as a variant: {best[0].driver.partition('@')[2]}")

@@ -63,7 +63,11 @@ def replay(
     recordings, refused = _read(drive)
     if water is not None:
         recordings = _wet(recordings, water)
-    plan = {"driver": driver, "water": water, "drives": {name: str(at) for name, (at, _) in recordings.items()}}
+    plan: dict[str, object] = {
+        "driver": driver,
+        "water": water,
+        "drives": {name: str(at) for name, (at, _) in recordings.items()},
+    }
     if faults is not None:
         recordings = _failing(recordings, faults)
         plan["faults"] = _said(faults)
