@@ -10,7 +10,7 @@ import pytest
 from little_room import limited
 
 from vpf_sim.evaluation.gate.cells import Cell
-from vpf_sim.evaluation.gate.gate import Check
+from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.steps import write as write_steps

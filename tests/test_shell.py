@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from vpf_sim.evaluation.gate.cells import Cell
-from vpf_sim.evaluation.gate.gate import again
+from vpf_sim.evaluation.gate.checks import again
 from vpf_sim.shell import command
 
 ROOT = Path(__file__).parents[1]
