@@ -37,6 +37,7 @@ AGAIN_MPS2 = 1.5  # how fast the speed may rise when it holds again
 DEMAND_FILTER_HZ = 2.0
 HARD_SHARE, HARD_LEAST_MPS = 0.7, 1.2  # of the speed, by which a car that is too fast brakes beyond a_0; no less
 NARROWEST = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
+MOST_RAD, MOST_RADPS, MOST_MPS = 1e6, 1e3, 1e3  # beyond any car: what is filtered and differentiated stays finite
 
 NOT_NEGATIVE = (
     "boundary_layer_radps",
@@ -148,8 +149,10 @@ class Gtsmc:
 
     def command(self, observation: Observation, reference: Reference) -> Command:
         """One step of 1 / rate_hz."""
+        reference = _bounded(reference)
         speed_mps = self._believed_mps(observation.speed_mps)
-        yaw_rate = self._yaw_rate(observation.yaw_rate_radps, speed_mps)
+        measured_radps = min(max(observation.yaw_rate_radps, -MOST_RADPS), MOST_RADPS)
+        yaw_rate = self._yaw_rate(measured_radps, speed_mps)
         observation = replace(observation, speed_mps=speed_mps, yaw_rate_radps=yaw_rate)
         steering = self._steer(observation, reference)
         wish_mps = self._speed(speed_mps, reference.speed_mps)
@@ -279,3 +282,13 @@ class Gtsmc:
             acceleration = self._swing.limit(acceleration)
         acceleration -= hard * (acceleration + self._vehicle.full_brake_mps2)
         return min(max(acceleration, -self._vehicle.full_brake_mps2), self._vehicle.full_throttle_mps2)
+
+
+def _bounded(reference: Reference) -> Reference:
+    """The reference, within what any car could be asked for."""
+    heading, speed, rate = reference.heading_rad, reference.speed_mps, reference.heading_rate_radps
+    return Reference(
+        heading if abs(heading) <= MOST_RAD else wrap_angle(heading),
+        min(max(speed, -MOST_MPS), MOST_MPS),
+        None if rate is None else min(max(rate, -MOST_RADPS), MOST_RADPS),
+    )

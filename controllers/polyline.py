@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vpf_sim.geometry import wrap_angle
+from vpf_sim.geometry import unwrapped, wrap_angle
 from vpf_sim.types import Floats
 
 SEARCHED = 30  # segments ahead of the last place that are looked at
@@ -22,8 +22,10 @@ class Polyline:
     """Waypoints (M, 2) m, joined. It is followed from its start: a place once passed never comes back."""
 
     def __init__(self, points_m: Floats) -> None:
-        self._points_m = points_m
-        self._along = np.diff(points_m, axis=0)
+        """A waypoint at the place of the one before, as where a car stood, leads nowhere and is left out."""
+        goes_on = np.any(np.diff(points_m, axis=0) != 0.0, axis=1)
+        self._points_m = points_m[np.concatenate([[True], goes_on])]
+        self._along = np.diff(self._points_m, axis=0)
         self._length_m = np.hypot(*self._along.T)
         self._heading = _headings(self._along)
         self._segment = 0
@@ -66,6 +68,6 @@ class Polyline:
 
 def _headings(along: Floats) -> Floats:
     """(M,) rad, continuous: at a waypoint the mean of the segments that meet there, at the ends the segment's own."""
-    heading = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+    heading = unwrapped(np.arctan2(along[:, 1], along[:, 0]))
     between = 0.5 * (heading[:-1] + heading[1:])
     return np.concatenate([heading[:1], between, heading[-1:]])

@@ -1,5 +1,6 @@
 """Angles, frames and the pinhole camera. Axes as in `vpf_sim.types`."""
 
+from collections.abc import Sequence
 from math import cos, pi, sin
 
 import numpy as np
@@ -13,6 +14,22 @@ LEAST_SLOPE = 0.02  # of the distorted radius: near the fold of the polynomial s
 def wrap_angle(angle_rad: float) -> float:
     """The same direction in [-pi, pi)."""
     return (angle_rad + pi) % (2.0 * pi) - pi
+
+
+def wrap_angles(angles_rad: Floats) -> Floats:
+    """(...) the same directions in [-pi, pi)."""
+    return np.asarray((angles_rad + pi) % (2.0 * pi) - pi)
+
+
+def unwrapped(angles: Sequence[float] | Floats, period: float = 2.0 * pi) -> Floats:
+    """(N,) the same directions without jumps over the seam, so that they can be interpolated, averaged and derived.
+
+    Each differs from the known one before it by at most half a period. nan stays nan and hides no turn.
+    """
+    result = np.array(angles, float)
+    known = np.isfinite(result)
+    result[known] = np.unwrap(result[known], period=period)  # noqa: TID251
+    return result
 
 
 def rotation(yaw_rad: float) -> Floats:

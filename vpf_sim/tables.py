@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 from vpf_sim.errors import InputError
 
 Config = TypeVar("Config")
+LARGEST = 1e15  # of a number: no quantity in SI units is larger, and nan and inf are none
 
 
 def read(package: str, name: str) -> dict[str, Any]:
@@ -50,7 +51,7 @@ def build(config: type[Config], table: Mapping[str, Any], where: str) -> Config:
         if key not in known:
             near = get_close_matches(key, known, n=1, cutoff=0.5)
             remedy = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
-            raise InputError(f"{where}: unknown key '{key}': {remedy}")
+            raise InputError(f"{where}: unknown key {_shown(key)}: {remedy}")
     for key, item in known.items():
         if key not in table and item.default is MISSING and item.default_factory is MISSING:
             raise InputError(f"{where}: key '{key}' is missing")
@@ -74,20 +75,26 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
         return _sequence(get_args(hint), value, where)
     if is_dataclass(hint) and isinstance(hint, type):
         if not isinstance(value, Mapping):
-            raise InputError(f"{where}: expected a table, got {value!r}")
+            raise InputError(f"{where}: expected a table, got {_shown(value)}")
         return build(hint, value, where)
     return _scalar(hint, value, where)
 
 
+def _shown(value: Any) -> str:
+    """A value of any length and letters, in a line."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
 def _choice(options: tuple[Any, ...], value: Any, where: str) -> Any:
     if value not in options:
-        raise InputError(f"{where}: expected one of {', '.join(map(str, options))}, got {value!r}")
+        raise InputError(f"{where}: expected one of {', '.join(map(str, options))}, got {_shown(value)}")
     return value
 
 
 def _sequence(hints: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
     if not isinstance(value, list):
-        raise InputError(f"{where}: expected a list, got {value!r}")
+        raise InputError(f"{where}: expected a list, got {_shown(value)}")
     if hints[-1] is Ellipsis:
         hints = (hints[0],) * len(value)
     if len(value) != len(hints):
@@ -97,9 +104,11 @@ def _sequence(hints: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]
 
 def _scalar(hint: Any, value: Any, where: str) -> Any:
     number = isinstance(value, int) and not isinstance(value, bool)
-    if hint is float and number:
+    if hint is float and (number or isinstance(value, float)):
+        if not abs(value) <= LARGEST:
+            raise InputError(f"{where}: expected a number up to {LARGEST:g}, got {str(value)[:40]}")
         return float(value)
     right = number if hint is int else isinstance(value, hint)
     if not right:
-        raise InputError(f"{where}: expected {hint.__name__}, got {value!r}")
+        raise InputError(f"{where}: expected {hint.__name__}, got {_shown(value)}")
     return value

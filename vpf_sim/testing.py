@@ -43,7 +43,7 @@ def _run(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
 
     from vpf_sim.evaluation.episode import episode
     from vpf_sim.evaluation.gate.cells import Cell
-    from vpf_sim.evaluation.gate.gate import again
+    from vpf_sim.evaluation.gate.checks import again
     from vpf_sim.evaluation.processes.threads import limit_opencv
 
     threads = cv2.getNumThreads()

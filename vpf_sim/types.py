@@ -8,8 +8,8 @@ the centre of its body. N is a number of image points, K a number of obstacles.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from math import isnan, nan, radians, tan
+from dataclasses import dataclass, field, fields, replace
+from math import inf, isnan, nan, radians, tan
 from typing import Any, Generic, Literal, Protocol, Self, TypeVar, cast
 
 import numpy as np
@@ -82,6 +82,13 @@ class VehicleModel:
     full_throttle_mps2: float = 3.0
     full_brake_mps2: float = 6.0
 
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            if not 0.0 < getattr(self, item.name) < inf:
+                raise ValueError(f"{item.name}: expected a finite number > 0, got {getattr(self, item.name)}")
+        if not self.steering_limit_rad < radians(90.0):
+            raise ValueError(f"steering_limit_rad: expected < pi / 2, got {self.steering_limit_rad}")
+
     @property
     def wheelbase_m(self) -> float:
         return self.l_f_m + self.l_r_m
@@ -93,7 +100,10 @@ class VehicleModel:
 
 @dataclass(frozen=True, slots=True)
 class DriverSetup:
-    """What a driver is told before an episode: `route` and `world` are None unless it declares the privilege."""
+    """What a driver is told before an episode: `route` and `world` are None unless it declares the privilege.
+
+    ValueError where the rate, the speed, the goal or the route is one that no drive has.
+    """
 
     camera: Camera
     vehicle: VehicleModel
@@ -103,6 +113,16 @@ class DriverSetup:
     seed: int
     route: Floats | None = None  # (M, 2) m, waypoints 1 m apart along the lane centre from the start to beyond the goal
     world: Any | None = None  # highway_env.road.road.Road
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.rate_hz < inf:
+            raise ValueError(f"rate_hz: expected a finite number > 0, got {self.rate_hz}")
+        if not 0.0 <= self.speed_reference_mps < inf:
+            raise ValueError(f"speed_reference_mps: expected a finite number >= 0, got {self.speed_reference_mps}")
+        if not np.isfinite(self.goal_m).all():
+            raise ValueError(f"goal_m: expected finite numbers, got {self.goal_m}")
+        if self.route is not None and not (np.isfinite(self.route).all() and np.ptp(self.route, axis=0).any()):
+            raise ValueError("route: expected finite waypoints, two of them apart, got others")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from highway_env.road.lane import AbstractLane, LineType
 from highway_env.road.road import Road
 from scipy.spatial import cKDTree
 
+from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Bools, Floats
 
 SAGITTA_M = 0.01  # how far the chord between two samples of a bent lane may leave its arc
@@ -188,7 +189,7 @@ def _stations(lane: AbstractLane, length: float) -> Floats:
     """Stations along a lane, as dense as its sharpest bend needs: a chord of length c leaves an arc of curvature k by
     c^2 k / 8."""
     spacing = length / PROBES
-    headings = np.unwrap([lane.heading_at(spacing * i) for i in range(PROBES + 1)])
+    headings = unwrapped([lane.heading_at(spacing * i) for i in range(PROBES + 1)])
     sharpest = float(np.abs(np.diff(headings)).max()) / spacing
     step = np.sqrt(8.0 * SAGITTA_M / max(sharpest, 1e-9))
     return np.linspace(0.0, length, max(2, int(np.ceil(length / np.clip(step, SHORTEST_STEP_M, STRAIGHT_STEP_M))) + 1))

@@ -12,6 +12,7 @@ import numpy as np
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive
+from vpf_sim.geometry import unwrapped
 from vpf_sim.replay.recording import Frame, Origin, Recording
 from vpf_sim.scenarios import Scenario
 from vpf_sim.types import Camera, Floats, Image, VehicleModel
@@ -60,7 +61,7 @@ def recording(
     """All of it recorded, as a car drove that knows its steering."""
     images, poses = shots(radius_m, lane, right_m, body_s_m, frames)
     steps_m = np.hypot(*np.diff(poses[:, :2], axis=0).T)
-    rate = np.gradient(np.unwrap(poses[:, 2]), 1.0 / RATE_HZ)
+    rate = np.gradient(unwrapped(poses[:, 2]), 1.0 / RATE_HZ)
     speed = np.full(frames, steps_m.mean() * RATE_HZ)
 
     def pictures() -> Iterator[Frame]:

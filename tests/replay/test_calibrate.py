@@ -64,13 +64,29 @@ def test_speed_and_turn_are_told_by_the_pictures(straight: list[Frame]) -> None:
     assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.0, abs=0.01)
 
 
-def test_a_bend_tells_the_mounting_too(bend: list[Frame]) -> None:
-    """While the car turns, where the flow comes from is told apart from the turn of the picture."""
-    for told in (None, np.full(FRAMES, 0.25)):
-        own = looked(bend, np.full(FRAMES, SPEED_MPS), told)
-        assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
-        assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.01)
-        assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.25, abs=0.02)
+def test_a_bend_tells_the_mounting_where_the_turn_was_recorded(bend: list[Frame]) -> None:
+    """Where the flow comes from is told apart from the turn of the picture."""
+    own = looked(bend, np.full(FRAMES, SPEED_MPS), np.full(FRAMES, 0.25))
+    assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
+    assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.01)
+    assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.25, abs=0.02)
+
+
+def test_a_short_bend_of_unknown_turn_tells_no_yaw(bend: list[Frame]) -> None:
+    """A turn and a direction to the side look much the same: no straight way, no yaw."""
+    own = looked(bend, np.full(FRAMES, SPEED_MPS), None)
+    assert not own.yaw.is_used
+    assert own.mounting.yaw_rad == 0.0
+    assert own.yaw.seconds == 0.0
+    assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
+
+
+def test_the_interval_holds_the_mounting(straight: list[Frame]) -> None:
+    own = looked(straight, None, None)
+    assert own.pitch.is_used
+    assert own.yaw.is_used
+    assert abs(own.pitch.rad - 0.06) < own.pitch.half_width_rad
+    assert abs(own.yaw.rad + 0.05) < own.yaw.half_width_rad
 
 
 def test_a_camera_before_the_axle_moves_outward_in_a_bend(bend: list[Frame]) -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 import rendered_drive as rendered
@@ -12,6 +13,7 @@ import rendered_drive as rendered
 from vpf_sim.replay import frame_table, open_loop
 from vpf_sim.replay.frame_table import FrameTable
 from vpf_sim.replay.recording import ABSENT, Frame, Recording
+from vpf_sim.seeding import stream
 from vpf_sim.types import VehicleModel
 
 STEADY = 16  # frame from which on the model vehicle has found into a bend
@@ -122,6 +124,22 @@ def test_a_covered_glass_holds_the_prediction_and_says_so(tmp_path: Path) -> Non
     assert not held[: dark.start].any()
     assert np.ptp(table.steering[dark.start - 1 : dark.stop]) == 0.0
     assert np.isnan(table.foe_x_px[list(dark)]).all()
+
+
+def test_without_a_lane_course_and_speed_are_kept_and_nothing_is_scored(tmp_path: Path) -> None:
+    """A road without a line, textured so that the flow is as good as ever."""
+    grain = stream(0, "asphalt").integers(60, 160, (480, 640, 1))
+    soft = cv2.GaussianBlur(grain.astype(np.float32), (0, 0), 2.0)[..., None]
+    pictures = [np.roll(soft, 3 * k, axis=0).repeat(3, axis=2).astype(np.uint8) for k in range(20)]
+    whole = rendered.recording(BEND_M, frames=20)
+    record, table = replayed(
+        replace(whole, frames=lambda: (Frame(k, image) for k, image in enumerate(pictures))), tmp_path
+    )
+    assert record["perception"]["road_found_share"] == 0.0
+    assert np.abs(table.throttle).max() < 0.02
+    assert record["restarts"] == 0
+    assert record["accuracy"] is None
+    assert "lane" in [what for what, _ in record["doubts"]]
 
 
 def test_without_a_road_it_says_so_and_goes_straight_ahead(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 import recorded_layouts as layouts
 
 from vpf_sim.errors import InputError
+from vpf_sim.geometry import unwrapped
 from vpf_sim.replay import readers
 from vpf_sim.replay.drive_file import CameraKeys, DriveFile, SignalKeys, VehicleKeys
 from vpf_sim.replay.readers import general_signals
@@ -265,7 +266,7 @@ def test_signals_agree_with_physics(name: str, wheelbase_m: float) -> None:
     assert wheelbase_m < seen_m < wheelbase_m + 0.008 * float(np.mean(recording.speed_mps**2))
     along = np.hypot(*np.diff(recording.poses[::20, :2], axis=0).T).sum()
     assert along == pytest.approx(np.trapezoid(recording.speed_mps, recording.times_s), rel=0.02)
-    assert np.ptp(recording.poses[:, 2] - np.unwrap(_course(recording))) < 0.3
+    assert np.ptp(recording.poses[:, 2] - unwrapped(_course(recording))) < 0.3
     assert recording.no_images
 
 

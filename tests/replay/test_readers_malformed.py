@@ -108,7 +108,10 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (drop("../calib_cam_to_cam.txt"), "expected calib_cam_to_cam.txt in it or one folder up, found none"),
         (swap("../calib_cam_to_cam.txt", "P_rect_02", "P_rect_09"), "expected P_rect_02, found no such row"),
         (row("image_02/timestamps.txt", 3, "noon"), "line 4: expected a time like 2011-09-26 13:02:25"),
-        (row("image_02/timestamps.txt", 3, "2001-01-01 00:00:00.0"), "row 4: expected a time after that"),
+        (
+            row("image_02/timestamps.txt", 3, "2001-01-01 00:00:00.0"),
+            "timestamps.txt: line 4: time: expected a time after that of line 3, got -",
+        ),
         (shorter("image_02/timestamps.txt"), "timestamps.txt: expected 24 rows for 24 files, got 1"),
         (write("oxts/data/0000000003.txt", "1 2 3"), "0000000003.txt: expected 30 numbers, got 3"),
         (write("oxts/data/0000000003.txt", ""), "0000000003.txt: expected a line of 30 numbers"),
@@ -151,7 +154,7 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (write("drive.toml", "frames = 'drive.mp4'"), "drive.toml: key 'schema' is missing"),
         (swap("drive.toml", "height_m", "hieght_m"), "unknown key 'hieght_m': did you mean 'height_m'?"),
         (swap("drive.toml", "fx_px = 80.0", 'fx_px = "far"'), "camera: fx_px: expected float, got 'far'"),
-        (swap("drive.toml", "fx_px = 80.0", "fx_px = -1"), "camera: fx_px: expected > 0, got -1"),
+        (swap("drive.toml", "fx_px = 80.0", "fx_px = -1"), "camera: fx_px: expected 10 to 100000, got -1"),
         (swap("drive.toml", "[camera]", "[camera]\nfield_of_view_deg = 60"), "expected one of them, got both"),
         (
             swap("drive.toml", "[camera]", "[camera]\ncx_px = 640"),
@@ -164,12 +167,15 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (swap("drive.toml", 'speed_kmh = "v"', 'pace = "v"'), "signals.columns: unknown signal 'pace'; known: s"),
         (swap("drive.toml", 'speed_kmh = "v"', 'speed_kmh = "w"'), "expected a column 'w' for speed_kmh, found"),
         (swap("drive.toml", "schema = 1", 'schema = 1\nframes = "b.mp4"'), "frames: expected a video or a folder"),
-        (swap("drive.toml", "schema = 1", "schema = 1\nrate_hz = 0"), "rate_hz: expected > 0, got 0"),
+        (swap("drive.toml", "schema = 1", "schema = 1\nrate_hz = 0"), "rate_hz: expected 0.2 to 1000, got 0"),
         (drop("signals.csv"), "signals.csv: expected signals, found no file"),
         (drop("drive.mp4"), "frames is left out: expected one video or folder of pictures, found none"),
         (shorter("drive.mp4"), "drive.mp4: expected a video, cannot be opened: Invalid data"),
         (swap("signals.csv", "time_s,", "clock,"), "signals.csv: expected a column 'time_s', found clock"),
-        (row("signals.csv", 9, "0.1,1,2,3,x"), "signals.csv: row 9: expected a time after that of row 8"),
+        (
+            row("signals.csv", 9, "0.1,1,2,3,x"),
+            "signals.csv: line 10: time_s: expected a time after that of line 9, got -0.18",
+        ),
         (row("signals.csv", 9, "0.32,fast,2,3,x"), "line 10: speed_kmh: expected a number, got 'fast'"),
         (swap("drive.toml", "[signals]", "[signals]\noffset_s = 1000.0"), "expected rows at the frames' times, 0 to"),
         (swap("signals.csv", ",note", ",speed_mps"), "expected one of the columns speed_mps, speed_kmh, sp"),
@@ -204,7 +210,7 @@ def test_a_fault_is_one_clear_line(name: str, change: Change, sentence: str, val
         ),
         ("general", swap("signals.csv", "yaw_rate_degps", "yaw_rate_rpm"), "signals.csv: not used: yaw_rate_rpm, note"),
         ("general", empty_column("signals.csv", 3), "without a value: yaw_rate_degps"),
-        ("general", in_milliseconds("signals.csv"), "signals.csv: a row every 40 s, interpolated"),
+        ("general", in_milliseconds("signals.csv"), "signals.csv: a row every 40 s, interpolated: milliseconds?"),
         ("general", row("signals.csv", 30, "1.16,nan,nan,nan,x"), ""),  # short: bridged like any two samples
     ],
 )

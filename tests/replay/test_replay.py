@@ -113,16 +113,47 @@ class Clumsy:
         return Command(0.0, 0.0)
 
 
-def test_a_driver_that_fails_is_an_error_of_the_drive(
+def test_what_a_driver_did_before_it_failed_is_kept_and_the_other_drives_go_on(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    driver = f"{__name__}:Clumsy"
-    code = cli.run(["replay", str(drive), "--driver", driver, "--out", str(tmp_path / "out"), "--json"])
+    driver, out = f"{__name__}:Clumsy", tmp_path / "out"
+    command = ["replay", str(drive), str(drive), "--driver", driver, "--out", str(out), "--json"]
+    assert cli.run(command) == 1
     said = capsys.readouterr()
-    assert code == 1
-    assert json.loads(said.out)["drives"] == []
-    assert said.err == "vpf-sim: bend: error: RuntimeError: no idea\n"
-    assert not list(tmp_path.glob("out/*/*")), "no half of a table or film is left behind"
+    line = next(k for k, text in enumerate(Path(__file__).read_text().splitlines(), 1) if 'RuntimeError("no' in text)
+    where = f"{__name__}:{line} in act"
+    of_both = [
+        f"vpf-sim: {name}: error: frame 2 of {FRAMES}, at {where}: RuntimeError: no idea; the frames before are kept"
+        for name in ("bend", "bend-2")
+    ]
+    assert said.err.splitlines() == of_both
+    answer = json.loads(said.out)
+    for record in answer["drives"]:
+        assert record["error"] == {"frame": 2, "place": where, "what": "RuntimeError: no idea"}
+        assert record["frames"] == 2
+        table = frame_table.read(out / "frames" / f"{record['name']}.parquet")
+        assert table.steering.tolist() == [0.0, 0.0]
+        with av.open(str(out / "videos" / f"{record['name']}.mp4")) as video:
+            assert sum(1 for _ in video.decode(video=0)) == 2
+    assert all(row["drives"] == [] for row in answer["rows"]), "a part of a drive is no drive"
+    assert f"the driver failed at frame 2, at {where}" in " ".join((out / "report.html").read_text().split())
+    assert cli.run([*command, "--resume"]) == 1
+
+
+class Hopeless(Clumsy):
+    """A driver that gives up at once."""
+
+    def act(self, observation: Observation) -> Command:  # noqa: ARG002
+        raise SystemExit(0)
+
+
+def test_a_driver_that_fails_at_once_leaves_an_empty_drive(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    driver = f"{__name__}:Hopeless"
+    assert cli.run(["replay", str(drive), "--driver", driver, "--out", str(tmp_path / "out"), "--json"]) == 1
+    (record,) = json.loads(capsys.readouterr().out)["drives"]
+    assert (record["frames"], record["error"]["what"], record["accuracy"]) == (0, "SystemExit: 0", None)
 
 
 def test_the_way_goes_on_where_the_last_pose_is_missing() -> None:

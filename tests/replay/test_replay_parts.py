@@ -117,13 +117,45 @@ def test_the_present_lane_is_the_one_nearest_to_the_car() -> None:
 def test_where_no_lane_is_found_it_lies_straight_ahead() -> None:
     lane = present_lane(ROAD, found=False)
     assert (lane.lane_m, lane.heading_rad, lane.curvature_per_m, lane.confidence) == (0.0, 0.0, 0.0, 0.0)
-    assert lane.right_m - lane.left_m == 14.0
+    assert (lane.left_m, lane.right_m) == (-7.0, 7.0)
+
+
+def test_an_edge_that_is_not_believed_is_not_kept() -> None:
+    """A left edge right of the car would lead the model car to the right, again and again."""
+    beside = replace(ROAD, left_m=1.9, right_m=15.9, lane_m=-0.5)
+    lane = present_lane(beside, found=False)
+    assert (lane.left_m, lane.right_m) == (-7.0, 7.0)
 
 
 def test_a_lane_is_not_believed_if_the_car_would_rush_across_it() -> None:
     assert is_found(ROAD, 20.0)
     assert not is_found(replace(ROAD, heading_rad=0.1), 20.0)
     assert not is_found(replace(ROAD, lane_confidence=0.4), 20.0)
+
+
+def test_a_bend_is_not_believed_that_no_car_drives_so_fast() -> None:
+    bend = replace(ROAD, curvature_per_m=0.03)
+    assert is_found(bend, 10.0)
+    assert not is_found(bend, 25.0)
+
+
+def test_standing_behind_a_car_its_outline_is_no_bend() -> None:
+    assert not is_found(replace(ROAD, curvature_per_m=-0.03), 0.0)
+    assert is_found(ROAD, 0.0)
+
+
+def test_frames_without_a_lane_are_not_scored() -> None:
+    rows = [
+        FrameRow(k, k / 10.0, 0, 1.0, 5.0, 0.0, 0.0, 0.1, 0.0, np.nan, throttle=0.0, steering=0.1, road_found=1.0)
+        for k in range(20)
+    ]
+    lost = [row._replace(road_found=0.0, throttle=-1.0, steering=-1.0) if row.frame >= 12 else row for row in rows]
+    found = scores.accuracies(FrameTable.of(lost), 10.0)
+    assert found is not None
+    assert (found["steering"]["mae"], found["throttle"]["mae"]) == (0.0, 0.0)
+    assert found["frames"]["whole"] == 12
+    assert found["lane"]["not_found"] == {"frames": 8, "steering": None, "idle": None}
+    assert scores.accuracies(FrameTable.of([row._replace(road_found=0.0) for row in rows]), 10.0) is None
 
 
 def test_road_and_bodies_are_seen_from_the_model_vehicle() -> None:
@@ -148,7 +180,14 @@ def record(name: str, weather: str, throttle: str = "recorded", added: str | Non
         "added": added,
         "obstacles_by": "label",
         "origins": {"throttle": {"kind": throttle}, "steering_rad": {"kind": "recorded"}},
-        "accuracy": {**part, **halves, "frames": frames, "idle": {**part, **halves}},
+        "error": None,
+        "accuracy": {
+            **part,
+            **halves,
+            "frames": frames,
+            "unseen": {key: value // 2 for key, value in frames.items()},
+            "idle": {**part, **halves},
+        },
     }
 
 
@@ -158,7 +197,7 @@ def filled(records: list[Any]) -> list[dict[str, Any]]:
 
 def test_drives_count_by_their_frames() -> None:
     (row,) = filled([record("a", "Overcast"), record("b", "cloudy", mae=0.3)])
-    assert (row["weather"], row["drives"], row["frames"]) == ("cloudy", ["a", "b"], 40)
+    assert (row["weather"], row["drives"], row["frames"], row["unseen"]) == ("cloudy", ["a", "b"], 40, 20)
     assert row["accuracy"]["throttle"]["mae"] == pytest.approx((10 * 0.1 + 30 * 0.3) / 40)
     assert row["paper"] == {"throttle": 0.6943, "steering": 0.6492}
 

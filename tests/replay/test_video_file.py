@@ -1,13 +1,15 @@
 """Videos as frames with their own times: variable rates, damage, missing ends, phones upside down."""
 
+from fractions import Fraction
 from pathlib import Path
 
+import av
 import numpy as np
 import pytest
 import recorded_layouts as layouts
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import video_file
+from vpf_sim.replay import readers, video_file
 from vpf_sim.types import Image
 
 FRAMES = 18
@@ -65,8 +67,6 @@ def test_a_stream_without_times_takes_those_recorded_beside_it(tmp_path: Path) -
 def test_a_video_that_is_cut_off_goes_as_far_as_it_goes_and_says_so(tmp_path: Path) -> None:
     """With the index in front the rest can be read."""
     whole, cut = tmp_path / "whole.mp4", tmp_path / "cut.mp4"
-    import av
-
     with av.open(str(whole), "w", options={"movflags": "+faststart"}) as container:
         stream = container.add_stream("libx264", rate=10, options={"g": "3", "crf": "10"})
         stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
@@ -120,6 +120,166 @@ def test_a_phone_that_was_mounted_upside_down_is_turned(film: Path, tmp_path: Pa
     frame = next(video_file.read(tmp_path / "turned.mp4").frames())
     assert frame.image is not None
     assert float(frame.image[:16].mean()) < float(frame.image[-16:].mean())
+
+
+def turned(film: Path, matrix: tuple[int, ...], path: Path) -> Path:
+    """The film with the upper left of its track's matrix, ISO 14496-12, 8.3.2, in 16.16 fixed point."""
+    content = bytearray(film.read_bytes())
+    place = content.index(b"tkhd") + 44
+    for k, value in zip((0, 4, 12, 16), matrix, strict=True):
+        content[place + k : place + k + 4] = (value * 0x10000 & 0xFFFFFFFF).to_bytes(4, "big")
+    path.write_bytes(bytes(content))
+    return path
+
+
+@pytest.mark.parametrize(("matrix", "brighter"), [((0, 1, -1, 0), np.s_[:, -16:]), ((0, -1, 1, 0), np.s_[:, :16])])
+def test_a_film_taken_upright_is_shown_upright(
+    matrix: tuple[int, ...], brighter: tuple[slice, slice], film: Path, tmp_path: Path
+) -> None:
+    """By the standard (x, y) goes to (a x + c y, b x + d y): the top of what is stored goes to a side."""
+    video = video_file.read(turned(film, matrix, tmp_path / "upright.mp4"))
+    assert (video.width_px, video.height_px) == (64, 96)
+    image = next(video.frames()).image
+    assert image is not None
+    assert image.shape == (96, 64, 3)
+    assert float(image[brighter].mean()) > float(image.mean()) + 2.0
+
+
+def several(path: Path, *streams: tuple[int, int, int]) -> None:
+    """A file of several videos: (width, height, frames) each, the k-th frame of each in `shade(k)`."""
+    with av.open(str(path), "w") as container:
+        added = []
+        for width, height, _ in streams:
+            stream = container.add_stream("libx264", rate=10, options={"crf": "10", "bf": "0"})
+            stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+            added.append(stream)
+        for stream, (width, height, count) in zip(added, streams, strict=True):
+            for k in range(count):
+                image = np.ascontiguousarray(np.resize(shade(k)[:16].mean().astype(np.uint8), (height, width, 3)))
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="rgb24")))
+            container.mux(stream.encode())
+
+
+@pytest.mark.parametrize("still", [(48, 32), (192, 128)])
+@pytest.mark.parametrize("first", [True, False])
+def test_a_still_picture_beside_the_film_is_not_the_film(still: tuple[int, int], first: bool, tmp_path: Path) -> None:
+    """A thumbnail or a cover, before the film or behind it, may be larger than the film."""
+    streams = [(*still, 1), (96, 64, 8)]
+    several(tmp_path / "film.mp4", *(streams if first else streams[::-1]))
+    video = video_file.read(tmp_path / "film.mp4")
+    assert (video.width_px, video.height_px, video.notes) == (96, 64, ())
+    assert numbers(video) == list(range(8))
+
+
+def test_of_two_films_the_larger_is_used_and_that_is_told(tmp_path: Path) -> None:
+    several(tmp_path / "film.mp4", (48, 32, 8), (96, 64, 8))
+    video = video_file.read(tmp_path / "film.mp4")
+    assert (video.width_px, video.height_px) == (96, 64)
+    assert video.notes == ("film.mp4: 2 videos in it, the one of 96 x 64 px is used",)
+    assert numbers(video) == list(range(8))
+
+
+def test_what_an_edit_list_hides_is_not_there(tmp_path: Path) -> None:
+    """A film that was trimmed without coding it anew starts with frames that only its decoder needs."""
+    whole, trimmed = tmp_path / "whole.mp4", tmp_path / "trimmed.mp4"
+    with av.open(str(whole), "w") as container:
+        stream = container.add_stream("libx264", rate=10, options={"crf": "10", "bf": "0", "g": "30"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for k in range(FRAMES):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(shade(k), format="rgb24")))
+        container.mux(stream.encode())
+    with av.open(str(whole)) as source, av.open(str(trimmed), "w") as target:
+        old = source.streams.video[0]
+        new = target.add_stream_from_template(old)
+        cut = round(0.5 / float(old.time_base or 0))
+        for packet in source.demux(old):
+            if packet.dts is not None and packet.pts is not None:
+                packet.pts, packet.dts, packet.stream = packet.pts - cut, packet.dts - cut, new
+                target.mux(packet)
+    video = video_file.read(trimmed)
+    assert video.times_s == pytest.approx(np.arange(FRAMES - 5) / 10.0)
+    assert video.notes == ()
+    assert numbers(video) == list(range(5, FRAMES))
+    assert video_file.read(trimmed, rate_hz=20.0).times_s == pytest.approx(np.arange(FRAMES - 5) / 20.0)
+
+
+@pytest.mark.parametrize(("pixel", "size"), [(Fraction(4, 3), (128, 64)), (Fraction(2, 3), (96, 96))])
+def test_pixels_that_are_not_square_are_made_square(pixel: Fraction, size: tuple[int, int], tmp_path: Path) -> None:
+    """No pixel is lost: the frame gets wider, or higher."""
+    path = tmp_path / "film.mp4"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=10, options={"crf": "10"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        stream.codec_context.sample_aspect_ratio = pixel
+        for k in range(4):
+            image = shade(k)
+            image[:, :48] = 0  # its middle stays the middle
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="rgb24")))
+        container.mux(stream.encode())
+    video = video_file.read(path)
+    assert (video.width_px, video.height_px) == size
+    assert f"film.mp4: its pixels are {pixel.numerator}:{pixel.denominator}, no squares" in video.notes[0]
+    image = next(video.frames()).image
+    assert image is not None
+    assert image.shape == (size[1], size[0], 3)
+    assert image[: size[1] // 2, : size[0] // 2 - 4].mean() < 3.0
+    assert image[: size[1] // 2 - 4, size[0] // 2 + 4 :].mean() > 15.0
+
+
+class Pipe:
+    """A file that only goes forward, as a stream over a network does."""
+
+    def __init__(self) -> None:
+        self.content = b""
+
+    def write(self, data: bytes) -> int:
+        self.content += bytes(data)
+        return len(data)
+
+
+@pytest.mark.parametrize("ending", ["mkv", "ts"])
+def test_a_film_that_does_not_say_how_long_it_is_is_read_to_its_end(ending: str, tmp_path: Path) -> None:
+    """Such as one that was streamed while it was taken: nobody went back to write its length."""
+    pipe = Pipe()
+    with av.open(pipe, "w", format={"mkv": "matroska", "ts": "mpegts"}[ending]) as container:
+        stream = container.add_stream("libx264", rate=10, options={"crf": "10", "bf": "0"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for k in range(FRAMES):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(shade(k), format="rgb24")))
+        container.mux(stream.encode())
+    path = tmp_path / f"film.{ending}"
+    path.write_bytes(pipe.content)
+    video = video_file.read(path)
+    assert video.times_s == pytest.approx(np.arange(FRAMES) / 10.0, abs=1e-3)
+    assert numbers(video) == list(range(FRAMES))
+
+
+@pytest.mark.parametrize("ending", ["h264", "264", "hevc"])
+def test_a_bare_stream_says_what_works_and_that_works(ending: str, tmp_path: Path) -> None:
+    path = tmp_path / f"drive.{ending}"
+    if ending == "hevc":
+        layouts.video(path, [shade(k) for k in range(8)])
+    else:
+        with av.open(str(path), "w", format="h264") as container:
+            stream = container.add_stream("libx264", rate=10, options={"crf": "10"})
+            stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+            for k in range(8):
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(shade(k), format="rgb24")))
+            container.mux(stream.encode())
+    with pytest.raises(InputError, match=r"say rate_hz in drive\.toml, or put it into a file that has them: ffmpeg"):
+        video_file.read(path)
+    video = video_file.read(path, rate_hz=20.0)
+    assert video.times_s == pytest.approx(np.arange(8) / 20.0)
+    assert numbers(video) == list(range(8))
+
+
+def test_a_film_of_any_ending_is_taken_and_another_file_is_told_what_works(film: Path, tmp_path: Path) -> None:
+    odd = tmp_path / "clip.dashcam"
+    odd.write_bytes(film.read_bytes())
+    assert len(video_file.read(odd).times_s) == FRAMES
+    (tmp_path / "notes.txt").write_text("a text is no film\n" * 20)
+    with pytest.raises(InputError, match=r"notes\.txt: expected the folder of a drive, or a video such as \.mp4"):
+        readers.read(tmp_path / "notes.txt")
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from vpf_sim.cli.options import (
     WorkersOption,
     print_json,
 )
+from vpf_sim.shell import command
 
 Row = dict[str, Any]
 NAME = "ablation.json"
@@ -80,7 +81,7 @@ def ablate(
     else:
         print_steps(rows, plan.seeds)
         print(f"\nrecords and steps: {path}")
-        print(f"a page of all this: vpf-sim report {path}")
+        print(f"a page of all this: {command('report', path)}")
     raise typer.Exit(exit_code(read_summary(path)))
 
 

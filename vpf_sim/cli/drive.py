@@ -49,19 +49,20 @@ def drive(
     plan = Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}")
     with prints_on_stderr():
         asked = run_folder.manifest("drive", plan)
-    with viewers.attached(video, watch, rerun) as looking, prints_on_stderr():
-        folder = run_folder.RunFolder(out or run_folder.new_path("drive"), asked)
-        try:
-            result = episode.run(scenario, weather, driver, seed, looking.show)
-        except BaseException:  # Ctrl-C above all
-            folder.discard()
-            raise
-        looking.finish(result.steps)
-    steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
-    folder.add(result.record, result.timing)
-    folder.close()
-    invalid_frames.warn([result.record])
-    _answer(result, folder.path, json)
+    with viewers.attached(video, watch, rerun) as looking:
+        with prints_on_stderr():
+            folder = run_folder.RunFolder(out or run_folder.new_path("drive"), asked)
+            try:
+                result = episode.run(scenario, weather, driver, seed, looking.show)
+            except BaseException:  # Ctrl-C above all
+                folder.discard()
+                raise
+        steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
+        folder.add(result.record, result.timing)
+        folder.close()
+        invalid_frames.warn([result.record])
+        _answer(result, folder.path, json)
+        looking.finish(result.steps)  # at last: a film that finds no room costs nothing of the above
     raise typer.Exit(0 if result.record["status"] == "success" else 1)
 
 

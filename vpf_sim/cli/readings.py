@@ -34,7 +34,7 @@ def readings(
     readings: ReadingsOption = 200,
     seeds: SeedsOption = None,
     finalists: FinalistsOption = 4,
-    final_seeds: FinalSeedsOption = "10:15",
+    final_seeds: FinalSeedsOption = "10:20",
     seed: OptimiserSeedOption = 0,
     workers: WorkersOption = None,
     timeout: TimeoutOption = None,
@@ -69,17 +69,18 @@ def readings(
 
     tried = search(asked, folder, drive, optimiser)
     best = finals(asked, tried, folder, drive)
+    choices = by_choice(space, tried)
     answer = {
         "asked": asdict(asked),
         "tried": [asdict(one) for one in tried],
         "finals": [asdict(one) for one in best],
-        "choices": by_choice(space, tried),
+        "choices": choices,
     }
     write_json(folder / NAME, answer)
     if json:
         print_json({"out": str(folder), **answer})
     else:
-        _print_choices(answer["choices"])
+        _print_choices(choices)
         _print_finals(best, asked.final_seeds)
         print(f"\nall readings and their scores: {folder / NAME}")
         print(f"the best as a variant: {best[0].driver.partition('@')[2]}")

@@ -1,8 +1,6 @@
 """`vpf-sim replay`: a driver on recorded drives."""
 
-import shlex
 import sys
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,7 +10,10 @@ import typer
 from vpf_sim.cli.options import DriverOption, JsonOption, MixedOption, OutOption, ResumeOption, print_json
 from vpf_sim.cli.options import prints_on_stderr as drivers_speak
 from vpf_sim.cli.progress import say
+from vpf_sim.cli.tables import in_one_line
 from vpf_sim.errors import InputError
+from vpf_sim.files import file_name
+from vpf_sim.shell import command
 
 if TYPE_CHECKING:
     from vpf_sim.replay.recording import Recording
@@ -53,6 +54,7 @@ def replay(
     from vpf_sim import drivers
     from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.evaluation.sweeps import run_folder
+    from vpf_sim.replay import inputs
     from vpf_sim.replay.replay_folder import ReplayFolder
 
     limit_opencv()
@@ -61,15 +63,19 @@ def replay(
     recordings, refused = _read(drive)
     if water is not None:
         recordings = _wet(recordings, water)
+    plan: dict[str, object] = {
+        "driver": driver,
+        "water": water,
+        "drives": {name: str(at) for name, (at, _) in recordings.items()},
+    }
     if faults is not None:
         recordings = _failing(recordings, faults)
-    folder = ReplayFolder(
-        out or run_folder.new_path("replay"),
-        {"driver": driver, "water": water, **({} if faults is None else {"faults": _said(faults)})},
-        {name: str(path) for name, (path, _) in recordings.items()},
-        resume,
-        mixed,
-    )
+        plan["faults"] = _said(faults)
+    asked = {
+        "plan": plan,
+        **inputs.hashes({name: recording for name, (_, recording) in recordings.items()}, driver, water),
+    }
+    folder = ReplayFolder(out or run_folder.new_path("replay"), asked, resume, mixed)
     try:
         code = max(refused, _replay_all(folder, driver, [recording for _, recording in recordings.values()], video))
         summary = folder.summarize()
@@ -77,18 +83,19 @@ def replay(
             _answer(folder, summary, json)
     except (KeyboardInterrupt, OSError):
         say(f"stopped with {len(folder.done)} of {len(recordings)} drives stored")
-        say(f"go on with: {_way_back(drive, driver, water, faults, video, folder.path)}")
+        say(f"go on with: {_way_back(drive, driver, water, faults, video, mixed, folder.path)}")
         raise
     finally:
         folder.close()
     raise typer.Exit(code)
 
 
-def _way_back(drives: list[Path], driver: str, water: str | None, faults: str | None, video: bool, folder: Path) -> str:
+def _way_back(
+    drives: list[Path], driver: str, water: str | None, faults: str | None, video: bool, mixed: bool, folder: Path
+) -> str:
     """The command that goes on with the replay."""
-    words = ["vpf-sim", "replay", *map(str, drives), "--driver", driver, *([] if water is None else ["--water", water])]
-    words += [] if faults is None else ["--faults", faults]
-    return shlex.join([*words, *([] if video else ["--no-video"]), "--out", str(folder), "--resume"])
+    options = {"driver": driver, "water": water, "faults": faults, "no_video": not video}
+    return command("replay", *drives, **options, out=folder, resume=True, mixed=mixed)
 
 
 def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
@@ -133,41 +140,47 @@ def _said(scenario: str) -> dict[str, object]:
 
 
 def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":
-    """Drives of the same name get a number, so that each has files of its own."""
-    names: Counter[str] = Counter()
+    """Drives of the same name get a number, so that each has files of its own, also where case makes no difference."""
+    taken: set[str] = set()
     result = {}
     for path, recording in found:
-        names[recording.name] += 1
-        number = names[recording.name]
-        name = f"{recording.name}-{number}" if number > 1 else recording.name
+        names = (recording.name, *(f"{recording.name}-{number}" for number in range(2, len(found) + 2)))
+        name = next(name for name in names if file_name(name).casefold() not in taken)
+        taken.add(file_name(name).casefold())
         result[name] = (path, replace(recording, name=name))
     return result
 
 
 def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording]", video: bool) -> int:
-    """One drive after the other; the worst exit code."""
+    """One drive after the other, but for those that are there with the film that is asked for; the worst exit code."""
+    from vpf_sim.replay.run_files import film_file
+
     code = 0
     for recording in recordings:
-        if recording.name not in folder.done:
+        lacks_film = video and not recording.no_images and not film_file(folder.path, recording.name).exists()
+        if recording.name not in folder.done or lacks_film:
             code = max(code, _replay_one(folder, driver, recording, video))
-    return code
+    return max(code, *(int(record["error"] is not None) for record in folder.records()), 0)
 
 
 def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", video: bool) -> int:
     from vpf_sim import process_state
-    from vpf_sim.replay import open_loop
+    from vpf_sim.replay import driver_error, open_loop
 
     try:
         with drivers_speak(), process_state.kept():
-            record, timing = open_loop.run(recording, driver, folder.path, _tell(recording.name), video)
-            folder.add(record, timing)
+            record, _ = open_loop.run(recording, driver, folder.path, _tell(recording.name), video, folder.add)
     except InputError as error:
         _tell_fault(str(error))
         return 2
     except OSError:
         raise
     except Exception as error:  # the driver's own; the other drives are still worth their time
-        _tell_fault(f"{recording.name}: error: {type(error).__name__}: {error}")
+        _tell_fault(f"{recording.name}: error: at {driver_error.place(error)}: {driver_error.what(error)}")
+        return 1
+    if (fault := record["error"]) is not None:
+        said = f"frame {fault['frame']} of {len(recording)}, at {fault['place']}: {fault['what']}"
+        _tell_fault(f"{recording.name}: error: {said}; the frames before are kept")
         return 1
     if not record["driven"]:
         _tell_fault(recording.no_images)
@@ -176,13 +189,18 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
 
 
 def _tell_fault(words: str) -> None:
-    print(f"vpf-sim: {words}", file=sys.stderr)
+    print(f"vpf-sim: {in_one_line(words)}", file=sys.stderr)
 
 
 def _tell(name: str) -> Any:
     def tell(done: int, total: int) -> None:
         if sys.stderr.isatty():
-            print(f"\r{name}: {done}/{total} frames", end="\n" if done == total else "", file=sys.stderr, flush=True)
+            print(
+                f"\r{in_one_line(name)}: {done}/{total} frames",
+                end="\n" if done == total else "",
+                file=sys.stderr,
+                flush=True,
+            )
 
     return tell
 

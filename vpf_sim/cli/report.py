@@ -8,6 +8,7 @@ import typer
 
 from vpf_sim.cli.options import check_place, prints_on_stderr
 from vpf_sim.cli.video import RunArgument
+from vpf_sim.files import write_text
 
 FileOption = Annotated[
     Path | None, typer.Option("--out", help="The .html to write; by default report.html in the run folder.")
@@ -33,8 +34,5 @@ def write(folder: Path, out: Path | None = None, clips: int = CLIPS) -> Path:
     run = open_run(folder)
     with prints_on_stderr():
         html = page.make(run, clips, lambda line: print(line, file=sys.stderr, flush=True))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f"{path.name}.draft")
-    draft.write_text(html, "utf-8")
-    draft.replace(path)
+    write_text(path, html)
     return path

@@ -1,12 +1,12 @@
 """What `sweep` and `benchmark` share: a run folder filled by workers, and a way back after whatever stopped it."""
 
-import shlex
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vpf_sim import shell
 from vpf_sim.cli import invalid_frames
 from vpf_sim.cli.options import prints_on_stderr
 from vpf_sim.cli.progress import progress, say
@@ -40,10 +40,15 @@ class Means:
 
     def way_back(self, command: str, folder: Path) -> str:
         """The command that goes on with the run."""
-        words = ["vpf-sim", command, "--out", str(folder), "--resume"]
-        for option, value in (("--workers", self.workers), ("--cluster", self.cluster), ("--timeout", self.timeout_s)):
-            words += [] if value is None else [option, str(value)]
-        return shlex.join(words + ["--mixed"] * self.mixed)
+        return shell.command(
+            command,
+            out=folder,
+            resume=True,
+            workers=self.workers,
+            cluster=self.cluster,
+            timeout=self.timeout_s,
+            mixed=self.mixed,
+        )
 
 
 def plan_of(out: Path | None, resume: bool, asked: bool, make: Callable[[], Plan]) -> Plan:

@@ -19,6 +19,7 @@ from vpf_sim.cli.options import (
     WorkersOption,
     print_json,
 )
+from vpf_sim.shell import command
 
 FileArgument = Annotated[Path | None, typer.Argument(metavar="FILE", help="A sweep file; options win over it.")]
 DEFAULTS: dict[str, Any] = {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"}
@@ -62,5 +63,5 @@ def sweep(
         print_rows(summary["rows"])
         print_comparisons(summary["comparisons"])
         print(f"\nrecords and steps: {path}")
-        print(f"a page of all this: vpf-sim report {path}")
+        print(f"a page of all this: {command('report', path)}")
     raise typer.Exit(exit_code(summary))

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 def print_table(header: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1) -> None:
     """Columns aligned: the first `words` to the left, the others, numbers, to the right."""
-    lines = [list(header), *(list(row) for row in rows)]
+    lines = [list(header), *([in_one_line(cell) for cell in row] for row in rows)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
     rule = ["-" * width for width in widths]
     for line in [lines[0], rule, *lines[1:]]:
@@ -14,6 +14,11 @@ def print_table(header: Sequence[str], rows: Sequence[Sequence[str]], words: int
             for i, (cell, width) in enumerate(zip(line, widths, strict=True))
         ]
         print("  ".join(cells).rstrip())
+
+
+def in_one_line(text: str) -> str:
+    """A user's text as a terminal can show it: a control character is written as an escape."""
+    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
 
 
 def number(value: float | None, digits: int = 2) -> str:

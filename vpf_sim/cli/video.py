@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vpf_sim.cli.options import check_place, prints_on_stderr
-from vpf_sim.errors import InputError
 
 if TYPE_CHECKING:
     from vpf_sim.report.redraw import Redrawing
@@ -41,20 +40,14 @@ def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out:
 
 
 def _film(drawn: "Redrawing", path: Path) -> None:
-    """All frames into a file; half a film is none, so what was begun is removed if anything goes wrong."""
+    """All frames into a file."""
     from vpf_sim.report import episode_view
     from vpf_sim.report.video import Writer
 
-    try:
-        with Writer(path, episode_view.size_px(drawn.camera), drawn.rate_hz) as writer:
-            for index, frame in episode_view.frames(drawn):
-                writer.write(frame)
-                _tell(index + 1, len(drawn.table) + 1)
-    except InputError:  # nothing was begun
-        raise
-    except BaseException:  # Ctrl-C above all
-        path.unlink(missing_ok=True)
-        raise
+    with Writer(path, episode_view.size_px(drawn.camera), drawn.rate_hz) as writer:
+        for index, frame in episode_view.frames(drawn):
+            writer.write(frame)
+            _tell(index + 1, len(drawn.table) + 1)
 
 
 def _tell(done: int, total: int) -> None:

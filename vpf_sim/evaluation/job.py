@@ -1,9 +1,9 @@
 """One episode that is asked for: the names of what makes it, and the id that they make."""
 
 import re
-from hashlib import sha256
-from os import fsencode
 from typing import NamedTuple
+
+from vpf_sim.files import file_name
 
 
 class Job(NamedTuple):
@@ -22,7 +22,4 @@ class Job(NamedTuple):
 
 def _slug(name: str) -> str:
     """A plain name as it is; of a path the last part, told apart from others by a hash."""
-    if re.fullmatch(r"[\w@-]+", name):
-        return name
-    last = re.split(r"[/\\:]", name.removesuffix(".toml"))[-1]
-    return f"{re.sub(r'[^A-Za-z0-9_-]', '_', last)}-{sha256(fsencode(name)).hexdigest()[:8]}"
+    return file_name(name, re.split(r"[/\\:]", name.removesuffix(".toml"))[-1])

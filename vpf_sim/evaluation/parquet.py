@@ -1,13 +1,12 @@
 """Tables of numbers as Parquet files, whole or not at all, with their faults told in plain words."""
 
-import errno
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.files import replacing
 from vpf_sim.types import Floats
 
 
@@ -16,16 +15,9 @@ def write(rows: Floats, names: Sequence[str], path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_suffix(".draft")
     columns = [pa.array(column) for column in rows.T]
-    try:
+    with replacing(path) as draft:
         pq.write_table(pa.table(columns, names=list(names)), draft, compression="zstd")
-    except OSError as error:  # pyarrow's tells neither the file nor, in plain words, the reason
-        draft.unlink(missing_ok=True)
-        reason = os.strerror(error.errno) if error.errno else str(error)
-        raise OSError(error.errno or errno.EIO, reason, str(path)) from None
-    draft.replace(path)
 
 
 def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:

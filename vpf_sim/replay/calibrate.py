@@ -13,18 +13,18 @@ import numpy as np
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
-from vpf_sim.replay import own_derotation, road_speed
+from vpf_sim.replay import glass_points, own_derotation, road_speed, series
+from vpf_sim.replay.mounting_estimate import PRIOR_SD_RAD, Angle, angle, angles_seen
 from vpf_sim.replay.recording import Frame
-from vpf_sim.replay.rectify import Mounting, mounting_seeing
+from vpf_sim.replay.rectify import Mounting
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Floats, Flow
+from vpf_sim.types import Bools, Camera, Floats, Flow
 
 VARIANT = "robust"  # whose flow is used
 ROUNDS = 2  # the turn needs the mounting, the mounting the turn
 ENOUGH = 100  # looks after which more change nothing
 HELD = 900  # looks that the mounting is told from at most: the rest of a long drive is only looked at as it passes
 LEAST_LOOKS = 5
-STILL_PX = 3.0  # a second: what moves by less stands
 STRAIGHT_RADPS, LEAST_SPEED_MPS, SHARP_RAD = 0.03, 2.0, 0.03  # a look tells if its focus is as sharp as this
 FREE_RADPS = 0.5  # usual size of a yaw rate of which nothing is known
 ASSUMED_SPEED_MPS = 10.0  # of the first look, where none is recorded: the flow's scale only
@@ -34,9 +34,10 @@ ASSUMED_SPEED_MPS = 10.0  # of the first look, where none is recorded: the flow'
 class OwnWay:
     """What the pictures say. Arrays are (N,), nan where nothing was found."""
 
-    mounting: Mounting
+    mounting: Mounting  # as far as it is known well enough
+    pitch: Angle
+    yaw: Angle
     looks: int  # straight ahead
-    spread_px: tuple[float, float]  # half the distance between the quartiles of the focus of expansion, x and y
     speed_mps: Floats
     yaw_rate_radps: Floats
 
@@ -44,9 +45,23 @@ class OwnWay:
 @dataclass(frozen=True, slots=True)
 class _Look:
     index: int
-    flow: Flow
+    flow: Flow  # of the scene
     speed_mps: float  # inf where it is not told
     yaw_rate_radps: float  # as told; nan where it is not
+    moves: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Sightings:
+    """Where M looks saw the car go."""
+
+    foe_px: Floats  # (M, 2)
+    sd_px: Floats  # (M, 2) by the fit of each
+    speed_mps: Floats  # (M,) nan where neither told nor seen
+    tells_yaw: Bools  # (M,) its turn is known or none: else a turn and a yaw look alike
+
+    def __len__(self) -> int:
+        return len(self.foe_px)
 
 
 def look(
@@ -61,37 +76,42 @@ def look(
 
     `camera` is taken to look straight ahead and level; its height is believed. It sits `ahead_m` before the rear axle:
     in a bend it moves to the outside by the yaw rate times this. First the turn of the picture is fitted along with the
-    focus of expansion, at every frame; then the frames on which the car goes straight say it more sharply.
+    focus of expansion, at every frame, to find the frames on which the car goes straight. These tell the mounting;
+    bends tell its yaw, too, where the yaw rate was recorded.
     """
     looks = _looks(frames, camera, times_s, speed_mps, yaw_rate_radps)
     held = list(islice(looks, HELD))
-    mounting, best = Mounting(height_m=camera.height_m), np.empty((0, 2))
-    moving = [one for one in held if not _stands(one.flow)]
-    chosen = moving[:: max(1, len(moving) // ENOUGH)]
+    moving = [one for one in held if one.moves]
+    stride = max(1, len(moving) // ENOUGH)
+    second_s = stride * float(np.median(np.diff(times_s)))  # of way that a look stands for
+    guess, looked = Mounting(height_m=camera.height_m), 0
+    pitch, yaw = (Angle(prior) for prior in PRIOR_SD_RAD)
     for turn in range(1 + ROUNDS):
-        seen = _seen(chosen, camera, mounting if turn else None, ahead_m)
+        seen = _seen(moving[::stride], camera, guess, turn > 0, ahead_m)
         if len(seen) >= LEAST_LOOKS:
-            mounting, best = _mounted(camera, np.median(seen, axis=0)), seen
-    spread = np.subtract(*np.percentile(best, [75, 25], axis=0)) / 2.0 if len(best) else np.full(2, np.nan)
-    # A median of n values of a normal distribution errs by 1.25 sd / sqrt(n), sd is 1.48 half quartile ranges. A yaw
-    # that is not twice as large is none: to turn the picture by it would only blur it.
-    if abs(camera.fx_px * np.tan(mounting.yaw_rad)) < 2.0 * 1.25 * 1.48 * spread[0] / np.sqrt(max(len(best), 1)):
-        mounting = replace(mounting, yaw_rad=0.0)
-    return OwnWay(
-        mounting,
-        len(best),
-        (float(spread[0]), float(spread[1])),
-        *_motion(chain(held, looks), camera, mounting, times_s),
-    )
+            angles, looked = _angles(camera, seen, second_s), len(seen)
+            guess = replace(guess, pitch_rad=angles[0].rad, yaw_rad=angles[1].rad)
+            pitch, yaw = (
+                new if new.is_used or not old.is_used else old for new, old in zip(angles, (pitch, yaw), strict=True)
+            )
+    mounting = Mounting(pitch.used_rad, _significant(yaw), height_m=camera.height_m)
+    motion = _motion(chain(held, looks), camera, mounting, times_s)
+    return OwnWay(mounting, pitch, yaw, looked, *motion)
 
 
 def _looks(
-    frames: Iterator[Frame], camera: Camera, times_s: Floats, speed_mps: Floats | None, yaw_rate_radps: Floats | None
+    frames: Iterator[Frame],
+    camera: Camera,
+    times_s: Floats,
+    speed_mps: Floats | None,
+    yaw_rate_radps: Floats | None,
 ) -> Iterator[_Look]:
+    """Of every frame with flow; what rides along with the camera is left out first."""
     rate_hz = 1.0 / float(np.median(np.diff(times_s)))
     config = variant.load(VARIANT).flow
     tracker, last = FlowTracker(camera, config, rate_hz), -1
-    speed = np.full(len(times_s), ASSUMED_SPEED_MPS) if speed_mps is None else speed_mps
+    told = np.full(len(times_s), np.nan) if speed_mps is None else speed_mps
+    speed = series.filled(times_s, told)[0] if np.isfinite(told).any() else np.full(len(times_s), ASSUMED_SPEED_MPS)
     along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times_s))])
     both, straight = speed_mps is not None and yaw_rate_radps is not None, 0
     for yielded, frame in enumerate(frames):
@@ -106,49 +126,74 @@ def _looks(
             continue
         steps = np.rint(flow.gap_s * rate_hz).astype(np.intp)
         flow = replace(flow, gap_s=times_s[frame.index] - times_s[frame.index - steps])  # whatever the rate was there
-        yield _Look(frame.index, flow, np.inf if speed_mps is None else float(speed[frame.index]), rate)
+        moves = glass_points.moves(flow, camera)
+        if moves:
+            flow = glass_points.without(flow, flow.stuck)
+        known = np.isfinite(told[frame.index])
+        yield _Look(frame.index, flow, float(speed[frame.index]) if known else np.inf, rate, moves)
         straight += abs(rate) < STRAIGHT_RADPS
         if both and (straight >= ENOUGH or yielded >= HELD):
             return
 
 
-def _seen(looks: list[_Look], camera: Camera, mounting: Mounting | None, ahead_m: float) -> Floats:
-    """(M, 2) px where the looks put straight ahead: those on a straight, given a mounting, else all of them."""
+def _seen(looks: list[_Look], camera: Camera, mounting: Mounting, straight_only: bool, ahead_m: float) -> _Sightings:
+    """Where the looks put straight ahead: those on a straight, by a mounting as far as it is known, or all of them."""
     config = replace(variant.load(VARIANT).expansion, direction_sd_rad=(np.inf, np.inf))
     pitch, yaw, roll = config.rotation_sd_radps
     random = stream(0, "mounting")
-    seen = []
+    rows: list[tuple[float, ...]] = []
     for one in looks:
-        told = np.isfinite(one.yaw_rate_radps)
-        rate = 0.0 if mounting is None and not told else _rate(one, camera, mounting or Mounting())
-        if mounting is not None and abs(rate) >= STRAIGHT_RADPS:
+        told = bool(np.isfinite(one.yaw_rate_radps))
+        rate = _rate(one, camera, mounting) if told or straight_only else 0.0
+        if straight_only and abs(rate) >= STRAIGHT_RADPS:
             continue
-        rough = FREE_RADPS if mounting is None else pitch  # a turn by the flow is as rough as the pitch rate
+        rough = pitch if straight_only else FREE_RADPS  # a turn by the flow is as rough as the pitch rate
         known = replace(config, rotation_sd_radps=(pitch, yaw if told else rough, roll))
-        found = expansion.estimate(own_derotation.turning(one.flow, rate), camera, known, random)
+        flow = own_derotation.turning(one.flow, rate)
+        found = expansion.estimate(flow, camera, known, random)
         if found.confidence > 0.0 and np.sqrt(found.covariance_px2.trace()) < SHARP_RAD * camera.fx_px:
             outward = camera.fx_px * ahead_m * rate / one.speed_mps
-            seen.append((found.x_px - outward, found.y_px))
-    return np.reshape(np.array(seen), (-1, 2))
+            spread = np.sqrt(found.covariance_px2.diagonal())
+            speed = one.speed_mps if np.isfinite(one.speed_mps) else _speed(flow, camera, mounting)
+            rows.append((found.x_px - outward, found.y_px, *spread, speed, float(told or straight_only)))
+    seen = np.reshape(np.array(rows), (-1, 6))
+    return _Sightings(seen[:, :2], seen[:, 2:4], seen[:, 4], seen[:, 5] > 0.0)
+
+
+def _speed(flow: Flow, camera: Camera, mounting: Mounting) -> float:
+    """m/s, roughly; nan where no road is seen."""
+    votes = road_speed.votes(flow, camera, mounting)
+    return float(np.median(votes[:, 0])) if len(votes) else float("nan")
+
+
+def _angles(camera: Camera, seen: _Sightings, second_s: float) -> tuple[Angle, Angle]:
+    """Pitch and yaw, by sightings that stand for so many seconds of way each."""
+    known = seen.speed_mps[np.isfinite(seen.speed_mps)]
+    speed = float(np.median(known)) if len(known) else 0.0
+    focal = np.array([camera.fx_px, camera.fy_px])
+    seen_rad = angles_seen(camera, seen.foe_px)
+    ways_s = (second_s * len(seen), second_s * float(np.count_nonzero(seen.tells_yaw)))
+    sds_rad = (seen.sd_px / focal).T[::-1]
+    pitch, yaw = (
+        angle(values, sd, prior, seconds, seconds * speed)
+        for values, sd, prior, seconds in zip(seen_rad, sds_rad, PRIOR_SD_RAD, ways_s, strict=True)
+    )
+    return pitch, yaw
+
+
+def _significant(yaw: Angle) -> float:
+    """rad; none where it is no larger than twice its error: to turn the picture by it would only blur it."""
+    return yaw.used_rad if abs(yaw.rad) > 2.0 * yaw.sd_rad else 0.0
 
 
 def _rate(one: _Look, camera: Camera, mounting: Mounting) -> float:
     """rad/s, as told, or by the flow away from where the mounting puts straight ahead."""
     if np.isfinite(one.yaw_rate_radps):
         return one.yaw_rate_radps
+    if not len(one.flow):
+        return 0.0
     ahead = camera.cx_px - camera.fx_px * np.tan(mounting.yaw_rad) / np.cos(mounting.pitch_rad)
     return own_derotation.yaw_rate(one.flow, replace(camera, cx_px=ahead, pitch_rad=mounting.pitch_rad))
-
-
-def _mounted(camera: Camera, foe_px: Floats) -> Mounting:
-    """The camera that sees the way of the car there. Its roll is taken to be none."""
-    right, down = (foe_px[0] - camera.cx_px) / camera.fx_px, (foe_px[1] - camera.cy_px) / camera.fy_px
-    return mounting_seeing(np.array([right, down, 1.0]), camera.height_m)
-
-
-def _stands(flow: Flow) -> bool:
-    """Whether the whole picture stays where it is."""
-    return bool(np.median(np.hypot(*flow.displacement_px.T)) < STILL_PX * np.median(flow.gap_s))
 
 
 def _motion(looks: Iterable[_Look], camera: Camera, mounting: Mounting, times_s: Floats) -> tuple[Floats, Floats]:
@@ -156,11 +201,11 @@ def _motion(looks: Iterable[_Look], camera: Camera, mounting: Mounting, times_s:
     rate, voted = np.full(len(times_s), np.nan), []
     stands = np.zeros(len(times_s), np.bool_)
     for one in looks:
-        stands[one.index] = _stands(one.flow)
+        stands[one.index] = not one.moves
         rate[one.index] = _rate(one, camera, mounting)
         flow = own_derotation.turning(one.flow, rate[one.index])
         voted.append((float(times_s[one.index]), road_speed.votes(flow, camera, mounting)))
-    return np.where(stands, 0.0, road_speed.speed(times_s, voted)), np.where(stands, 0.0, _steadied(rate))
+    return road_speed.speed(times_s, voted, stands), np.where(stands, 0.0, _steadied(rate))
 
 
 def _steadied(values: Floats) -> Floats:

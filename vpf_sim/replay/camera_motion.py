@@ -8,6 +8,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
+from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Camera, Floats
 
 LEAST_MOTION_M = 0.05  # between two frames, below which the direction of motion is noise
@@ -16,7 +17,7 @@ LEAST_MOTION_M = 0.05  # between two frames, below which the direction of motion
 def planar(poses: Floats) -> Floats:
     """(N, 3) x, y, yaw in our axes from (N, 3, 4) camera-to-world: X = z, Y = x, yaw from z to x."""
     axis = poses[:, :, 2]  # the optical axis in the world
-    yaw = np.unwrap(np.arctan2(axis[:, 0], axis[:, 2]))
+    yaw = unwrapped(np.arctan2(axis[:, 0], axis[:, 2]))
     return np.stack([poses[:, 2, 3], poses[:, 0, 3], yaw], axis=1)
 
 
@@ -29,6 +30,9 @@ def directions(poses: Floats) -> Floats:
     for before, after in pairwise(poses):
         moved = before[:, :3].T @ (after[:, 3] - before[:, 3])  # in the axes of k
         turn = before[:, :3].T @ after[:, :3]  # takes axes of k + 1 to those of k
+        if not np.isfinite(turn).all():
+            result.append(np.full(3, np.nan))
+            continue
         half, _ = cv2.Rodrigues(0.5 * cv2.Rodrigues(turn)[0])
         result.append(half.T @ moved)
     return np.array(result)

@@ -2,11 +2,16 @@
 
 import numpy as np
 
-from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.types import Floats, VehicleModel
+from vpf_sim.geometry import unwrapped, vehicle_from_world
+from vpf_sim.replay import series
+from vpf_sim.replay.plausible import LIMITS
+from vpf_sim.types import Bools, Floats, VehicleModel
 
 LEAST_SPEED_MPS = 1.0  # below which a curvature is noise
 SLOPE_WINDOW_S = 0.5  # over which an acceleration is taken
+PERIODS = (None, None, 2.0 * np.pi)  # of x, y, yaw
+FASTEST_MPS = LIMITS["speed_mps"].highest
+END_WINDOW_S = 1.0  # over which the motion is taken that goes on at an end without poses
 
 
 def slope(times_s: Floats, values: Floats, window_s: float = SLOPE_WINDOW_S) -> Floats:
@@ -24,7 +29,8 @@ def slope(times_s: Floats, values: Floats, window_s: float = SLOPE_WINDOW_S) -> 
     sums = [np.concatenate([[0.0], np.cumsum(part)]) for part in (time, values, time * values, time * time)]
     t, v, tv, tt = (part[last] - part[first] for part in sums)
     n = last - first
-    lines: Floats = (n * tv - t * v) / (n * tt - t * t)
+    spread = n * tt - t * t
+    lines: Floats = np.divide(n * tv - t * v, spread, out=np.zeros(count), where=spread > 0.0)
     result: Floats = lines + (time - t / n) * _change(t / n, lines)
     return result
 
@@ -42,6 +48,39 @@ def from_start(poses: Floats) -> Floats:
     return np.column_stack([relative, poses[:, 2] - poses[0, 2]])
 
 
+def poses_at(times_s: Floats, sampled_s: Floats, poses: Floats) -> Floats:
+    """(N, 3) the poses (M, 3) at other times; nan in gaps. At the ends, as far as a gap, the motion goes on."""
+    known = np.isfinite(poses).all(axis=1)
+    parts = zip(np.where(known[:, None], poses, np.nan).T, PERIODS, strict=True)
+    laid = np.stack([series.at(times_s, sampled_s, part, period) for part, period in parts], axis=1)
+    return _moving_on(laid, times_s, sampled_s[known], poses[known])
+
+
+def bridged(times_s: Floats, poses: Floats) -> tuple[Floats, Bools]:
+    """The poses (N, 3) without gaps, and which were bridged: in straight lines; at the ends the motion goes on."""
+    missing = ~np.isfinite(poses).all(axis=1)
+    if not missing.any() or missing.all():
+        return poses, missing
+    known_s, known = times_s[~missing], poses[~missing]
+    parts = zip(np.where(missing[:, None], np.nan, poses).T, PERIODS, strict=True)
+    result = np.stack([series.filled(times_s, part, period)[0] for part, period in parts], axis=1)
+    return _moving_on(result, times_s, known_s, known), missing
+
+
+def _moving_on(poses: Floats, times_s: Floats, known_s: Floats, known: Floats) -> Floats:
+    """Poses (N, 3) that hold the first and last known (M, 3) beyond them, moved on as it moved there."""
+    if len(known) < 2:
+        return poses
+    for axis in (0, 1):
+        rates = np.clip(slope(known_s, known[:, axis], END_WINDOW_S), -FASTEST_MPS, FASTEST_MPS)
+        for rate, beyond_s in (
+            (rates[0], np.minimum(times_s - known_s[0], 0.0)),
+            (rates[-1], np.maximum(times_s - known_s[-1], 0.0)),
+        ):
+            poses[:, axis] += rate * beyond_s
+    return poses
+
+
 def speed(times_s: Floats, poses: Floats) -> Floats:
     """(N,) m/s from poses (N, 3)."""
     velocity = np.gradient(poses[:, :2], times_s, axis=0)
@@ -50,7 +89,7 @@ def speed(times_s: Floats, poses: Floats) -> Floats:
 
 def yaw_rate(times_s: Floats, poses: Floats) -> Floats:
     """(N,) rad/s, + right, from poses (N, 3)."""
-    return np.asarray(np.gradient(np.unwrap(poses[:, 2]), times_s))
+    return np.asarray(np.gradient(unwrapped(poses[:, 2]), times_s))
 
 
 def travelled(times_s: Floats, speed_mps: Floats, yaw_rate_radps: Floats, ahead_m: float = 0.0) -> Floats:

@@ -1,10 +1,14 @@
 """drive.toml: what someone tells of a recording of their own. docs/recordings.md explains each key."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
+from vpf_sim import tables
+from vpf_sim.replay import plausible
 from vpf_sim.replay.assemble import CAMERA_AHEAD_M, WHEELBASE_M
 
+LONGEST_NAME = 200
 Sided = Literal["steering", "yaw_rate", "yaw", "y"]
 
 
@@ -28,12 +32,17 @@ class CameraKeys:
     def __post_init__(self) -> None:
         if self.fx_px is not None and self.field_of_view_deg is not None:
             raise ValueError("fx_px, field_of_view_deg: expected one of them, got both")
-        if self.field_of_view_deg is not None and not 10.0 <= self.field_of_view_deg <= 170.0:
-            raise ValueError(f"field_of_view_deg: expected 10 to 170, got {self.field_of_view_deg:g}")
-        for name in ("fx_px", "fy_px", "height_m"):
-            value = getattr(self, name)
-            if value is not None and value <= 0.0:
-                raise ValueError(f"{name}: expected > 0, got {value:g}")
+        for name in ("field_of_view_deg", "height_m", "pitch_deg", "yaw_deg", "roll_deg", "ahead_of_rear_axle_m"):
+            plausible.key(name, getattr(self, name))
+        for name, limit in {
+            "fx_px": "focal_px",
+            "fy_px": "focal_px",
+            "cx_px": "centre_px",
+            "cy_px": "centre_px",
+        }.items():
+            plausible.key(name, getattr(self, name), limit)
+        for coefficient in self.distortion:
+            plausible.key("distortion", coefficient)
         if self.model == "fisheye" and len(self.distortion) != 4:
             raise ValueError(f"distortion: expected the 4 numbers of a fisheye, got {len(self.distortion)}")
         if self.model == "pinhole" and len(self.distortion) not in (0, 1, 2, 4, 5, 8):
@@ -51,8 +60,8 @@ class VehicleKeys:
     steering_ratio: float | None = None  # steering wheel over road wheels
 
     def __post_init__(self) -> None:
-        if self.wheelbase_m <= 0.0 or (self.steering_ratio is not None and self.steering_ratio <= 0.0):
-            raise ValueError("wheelbase_m, steering_ratio: expected > 0")
+        plausible.key("wheelbase_m", self.wheelbase_m)
+        plausible.key("steering_ratio", self.steering_ratio)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +72,10 @@ class SignalKeys:
     offset_s: float = 0.0  # added to the table's times: the first frame is at 0
     left_is_positive: tuple[Sided, ...] = ()
     columns: tuple[tuple[str, str], ...] = ()  # (our name, the table's name)
+
+    def __post_init__(self) -> None:
+        plausible.key("offset_s", self.offset_s)
+        _check_letters(self.file, *(name for pair in self.columns for name in pair))
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +93,22 @@ class DriveFile:
     signals: SignalKeys | None = None  # left out: signals.csv, if there is one
 
     def __post_init__(self) -> None:
-        if self.rate_hz is not None and self.rate_hz <= 0.0:
-            raise ValueError(f"rate_hz: expected > 0, got {self.rate_hz:g}")
-        if self.speed_mps is not None and self.speed_mps < 0.0:
-            raise ValueError(f"speed_mps: expected >= 0, got {self.speed_mps:g}")
+        _check_letters(self.frames, self.name, self.weather)
+        plausible.key("rate_hz", self.rate_hz)
+        plausible.key("speed_mps", self.speed_mps, "speed_mps_held")
+
+
+def _check_letters(*texts: str) -> None:
+    """Names stand in messages and tables, in a line each."""
+    for text in texts:
+        if not text.isprintable() or len(text) > LONGEST_NAME:
+            raise ValueError(f"expected names of at most {LONGEST_NAME} printable letters, got {text[:40]!r}")
+
+
+def load(path: Path) -> DriveFile:
+    """The file as it was written; what is wrong with it is an InputError of one line."""
+    table = tables.read_file(path, "drive")
+    columns = table.get("signals", {}).get("columns") if isinstance(table.get("signals"), dict) else None
+    if isinstance(columns, dict):
+        table["signals"]["columns"] = [[ours, theirs] for ours, theirs in columns.items()]
+    return tables.build(DriveFile, table, str(path))

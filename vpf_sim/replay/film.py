@@ -46,7 +46,7 @@ class Film:
             if decision.is_held:
                 self._say(picture, "flow not to be trusted: the last prediction holds")
             elif decision.road_found is False:
-                self._say(picture, "no road found: straight ahead assumed")
+                self._say(picture, "no lane found: course and speed kept, not scored")
         self._writer.write(np.vstack([picture, self._strip(picture.shape[1])]))
 
     def _say(self, picture: Image, words: str) -> None:
@@ -87,7 +87,7 @@ class Film:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        self._writer.close()
+        self._writer.__exit__(kind, error, traceback)
 
 
 def _reading(value: float) -> str:

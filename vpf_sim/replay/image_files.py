@@ -2,11 +2,15 @@
 
 import re
 import struct
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.errors import InputError
 from vpf_sim.replay.recording import Frame
@@ -16,6 +20,10 @@ SUFFIXES = (".png", ".jpg", ".jpeg")
 PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8"
 LAST_SCAN, END_OF_IMAGE, LAST_CHUNK = b"\xff\xda", b"\xff\xd9", b"IEND"
 HEAD_BYTES = 1 << 16  # in which the size of a JPEG stands, behind its thumbnail
+PNG_DEPTH, DEEP = 24, b"\x10"  # where a PNG says how many bits a level has, and that these are 16
+DEPTHS = (8, 10, 12, 14, 16)  # bits of cameras, which programs put into 16
+LOOKED_AT = 5  # of a drive's pictures, for their depth
+MOST_MISSING = 2  # times as many numbers as pictures: more are no count of pictures
 
 
 def listed(folder: Path) -> list[Path]:
@@ -26,6 +34,43 @@ def listed(folder: Path) -> list[Path]:
 
 def _parts(name: str) -> list[str]:
     return re.split(r"(\d+)", name)
+
+
+def steps(files: Sequence[Path]) -> NDArray[np.intp]:
+    """(N,) the place of each picture by the number in its name: more than one from the last where some are missing.
+
+    Names without one number, or whose numbers are no count of pictures, tell nothing: then no picture is missing.
+    """
+    even = np.arange(len(files))
+    stems = [_parts(file.stem) for file in files]
+    if len({len(stem) for stem in stems}) != 1:
+        return even
+    varying = [k for k, part in enumerate(zip(*stems, strict=True)) if len(set(part)) > 1]
+    if len(varying) != 1 or not all(stem[varying[0]].isdecimal() for stem in stems):
+        return even
+    numbers = [int(stem[varying[0]]) for stem in stems]
+    counts = Counter(after - before for before, after in pairwise(numbers))
+    if 0 in counts:
+        twice = next(k for k, (before, after) in enumerate(pairwise(numbers)) if before == after)
+        raise InputError(f"{files[twice + 1]}: expected one picture of this number, found {files[twice].name}, too")
+    usual = counts.most_common(1)[0][0]
+    if any(step % usual for step in counts) or (numbers[-1] - numbers[0]) // usual > MOST_MISSING * len(numbers):
+        return even
+    return np.array([(number - numbers[0]) // usual for number in numbers])
+
+
+def with_gaps(files: Sequence[Path]) -> tuple[list[Path | None], list[str]]:
+    """The pictures with None for each that is missing by the numbers in their names, and what is to be told of it."""
+    places = steps(files).tolist()
+    slots: list[Path | None] = [None] * (places[-1] + 1)
+    for place, file in zip(places, files, strict=True):
+        slots[place] = file
+    if len(slots) == len(files):
+        return slots, []
+    first = next(k for k, (before, after) in enumerate(pairwise(places)) if after > before + 1)
+    between = f"{files[first].name} and {files[first + 1].name}"
+    missing = len(slots) - len(files)
+    return slots, [f"{missing} of {len(slots)} pictures are missing by their numbers, the first between {between}"]
 
 
 def size(files: Sequence[Path], folder: Path) -> tuple[int, int]:
@@ -41,11 +86,15 @@ def size(files: Sequence[Path], folder: Path) -> tuple[int, int]:
     return first if shown is None else (shown.shape[1], shown.shape[0])
 
 
-def frames(files: Sequence[Path], expected: tuple[int, int]) -> Iterator[Frame]:
-    """Each file's picture; one that is cut off, damaged or of another (width, height) is a gap."""
+def frames(files: Sequence[Path | None], expected: tuple[int, int]) -> Iterator[Frame]:
+    """Each file's picture; None, or one that is cut off, damaged or of another (width, height), is a gap."""
+    bits = used_bits([file for file in files if file is not None])
     for index, file in enumerate(files):
+        if file is None:
+            yield Frame(index, None, f"picture {index} is missing")
+            continue
         content = file.read_bytes()
-        image = None if _cut_off(content) else decode(content)
+        image = None if _cut_off(content) else decode(content, bits)
         if image is None:
             fault = f"{file.name}: the file is cut off" if _cut_off(content) else f"{file.name}: does not decode"
             yield Frame(index, None, fault)
@@ -55,12 +104,34 @@ def frames(files: Sequence[Path], expected: tuple[int, int]) -> Iterator[Frame]:
             yield Frame(index, image)
 
 
-def decode(content: bytes) -> Image | None:
-    """(H, W, 3) RGB; None if it is none."""
-    decoded = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR) if content else None
+def used_bits(files: Sequence[Path]) -> int:
+    """How many bits the levels of pictures of 16 bits use, by some of them; 16 where there are none."""
+    some = [file.read_bytes() for file in files[:: max(1, len(files) // LOOKED_AT)]]
+    deep = [
+        _decoded(content) for content in some if content.startswith(PNG) and content[PNG_DEPTH : PNG_DEPTH + 1] == DEEP
+    ]
+    highest = max((int(image.max()) for image in deep if image is not None), default=0)
+    return next(bits for bits in DEPTHS if highest < 1 << bits) if highest else 16
+
+
+def decode(content: bytes, bits: int = 16) -> Image | None:
+    """(H, W, 3) RGB, of 8 bits; None if it is none. Levels of a picture of 16 bits may use fewer `bits`."""
+    decoded = _decoded(content)
     if decoded is None:
         return None
-    return cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
+    if decoded.dtype == np.uint16:
+        decoded = np.minimum(decoded >> (bits - 8), 255)
+    return cv2.cvtColor(decoded.astype(np.uint8), cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
+
+
+def _decoded(content: bytes) -> NDArray[Any] | None:
+    """(H, W, 3) BGR, of 8 or 16 bits; None if it is none."""
+    if not content:
+        return None
+    try:
+        return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
+    except cv2.error:  # it claims to be larger than OpenCV takes
+        return None
 
 
 def _cut_off(content: bytes) -> bool:

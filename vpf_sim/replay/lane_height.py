@@ -19,6 +19,9 @@ from vpf_sim.types import Camera, Floats, Image
 HEIGHTS_M = 0.9 * 1.04 ** np.arange(24)  # up to 2.2
 LOOKS, APART_S = 12, 1.0
 LEAST_SCORE = 0.7  # share of the rows that have a line; two lines in each row are 2
+MOST_DOUBLED = (
+    0.93  # of the score, that lanes twice as wide have: then no line lies between, and these are no two lanes
+)
 LEAST_LEAD = 1.45  # of the best height's score over that of the middle one: kerbs and shadows lead by less
 
 
@@ -27,9 +30,13 @@ def height_m(frames: Iterator[Frame], camera: Camera, times_s: Floats, config: R
     looks = _spread(frames, times_s)
     if not looks:
         return None
-    scores = np.array([_score(looks, replace(camera, height_m=float(height)), config) for height in HEIGHTS_M])
+    width_m = config.lane_width_m
+    scores = np.array([_score(looks, replace(camera, height_m=float(height)), config, width_m) for height in HEIGHTS_M])
     best = int(np.argmax(scores))
     if scores[best] < max(LEAST_SCORE, LEAST_LEAD * float(np.median(scores))):
+        return None
+    at_best = replace(camera, height_m=float(HEIGHTS_M[best]))
+    if _score(looks, at_best, config, 2.0 * width_m) > MOST_DOUBLED * scores[best]:
         return None
     return float(np.round(_peak(scores, best), 3))
 
@@ -48,14 +55,14 @@ def _spread(frames: Iterator[Frame], times_s: Floats) -> list[Image]:
     return taken
 
 
-def _score(looks: Sequence[Image], camera: Camera, config: RoadEdgeConfig) -> float:
-    """Mean share of the rows that have a line where lanes of the known width would have one."""
+def _score(looks: Sequence[Image], camera: Camera, config: RoadEdgeConfig, width_m: float) -> float:
+    """Mean share of the rows that have a line where lanes of a width would have one."""
     view = BirdsEye(camera, config.patch)
     found = []
     for look in looks:
         response = ridge(view.warp(look), round(RIDGE_REACH_M / config.column_m))
         lines = RidgeMap(response, noise_threshold(response, config.least_contrast), view.visible)
-        found.append(comb(lines, view, np.array([config.lane_width_m]), config.lane_width_m)[0])
+        found.append(comb(lines, view, np.array([width_m]), width_m)[0])
     return float(np.mean(found))
 
 

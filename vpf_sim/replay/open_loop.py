@@ -1,7 +1,7 @@
 """A driver on a recorded drive: it sees the frames and says what it would do, and nobody does it."""
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from math import nan
 from pathlib import Path
@@ -12,11 +12,13 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
+from vpf_sim.files import file_name
 from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
 from vpf_sim.planning import variant
-from vpf_sim.replay import frame_table, road_speed, scores
+from vpf_sim.replay import doubts, driver_error, frame_table, glass_points, road_speed, scores
+from vpf_sim.replay.driver_error import DriverError
 from vpf_sim.replay.film import Film
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.model_vehicle import Interval
@@ -24,15 +26,16 @@ from vpf_sim.replay.obstacles_ahead import LeadBody, is_in_the_way
 from vpf_sim.replay.own_derotation import OwnDerotation, OwnMotion
 from vpf_sim.replay.pilot import Decision, Pilot, pilot
 from vpf_sim.replay.recording import Recording
+from vpf_sim.replay.run_files import film_file, table_file
 from vpf_sim.replay.segments import Segment, goal_words, route, segments
 from vpf_sim.types import Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
 OWN_VARIANT = "robust"  # whose flow serves for what is told of no rotation
 LEAST_SPEED_MPS = 2.0  # of a car whose flow must show where it goes
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
-FRAMES, VIDEOS = "frames", "videos"  # folders of the run
 
 Progress = Callable[[int, int], None]
+Store = Callable[[dict[str, Any], dict[str, Any]], None]
 
 
 @dataclass(slots=True)
@@ -63,7 +66,11 @@ class Clock:
 class Gathered:
     """What is found frame by frame and told of the whole drive."""
 
+    riding: glass_points.RidingPoints
+    rows: list[FrameRow] = field(default_factory=list)
+    error: DriverError | None = None  # that ended the drive
     speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
+    lane_widths_m: list[float] = field(default_factory=list)  # where a lane was found
     faults: list[str] = field(default_factory=list)  # why pictures are missing
 
     def notes(self) -> list[str]:
@@ -75,11 +82,18 @@ class Gathered:
 
 
 def run(
-    recording: Recording, driver_name: str, out: Path, progress: Progress = lambda *_: None, filmed: bool = True
+    recording: Recording,
+    driver_name: str,
+    out: Path,
+    progress: Progress = lambda *_: None,
+    filmed: bool = True,
+    store: Store = lambda *_: None,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Drive along; write frames/NAME.parquet and videos/NAME.mp4 into `out`; the drive's record and its timing.
 
-    Where pictures are missing that the driver needs, only the signals are stored and checked.
+    Both are given to `store`, too, before the film is finished: a disk without room for the film costs the film alone.
+    Where pictures are missing that the driver needs, only the signals are stored and checked. Where the driver fails,
+    the record is of the frames before, and says so.
     """
     driver = drivers.create(driver_name)
     asked = pilot(driver, _setup(recording, driver))
@@ -87,28 +101,26 @@ def run(
     with ExitStack() as stack:
         film = None
         if filmed and not recording.no_images:
-            film = stack.enter_context(_filming(recording, out / VIDEOS / f"{recording.name}.mp4"))
+            film = stack.enter_context(
+                Film(film_file(out, recording.name), recording.camera, recording.rate_hz, _human(recording))
+            )
         can_drive = not recording.no_images or not drivers.sees(driver)
-        gathered = Gathered()
-        rows = list(_rows(recording, asked if can_drive else None, film, clock, gathered, progress))
-        speed = road_speed.speed(recording.times_s, gathered.speed_votes)
-        table = FrameTable.of(rows).replaced("flow_speed_mps", speed)
-        frame_table.write(table, out / FRAMES / f"{recording.name}.parquet")
-    record = _record(recording, driver_name, asked, table)
-    record["notes"] += gathered.notes()
-    return record, clock.entry(recording)
-
-
-@contextmanager
-def _filming(recording: Recording, path: Path) -> Iterator[Film]:
-    """Under another name until all is well: then the file gets its own."""
-    draft = path.with_name(f"{path.stem}.draft{path.suffix}")
-    try:
-        with Film(draft, recording.camera, recording.rate_hz, _human(recording)) as film:
-            yield film
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+        gathered = Gathered(glass_points.RidingPoints(recording.camera))
+        try:
+            for row in _rows(recording, asked if can_drive else None, film, clock, gathered, progress):
+                gathered.rows.append(row)
+        except DriverError as error:
+            gathered.error = error
+        table = FrameTable.of(gathered.rows)
+        table = table.replaced("flow_speed_mps", road_speed.speed(table.time_s, gathered.speed_votes))
+        frame_table.write(table, table_file(out, recording.name))
+        record = _record(recording, driver_name, asked, table)
+        record["notes"] += gathered.notes()
+        record["error"] = gathered.error.entry() if gathered.error else None
+        record["doubts"] = doubts.lines(recording, record, gathered.riding, gathered.lane_widths_m)
+        timing = clock.entry(recording)
+        store(record, timing)
+    return record, timing
 
 
 def _human(recording: Recording) -> dict[str, str]:
@@ -135,20 +147,26 @@ def _rows(
         if k == segment.stop:
             segment, number = next(parts), number + 1
             if asked is not None:
-                asked.begin(segment)
+                with driver_error.at_frame(k):
+                    asked.begin(segment)
         moved_m += _step_m(recording, k)
         row = _recorded(recording, k, number)
         if image is not None and asked is not None:
             began = thread_time()
-            decision = asked.decide(_observation(recording, k, image, taken_s, segment), _interval(recording, k))
+            with driver_error.at_frame(k):
+                decision = asked.decide(_observation(recording, k, image, taken_s, segment), _interval(recording, k))
             clock.driver_ms.append(1e3 * (thread_time() - began))
             last = _unless_doubtful(decision, last, row.speed_mps)
             row = row._replace(image=1.0, **_seen(last))
+            if decision.road_found and decision.plan is not None:
+                gathered.lane_widths_m.append(decision.plan.perception.road.lane_width_m)
             if image.size:
                 picture = grey(image)
                 row = row._replace(ttc_s=lead.ttc_s(picture, row.lead_gap_m))
                 motion = own.update(picture, moved_m)
                 gathered.speed_votes.append((row.time_s, motion.speed_votes))
+                if row.speed_mps > LEAST_SPEED_MPS:
+                    gathered.riding.add(motion.flow)
                 row, moved_m = row._replace(**_own(motion)), 0.0
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
         if film is not None:
@@ -208,7 +226,7 @@ def _observation(recording: Recording, k: int, image: Image, taken_s: float, seg
         x_m=x,
         y_m=y,
         yaw_rad=yaw,
-        speed_mps=float(recording.speed_mps[k]),
+        speed_mps=max(float(recording.speed_mps[k]), 0.0),  # no driver here knows of reverse
         yaw_rate_radps=float(recording.yaw_rate_radps[k]),
         goal_m=segment.goal_m,
         frame_time_s=taken_s,
@@ -282,16 +300,18 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
     labelled = bool(np.isfinite(recording.obstacle).any())
     return {
         "name": recording.name,
+        "file": file_name(recording.name),
         "driver": driver_name,
         "layout": recording.layout,
         "weather": recording.weather,
         "added": _added(recording),
-        "frames": len(recording),
+        "frames": len(table),
+        "held": int(np.count_nonzero(table.held == 1.0)),
         "gaps": int(np.count_nonzero(table.image == 0.0)),
         "rate_hz": scores.rounded(recording.rate_hz),
         "foe_median_error_px": scores.foe_error(table, "foe"),
         "foe_median_error_own_derotation_px": scores.foe_error(table, "own_foe"),
-        "accuracy": scores.accuracies(table, recording.rate_hz),
+        "accuracy": scores.accuracies(table, recording),
         "perception": scores.perception(table, recording),
         "signal_checks": scores.signal_checks(recording),
         "derived": list(recording.derived),
@@ -299,7 +319,7 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
         "obstacles_by": "label" if labelled else "own detection" if np.isfinite(table.obstacle_seen).any() else None,
         "goal": goal_words(recording),
         "protocol": asked.protocol,
-        "segments": int(table.segment[-1]) + 1,
+        "segments": int(table.segment.max(initial=-1.0)) + 1,
         "restarts": asked.restarts,
         "camera": {
             "width_px": camera.width_px,
@@ -307,7 +327,8 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
             "focal_px": scores.rounded(camera.fx_px),
             "height_m": scores.rounded(camera.height_m),
         },
-        "notes": list(recording.notes),
+        "mounting": doubts.mounting(recording) or None,
+        "notes": [*recording.notes, *scores.doubts(table, recording)],
         "driven": bool(np.isfinite(table.throttle).any()),
         "no_images": recording.no_images or None,
     }

@@ -24,6 +24,7 @@ class OwnMotion:
 
     expansion: Expansion
     yaw_rate_radps: float  # + turns right; nan without flow
+    flow: Flow
     speed_votes: Floats  # (M, 2) m/s and weight, of the points that may lie on the road (`road_speed`)
 
 
@@ -49,11 +50,12 @@ class OwnDerotation:
         """At a grey (H, W) frame, `moved_m` on from the last, as the odometer has it."""
         self._along_m += moved_m
         flow = self._tracker.update(grey, np.array([self._along_m, 0.0, 0.0]))
-        rate = yaw_rate(flow, self._camera) if len(flow) else nan
-        straightened = turning(flow, rate if len(flow) else 0.0)
+        scene = flow.chosen(np.flatnonzero(~flow.stuck))  # what rides along with the camera tells of no turn
+        rate = yaw_rate(scene, self._camera) if len(scene) else nan
+        straightened = turning(flow, rate if len(scene) else 0.0)
         seen = expansion.estimate(straightened, self._camera, self._config, self._random, self._seen)
         self._seen = seen
-        return OwnMotion(seen, rate, road_speed.votes(straightened, self._camera, self._mounting))
+        return OwnMotion(seen, rate, flow, road_speed.votes(straightened, self._camera, self._mounting))
 
 
 def yaw_rate(flow: Flow, camera: Camera) -> float:

@@ -9,9 +9,10 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
+from vpf_sim.files import write_text
 from vpf_sim.replay import frame_table
-from vpf_sim.replay.open_loop import FRAMES, VIDEOS
 from vpf_sim.replay.plots import OURS, THEIRS, plots
+from vpf_sim.replay.run_files import film_file, table_file
 from vpf_sim.replay.tables import tables
 from vpf_sim.report.chart import legend_key
 
@@ -31,21 +32,21 @@ class Drive:
 
 def write(folder: Path, records: list[dict[str, Any]], timing: dict[str, Any], summary: dict[str, Any]) -> Path:
     """The page of what is in a replay's folder."""
-    drives = [_drive(folder, record["name"]) for record in records]
+    drives = [_drive(folder, record) for record in records]
     driver = records[0]["driver"] if records else ""
     text = _render(driver=driver, tables=tables(records, timing, summary), drives=drives, ours=OURS, theirs=THEIRS)
-    draft = folder / f"{NAME}.draft"
-    draft.write_text(text, "utf-8")
-    return draft.replace(folder / NAME)
+    write_text(folder / NAME, text)
+    return folder / NAME
 
 
-def _drive(folder: Path, name: str) -> Drive:
-    film = folder / VIDEOS / f"{name}.mp4"
-    drawn = plots(frame_table.read(folder / FRAMES / f"{name}.parquet"))
+def _drive(folder: Path, record: dict[str, Any]) -> Drive:
+    name, kinds = record["name"], {signal: origin["kind"] for signal, origin in record["origins"].items()}
+    film = film_file(folder, name)
+    drawn = plots(frame_table.read(table_file(folder, name)), kinds)
     if not film.exists():
         return Drive(name, "", False, drawn)
     if film.stat().st_size > MOST_INSIDE_BYTES:
-        return Drive(name, f"{VIDEOS}/{name}.mp4", True, drawn)
+        return Drive(name, film.relative_to(folder).as_posix(), True, drawn)
     inside = b64encode(film.read_bytes()).decode("ascii")
     return Drive(name, f"data:video/mp4;base64,{inside}", False, drawn)
 

@@ -1,7 +1,7 @@
 """Who is asked at each frame, and how: our field drivers through a model vehicle, any other in the recorded state."""
 
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -13,10 +13,12 @@ from vpf_sim.planning.variant import Variant
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
 from vpf_sim.replay.present_lane import bodies_seen_from, is_found, present_lane, seen_from
 from vpf_sim.replay.segments import Segment
-from vpf_sim.types import Command, Driver, DriverSetup, Observation, Perception, Plan, RoadEdges
+from vpf_sim.types import Command, Driver, DriverSetup, Force, Observation, Perception, Plan, Reference, RoadEdges
 
 MODEL = "a model vehicle carries the commands out, from the recorded place and speed at the start of each segment"
 RECORDED = "asked at each recorded state"
+# Roads of which nothing is known beforehand: ramps have lanes of 4.5 to 6 m, and a way leads from one to the next.
+ANY_ROAD: dict[str, Any] = {"widest_lane_m": 6.5, "unlikely_per_m": 0.2, "keeps_width": False}
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,7 @@ class Decision:
 
     command: Command
     plan: Plan | None = None  # in the axes of the recorded car, for the overlay
-    road_found: bool | None = None
+    road_found: bool | None = None  # False: course and speed are kept, and nothing is scored
     is_held: bool = False  # the command is the last one: the flow is not to be trusted
 
 
@@ -73,7 +75,7 @@ class FieldPilot:
     def __init__(self, setup: DriverSetup, variant: Variant, gains: Gains) -> None:
         self._setup = setup
         self._variant = variant
-        self._eyes = Planner(setup, variant)
+        self._eyes = Planner(setup, replace(variant, road_edges=replace(variant.road_edges, **ANY_ROAD)))
         self._way = way(setup, variant)
         self._lane: RoadEdges | None = None
         self._model = ModelVehicle(gains, setup.vehicle, setup.rate_hz)
@@ -89,14 +91,25 @@ class FieldPilot:
         found = is_found(seen.road, observation.speed_mps)
         lane = present_lane(seen.road, found)
         self._follow(lane)
-        from_model = self._from_model(seen, lane)
-        force, reference, extra = self._way.step(from_model, self._at_model(observation))
-        plan = Plan(from_model, force, self._eyes.unless_blind(reference, observation), extra)
+        plan = self._planned(self._from_model(seen, lane), observation) if found else self._kept_on(seen, observation)
         command = self._model.drive(plan.reference, observation, interval)
         if self._model.is_far:
             self.restarts += 1
             self._model.restart(self._model.speed_mps)
         return Decision(command, self._shown(plan, replace(seen, road=lane)), found)
+
+    def _planned(self, from_model: Perception, observation: Observation) -> Plan:
+        force, reference, extra = self._way.step(from_model, self._at_model(observation))
+        return Plan(from_model, force, self._eyes.unless_blind(reference, observation), extra)
+
+    def _kept_on(self, seen: Perception, observation: Observation) -> Plan:
+        """Course and speed as they are: without a lane there is nothing to decide by.
+
+        The course is that of the recorded car. One straight on would leave what the camera shows in every bend.
+        """
+        none = np.zeros(2)
+        course = Reference(observation.yaw_rad, self._model.speed_mps, observation.yaw_rate_radps)
+        return Plan(seen, Force(none, none, none, none), course)
 
     def _follow(self, lane: RoadEdges) -> None:
         """Begin anew from the present place where it is suddenly another lane that is followed."""

@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from vpf_sim.replay import derived
+from vpf_sim.geometry import unwrapped
+from vpf_sim.replay import derived, series
+from vpf_sim.replay.plausible import Where, kept, reached
 from vpf_sim.types import Floats
 
 EARTH_RADIUS_M = 6378137.0
@@ -10,27 +12,45 @@ COURSE_WINDOW_S = 1.0  # over which the direction of travel is taken
 LEAST_SPEED_MPS = 1.0  # below which it is kept: a receiver that stands wanders
 
 
+def fixes(times_s: Floats, latitude_deg: Floats, longitude_deg: Floats, where: Where, notes: list[str]) -> Floats:
+    """(N, 2) m from the first fix, north and east; nan where there was none, or where no car can have been."""
+    latitude_deg = kept(latitude_deg, "latitude_deg", where, notes)
+    longitude_deg = kept(longitude_deg, "longitude_deg", where, notes)
+    none = (latitude_deg == 0.0) & (longitude_deg == 0.0)
+    if none.any():
+        notes.append(f"{where}: {np.count_nonzero(none)} of {len(none)} places left out: 0, 0, so no fix")
+    latitude, longitude = (np.where(none, np.nan, degrees) for degrees in (latitude_deg, longitude_deg))
+    return reached(times_s, north_east(latitude, longitude), where, notes)
+
+
 def north_east(latitude_deg: Floats, longitude_deg: Floats) -> Floats:
-    """(N, 2) m from the first place, by Mercator's projection at its latitude."""
-    scale = np.cos(np.radians(latitude_deg[0])) * EARTH_RADIUS_M
+    """(N, 2) m from the first known place, by Mercator's projection at its latitude; nan where unknown."""
+    longitude = unwrapped(longitude_deg, 360.0)
+    known = np.isfinite(latitude_deg) & np.isfinite(longitude)
+    first = int(np.argmax(known))
+    scale = np.cos(np.radians(latitude_deg[first])) * EARTH_RADIUS_M
     north = scale * np.log(np.tan(np.pi / 4.0 + 0.5 * np.radians(latitude_deg)))
-    east = scale * np.radians(longitude_deg)
-    return np.stack([north - north[0], east - east[0]], axis=1)
+    east = scale * np.radians(longitude)
+    return np.where(known[:, None], np.stack([north - north[first], east - east[first]], axis=1), np.nan)
 
 
 def way(north_east_m: Floats, heading_rad: Floats) -> Floats:
-    """(N, 3) poses from the first place and heading; headings clockwise from north."""
-    heading = np.unwrap(heading_rad)
-    cosine, sine = np.cos(heading[0]), np.sin(heading[0])
-    north, east = (north_east_m - north_east_m[0]).T
-    return np.stack([cosine * north + sine * east, cosine * east - sine * north, heading - heading[0]], axis=1)
+    """(N, 3) poses from the first known place and heading; headings clockwise from north."""
+    heading = unwrapped(heading_rad)
+    first = int(np.argmax(np.isfinite(north_east_m).all(axis=1) & np.isfinite(heading)))
+    cosine, sine = np.cos(heading[first]), np.sin(heading[first])
+    north, east = (north_east_m - north_east_m[first]).T
+    return np.stack([cosine * north + sine * east, cosine * east - sine * north, heading - heading[first]], axis=1)
 
 
 def course(times_s: Floats, north_east_m: Floats) -> Floats:
     """(N,) rad clockwise from north, the direction of travel; while the vehicle stands that of before."""
-    north, east = (derived.slope(times_s, part, COURSE_WINDOW_S) for part in north_east_m.T)
+    flat = [series.filled(times_s, part)[0] for part in north_east_m.T]
+    if len(times_s) < 2 or not np.isfinite(flat).all():
+        return np.zeros(len(times_s))
+    north, east = (derived.slope(times_s, part, COURSE_WINDOW_S) for part in flat)
     moving = np.hypot(north, east) > LEAST_SPEED_MPS
     if not moving.any():
         return np.zeros(len(times_s))
     last = np.maximum.accumulate(np.where(moving, np.arange(len(times_s)), np.argmax(moving)))
-    return np.asarray(np.unwrap(np.arctan2(east, north)[last]))
+    return unwrapped(np.arctan2(east, north)[last])

@@ -1,5 +1,7 @@
 """The plots of a replayed drive: commands beside the human's, the focus of expansion and the time to contact."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from markupsafe import Markup
 
@@ -13,11 +15,11 @@ OURS, THEIRS, THIRD = "command d0", "shadow", "own"
 LEAST_COMMAND, LEAST_FOE_PX, MOST_TTC_S = 0.1, 10.0, 20.0
 
 
-def plots(table: FrameTable) -> list[tuple[str, Markup]]:
-    """Caption and drawing of each that has something to show."""
+def plots(table: FrameTable, kinds: Mapping[str, str]) -> list[tuple[str, Markup]]:
+    """Caption and drawing of each that has something to show; `kinds` are those of the recording's signals."""
     drawn = [
-        _command(table, "throttle"),
-        _command(table, "steering"),
+        _command(table, "throttle", kinds["throttle"]),
+        _command(table, "steering", kinds["steering_rad"]),
         _foe(table, "x"),
         _foe(table, "y"),
         _ttc(table),
@@ -26,9 +28,10 @@ def plots(table: FrameTable) -> list[tuple[str, Markup]]:
     return [plot for plot in drawn if plot is not None]
 
 
-def _command(table: FrameTable, name: str) -> tuple[str, Markup] | None:
+def _command(table: FrameTable, name: str, kind: str) -> tuple[str, Markup] | None:
     series = [(getattr(table, name), OURS), (getattr(table, f"recorded_{name}"), THEIRS)]
-    return _chart(table, series, name, LEAST_COMMAND, f"{name}: predicted, and the human's")
+    told = "" if kind == "recorded" else f" ({kind})"
+    return _chart(table, series, name, LEAST_COMMAND, f"{name}: predicted, and the human's{told}")
 
 
 def _foe(table: FrameTable, axis: str) -> tuple[str, Markup] | None:

@@ -35,10 +35,11 @@ def weather_of(name: str) -> str:
 def rows(records: Sequence[dict[str, Any]]) -> list[Row]:
     """One a weather, a part and a kind of signals, the paper's weathers first; cells without a drive have no frames.
 
-    Drives count by their frames. Those to whose frames weather was added have rows of their own, beside no paper.
+    Drives count by their frames. Those to whose frames weather was added have rows of their own, beside no paper; those
+    that an error of the driver ended early have none.
     """
     found: list[Row] = []
-    scored = [record for record in records if record["accuracy"] is not None]
+    scored = [record for record in records if record["accuracy"] is not None and record["error"] is None]
     groups = sorted({_group(record) for record in scored}, key=_order)
     for weather in WEATHERS:
         if not any(group[0] == weather and not group[1] for group in groups):
@@ -71,13 +72,14 @@ def _row(group: tuple[str, str, str, str], part: str, drives: Sequence[dict[str,
     weather, added, throttle, steering = group
     in_part = [record for record in drives if (record["obstacles_by"] is None) == (part == UNDIVIDED)]
     there = [record for record in in_part if part == UNDIVIDED or record["accuracy"]["frames"][part]]
-    weights = [_frames(record, part) for record in there]
+    weights = [_count(record, "frames", part) for record in there]
     return {
         "weather": weather,
         "added": added or None,
         "part": part,
         "drives": [record["name"] for record in there],
         "frames": sum(weights),
+        "unseen": sum(_count(record, "unseen", part) for record in there),
         "signals": {"throttle": throttle or None, "steering": steering or None},
         "accuracy": {name: _pooled(there, weights, part, name, False) for name in SIGNALS},
         "idle": {name: _pooled(there, weights, part, name, True) for name in SIGNALS},
@@ -85,8 +87,9 @@ def _row(group: tuple[str, str, str, str], part: str, drives: Sequence[dict[str,
     }
 
 
-def _frames(record: dict[str, Any], part: str) -> int:
-    frames: dict[str, int] = record["accuracy"]["frames"]
+def _count(record: dict[str, Any], which: str, part: str) -> int:
+    """`frames` of a part, or those of them that are `unseen`."""
+    frames: dict[str, int] = record["accuracy"][which]
     return frames["whole"] if part == UNDIVIDED else frames[part]
 
 

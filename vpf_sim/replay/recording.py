@@ -10,9 +10,11 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.replay.mounting_estimate import Angle
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 Kind = Literal["recorded", "derived", "assumed", "absent"]
+PICTURES = "pictures"  # the name of their flow among the inputs of a signal
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +23,23 @@ class Origin:
 
     kind: Kind
     how: str = ""  # from which file and column, from what it is computed, or what is taken for granted
+    inputs: frozenset[str] = frozenset()  # all that it follows from, near and far: signals' names, or PICTURES
+
+    @classmethod
+    def following(cls, how: str, inputs: "Mapping[str, Origin]") -> "Origin":
+        """That of a signal computed from others: derived, or assumed if one of them is.
+
+        The scales of a measurement, camera and clock, are no signals: `how` says what of them is assumed.
+        """
+        guessed = [name for name, origin in inputs.items() if origin.kind == "assumed"]
+        told = "".join(f"; {name} is assumed" for name in guessed)
+        every = frozenset(inputs).union(*(origin.inputs for origin in inputs.values()))
+        return cls("assumed" if guessed else "derived", how + told, every)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether there is a signal, and nothing in it is assumed: others may be held against it."""
+        return self.kind in ("recorded", "derived")
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.how}" if self.how else self.kind
@@ -64,7 +83,10 @@ class Recording:
     lead_gap_m: Floats = field(default_factory=lambda: np.empty(0))  # (N,) from the camera to the body ahead
     weather: str = ""  # as the recording names it; empty where it does not
     notes: tuple[str, ...] = ()  # gaps and assumptions, a line each
+    mounting_found: Mapping[str, Angle] = field(default_factory=dict)  # "pitch", "yaw" of a camera found on the way
     no_images: str = ""  # why there are none, and what can be done; then `frames` raises it as an InputError
+    files: tuple[Path | None, ...] = ()  # its pictures, and others of which it is a function; some may be missing
+    bridged: Mapping[str, Bools] = field(default_factory=dict)  # (N,) where a signal was filled in over a gap
 
     def __post_init__(self) -> None:
         for name in ("steering_rad", "throttle", "obstacle", "lead_gap_m"):
@@ -77,6 +99,11 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.times_s)
+
+    def known(self, name: str) -> Bools:
+        """(N,) frames at which a signal is recorded, or follows from what is: neither assumed nor bridged."""
+        there = np.full(len(self), self.origins[name].is_known)
+        return there & ~self.bridged[name] if name in self.bridged else there
 
     @property
     def rate_hz(self) -> float:

@@ -11,11 +11,13 @@ from typing import Literal
 import cv2
 import numpy as np
 
+from vpf_sim.errors import InputError
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, Floats, Image
 
 WIDEST_PX = 1300  # a wider picture is reduced: tracking takes time by the pixel
 WIDEST_TANGENT = 1.5  # of the angle from the axis that the rectified picture shows of a fisheye's
+LEAST_PX = 15.0  # of a picture in which anything is seen
 MARGIN_PX = 2.0  # of the rectified picture's edge, for the inverse of the lens is iterative
 SLIGHT_RAD = 5e-4  # of yaw and roll: not worth a look-up
 
@@ -145,11 +147,15 @@ def _view(lens: Lens, straight: Floats) -> Lens:
         for x, y in ((0.0, along), (1.0, along), (along, 0.0), (along, 1.0))
     ]
     reach = WIDEST_TANGENT * lens.fx_px
-    left = ceil(max(sides[0][:, 0].max() + MARGIN_PX, lens.cx_px - reach, 0.0 - lens.width_px))
-    right = int(min(sides[1][:, 0].min() - MARGIN_PX, lens.cx_px + reach, 2.0 * lens.width_px))
-    top = ceil(max(sides[2][:, 1].max() + MARGIN_PX, lens.cy_px - reach))
-    bottom = int(min(sides[3][:, 1].min() - MARGIN_PX, lens.cy_px + reach))
-    size = (right - left + 1, bottom - top + 1)
+    first = np.array([sides[0][:, 0].max(), sides[2][:, 1].max()]) + MARGIN_PX
+    last = np.array([sides[1][:, 0].min(), sides[3][:, 1].min()]) - MARGIN_PX
+    centre, whole = np.array([lens.cx_px, lens.cy_px]), np.array([lens.width_px, lens.height_px])
+    left, top = np.ceil(np.maximum(np.maximum(first, centre - reach), 0.0 - whole)).tolist()
+    right, bottom = np.floor(np.minimum(np.minimum(last, centre + reach), 2.0 * whole)).tolist()
+    if not (right - left >= LEAST_PX and bottom - top >= LEAST_PX):
+        seen = f"{right - left + 1:g} x {bottom - top + 1:g} px"
+        raise InputError(f"expected a lens and a mounting that see straight ahead, got {seen} of that: check [camera]")
+    size = (int(right - left) + 1, int(bottom - top) + 1)
     return Lens(*size, lens.fx_px, lens.fy_px, lens.cx_px - left, lens.cy_px - top)
 
 

@@ -7,7 +7,8 @@ from typing import Any
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
-from vpf_sim.evaluation.sweeps.run_folder import change
+from vpf_sim.evaluation.sweeps.run_folder import change, write_json
+from vpf_sim.replay import inputs
 from vpf_sim.replay.real_table import DIFFERENCES, rows
 
 MANIFEST, RECORDS, TIMING, SUMMARY = "manifest.json", "replays.jsonl", "timing.jsonl", "summary.json"
@@ -19,20 +20,19 @@ class ReplayFolder:
     def __init__(
         self,
         path: Path,
-        asked_for: dict[str, str | None],
-        drives: dict[str, str],
+        asked_for: dict[str, Any],
         resume: bool = False,
         mixed: bool = False,
     ):
-        """`asked_for` are the options that matter, `drives` the recordings' folders by their names; with `resume` it
-        goes on with what is there."""
+        """`asked_for` is the plan, and the hashes of what it is made from (`inputs.hashes`); with `resume` it goes on
+        with what is there."""
         self.path = path
         self._mark: str | None = None  # the fingerprint's digest, where records are made on another than the manifest's
         asked = {
             "schema": 1,
             "command": "replay",
-            "plan": {**asked_for, "drives": drives},
             "fingerprint": fingerprint(),
+            **asked_for,
         }
         new = not resume or not (path / MANIFEST).exists()
         if new:
@@ -46,7 +46,9 @@ class ReplayFolder:
         self.done = {record["name"] for record in self.records()}
 
     def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
-        """Store a finished drive."""
+        """Store a finished drive; one that was driven again, for its film, has its record already."""
+        if record["name"] in self.done:
+            return
         self._timing.append(timing)
         self._records.append({**record, "fingerprint": self._mark} if self._mark else record)
         self.done.add(record["name"])
@@ -85,11 +87,17 @@ class ReplayFolder:
             stored = json.loads((self.path / MANIFEST).read_text("utf-8"))
         except ValueError:
             raise InputError(f"{self.path / MANIFEST}: expected JSON, got something else") from None
-        for key in ("command", "plan"):
+        same_code = stored.get("fingerprint") == asked["fingerprint"]
+        for key in ("command", "plan", "weathers", "drivers"):
             if stored.get(key) != asked[key]:
                 what = change(stored.get(key), asked[key])
                 raise InputError(f"{self.path}: --resume: {key} changed: {what}; start a new run")
-        if stored.get("fingerprint") == asked["fingerprint"]:
+        for name, recording in asked["recordings"].items():
+            kinds = ("read", "derived") if same_code else ("read",)  # other code may derive other bits
+            before = stored.get("recordings", {}).get(name, {})
+            if what := inputs.changed(before, recording, kinds):
+                raise InputError(f"{self.path}: --resume: the drive '{name}' changed: {what}; start a new run")
+        if same_code:
             return False
         if not mixed:
             what = change(stored.get("fingerprint"), asked["fingerprint"])
@@ -98,6 +106,4 @@ class ReplayFolder:
 
     def _write_json(self, name: str, value: dict[str, Any]) -> None:
         """Whole or not at all, keys sorted."""
-        draft = self.path / f"{name}.draft"
-        draft.write_text(json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n", "utf-8")
-        draft.replace(self.path / name)
+        write_json(self.path / name, value)

@@ -1,21 +1,37 @@
-"""The speed by how fast the road comes nearer, as far as the camera's height above it is known."""
+"""The speed by how fast the road comes nearer, as far as the camera's height above it is known.
+
+Points that may lie on the road vote. The speed is the path over the whole drive that most votes support among those a
+car can drive: it changes by no more than its engine and its brakes allow (Viterbi 1967). A window in which points agree
+on something else, or on nothing, makes no jump.
+"""
 
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import solveh_banded
 
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.replay.rectify import Mounting
-from vpf_sim.types import Camera, Floats, Flow
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers
 
 NEAR_M, FAR_M, HALF_M = 3.0, 25.0, 4.0  # of the road that is looked at, from the camera
 ASTRAY_M = 0.3  # a point of the road does not move across by more in a window
 LEAST_FLOW_PX, LEAST_SPEED_MPS, MOST_SPEED_MPS = 1.0, 1.0, 70.0
-WINDOW_S = 1.0  # whose points vote together
+WINDOW_S = 0.6  # whose points vote together
 LEAST_VOTES = 5
+BRIDGED_S = 0.6  # from a window with as many, to which the path is believed
 WIDTH = 0.1  # of the kernel, of the speed's logarithm
-GRID = np.log(np.arange(LEAST_SPEED_MPS, MOST_SPEED_MPS, 0.25))
+KNOT_S = 0.2  # between the places of the path
+STEP_MPS = 0.2
+GRID_MPS = np.arange(0.0, MOST_SPEED_MPS, STEP_MPS)
+MOST_GAIN_MPS2, MOST_LOSS_MPS2 = 5.0, 9.0  # of a car's speed: a strong engine, an emergency brake
+USUAL_MPS2 = 3.0  # standard deviation of an acceleration
+CLUTTER = 0.05  # of the density of votes: windows without road agree on anything
+DOUBTED_REST = 0.01  # likelihood of a car that moves while its picture stands
+JUMP, REST_JUMP = 20.0, 12.0  # log likelihood that a cut in the film costs, and one to a car that stands or from it
+LEAST_DENSE = 30.0  # votes that count in full
+SMOOTH_S = 0.4  # changes shorter than this are noise
 
 
 def votes(flow: Flow, camera: Camera, mounting: Mounting) -> Floats:
@@ -37,26 +53,92 @@ def votes(flow: Flow, camera: Camera, mounting: Mounting) -> Floats:
     return np.stack([speed, flow.gap_s[road] / ahead[road] ** 2], axis=1)
 
 
-def speed(times_s: Floats, voted: list[tuple[float, Floats]]) -> Floats:
-    """(N,) m/s where the votes of half a second before and after are densest; nan where there are too few.
+def speed(times_s: Floats, voted: list[tuple[float, Floats]], stands: Bools | None = None) -> Floats:
+    """(N,) m/s that the votes support over the drive; 0 where the car `stands` (N,); nan where too few vote.
 
-    Points that slide along a line of the road stay behind and agree on nothing, so the mode is taken, not the median.
+    Points that slide along a line of the road stay behind and agree on nothing, so densities count, not medians.
     """
     result = np.full(len(times_s), np.nan)
-    if not voted:
-        return result
-    ballots = np.concatenate([np.column_stack([np.full(len(part), time), part]) for time, part in voted])
-    ballots = ballots[(ballots[:, 1] > LEAST_SPEED_MPS) & (ballots[:, 1] < MOST_SPEED_MPS)]
-    for k, time in enumerate(times_s):
-        first, last = np.searchsorted(ballots[:, 0], [time - 0.5 * WINDOW_S, time + 0.5 * WINDOW_S])
-        if last - first >= LEAST_VOTES:
-            result[k] = _mode(ballots[first:last, 1], ballots[first:last, 2])
+    still = np.zeros(len(times_s), np.bool_) if stands is None else stands
+    parts = [(time, part[(part[:, 0] > LEAST_SPEED_MPS) & (part[:, 0] < MOST_SPEED_MPS)]) for time, part in voted]
+    ballots = np.concatenate([np.empty((0, 3)), *[np.column_stack([np.full(len(p), t), p]) for t, p in parts]])
+    knots = np.arange(times_s[0], times_s[-1] + KNOT_S, KNOT_S)
+    first, last = (np.searchsorted(ballots[:, 0], knots + side * 0.5 * WINDOW_S) for side in (-1.0, 1.0))
+    known = last - first >= LEAST_VOTES
+    rests = np.interp(knots, times_s, still.astype(float)) > 0.5
+    if (known | rests).any():
+        path = _path(np.stack([_support(ballots[a:b], rest) for a, b, rest in zip(first, last, rests, strict=True)]))
+        rests &= GRID_MPS[path] < 0.5 * LEAST_SPEED_MPS
+        refined = np.array([_mean(ballots[a:b], GRID_MPS[i]) for a, b, i in zip(first, last, path, strict=True)])
+        smooth = _smoothed(np.where(rests, 0.0, refined), np.where(known | rests, 1.0, 1e-3))
+        smooth = np.where(rests, 0.0, np.maximum(smooth, 0.0))
+        sure = knots[known | rests]
+        after = np.clip(np.searchsorted(sure, times_s), 1, len(sure) - 1) if len(sure) > 1 else np.zeros(1, np.intp)
+        away = np.minimum(np.abs(times_s - sure[after]), np.abs(times_s - sure[after - 1]))
+        result = np.where(away <= BRIDGED_S, np.interp(times_s, knots, smooth), np.nan)
     return result
 
 
-def _mode(speed_mps: Floats, weight: Floats) -> float:
-    place = np.log(speed_mps)
-    density = np.exp(-0.5 * ((GRID[:, None] - place) / WIDTH) ** 2) @ weight
-    centre = GRID[np.argmax(density)]
-    near = weight * np.exp(-0.5 * ((centre - place) / WIDTH) ** 2)
-    return float(np.exp(np.sum(near * place) / np.sum(near)))
+def _support(ballots: Floats, rests: bool) -> Floats:
+    """(S,) log likelihood of each speed of the grid by votes (M, 3) of time, speed and weight."""
+    if rests:
+        return np.where(GRID_MPS < 0.5 * LEAST_SPEED_MPS, 0.0, np.log(DOUBTED_REST))
+    if not len(ballots):
+        return np.zeros(len(GRID_MPS))
+    _, place, weight = ballots.T
+    near = (np.log(np.maximum(GRID_MPS, 0.5 * LEAST_SPEED_MPS))[:, None] - np.log(place)) / WIDTH
+    density = np.exp(-0.5 * near**2) @ weight / weight.sum()
+    count: Floats = min(1.0, len(ballots) / LEAST_DENSE) * np.log(CLUTTER + (1.0 - CLUTTER) * density)
+    return count
+
+
+def _path(support: Floats) -> Integers:
+    """(K,) places on the grid of the likeliest path through K knots (K, S), within what a car can do."""
+    gains = np.arange(-int(MOST_LOSS_MPS2 * KNOT_S / STEP_MPS), int(MOST_GAIN_MPS2 * KNOT_S / STEP_MPS) + 1)
+    unlikely = 0.5 * (gains * STEP_MPS / (USUAL_MPS2 * KNOT_S)) ** 2 * KNOT_S / WINDOW_S  # of a window: knots repeat it
+    size, reach = support.shape[1], int(max(-gains[0], gains[-1]))
+    came = np.zeros(support.shape, np.int64)
+    best = support[0]
+    for k in range(1, len(support)):
+        padded = np.pad(best, reach, constant_values=-np.inf)
+        options = np.stack([padded[reach - gain : reach - gain + size] for gain in gains]) - unlikely[:, None]
+        chosen = options.argmax(axis=0)
+        value, origin = options[chosen, np.arange(size)], np.arange(size) - gains[chosen]
+        _cut(value, origin, int(best.argmax()), float(best.max()) - JUMP)
+        _cut(value, origin, 0, float(best[0]) - REST_JUMP)
+        _cut(value[:1], origin[:1], int(best.argmax()), float(best.max()) - REST_JUMP)
+        came[k], best = origin, value + support[k]
+    path = np.zeros(len(support), np.int64)
+    path[-1] = int(best.argmax())
+    for k in range(len(support) - 1, 0, -1):
+        path[k - 1] = came[k, path[k]]
+    return path
+
+
+def _cut(value: Floats, origin: Integers, place: int, worth: float) -> None:
+    """Let all that is worth less come from a place by a jump."""
+    less = value < worth
+    value[less], origin[less] = worth, place
+
+
+def _mean(ballots: Floats, about_mps: float) -> float:
+    """m/s, the mean of the votes near a speed; that speed where none is."""
+    _, place, weight = ballots.T
+    near = weight * np.exp(-0.5 * (np.log(max(about_mps, 0.5 * LEAST_SPEED_MPS) / place) / WIDTH) ** 2)
+    total = float(near.sum())
+    if not total > 0.01 * float(weight.sum()):
+        return about_mps
+    return float(np.exp(np.sum(near * np.log(place)) / total))
+
+
+def _smoothed(values: Floats, weight: Floats) -> Floats:
+    """(K,) the series with the least change of slope that stays near values (K,) (Whittaker 1923)."""
+    if len(values) < 3:
+        return values
+    second, inner = np.array([1.0, -2.0, 1.0]), len(values) - 2
+    bands = np.zeros((3, len(values)))  # the lower ones of the sum of outer products of second differences
+    for apart in range(3):
+        for i in range(3 - apart):
+            bands[apart, i : i + inner] += (SMOOTH_S / KNOT_S) ** 4 * second[i] * second[i + apart]
+    bands[0] += weight
+    return np.asarray(solveh_banded(bands, weight * values, lower=True))

@@ -8,11 +8,12 @@ import numpy as np
 from vpf_sim.evaluation.metrics.accuracy import Accuracy, accuracy
 from vpf_sim.replay.frame_table import FrameTable
 from vpf_sim.replay.obstacles_ahead import closing_mps, lasting, true_ttc_s
-from vpf_sim.replay.recording import Origin, Recording
+from vpf_sim.replay.recording import PICTURES, Origin, Recording
 from vpf_sim.types import Bools, Floats
 
 PARTS = ("clear_of_obstacles", "with_obstacles")
 SIGNALS = ("throttle", "steering")
+NAMES = {"throttle": "throttle", "steering": "steering_rad"}  # theirs in a recording
 LEAST_CLOSING_MPS = 0.5  # of a gap whose time to contact is compared
 STANDING_MPS = 0.3  # of the car and of the gap: nothing approaches
 LEAST_SPEED_MPS = 2.0  # of a speed that is compared
@@ -21,16 +22,22 @@ LEAST_SPAN = 0.005  # of a signal that moved; of one that did not the span says 
 DIGITS = 6  # of stored scores
 
 
-def accuracies(table: FrameTable, rate_hz: float) -> dict[str, Any] | None:
-    """Of throttle and steering, whole and in parts with and without obstacles; None where neither is known.
+def accuracies(table: FrameTable, recording: Recording) -> dict[str, Any] | None:
+    """Of throttle and steering, whole and in parts with and without obstacles; None where nobody drove.
 
-    Beside the driver's stands `idle`, the accuracy of touching nothing: what of it is the road's and not the driver's.
+    Frames in which no lane was found are not scored: there the driver decided nothing. A signal that is assumed, or
+    follows from one that is, has no score. Beside the driver's stands `idle`, the accuracy of touching nothing: what of
+    it is the road's and not the driver's; `frames`, how many of each part are scored; and `unseen`, in how many of
+    these the driver did not see.
     """
     recorded = {"throttle": table.recorded_throttle, "steering": table.recorded_steering}
-    known = {name: np.isfinite(values) & np.isfinite(getattr(table, name)) for name, values in recorded.items()}
-    if not any(there.any() for there in known.values()):
+    driven = {name: np.isfinite(getattr(table, name)) for name in SIGNALS}
+    if not any(there.any() for there in driven.values()):
         return None
-    parts = part_masks(table, rate_hz)
+    told = {name: np.isfinite(values) & recording.origins[NAMES[name]].is_known for name, values in recorded.items()}
+    decided = _decided(table)
+    known = {name: told[name] & driven[name] & decided for name in SIGNALS}
+    parts, blind = part_masks(table, recording.rate_hz), unseen(table)
 
     def scores(mask: Bools | None, idle: bool) -> dict[str, Accuracy | None]:
         return {
@@ -43,10 +50,43 @@ def accuracies(table: FrameTable, rate_hz: float) -> dict[str, Any] | None:
     return {
         **scores(whole, False),
         **{part: scores(parts[part], False) for part in PARTS},
-        "frames": {name: None if mask is None else int(mask.sum()) for name, mask in masks.items()},
+        "frames": {name: None if mask is None else int((mask & decided).sum()) for name, mask in masks.items()},
+        "unseen": {name: None if mask is None else int((mask & decided & blind).sum()) for name, mask in masks.items()},
         "idle": {**scores(whole, True), **{part: scores(parts[part], True) for part in PARTS}},
         "lane": {name: _steering_beside_idle(scores, mask) for name, mask in _lane_masks(table).items()},
     }
+
+
+def doubts(table: FrameTable, recording: Recording) -> list[str]:
+    """What a reader of the scores must know of them, a line each."""
+    if not np.isfinite(table.throttle).any():
+        return []
+    lines: list[str] = []
+    count = len(table)
+    for name in SIGNALS:
+        origin, known = recording.origins[NAMES[name]], np.isfinite(getattr(table, f"recorded_{name}")).sum()
+        if not origin.is_known:
+            lines.append(f"{name}: not scored, the human's is {origin.kind}")
+        elif known < count:
+            lines.append(f"{name}: scored in {known} of {count} frames, elsewhere the human's is not known")
+    blind = int((unseen(table) & _decided(table)).sum())
+    if blind:
+        lines.append(f"{blind} of {count} frames are scored unseen: nothing was seen, or the last command held")
+    return lines
+
+
+def unseen(table: FrameTable) -> Bools:
+    """(N,) frames at which the driver's command is not by what it saw there: its last one holds, or it saw nothing.
+
+    Nothing is no picture, or one without a road, a body and a focus of expansion.
+    """
+    nothing = (table.road_found == 0.0) & (table.bodies == 0.0) & ~np.isfinite(table.foe_x_px)
+    return np.asarray((table.image == 0.0) | (table.held == 1.0) | nothing)
+
+
+def _decided(table: FrameTable) -> Bools:
+    """(N,) all but the frames in which no lane was found; of a driver that looks for none, all."""
+    return np.asarray(table.road_found != 0.0)
 
 
 def _lane_masks(table: FrameTable) -> dict[str, Bools]:
@@ -57,7 +97,7 @@ def _lane_masks(table: FrameTable) -> dict[str, Bools]:
 def _steering_beside_idle(
     scores: Callable[[Bools | None, bool], dict[str, Accuracy | None]], mask: Bools
 ) -> dict[str, Any]:
-    """Where no lane is found the driver goes where the car points, so its steering there says little of it."""
+    """Both are None where no lane was found."""
     return {
         "frames": int(mask.sum()),
         "steering": scores(mask, False)["steering"],
@@ -84,21 +124,19 @@ def _accuracy(table: FrameTable, name: str, recorded: Floats, mask: Bools, idle:
 
 def perception(table: FrameTable, recording: Recording) -> dict[str, Any]:
     """What the flow says of the own motion and of the body ahead, beside the truth where the recording has it."""
-    told_rate, told_speed = (_is_measured(recording.origins[name]) for name in ("yaw_rate_radps", "speed_mps"))
+    rate, speed = (_measured(recording, name)[: len(table)] for name in ("yaw_rate_radps", "speed_mps"))
     return {
         "foe": foe(table),
-        "yaw_rate_median_error_radps": rounded(
-            _median(np.abs(table.flow_yaw_rate_radps - table.yaw_rate_radps)) if told_rate else None
-        ),
-        "speed_scale": _spread(_ratio(table)) if told_speed else None,
+        "yaw_rate_median_error_radps": rounded(_median(np.abs(table.flow_yaw_rate_radps - table.yaw_rate_radps)[rate])),
+        "speed_scale": _spread(_ratio(table)[speed]),
         "ttc": time_to_contact(table),
         "road_found_share": rounded(_mean(table.road_found)),
     }
 
 
-def _is_measured(origin: Origin) -> bool:
-    """Whether a signal comes from elsewhere than the pictures' own flow, which it could not judge."""
-    return origin.kind in ("recorded", "derived") and "flow" not in origin.how
+def _measured(recording: Recording, name: str) -> Bools:
+    """(N,) where a signal comes from elsewhere than the pictures' own flow, which it could not judge."""
+    return recording.known(name) & (PICTURES not in recording.origins[name].inputs)
 
 
 def foe(table: FrameTable) -> dict[str, Any]:
@@ -161,12 +199,17 @@ def signal_checks(recording: Recording) -> dict[str, Any]:
     kinds = {name: recording.origins[name] for name in ("speed_mps", "yaw_rate_radps", "steering_rad", "throttle")}
     result: dict[str, Any] = {"origins": {name: str(origin) for name, origin in kinds.items()}}
     bent = recording.speed_mps * np.tan(recording.steering_rad) / WHEELBASE_M
-    known = np.isfinite(bent) & np.isfinite(recording.yaw_rate_radps)
-    if kinds["steering_rad"].kind != "recorded" or np.count_nonzero(known) < 3 or np.ptp(bent[known]) <= 0.0:
+    known = np.isfinite(bent) & recording.known("speed_mps") & recording.known("yaw_rate_radps")
+    if not _are_apart(kinds) or np.count_nonzero(known) < 3 or np.ptp(bent[known]) <= 0.0:
         return {**result, "yaw_rate": None}
     x, y = bent[known], recording.yaw_rate_radps[known]
     correlation = float(np.corrcoef(x, y)[0, 1]) if np.ptp(y) > 0.0 else None
     return {**result, "yaw_rate": {"gain": rounded(float(x @ y / (x @ x))), "correlation": rounded(correlation)}}
+
+
+def _are_apart(origins: dict[str, Origin]) -> bool:
+    """Whether steering and yaw rate were measured each by itself."""
+    return origins["steering_rad"].kind == "recorded" and "steering_rad" not in origins["yaw_rate_radps"].inputs
 
 
 WHEELBASE_M = 2.7

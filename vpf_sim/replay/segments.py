@@ -44,7 +44,7 @@ def segments(recording: Recording) -> list[Segment]:
 
 def has_poses(recording: Recording) -> bool:
     """Whether the recording says where it went, be it by way of speed and yaw rate."""
-    return recording.origins["poses"].kind in ("recorded", "derived")
+    return recording.origins["poses"].is_known
 
 
 def goal_words(recording: Recording) -> str:
@@ -70,4 +70,5 @@ def _goal(recording: Recording, first: int, stop: int) -> tuple[float, float]:
 
 
 def _speed(recording: Recording, first: int) -> float:
-    return float(recording.speed_mps[first])
+    """m/s; a car that rolls back is to stand."""
+    return max(float(recording.speed_mps[first]), 0.0)

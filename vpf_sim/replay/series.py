@@ -1,14 +1,23 @@
 """Columns of numbers over time, laid onto the times of the frames; what is missing is told."""
 
 import csv
+import re
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.geometry import unwrapped
+from vpf_sim.replay.plausible import LIMITS, Where, kept
 from vpf_sim.types import Bools, Floats
 
 LONGEST_GAP_S = 0.5  # over which a signal is interpolated
+MOST_LISTED, LONGEST_LISTED = 8, 40  # columns, and letters of each, in a message
+SHARED_NAME = re.compile(r"^(.*) \(column \d+\)$")
+DECIMAL_COMMA = re.compile(r"^([+-]?\d*),(\d+)$")
 
 
 def numbers(file: Path, what: str) -> list[list[float]]:
@@ -18,9 +27,9 @@ def numbers(file: Path, what: str) -> list[list[float]]:
         try:
             values = [float(word) for word in line.split(":", 1)[-1].split()]
         except ValueError:
-            raise InputError(f"{file}: line {number}: expected numbers, got '{line.strip()[:40]}'") from None
+            raise InputError(f"{file}: line {number}: expected numbers, got {line.strip()[:40]!r}") from None
         if not np.all(np.isfinite(values)):
-            raise InputError(f"{file}: line {number}: expected finite numbers, got '{line.strip()[:40]}'")
+            raise InputError(f"{file}: line {number}: expected finite numbers, got {line.strip()[:40]!r}")
         if values:
             rows.append(values)
     return rows
@@ -32,82 +41,159 @@ def lines(file: Path, what: str) -> list[str]:
         return file.read_text("utf-8-sig").splitlines()
     except FileNotFoundError:
         raise InputError(f"{file}: expected {what}, found no file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{file}: expected {what}, cannot be read: {error}") from None
+    except (OSError, ValueError) as error:  # ValueError: bytes that are no text, or a name that no file can have
+        raise InputError(f"{file}: expected {what}, cannot be read: {str(error)[:200]}") from None
 
 
-def table(file: Path, what: str) -> dict[str, list[str]]:
+@dataclass(frozen=True, slots=True)
+class Table:
     """The columns of a CSV file with a header, by name."""
+
+    file: Path
+    cells: dict[str, list[str]]
+    lines: list[int]  # of the rows in the file
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.cells
+
+    def where(self, name: str) -> Where:
+        """How messages call a column's values."""
+        return Where(str(self.file), name, self.lines, "line")
+
+    def texts(self, name: str) -> list[str]:
+        """The cells of a column."""
+        if name not in self.cells:
+            raise InputError(f"{self.file}: expected a column '{name}', found {listed(self.cells)}")
+        return self.cells[name]
+
+    def numbers(self, name: str) -> Floats:
+        """(M,) the numbers of a column, nan where a cell is empty or says nan."""
+        return np.array([self._number(name, row, cell) for row, cell in enumerate(self.texts(name))])
+
+    def signal(self, name: str, signal: str, notes: list[str], scale: float = 1.0) -> Floats:
+        """(M,) a column's numbers times `scale`, in the signal's unit; what cannot be is left out and told."""
+        return scale * kept(self.numbers(name), signal, self.where(name), notes, scale)
+
+    def times(self, name: str) -> Floats:
+        """(M,) a column of times, each after the one before."""
+        return ascending(self.where(name), self.signal(name, "clock_s", []))
+
+    def chosen(self, rows: Sequence[int]) -> "Table":
+        """Some of the rows, in this order."""
+        cells = {name: [column[row] for row in rows] for name, column in self.cells.items()}
+        return Table(self.file, cells, [self.lines[row] for row in rows])
+
+    def _number(self, name: str, row: int, cell: str) -> float:
+        try:
+            return float(cell) if cell else np.nan
+        except ValueError:
+            place = f"{self.file}: line {self.lines[row]}: {name}"
+            raise InputError(f"{place}: expected a number, got {cell[:40]!r}") from None
+
+
+def table(file: Path, what: str) -> Table:
+    """The table in a CSV file; semicolons and tabs may stand between cells, and then commas within numbers."""
+    text = lines(file, what)
+    delimiter = max(",;\t", key=text[0].count) if text else ","
+    reader = csv.reader(text, delimiter=delimiter, skipinitialspace=True)
+    rows, places = [], []
     try:
-        rows = list(csv.reader(lines(file, what)))
+        for row in reader:
+            if row:
+                rows.append([cell.strip() for cell in row])
+                places.append(reader.line_num)
     except csv.Error as error:
         raise InputError(f"{file}: expected {what} as a CSV table, got: {error}") from None
     if len(rows) < 2:
         raise InputError(f"{file}: expected {what}: a header and rows, found {len(rows)} line(s)")
-    header = [name.strip() for name in rows[0]]
-    for number, row in enumerate(rows[1:], 2):
-        if row and len(row) != len(header):
-            raise InputError(f"{file}: line {number}: expected {len(header)} cells, got {len(row)}")
-    filled = [row for row in rows[1:] if row]
-    return {name: [row[i].strip() for row in filled] for i, name in enumerate(header)}
+    header, *body = [[_printable(name) for name in rows[0]], *rows[1:]]
+    for place, row in zip(places[1:], body, strict=True):
+        if len(row) != len(header):
+            raise InputError(f"{file}: line {place}: expected {len(header)} cells, got {len(row)}")
+    if delimiter != ",":
+        body = [[DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in row] for row in body]
+    return Table(file, _by_name(header, list(zip(*body, strict=True))), places[1:])
 
 
-def column(file: Path, columns: dict[str, list[str]], name: str) -> Floats:
-    """(M,) the numbers of a column, nan where a cell is empty or says nan."""
-    if name not in columns:
-        raise InputError(f"{file}: expected a column '{name}', found {', '.join(columns)}")
-    result = []
-    for number, cell in enumerate(columns[name], 2):
-        try:
-            result.append(float(cell) if cell else np.nan)
-        except ValueError:
-            raise InputError(f"{file}: line {number}: {name}: expected a number, got '{cell[:40]}'") from None
-    return np.array(result)
+def listed(names: Collection[str]) -> str:
+    """Names of columns in a line, however many they are."""
+    first = [name[:LONGEST_LISTED] for name in islice(names, MOST_LISTED)]
+    more = len(names) - len(first)
+    return ", ".join(first) + (f" and {more} more" if more > 0 else "")
 
 
-def ascending(file: Path, times_s: Floats) -> Floats:
+def _printable(name: str) -> str:
+    """A name that messages can show in a line."""
+    return "".join(letter if letter.isprintable() else "?" for letter in name)
+
+
+def _by_name(header: list[str], columns: list[tuple[str, ...]]) -> dict[str, list[str]]:
+    """The columns by name. Those of one name that differ are told apart by their number, for either may be meant."""
+    result: dict[str, list[str]] = {}
+    for number, (name, cells) in enumerate(zip(header, columns, strict=True), 1):
+        alike = all(cells == other for other_name, other in zip(header, columns, strict=True) if other_name == name)
+        result[name if alike else f"{name} (column {number})"] = list(cells)
+    return result
+
+
+def shared_name(name: str) -> str | None:
+    """The name that a column shares with others that differ; None if the name is its own."""
+    found = SHARED_NAME.match(name)
+    return found[1] if found else None
+
+
+def ascending(where: Where, times_s: Floats) -> Floats:
     """The times, if each is after the one before."""
-    wrong = np.flatnonzero(~(np.diff(times_s) > 0.0))
+    wrong = np.flatnonzero(~(np.diff(times_s) > 0.0) | ~np.isfinite(np.diff(times_s)))
     if len(wrong):
         i = int(wrong[0])
-        before, after = times_s[i : i + 2] - times_s[0]
         raise InputError(
-            f"{file}: row {i + 2}: expected a time after that of row {i + 1}, got {after - before:g} s later"
+            f"{where.source}: {where.at(i + 1)}: {where.column}: expected a time after that of {where.at(i)}, "
+            f"got {times_s[i + 1] - times_s[i]:g} s later"
         )
     return times_s
 
 
-def array(file: Path, what: str) -> Floats:
-    """The array of a .npy file, whatever its suffix."""
+def array(file: Path, what: str, width: int = 1) -> Floats:
+    """(M, width or more) the array of a .npy file, whatever its suffix; (M,) is one column."""
     try:
-        return np.asarray(np.load(file, allow_pickle=False), np.float64)
+        values = np.asarray(np.load(file, allow_pickle=False), np.float64)
     except FileNotFoundError:
         raise InputError(f"{file}: expected {what}, found no file") from None
-    except (OSError, ValueError, EOFError) as error:
+    except Exception as error:  # whatever numpy says of a damaged file: there is no list of it
         reason = str(error).split("\n")[0][:120]
         raise InputError(f"{file}: expected {what} as a .npy array, cannot be read: {reason}") from None
+    columns = values[:, None] if values.ndim == 1 else values
+    if columns.ndim != 2 or not len(columns) or columns.shape[1] < width:
+        raise InputError(f"{file}: expected {what} in {width} columns, got an array of shape {values.shape}")
+    return columns
 
 
-def at(times_s: Floats, sampled_s: Floats, values: Floats, longest_gap_s: float = LONGEST_GAP_S) -> Floats:
-    """(N,) values (M,) by linear interpolation at times (N,); nan in gaps and beyond the ends by more than the gap."""
-    known = np.isfinite(values) & np.isfinite(sampled_s)
+def at(times_s: Floats, sampled_s: Floats, values: Floats, period: float | None = None) -> Floats:
+    """(N,) values (M,) by linear interpolation at times (N,); nan in gaps and beyond the ends by more than a gap.
+
+    Angles have a `period`, and are interpolated on the shorter way round; the result goes on over the seam.
+    """
+    known = np.isfinite(values) & (np.abs(sampled_s) <= LIMITS["clock_s"].highest)
     sampled_s, values = sampled_s[known], values[known]
     if not len(values):
         return np.full(len(times_s), np.nan)
+    if period is not None:
+        values = unwrapped(values, period)
     after = np.searchsorted(sampled_s, times_s)
     left = sampled_s[np.clip(after - 1, 0, len(values) - 1)]
     right = sampled_s[np.clip(after, 0, len(values) - 1)]
     inside = (after > 0) & (after < len(values))
     far = np.where(inside, right - left, np.minimum(np.abs(times_s - left), np.abs(times_s - right)))
     # Gaps are those of a signal that is sampled more often; one sampled rarely is interpolated all the same.
-    allowed = max(longest_gap_s, 1.5 * float(np.median(np.diff(sampled_s)))) if len(values) > 1 else longest_gap_s
-    return np.where(far <= allowed + 1e-9, np.interp(times_s, sampled_s, values), np.nan)
+    usual_s = float(np.median(np.diff(sampled_s))) if len(values) > 1 else 0.0
+    return np.where(far <= max(LONGEST_GAP_S, 1.5 * usual_s) + 1e-9, np.interp(times_s, sampled_s, values), np.nan)
 
 
-def filled(values: Floats) -> tuple[Floats, Bools]:
-    """The values with their gaps bridged in a straight line, and which (N,) were bridged."""
+def filled(times_s: Floats, values: Floats, period: float | None = None) -> tuple[Floats, Bools]:
+    """The values (N,) with their gaps bridged in a straight line, and which were; angles have a `period`."""
     missing = ~np.isfinite(values)
     if missing.any() and not missing.all():
-        index = np.arange(len(values))
-        values = np.interp(index, index[~missing], values[~missing])
+        known = values[~missing] if period is None else unwrapped(values[~missing], period)
+        values = np.interp(times_s, times_s[~missing], known)
     return values, missing

@@ -35,6 +35,8 @@ def tables(
         checks(records),
         perception(records),
         compute(records, timing),
+        mountings(records),
+        doubts(records),
     ]
     return [table for table in found if table.rows]
 
@@ -46,10 +48,11 @@ def real_images(rows: Sequence[dict[str, Any]], differences: Sequence[str]) -> T
     of_both = [f"{signal} {score}" for signal in ("a", "δ") for score in scores]
     notes = (
         "a is throttle, δ steering; range, span and tol. (tolerance) are accuracies in %, mae the mean |difference|; "
-        "idle is the range accuracy of touching nothing: what of it is the road's and not the driver's.",
+        "idle is the range accuracy of touching nothing: what of it is the road's and not the driver's; unseen is the "
+        "share of frames in which the driver saw nothing or held its last command. What is assumed is not scored.",
         *differences,
     )
-    header = (*names, "frames", *of_both, "paper a", "paper δ")
+    header = (*names, "frames", "unseen %", *of_both, "paper a", "paper δ")
     return Table("Throttle and steering beside the human's", header, tuple(map(_score, rows)), len(names), notes)
 
 
@@ -58,6 +61,7 @@ def _score(row: dict[str, Any]) -> tuple[str, ...]:
     kinds = row["signals"]
     signals = f"a {kinds['throttle']}, δ {kinds['steering']}" if row["frames"] else NOTHING
     cells = [weather, PART_NAMES[row["part"]], signals, ", ".join(row["drives"]), str(row["frames"])]
+    cells.append(worded(row["unseen"] / row["frames"] if row["frames"] else None, 1, True))
     for name in ("throttle", "steering"):
         scores, idle = row["accuracy"][name] or {}, row["idle"][name] or {}
         cells += [worded(scores.get(key), 1, True) for key in ("range", "span", "tolerance")]
@@ -84,8 +88,14 @@ def drives(records: Sequence[dict[str, Any]]) -> Table:
         f"{record['name']}: {record['protocol']}; goal: {record['goal']}" for record in records if record["driven"]
     ]
     notes += [f"{record['name']}: {note}" for record in records for note in record["notes"]]
+    notes += [f"{record['name']}: {_error(record['error'])}" for record in records if record["error"]]
     notes += [record["no_images"] for record in records if record["no_images"]]
     return Table("The drives", header, tuple(_drive(record) for record in records), 5, tuple(notes))
+
+
+def _error(error: dict[str, Any]) -> str:
+    """Why a drive ended early."""
+    return f"the driver failed at frame {error['frame']}, at {error['place']}: {error['what']}; in no row of the scores"
 
 
 def _drive(record: dict[str, Any]) -> tuple[str, ...]:
@@ -114,6 +124,25 @@ def origins(records: Sequence[dict[str, Any]]) -> Table:
     return Table("What is recorded and what is not", ("drive", "signal", "is", "how"), tuple(rows), 4)
 
 
+def mountings(records: Sequence[dict[str, Any]]) -> Table:
+    """How cameras look whose mounting was found on the way."""
+    header = ("drive", "angle", "used", "deg", "from", "to", "straight way s")
+    keys = ("deg", "from_deg", "to_deg", "straight_s")
+    rows = [
+        (record["name"], name, "yes" if one["used"] else "no", *(worded(one[key], 1) for key in keys))
+        for record in records
+        for name, one in (record.get("mounting") or {}).items()
+    ]
+    note = "from and to: the interval at 95 %. An angle that is not used is taken to be 0."
+    return Table("The camera's mounting, found on the way", header, tuple(rows), 3, (note,))
+
+
+def doubts(records: Sequence[dict[str, Any]]) -> Table:
+    """What a reader should doubt, a line for each thing."""
+    rows = [(record["name"], what, why) for record in records for what, why in record.get("doubts", [])]
+    return Table("What to doubt", ("drive", "what", "why"), tuple(rows), 3)
+
+
 def lanes(records: Sequence[dict[str, Any]]) -> Table:
     """The steering where a lane was found, and where none was."""
     header = ("drive", "lane", "frames", "δ range", "δ span", "δ mae", "idle mae")
@@ -123,7 +152,7 @@ def lanes(records: Sequence[dict[str, Any]]) -> Table:
         if record["accuracy"] and record["perception"]["road_found_share"] is not None
         for key, words in (("found", "found"), ("not_found", "not found"))
     ]
-    note = "Where no lane is found the driver goes straight ahead of where the car points: there it follows the human."
+    note = "Where no lane is found the model car keeps course and speed; these frames are not scored."
     return Table("Steering with and without a lane", header, tuple(row for row in rows if row[2] != "0"), 2, (note,))
 
 

@@ -1,7 +1,11 @@
-"""A video as frames with their own times: variable rates, damaged parts and ends that are missing are told."""
+"""A video as frames with their own times: variable rates, damaged parts and ends that are missing are told.
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+Frames are as players show them: of the main stream, without what an edit list hides, upright, with square pixels.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,8 +23,15 @@ if TYPE_CHECKING:
 
     Packet = AnyPacket[VideoStream]
 
-SUFFIXES = (".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v", ".hevc", ".h264", ".ts")
+CONTAINERS = (".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v", ".ts", ".mts", ".m2ts", ".mpg", ".mpeg", ".3gp", ".wmv")
+BARE = (".hevc", ".h264", ".h265", ".264", ".265")  # coded pictures alone, without times
+SUFFIXES = CONTAINERS + BARE
 TURNS = {90: cv2.ROTATE_90_COUNTERCLOCKWISE, 180: cv2.ROTATE_180, 270: cv2.ROTATE_90_CLOCKWISE}
+MOST_STRETCHED = 4  # times wider or higher than a square: a pixel beyond that is a mistake of the file
+NO_TIMES = (
+    "expected a video that knows when its frames were taken, found none of their times: "
+    "say rate_hz in drive.toml, or put it into a file that has them: ffmpeg -framerate RATE -i FILE -c copy drive.mp4"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +39,7 @@ class Video:
     """What a video's index says; nothing is decoded but its first frame."""
 
     path: Path
+    stream: int  # among the video streams of the file
     width_px: int
     height_px: int
     stamps: tuple[int, ...]  # of the N frames, in the order of the picture, ascending; empty where it has none
@@ -38,7 +50,7 @@ class Video:
         """N frames; those that are damaged or missing are gaps."""
         place = {stamp: index for index, stamp in enumerate(self.stamps)}
         expected = 0
-        for stamp, image in _decoded(self.path):
+        for stamp, image in _decoded(self.path, self.stream):
             index = place.get(stamp, expected) if stamp is not None and place else expected
             if index < expected or index >= len(self.times_s):
                 continue  # a stamp for the second time, or a frame that the index does not know
@@ -61,55 +73,100 @@ def _gap(index: int) -> Frame:
     return Frame(index, None, f"frame {index} of the video cannot be decoded")
 
 
-def read(path: Path, times_s: Floats | None = None) -> Video:
-    """The video's index. `times_s` (N,) are those recorded beside it, for a stream that has none of its own."""
+def read(path: Path, times_s: Floats | None = None, rate_hz: float | None = None) -> Video:
+    """The video's index. `times_s` (N,) are those recorded beside it, or its frames were taken at `rate_hz`: for a
+    stream that has no times of its own, or wrong ones."""
     try:
-        with av.open(str(path)) as container:
-            if not container.streams.video:
-                raise InputError(f"{path}: expected a video, found no picture in it")
-            stream = container.streams.video[0]
-            packets = [packet.pts for packet in _packets(container)]
-            claimed, base = stream.frames, float(stream.time_base or 0)
+        index = _index(path)
     except (av.error.FFmpegError, OSError) as error:
         raise InputError(f"{path}: expected a video, cannot be opened: {_reason(error)}") from None
-    first = next((image for _, image in _decoded(path) if image is not None), None)
-    if first is None or len(packets) < 2:
-        raise InputError(f"{path}: expected a video of two frames or more, found {len(packets)} that decode")
-    stamps = tuple(sorted({pts for pts in packets if pts is not None}))
-    notes = _notes(path, len(packets), len(stamps), claimed)
+    first = next((image for _, image in _decoded(path, index.stream) if image is not None), None)
+    if first is None or index.packets < 2:
+        raise InputError(f"{path}: expected a video of two frames or more, found {index.packets} that decode")
     height, width = first.shape[:2]
+    notes = tuple(f"{path.name}: {note}" for note in index.notes())
+    stamps = tuple(sorted(set(index.stamps)))
+    if rate_hz is not None:
+        times_s = np.arange(index.packets) / rate_hz
     if times_s is not None:
-        count = min(len(times_s), len(packets))
-        if len(times_s) != len(packets):
-            notes = (*notes, f"{path.name}: {len(packets)} frames, {len(times_s)} times; {count} are used")
-        stamps = stamps[:count] if len(stamps) == len(packets) else ()
-        return Video(path, width, height, stamps, times_s[:count] - times_s[0], notes)
+        count = min(len(times_s), index.packets)
+        if len(times_s) != index.packets:
+            notes = (*notes, f"{path.name}: {index.packets} frames, {len(times_s)} times; {count} are used")
+        stamps = stamps[:count] if len(stamps) == index.packets else ()
+        return Video(path, index.stream, width, height, stamps, times_s[:count] - times_s[0], notes)
     if len(stamps) < 2:
-        raise InputError(f"{path}: expected a video that knows when its frames were taken; give their times in a table")
-    return Video(path, width, height, stamps, (np.array(stamps, float) - stamps[0]) * base, notes)
+        raise InputError(f"{path}: {NO_TIMES}")
+    own_s = (np.array(stamps, float) - stamps[0]) * index.base_s
+    return Video(path, index.stream, width, height, stamps, own_s, notes)
 
 
-def evenly(path: Path, rate_hz: float) -> Floats:
-    """(N,) s, the times of a video's frames if they were taken at this rate."""
-    try:
-        with av.open(str(path)) as container:
-            return np.arange(sum(1 for _ in _packets(container))) / rate_hz
-    except (av.error.FFmpegError, OSError, IndexError) as error:
-        raise InputError(f"{path}: expected a video, cannot be opened: {_reason(error)}") from None
+@dataclass(slots=True)
+class _Index:
+    """What the packets of a stream of pictures say."""
+
+    stream: int  # among the video streams
+    size_px: tuple[int, int]  # as it is stored
+    pixel: Fraction  # width / height
+    base_s: float
+    claimed: int  # how many frames there should be; 0 where nothing says so
+    stamps: list[int] = field(default_factory=list)  # of the packets that are shown
+    packets: int = 0  # that are shown
+    hidden: int = 0  # by an edit list: a decoder needs them
+    others: int = 0  # further streams of two pictures or more
+
+    def notes(self) -> list[str]:
+        """What a reader should know of the film, a line each."""
+        notes = []
+        there, known = self.packets + self.hidden, len(set(self.stamps))
+        if there < self.claimed:
+            notes.append(f"cut off: {there} of {self.claimed} frames are there")
+        if 0 < known < self.packets:
+            notes.append(f"{self.packets - known} frames with the time of another or none are left out")
+        if self.others:
+            width, height = self.size_px
+            notes.append(f"{self.others + 1} videos in it, the one of {width} x {height} px is used")
+        if self.pixel != 1:
+            ratio = f"{self.pixel.numerator}:{self.pixel.denominator}"
+            notes.append(f"its pixels are {ratio}, no squares: frames are stretched to what players show")
+        return notes
 
 
-def _notes(path: Path, packets: int, stamps: int, claimed: int) -> tuple[str, ...]:
-    notes = []
-    if packets < claimed:
-        notes.append(f"{path.name}: cut off: {packets} of {claimed} frames are there")
-    if 0 < stamps < packets:
-        notes.append(f"{path.name}: {packets - stamps} frames with the time of another or none are left out")
-    return tuple(notes)
+def _index(path: Path) -> _Index:
+    """Of the stream that shows most: a still picture (a thumbnail, a cover) is none."""
+    with av.open(str(path)) as container:
+        streams = container.streams.video
+        if not streams or container.format.name == "tty":  # which takes any text for a film
+            raise InputError(f"{path}: expected a video, found no picture in it")
+        found = [
+            _Index(k, (one.width, one.height), _pixel(one), float(one.time_base or 0), one.frames)
+            for k, one in enumerate(streams)
+        ]
+        place = {one.index: index for one, index in zip(streams, found, strict=True)}
+        for packet in _packets(container, *streams):
+            index = place[packet.stream_index]
+            index.hidden += packet.is_discard
+            index.packets += not packet.is_discard
+            if packet.pts is not None and not packet.is_discard:
+                index.stamps.append(packet.pts)
+    films = [index for index in found if index.packets > 1] or found
+    best = max(films, key=lambda index: index.size_px[0] * index.size_px[1])
+    best.others = len(films) - 1
+    if best.packets + best.hidden < best.claimed:  # the file is cut off, or an edit list leaves out whole groups
+        with av.open(str(path), options={"ignore_editlist": "1"}) as container:
+            packets = sum(1 for _ in _packets(container, container.streams.video[best.stream]))
+        best.hidden = max(best.hidden, packets - best.packets)
+    return best
 
 
-def _packets(container: av.container.InputContainer) -> "Iterator[Packet]":
+def _pixel(stream: "VideoStream") -> Fraction:
+    """Width / height of a pixel; 1 where nothing, or nothing that can be, says so."""
+    ratio = Fraction(stream.sample_aspect_ratio or 1)
+    return ratio if 1 / MOST_STRETCHED <= ratio <= MOST_STRETCHED else Fraction(1)
+
+
+def _packets(container: av.container.InputContainer, *streams: "VideoStream") -> "Iterator[Packet]":
     """The packets that hold a frame, as far as the file goes."""
-    packets = container.demux(container.streams.video[0])
+    packets = container.demux(*streams)
     while True:
         try:
             packet = next(packets)
@@ -119,30 +176,40 @@ def _packets(container: av.container.InputContainer) -> "Iterator[Packet]":
             yield packet
 
 
-def _decoded(path: Path) -> Iterator[tuple[int | None, Image | None]]:
+def _decoded(path: Path, number: int) -> Iterator[tuple[int | None, Image | None]]:
     """(stamp, (H, W, 3) RGB) in the order of the picture; no image where the decoder says that it is damaged."""
     with av.open(str(path)) as container:
-        stream = container.streams.video[0]
+        stream = container.streams.video[number]
         stream.codec_context.thread_count = 1
-        for packet in _with_end(container):
+        shown = _shown(stream)
+        for packet in _with_end(container, stream):
             try:
                 decoded = stream.codec_context.decode(packet)
             except av.error.FFmpegError:
                 continue  # the frame is a gap
             for frame in decoded:
-                yield frame.pts, None if frame.is_corrupt else _image(frame)
+                yield frame.pts, None if frame.is_corrupt else shown(frame)
 
 
-def _with_end(container: av.container.InputContainer) -> "Iterator[Packet | None]":
+def _with_end(container: av.container.InputContainer, stream: "VideoStream") -> "Iterator[Packet | None]":
     """The packets, then what makes the decoder give what it still holds."""
-    yield from _packets(container)
+    yield from _packets(container, stream)
     yield None
 
 
-def _image(frame: av.VideoFrame) -> Image:
-    image = frame.to_ndarray(format="rgb24").astype(np.uint8, copy=False)
-    turn = TURNS.get(frame.rotation % 360)
-    return image if turn is None else cv2.rotate(image, turn).astype(np.uint8, copy=False)
+def _shown(stream: "VideoStream") -> Callable[[av.VideoFrame], Image]:
+    """What makes a picture of a frame, as players show it: stretched to square pixels, then turned."""
+    pixel = _pixel(stream)
+
+    def image(frame: av.VideoFrame) -> Image:
+        picture = frame.to_ndarray(format="rgb24").astype(np.uint8, copy=False)
+        if pixel != 1:
+            width, height = round(frame.width * max(pixel, 1)), round(frame.height / min(pixel, 1))
+            picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.uint8, copy=False)
+        turn = TURNS.get(frame.rotation % 360)
+        return picture if turn is None else cv2.rotate(picture, turn).astype(np.uint8, copy=False)
+
+    return image
 
 
 def _reason(error: Exception) -> str:

@@ -1,6 +1,5 @@
 """Every weather at fixed poses and on a short drive, as files beside one page."""
 
-import re
 import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.rendering.poses import POSES, SEED, Pose, video_drive
 from vpf_sim.evaluation.weather.weather_meaning import aliases, factors, in_words
+from vpf_sim.files import file_name, write_bytes, write_text
 from vpf_sim.report.pictures import jpeg
 from vpf_sim.report.video import Writer
 from vpf_sim.types import Image
@@ -63,7 +63,7 @@ def make(folder: Path, weathers: Sequence[Weather], workers: int, tell: Callable
             entries[done.task[0]] = done.result
             tell(done.result)
         index = folder / "index.html"
-        index.write_text(page([entries[number] for number, _ in tasks]), "utf-8")
+        write_text(index, page([entries[number] for number, _ in tasks]))
     except BaseException:
         shutil.rmtree(folder)
         raise
@@ -73,11 +73,11 @@ def make(folder: Path, weathers: Sequence[Weather], workers: int, tell: Callable
 def make_entry(folder: Path, task: tuple[int, Weather]) -> Entry:
     """The files of one weather."""
     number, weather = task
-    stem = f"{number + 1:02d}-{re.sub(r'[^A-Za-z0-9_-]', '_', weather.name)}"
+    stem = f"{number + 1:02d}-{file_name(weather.name)}"
     pictures = []
     for pose in POSES:
         file = f"pictures/{stem}-{pose.name}.jpg"
-        _write_picture(folder / file, picture(pose, weather))
+        write_bytes(folder / file, jpeg(picture(pose, weather), QUALITY))
         pictures.append(Picture(pose.caption, file))
     video = f"videos/{stem}.mp4"
     _write_video(folder / video, weather)
@@ -89,11 +89,6 @@ def picture(pose: Pose, weather: Weather) -> Image:
     count = round(LEAD_S * LEAD_HZ) + 1
     *_, last = pose.drive(LEAD_S, LEAD_HZ).shots(weather, SEED, count)
     return last.image
-
-
-def _write_picture(path: Path, image: Image) -> None:
-    path.parent.mkdir(exist_ok=True)
-    path.write_bytes(jpeg(image, QUALITY))
 
 
 def _write_video(path: Path, weather: Weather) -> None:

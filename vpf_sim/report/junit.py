@@ -10,6 +10,7 @@ from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 from vpf_sim.evaluation.gate.checks import Check
+from vpf_sim.files import write_bytes
 
 SUITE = "vpf-sim check"
 FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # in XML 1.0, even escaped
@@ -24,8 +25,7 @@ def write_junit(checks: Sequence[Check], path: Path) -> None:
     for check in checks:
         _add(suite, check)
     Xml.indent(root)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(Xml.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
+    write_bytes(path, Xml.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
 
 
 def _add(suite: Xml.Element, check: Check) -> None:

@@ -14,6 +14,7 @@ from vpf_sim.report.chart import legend_key
 from vpf_sim.report.clips import Clip
 from vpf_sim.report.stored_run import StoredRun
 from vpf_sim.report.subject import Subject
+from vpf_sim.shell import command
 
 MOST_LISTED = 40  # ways of failing
 Tell = Callable[[str], None]
@@ -49,6 +50,7 @@ def _asked(subject: Subject) -> dict[str, Any]:
         "driven": len(subject.records),
         "planned": len(subject.jobs),
         "folder": str(subject.run.path),
+        "film_again": lambda episode: command("video", subject.run.path, id=episode),
         "fingerprint": subject.run.manifest["fingerprint"],
         "mixed": sorted({str(one["fingerprint"]) for one in subject.records.values() if "fingerprint" in one}),
         "changed": sorted(shown(name) for name in subject.changed()),

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.files import Draft
 from vpf_sim.geometry import distort
 from vpf_sim.report import field_view
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
@@ -30,12 +31,11 @@ class RerunLog:
         self._rr = _rerun()
         self._camera = camera
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.open("wb").close()  # Rerun would not say which file
+            self._draft = Draft(path)
         except OSError as error:
             raise InputError(f"--rerun: {path}: expected a file that can be written, got: {error.strerror}") from None
         self._stream = self._rr.RecordingStream("vpf_sim")
-        self._stream.save(path)
+        self._stream.save(self._draft.file)
 
     def __enter__(self) -> "RerunLog":
         return self
@@ -45,6 +45,10 @@ class RerunLog:
     ) -> None:
         self._stream.flush()
         self._stream.disconnect()
+        if kind is None:
+            self._draft.commit()
+        else:
+            self._draft.discard()
 
     def show(self, time_s: float, frame: Image, plan: Plan | None) -> None:
         """What there is of one moment: the frame (H, W, 3) RGB, and the plan of a driver that makes one."""

@@ -4,7 +4,6 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from shlex import quote
 from typing import Any
 
 from vpf_sim.errors import InputError, unknown_name
@@ -16,6 +15,7 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.run_folder import read_manifest, read_records
 from vpf_sim.evaluation.sweeps.shapes import Summary, Timing, checked
+from vpf_sim.shell import command
 
 Record = dict[str, Any]
 SUMMARY = "summary.json"
@@ -74,7 +74,7 @@ class StoredRun:
 
     @property
     def _anew(self) -> str:
-        return f"vpf-sim score {quote(str(self.path))} makes it anew"
+        return f"{command('score', self.path)} makes it anew"
 
 
 def _known(summary: Summary, cells: set[tuple[str, str, str]]) -> bool:

@@ -1,5 +1,7 @@
 """Frames into an .mp4 that a browser plays."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
@@ -9,12 +11,14 @@ import av
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.files import Draft
 from vpf_sim.types import Image
 
 
 class Writer:
-    """Writes frames as H.264 at their true speed; a context manager, the file is whole when it closes.
+    """Writes frames as H.264 at their true speed; a context manager, the file is there, and whole, when it closes.
 
+    A disk without room is told when it closes, so that what is filmed goes on; then a former file is still there.
     yuv420p and an index at the front (faststart) are what browsers ask for. Frames whose sides are odd lose their last
     row or column: the format has none.
     """
@@ -26,9 +30,8 @@ class Writer:
             raise InputError(f"video '{path}': expected a file name that ends in .mp4")
         self._width, self._height = (side - side % 2 for side in size)
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            self.path.open("wb").close()  # av would notice only at the first frame, and not say which file
-            self._container = av.open(str(self.path), "w", format="mp4", options={"movflags": "+faststart"})
+            self._draft = Draft(self.path)
+            self._container = av.open(str(self._draft.file), "w", format="mp4", options={"movflags": "+faststart"})
         except OSError as error:
             raise InputError(f"video '{path}': expected a file that can be written, got: {error.strerror}") from None
         rate = Fraction(rate_hz).limit_denominator(1001)
@@ -36,6 +39,7 @@ class Writer:
         self._stream.width, self._stream.height = self._width, self._height
         self._stream.pix_fmt = "yuv420p"
         self._stream.codec_context.thread_count = 1
+        self._fault: OSError | None = None
 
     def write(self, frame_rgb: Image) -> None:
         """Append one (H, W, 3) frame."""
@@ -43,14 +47,35 @@ class Writer:
         if cut.shape != (self._height, self._width, 3):
             expected = f"({self._height}, {self._width}, 3)"
             raise ValueError(f"frame: expected at least {expected}, got {frame_rgb.shape}")
-        for packet in self._stream.encode(av.VideoFrame.from_ndarray(cut, format="rgb24")):
-            self._container.mux(packet)
+        if self._fault is None:
+            with self._noticing():
+                self._container.mux(self._stream.encode(av.VideoFrame.from_ndarray(cut, format="rgb24")))
 
     def close(self) -> None:
-        """Write what the encoder still holds, and the index."""
-        for packet in self._stream.encode():
-            self._container.mux(packet)
-        self._container.close()
+        """Write what the encoder still holds, and the index; OSError where the film could not be written."""
+        if self._fault is None:
+            with self._noticing():
+                self._container.mux(self._stream.encode())
+        with self._noticing():
+            self._container.close()
+        if self._fault is not None:
+            self._draft.discard()
+            raise self._fault
+        self._draft.commit()
+
+    def discard(self) -> None:
+        """Leave no film: half a one is none."""
+        with self._noticing():
+            self._container.close()
+        self._draft.discard()
+
+    @contextmanager
+    def _noticing(self) -> Iterator[None]:
+        """Keep the first fault of the disk."""
+        try:
+            yield
+        except (OSError, av.error.FFmpegError) as error:
+            self._fault = self._fault or self._draft.fault(error)
 
     def __enter__(self) -> Self:
         return self
@@ -58,4 +83,7 @@ class Writer:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        self.close()
+        if kind is None:
+            self.close()
+        else:
+            self.discard()

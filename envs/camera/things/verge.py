@@ -10,6 +10,7 @@ from vpf_sim.envs.camera.layout import Edge, LaneShape, outer_edges
 from vpf_sim.envs.camera.things.furniture import LAMP_POST, POST, gantry, rail
 from vpf_sim.envs.camera.things.roadside import Standing
 from vpf_sim.envs.camera.things.signs import SIGNS, chevron
+from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Bools, Floats
 
 STATION_M = 4.0  # edges are sampled that finely
@@ -143,7 +144,7 @@ def _stations(edge: Edge) -> Edge:
 
 def _side(points: Floats, outward: Floats) -> Side:
     along = np.gradient(points, axis=0)
-    heading = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+    heading = unwrapped(np.arctan2(along[:, 1], along[:, 0]))
     to_right = bool(np.mean(along[:, 0] * outward[:, 1] - along[:, 1] * outward[:, 0]) > 0.0)
     return Side(points, outward, heading, to_right, np.gradient(heading) / STATION_M)
 

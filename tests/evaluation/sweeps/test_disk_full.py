@@ -1,38 +1,25 @@
-"""A disk without room: nothing that is stored is lost, one line says which file, and the run goes on later.
-
-The limit on the size of files (RLIMIT_FSIZE) makes writes stop short or fail in the kernel, as those on a full disk do.
-"""
+"""A disk without room: nothing that is stored is lost, one line says which file, and the run goes on later."""
 
 import json
 import os
-import resource
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import recorded_layouts as layouts
+from little_room import limited
 from short_scenario import write_short
 
+from vpf_sim import cli
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 
 ROOM = 200  # bytes
-
-
-@contextmanager
-def limited(size: int) -> Iterator[None]:
-    """No file of this process may grow beyond `size`."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+FILM_ROOM = 60_000  # bytes, for tables and records, but not for a film
 
 
 def test_a_line_that_does_not_fit_is_not_there_at_all(tmp_path: Path) -> None:
@@ -88,3 +75,52 @@ def test_a_sweep_that_runs_out_of_room_goes_on_later(tmp_path: Path) -> None:
     assert 0 < len(stored) < 6
     subprocess.run(sweep(tmp_path, out, "--resume"), check=True, capture_output=True)
     assert contents(out) == contents(tmp_path / "whole")
+
+
+def test_a_film_that_finds_no_room_costs_nothing_but_itself(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The record and the steps are stored, the answer is given, and a former film is still there."""
+    film, out = tmp_path / "drive.mp4", tmp_path / "run"
+    film.write_text("the former film")
+    command = [
+        "drive",
+        str(write_short(tmp_path)),
+        "--driver",
+        "pid",
+        "--out",
+        str(out),
+        "--video",
+        str(film),
+        "--json",
+    ]
+    with limited(FILM_ROOM):
+        assert cli.run(command) == 2
+    said = capsys.readouterr()
+    assert said.err == f"vpf-sim: {film}: File too large\n"
+    assert film.read_text() == "the former film"
+    assert [path.name for path in tmp_path.glob("drive*")] == ["drive.mp4"], "no draft is left"
+    (record,) = read_lines(out / "episodes.jsonl")
+    assert record["status"] == "success"
+    assert steps.read(out / "steps" / f"{record['id']}.parquet").rows.shape[0] == record["steps"] + 1
+    assert json.loads(said.out)["states_sha256"] == record["states_sha256"]
+
+
+def test_a_replay_whose_film_finds_no_room_keeps_the_record_and_films_later(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, drive = tmp_path / "run", layouts.general(tmp_path / "cam")
+    noise = np.random.default_rng(0).integers(0, 256, (layouts.FRAMES, 128, 192, 3), dtype=np.uint8)
+    layouts.video(drive / "drive.mp4", list(noise))
+    command = ["replay", str(drive), "--driver", "neutral", "--out", str(out)]
+    with limited(FILM_ROOM):
+        assert cli.run(command) == 2
+    film = out / "videos" / "my drive.mp4"
+    said = capsys.readouterr().err.splitlines()
+    assert said[0] == "stopped with 1 of 1 drives stored"
+    assert said[1] == f"go on with: vpf-sim {' '.join(command)} --resume"
+    assert said[2:] == [f"vpf-sim: {film}: File too large"]
+    before = (out / "replays.jsonl").read_bytes()
+    assert b"my drive" in before
+    assert not film.exists()
+    assert cli.run([*command, "--resume"]) == 0
+    assert (out / "replays.jsonl").read_bytes() == before
+    assert film.stat().st_size > FILM_ROOM

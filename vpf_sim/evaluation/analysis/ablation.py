@@ -1,7 +1,7 @@
 """The ablations: from one variant to another one change at a time, on the same seeds; what each change buys."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -71,7 +71,7 @@ def table(jobs: Iterable[Job], records: Iterable[Record], timing: Iterable[Mappi
 
 
 def _rows(cell: tuple[str, str], steps: Mapping[str, Mapping[int, Record | None]]) -> list[Row]:
-    told = {driver: summary for chain in FIRST for driver, summary in changes(chain).items()}
+    told = {driver: summary for chain in get_args(Chain) for driver, summary in changes(chain).items()}
     order, rows = [*steps], []
     for before, step in zip([None, *order], order, strict=False):
         if before is not None and step.startswith(f"{BETWEEN}{WITHOUT}"):

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from shlex import quote
 from typing import Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.rules import Rule
+from vpf_sim.shell import command
 
 Outcome = Literal["passed", "failed", "skipped"]
 
@@ -35,8 +35,8 @@ class Check:
     def rerun(self) -> str | None:
         """The command that drives the seeds again, or sees the drives again."""
         if self.folder:
-            ids = "".join(f" --id {quote(drive)}" for drive in self.drives)
-            return f"vpf-sim perception {quote(self.folder)} --driver {quote(self.cell.driver)}{ids}"
+            seen_again = command("perception", self.folder, driver=self.cell.driver)
+            return " ".join([seen_again, *(f"--id {drive}" for drive in self.drives)])
         return again(self.cell, self.seeds) if self.seeds else None
 
     def first(self, count: int) -> "Check":
@@ -46,11 +46,10 @@ class Check:
 
 def again(cell: Cell, seeds: Sequence[int]) -> str:
     """A command that drives some seeds of a cell, for a shell."""
-    scenario, weather, driver = map(quote, cell)
-    command = f"vpf-sim drive {scenario} --weather {weather} --driver {driver} --seed"
+    drive = command("drive", cell.scenario, weather=cell.weather, driver=cell.driver)
     if len(seeds) == 1:
-        return f"{command} {seeds[0]}"
-    return f"for seed in {' '.join(map(str, seeds))}; do {command} $seed; done"
+        return f"{drive} --seed {seeds[0]}"
+    return f"for seed in {' '.join(map(str, seeds))}; do {drive} --seed $seed; done"
 
 
 def matching(rule: Rule, cells: Iterable[Cell], path: Path, where: str) -> list[Cell]:

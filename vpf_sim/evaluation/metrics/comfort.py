@@ -12,6 +12,7 @@ from scipy.signal import savgol_filter
 
 from vpf_sim.evaluation.metrics.clearance import min_ttc_s
 from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Floats
 
 RATE_HZ = 10.0
@@ -62,7 +63,7 @@ def nuplan_signals(
     if samples <= HEADING_WINDOW:
         return None
     at = time_s[0] + np.arange(samples) / RATE_HZ
-    yaw = np.interp(at, time_s, np.unwrap(yaw_rad))
+    yaw = np.interp(at, time_s, unwrapped(yaw_rad))
     along = np.interp(at, time_s, np.gradient(speed_mps, time_s))
     across = np.interp(at, time_s, speed_mps * yaw_rate_radps)
     smooth = {name: _smooth(signal) for name, signal in (("x", along), ("y", across), ("xy", np.hypot(along, across)))}

@@ -34,7 +34,7 @@ class Asked:
     generation: int = 20
     seeds: str = "0:1"  # of each drive on the way
     finalists: int = 4
-    final_seeds: str = "10:15"
+    final_seeds: str = "10:20"
     seed: int = 0  # of the optimiser
 
     def __post_init__(self) -> None:

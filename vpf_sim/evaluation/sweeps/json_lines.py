@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.errors import InputError
+from vpf_sim.files import write_bytes
 
 
 class JsonLines:
@@ -39,12 +40,7 @@ class JsonLines:
 
     def rewrite(self, rows: Iterable[dict[str, Any]]) -> None:
         """Put these rows in the place of all that are there, whole or not at all; nothing can be appended after it."""
-        draft = self._path.with_suffix(".draft")
-        with draft.open("wb") as file:
-            file.writelines(map(_line, rows))
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(self._path)
+        write_bytes(self._path, b"".join(map(_line, rows)))
 
     def close(self) -> None:
         os.close(self._file)

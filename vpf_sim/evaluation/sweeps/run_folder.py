@@ -15,6 +15,7 @@ from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
 from vpf_sim.evaluation.sweeps.shapes import Manifest, Record, checked
+from vpf_sim.files import DRAFT, write_text
 
 MANIFEST = "manifest.json"
 LINES = ("episodes.jsonl", "timing.jsonl")
@@ -101,8 +102,7 @@ class RunFolder:
 
     def _write_error(self, episode: str, reason: str) -> None:
         path = self.error_file(episode)
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(reason.rstrip() + "\n", "utf-8")
+        write_text(path, reason.rstrip() + "\n")
 
     def _make(self) -> None:
         if self.path.exists() and not self.path.is_dir():
@@ -129,18 +129,12 @@ class RunFolder:
 
 def _is_unwritten(path: Path) -> bool:
     """Whether a run that was killed before its manifest was there could have left this."""
-    return path.name == f"{MANIFEST}.draft" or (path.name in LINES and path.is_file() and path.stat().st_size == 0)
+    return path.name == f"{MANIFEST}{DRAFT}" or (path.name in LINES and path.is_file() and path.stat().st_size == 0)
 
 
 def write_json(path: Path, value: dict[str, Any]) -> None:
     """A file, keys sorted, whole or not at all."""
-    draft = path.with_name(f"{path.name}.draft")
-    with draft.open("w", encoding="utf-8") as file:
-        json.dump(value, file, indent=2, sort_keys=True, allow_nan=False)
-        file.write("\n")
-        file.flush()
-        os.fsync(file.fileno())
-    draft.replace(path)
+    write_text(path, json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n")
 
 
 def read_records(path: Path) -> list[dict[str, Any]]:

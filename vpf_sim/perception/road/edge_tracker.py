@@ -11,6 +11,7 @@ from vpf_sim.perception.road.hypotheses import LaneIndex
 from vpf_sim.perception.road.markings import (
     CENTROID_M,
     HEADINGS_RAD,
+    UNLIKELY_PER_M,
     RidgeMap,
     comb,
     noise_threshold,
@@ -23,6 +24,7 @@ from vpf_sim.perception.road.relocalisation import outdoes, rival_of
 from vpf_sim.perception.road.state_filter import (
     NEAR_M,
     REACH_M,
+    TURNED_RAD,
     Expected,
     LaneFilter,
     Sightings,
@@ -49,7 +51,8 @@ SETTLES_RAD = 0.075  # about a first guess: roads do so within .05, what is none
 RIVAL_SEARCHES = 2  # in a row, that a road must have a rival to be left for it
 MOUNTED_RAD = 0.006  # how far off a camera looks, usually, in pitch, before a road has been followed,
 PITCHED_RAD = 0.0015  # and where one has been
-WIDTHS_M = np.arange(2.75, 4.26, 0.125)  # of a lane, looked for
+NARROWEST_LANE_M, WIDTH_STEP_M = 2.75, 0.125  # looked for,
+WIDER_M = 0.25  # and by how much wider than looked for a lane may turn out to be
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +76,9 @@ class RoadEdgeConfig:
     least_rows: int = 12  # sightings without which a look counts for nothing
     least_comb: float = 0.2  # of a road found from scratch: a line in a fifth of the rows
     lost_sigma_m: float = 0.8
+    widest_lane_m: float = 4.25  # looked for
+    unlikely_per_m: float = UNLIKELY_PER_M  # lines that a lane a metre off `lane_width_m` must explain more
+    keeps_width: bool = True  # a road that was lost has lanes as wide as before
 
     def __post_init__(self) -> None:
         if self.lanes < 1 or self.lane_width_m <= 1.0:
@@ -81,6 +87,14 @@ class RoadEdgeConfig:
             raise ValueError(f"likely_lane: expected 1 .. {self.lanes}, got {self.likely_lane}")
         if self.near_m >= self.far_m:
             raise ValueError(f"near_m: expected < far_m = {self.far_m}, got {self.near_m}")
+
+        if self.widest_lane_m < NARROWEST_LANE_M:
+            raise ValueError(f"widest_lane_m: expected >= {NARROWEST_LANE_M}, got {self.widest_lane_m}")
+
+    @property
+    def widths_m(self) -> Floats:
+        """Of a lane, looked for."""
+        return np.arange(NARROWEST_LANE_M, self.widest_lane_m + 0.01, WIDTH_STEP_M)
 
     @property
     def patch(self) -> Patch:
@@ -212,7 +226,7 @@ class RoadEdgeTracker:
             self._refuted = 0 if served else self._refuted + 1
             self._agreed_m = self._travelled_m if served else self._agreed_m
         refuted = self._refuted >= REFUTED_LOOKS and self._travelled_m > self._agreed_m + REFUTED_M
-        if refuted or not is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
+        if refuted or not self._is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
             self._refuted = 0
             self._filter, self._lost = None, tracked
             return False
@@ -235,7 +249,7 @@ class RoadEdgeTracker:
         for reach_m in (np.inf, NEAR_M):
             near = replace(found, seen=found.seen & (found.forward_m < reach_m))
             tracked.correct(near, expected)
-            if is_sane(tracked.state) and tracked.agrees(near):
+            if self._is_sane(tracked.state) and tracked.agrees(near):
                 return True
             tracked.state, tracked.covariance = known
         return False
@@ -249,9 +263,12 @@ class RoadEdgeTracker:
                 self._find_again(lost, ridges)
                 return
             lost = None  # a turn ends: it was wrong about the road
-        widths = WIDTHS_M if lost is None else lost.state[[WIDTH]]
+        widths = config.widths_m if lost is None or not config.keeps_width else lost.state[[WIDTH]]
+        likely_m = config.lane_width_m if lost is None or config.keeps_width else float(lost.state[WIDTH])
         likely_rad = 0.0 if lost is None else float(lost.state[1])
-        score, (y, heading, curvature, width) = comb(ridges, self.view, widths, config.lane_width_m, likely_rad)
+        score, (y, heading, curvature, width) = comb(
+            ridges, self.view, widths, likely_m, likely_rad, unlikely_per_m=config.unlikely_per_m
+        )
         if score < config.least_comb:
             return
         place = y % width if lost is None else y + width * round((lost.state[0] - y) / width)
@@ -302,14 +319,17 @@ class RoadEdgeTracker:
 
     def _find_again(self, lost: LaneFilter, ridges: RidgeMap) -> None:
         """The road that was lost, where it should be; other lines than its own lead where such a vehicle is headed."""
-        if is_sane(lost.state) and self._look(lost, ridges):
+        if self._is_sane(lost.state) and self._look(lost, ridges):
             self._filter, self._lost = lost, None
 
     def _is_known(self, state: LaneFilter | None) -> bool:
         """Whether a road that was lost may still tell one lane from the next, however far the vehicle has turned."""
-        if state is None or not is_sane(state.state, FACING_RAD):
+        if state is None or not self._is_sane(state.state, FACING_RAD):
             return False
         return bool(state.sigma_m < LOST_SHARE * state.state[WIDTH])
+
+    def _is_sane(self, state: Floats, turned_rad: float = TURNED_RAD) -> bool:
+        return is_sane(state, turned_rad, self.config.widest_lane_m + WIDER_M)
 
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
         self._judged_m = self._travelled_m

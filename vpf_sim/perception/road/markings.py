@@ -94,6 +94,7 @@ def comb(
     likely_m: float,
     likely_rad: float = 0.0,
     headings_rad: Floats = HEADINGS_RAD,
+    unlikely_per_m: float = UNLIKELY_PER_M,
 ) -> tuple[float, Floats]:
     """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
 
@@ -113,7 +114,7 @@ def comb(
     best, road = -np.inf, np.zeros(4)
     for width_m in widths_m.tolist():
         score, i, tooth = _best_tooth(straight, width_m / column_m, unlikely)
-        score -= UNLIKELY_PER_M * abs(width_m - likely_m)
+        score -= unlikely_per_m * abs(width_m - likely_m)
         if score > best:
             right_m = view.right_m[0] + 0.5 * view.column_m + tooth * column_m
             best, road = score, np.array([-right_m * np.cos(heading[i]), heading[i], curvature[i], width_m])

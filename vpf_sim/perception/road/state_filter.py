@@ -16,7 +16,7 @@ DRIFTS = np.diag(DRIFT**2)
 # Curvature before anything is seen: what all nodes share, and what each adds to the one before it.
 SHARED_CURVATURE, ADDED_CURVATURE = 0.007, 0.0007
 TIGHTEST = 0.06  # 1/m, curvature of any of its lines
-NARROWEST_M, WIDEST_M = 2.5, 4.5  # lanes
+NARROWEST_M, WIDEST_M = 2.5, 4.5  # lanes, usually
 TURNED_RAD = 1.0  # heading: from so far aside no line is followed
 STEEPEST_RAD = 0.02  # pitch: beyond it the camera is mounted otherwise, or these are no parallel lines
 PASSES = (0.6, 0.4, 0.25)  # m, Tukey's cut-off in each pass
@@ -156,12 +156,13 @@ def _lines(on_line: Bools) -> int:
     return int(np.count_nonzero(np.count_nonzero(on_line, axis=1) >= FEWEST))
 
 
-def is_sane(state: Floats, turned_rad: float = TURNED_RAD) -> bool:
-    """Whether the model can still draw this road, to which the vehicle is turned by less than so much."""
+def is_sane(state: Floats, turned_rad: float = TURNED_RAD, widest_m: float = WIDEST_M) -> bool:
+    """Whether the model can still draw this road, to which the vehicle is turned by less than so much, and whose lanes
+    are no wider."""
     if state.shape != (SIZE,):
         return False
     values = state.tolist()
     _, heading, *curvatures, width, pitch = values
     bent = all(abs(curvature) < TIGHTEST for curvature in curvatures)
     straight = abs(heading) < turned_rad and abs(pitch) < STEEPEST_RAD
-    return all(map(isfinite, values)) and straight and bent and NARROWEST_M < width < WIDEST_M
+    return all(map(isfinite, values)) and straight and bent and NARROWEST_M < width < widest_m

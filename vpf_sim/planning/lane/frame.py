@@ -4,7 +4,7 @@
 camera's road edges give the transformation; nothing of a map enters.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,6 +14,8 @@ BODY_M = (1.0, 6.0)  # so far behind its face a body may still go on,
 BODY_BEYOND_M = 0.6  # and so far beyond its sides its points may stray;
 BODY_SHARE = 0.5  # and what lies in its way with this share of its width is of it, since no two bodies are at one place
 PARTS_OF_PARTS = 2  # doublings: a truck's side tells itself in up to four
+# Bounds of lane coordinates, far beyond any road: whatever is told, sums and squares of what is planned by stay finite.
+FAR_M, SHARPEST_PER_M, TURNED_RAD, FASTEST_MPS = 1e4, 1.0, 4.0, 1e3
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +53,10 @@ NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))
 
 def locate(road: RoadEdges) -> Lane:
     """Where the vehicle is; the preferred position is the middle of its own lane."""
-    left, right = road.left_m - road.lane_m, road.right_m - road.lane_m
-    return Lane(-road.lane_m, right, left, road.heading_rad, road.curvature_per_m)
+    lane_m = _bounded(road.lane_m, FAR_M)
+    left, right = _bounded(road.left_m, FAR_M) - lane_m, _bounded(road.right_m, FAR_M) - lane_m
+    heading, curvature = _bounded(road.heading_rad, TURNED_RAD), _bounded(road.curvature_per_m, SHARPEST_PER_M)
+    return Lane(-lane_m, right, left, heading, curvature)
 
 
 def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
@@ -60,6 +64,7 @@ def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     if not len(obstacles):
         return NOTHING
     cosine, sine = np.cos(lane.heading_rad), np.sin(lane.heading_rad)
+    obstacles = _near(obstacles)
     middle = obstacles.middle_m
     along = cosine * obstacles.forward_m + sine * middle
     across = cosine * middle - sine * obstacles.forward_m
@@ -72,6 +77,20 @@ def place(obstacles: Obstacles, lane: Lane) -> LaneObstacles:
     everything = LaneObstacles(along, left, right, obstacles.speed_mps, _lengths(along, part))
     whole: Bools = np.logical_not(part.any(axis=1))
     return everything.chosen(whole)
+
+
+def _bounded(value: float, most: float) -> float:
+    return min(max(value, -most), most)
+
+
+def _near(obstacles: Obstacles) -> Obstacles:
+    """The bodies, none of them farther off or faster than the bounds."""
+    places = (obstacles.forward_m, obstacles.left_m, obstacles.right_m)
+    if max(np.abs(values).max() for values in places) <= FAR_M and np.abs(obstacles.speed_mps).max() <= FASTEST_MPS:
+        return obstacles
+    forward, left, right = (np.clip(values, -FAR_M, FAR_M) for values in places)
+    speed = np.clip(obstacles.speed_mps, -FASTEST_MPS, FASTEST_MPS)
+    return replace(obstacles, forward_m=forward, left_m=left, right_m=right, speed_mps=speed)
 
 
 def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacles) -> Bools:

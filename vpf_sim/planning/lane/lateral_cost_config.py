@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+MOST_CELLS = 10_000  # to one side
+
 
 @dataclass(frozen=True, slots=True)
 class LaneFieldConfig:
@@ -43,6 +45,8 @@ class LaneFieldConfig:
         for key in (*lengths, "target_per_m2"):
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+        if self.reach_m / self.spacing_m > MOST_CELLS:
+            raise ValueError(f"reach_m: expected at most {MOST_CELLS} times spacing_m, got {self.reach_m}")
         if not self.unstopped_share >= 0.0:
             raise ValueError(f"unstopped_share: expected >= 0, got {self.unstopped_share}")
         if not self.full_m < self.visible_m:

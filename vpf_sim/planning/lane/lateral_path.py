@@ -22,6 +22,7 @@ from vpf_sim.planning.lane.kinematic_limits import PEAK_SPEED, Limits, Reach
 from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
 
 SHORTEST_S = 0.8  # of a shift
+STEEPEST = 0.95  # slope, whatever the bend was before: at a speed that jumps one step may be many metres long
 
 
 class Glide:
@@ -52,7 +53,7 @@ class Glide:
         most = float(limits.steering_per_m2)
         bend = self.bend_per_m + min(max(jerk, -most), most) * step_m
         self.bend_per_m = self._bounded(bend, lane, flanks, limits, step_m)
-        self.slope += self.bend_per_m * step_m
+        self.slope = min(max(self.slope + self.bend_per_m * step_m, -STEEPEST), STEEPEST)
         self.y_m += self.slope * step_m
 
     def hold(self, rear_m: float) -> None:

@@ -14,6 +14,8 @@ import numpy as np
 
 from vpf_sim.types import Camera, Floats, ObstacleMap
 
+NEVER_S = 1e9  # a time to contact of more is as much: their sum stays finite
+
 
 @dataclass(frozen=True, slots=True)
 class ObstacleFieldConfig:
@@ -46,4 +48,5 @@ def force(obstacle_map: ObstacleMap, ttc_s: Floats, camera: Camera, config: Obst
         lateral, pixels = lateral / share, pixels * share
     if config.terms == "lateral":
         return np.array([lateral, 0.0])
-    return np.array([lateral, config.gamma * float(ttc_s[np.isfinite(ttc_s)].sum()) / pixels])
+    known = np.clip(ttc_s[np.isfinite(ttc_s)], -NEVER_S, NEVER_S)
+    return np.array([lateral, config.gamma * float(known.sum()) / pixels])

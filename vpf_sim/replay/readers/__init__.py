@@ -18,12 +18,11 @@ def read(folder: Path | str) -> Recording:
     A video, or a folder with nothing else in it, is read too: then all about the camera is assumed or found on the way.
     """
     folder = Path(folder)
-    if folder.is_file() and folder.suffix.lower() in video_file.SUFFIXES:
+    if folder.is_file():
+        _check_is_video(folder)
         return general.read_video(folder)
     if not folder.is_dir():
-        raise InputError(
-            f"{folder}: expected the folder of a drive, found {'a file' if folder.exists() else 'nothing'}"
-        )
+        raise InputError(f"{folder}: expected the folder of a drive, found nothing")
     for reader in READERS:
         if reader.recognises(folder):
             return reader.read(folder)
@@ -32,4 +31,17 @@ def read(folder: Path | str) -> Recording:
         return replace(general.read_video(videos[0]), name=folder.resolve().name)
     found = ", ".join(sorted(path.name for path in folder.iterdir())[:8]) or "nothing"
     expected = "; or ".join(f"{reader.LAYOUT}: {reader.EXPECTED}" for reader in READERS)
-    raise InputError(f"{folder}: found {found}; expected one of {expected}")
+    film = f"or one video that ends in {' '.join(video_file.CONTAINERS)}"
+    raise InputError(f"{folder}: found {found}; expected one of {expected}; {film}")
+
+
+def _check_is_video(file: Path) -> None:
+    """Any file that holds a film will do; of another one the message says what works."""
+    if file.suffix.lower() in video_file.SUFFIXES:
+        return
+    try:
+        video_file.read(file)
+    except InputError:
+        endings = " ".join(video_file.CONTAINERS)
+        wanted = f"expected the folder of a drive, or a video such as {endings}"
+        raise InputError(f"{file}: {wanted}; found a file that does not open as one") from None

@@ -11,7 +11,7 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import mounting_in_words
-from vpf_sim.replay import assemble, camera_motion, series, video_file
+from vpf_sim.replay import assemble, camera_motion, plausible, series, video_file
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens, mounting_seeing
 from vpf_sim.types import Floats
@@ -23,6 +23,7 @@ HEIGHT_M = 1.22  # of the EON above the road, likewise
 # Steering wheel over road wheel, and wheelbase, of the two cars as in openpilot; the radar's addresses tell which.
 CARS = {"Toyota RAV4": (16.88, 2.65), "Honda Civic": (15.38, 2.70)}
 HONDA_FIRST_ADDRESS = 0x400
+EARTH_M = 6.367e6  # from its middle, within 0.2 %
 ACROSS_M, RADAR_GAP_S = 1.5, 0.2  # a body that is so near to our course is ahead of us; a radar's cycle and more
 RIGHT_DOWN_FORWARD = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # of [forward, right, down]
 
@@ -35,20 +36,24 @@ def read(folder: Path) -> Recording:
     if not (folder / "processed_log").is_dir() and not (folder / "global_pose").is_dir():
         folder = _only_segment(folder)
     log = folder / "processed_log" / "CAN"
-    stamps = series.ascending(_named(folder / "global_pose", "frame_times"), _pose_array(folder, "frame_times"))
+    stamps = _pose_array(folder, "frame_times", 1)[:, 0]
+    plausible.frame_times(stamps, str(folder / "global_pose" / "frame_times"))
     source, stamps = _with_video(folder, stamps)
-    count = len(stamps)
-    orientation, velocity = (_pose_array(folder, f"frame_{name}")[:count] for name in ("orientations", "velocities"))
-    _poses(source, _pose_array(folder, "frame_positions")[:count], orientation, velocity)
-    speed = _signal(log, ("car_speed", "speed"), stamps)
-    wheel = _signal(log, ("steering_angle",), stamps)
+    widths = {"frame_positions": 3, "frame_orientations": 4, "frame_velocities": 3}
+    arrays = {name: _pose_array(folder, name, width)[: len(stamps), :width] for name, width in widths.items()}
+    for name, values in arrays.items():
+        if len(values) < len(stamps):
+            file = _named(folder / "global_pose", name)
+            raise InputError(f"{file}: expected {len(stamps)} rows, one for each frame, got {len(values)}")
+    _poses(source, *arrays.values())
     car = _radar(source, log, stamps)
     ratio, source.wheelbase_m = CARS[car]
+    speed = _signal(source, log, "speed_mps", ("car_speed", "speed"), stamps)
+    road_wheels = _signal(source, log, "steering_rad", ("steering_angle",), stamps, -np.pi / 180.0 / ratio)
     if speed is not None:
         source.put("speed_mps", speed, "CAN speed")
-    if wheel is not None:
-        how = f"CAN steering wheel over {ratio:g}, the ratio of a {car}"
-        source.put("steering_rad", -np.radians(wheel) / ratio, how)
+    if road_wheels is not None:
+        source.put("steering_rad", road_wheels, f"CAN steering wheel over {ratio:g}, the ratio of a {car}")
     return assemble.recording(source)
 
 
@@ -69,8 +74,8 @@ def _named(folder: Path, name: str) -> Path:
     return folder / f"{name}.npy" if (folder / f"{name}.npy").exists() else folder / name
 
 
-def _pose_array(folder: Path, name: str) -> Floats:
-    return series.array(_named(folder / "global_pose", name), f"the {name} of comma2k19")
+def _pose_array(folder: Path, name: str, width: int) -> Floats:
+    return series.array(_named(folder / "global_pose", name), f"the {name} of comma2k19", width)
 
 
 def _with_video(folder: Path, stamps: Floats) -> tuple[assemble.Source, Floats]:
@@ -92,6 +97,7 @@ def _with_video(folder: Path, stamps: Floats) -> tuple[assemble.Source, Floats]:
         name, LAYOUT, stamps - stamps[0], frames, lens, camera_ahead_m=assemble.CAMERA_AHEAD_M, notes=notes
     )
     source.no_images = missing
+    source.files = [path] if path.exists() else []
     source.origins["times_s"] = Origin("recorded", "global_pose/frame_times")
     return source, stamps
 
@@ -105,11 +111,24 @@ def _lens(path: Path, video: video_file.Video) -> Lens:
 
 def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velocity_mps: Floats) -> None:
     """Way, mounting and the truth of the focus of expansion."""
-    turn = _matrices(quaternion) @ RIGHT_DOWN_FORWARD.T  # from the camera's axes to ECEF
-    level = _level(position_m[0])  # from ECEF to (east, down, north), x right, y down, z forward of a map
-    poses = np.concatenate([level @ turn, ((position_m - position_m[0]) @ level.T)[:, :, None]], axis=2)
-    moved = np.einsum("nji,nj->ni", turn, velocity_mps)  # in the camera's axes
-    total = moved[np.linalg.norm(velocity_mps, axis=1) > 1.0].sum(axis=0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        far_m, length, speed = (np.linalg.norm(part, axis=1) for part in (position_m, quaternion, velocity_mps))
+    on_earth = (np.abs(far_m / EARTH_M - 1.0) < 0.02) & (np.abs(length - 1.0) < 0.1)
+    known = on_earth & (speed <= plausible.LIMITS["speed_mps"].highest)
+    if not known.all():
+        source.notes.append(
+            f"global_pose: {np.count_nonzero(~known)} of {len(known)} poses left out: no place on earth"
+        )
+    if not known.any():
+        return
+    turn = _matrices(np.where(known[:, None], quaternion, np.nan)) @ RIGHT_DOWN_FORWARD.T  # from the camera to ECEF
+    origin = position_m[np.argmax(known)]
+    level = _level(origin)  # from ECEF to (east, down, north), x right, y down, z forward of a map
+    poses = np.concatenate(
+        [level @ turn, ((np.where(known[:, None], position_m, np.nan) - origin) @ level.T)[:, :, None]], axis=2
+    )
+    moved = np.einsum("nji,nj->ni", turn, np.where(known[:, None], velocity_mps, np.nan))  # in the camera's axes
+    total = moved[known & (speed > 1.0)].sum(axis=0)
     if not np.linalg.norm(total):
         return  # it stood: the pictures may tell
     source.mounting = mounting_seeing(total, HEIGHT_M)
@@ -143,19 +162,27 @@ def _level(position_m: Floats) -> Floats:
     return np.stack([east, -up, np.cross(up, east)])
 
 
-def _signal(log: Path, names: tuple[str, ...], stamps: Floats) -> Floats | None:
-    """(N,) at the frames' times; None where it was not recorded. The archives' names differ from the README's."""
+def _signal(
+    source: assemble.Source, log: Path, signal: str, names: tuple[str, ...], stamps: Floats, scale: float = 1.0
+) -> Floats | None:
+    """(N,) at the frames' times, in our unit; None where it was not recorded. The archives' names differ from the
+    README's."""
     for name in names:
         if (log / name).is_dir():
-            sampled = series.array(_named(log / name, "t"), f"the times of {name}")
-            values = series.array(_named(log / name, "value"), f"the values of {name}")
-            if len(sampled) != len(values):
-                raise InputError(
-                    f"{log / name}: expected as many times as values, got {len(sampled)} and {len(values)}"
-                )
+            sampled, values = _logged(log / name, 1)
             order = np.argsort(sampled, kind="stable")
-            return series.at(stamps, sampled[order], values.reshape(len(values), -1)[order, 0])
+            checked = source.checked(signal, scale * values[order, 0], f"CAN {name}")
+            return series.at(stamps, sampled[order], checked)
     return None
+
+
+def _logged(folder: Path, width: int) -> tuple[Floats, Floats]:
+    """(M,) times and (M, width or more) values of a logged signal."""
+    sampled = series.array(_named(folder, "t"), f"the times of {folder.name}")[:, 0]
+    values = series.array(_named(folder, "value"), f"the values of {folder.name}", width)
+    if len(sampled) != len(values):
+        raise InputError(f"{folder}: expected as many times as values, got {len(sampled)} and {len(values)}")
+    return sampled, values
 
 
 def _radar(source: assemble.Source, log: Path, stamps: Floats) -> str:
@@ -163,8 +190,7 @@ def _radar(source: assemble.Source, log: Path, stamps: Floats) -> str:
     if not (log / "radar").is_dir():
         source.notes.append("no radar, which would tell the car: taken to be a Toyota RAV4")
         return "Toyota RAV4"
-    sampled = series.array(_named(log / "radar", "t"), "the times of the radar")
-    values = series.array(_named(log / "radar", "value"), "the values of the radar")
+    sampled, values = _logged(log / "radar", 6)
     rows = (np.abs(values[:, 1]) < ACROSS_M) & (values[:, 0] > 0.0)
     gap = np.full(len(stamps), np.inf)
     nearest = np.clip(np.searchsorted(0.5 * (stamps[1:] + stamps[:-1]), sampled[rows]), 0, len(stamps) - 1)

@@ -1,14 +1,14 @@
 """Reader of anyone's recording: a video or a folder of pictures, drive.toml, and a table (docs/recordings.md)."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import radians
 from pathlib import Path
 
 import numpy as np
 
-from vpf_sim import tables
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, image_files, video_file
+from vpf_sim.replay import assemble, drive_file, foreign_paths, image_files, video_file
 from vpf_sim.replay.drive_file import CameraKeys, DriveFile, SignalKeys
 from vpf_sim.replay.readers import general_signals
 from vpf_sim.replay.recording import Frame, Origin, Recording
@@ -31,6 +31,7 @@ class _Pictures:
     frames: Callable[[], Iterator[Frame]]
     names: tuple[str, ...]  # of the pictures; none of a video
     notes: tuple[str, ...]
+    files: Sequence[Path | None]
 
 
 def recognises(folder: Path) -> bool:
@@ -39,11 +40,7 @@ def recognises(folder: Path) -> bool:
 
 def read(folder: Path) -> Recording:
     """The recording that drive.toml describes."""
-    table = tables.read_file(folder / FILE, "drive")
-    columns = table.get("signals", {}).get("columns") if isinstance(table.get("signals"), dict) else None
-    if isinstance(columns, dict):
-        table["signals"]["columns"] = [[ours, theirs] for ours, theirs in columns.items()]
-    drive = tables.build(DriveFile, table, str(folder / FILE))
+    drive = drive_file.load(folder / FILE)
     return _recording(folder, drive, _pictures(folder, drive))
 
 
@@ -54,7 +51,8 @@ def read_video(path: Path) -> Recording:
 
 
 def _recording(folder: Path, drive: DriveFile, pictures: _Pictures) -> Recording:
-    keys = drive.camera
+    keys, signals = drive.camera, drive.signals or SignalKeys()
+    table = foreign_paths.beside(folder, signals.file)
     source = assemble.Source(
         name=drive.name or folder.resolve().name,
         layout=LAYOUT,
@@ -68,12 +66,12 @@ def _recording(folder: Path, drive: DriveFile, pictures: _Pictures) -> Recording
         camera_ahead_m=keys.ahead_of_rear_axle_m,
         weather=drive.weather,
         notes=list(pictures.notes),
+        files=[*pictures.files, *(path for path in (folder / FILE, table) if path.is_file())],
     )
     source.origins["camera"] = _camera_origin(keys, source.lens)
     source.origins["times_s"] = pictures.how
-    signals = drive.signals or SignalKeys()
-    if drive.signals is not None or (folder / signals.file).exists():
-        general_signals.put(source, folder / signals.file, signals, drive.vehicle, pictures.names)
+    if drive.signals is not None or table.exists():
+        general_signals.put(source, table, signals, drive.vehicle, pictures.names)
     if drive.speed_mps is not None and "speed_mps" not in source.signals:
         held = np.full(len(source.times_s), drive.speed_mps)
         source.put("speed_mps", held, f"{FILE}: speed_mps, held throughout", "assumed")
@@ -82,9 +80,9 @@ def _recording(folder: Path, drive: DriveFile, pictures: _Pictures) -> Recording
 
 def _pictures(folder: Path, drive: DriveFile) -> _Pictures:
     if drive.frames:
-        path = folder / drive.frames
+        path = foreign_paths.beside(folder, drive.frames)
         if path.is_dir():
-            return _images(path, drive)
+            return _images(path, drive, folder)
         if not path.exists():
             raise InputError(f"{folder / FILE}: frames: expected a video or a folder of pictures, found no '{path}'")
         return _video(path, drive)
@@ -96,32 +94,43 @@ def _pictures(folder: Path, drive: DriveFile) -> _Pictures:
         raise InputError(
             f"{folder / FILE}: frames is left out: expected one video or folder of pictures, found {listed}"
         )
-    return _images(places[0], drive) if places else _video(videos[0], drive)
+    return _images(places[0], drive, folder) if places else _video(videos[0], drive)
 
 
-def _images(folder: Path, drive: DriveFile) -> _Pictures:
-    files = image_files.listed(folder)
-    size = image_files.size(files, folder)
-    names = tuple(file.name for file in files)
-    times = general_signals.frame_times(folder.parent, drive.signals or SignalKeys(), names)
+def _images(folder: Path, drive: DriveFile, place: Path) -> _Pictures:
+    """The pictures of a folder; `place` is that of drive.toml."""
+    there = image_files.listed(folder)
+    files: list[Path | None] = [*there]
+    size = image_files.size(there, folder)
+    notes: list[str] = []
+    if (bits := image_files.used_bits(there)) < 16:
+        notes.append(f"{folder.name}/: pictures of 16 bits whose levels use {bits}")
+    names = tuple(file.name for file in there)
+    times = general_signals.frame_times(place, drive.signals or SignalKeys(), names, notes)
     how = Origin("recorded", "the table's rows of the pictures")
     if times is None:
         if drive.rate_hz is None:
-            place = folder.parent / FILE
-            raise InputError(f"{place}: pictures have no times: expected rate_hz, or a table with 'file' and 'time_s'")
+            wanted = "expected rate_hz, or a table with 'file' and 'time_s'"
+            raise InputError(f"{place / FILE}: pictures have no times: {wanted}")
+        files, missing = image_files.with_gaps(there)
+        notes += [f"{folder.name}/: {note}" for note in missing]
+        names = tuple(file.name if file else "" for file in files)
         times, how = np.arange(len(files)) / drive.rate_hz, Origin("recorded", f"{FILE}: rate_hz")
-    return _Pictures(size, times - times[0], how, lambda: image_files.frames(files, size), names, ())
+    return _Pictures(size, times - times[0], how, lambda: image_files.frames(files, size), names, tuple(notes), files)
 
 
 def _video(path: Path, drive: DriveFile) -> _Pictures:
-    video = video_file.read(path, None if drive.rate_hz is None else video_file.evenly(path, drive.rate_hz))
+    video = video_file.read(path, rate_hz=drive.rate_hz)
     how = Origin("recorded", f"{path.name}" if drive.rate_hz is None else f"{FILE}: rate_hz")
-    return _Pictures((video.width_px, video.height_px), video.times_s, how, video.frames, (), video.notes)
+    return _Pictures((video.width_px, video.height_px), video.times_s, how, video.frames, (), video.notes, (path,))
 
 
 def _lens(keys: CameraKeys, size: tuple[int, int]) -> Lens:
     width, height = size
-    across = assemble.FIELD_OF_VIEW_RAD if keys.field_of_view_deg is None else float(np.radians(keys.field_of_view_deg))
+    if keys.field_of_view_deg is None:  # along the longer side: a phone that is held upright has the same lens
+        across = 2.0 * float(np.arctan(width / max(size) * np.tan(0.5 * assemble.FIELD_OF_VIEW_RAD)))
+    else:
+        across = float(np.radians(keys.field_of_view_deg))
     lens = assemble.assumed_lens(width, height, across)
     fx = lens.fx_px if keys.fx_px is None else keys.fx_px
     return replace(
@@ -139,7 +148,8 @@ def _mounting(keys: CameraKeys) -> Mounting | None:
     """None: to be found on the way."""
     if keys.pitch_deg is None or keys.yaw_deg is None:
         return None
-    pitch, yaw, roll = np.radians([keys.pitch_deg, keys.yaw_deg, keys.roll_deg or 0.0]).tolist()
+    degrees = (keys.pitch_deg, keys.yaw_deg, keys.roll_deg or 0.0)
+    pitch, yaw, roll = (radians(angle) for angle in degrees)
     return Mounting(pitch, yaw, roll, keys.height_m or assemble.HEIGHT_M)
 
 
@@ -147,7 +157,8 @@ def _camera_origin(keys: CameraKeys, lens: Lens) -> Origin:
     """What of the camera was told and what is taken for granted."""
     assumed = []
     if keys.fx_px is None and keys.field_of_view_deg is None:
-        assumed.append(f"field of view {np.degrees(assemble.FIELD_OF_VIEW_RAD):.0f} deg across")
+        side = "across" if lens.width_px >= lens.height_px else "from top to bottom"
+        assumed.append(f"field of view {np.degrees(assemble.FIELD_OF_VIEW_RAD):.0f} deg {side}")
     if keys.height_m is None:
         assumed.append(f"{assemble.HEIGHT_M:g} m above the road")
     if assumed:

@@ -1,11 +1,12 @@
 """The table of signals beside anyone's recording: columns with units in their names, laid onto the frames' times."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, derived, places, series
+from vpf_sim.replay import assemble, derived, foreign_paths, places, plausible, series
 from vpf_sim.replay.drive_file import SignalKeys, VehicleKeys
 from vpf_sim.types import Floats
 
@@ -20,141 +21,163 @@ ACCELERATION = {"acceleration_mps2": 1.0, "acceleration_g": 9.80665}
 THROTTLE = {"throttle": 1.0, "throttle_percent": 0.01}
 BRAKE = {"brake": 1.0, "brake_percent": 0.01}
 YAW = {"yaw_rad": 1.0, "yaw_deg": DEGREES}
-PLAIN = {"obstacle": 1.0, "lead_gap_m": 1.0, "x_m": 1.0, "y_m": 1.0, "latitude_deg": 1.0, "longitude_deg": 1.0}
+OBSTACLE, GAP, X, Y = ({name: 1.0} for name in ("obstacle", "lead_gap_m", "x_m", "y_m"))
+LATITUDE, LONGITUDE = {"latitude_deg": 1.0}, {"longitude_deg": 1.0}
+PLAIN = (*OBSTACLE, *GAP, *X, *Y, *LATITUDE, *LONGITUDE)
 KNOWN = (*SPEED, *YAW_RATE, *WHEEL, *STEERING, *ACCELERATION, *THROTTLE, *BRAKE, *YAW, *PLAIN, TIME, FILE)
 
-MOST_LISTED = 8  # columns, in a note
 RARE_S = 2.0  # between rows; a logger is faster, unless its clock counts milliseconds
 
 
-class Table:
-    """The columns under our names, at the times of the frames."""
+class Signals:
+    """The columns under our names, in our units and signs, at their own times or at those of the frames."""
 
-    def __init__(self, file: Path, keys: SignalKeys, times_s: Floats, names: tuple[str, ...]) -> None:
+    def __init__(self, file: Path, keys: SignalKeys, times_s: Floats, names: tuple[str, ...], notes: list[str]) -> None:
+        """`names` are those of the N pictures, "" of one that is missing; none of a video."""
         self.file = file
-        self.columns = named(file, keys)
+        self.table = named(file, keys)
         self._left = keys.left_is_positive
-        self._times_s = times_s
-        self._rows = self._rows_of(names) if names and FILE in self.columns else None
-        if self._rows is None:
-            if TIME not in self.columns:
-                raise InputError(f"{file}: expected a column '{TIME}', found {', '.join(self.columns)}")
-            self._sampled_s = series.ascending(file, series.column(file, self.columns, TIME)) + keys.offset_s
+        self._frames_s = times_s
+        self._notes = notes
+        self._told: set[str] = set()
+        if names and FILE in self.table:
+            rows = picture_rows(self.table)
+            self._missing = np.array([not name for name in names])
+            self.table = self.table.chosen([_row(self.table, rows, name) if name else 0 for name in names])
+            self.sampled_s = times_s
+        else:
+            self._missing = np.zeros(len(self.table.lines), np.bool_)
+            self.sampled_s = self.table.times(TIME) + keys.offset_s
+            self._check_overlap()
 
-    def take(self, units: dict[str, float], sided: str = "") -> tuple[Floats, str] | None:
-        """(N,) in our unit and sign, and the column's name; None if there is no such column."""
-        found = [name for name in units if name in self.columns]
+    def samples(self, units: dict[str, float], signal: str, sided: str = "") -> tuple[Floats, str] | None:
+        """(M,) at the table's own times, and the column's name; None if there is no such column."""
+        found = [name for name in units if name in self.table]
         if len(found) > 1:
             raise InputError(f"{self.file}: expected one of the columns {', '.join(units)}, found {', '.join(found)}")
         if not found:
             return None
-        values = series.column(self.file, self.columns, found[0]) * units[found[0]]
-        sign = -1.0 if sided in self._left else 1.0
-        if self._rows is not None:
-            return sign * values[self._rows], found[0]
-        return sign * series.at(self._times_s, self._sampled_s, values), found[0]
+        values = self.table.signal(found[0], signal, self._notes, units[found[0]])
+        return np.where(self._missing, np.nan, -values if sided in self._left else values), found[0]
 
-    def check_overlap(self) -> None:
+    def take(self, units: dict[str, float], signal: str, sided: str = "") -> tuple[Floats, str] | None:
+        """(N,) at the frames' times, and the column's name; None if there is no such column."""
+        found = self.samples(units, signal, sided)
+        return None if found is None else (series.at(self._frames_s, self.sampled_s, found[0]), found[1])
+
+    def where(self, name: str) -> plausible.Where:
+        return self.table.where(name)
+
+    def _check_overlap(self) -> None:
         """A table of which no row is near a frame has another clock: that is no gap, but a mistake."""
-        if self._rows is not None:
-            return
-        first, last = float(self._sampled_s[0]), float(self._sampled_s[-1])
-        end = float(self._times_s[-1])
+        first, last = float(self.sampled_s[0]), float(self.sampled_s[-1])
+        end = float(self._frames_s[-1])
         if last < -series.LONGEST_GAP_S or first > end + series.LONGEST_GAP_S:
             raise InputError(
                 f"{self.file}: expected rows at the frames' times, 0 to {end:.1f} s, got {first:.1f} to {last:.1f} s; "
                 "signals.offset_s in drive.toml is added to them"
             )
 
-    def notes(self) -> list[str]:
+    def unused(self) -> list[str]:
         """What of the table serves for nothing: columns that are not known, as with another unit, and empty ones."""
-        unknown = [name for name in self.columns if name and name not in KNOWN]
-        empty = [name for name in self.columns if name in KNOWN and name != FILE and not self._has_values(name)]
+        unknown = [name for name in self.table.cells if name and name not in KNOWN]
+        empty = [name for name in self.table.cells if name in KNOWN and name != FILE and not self._has_values(name)]
         told = [("not used", unknown), ("without a value", empty)]
-        notes = [f"{self.file.name}: {what}: {_listed(names)}" for what, names in told if names]
-        if self._rows is None and len(self._sampled_s) > 1:
-            step_s = float(np.median(np.diff(self._sampled_s)))
+        notes = [f"{self.file.name}: {what}: {series.listed(names)}" for what, names in told if names]
+        if self.sampled_s is not self._frames_s and len(self.sampled_s) > 1:
+            step_s = float(np.median(np.diff(self.sampled_s)))
             if step_s > RARE_S:
-                notes.append(f"{self.file.name}: a row every {step_s:g} s, interpolated")
+                notes.append(f"{self.file.name}: a row every {step_s:g} s, interpolated{plausible.clock(step_s)}")
         return notes
 
     def _has_values(self, name: str) -> bool:
-        return bool(np.isfinite(series.column(self.file, self.columns, name)).any())
-
-    def _rows_of(self, names: tuple[str, ...]) -> list[int]:
-        """The row of each picture."""
-        place = {Path(cell).name: row for row, cell in enumerate(self.columns[FILE])}
-        missing = [name for name in names if name not in place]
-        if missing:
-            raise InputError(f"{self.file}: expected a row for each picture, found none for {missing[0]}")
-        return [place[name] for name in names]
+        return bool(np.isfinite(self.table.numbers(name)).any())
 
 
-def _listed(names: list[str]) -> str:
-    more = len(names) - MOST_LISTED
-    return ", ".join(names[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
-
-
-def named(file: Path, keys: SignalKeys) -> dict[str, list[str]]:
+def named(file: Path, keys: SignalKeys) -> series.Table:
     """The table's columns under our names; others are left alone."""
-    columns = series.table(file, "signals")
+    table = series.table(file, "signals")
     for ours, theirs in keys.columns:
         if ours not in KNOWN:
             raise InputError(f"drive.toml: signals.columns: unknown signal '{ours}'; known: {', '.join(KNOWN)}")
-        if theirs not in columns:
-            raise InputError(f"{file}: expected a column '{theirs}' for {ours}, found {', '.join(columns)}")
+        if theirs not in table:
+            raise InputError(f"{file}: expected a column '{theirs}' for {ours}, found {series.listed(table.cells)}")
     renamed = {theirs: ours for ours, theirs in keys.columns}
-    return {renamed.get(name, name): cells for name, cells in columns.items()}
+    result = [renamed.get(name, name) for name in table.cells]
+    for name in result:
+        shared = name if result.count(name) > 1 else series.shared_name(name)
+        if shared in KNOWN:
+            raise InputError(f"{file}: expected one column '{shared}', found several that differ")
+    return replace(table, cells=dict(zip(result, table.cells.values(), strict=True)))
 
 
-def frame_times(folder: Path, keys: SignalKeys, names: tuple[str, ...]) -> Floats | None:
+def picture_rows(table: series.Table) -> dict[str, int]:
+    """The row of each picture, by its name alone: folders are those of the machine that recorded it."""
+    rows: dict[str, int] = {}
+    for row, cell in enumerate(table.texts(FILE)):
+        name = foreign_paths.name_of(cell)
+        if name and name in rows:
+            lines = f"{table.lines[rows[name]]} and {table.lines[row]}"
+            raise InputError(f"{table.file}: {FILE}: expected one row for {name}, found lines {lines}")
+        rows[name] = row
+    return rows
+
+
+def _row(table: series.Table, rows: dict[str, int], name: str) -> int:
+    if name not in rows:
+        raise InputError(f"{table.file}: expected a row for each picture, found none for {name}")
+    return rows[name]
+
+
+def frame_times(folder: Path, keys: SignalKeys, names: tuple[str, ...], notes: list[str]) -> Floats | None:
     """(N,) s, the times of pictures by the table's rows of their names; None if it has none."""
-    file = folder / keys.file
+    file = foreign_paths.beside(folder, keys.file)
     if not file.exists():
         return None
-    columns = named(file, keys)
-    if not {TIME, FILE} <= set(columns):
+    table = named(file, keys)
+    if TIME not in table or FILE not in table:
         return None
-    times = dict(zip((Path(cell).name for cell in columns[FILE]), series.column(file, columns, TIME), strict=True))
-    missing = [name for name in names if name not in times]
-    if missing:
-        raise InputError(f"{file}: expected a row for each picture, found none for {missing[0]}")
-    return series.ascending(file, np.array([times[name] for name in names]))
+    rows = picture_rows(table)
+    absent = [name for name in rows if name and name not in names]
+    if absent:
+        notes.append(f"{file.name}: {len(absent)} of {len(rows)} pictures are missing, the first is {absent[0]}")
+    return table.chosen([_row(table, rows, name) for name in names]).times(TIME)
 
 
 def put(source: assemble.Source, file: Path, keys: SignalKeys, vehicle: VehicleKeys, names: tuple[str, ...]) -> None:
     """Every signal that the table has."""
-    table = Table(file, keys, source.times_s, names)
-    table.check_overlap()
+    signals = Signals(file, keys, source.times_s, names, source.notes)
     for signal, units, sided in (
         ("speed_mps", SPEED, ""),
         ("yaw_rate_radps", YAW_RATE, "yaw_rate"),
         ("steering_rad", STEERING, "steering"),
-        ("obstacle", {"obstacle": 1.0}, ""),
-        ("lead_gap_m", {"lead_gap_m": 1.0}, ""),
+        ("obstacle", OBSTACLE, ""),
+        ("lead_gap_m", GAP, ""),
     ):
-        if (found := table.take(units, sided)) is not None:
+        if (found := signals.take(units, signal, sided)) is not None:
             source.put(signal, found[0], f"{file.name} {found[1]}")
-    _wheel(source, table, vehicle)
-    _pedals(source, table)
-    _poses(source, table)
-    source.notes.extend(table.notes())
+    _wheel(source, signals, vehicle)
+    _pedals(source, signals)
+    _poses(source, signals)
+    source.notes.extend(signals.unused())
 
 
-def _wheel(source: assemble.Source, table: Table, vehicle: VehicleKeys) -> None:
-    found = table.take(WHEEL, "steering")
-    if found is None:
-        return
-    if vehicle.steering_ratio is None:
-        raise InputError(f"{table.file}: {found[1]}: expected steering_ratio in drive.toml [vehicle], found none")
+def _wheel(source: assemble.Source, signals: Signals, vehicle: VehicleKeys) -> None:
     ratio = vehicle.steering_ratio
-    source.put("steering_rad", found[0] / ratio, f"{table.file.name} {found[1]} over the steering ratio {ratio:g}")
+    units = {name: unit / (ratio or 1.0) for name, unit in WHEEL.items()}
+    column = next((name for name in WHEEL if name in signals.table), None)
+    if column is not None and ratio is None:
+        raise InputError(f"{signals.file}: {column}: expected steering_ratio in drive.toml [vehicle], found none")
+    found = signals.take(units, "steering_rad", "steering")
+    if found is not None:
+        source.put("steering_rad", found[0], f"{signals.file.name} {found[1]} over the steering ratio {ratio:g}")
 
 
-def _pedals(source: assemble.Source, table: Table) -> None:
+def _pedals(source: assemble.Source, signals: Signals) -> None:
     """An acceleration comes first: pedals hold a speed too, and the driver's command is an acceleration."""
-    acceleration, throttle, brake = (table.take(units) for units in (ACCELERATION, THROTTLE, BRAKE))
-    name = table.file.name
+    acceleration = signals.take(ACCELERATION, "acceleration_mps2")
+    throttle, brake = (signals.take(units, "pedal") for units in (THROTTLE, BRAKE))
+    name = signals.file.name
     if acceleration is not None:
         how = f"{name} {acceleration[1]}; full throttle 3 m/s2, full brake 6 m/s2"
         source.put("throttle", derived.throttle(acceleration[0]), how)
@@ -164,19 +187,24 @@ def _pedals(source: assemble.Source, table: Table) -> None:
         source.put("throttle", np.clip(pedals, -1.0, 1.0), f"{name} {used}")
 
 
-def _poses(source: assemble.Source, table: Table) -> None:
+def _poses(source: assemble.Source, signals: Signals) -> None:
     """By x, y, yaw, or by latitude and longitude with the course for a heading."""
-    x, y, yaw = table.take({"x_m": 1.0}), table.take({"y_m": 1.0}, "y"), table.take(YAW, "yaw")
+    x, y, yaw = signals.samples(X, "x_m"), signals.samples(Y, "y_m", "y"), signals.samples(YAW, "yaw_rad", "yaw")
     if x is not None and y is not None:
-        flat = np.stack([series.filled(part[0])[0] for part in (x, y)], axis=1)
-        how = f"{table.file.name} x_m, y_m"
-        heading = places.course(source.times_s, flat) if yaw is None else np.unwrap(series.filled(yaw[0])[0])
+        where = signals.where("x_m")
+        flat = plausible.reached(signals.sampled_s, np.stack([x[0], y[0]], axis=1), where, source.notes)
+        how = f"{signals.file.name} x_m, y_m"
         source.heading_recorded = yaw is not None
-        source.put("poses", np.column_stack([flat, heading]), how + ("; heading by the course" if yaw is None else ""))
-        return
-    place = [table.take({name: 1.0}) for name in ("latitude_deg", "longitude_deg")]
-    if place[0] is not None and place[1] is not None:
-        flat = places.north_east(series.filled(place[0][0])[0], series.filled(place[1][0])[0])
-        way = places.way(flat, places.course(source.times_s, flat))
+        course = places.course(signals.sampled_s, flat) if yaw is None else yaw[0]
+        way = np.column_stack([flat, course])
+        how += "; heading by the course" if yaw is None else ""
+    else:
+        place = [signals.samples(LATITUDE, "latitude_deg"), signals.samples(LONGITUDE, "longitude_deg")]
+        if place[0] is None or place[1] is None:
+            return
+        where = signals.where("latitude_deg")
+        flat = places.fixes(signals.sampled_s, place[0][0], place[1][0], where, source.notes)
+        way = places.way(flat, places.course(signals.sampled_s, flat))
         source.heading_recorded = False
-        source.put("poses", way, f"{table.file.name} latitude_deg, longitude_deg; heading by the course")
+        how = f"{signals.file.name} latitude_deg, longitude_deg; heading by the course"
+    source.put("poses", derived.poses_at(source.times_s, signals.sampled_s, way), how)

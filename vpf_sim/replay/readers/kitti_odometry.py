@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, camera_motion, image_files, series
+from vpf_sim.replay import assemble, camera_motion, image_files, plausible, series
+from vpf_sim.replay.plausible import Where
 from vpf_sim.replay.readers.kitti_raw import CAMERA_AHEAD_M, HEIGHT_M, WHEELBASE_M
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting
@@ -33,13 +34,14 @@ def read(folder: Path) -> Recording:
     lens = _lens(folder / "calib.txt", row, size)
     poses_file = _poses_file(folder)
     camera_to_world = _poses(poses_file, len(files))
-    times, times_origin = _times(folder / "times.txt", len(files))
+    times, times_origin = _times(folder / "times.txt", files)
     directions = camera_motion.directions(camera_to_world)
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=times,
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=lens,
         mounting=Mounting(camera_motion.mounted_pitch(directions), height_m=HEIGHT_M),
         wheelbase_m=WHEELBASE_M,
@@ -93,21 +95,22 @@ def _poses(file: Path, images: int) -> Floats:
     if len(rows) not in (images, images - 1) or len(rows) < 2:
         raise InputError(f"{file}: expected {images} rows for {images} images (or {images - 1}), got {len(rows)}")
     poses = np.reshape(rows, (-1, 3, 4))
-    turned = poses[:, :, :3]
+    if np.abs(poses[:, :, 3]).max() > plausible.LIMITS["x_m"].highest:
+        raise InputError(f"{file}: expected places up to {plausible.LIMITS['x_m'].highest:g} m, got farther ones")
+    turned = np.clip(poses[:, :, :3], -2.0, 2.0)
     if np.abs(turned @ turned.transpose(0, 2, 1) - np.eye(3)).max() > 1e-2 or np.linalg.det(turned).min() < 0.0:
         raise InputError(f"{file}: expected camera-to-world rotations in the first three columns, got other matrices")
     return poses
 
 
-def _times(file: Path, images: int) -> tuple[Floats, Origin]:
+def _times(file: Path, files: list[Path]) -> tuple[Floats, Origin]:
     """(N,) s."""
+    images = len(files)
     if not file.exists():
-        return np.arange(images) / RATE_HZ, Origin("assumed", f"{RATE_HZ:g} Hz, of KITTI's cameras")
+        return image_files.steps(files) / RATE_HZ, Origin("assumed", f"{RATE_HZ:g} Hz, of KITTI's cameras")
     times = np.array([values[0] for values in series.numbers(file, "the time of each image")])
     if len(times) != images:
         raise InputError(f"{file}: expected {images} rows for {images} images, got {len(times)}")
-    late = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(late):
-        i = int(late[0])
-        raise InputError(f"{file}: row {i + 2}: expected a time after {times[i]:g} s, got {times[i + 1]:g} s")
-    return times, Origin("recorded", "times.txt")
+    return series.ascending(Where(str(file), "time", range(1, images + 1), "line"), times), Origin(
+        "recorded", "times.txt"
+    )

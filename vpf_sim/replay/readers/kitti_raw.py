@@ -8,12 +8,14 @@ about up and its heading are + left, counter-clockwise. `_extract` drives are no
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from datetime import datetime
+from math import prod
 from pathlib import Path
 
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, camera_motion, image_files, series
+from vpf_sim.replay import assemble, camera_motion, derived, image_files, series
+from vpf_sim.replay.plausible import Where
 from vpf_sim.replay.readers import oxts
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens, mounting_of
@@ -21,6 +23,8 @@ from vpf_sim.types import Floats
 
 LAYOUT = "KITTI raw"
 EXPECTED = "image_02/data/, oxts/data/, and calib_cam_to_cam.txt there or one folder up"
+# Of the calibration's rows, by their keys without the number of the camera.
+SHAPES = {"S": (2,), "K": (3, 3), "D": (5,), "S_rect": (2,), "R_rect": (3, 3), "P_rect": (3, 4), "R": (3, 3), "T": (3,)}
 CAMERAS = ("image_02", "image_00", "image_03", "image_01")
 HEIGHT_M = 1.65  # of the cameras above the road
 WHEELBASE_M = 2.71  # Volkswagen Passat B6
@@ -48,6 +52,7 @@ def read(folder: Path) -> Recording:
         layout=LAYOUT,
         times_s=clock_s - clock_s[0],
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=lens,
         mounting=None if seat is None else mounting_of(FORWARD_LEFT_UP @ seat.unit_to_camera.T, HEIGHT_M),
         height_m=HEIGHT_M,
@@ -73,9 +78,9 @@ def _stamps(file: Path, count: int) -> Floats:
             times.append(datetime.fromisoformat(f"{whole}+00:00").timestamp() + float(f"0.{fraction or 0}"))
         except ValueError:
             raise InputError(
-                f"{file}: line {number}: expected a time like 2011-09-26 13:02:25.594360375, got '{row[:40]}'"
+                f"{file}: line {number}: expected a time like 2011-09-26 13:02:25.594360375, got {row[:40]!r}"
             ) from None
-    return series.ascending(file, np.array(times))
+    return series.ascending(Where(str(file), "time", range(1, count + 1), "line"), np.array(times))
 
 
 def _calibration(folder: Path, name: str) -> dict[str, Floats] | None:
@@ -87,9 +92,19 @@ def _calibration(folder: Path, name: str) -> dict[str, Floats] | None:
     for line in series.lines(file, "KITTI's calibration"):
         key, _, values = line.partition(":")
         try:
-            found[key.strip()] = np.array([float(word) for word in values.split()])
+            numbers = np.array([float(word) for word in values.split()])
         except ValueError:
             continue  # the date of the calibration
+        shape = SHAPES.get(key.strip().rstrip("_0123456789"))
+        if shape is not None and (numbers.size != prod(shape) or not np.isfinite(numbers).all()):
+            raise InputError(
+                f"{file}: {key.strip()}: expected {prod(shape)} finite numbers, got {values.strip()[:40]!r}"
+            )
+        found[key.strip()] = numbers if shape is None else numbers.reshape(shape)
+    for key, matrix in found.items():
+        turn = np.clip(matrix, -2.0, 2.0)
+        if key.startswith("R") and turn.shape == (3, 3) and np.abs(turn @ turn.T - np.eye(3)).max() > 1e-2:
+            raise InputError(f"{file}: {key}: expected a rotation, got another matrix")
     return found
 
 
@@ -104,10 +119,9 @@ def _lens(folder: Path, number: str, size: tuple[int, int]) -> tuple[Lens, Float
         raise InputError(f"{folder}: calib_cam_to_cam.txt: expected {', '.join(missing)}, found no such row")
     raw, matrix, distortion, rectified, projection = (values[key] for key in keys)
     if size == tuple(rectified.astype(int)):
-        pinhole = projection.reshape(3, 4)
-        return _pinhole(size, pinhole), values["R_rect_00"].reshape(3, 3)
+        return _pinhole(size, projection), values["R_rect_00"]
     if size == tuple(raw.astype(int)):
-        return _pinhole(size, matrix.reshape(3, 3), tuple(distortion)), np.eye(3)
+        return _pinhole(size, matrix, tuple(distortion)), np.eye(3)
     expected = " or ".join(f"{part[0]:.0f} x {part[1]:.0f}" for part in (rectified, raw))
     raise InputError(f"{folder}: expected images of {expected} px by calib_cam_to_cam.txt, got {size[0]} x {size[1]}")
 
@@ -130,7 +144,7 @@ def _seat(folder: Path, rectify_turn: Floats) -> _Seat | None:
     lidar, unit = (_calibration(folder, f"calib_{name}.txt") for name in ("velo_to_cam", "imu_to_velo"))
     if lidar is None or unit is None or not {"R", "T"} <= lidar.keys() & unit.keys():
         return None
-    lidar_to_camera, unit_to_lidar = lidar["R"].reshape(3, 3), unit["R"].reshape(3, 3)
+    lidar_to_camera, unit_to_lidar = lidar["R"], unit["R"]
     place = -unit_to_lidar.T @ (lidar_to_camera.T @ lidar["T"] + unit["T"])
     return _Seat(rectify_turn @ lidar_to_camera @ unit_to_lidar, place)
 
@@ -142,13 +156,20 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats, seat: _Seat 
         return
     rows = oxts.read(folder)
     sampled = _stamps(folder / "timestamps.txt", len(rows))
-    source.put("speed_mps", series.at(clock_s, sampled, rows[:, oxts.FORWARD_MPS]), "oxts vf")
-    source.put("yaw_rate_radps", series.at(clock_s, sampled, -rows[:, oxts.UP_RADPS]), "oxts wu, its sign turned")
-    source.acceleration_mps2 = series.filled(series.at(clock_s, sampled, rows[:, oxts.FORWARD_MPS2]))[0]
-    way = oxts.way(rows, np.zeros(3) if seat is None else seat.place)
-    source.put("poses", np.stack([series.at(clock_s, sampled, part) for part in way.T], axis=1), "oxts lat, lon, yaw")
+    speed = source.checked("speed_mps", rows[:, oxts.FORWARD_MPS], "oxts vf")
+    rate = source.checked("yaw_rate_radps", -rows[:, oxts.UP_RADPS], "oxts wu")
+    acceleration = source.checked("acceleration_mps2", rows[:, oxts.FORWARD_MPS2], "oxts af")
+    source.put("speed_mps", series.at(clock_s, sampled, speed), "oxts vf")
+    source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "oxts wu, its sign turned")
+    if np.isfinite(acceleration).any():
+        source.acceleration_mps2 = series.filled(clock_s, series.at(clock_s, sampled, acceleration))[0]
+    rows[:, oxts.ATTITUDE] = np.stack([source.checked("yaw_rad", rows[:, k], "oxts") for k in oxts.ATTITUDE], axis=1)
+    rows[:, oxts.ALTITUDE] = source.checked("altitude_m", rows[:, oxts.ALTITUDE], "oxts alt")
+    flat = oxts.fixes(rows, sampled, folder, source.notes)
+    way = oxts.way(rows, flat, np.zeros(3) if seat is None else seat.place)
+    source.put("poses", derived.poses_at(clock_s, sampled, way), "oxts lat, lon, yaw")
     if seat is not None and len(rows) == len(clock_s):  # one record was chosen for each picture
-        poses = oxts.camera_to_world(rows, seat.place, seat.unit_to_camera)
+        poses = oxts.camera_to_world(rows, flat, seat.place, seat.unit_to_camera)
         source.directions_m = camera_motion.directions(poses)
 
 
@@ -164,9 +185,9 @@ def _labels(source: assemble.Source, file: Path) -> None:
             length, first = float(body.findtext("l", "0")), int(body.findtext("first_frame", "0"))
             for step, pose in enumerate(body.iterfind("./poses/item")):
                 ahead, left = (float(pose.findtext(key, "nan")) for key in ("tx", "ty"))
-                if first + step < count and 0.0 < ahead < REACH_M and abs(left) < ACROSS_M:
+                if 0 <= first + step < count and 0.0 < ahead < REACH_M and abs(left) < ACROSS_M:
                     gap[first + step] = min(gap[first + step], ahead - 0.5 * length)
-    except (ElementTree.ParseError, ValueError) as error:
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise InputError(f"{file}: expected KITTI's tracklets, cannot be read: {error}") from None
     where = f"tracklet_labels.xml, within {ACROSS_M:g} m of straight ahead and {REACH_M:g} m"
     source.put("obstacle", np.isfinite(gap).astype(float), where)

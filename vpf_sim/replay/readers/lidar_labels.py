@@ -30,8 +30,8 @@ def read(folder: Path) -> Recording:
         raise InputError(f"{folder}: expected pictures in image/, found no such folder")
     files, file = image_files.listed(folder / "image"), folder / LABELS
     size = image_files.size(files, folder / "image")
-    columns = series.table(file, "a row for each frame")
-    times = series.ascending(file, series.column(file, columns, "t_s"))
+    table = series.table(file, "a row for each frame")
+    times = table.times("t_s")
     if len(times) != len(files):
         raise InputError(f"{file}: expected {len(files)} rows for {len(files)} images, got {len(times)}")
     matrix = _matrix(folder / "K.txt", 3)
@@ -42,6 +42,7 @@ def read(folder: Path) -> Recording:
         layout=LAYOUT,
         times_s=times - times[0],
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=lens,
         mounting=_mounting(folder / "velo_to_rectcam_4x4.txt"),
         height_m=kitti_raw.HEIGHT_M,
@@ -50,8 +51,8 @@ def read(folder: Path) -> Recording:
     )
     source.origins["camera"] = Origin("recorded", "K.txt, velo_to_rectcam_4x4.txt; 1.65 m high, of KITTI's car")
     source.origins["times_s"] = Origin("recorded", f"{LABELS} t_s")
-    source.put("speed_mps", series.column(file, columns, "speed_smooth_mps"), "lidar odometry", "derived")
-    source.put("yaw_rate_radps", series.column(file, columns, "yaw_rate_cam_y_rads"), "lidar odometry", "derived")
+    for name, column in (("speed_mps", "speed_smooth_mps"), ("yaw_rate_radps", "yaw_rate_cam_y_rads")):
+        source.put(name, table.signal(column, name, source.notes), "lidar odometry", "derived")
     _lead(source, folder)
     return assemble.recording(source)
 
@@ -76,8 +77,8 @@ def _lead(source: assemble.Source, folder: Path) -> None:
     file = folder / "lead_vehicle_lidar.csv"
     if not file.exists():
         return
-    columns = series.table(file, "a row for each frame")
-    sampled, gap = (series.column(file, columns, name) for name in ("t_s", "x_rear_median_m"))
+    table = series.table(file, "a row for each frame")
+    sampled, gap = table.times("t_s"), table.signal("x_rear_median_m", "lead_gap_m", source.notes)
     offset = folder / "velo_to_rectcam_4x4.txt"
     ahead = _matrix(offset, 4)[2, 3] if offset.exists() else 0.0
     gap = series.at(source.times_s, sampled, gap + ahead)

@@ -9,10 +9,12 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.replay import places, series
+from vpf_sim.replay.plausible import Where
 from vpf_sim.types import Floats
 
 FIELDS = 30
 RECEPTION = 5  # of them, the last, are about the reception; some drives lack them
+ATTITUDE = [3, 4, 5]
 LATITUDE, LONGITUDE, ALTITUDE, ROLL, PITCH, YAW, FORWARD_MPS, FORWARD_MPS2, UP_RADPS = 0, 1, 2, 3, 4, 5, 8, 14, 22
 
 
@@ -34,9 +36,13 @@ def _row(file: Path) -> list[float]:
     return values[: FIELDS - RECEPTION]
 
 
-def way(rows: Floats, place: Floats) -> Floats:
-    """(M, 3) poses of a place (3,) on the unit's axes."""
-    flat = places.north_east(rows[:, LATITUDE], rows[:, LONGITUDE])
+def fixes(rows: Floats, times_s: Floats, folder: Path, notes: list[str]) -> Floats:
+    """(M, 2) m north and east of the first fix; nan where there was none."""
+    return places.fixes(times_s, rows[:, LATITUDE], rows[:, LONGITUDE], Where(str(folder), "lat, lon"), notes)
+
+
+def way(rows: Floats, flat: Floats, place: Floats) -> Floats:
+    """(M, 3) poses of a place (3,) on the unit's axes, which is at `flat` (M, 2)."""
     result = places.way(flat, 0.5 * np.pi - rows[:, YAW])
     cosine, sine, ahead, right = np.cos(result[:, 2]), np.sin(result[:, 2]), place[0], -place[1]
     result[:, 0] += cosine * ahead - sine * right
@@ -44,12 +50,11 @@ def way(rows: Floats, place: Floats) -> Floats:
     return result
 
 
-def camera_to_world(rows: Floats, place: Floats, unit_to_camera: Floats) -> Floats:
+def camera_to_world(rows: Floats, flat: Floats, place: Floats, unit_to_camera: Floats) -> Floats:
     """(M, 3, 4) poses of the camera at a place (3,) on the unit, in a world of east, north, up.
 
     The unit's attitude is yaw about up, then pitch about left, then roll about forward, as in the kit.
     """
-    flat = places.north_east(rows[:, LATITUDE], rows[:, LONGITUDE])
     unit = _about(2, rows[:, YAW]) @ _about(1, rows[:, PITCH]) @ _about(0, rows[:, ROLL])
     position = np.column_stack([flat[:, 1], flat[:, 0], rows[:, ALTITUDE] - rows[0, ALTITUDE]]) + unit @ place
     return np.concatenate([unit @ unit_to_camera.T, position[:, :, None]], axis=2)

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, image_files, places, series
+from vpf_sim.replay import assemble, derived, image_files, places, series
+from vpf_sim.replay.plausible import Where
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens
 from vpf_sim.types import Bools, Floats
@@ -38,6 +39,7 @@ HEIGHT_M = 1.6  # of the camera above the road, about: it is not recorded
 RADAR_CENTRE_PX, RADAR_M_PER_PX = 576.0, 0.17361
 ACROSS_M, REACH_M = 1.8, 40.0
 WEATHERS = {"fog": "fog", "rain": "rain", "snow": "snow", "night": "night", "motorway": "overcast"}
+STAMP = r"\s*Frame:\s*(0*[1-9][0-9]{0,6})\s+Time:\s*([0-9]{1,11}(?:\.[0-9]*)?)\s*"
 VELOCITY_LINE, TURN_LINE = -2, -1
 
 
@@ -61,6 +63,7 @@ def read(folder: Path) -> Recording:
         layout=LAYOUT,
         times_s=clock_s - clock_s[0],
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=_lens(folder / "calib.yaml", size),
         height_m=HEIGHT_M,
         weather=_weather(folder),
@@ -74,9 +77,9 @@ def read(folder: Path) -> Recording:
         _labels(source, folder, clock_s)
     else:
         file = folder / "labels.csv"
-        columns = series.table(file, "a row for each frame")
-        source.put("speed_mps", series.column(file, columns, "speed_mps_lidar"), "lidar odometry", "derived")
-        source.put("yaw_rate_radps", series.column(file, columns, "yaw_rate_rads_lidar"), "lidar odometry", "derived")
+        table = series.table(file, "a row for each frame")
+        for name, column in (("speed_mps", "speed_mps_lidar"), ("yaw_rate_radps", "yaw_rate_rads_lidar")):
+            source.put(name, table.signal(column, name, source.notes), "lidar odometry", "derived")
     return assemble.recording(source)
 
 
@@ -100,22 +103,22 @@ def _excerpt(folder: Path) -> tuple[list[Path], Floats, list[str]]:
     if not (folder / "image").is_dir():
         raise InputError(f"{folder}: expected pictures in zed_left/ or image/, found neither")
     files, file = image_files.listed(folder / "image"), folder / "labels.csv"
-    clock_s = series.column(file, series.table(file, "a row for each frame"), "t_unix")
+    clock_s = series.table(file, "a row for each frame").times("t_unix")
     if len(files) != len(clock_s):
         raise InputError(f"{file}: expected {len(files)} rows for {len(files)} images, got {len(clock_s)}")
-    return files, series.ascending(file, clock_s), []
+    return files, clock_s, []
 
 
 def _stamps(file: Path) -> tuple[list[int], Floats]:
     """Numbers and times, s, of the frames of a sensor."""
     numbers, times = [], []
     for row, line in enumerate(series.lines(file, "the time of each frame"), 1):
-        found = re.fullmatch(r"\s*Frame:\s*(\d+)\s+Time:\s*([\d.]+)\s*", line)
+        found = re.fullmatch(STAMP, line)
         if found:
             numbers.append(int(found[1]))
             times.append(float(found[2]))
         elif line.strip():
-            raise InputError(f"{file}: line {row}: expected 'Frame: 000001 Time: 1574859772.4', got '{line[:40]}'")
+            raise InputError(f"{file}: line {row}: expected 'Frame: 000001 Time: 1574859772.4', got {line[:40]!r}")
     if not numbers:
         raise InputError(f"{file}: expected a line for each frame, found none")
     return numbers, np.array(times)
@@ -133,11 +136,15 @@ def _lens(file: Path, size: tuple[int, int]) -> Lens:
     expected = SIZE
     if file.exists():
         text = "\n".join(series.lines(file, "RADIATE's calibration")).partition("left_cam_calib:")[2]
-        rows = re.findall(r"^\s+(\w+):\s*(-?[\d.]+(?:e[+-]?\d+)?)\s*$", text.partition("_cam_calib:")[0], re.MULTILINE)
+        rows = re.findall(
+            r"^\s+(\w+):\s*(-?[0-9]+\.?[0-9]*(?:e[+-]?[0-9]+)?)\s*$", text.partition("_cam_calib:")[0], re.MULTILINE
+        )
         value = {key: float(number) for key, number in rows}
         if missing := [key for key in LEFT_CAMERA if key not in value]:
             raise InputError(f"{file}: left_cam_calib: expected numbers {', '.join(missing)}, found none")
-        if found := re.search(r"^\s+res:\s*\[(\d+),\s*(\d+)\]", text.partition("_cam_calib:")[0], re.MULTILINE):
+        if found := re.search(
+            r"^\s+res:\s*\[([0-9]{1,6}),\s*([0-9]{1,6})\]", text.partition("_cam_calib:")[0], re.MULTILINE
+        ):
             expected = (int(found[1]), int(found[2]))
     if size != expected:
         wanted, actual = (f"{width} x {height}" for width, height in (expected, size))
@@ -151,7 +158,10 @@ def _weather(folder: Path) -> str:
     """By meta.json, else by the sequence's name: fog_6_0."""
     kind = folder.resolve().name.removeprefix("tiny_").removeprefix("radiate_").partition("_")[0]
     if (folder / "meta.json").exists():
-        kind = str(_json(folder / "meta.json").get("type", kind))
+        meta = _json(folder / "meta.json")
+        if not isinstance(meta, dict):
+            raise InputError(f"{folder / 'meta.json'}: expected an object with 'type', got other JSON")
+        kind = str(meta.get("type", kind))
     return WEATHERS.get(kind, "")
 
 
@@ -160,6 +170,8 @@ def _json(file: Path) -> Any:
         return json.loads("\n".join(series.lines(file, "JSON")))
     except ValueError as error:
         raise InputError(f"{file}: expected JSON, got: {error}") from None
+    except RecursionError:
+        raise InputError(f"{file}: expected JSON, got brackets within brackets without end") from None
 
 
 def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
@@ -176,11 +188,14 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
         source.notes.append(f"GPS_IMU_Twist: its clock is {apart:.1f} s off the camera's: not used")
         return
     rows = np.array([_twist(files[k]) for k in used])
-    source.put("speed_mps", series.at(clock_s, sampled, np.hypot(rows[:, 2], rows[:, 3])), "GPS_IMU_Twist velocity")
-    source.put("yaw_rate_radps", series.at(clock_s, sampled, rows[:, 4]), "GPS_IMU_Twist angular velocity about down")
-    flat = places.north_east(rows[:, 0], rows[:, 1])
+    along = [source.checked("velocity_mps", rows[:, k], "GPS_IMU_Twist, north or east") for k in (2, 3)]
+    speed = np.hypot(*along)
+    rate = source.checked("yaw_rate_radps", rows[:, 4], "GPS_IMU_Twist")
+    source.put("speed_mps", series.at(clock_s, sampled, speed), "GPS_IMU_Twist velocity")
+    source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "GPS_IMU_Twist angular velocity about down")
+    flat = places.fixes(sampled, rows[:, 0], rows[:, 1], Where(str(folder), "GPS_IMU_Twist"), source.notes)
     way = places.way(flat, places.course(sampled, flat))
-    source.put("poses", np.stack([series.at(clock_s, sampled, part) for part in way.T], axis=1), "GPS_IMU_Twist places")
+    source.put("poses", derived.poses_at(clock_s, sampled, way), "GPS_IMU_Twist places")
 
 
 def _twist(file: Path) -> tuple[float, float, float, float, float]:

@@ -6,12 +6,14 @@ speed_mps); or that of the final test, frame_id (ns) and steering_angle, with ce
 of the steering wheel in rad, + left, of a Lincoln MKZ 2016; the speed in m/s.
 """
 
+import os
+import re
 from pathlib import Path
 
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, image_files, places, series
+from vpf_sim.replay import assemble, foreign_paths, image_files, places, series
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.types import Floats
 
@@ -27,6 +29,7 @@ NAMES = {  # of what we use, in each of the tables
     "speed": ("speed", "speed_mps", "speed"),
 }
 CENTRE = "center_camera"
+STAMP = re.compile(r"-?[0-9]{1,20}")
 
 
 def recognises(folder: Path) -> bool:
@@ -37,22 +40,21 @@ def read(folder: Path) -> Recording:
     """The centre camera's frames."""
     file = _table(folder)
     assert file is not None
-    columns = _centre(series.table(file, "the rows of the frames"))
-    final = "timestamp" not in columns and "t_ns" not in columns  # the test's table has no speed
+    table = _centre(series.table(file, "the rows of the frames"))
+    final = "timestamp" not in table and "t_ns" not in table  # the test's table has no speed
     if final:
-        columns["file"] = [_picture(folder, cell) for cell in columns["frame_id"]]
-    names = {key: _name(file, columns, key) for key in NAMES if not (final and key == "speed")}
-    # ns since 1970 have more digits than a float: the first is taken off before.
-    stamps = _nanoseconds(file, columns[names["time"]])
-    times = series.ascending(file, (stamps - stamps[0]) * 1e-9)
-    files = [folder / name for name in columns[names["file"]]]
-    present = [path.exists() for path in files]
+        table.cells["file"] = [_picture(folder, cell) for cell in table.texts("frame_id")]
+    names = {key: _name(table, key) for key in NAMES if not (final and key == "speed")}
+    times = series.ascending(table.where(names["time"]), 1e-9 * _nanoseconds(table, names["time"]))
+    files = foreign_paths.all_beside(folder, table.texts(names["file"]), image_files.SUFFIXES)
+    present = [os.path.exists(path) for path in files]
     size = image_files.size(files, folder) if all(present) else SIZE
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,
         times_s=times,
         frames=lambda: image_files.frames(files, size),
+        files=files,
         lens=assemble.assumed_lens(*size),
         height_m=HEIGHT_M,
         height_assumed=True,
@@ -64,25 +66,26 @@ def read(folder: Path) -> Recording:
     source.origins["camera"] = Origin("assumed", f"{degrees:.0f} deg across and {HEIGHT_M:g} m high: none is recorded")
     source.origins["times_s"] = Origin("recorded", f"{file.name} {names['time']}")
     if not final:
-        source.put("speed_mps", series.column(file, columns, names["speed"]), f"{file.name} {names['speed']}")
-    wheel = series.column(file, columns, names["steering"])
+        speed = table.signal(names["speed"], "speed_mps", source.notes)
+        source.put("speed_mps", speed, f"{file.name} {names['speed']}")
+    steering = table.signal(names["steering"], "steering_rad", source.notes, -1.0 / STEERING_RATIO)
     how = f"{file.name} {names['steering']}, its sign turned, over {STEERING_RATIO:g}, the ratio of a Lincoln MKZ"
-    source.put("steering_rad", -wheel / STEERING_RATIO, how)
-    _places(source, file, columns)
+    source.put("steering_rad", steering, how)
+    _places(source, table)
     return assemble.recording(source)
 
 
-def _places(source: assemble.Source, file: Path, columns: dict[str, list[str]]) -> None:
+def _places(source: assemble.Source, table: series.Table) -> None:
     """The way by latitude and longitude, heading where it goes."""
-    longitude = "lon" if "lon" in columns else "long"
-    if not {"lat", longitude} <= set(columns):
+    longitude = "lon" if "lon" in table else "long"
+    if "lat" not in table or longitude not in table:
         return
-    place = [series.filled(series.column(file, columns, name))[0] for name in ("lat", longitude)]
-    if np.isfinite(place).all():
-        flat = places.north_east(*place)
-        way = places.way(flat, places.course(source.times_s, flat))
-        source.put("poses", way, f"{file.name} lat, {longitude}; heading by the course")
-        source.heading_recorded = False
+    north = table.signal("lat", "latitude_deg", source.notes)
+    east = table.signal(longitude, "longitude_deg", source.notes)
+    flat = places.fixes(source.times_s, north, east, table.where("lat"), source.notes)
+    way = places.way(flat, places.course(source.times_s, flat))
+    source.put("poses", way, f"{table.file.name} lat, {longitude}; heading by the course")
+    source.heading_recorded = False
 
 
 def _table(folder: Path) -> Path | None:
@@ -102,33 +105,34 @@ def _picture(folder: Path, frame_id: str) -> str:
     return next((name for name in names if (folder / name).exists()), names[0])
 
 
-def _name(file: Path, columns: dict[str, list[str]], key: str) -> str:
-    found = [name for name in NAMES[key] if name in columns]
+def _name(table: series.Table, key: str) -> str:
+    found = [name for name in NAMES[key] if name in table]
     if not found:
-        raise InputError(f"{file}: expected a column {' or '.join(NAMES[key])}, found {', '.join(columns)}")
+        raise InputError(
+            f"{table.file}: expected a column {' or '.join(NAMES[key])}, found {series.listed(table.cells)}"
+        )
     return found[0]
 
 
-def _centre(columns: dict[str, list[str]]) -> dict[str, list[str]]:
+def _centre(table: series.Table) -> series.Table:
     """The rows of the centre camera, where there are those of several."""
-    if CENTRE not in columns.get("frame_id", []):
-        return columns
-    chosen = [k for k, name in enumerate(columns["frame_id"]) if name == CENTRE]
-    return {name: [cells[k] for k in chosen] for name, cells in columns.items()}
+    cameras = table.cells.get("frame_id", [])
+    return table.chosen([k for k, name in enumerate(cameras) if name == CENTRE]) if CENTRE in cameras else table
 
 
-def _nanoseconds(file: Path, cells: list[str]) -> Floats:
-    """(N,) from the first, exact; the first itself is lost."""
-    try:
-        whole = [int(cell) for cell in cells]
-    except ValueError:
-        wrong = next(cell for cell in cells if not cell.lstrip("-").isdigit())
-        raise InputError(f"{file}: expected times in whole nanoseconds, got '{wrong[:40]}'") from None
+def _nanoseconds(table: series.Table, name: str) -> Floats:
+    """(N,) from the first, exact: since 1970 they have more digits than a float. The first itself is lost."""
+    whole = []
+    for line, cell in zip(table.lines, table.texts(name), strict=True):
+        if not STAMP.fullmatch(cell):
+            place = f"{table.file}: line {line}: {name}"
+            raise InputError(f"{place}: expected times in whole nanoseconds, got {cell[:40]!r}")
+        whole.append(int(cell))
     return np.array([value - whole[0] for value in whole], float)
 
 
 def _missing(folder: Path, files: list[Path], present: list[bool]) -> str:
-    first = files[present.index(False)].relative_to(folder)
+    first = f"{files[present.index(False)].parent.name}/{files[present.index(False)].name}"
     return (
         f"{folder}: {present.count(False)} of {len(files)} pictures are missing, the first is {first}: get them "
         "from the challenge's data set; the signals are there, so the recording can be listed and plotted, not driven"

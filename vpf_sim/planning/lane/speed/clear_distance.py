@@ -40,7 +40,12 @@ def safe_speed(sight_m: float, config: SightConfig, vehicle: VehicleModel) -> fl
 def speed_within_sight(
     sight_m: tuple[float, float], speed_reference_mps: float, config: SightConfig, vehicle: VehicleModel
 ) -> float:
-    """m/s at most by what is not seen, inf where that is no reason; `sight_m` as in `Perception.low_sight_m`."""
+    """m/s at most by what is not seen, inf where that is no reason; `sight_m` as in `Perception.low_sight_m`.
+
+    Who wants to go no faster than `least_mps` is never too fast.
+    """
+    if speed_reference_mps <= config.least_mps:
+        return inf
     now_m, good_m = sight_m
     with_good_view = safe_speed(good_m, config, vehicle)
     if isinf(good_m) or with_good_view < ENOUGH * speed_reference_mps:

@@ -1,0 +1,215 @@
+"""Planning and control are total: whatever is seen, measured and asked for, the command is finite and in its limits."""
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from typing import Any
+
+import ideal
+import numpy as np
+import pytest
+import total_scenes as scenes
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from vpf_sim import drivers
+from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.episode.episode import setup_for
+from vpf_sim.planning.lane.frame import NOTHING, Lane
+from vpf_sim.planning.lane.kinematic_limits import Reach
+from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.reference import LaneReference
+from vpf_sim.planning.planner import way
+from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
+from vpf_sim.types import Command, DriverSetup, Floats, Observation, Obstacles, Reference, RoadEdges
+
+FEW = settings(max_examples=50, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
+MANY = settings(FEW, max_examples=1000)
+GAINS = ("literal", "paper", "robust", "super-twisting")
+
+
+def assert_command(command: Command) -> None:
+    assert np.isfinite([command.throttle, command.steering]).all(), command
+    assert max(abs(command.throttle), abs(command.steering)) <= 1.0 + 1e-9, command
+
+
+def plan_and_follow(drive: scenes.Drive) -> None:
+    """The planner in its frames, and the controller that follows it."""
+    plans = way(drive.setup, drive.configuration)
+    controller = Gtsmc(load_gains(drive.configuration.gains), drive.setup.vehicle, drive.setup.rate_hz)
+    for perception, observation in drive.frames():
+        force, reference, _ = plans.step(perception, observation)
+        assert np.isfinite([reference.heading_rad, reference.speed_mps, reference.heading_rate_radps or 0.0]).all()
+        assert np.isfinite(force.total).all()
+        assert_command(controller.command(observation, reference))
+
+
+@FEW
+@given(scenes.drives())
+def test_any_scene_gives_a_command(drive: scenes.Drive) -> None:
+    plan_and_follow(drive)
+
+
+@pytest.mark.slow
+@MANY
+@given(scenes.drives())
+def test_any_of_a_thousand_scenes_gives_a_command(drive: scenes.Drive) -> None:
+    plan_and_follow(drive)
+
+
+@pytest.mark.parametrize("rate_hz", [5.0, 10.0, 20.0])
+@pytest.mark.parametrize("aside_m", [-3.0, 1.0, 3.0])
+def test_a_speed_that_jumps_leaves_the_path_a_direction(rate_hz: float, aside_m: float) -> None:
+    """As one that is derived from the flow does: the bend of walking speed is met by a step of many metres."""
+    config = scenes.load("robust").valley
+    reach = Reach(config.reach, scenes.VEHICLE)
+    path = LaneReference(config.reference, scenes.VEHICLE, 8.0, rate_hz, reach)
+    nobody = Neighbours(NOTHING, config.field, scenes.VEHICLE, 8.0)
+    lane = Lane(y_m=0.0, right_m=6.0, left_m=-6.0, heading_rad=0.0, curvature_per_m=0.0)
+    for speed_mps in [1.2, 1.2, 57.0, 1.2, 1.2, 1.2, 57.0, 57.0, 0.0, 57.0]:
+        reference = path.update(lane, nobody, aside_m, 0.0, speed_mps)
+        assert abs(reference.heading_rad) < 0.5 * np.pi
+        assert np.isfinite([reference.speed_mps, reference.heading_rate_radps]).all()
+
+
+@pytest.mark.parametrize("variant", scenes.VARIANTS)
+def test_a_drive_that_begins_standing_has_a_reference(variant: str) -> None:
+    """Its speed to keep is none."""
+    setup = DriverSetup(scenes.CAMERA, scenes.VEHICLE, 20.0, 0.0, (50.0, 0.0), 0)
+    none = np.empty(0)
+    nobody = Obstacles(none, none, none, none, none, np.empty(0, np.int64))
+    seen = ideal.perception(RoadEdges(-5.0, 5.0, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5), nobody)
+    plans = way(setup, scenes.load(variant))
+    observation = Observation(scenes.NO_IMAGE, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (50.0, 0.0))
+    _, reference, _ = plans.step(replace(seen, low_sight_m=(10.0, 20.0)), observation)
+    assert (reference.heading_rad, reference.speed_mps) == (pytest.approx(0.0, abs=0.01), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"rate_hz": 0.0}, "rate_hz: expected a finite number > 0, got 0.0"),
+        ({"speed_reference_mps": float("nan")}, "speed_reference_mps: expected a finite number >= 0, got nan"),
+        ({"goal_m": (float("inf"), 0.0)}, "goal_m: expected finite numbers"),
+        ({"route": np.zeros((5, 2))}, "route: expected finite waypoints, two of them apart"),
+    ],
+)
+def test_a_setup_that_no_drive_has_is_refused(change: dict[str, Any], sentence: str) -> None:
+    setup = DriverSetup(scenes.CAMERA, scenes.VEHICLE, 20.0, 8.0, (50.0, 0.0), 0)
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        replace(setup, **change)
+
+
+@st.composite
+def references(draw: st.DrawFn) -> Reference:
+    """Any that is finite."""
+    finite = st.floats(allow_nan=False, allow_infinity=False)
+    heading, speed, rate = scenes.near(-3.2, 3.2), scenes.near(0.0, 60.0), scenes.near(-1.0, 1.0)
+    return Reference(draw(heading), draw(speed), draw(st.one_of(st.none(), rate, finite)))
+
+
+@st.composite
+def observations(draw: st.DrawFn) -> Observation:
+    """Any place, speed and turn."""
+    x, y = draw(scenes.PLACES), draw(scenes.PLACES)
+    yaw, rate = draw(scenes.near(-3.2, 3.2)), draw(scenes.near(-1.0, 1.0))
+    return Observation(scenes.NO_IMAGE, 0.0, x, y, yaw, draw(scenes.SPEEDS), rate, (0.0, 0.0))
+
+
+STEPS = st.lists(st.tuples(observations(), references()), min_size=1, max_size=12)
+
+
+def control(gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]) -> None:
+    """The controller alone, on references that no planner has bounded."""
+    controller = Gtsmc(load_gains(gains), scenes.VEHICLE, rate_hz)
+    for observation, reference in steps:
+        assert_command(controller.command(observation, reference))
+
+
+def carry_out(gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]) -> None:
+    """The model vehicle of a replay, from each recorded pose to the next, however far that is."""
+    model = ModelVehicle(load_gains(gains), scenes.VEHICLE, rate_hz)
+    for (observation, reference), (after, _) in zip(steps, steps[1:] + steps[:1], strict=True):
+        poses: list[Floats] = [np.array([one.x_m, one.y_m, one.yaw_rad]) for one in (observation, after)]
+        assert_command(model.drive(reference, observation, Interval(*poses, 1.0 / rate_hz)))
+        assert np.isfinite([model.right_m, model.turn_rad, model.speed_mps]).all()
+
+
+LAWS = pytest.mark.parametrize("law", [control, carry_out])
+Law = Callable[[str, float, list[tuple[Observation, Reference]]], None]
+
+
+@LAWS
+@FEW
+@given(st.sampled_from(GAINS), st.floats(5.0, 120.0), STEPS)
+def test_any_reference_gives_a_command(
+    law: Law, gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]
+) -> None:
+    law(gains, rate_hz, steps)
+
+
+@pytest.mark.slow
+@LAWS
+@MANY
+@given(st.sampled_from(GAINS), st.floats(5.0, 120.0), STEPS)
+def test_any_of_a_thousand_references_gives_a_command(
+    law: Law, gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]
+) -> None:
+    law(gains, rate_hz, steps)
+
+
+@st.composite
+def routes(draw: st.DrawFn) -> Floats:
+    """Waypoints that go on by a metre, stay where they are, or turn back at once."""
+    steps = draw(st.lists(st.tuples(st.floats(-1.0, 1.0), st.sampled_from([0.0, 0.0, 1.0])), min_size=1, max_size=40))
+    points = np.cumsum([(0.0, 0.0), *steps], axis=0)
+    return points if np.ptp(points, axis=0).any() else np.vstack([points, [[1.0, 0.0]]])
+
+
+def follow(name: str, setup: DriverSetup, route: Floats, seen: list[Observation]) -> None:
+    """A baseline along a route."""
+    driver = drivers.create(name)
+    driver.reset(replace(setup, route=route))
+    for observation in seen:
+        assert_command(driver.act(observation))
+
+
+FOLLOWERS = st.sampled_from(["pid", "pure-pursuit", "stanley", "neutral"])
+SEEN = st.lists(observations(), min_size=1, max_size=12)
+
+
+@FEW
+@given(FOLLOWERS, scenes.setups(), routes(), SEEN)
+def test_any_route_gives_a_command(name: str, setup: DriverSetup, route: Floats, seen: list[Observation]) -> None:
+    follow(name, setup, route, seen)
+
+
+@pytest.mark.slow
+@MANY
+@given(FOLLOWERS, scenes.setups(), routes(), SEEN)
+def test_any_of_a_thousand_routes_gives_a_command(
+    name: str, setup: DriverSetup, route: Floats, seen: list[Observation]
+) -> None:
+    follow(name, setup, route, seen)
+
+
+@pytest.fixture(scope="module")
+def traffic() -> Iterator[FourLane]:
+    """A road with other cars on it."""
+    with closing(FourLane("traffic", "clear", frames=False)) as env:
+        env.reset(seed=1)
+        yield env
+
+
+@FEW
+@given(scenes.SPEEDS, SEEN)
+def test_any_place_on_or_off_the_road_gives_a_command(
+    traffic: FourLane, reference_mps: float, seen: list[Observation]
+) -> None:
+    """Of the one baseline that is told the world."""
+    driver = drivers.create("idm")
+    driver.reset(replace(setup_for(driver, traffic, 1), speed_reference_mps=reference_mps))
+    for observation in seen:
+        assert_command(driver.act(observation))

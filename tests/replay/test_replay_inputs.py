@@ -1,0 +1,153 @@
+"""A replay is gone on with only if its inputs say the same; and a drive may be called anything."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import recorded_layouts as layouts
+
+from vpf_sim import cli
+from vpf_sim.replay import inputs, readers
+
+ODD_NAMES = ["commute 08:30", "../outside", "a\\b", 'say "hi"?*', "a\nb", ".hidden", "-rf", "con", "x" * 300]
+ODD_NAMES += ["/tmp/vpf_sim_outside"]
+LAYOUTS: dict[str, Callable[[Path], Path]] = {
+    "general": lambda folder: layouts.general(folder / "drive"),
+    "kitti odometry": layouts.kitti_odometry,
+    "kitti raw": layouts.kitti_raw,
+    "comma2k19": lambda folder: layouts.comma2k19(folder / "segment"),
+    "radiate": lambda folder: layouts.radiate(folder / "drive"),
+    "udacity": lambda folder: layouts.udacity(folder / "drive"),
+}
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a drive and the driver's variant, and a replay of it."""
+    folder = tmp_path_factory.mktemp("stored")
+    layouts.general(folder / "cam")
+    (folder / "own.toml").write_text("[road_edges]\nlanes = 3\n")
+    assert replay(folder, "neutral", "--out", str(folder / "run")) == 0
+    return folder
+
+
+def replay(folder: Path, driver: str, *more: str) -> int:
+    return cli.run(["replay", str(folder / "cam"), "--driver", driver, "--no-video", *more])
+
+
+@pytest.fixture
+def place(stored: Path, tmp_path: Path) -> Path:
+    """A copy of all that, in which something may change; the manifest says where the drive is."""
+    shutil.copytree(stored, tmp_path / "place")
+    manifest = tmp_path / "place" / "run" / "manifest.json"
+    manifest.write_text(manifest.read_text().replace(str(stored), str(tmp_path / "place")))
+    return tmp_path / "place"
+
+
+def another_film(folder: Path) -> None:
+    layouts.video(folder / "cam" / "drive.mp4", [layouts.picture(k + 1) for k in range(layouts.FRAMES)])
+
+
+def edited(name: str, old: str, new: str) -> Callable[[Path], None]:
+    def edit(folder: Path) -> None:
+        text = (folder / "cam" / name).read_text()
+        assert old in text
+        (folder / "cam" / name).write_text(text.replace(old, new, 1))
+
+    return edit
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (another_film, "the drive 'my drive' changed: drive.mp4"),
+        (edited("drive.toml", "wheelbase_m = 2.6", "wheelbase_m = 2.9"), "the drive 'my drive' changed: drive.toml"),
+        (edited("signals.csv", ",x\n", ",y\n"), "the drive 'my drive' changed: signals.csv"),
+    ],
+)
+def test_another_film_table_or_file_of_the_drive_is_refused_and_nothing_is_lost(
+    change: Callable[[Path], None], told: str, place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = place / "run"
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    change(place)
+    for more in ([], ["--mixed"]):
+        assert replay(place, "neutral", "--out", str(run), "--resume", *more) == 2
+        said = capsys.readouterr().err
+        assert said.startswith(f"vpf-sim: {run}: --resume: {told}")
+        assert said.endswith("; start a new run\n")
+        assert said.count("\n") == 1
+    assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
+
+
+def test_what_is_the_same_is_gone_on_with(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (place / "cam" / "unrelated notes").write_text("mine")
+    assert replay(place, "neutral", "--out", str(place / "run"), "--resume", "--json") == 0
+    assert [drive["name"] for drive in json.loads(capsys.readouterr().out)["drives"]] == ["my drive"]
+
+
+def test_a_driver_of_ones_own_is_compared_by_what_it_is(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert inputs.hashes({}, "test_replay_inputs:Mine", None)["drivers"].keys() == {"test_replay_inputs:Mine"}
+    driver = f"vpf@{place / 'own.toml'}"
+    assert replay(place, driver, "--out", str(place / "second")) == 0
+    (place / "own.toml").write_text("[road_edges]\nlanes = 4\n")
+    capsys.readouterr()
+    assert replay(place, driver, "--out", str(place / "second"), "--resume") == 2
+    assert f"--resume: drivers changed: {driver}: was " in capsys.readouterr().err
+
+
+def test_the_water_is_compared_by_what_its_file_says(tmp_path: Path) -> None:
+    wet = tmp_path / "wet.toml"
+    hashes = []
+    for droplets in (30, 40):
+        wet.write_text(f"droplets = {droplets}.0\n")
+        hashes.append(inputs.hashes({}, "neutral", str(wet))["weathers"])
+    assert hashes[0].keys() == hashes[1].keys() == {str(wet)}
+    assert hashes[0] != hashes[1]
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_another_picture_is_another_drive_in_each_layout(layout: str, tmp_path: Path) -> None:
+    folder = LAYOUTS[layout](tmp_path)
+    before = inputs.of_recording(readers.read(folder))
+    files = [path for path in sorted(tmp_path.rglob("*")) if path.suffix in (".png", ".jpg", ".mp4", ".hevc")]
+    for one in files:
+        one.write_bytes(one.read_bytes() + b"\0")
+    after = inputs.of_recording(readers.read(folder))
+    name = files[0].name if files[0].suffix in (".mp4", ".hevc") else "pictures"
+    assert inputs.changed(before, after, ("read", "derived")) == name
+
+
+@pytest.fixture(scope="module")
+def many(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Drives of odd names in their drive.toml, two of the same, two that differ in case; and their replay."""
+    folder = tmp_path_factory.mktemp("many")
+    for k, name in enumerate([*ODD_NAMES, "same", "same", "Same", "same-2"]):
+        drive = layouts.general(folder / f"d{k:02d}")
+        text = (drive / "drive.toml").read_text()
+        lines = [line for line in text.splitlines() if not line.startswith("name")]
+        (drive / "drive.toml").write_text("\n".join([lines[0], f"name = {json.dumps(name)}", *lines[1:]]) + "\n")
+    run = folder / "runs" / "run"
+    drives = sorted(str(path) for path in folder.glob("d*"))
+    assert cli.run(["replay", *drives, "--driver", "neutral", "--no-video", "--out", str(run)]) == 0
+    return folder, run
+
+
+def test_names_in_drive_toml_stay_in_the_folder_and_the_record_keeps_them(many: tuple[Path, Path]) -> None:
+    folder, run = many
+    records = [json.loads(line) for line in (run / "replays.jsonl").read_text().splitlines()]
+    names = [record["name"] for record in records]
+    assert names[: len(ODD_NAMES)] == ODD_NAMES
+    tables = {path.name for path in folder.rglob("*.parquet")}
+    assert {run / "frames" / name for name in tables} == set(run.rglob("*.parquet")) == set(folder.rglob("*.parquet"))
+    assert tables == {f"{record['file']}.parquet" for record in records}
+    assert len({name.casefold() for name in tables}) == len(records) == len(ODD_NAMES) + 4
+    assert not any(set(name) & set('/\\:*?"<>|\n') for name in tables)
+    assert not Path("/tmp/vpf_sim_outside.parquet").exists()
+
+
+def test_two_drives_of_a_name_are_told_apart(many: tuple[Path, Path]) -> None:
+    records = [json.loads(line) for line in (many[1] / "replays.jsonl").read_text().splitlines()]
+    assert [record["name"] for record in records[-4:]] == ["same", "same-2", "Same-3", "same-2-2"]

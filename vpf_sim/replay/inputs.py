@@ -1,0 +1,73 @@
+"""What the record of a replayed drive is made from, as hashes: whether a folder may be gone on with."""
+
+from collections.abc import Iterable, Mapping
+from hashlib import file_digest, sha256
+from pathlib import Path
+from typing import Any
+
+from vpf_sim.evaluation.sweeps.fingerprint import own_code
+from vpf_sim.replay import image_files
+from vpf_sim.replay.recording import SIGNALS, Recording
+
+Hashes = dict[str, dict[str, str]]
+
+
+def hashes(recordings: Mapping[str, Recording], driver: str, water: str | None) -> dict[str, dict[str, Any]]:
+    """Of the recordings by the names of the drives, of the weather of the water, and of a driver's own code."""
+    from vpf_sim.envs.camera import weather
+
+    code = own_code(driver)
+    return {
+        "recordings": {name: of_recording(recording) for name, recording in recordings.items()},
+        "weathers": {} if water is None else {water: _hash(repr(weather.load(water)).encode())},
+        "drivers": {} if code is None else {driver: code},
+    }
+
+
+def of_recording(recording: Recording) -> Hashes:
+    """What was `read`: its files and the signals in them; and what was `derived` from that."""
+    signals = {name: _signal(recording, name) for name in SIGNALS if name != "camera"}
+    derived = {name for name in signals if recording.origins[name].kind != "recorded"}
+    read = {name: value for name, value in signals.items() if name not in derived}
+    return {
+        "read": {**_files(recording.files), **read, "weather": _hash(recording.weather.encode("utf-8", "replace"))},
+        "derived": {**{name: signals[name] for name in derived}, "camera": _hash(repr(recording.camera).encode())},
+    }
+
+
+def changed(before: Mapping[str, Any], after: Mapping[str, Any], kinds: Iterable[str]) -> str:
+    """The names of what differs, in a line: "drive.mp4, speed_mps"; empty where nothing does."""
+    names = []
+    for kind in kinds:
+        old, new = before.get(kind, {}), after.get(kind, {})
+        names += [name for name in new.keys() | old.keys() if old.get(name) != new.get(name)]
+    return ", ".join(sorted(names))
+
+
+def _signal(recording: Recording, name: str) -> str:
+    return _hash(getattr(recording, name).astype("<f8").tobytes())
+
+
+def _files(files: Iterable[Path | None]) -> dict[str, str]:
+    """Of each file by its name, and of all pictures together."""
+    found: dict[str, str] = {}
+    pictures = sha256()
+    for path in files:
+        if path is None or not path.is_file():
+            continue
+        content = _of_file(path)
+        if path.suffix.lower() in image_files.SUFFIXES:
+            pictures.update(f"{path.name} {content}\n".encode("utf-8", "surrogateescape"))
+            found["pictures"] = pictures.hexdigest()
+        else:
+            found[path.name] = content
+    return found
+
+
+def _of_file(path: Path) -> str:
+    with path.open("rb") as stream:
+        return file_digest(stream, "sha256").hexdigest()
+
+
+def _hash(content: bytes) -> str:
+    return sha256(content).hexdigest()
