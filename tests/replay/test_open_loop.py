@@ -138,7 +138,8 @@ def test_without_a_lane_course_and_speed_are_kept_and_nothing_is_scored(tmp_path
     assert record["perception"]["road_found_share"] == 0.0
     assert np.abs(table.throttle).max() < 0.02
     assert record["restarts"] == 0
-    assert record["accuracy"] is None
+    found = record["accuracy"]
+    assert (found["throttle"], found["steering"], found["frames"]["whole"]) == (None, None, 0)
     assert "lane" in [what for what, _ in record["doubts"]]
 
 

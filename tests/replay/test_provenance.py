@@ -73,12 +73,11 @@ def test_what_is_assumed_is_not_scored(kind: Any, is_scored: bool) -> None:
         ({}, 0),
         ({"image": 0.0}, 10),
         ({"held": 1.0}, 10),
-        ({"road_found": 0.0, "foe_x_px": np.nan}, 10),
-        ({"road_found": 0.0}, 0),
+        ({"road_found": 0.0, "held": 1.0}, 0),
         ({"foe_x_px": np.nan}, 0),
     ],
 )
-def test_frames_of_which_nothing_was_seen_are_counted_beside_the_score(columns: dict[str, float], count: int) -> None:
+def test_scored_frames_that_were_not_seen_are_counted_beside_the_score(columns: dict[str, float], count: int) -> None:
     found = scores.accuracies(table(**columns), recording(1.0))
     assert found is not None
     assert found["unseen"] == {"whole": count, "clear_of_obstacles": count, "with_obstacles": 0}
@@ -120,7 +119,7 @@ def test_a_lens_cap_has_no_marks(tmp_path: Path, capsys: pytest.CaptureFixture[s
     (record,) = replay(tmp_path / "cap", black, "speed_mps = 7.5\n", "", capsys)["drives"]
     assert (record["accuracy"]["throttle"], record["accuracy"]["steering"]) == (None, None)
     assert record["accuracy"]["unseen"]["whole"] == 8
-    assert "8 of 8 frames are scored unseen: nothing was seen, or the last command held" in record["notes"]
+    assert "8 of 8 frames are scored unseen: there was no picture, or the last command held" in record["notes"]
 
 
 def test_where_a_speed_is_bridged_nothing_is_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

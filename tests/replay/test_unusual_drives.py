@@ -59,7 +59,9 @@ def black_part() -> Drive:
     return [*pictures[:5], *[np.zeros_like(pictures[0])] * 4, *pictures[9:]], speeds(DRIVES), rendered.RATE_HZ
 
 
-UNUSUAL = (standing_start, standing_end, cut, ten_a_second, short, portrait, black_part)
+# One by default that begins standing; dark frames and a speed known in part have tests of their own.
+OTHERS = (standing_end, cut, ten_a_second, short, portrait, black_part)
+UNUSUAL = [standing_start, *(pytest.param(drive, marks=pytest.mark.slow) for drive in OTHERS)]
 
 
 def replayed(drive: Drive, folder: Path, capsys: pytest.CaptureFixture[str], known: slice = slice(None)) -> Any:
@@ -99,7 +101,7 @@ def test_dark_frames_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert any("frames are scored unseen" in note for note in record["notes"])
 
 
-@pytest.mark.parametrize("known", [slice(0, 3), slice(-3, None)])
+@pytest.mark.parametrize("known", [slice(0, 3), pytest.param(slice(-3, None), marks=pytest.mark.slow)])
 def test_a_speed_that_is_known_for_a_part_is_bridged_and_told(
     known: slice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

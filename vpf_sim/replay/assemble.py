@@ -85,10 +85,9 @@ class Source:
         """(N,) whether one of the signals is filled in within so long before and after each frame."""
         gaps = [self.bridged[name] for name in names if name in self.bridged]
         count = np.concatenate([[0], np.cumsum(np.any(gaps, axis=0))]) if gaps else np.zeros(len(self.times_s) + 1)
-        first, last = (
-            np.searchsorted(self.times_s, self.times_s + sign * (within_s + 1e-9), side)
-            for sign, side in ((-1.0, "left"), (1.0, "right"))
-        )
+        within_s += 1e-9
+        first = np.searchsorted(self.times_s, self.times_s - within_s, "left")
+        last = np.searchsorted(self.times_s, self.times_s + within_s, "right")
         return np.asarray(count[last] > count[first])
 
 

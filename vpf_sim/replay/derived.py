@@ -50,7 +50,7 @@ def from_start(poses: Floats) -> Floats:
 
 def poses_at(times_s: Floats, sampled_s: Floats, poses: Floats) -> Floats:
     """(N, 3) the poses (M, 3) at other times; nan in gaps. At the ends, as far as a gap, the motion goes on."""
-    known = np.isfinite(poses).all(axis=1)
+    known = np.asarray(np.isfinite(poses).all(axis=1))
     parts = zip(np.where(known[:, None], poses, np.nan).T, PERIODS, strict=True)
     laid = np.stack([series.at(times_s, sampled_s, part, period) for part, period in parts], axis=1)
     return _moving_on(laid, times_s, sampled_s[known], poses[known])
@@ -58,7 +58,7 @@ def poses_at(times_s: Floats, sampled_s: Floats, poses: Floats) -> Floats:
 
 def bridged(times_s: Floats, poses: Floats) -> tuple[Floats, Bools]:
     """The poses (N, 3) without gaps, and which were bridged: in straight lines; at the ends the motion goes on."""
-    missing = ~np.isfinite(poses).all(axis=1)
+    missing: Bools = np.asarray(~np.isfinite(poses).all(axis=1))
     if not missing.any() or missing.all():
         return poses, missing
     known_s, known = times_s[~missing], poses[~missing]

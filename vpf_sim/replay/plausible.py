@@ -150,7 +150,7 @@ def _connected(times_s: Floats, places_m: Floats, known: NDArray[np.intp]) -> Bo
 
     def is_jump(one: int, other: int) -> bool:
         far_m = float(np.hypot(*(places_m[other] - places_m[one])))
-        return far_m > LIMITS["speed_mps"].highest * abs(times_s[other] - times_s[one]) + JUMP_M
+        return far_m > LIMITS["speed_mps"].highest * abs(float(times_s[other] - times_s[one])) + JUMP_M
 
     order = [int(index) for index in known]
     jumps = [k for k in range(1, len(order)) if is_jump(order[k - 1], order[k])]

@@ -71,17 +71,13 @@ def doubts(table: FrameTable, recording: Recording) -> list[str]:
             lines.append(f"{name}: scored in {known} of {count} frames, elsewhere the human's is not known")
     blind = int((unseen(table) & _decided(table)).sum())
     if blind:
-        lines.append(f"{blind} of {count} frames are scored unseen: nothing was seen, or the last command held")
+        lines.append(f"{blind} of {count} frames are scored unseen: there was no picture, or the last command held")
     return lines
 
 
 def unseen(table: FrameTable) -> Bools:
-    """(N,) frames at which the driver's command is not by what it saw there: its last one holds, or it saw nothing.
-
-    Nothing is no picture, or one without a road, a body and a focus of expansion.
-    """
-    nothing = (table.road_found == 0.0) & (table.bodies == 0.0) & ~np.isfinite(table.foe_x_px)
-    return np.asarray((table.image == 0.0) | (table.held == 1.0) | nothing)
+    """(N,) frames at which the driver's command is not by what it saw: the last one holds, or there is no picture."""
+    return np.asarray((table.image == 0.0) | (table.held == 1.0))
 
 
 def _decided(table: FrameTable) -> Bools:

@@ -49,7 +49,7 @@ def real_images(rows: Sequence[dict[str, Any]], differences: Sequence[str]) -> T
     notes = (
         "a is throttle, δ steering; range, span and tol. (tolerance) are accuracies in %, mae the mean |difference|; "
         "idle is the range accuracy of touching nothing: what of it is the road's and not the driver's; unseen is the "
-        "share of frames in which the driver saw nothing or held its last command. What is assumed is not scored.",
+        "share of scored frames without a picture or with the last command held. What is assumed is not scored.",
         *differences,
     )
     header = (*names, "frames", "unseen %", *of_both, "paper a", "paper δ")

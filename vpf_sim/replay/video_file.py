@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import av
 import cv2
@@ -166,7 +166,7 @@ def _pixel(stream: "VideoStream") -> Fraction:
 
 def _packets(container: av.container.InputContainer, *streams: "VideoStream") -> "Iterator[Packet]":
     """The packets that hold a frame, as far as the file goes."""
-    packets = container.demux(*streams)
+    packets = cast("Iterator[Packet]", container.demux(*streams))
     while True:
         try:
             packet = next(packets)
@@ -204,7 +204,8 @@ def _shown(stream: "VideoStream") -> Callable[[av.VideoFrame], Image]:
     def image(frame: av.VideoFrame) -> Image:
         picture = frame.to_ndarray(format="rgb24").astype(np.uint8, copy=False)
         if pixel != 1:
-            width, height = round(frame.width * max(pixel, 1)), round(frame.height / min(pixel, 1))
+            one = Fraction(1)
+            width, height = round(frame.width * max(pixel, one)), round(frame.height / min(pixel, one))
             picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.uint8, copy=False)
         turn = TURNS.get(frame.rotation % 360)
         return picture if turn is None else cv2.rotate(picture, turn).astype(np.uint8, copy=False)
