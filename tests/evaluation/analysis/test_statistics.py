@@ -242,3 +242,11 @@ def test_the_seeds_for_a_width_of_a_share() -> None:
     needed = seeds_for_share(30, 30, 0.1)
     assert 1.0 - 0.025 ** (1.0 / needed) <= 0.1 < 1.0 - 0.025 ** (1.0 / (needed - 1))
     assert seeds_for_share(15, 30, 0.2) == pytest.approx(1.96**2 / 0.2**2, rel=0.1)
+
+
+def test_values_that_differ_by_rounding_have_no_interval() -> None:
+    values = np.ones(30)
+    values[:3] = np.nextafter(1.0, 0.0)
+    assert mean_interval(values) is None
+    assert mean_interval(1e-9 * values) is None
+    assert mean_interval(np.array([1.0, 1.0, 1.0 - 1e-9])) is not None

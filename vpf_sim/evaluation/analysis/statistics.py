@@ -24,6 +24,7 @@ from vpf_sim.types import Bools, Floats
 
 LEVEL = 0.95
 RESAMPLES = 9999
+SAME = 1e-14  # times the largest: less than this is rounding
 ROUNDING = 1e-12
 MOST_DRAWS = 20_000_000  # of all resamples together: they are held in memory
 Z = float(stats.norm.ppf(0.5 + 0.5 * LEVEL))
@@ -48,13 +49,14 @@ class Difference(NamedTuple):
 def mean_interval(values: Floats) -> Interval | None:
     """The interval of the mean of (n,) values.
 
-    None for a single value, and where all are the same: values without spread say nothing of what others would be.
+    None for a single value, and where all are the same but for rounding: values without spread say nothing of what
+    others would be.
     BCa's quantiles are those of the resampled means at Phi(z0 + (z0 + z) / (1 - a (z0 + z))), z the normal quantiles of
     the level, z0 that of the share of resampled means below the mean, a = sum d^3 / (6 (sum d^2)^1.5) with d the
     deviations from the mean.
     """
     values = np.asarray(values, float)
-    if len(values) < 2 or np.ptp(values) == 0.0:
+    if len(values) < 2 or np.ptp(values) <= SAME * np.max(np.abs(values)):
         return None
     mean, spread = np.mean(values), np.ptp(values)
     deviation = (values - mean) / spread
