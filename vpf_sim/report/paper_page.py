@@ -12,6 +12,7 @@ from vpf_sim.evaluation.analysis import reproduction
 from vpf_sim.evaluation.analysis.benchmark import SCENARIOS
 from vpf_sim.evaluation.analysis.reproduction import CELLS, RIVAL, Drive
 from vpf_sim.evaluation.job import Job
+from vpf_sim.files import write_bytes, write_text
 from vpf_sim.report import paper_figures
 from vpf_sim.report.places import places
 from vpf_sim.report.redraw import Redrawing
@@ -52,14 +53,14 @@ def write(run: StoredRun, driver: str, found: dict[str, Any]) -> Path:
     figures = _figures(drives)
     folder = run.path
     for name, picture in figures.items():
-        (folder / f"{name}.png").write_bytes(picture)
-    (folder / JSON).write_text(json.dumps(found, indent=2, allow_nan=False), "utf-8")
+        write_bytes(folder / f"{name}.png", picture)
+    write_text(folder / JSON, json.dumps(found, indent=2, allow_nan=False))
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("vpf_sim.report", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
     pictures = {name: b64encode(picture).decode() for name, picture in figures.items()}
     page = environment.get_template("paper.html.jinja").render(**found, pictures=pictures, signals=reproduction.SIGNALS)
-    (folder / PAGE).write_text(page, "utf-8")
+    write_text(folder / PAGE, page)
     return folder / PAGE
 
 

@@ -8,6 +8,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.evaluation.sweeps.shapes import Number, Numbers, Shape, checked
+from vpf_sim.shell import command
 
 NAME = "perception.json"
 SCHEMA = 1
@@ -70,7 +71,7 @@ def read(path: Path) -> Table:
     try:
         stored: Any = json.loads(file.read_text("utf-8"))
     except OSError as error:
-        hint = f"; vpf-sim perception {path} makes it" if path.is_dir() else ""
+        hint = f"; {command('perception', path)} makes it" if path.is_dir() else ""
         raise InputError(f"{file}: expected a table of perception, got: {error.strerror}{hint}") from None
     except (ValueError, RecursionError):
         raise InputError(f"{file}: expected JSON, got something else") from None

@@ -19,6 +19,7 @@ from vpf_sim.evaluation.analysis.benchmark import PAPER
 from vpf_sim.evaluation.readings import space
 from vpf_sim.evaluation.readings.space import Quantity, Reading
 from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
+from vpf_sim.files import write_text
 
 CELLS = (("town04", "clear"), ("town04-clean", "clear"), ("town04", "rain"), ("town04-clean", "rain"))
 PATIENCE = 1.5  # times the paper's path MSE with which a reading goes on to the next cell
@@ -129,7 +130,7 @@ def write(folder: Path, number: int, reading: Reading) -> str:
     """Store the variant of a reading; the name of its driver."""
     path = folder / "variants" / f"reading-{number:03}.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(space.toml(space.variant_table(reading)), encoding="utf-8")
+    write_text(path, space.toml(space.variant_table(reading)))
     return f"vpf@{path}"
 
 
