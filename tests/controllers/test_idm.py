@@ -37,7 +37,9 @@ def world(*, lead_s_m: float | None = None, lead_mps: float = 3.0) -> Any:
 
 def started(road: Any) -> Driver:
     driver = drivers.create("idm")
-    setup = DriverSetup(Camera(), VehicleModel(), RATE_HZ, 5.55, (1900.0, 0.0), 0, np.zeros((2, 2)), road)
+    setup = DriverSetup(
+        Camera(), VehicleModel(), RATE_HZ, 5.55, (1900.0, 0.0), 0, np.array([[0.0, 0.0], [1.0, 0.0]]), road
+    )
     driver.reset(setup)
     return driver
 
@@ -94,7 +96,7 @@ def test_it_only_reads_the_world() -> None:
 def test_it_needs_the_world_and_declares_it() -> None:
     driver = drivers.create("idm")
     assert driver.privileged == "world"
-    setup = DriverSetup(Camera(), VehicleModel(), RATE_HZ, 5.55, (1900.0, 0.0), 0, np.zeros((2, 2)))
+    setup = DriverSetup(Camera(), VehicleModel(), RATE_HZ, 5.55, (1900.0, 0.0), 0, np.array([[0.0, 0.0], [1.0, 0.0]]))
     with pytest.raises(InputError, match="driver idm: expected the world in its setup, got none"):
         driver.reset(setup)
 

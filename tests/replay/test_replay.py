@@ -152,7 +152,9 @@ def test_a_driver_that_fails_at_once_leaves_an_empty_drive(
 ) -> None:
     driver = f"{__name__}:Hopeless"
     assert cli.run(["replay", str(drive), "--driver", driver, "--out", str(tmp_path / "out"), "--json"]) == 1
-    (record,) = json.loads(capsys.readouterr().out)["drives"]
+    said = capsys.readouterr()
+    assert "SystemExit" in said.err
+    (record,) = json.loads(said.out)["drives"]
     assert (record["frames"], record["error"]["what"], record["accuracy"]) == (0, "SystemExit: 0", None)
 
 
@@ -215,7 +217,10 @@ TIMES_BACK = "\n".join(str(0.1 * k if k != 7 else 0.3) for k in range(FRAMES))
         (_short_row, "poses.txt: row 2: expected 12 numbers, got 3"),
         (_nan_row, "poses.txt: line 13: expected finite numbers"),
         (_write("times.txt", "0.0\n0.1"), "times.txt: expected 14 rows for 14 images, got 2"),
-        (_write("times.txt", TIMES_BACK), "times.txt: row 8: expected a time after 0.6 s, got 0.3 s"),
+        (
+            _write("times.txt", TIMES_BACK),
+            "times.txt: line 8: time: expected a time after that of line 7, got -0.3 s later",
+        ),
     ],
 )
 def test_a_broken_drive_is_one_clear_line(

@@ -150,12 +150,14 @@ def test_frames_without_a_lane_are_not_scored() -> None:
         for k in range(20)
     ]
     lost = [row._replace(road_found=0.0, throttle=-1.0, steering=-1.0) if row.frame >= 12 else row for row in rows]
-    found = scores.accuracies(FrameTable.of(lost), 10.0)
+    found = scores.accuracies(FrameTable.of(lost), known)
     assert found is not None
     assert (found["steering"]["mae"], found["throttle"]["mae"]) == (0.0, 0.0)
     assert found["frames"]["whole"] == 12
     assert found["lane"]["not_found"] == {"frames": 8, "steering": None, "idle": None}
-    assert scores.accuracies(FrameTable.of([row._replace(road_found=0.0) for row in rows]), 10.0) is None
+    nowhere = scores.accuracies(FrameTable.of([row._replace(road_found=0.0) for row in rows]), known)
+    assert nowhere is not None
+    assert (nowhere["steering"], nowhere["frames"]["whole"]) == (None, 0)
 
 
 def test_road_and_bodies_are_seen_from_the_model_vehicle() -> None:

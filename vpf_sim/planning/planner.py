@@ -84,6 +84,11 @@ class Planner:
         """Whether it looks at the next frame."""
         return self._waits > 0 or self._frame % self._every == 0
 
+    @property
+    def has_missed(self) -> bool:
+        """Whether the last frame that it was to look at was none, or not to be trusted."""
+        return self._waits > 0
+
     def step(self, observation: Observation) -> Plan:
         """Perceive, then plan."""
         return self.plan(self.perceive(observation), observation)
@@ -95,7 +100,7 @@ class Planner:
         now. A frame that arrives late is looked at from where it was taken.
         """
         is_due, self._frame = self.looks, self._frame + 1
-        taken = self._taken(observation)
+        taken = self._taken(observation, is_due)
         if self._seen is None or (is_due and taken is not None):
             taken = taken or observation
             self._seen, self._seen_s = self._look(taken, _pose(taken)), taken.time_s
@@ -112,13 +117,16 @@ class Planner:
             return reference
         return replace(reference, speed_mps=min(reference.speed_mps, max(eased(observation.speed_mps), 0.0)))
 
-    def _taken(self, observation: Observation) -> Observation | None:
-        """The observation of the moment at which the frame was taken; None without a frame to be trusted."""
+    def _taken(self, observation: Observation, is_due: bool) -> Observation | None:
+        """The observation of the moment at which the frame was taken; None without a frame to be trusted.
+
+        Frames that are not due are not judged, either: a drive that is watched must be the same as one that is not.
+        """
         oldest_s = observation.time_s - REMEMBERED_S
         while self._past and self._past[0].time_s < oldest_s:
             self._past.popleft()
         self._past.append(replace(observation, image=NO_IMAGE))
-        if not observation.image.size:
+        if not is_due or not observation.image.size:
             return None
         if observation.frame_time_s < observation.time_s:
             then = [past for past in self._past if past.time_s <= observation.frame_time_s + 1e-6]

@@ -116,7 +116,10 @@ def recording(source: Source) -> Recording:
         _motion_from_pictures(source, own)
     _yaw_rate_at_last(source)
     if "speed_mps" not in source.signals:
-        raise InputError(f"{source.name}: expected a speed, or poses or pictures of a road to tell it from; found none")
+        why = "".join(f"; {note}" for note in source.notes)
+        raise InputError(
+            f"{source.name}: expected a speed, or poses or pictures of a road to tell it from; found none{why}"
+        )
     for name, what in (("speed_mps", "speed"), ("yaw_rate_radps", "yaw rate")):
         source.signals[name] = _without_gaps(source, name, what)
     _commands(source)

@@ -88,6 +88,8 @@ class FieldPilot:
 
     def decide(self, observation: Observation, interval: Interval) -> Decision:
         seen = self._eyes.perceive(observation)
+        if self._eyes.has_missed:
+            seen = replace(seen, expansion=replace(seen.expansion, confidence=0.0))
         found = is_found(seen.road, observation.speed_mps)
         lane = present_lane(seen.road, found)
         self._follow(lane)

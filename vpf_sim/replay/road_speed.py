@@ -58,6 +58,8 @@ def speed(times_s: Floats, voted: list[tuple[float, Floats]], stands: Bools | No
 
     Points that slide along a line of the road stay behind and agree on nothing, so densities count, not medians.
     """
+    if not len(times_s):
+        return np.empty(0)
     result = np.full(len(times_s), np.nan)
     still = np.zeros(len(times_s), np.bool_) if stands is None else stands
     parts = [(time, part[(part[:, 0] > LEAST_SPEED_MPS) & (part[:, 0] < MOST_SPEED_MPS)]) for time, part in voted]

@@ -105,7 +105,7 @@ def test_a_stale_frame_is_told_across_unseen_ones(monkeypatch: pytest.MonkeyPatc
     assert statuses == ["running"] * 5 + ["invalid_frame"]
 
 
-@pytest.mark.parametrize("driver", ["vpf", "vpf-paper"])
+@pytest.mark.parametrize("driver", ["vpf", "vpf@full-frame"])
 def test_a_field_driver_says_at_which_frames_it_looks(driver: str) -> None:
     """It does the same where all others are kept from it, and another thing where one of its own is."""
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from perceived_road import Thing
 
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.evaluation.metrics import perception
@@ -26,9 +27,7 @@ def road() -> Any:
 
 
 def body(road: Any, x: float, y: float, length: float = 5.0, width: float = 2.0, kind: str = "car") -> Any:
-    return SimpleNamespace(
-        position=np.array([x, y]), heading=0.0, LENGTH=length, WIDTH=width, place=(x, y), kind=kind, road=road
-    )
+    return Thing(position=np.array([x, y]), heading=0.0, LENGTH=length, WIDTH=width, place=(x, y), kind=kind, road=road)
 
 
 def reports(*feet: tuple[float, float], identity: int = 1) -> Obstacles:

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation
+from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.paper.target_field import TargetFieldConfig, force
 
+STRAIGHT = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 REPAIRED = TargetFieldConfig(alpha=1.3, direction="repaired")
 PRINTED = TargetFieldConfig(alpha=1.3, direction="printed")
 
@@ -24,18 +26,18 @@ def test_the_repaired_force_descends_the_quadratic_potential(goal: tuple[float, 
         (potential(x + h, y) - potential(x - h, y)) / (2 * h),
         (potential(x, y + h) - potential(x, y - h)) / (2 * h),
     ]
-    world = rotation(yaw) @ force(x, y, yaw, goal, REPAIRED)
+    world = rotation(yaw) @ force(x, y, yaw, goal, STRAIGHT, REPAIRED)
     assert world == pytest.approx(-np.array(gradient), abs=1e-5)
 
 
 def test_the_module_is_alpha_r_in_both_forms() -> None:
     for config in (REPAIRED, PRINTED):
-        assert hypot(*force(0.0, 0.0, 0.4, (30.0, 40.0), config)) == pytest.approx(1.3 * 50.0)
+        assert hypot(*force(0.0, 0.0, 0.4, (30.0, 40.0), STRAIGHT, config)) == pytest.approx(1.3 * 50.0)
 
 
 def test_the_printed_angle_is_right_only_for_a_goal_ahead_along_x_at_yaw_zero() -> None:
     def angle(goal: tuple[float, float], yaw: float) -> float:
-        x, y = force(0.0, 0.0, yaw, goal, PRINTED)
+        x, y = force(0.0, 0.0, yaw, goal, STRAIGHT, PRINTED)
         return degrees(atan2(y, x))
 
     assert angle((100.0, 5.0), 0.0) == pytest.approx(2.862, abs=1e-3)

@@ -42,7 +42,7 @@ class GradientLine:
             perception.obstacle_map, perception.ttc_s, self._setup.camera, config.obstacle_field
         )
         bend = self._bend.update(perception.expansion.x_px)
-        right_m, left_m = road_field.edges(perception.road, config.road_field)
+        right_m, left_m = road_field.edges(lane, perception.road.lane_width_m, config.road_field)
         road = road_field.force(lane.y_m, right_m, left_m, bend, config.road_field)
         force = total_field.compose(target, obstacle, road, config.total_field)
         world = total_field.to_world(force.total, yaw, config.total_field)

@@ -20,7 +20,8 @@ from typing import Literal
 
 import numpy as np
 
-from vpf_sim.types import Camera, Floats, RoadEdges
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.types import Camera, Floats
 
 Bend = Literal[-1, 0, 1]  # left, straight, right
 EXPONENT_LIMIT = 300.0  # keeps the square of a potential far off the road finite
@@ -71,12 +72,11 @@ class FoeBend:
         return 1 if aside > 0.0 else -1
 
 
-def edges(road: RoadEdges, config: RoadFieldConfig) -> tuple[float, float]:
+def edges(lane: Lane, lane_width_m: float, config: RoadFieldConfig) -> tuple[float, float]:
     """m, y of the right and of the left edge, from the own lane's middle."""
-    right, left = road.right_m - road.lane_m, road.left_m - road.lane_m
     if config.edges == "lane":
-        return 0.5 * road.lane_width_m, -0.5 * road.lane_width_m
-    return (right, left) if config.edges == "carriageway" else (right, -right)
+        return 0.5 * lane_width_m, -0.5 * lane_width_m
+    return (lane.right_m, lane.left_m) if config.edges == "carriageway" else (lane.right_m, -lane.right_m)
 
 
 def straight(y_m: float, right_m: float, left_m: float, depth: float = 0.5, b_per_m: float = 1.0) -> float:
