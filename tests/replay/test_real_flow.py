@@ -51,7 +51,8 @@ def test_a_wet_lens_in_fog_leaves_a_focus() -> None:
     seen = foci(recording("radiate_fog"))
     assert np.mean([foe.confidence > 0.0 for foe in seen]) >= 0.9
     place = np.array([[foe.x_px, foe.y_px] for foe in seen if foe.confidence > 0.0])
-    assert np.subtract(*np.quantile(place, [0.75, 0.25], axis=0)).max() <= 12.0
+    # Its mounting cannot be told from so short a way, so no pitch is taken out: 12 px with one that six frames told.
+    assert np.subtract(*np.quantile(place, [0.75, 0.25], axis=0)).max() <= 14.0
     dry = foci(recording("kitti_vo_seq1"))
     assert np.median([foe.confidence for foe in seen]) < 0.5 * np.median([foe.confidence for foe in dry])
 

@@ -150,12 +150,12 @@ def test_frames_without_a_lane_are_not_scored() -> None:
         for k in range(20)
     ]
     lost = [row._replace(road_found=0.0, throttle=-1.0, steering=-1.0) if row.frame >= 12 else row for row in rows]
-    found = scores.accuracies(FrameTable.of(lost), known)
+    found = scores.accuracies(FrameTable.of(lost), recording(2.0))
     assert found is not None
     assert (found["steering"]["mae"], found["throttle"]["mae"]) == (0.0, 0.0)
     assert found["frames"]["whole"] == 12
     assert found["lane"]["not_found"] == {"frames": 8, "steering": None, "idle": None}
-    nowhere = scores.accuracies(FrameTable.of([row._replace(road_found=0.0) for row in rows]), known)
+    nowhere = scores.accuracies(FrameTable.of([row._replace(road_found=0.0) for row in rows]), recording(2.0))
     assert nowhere is not None
     assert (nowhere["steering"], nowhere["frames"]["whole"]) == (None, 0)
 

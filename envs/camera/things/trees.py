@@ -284,7 +284,7 @@ def _airs(range_m: float, light: Light, veil: Veil) -> list[Floats | None]:
     Of a pixel that covers a and lets 1 - a through, with colour a c, the air leaves t; the tree's opacity is o: it
     shows o (t a c + (1 - t) a h) with the horizon's colour h, and lets 1 - o a through.
     """
-    depths_m: Floats = (np.arange(ceil(range_m / AIR_STEP_M)) + 0.5) * AIR_STEP_M
+    depths_m: Floats = (np.arange(ceil(range_m / AIR_STEP_M), dtype=np.float64) + 0.5) * AIR_STEP_M
     left = veil.transmission(depths_m)
     opacity = np.clip((range_m - depths_m) / (range_m * (1.0 - FADED_IN)), 0.0, 1.0)
     veiled = (opacity * (1.0 - left))[:, None] * light.horizon
