@@ -42,9 +42,10 @@ def reproduce(
     plan = plan_of(out, resume, bool(seeds), lambda: reproduction.plan(seeds, driver))
     path = fill("reproduce", plan, Means(out, resume, mixed, workers, timeout, cluster))
     run, tested = open_run(path), plan.driver[0]
-    found = paper_page.answer(run, tested)
+    drives = paper_page.drives_of(run, tested)
+    found = paper_page.answer(run, tested, drives)
     with prints_on_stderr():
-        page = paper_page.write(run, tested, found)
+        page = paper_page.write(path, drives, found)
     if json:
         print_json({"out": str(path), "seeds": plan.seeds, **found})
     else:

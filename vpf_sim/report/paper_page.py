@@ -33,9 +33,8 @@ def drives_of(run: StoredRun, driver: str) -> list[Drive]:
     return found
 
 
-def answer(run: StoredRun, driver: str) -> dict[str, Any]:
+def answer(run: StoredRun, driver: str, drives: list[Drive]) -> dict[str, Any]:
     """What paper.json holds."""
-    drives = drives_of(run, driver)
     rows = reproduction.cells(drives)
     stages = [run.timing.get(drive.record["id"], {}).get("stages_ms") or {} for drive in drives]
     times = [stage["driver"] for stage in stages if stage.get("driver") is not None]
@@ -47,11 +46,9 @@ def answer(run: StoredRun, driver: str) -> dict[str, Any]:
     }
 
 
-def write(run: StoredRun, driver: str, found: dict[str, Any]) -> Path:
+def write(folder: Path, drives: list[Drive], found: dict[str, Any]) -> Path:
     """Write paper.json, the figures as PNG files, and the page with all of it; the page's path."""
-    drives = drives_of(run, driver)
     figures = _figures(drives)
-    folder = run.path
     for name, picture in figures.items():
         write_bytes(folder / f"{name}.png", picture)
     write_text(folder / JSON, json.dumps(found, indent=2, allow_nan=False))

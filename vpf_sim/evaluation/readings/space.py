@@ -16,6 +16,7 @@ import numpy as np
 from vpf_sim import tables
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, rasterise, smoothed_gradient
 from vpf_sim.planning.variant import PACKAGE
+from vpf_sim.planning.variants.ablation_steps import Table, put
 from vpf_sim.types import Camera
 
 BASE = "full-frame"  # the variant that a reading is laid over
@@ -25,7 +26,6 @@ EDGES_M = {"carriageway": (5.25, -8.75), "lane": (1.75, -1.75), "preferred": (5.
 BOX_PX = (390.0, 450.0, 210.0, 270.0)  # left, right, top, bottom of the obstacle that `push` is measured with
 
 Reading = Mapping[str, str | float]  # quantity -> name of a choice, or number
-Table = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ def variant_table(reading: Reading) -> Table:
     for quantity in quantities():
         for key, value in quantity.choices.get(str(reading[quantity.name]), {}).items():
             whole = tables.read(PACKAGE, "robust.toml")[key] if value == WHOLE else value
-            _put(table, key, deepcopy(whole))
+            put(table, key, deepcopy(whole))
     line = table["gradient_line"]
     target_n = line["target_field"]["alpha"] * line["target_field"].get("reach_m", FAR_M)
     line["obstacle_field"]["gamma"] = rounded(float(reading["push"]) * target_n / _push_of_one(table))
@@ -98,13 +98,6 @@ def _stiffness_of_one(road: Table) -> float:
     b = road["b_per_m"]
     rise = exp(0.5 * b * (right_m - left_m))
     return float(4.0 * road["depth"] * b**2 * rise * (2.0 * rise - 1.0))
-
-
-def _put(table: Table, path: str, value: Any) -> None:
-    *sections, last = path.split(".")
-    for section in sections:
-        table = table.setdefault(section, {})
-    table[last] = value
 
 
 def toml(table: Table, head: str = "") -> str:

@@ -115,9 +115,9 @@ def taken_over(table: Table, other: Table, change: Change) -> Table:
     """A copy of a variant's table with what a change takes from another variant's."""
     after = deepcopy(table)
     for path in change.takes:
-        _put(after, path, _at(other, path))
+        put(after, path, _at(other, path))
     for path, value in change.held.items():
-        _put(after, path, value)
+        put(after, path, value)
     return after
 
 
@@ -129,7 +129,7 @@ def _at(table: Table, path: str) -> Any:
     return deepcopy(value)
 
 
-def _put(table: Table, path: str, value: Any) -> None:
+def put(table: Table, path: str, value: Any) -> None:
     """Put a value, or with None nothing, at "section.key"."""
     *sections, last = path.split(".")
     for section in sections:
