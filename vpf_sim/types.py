@@ -229,7 +229,7 @@ class ObstacleMap:
 Metres = TypeVar("Metres", float, Floats)
 
 
-class Sided(Generic[Metres]):
+class LateralExtent(Generic[Metres]):
     """A body, or K bodies, with a left and a right side."""
 
     __slots__ = ()
@@ -247,7 +247,7 @@ class Sided(Generic[Metres]):
         return self.right_m - self.left_m
 
 
-class SidedBodies(Sided[Floats]):
+class LateralExtents(LateralExtent[Floats]):
     """K bodies, of which every field has a row each."""
 
     __slots__: tuple[str, ...] = ()
@@ -256,7 +256,7 @@ class SidedBodies(Sided[Floats]):
         """Those of which `which` (K,) is true."""
         return type(self)(*(getattr(self, name)[which] for name in self.__slots__))
 
-    def together_with(self, others: Self) -> Self:
+    def concatenate(self, others: Self) -> Self:
         """These, and the others after them."""
         if not len(others.left_m):
             return self
@@ -264,7 +264,7 @@ class SidedBodies(Sided[Floats]):
 
 
 @dataclass(frozen=True, slots=True)
-class Obstacles(SidedBodies):
+class Obstacles(LateralExtents):
     """K bodies believed to be on the road, in vehicle axes: nearest face, side edges, time to contact."""
 
     forward_m: Floats  # (K,) nearest face, from the pose
@@ -303,7 +303,7 @@ class RoadEdges:
 
 
 @dataclass(frozen=True, slots=True)
-class Salience:
+class PaperFeatures:
     """What the paper's fields ask of the points of the flow: which stand out, and when they are reached."""
 
     obstacle_map: ObstacleMap
@@ -316,12 +316,15 @@ class Perception:
 
     flow: Flow
     expansion: Expansion
-    salience: Callable[[], Salience]  # worked out when it is asked for: a field of bodies does without
+    salience: Callable[[], PaperFeatures]  # worked out when it is asked for: a field of bodies does without
     obstacles: Obstacles
     road: RoadEdges
     pose: Floats  # (3,) x m, y m, yaw rad of the vehicle
-    low_sight_m: tuple[float, float] = (np.inf, np.inf)  # to where a low body would be suspected: now, with a good view
-    suspects: Obstacles | None = None  # low things that were seen too seldom yet to be told as bodies
+    low_sensing_range_m: tuple[float, float] = (
+        np.inf,
+        np.inf,
+    )  # to where a low body would be suspected: now, with a good view
+    tentative: Obstacles | None = None  # low things that were seen too seldom yet to be told as bodies
 
     @property
     def obstacle_map(self) -> ObstacleMap:

@@ -18,8 +18,8 @@ from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import setup_for
 from vpf_sim.planning.lane.frame import NOTHING, Lane
-from vpf_sim.planning.lane.kinematic_limits import Reach
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.planner import way
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
@@ -63,10 +63,10 @@ def test_any_of_a_thousand_scenes_gives_a_command(drive: scenes.Drive) -> None:
 @pytest.mark.parametrize("aside_m", [-3.0, 1.0, 3.0])
 def test_a_speed_that_jumps_leaves_the_path_a_direction(rate_hz: float, aside_m: float) -> None:
     """As one that is derived from the flow does: the bend of walking speed is met by a step of many metres."""
-    config = scenes.load("robust").valley
-    reach = Reach(config.reach, scenes.VEHICLE)
+    config = scenes.load("robust").lane_planner
+    reach = KinematicLimits(config.limits, scenes.VEHICLE)
     path = LaneReference(config.reference, scenes.VEHICLE, 8.0, rate_hz, reach)
-    nobody = Neighbours(NOTHING, config.field, scenes.VEHICLE, 8.0)
+    nobody = ObstacleGeometry(NOTHING, config.lateral_cost, scenes.VEHICLE, 8.0)
     lane = Lane(y_m=0.0, right_m=6.0, left_m=-6.0, heading_rad=0.0, curvature_per_m=0.0)
     for speed_mps in [1.2, 1.2, 57.0, 1.2, 1.2, 1.2, 57.0, 57.0, 0.0, 57.0]:
         reference = path.update(lane, nobody, aside_m, 0.0, speed_mps)
@@ -83,7 +83,7 @@ def test_a_drive_that_begins_standing_has_a_reference(variant: str) -> None:
     seen = ideal.perception(RoadEdges(-5.0, 5.0, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5), nobody)
     plans = way(setup, scenes.load(variant))
     observation = Observation(scenes.NO_IMAGE, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (50.0, 0.0))
-    _, reference, _ = plans.step(replace(seen, low_sight_m=(10.0, 20.0)), observation)
+    _, reference, _ = plans.step(replace(seen, low_sensing_range_m=(10.0, 20.0)), observation)
     assert (reference.heading_rad, reference.speed_mps) == (pytest.approx(0.0, abs=0.01), 0.0)
 
 

@@ -18,9 +18,9 @@ from vpf_sim.types import (
     Observation,
     ObstacleMap,
     Obstacles,
+    PaperFeatures,
     Perception,
     RoadEdges,
-    Salience,
     VehicleModel,
 )
 
@@ -94,9 +94,9 @@ def perceptions(draw: st.DrawFn, pose: Floats) -> Perception:
     seen = ObstacleMap(np.ones(count, np.bool_), np.zeros((6, 8)), gradient, 80)
     foe = Expansion(draw(near(0.0, 639.0)), draw(near(0.0, 479.0)), np.eye(2), np.ones(count, np.bool_), draw(SHARES))
     sight = draw(st.one_of(st.just((np.inf, np.inf)), st.tuples(near(0.0, 40.0), near(0.0, 40.0))))
-    suspects = draw(st.one_of(st.none(), bodies()))
+    tentative = draw(st.one_of(st.none(), bodies()))
     road, told = draw(roads()), draw(bodies())
-    return Perception(flow(points, pose), foe, lambda: Salience(seen, ttc), told, road, pose, sight, suspects)
+    return Perception(flow(points, pose), foe, lambda: PaperFeatures(seen, ttc), told, road, pose, sight, tentative)
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from vpf_sim.geometry import project, vehicle_from_world
-from vpf_sim.perception.obstacles.static_config import LandmarkConfig
-from vpf_sim.perception.obstacles.static_tracker import LandmarkTracker
+from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
+from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, Obstacles, RoadEdges
 
@@ -14,8 +14,8 @@ ANCHOR_FRAMES = 42
 CORNER = 100.0 * np.eye(2)
 
 
-def tracker() -> LandmarkTracker:
-    return LandmarkTracker(CAMERA, LandmarkConfig(), RATE_HZ)
+def tracker() -> StaticObstacleTracker:
+    return StaticObstacleTracker(CAMERA, StaticObstacleConfig(), RATE_HZ)
 
 
 class Drive:
@@ -77,7 +77,7 @@ class Drive:
             structure=self.structure[old],
         )
 
-    def run(self, tracker: LandmarkTracker, frames: range) -> list[Obstacles]:
+    def run(self, tracker: StaticObstacleTracker, frames: range) -> list[Obstacles]:
         """What is told at each frame; these tracks do not slip, so each first sighting is found where it is."""
 
         def match(rows: Integers, growth: Floats) -> tuple[Floats, Bools]:  # noqa: ARG001
@@ -86,7 +86,7 @@ class Drive:
         told = []
         for frame in frames:
             flow = self.flow(frame)
-            points = tracker.sharpened(flow, tracker.triangulate(flow), self.road, match)
+            points = tracker.refined(flow, tracker.triangulate(flow), self.road, match)
             told.append(tracker.update(flow, self.road, SPEED_MPS, frame / RATE_HZ, points))
         return told
 

@@ -74,15 +74,15 @@ def written(folder: Path, text: str) -> str:
 
 
 def test_a_variant_of_ones_own_says_what_it_starts_from_and_what_it_changes(tmp_path: Path) -> None:
-    own = variant.load(written(tmp_path, "[road_edges]\nlanes = 3\n[valley.field]\nclearance_m = 0.7\n"))
+    own = variant.load(written(tmp_path, "[road_edges]\nlanes = 3\n[lane_planner.lateral_cost]\nclearance_m = 0.7\n"))
     robust = variant.load("robust")
     assert own.road_edges.lanes == 3
-    assert own.valley is not None
-    assert robust.valley is not None
-    assert own.valley.field.clearance_m == 0.7
-    assert own.valley.reference == robust.valley.reference
+    assert own.lane_planner is not None
+    assert robust.lane_planner is not None
+    assert own.lane_planner.lateral_cost.clearance_m == 0.7
+    assert own.lane_planner.reference == robust.lane_planner.reference
     assert own.flow == robust.flow
-    assert variant.load(written(tmp_path, 'base = "valley"')) == variant.load("valley")
+    assert variant.load(written(tmp_path, 'base = "lane_planner"')) == variant.load("lane_planner")
     assert drivers.create(f"vpf@{tmp_path / 'mine.toml'}").privileged == "none"
 
 
@@ -94,7 +94,7 @@ def test_a_variant_of_ones_own_says_what_it_starts_from_and_what_it_changes(tmp_
         ("[flow]\nwindow = 3", "mine.toml: flow: unknown key 'window': did you mean 'window_s'?"),
         ("flow = 3", "mine.toml: flow: expected a table, got 3"),
         ('gains = "robus"', "unknown gains 'robus': did you mean 'robust'?"),
-        ('landmarks = "none"', "mine.toml: [valley] needs [landmarks]"),
+        ('static_obstacles = "none"', "mine.toml: [lane_planner] needs [static_obstacles]"),
     ],
 )
 def test_a_wrong_variant_of_ones_own_is_one_clear_line(text: str, message: str, tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ def test_all_variants_load() -> None:
 
 @pytest.mark.parametrize("name", ["full-frame", "paper"])
 def test_literal_is_printed_throughout_and_the_others_repaired(name: str) -> None:
-    literal, paper = (variant.load(one).gradient_line for one in ("literal", name))
+    literal, paper = (variant.load(one).paper_planner for one in ("literal", name))
     assert literal is not None
     assert paper is not None
     assert (literal.target_field.direction, paper.target_field.direction) == ("printed", "repaired")
@@ -44,8 +44,8 @@ def test_the_papers_flow_and_smoothing() -> None:
 
 def test_flow_and_landmarks_speak_of_the_same_window() -> None:
     robust = variant.load("robust")
-    assert robust.landmarks is not None
-    assert robust.landmarks.window_px == robust.flow.window_px
+    assert robust.static_obstacles is not None
+    assert robust.static_obstacles.window_px == robust.flow.window_px
 
 
 def changed(section: str, **keys: Any) -> dict[str, Any]:
@@ -60,12 +60,12 @@ def changed(section: str, **keys: Any) -> dict[str, Any]:
         (changed("flow", window=25), "paper.toml: flow: unknown key 'window': did you mean 'window_s'?"),
         (changed("flwo", x=1), "paper.toml: unknown key 'flwo': did you mean 'flow'?"),
         (
-            changed("contact", method="best"),
-            "paper.toml: contact: method: expected one of as_printed, robust, got 'best'",
+            changed("time_to_contact", method="best"),
+            "paper.toml: time_to_contact: method: expected one of as_printed, robust, got 'best'",
         ),
         (
-            changed("gradient_line", reference={"heading": 3}),
-            "paper.toml: gradient_line: reference: heading: expected one of printed, repaired, got 3",
+            changed("paper_planner", reference={"heading": 3}),
+            "paper.toml: paper_planner: reference: heading: expected one of printed, repaired, got 3",
         ),
     ],
 )
@@ -78,9 +78,9 @@ def test_a_wrong_variant_is_told_where(table: dict[str, Any], message: str) -> N
 def test_one_way_through_the_field_and_what_it_needs() -> None:
     robust, paper = variant.load("robust"), variant.load("paper")
     with pytest.raises(ValueError, match="exactly one of"):
-        replace(robust, gradient_line=paper.gradient_line)
-    with pytest.raises(ValueError, match="needs \\[landmarks\\]"):
-        replace(robust, landmarks=None)
+        replace(robust, paper_planner=paper.paper_planner)
+    with pytest.raises(ValueError, match="needs \\[static_obstacles\\]"):
+        replace(robust, static_obstacles=None)
 
 
 def test_an_unknown_variant_is_answered_with_the_nearest() -> None:

@@ -33,7 +33,7 @@ def foci(drive: Recording) -> list[Expansion]:
         assert frame.image is not None
         flow = tracker.update(grey(frame.image), drive.poses[frame.index])
         before = seen[-1] if seen else None
-        seen.append(expansion.estimate(flow, drive.camera, robust.expansion, random, before))
+        seen.append(expansion.estimate(flow, drive.camera, robust.focus_of_expansion, random, before))
     return seen[1:]
 
 

@@ -17,11 +17,11 @@ from vpf_sim.types import (
     Force,
     ObstacleMap,
     Obstacles,
+    PaperFeatures,
     Perception,
     Plan,
     Reference,
     RoadEdges,
-    Salience,
 )
 
 GREY = 90
@@ -44,7 +44,7 @@ def plan(camera: Camera, points: Floats | None = None, bodies: float | None = No
     expansion = Expansion(camera.cx_px, camera.cy_px, np.eye(2), np.ones(count, np.bool_), 0.9)
     road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 0.95, 0.0, 3.5)
     obstacle_map = ObstacleMap(np.zeros(count, np.bool_), grid, np.zeros((2, *grid.shape)), 8)
-    salience = Salience(obstacle_map, np.full(count, 1.0))
+    salience = PaperFeatures(obstacle_map, np.full(count, 1.0))
     perception = Perception(flow, expansion, lambda: salience, body, road, flow.pose)
     none = np.zeros(2)
     force = Force(np.array([1.0, 0.0]), none, none, np.array([1.0, 0.0]))

@@ -8,24 +8,24 @@ import numpy as np
 
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
-from vpf_sim.perception.egomotion.camera_pitch import Steadiness
+from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
-from vpf_sim.perception.egomotion.keyframes import Anchors
+from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
 from vpf_sim.perception.frame_gate import FrameGate
-from vpf_sim.perception.obstacles.close_range_verification import SecondLook
-from vpf_sim.perception.obstacles.extent import carried, from_here
-from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
+from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier
+from vpf_sim.perception.obstacles.extent import carried, to_current_frame
+from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
 from vpf_sim.perception.obstacles.point_hypotheses import among
-from vpf_sim.perception.obstacles.static_tracker import LandmarkTracker
+from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.perception.obstacles.track_refinement import Match
 from vpf_sim.perception.paper import obstacle_map as obstacles
 from vpf_sim.perception.paper import time_to_contact as contact
 from vpf_sim.perception.paper.obstacle_region import Surroundings
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
-from vpf_sim.planning.lane.planner import Valley
+from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.lane.speed.limits import eased
-from vpf_sim.planning.paper.planner import GradientLine
+from vpf_sim.planning.paper.planner import PaperPlanner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
 from vpf_sim.types import (
@@ -37,11 +37,11 @@ from vpf_sim.types import (
     Image,
     Observation,
     Obstacles,
+    PaperFeatures,
     Perception,
     Plan,
     Reference,
     RoadEdges,
-    Salience,
 )
 
 NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
@@ -62,12 +62,18 @@ class Planner:
         self._camera = camera
         self._variant = variant
         self._flow = FlowTracker(camera, variant.flow, rate_hz)
-        self._anchors = self._remembered(camera, variant, rate_hz)
+        self._keyframes = self._remembered(camera, variant, rate_hz)
         self._road = RoadEdgeTracker(camera, variant.road_edges, rate_hz)
-        self._landmarks = LandmarkTracker(camera, variant.landmarks, rate_hz) if variant.landmarks else None
-        self._movers = MoverTracker(camera, variant.movers, rate_hz) if variant.movers else None
-        self._steadiness = Steadiness(camera, variant.steadiness, rate_hz) if variant.steadiness else None
-        self._second_look = SecondLook(camera, variant.second_look) if variant.second_look else None
+        self._static_obstacles = (
+            StaticObstacleTracker(camera, variant.static_obstacles, rate_hz) if variant.static_obstacles else None
+        )
+        self._moving_obstacles = (
+            MovingObstacleTracker(camera, variant.moving_obstacles, rate_hz) if variant.moving_obstacles else None
+        )
+        self._pitch_estimator = PitchEstimator(camera, variant.camera_pitch, rate_hz) if variant.camera_pitch else None
+        self._verifier = (
+            CloseRangeVerifier(camera, variant.close_range_verification) if variant.close_range_verification else None
+        )
         self._speed_reference_mps = setup.speed_reference_mps
         self._random = stream(setup.seed, "focus of expansion")
         self._foe: Expansion | None = None
@@ -137,20 +143,20 @@ class Planner:
 
     def _carried(self, seen: Perception, observation: Observation, pose: Floats) -> Perception:
         """What was seen, at another pose: by the own motion, and that of the bodies."""
-        speed_mps, suspects = observation.speed_mps, seen.suspects
+        speed_mps, tentative = observation.speed_mps, seen.tentative
         road = self._road.carried(pose, speed_mps, observation.yaw_rate_radps)
-        if suspects is not None:
-            suspects = from_here(suspects, seen.pose, pose, speed_mps)
+        if tentative is not None:
+            tentative = to_current_frame(tentative, seen.pose, pose, speed_mps)
         bodies = self._known(seen, observation, pose)
         sight_m = self._sight_m(seen, observation)
-        return replace(seen, obstacles=bodies, road=road, pose=pose, suspects=suspects, low_sight_m=sight_m)
+        return replace(seen, obstacles=bodies, road=road, pose=pose, tentative=tentative, low_sensing_range_m=sight_m)
 
     def _sight_m(self, seen: Perception, observation: Observation) -> tuple[float, float]:
         """How far low bodies would be suspected: less the way that was driven since a frame that is late."""
         since_s = observation.time_s - self._seen_s
         if since_s <= 1.5 * self._period_s:
-            return seen.low_sight_m
-        now_m, best_m = seen.low_sight_m
+            return seen.low_sensing_range_m
+        now_m, best_m = seen.low_sensing_range_m
         return max(now_m - observation.speed_mps * (since_s - self._period_s), 0.0), best_m
 
     def _known(self, seen: Perception, observation: Observation, pose: Floats) -> Obstacles:
@@ -164,48 +170,50 @@ class Planner:
         if observation.time_s - self._seen_s > max(FOLLOWED_S, 2.5 * self._period_s):
             self._flow.restart()
         flow = self._flow.update(image, pose, late=min(self._waits / self._every, MOST_LATE))
-        if self._anchors is not None:
-            self._anchors.note(image)
+        if self._keyframes is not None:
+            self._keyframes.note(image)
         turned = expansion.derotated(flow, self._camera)
-        foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self._foe, turned)
+        foe = expansion.estimate(flow, self._camera, self._variant.focus_of_expansion, self._random, self._foe, turned)
         self._foe = foe
         steady = self._steadied(flow, foe, turned)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         bodies = _nothing() if self._seen is None else self._known(self._seen, observation, pose)
         road = self._road.update(observation.image, image, pose, *motion, bodies)
-        sight_m, suspects = (np.inf, np.inf), None
-        if self._landmarks is not None:
-            view = self._view(observation, image, pose, self._landmarks)
-            bodies = self._bodies(self._landmarks, view, flow, steady, road, observation)
-            sight_m = self._landmarks.low_sight_m(observation.speed_mps, self._speed_reference_mps)
-            suspects = self._landmarks.suspects(pose)
-        if self._steadiness is not None and self._road.pitch is not None:
-            self._steadiness.level(*self._road.pitch, observation.time_s)
+        sight_m, tentative = (np.inf, np.inf), None
+        if self._static_obstacles is not None:
+            view = self._view(observation, image, pose, self._static_obstacles)
+            bodies = self._bodies(self._static_obstacles, view, flow, steady, road, observation)
+            sight_m = self._static_obstacles.low_sensing_range_m(observation.speed_mps, self._speed_reference_mps)
+            tentative = self._static_obstacles.tentative(pose)
+        if self._pitch_estimator is not None and self._road.pitch is not None:
+            self._pitch_estimator.level(*self._road.pitch, observation.time_s)
         salience = cache(partial(self._salience, flow, steady, foe, turned, road, observation.speed_mps))
-        return Perception(flow, foe, salience, bodies, road, pose, sight_m, suspects)
+        return Perception(flow, foe, salience, bodies, road, pose, sight_m, tentative)
 
     def _steadied(self, flow: Flow, foe: Expansion, turned: Derotated) -> Flow:
         """The flow without the body's pitching, of which the road is told, too."""
-        if self._steadiness is None:
+        if self._pitch_estimator is None:
             return flow
-        before_rad = self._steadiness.passing_rad
-        steady = self._steadiness.update(flow, foe, turned)
-        self._road.turn(self._steadiness.passing_rad - before_rad)
+        before_rad = self._pitch_estimator.passing_rad
+        steady = self._pitch_estimator.update(flow, foe, turned)
+        self._road.turn(self._pitch_estimator.passing_rad - before_rad)
         return steady
 
-    def _view(self, observation: Observation, image: Image, pose: Floats, landmarks: LandmarkTracker) -> Image | None:
+    def _view(
+        self, observation: Observation, image: Image, pose: Floats, static_obstacles: StaticObstacleTracker
+    ) -> Image | None:
         """The picture in which the road is compared, where it is in this frame; None beneath the wiper."""
         if self._flow.is_swept:
             return None
-        second = self._second_look
-        if not landmarks.looks and (second is None or not second.looks(pose, observation.speed_mps)):
+        second = self._verifier
+        if not static_obstacles.looks and (second is None or not second.looks(pose, observation.speed_mps)):
             return image
         view = contrast(observation.image, image)
-        return view if self._steadiness is None else self._steadiness.frame(view)
+        return view if self._pitch_estimator is None else self._pitch_estimator.frame(view)
 
     def _bodies(
         self,
-        landmarks: LandmarkTracker,
+        static_obstacles: StaticObstacleTracker,
         view: Image | None,
         flow: Flow,
         steady: Flow,
@@ -214,51 +222,58 @@ class Planner:
     ) -> Obstacles:
         """Those that the look at the road and the flow tell of, and that a second look does not refute."""
         pose, speed_mps, moving = flow.pose, observation.speed_mps, None
-        if self._movers is not None and landmarks.looks:
-            moving = self._movers.moving(pose, speed_mps)
-        landmarks.look(view, pose, road, moving, speed_mps)
-        match = partial(self._anchors.aside_px, flow) if self._anchors is not None else None
-        told = self._find_bodies(landmarks, steady, match, road, observation)
-        if self._second_look is None:
+        if self._moving_obstacles is not None and static_obstacles.looks:
+            moving = self._moving_obstacles.moving(pose, speed_mps)
+        static_obstacles.look(view, pose, road, moving, speed_mps)
+        match = partial(self._keyframes.aside_px, flow) if self._keyframes is not None else None
+        told = self._find_bodies(static_obstacles, steady, match, road, observation)
+        if self._verifier is None:
             return told
-        bodies = self._second_look.update(view, pose, told, speed_mps, landmarks.stands_surely)
-        landmarks.refute(told.identity[~among(told.identity, bodies.identity)])
+        bodies = self._verifier.update(view, pose, told, speed_mps, static_obstacles.is_verified)
+        static_obstacles.refute(told.identity[~among(told.identity, bodies.identity)])
         return bodies
 
     def _salience(
         self, flow: Flow, steady: Flow, foe: Expansion, turned: Derotated, road: RoadEdges, speed_mps: float
-    ) -> Salience:
+    ) -> PaperFeatures:
         """Obstacle map and time to contact of a frame's points."""
         config, around = self._variant.obstacle_map, None
         if config.needs_surroundings:
-            ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, None, turned)
+            ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.time_to_contact, None, turned)
             around = Surroundings(road, speed_mps, ttc_s)
         obstacle_map = obstacles.detect(steady, self._camera, config, around)
         labels = obstacles.cluster_labels(obstacle_map, flow)
-        ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.contact, labels, turned)
-        return Salience(obstacle_map, ttc_s)
+        ttc_s = contact.time_to_contact(flow, foe, self._camera, self._variant.time_to_contact, labels, turned)
+        return PaperFeatures(obstacle_map, ttc_s)
 
     @staticmethod
-    def _remembered(camera: Camera, variant: Variant, rate_hz: float) -> Anchors | None:
+    def _remembered(camera: Camera, variant: Variant, rate_hz: float) -> KeyframeBuffer | None:
         """The frames of first sightings, where bodies are told by them."""
-        if variant.landmarks is None or variant.flow.anchor_s is None:
+        if variant.static_obstacles is None or variant.flow.keyframe_s is None:
             return None
-        return Anchors(camera, variant.landmarks.window_px, round(2.0 * variant.flow.anchor_s * rate_hz))
+        return KeyframeBuffer(
+            camera, variant.static_obstacles.window_px, round(2.0 * variant.flow.keyframe_s * rate_hz)
+        )
 
     def _find_bodies(
-        self, landmarks: LandmarkTracker, flow: Flow, match: Match | None, road: RoadEdges, observation: Observation
+        self,
+        static_obstacles: StaticObstacleTracker,
+        flow: Flow,
+        match: Match | None,
+        road: RoadEdges,
+        observation: Observation,
     ) -> Obstacles:
         """Those that stand, and those that move."""
         speed_mps, time_s = observation.speed_mps, observation.time_s
-        moving, points = None, landmarks.triangulate(flow)
-        if self._movers is not None:
-            moving = self._movers.update(flow, points, road, speed_mps, time_s)
+        moving, points = None, static_obstacles.triangulate(flow)
+        if self._moving_obstacles is not None:
+            moving = self._moving_obstacles.update(flow, points, road, speed_mps, time_s)
         if match is not None:
-            points = landmarks.sharpened(flow, points, road, match)
-        standing = landmarks.update(flow, road, speed_mps, time_s, points, moving)
-        if self._movers is None or not self._movers.reports:
+            points = static_obstacles.refined(flow, points, road, match)
+        standing = static_obstacles.update(flow, road, speed_mps, time_s, points, moving)
+        if self._moving_obstacles is None or not self._moving_obstacles.reports:
             return standing
-        return self._movers.obstacles(flow.pose, speed_mps, standing)
+        return self._moving_obstacles.obstacles(flow.pose, speed_mps, standing)
 
     def plan(self, perception: Perception, observation: Observation) -> Plan:
         """Target, obstacle and road field, their sum, heading and speed reference."""
@@ -266,12 +281,12 @@ class Planner:
         return Plan(perception, force, self.unless_blind(reference, observation), extra)
 
 
-def way(setup: DriverSetup, variant: Variant) -> GradientLine | Valley:
+def way(setup: DriverSetup, variant: Variant) -> PaperPlanner | LanePlanner:
     """How the variant goes through its field."""
-    if variant.valley is not None:
-        return Valley(setup, variant.valley)
-    assert variant.gradient_line is not None  # Variant has checked
-    return GradientLine(setup, variant.gradient_line)
+    if variant.lane_planner is not None:
+        return LanePlanner(setup, variant.lane_planner)
+    assert variant.paper_planner is not None  # Variant has checked
+    return PaperPlanner(setup, variant.paper_planner)
 
 
 def _pose(observation: Observation) -> Floats:

@@ -12,18 +12,18 @@ from typing import Any, Literal, get_args
 
 from vpf_sim import tables
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.perception.egomotion.camera_pitch import SteadinessConfig
+from vpf_sim.perception.egomotion.camera_pitch import PitchConfig
 from vpf_sim.perception.egomotion.flow_config import FlowConfig
 from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
 from vpf_sim.perception.egomotion.odometry import OdometryConfig
-from vpf_sim.perception.obstacles.close_range_verification import SecondLookConfig
-from vpf_sim.perception.obstacles.moving.detection import MoverConfig
-from vpf_sim.perception.obstacles.static_config import LandmarkConfig
+from vpf_sim.perception.obstacles.close_range_verification import VerificationConfig
+from vpf_sim.perception.obstacles.moving.detection import MovingObstacleConfig
+from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig
 from vpf_sim.perception.paper.time_to_contact import ContactConfig
 from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
-from vpf_sim.planning.lane.planner import ValleyConfig
-from vpf_sim.planning.paper.planner import GradientLineConfig
+from vpf_sim.planning.lane.planner import LanePlannerConfig
+from vpf_sim.planning.paper.planner import PaperPlannerConfig
 from vpf_sim.planning.variants import repair_steps
 from vpf_sim.planning.variants.ablation_steps import steps
 
@@ -43,32 +43,34 @@ class ControllerConfig:
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """One section a stage. The way through the field is the paper's `gradient_line` or the `valley`, never both."""
+    """One section a stage. The way through the field is the paper's `paper_planner` or `lane_planner`, never both."""
 
     gains: str  # of the controller, a set [gtsmc.NAME] of controllers/gains.toml
     flow: FlowConfig
-    expansion: ExpansionConfig
-    contact: ContactConfig
+    focus_of_expansion: ExpansionConfig
+    time_to_contact: ContactConfig
     obstacle_map: ObstacleMapConfig
     road_edges: RoadEdgeConfig
     odometry: OdometryConfig | None = None  # without it, the pose is smooth
-    steadiness: SteadinessConfig | None = None  # without it, the car does not pitch
-    landmarks: LandmarkConfig | None = None  # without it, no bodies: only the obstacle map
-    second_look: SecondLookConfig | None = None  # without it, the car stands for good before what is not there
-    movers: MoverConfig | None = None  # without it, all bodies stand
+    camera_pitch: PitchConfig | None = None  # without it, the car does not pitch
+    static_obstacles: StaticObstacleConfig | None = None  # without it, no bodies: only the obstacle map
+    close_range_verification: VerificationConfig | None = (
+        None  # without it, the car stands for good before what is not there
+    )
+    moving_obstacles: MovingObstacleConfig | None = None  # without it, all bodies stand
     controller: ControllerConfig | None = None
-    gradient_line: GradientLineConfig | None = None
-    valley: ValleyConfig | None = None
+    paper_planner: PaperPlannerConfig | None = None
+    lane_planner: LanePlannerConfig | None = None
 
     def __post_init__(self) -> None:
-        if (self.gradient_line is None) == (self.valley is None):
-            raise ValueError("expected exactly one of [gradient_line] and [valley]")
-        if self.valley is not None and self.landmarks is None:
-            raise ValueError("[valley] needs [landmarks]: it goes by the bodies on the road")
-        if self.second_look is not None and self.landmarks is None:
-            raise ValueError("[second_look] needs [landmarks]: it looks again at what they told")
-        if self.movers is not None and self.landmarks is None:
-            raise ValueError("[movers] needs [landmarks]: it sees what these cannot be")
+        if (self.paper_planner is None) == (self.lane_planner is None):
+            raise ValueError("expected exactly one of [paper_planner] and [lane_planner]")
+        if self.lane_planner is not None and self.static_obstacles is None:
+            raise ValueError("[lane_planner] needs [static_obstacles]: it goes by the bodies on the road")
+        if self.close_range_verification is not None and self.static_obstacles is None:
+            raise ValueError("[close_range_verification] needs [static_obstacles]: it looks again at what they told")
+        if self.moving_obstacles is not None and self.static_obstacles is None:
+            raise ValueError("[moving_obstacles] needs [static_obstacles]: it sees what these cannot be")
 
 
 def names() -> list[str]:

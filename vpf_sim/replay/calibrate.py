@@ -138,7 +138,7 @@ def _looks(
 
 def _seen(looks: list[_Look], camera: Camera, mounting: Mounting, straight_only: bool, ahead_m: float) -> _Sightings:
     """Where the looks put straight ahead: those on a straight, by a mounting as far as it is known, or all of them."""
-    config = replace(variant.load(VARIANT).expansion, direction_sd_rad=(np.inf, np.inf))
+    config = replace(variant.load(VARIANT).focus_of_expansion, direction_sd_rad=(np.inf, np.inf))
     pitch, yaw, roll = config.rotation_sd_radps
     random = stream(0, "mounting")
     rows: list[tuple[float, ...]] = []

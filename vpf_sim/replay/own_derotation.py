@@ -37,9 +37,9 @@ class OwnDerotation:
     """
 
     def __init__(self, camera: Camera, variant: Variant, rate_hz: float) -> None:
-        pitch, _, roll = variant.expansion.rotation_sd_radps
+        pitch, _, roll = variant.focus_of_expansion.rotation_sd_radps
         self._camera = camera
-        self._config = replace(variant.expansion, rotation_sd_radps=(pitch, pitch, roll))
+        self._config = replace(variant.focus_of_expansion, rotation_sd_radps=(pitch, pitch, roll))
         self._tracker = FlowTracker(camera, variant.flow, rate_hz)
         self._random = stream(0, "focus of expansion without rotation")
         self._mounting = Mounting(height_m=camera.height_m, pitch_rad=camera.pitch_rad)

@@ -15,7 +15,7 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.perception.paper.obstacle_map import rasterise, smoothed_gradient
 from vpf_sim.planning import variant
 from vpf_sim.planning.paper import obstacle_field, road_field
-from vpf_sim.planning.paper.planner import GradientLineConfig
+from vpf_sim.planning.paper.planner import PaperPlannerConfig
 from vpf_sim.planning.variant import Variant
 from vpf_sim.types import Camera, ObstacleMap
 
@@ -27,8 +27,8 @@ def built(reading: Reading, folder: Path) -> Variant:
     return variant.load(search.write(folder, 0, reading).removeprefix("vpf@"))
 
 
-def line_of(reading: Reading, folder: Path) -> GradientLineConfig:
-    line = built(reading, folder).gradient_line
+def line_of(reading: Reading, folder: Path) -> PaperPlannerConfig:
+    line = built(reading, folder).paper_planner
     assert line is not None
     return line
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import project, vehicle_from_world
-from vpf_sim.perception.egomotion.camera_pitch import Steadiness, SteadinessConfig
+from vpf_sim.perception.egomotion.camera_pitch import PitchConfig, PitchEstimator
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
@@ -74,12 +74,12 @@ class Scene:
         return Expansion(x, y, np.eye(2), np.empty(0, np.bool_), 1.0)
 
 
-def run(scene: Scene, steadiness: Steadiness) -> list[Flow]:
+def run(scene: Scene, steadiness: PitchEstimator) -> list[Flow]:
     return [steadiness.update(scene.flow(frame), scene.foe(frame)) for frame in range(FRAMES)]
 
 
-def steadiness(settle_s: float = 1.0) -> Steadiness:
-    return Steadiness(CAMERA, SteadinessConfig(settle_s=settle_s), RATE_HZ)
+def steadiness(settle_s: float = 1.0) -> PitchEstimator:
+    return PitchEstimator(CAMERA, PitchConfig(settle_s=settle_s), RATE_HZ)
 
 
 @pytest.mark.parametrize("left_too", [True, False])
@@ -168,6 +168,6 @@ def test_the_frame_is_turned_back() -> None:
 
 def test_nonsense_is_refused() -> None:
     with pytest.raises(ValueError, match="settle_s: expected > 0"):
-        SteadinessConfig(settle_s=0.0)
+        PitchConfig(settle_s=0.0)
     with pytest.raises(ValueError, match=r"smoothness: expected 0 \.\. 1"):
-        SteadinessConfig(smoothness=1.0)
+        PitchConfig(smoothness=1.0)

@@ -127,7 +127,7 @@ def test_the_forward_backward_check_drops_what_does_not_come_back() -> None:
 
 
 def test_an_anchor_is_never_older_than_twice_its_time() -> None:
-    config = FlowConfig(anchor_s=0.1)
+    config = FlowConfig(keyframe_s=0.1)
     flows = follow(FlowTracker(CAMERA, config, 60.0), texture("anchor"), (0.2, 0.1), 40)
     assert max(flow.age_frames.max() for flow in flows[1:]) <= 12
     last = flows[-1]

@@ -8,8 +8,8 @@ import pytest
 from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
-from vpf_sim.perception.egomotion.keyframes import Anchors
-from vpf_sim.perception.obstacles.track_refinement import AskedConfig, sharpened
+from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
+from vpf_sim.perception.obstacles.track_refinement import RefinementConfig, refined
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
 
@@ -48,8 +48,8 @@ def places(growth: float) -> tuple[Floats, Floats]:
     return AHEAD_PX + growth * (first - AHEAD_PX), first
 
 
-def seen(frames: list[Image], camera: Camera = CAMERA, remembered: int = 8) -> Anchors:
-    anchors = Anchors(camera, 11, remembered)
+def seen(frames: list[Image], camera: Camera = CAMERA, remembered: int = 8) -> KeyframeBuffer:
+    anchors = KeyframeBuffer(camera, 11, remembered)
     for frame in frames:
         anchors.note(frame)
     return anchors
@@ -134,7 +134,7 @@ def test_depths_are_those_of_the_first_sightings_that_were_found() -> None:
         return aside, flow.identity[rows] % 2 == 0
 
     chained = found.triangulate(flow)
-    matched = found.sharpened(flow, chained, drive.road, match)
+    matched = found.refined(flow, chained, drive.road, match)
     even = body_rows & (flow.identity % 2 == 0) & np.isin(np.arange(len(flow)), asked[0])
     assert np.count_nonzero(even) > 8
     assert np.abs(matched.depth_m - depth_m)[even].mean() < 0.7 * np.abs(chained.depth_m - depth_m)[even].mean()
@@ -155,7 +155,7 @@ def test_a_point_lies_on_the_road_by_the_better_of_its_tracks() -> None:
 
     chained, config = found.triangulate(flow), found.config.asked
     again = partial(found._found, flow)
-    matched = sharpened(flow, chained, np.arange(count), match, config, again, CAMERA)
+    matched = refined(flow, chained, np.arange(count), match, config, again, CAMERA)
     assert np.array_equal(matched.depth_m, chained.depth_m, equal_nan=True), "no depth is of a match as lying"
     true_px = np.array([truth[int(i)] for i in flow.identity])
     exact = found._found(flow, np.arange(count), true_px - flow.first_px).chi2_ground
@@ -171,7 +171,7 @@ def test_a_point_lies_on_the_road_by_the_better_of_its_tracks() -> None:
 )
 def test_what_cannot_be_asked_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="expected"):
-        AskedConfig(**wrong)
+        RefinementConfig(**wrong)
 
 
 def _firsts(drive: Drive, flow: Flow) -> tuple[Integers, Floats]:

@@ -10,8 +10,8 @@ from road_picture import RoadPicture
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import project
-from vpf_sim.perception.egomotion.camera_pitch import Steadiness, SteadinessConfig
-from vpf_sim.perception.egomotion.mount_pitch import MountedPitch, MountingConfig
+from vpf_sim.perception.egomotion.camera_pitch import PitchConfig, PitchEstimator
+from vpf_sim.perception.egomotion.mount_pitch import MountPitch, MountPitchConfig
 from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
 from vpf_sim.perception.road.model import lines, seen_lines
 from vpf_sim.planning.planner import Planner
@@ -32,7 +32,7 @@ def askew(down_deg: float) -> Camera:
 def drive(down_deg: float, curvature: float, frames: int = 10) -> tuple[RoadEdgeTracker, float, RoadEdges]:
     """The tracker after some frames, the mounting that is believed, and the edges."""
     picture = RoadPicture(askew(down_deg), curvature)
-    tracker, mounting = RoadEdgeTracker(CAMERA, RoadEdgeConfig(), RATE_HZ), MountedPitch(MountingConfig())
+    tracker, mounting = RoadEdgeTracker(CAMERA, RoadEdgeConfig(), RATE_HZ), MountPitch(MountPitchConfig())
     for i in range(frames):
         pose = picture.pose(i * SPEED_MPS / RATE_HZ, 1.3, 0.0)
         frame = picture.draw(pose, i)
@@ -96,7 +96,7 @@ def test_a_road_without_lines_does_not_tell() -> None:
 
 
 def test_looks_are_averaged_and_believed_in_steps() -> None:
-    random, pitch = stream(5, "looks"), MountedPitch(MountingConfig())
+    random, pitch = stream(5, "looks"), MountPitch(MountPitchConfig())
     believed = [0.0]
     for i in range(400):
         pitch.update(0.007 + 0.0015 * float(random.standard_normal()), 0.0002, 0.05 * i)
@@ -105,11 +105,11 @@ def test_looks_are_averaged_and_believed_in_steps() -> None:
     assert pitch.sigma_rad < 0.0004
     steps = np.abs(np.diff(believed))
     assert np.count_nonzero(steps) < 40
-    assert steps[steps > 0.0].min() >= MountingConfig().step_rad
+    assert steps[steps > 0.0].min() >= MountPitchConfig().step_rad
 
 
 def test_next_to_nothing_is_not_believed() -> None:
-    random, pitch = stream(6, "looks"), MountedPitch(MountingConfig())
+    random, pitch = stream(6, "looks"), MountPitch(MountPitchConfig())
     for i in range(200):
         pitch.update(0.0002 + 0.0002 * float(random.standard_normal()), 0.0002, 0.05 * i)
         assert pitch.pitch_rad == 0.0
@@ -139,7 +139,7 @@ def test_the_flow_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
             structure=np.tile(np.eye(2), (count, 1, 1)),
         )
 
-    steadiness = Steadiness(CAMERA, SteadinessConfig(), 60.0)
+    steadiness = PitchEstimator(CAMERA, PitchConfig(), 60.0)
     for i in range(40):
         steadiness.level(0.006, 1e-4, 0.05 * i)
     foe = Expansion(CAMERA.cx_px, CAMERA.cy_px - 0.006 * CAMERA.fy_px, np.eye(2), np.empty(0, np.bool_), 1.0)
@@ -157,8 +157,8 @@ def test_the_planner_takes_it_out_of_what_it_sees() -> None:
         pose = picture.pose(i * SPEED_MPS / 60.0, 1.3, 0.0)
         x, y, yaw = pose.tolist()
         seen = planner.perceive(Observation(picture.draw(pose, i), i / 60.0, x, y, yaw, SPEED_MPS, 0.0, (200.0, 0.0)))
-    assert planner._steadiness is not None
-    assert np.degrees(planner._steadiness.mounted_rad) == pytest.approx(0.6, abs=0.05)
+    assert planner._pitch_estimator is not None
+    assert np.degrees(planner._pitch_estimator.mounted_rad) == pytest.approx(0.6, abs=0.05)
     assert seen.road.right_m == pytest.approx(5.7, abs=0.06)
     assert len(seen.obstacles) == 0
 
@@ -166,6 +166,6 @@ def test_the_planner_takes_it_out_of_what_it_sees() -> None:
 def test_a_wrong_setting_is_named(tmp_path: object) -> None:
     file = f"{tmp_path}/own.toml"
     with open(file, "w") as own:
-        own.write("[steadiness.mounting]\nstep_rad = 0.0\n")
+        own.write("[camera_pitch.mounting]\nstep_rad = 0.0\n")
     with pytest.raises(InputError, match="step_rad: expected > 0"):
         load(file)

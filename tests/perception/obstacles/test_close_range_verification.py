@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.obstacles.close_range_verification import SecondLook, SecondLookConfig
+from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier, VerificationConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image, Obstacles
 
-CAMERA, CONFIG = Camera(), SecondLookConfig()
+CAMERA, CONFIG = Camera(), VerificationConfig()
 FACE_M, LEFT_M, RIGHT_M, PALLET_M = 10.0, -0.8, 0.8, 0.15  # in the world
 GRAIN_M = 0.04
 
@@ -62,9 +62,11 @@ def told(x_m: float, name: int, face_m: float = FACE_M, side_m: float = RIGHT_M)
     return Obstacles(*one, identity=np.array([name]))
 
 
-def walk(view: Callable[[float], Image], speed_mps: float = 1.0, face_m: float = FACE_M) -> tuple[SecondLook, int]:
+def walk(
+    view: Callable[[float], Image], speed_mps: float = 1.0, face_m: float = FACE_M
+) -> tuple[CloseRangeVerifier, int]:
     """Walk from 6 m before the face to 3.5 m; the looker, and how many bodies are left."""
-    looker, left = SecondLook(CAMERA, CONFIG), 1
+    looker, left = CloseRangeVerifier(CAMERA, CONFIG), 1
     for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05):
         left = len(looker.update(view(float(x)), np.array([x, 0.0, 0.0]), told(float(x), 7, face_m), speed_mps))
     return looker, left
@@ -81,7 +83,7 @@ def test_what_stands_stays(view: Callable[[float], Image]) -> None:
 
 @pytest.mark.parametrize("side_m", [1.3, 1.8])
 def test_a_wide_body_that_is_narrow_in_truth_stays(side_m: float) -> None:
-    looker, left = SecondLook(CAMERA, CONFIG), 1
+    looker, left = CloseRangeVerifier(CAMERA, CONFIG), 1
     for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05).tolist():
         told_wide = told(x, 7, side_m=side_m)
         left = len(looker.update(pallet(x, 0.1, 0.6), np.array([x, 0.0, 0.0]), told_wide, 1.0))
@@ -89,7 +91,7 @@ def test_a_wide_body_that_is_narrow_in_truth_stays(side_m: float) -> None:
 
 
 def test_parts_of_one_body_are_looked_at_each_in_its_place() -> None:
-    looker, left = SecondLook(CAMERA, CONFIG), 2
+    looker, left = CloseRangeVerifier(CAMERA, CONFIG), 2
     for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05).tolist():
         near, far = told(x, 7), told(x, 7, FACE_M + 1.5)
         both = Obstacles(*(np.concatenate([getattr(near, name), getattr(far, name)]) for name in Obstacles.__slots__))
@@ -100,7 +102,7 @@ def test_parts_of_one_body_are_looked_at_each_in_its_place() -> None:
 @pytest.mark.parametrize("near_m", [0.6, 1.0])
 def test_a_body_that_is_told_too_near_stays(near_m: float) -> None:
     """From afar its upper edge is seen farther back by another 0.6 m, and what is told of it lies on the road."""
-    looker = SecondLook(CAMERA, CONFIG)
+    looker = CloseRangeVerifier(CAMERA, CONFIG)
     for x in np.arange(FACE_M - 7.0, FACE_M - 3.0, 0.05).tolist():
         assert len(looker.update(pallet(x), np.array([x, 0.0, 0.0]), told(x, 7, FACE_M - near_m), 1.0)) == 1
 
@@ -108,7 +110,7 @@ def test_a_body_that_is_told_too_near_stays(near_m: float) -> None:
 @pytest.mark.parametrize(("middle_m", "left"), [(1.0, 0), (-1.0, 0), (3.0, 1), (-3.0, 1)])
 def test_no_look_is_taken_far_aside(middle_m: float, left: int) -> None:
     """There the place, away from the camera, leads past what stands: road says nothing."""
-    looker, there = SecondLook(CAMERA, CONFIG), 1
+    looker, there = CloseRangeVerifier(CAMERA, CONFIG), 1
     for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05):
         one = told(float(x), 7)
         one = replace(one, left_m=one.left_m + middle_m, right_m=one.right_m + middle_m)
@@ -133,7 +135,7 @@ def test_a_refuted_body_that_is_told_elsewhere_is_another() -> None:
 @pytest.mark.parametrize("wrong", [{"nearest_m": 9.0}, {"inside_m": -0.1}, {"rows": 0}, {"most_other": 0.0}])
 def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
-        SecondLookConfig(**wrong)  # type: ignore[arg-type]
+        VerificationConfig(**wrong)  # type: ignore[arg-type]
 
 
 def test_of_a_narrow_body_half_is_looked_at() -> None:
@@ -156,7 +158,7 @@ def post(x_m: float) -> Image:
 
 
 def test_a_narrow_body_beside_our_way_stays() -> None:
-    looker = SecondLook(CAMERA, CONFIG)
+    looker = CloseRangeVerifier(CAMERA, CONFIG)
     for x in np.arange(FACE_M - 7.0, FACE_M - 3.5, 0.05):
         ahead = np.array([FACE_M - float(x) + 0.1])
         sides = (np.array([POST_M - 0.1]), np.array([POST_M + 0.1]))
@@ -188,7 +190,7 @@ def leaning(across_m: Floats, height_m: Floats) -> Floats:
 def test_a_plain_body_whose_outline_alone_is_seen_stays(
     place_m: float, half_m: float, paint: Callable[[Floats, Floats], Floats]
 ) -> None:
-    looker, one = SecondLook(CAMERA, CONFIG), np.ones(1)
+    looker, one = CloseRangeVerifier(CAMERA, CONFIG), np.ones(1)
     for x in np.arange(FACE_M - 7.0, FACE_M - 2.8, 0.05).tolist():
         sides = (place_m - half_m) * one, (place_m + half_m) * one
         body = Obstacles((FACE_M - x) * one, *sides, 0.1 * one, one, np.array([7]))

@@ -9,7 +9,6 @@ from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.obstacles.clustering import stepped
 from vpf_sim.perception.obstacles.extent import (
     Seen,
-    as_wide_as_seen,
     at_least,
     carried,
     direction_at,
@@ -26,6 +25,7 @@ from vpf_sim.perception.obstacles.extent import (
     strays,
     turned,
     turned_back,
+    widened_to_observation,
 )
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Obstacles, RoadEdges
@@ -233,8 +233,8 @@ def test_what_parted_from_a_body_behind_it_is_no_other(
     """A van 4 m ahead, from 4 to 2 m left of the camera's axis, has the number 4."""
     left, right = np.array([-4.0, across_m[0]]), np.array([-2.0, across_m[1]])
     ahead, straight = np.array([4.0, ahead_m]), np.zeros(2)
-    is_part = parted(ahead, left, right, straight, np.array([4, body]), np.array([20, support]))
-    assert is_part.tolist() == [False, not own]
+    belongs_to = parted(ahead, left, right, straight, np.array([4, body]), np.array([20, support]))
+    assert belongs_to.tolist() == [False, not own]
 
 
 @pytest.mark.parametrize(
@@ -353,7 +353,7 @@ def test_a_low_body_well_before_a_taller_ones_face_is_not_of_it(before_m: float,
 
 
 def seen_wide(points: Obstacles, spots: Obstacles) -> Obstacles:
-    return as_wide_as_seen(points, spots, *nearest_spot(points, spots, 0.4))
+    return widened_to_observation(points, spots, *nearest_spot(points, spots, 0.4))
 
 
 def test_a_low_body_is_as_wide_as_the_look_at_the_road_saw_it_and_where_its_points_are() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tracked_points import Drive, body, road_points, tracker
 
-from vpf_sim.perception.obstacles.planar_parallax.detector import Spot
+from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.types import Floats, Obstacles
 
 
@@ -16,7 +16,7 @@ def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: i
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()
     bodies = drive.run(found, range(330))[-1]
     assert len(bodies) == 1
-    assert found.tells_surely(bodies).tolist() == [bool(kept)]
+    assert found.is_well_supported(bodies).tolist() == [bool(kept)]
     found._clear(bodies, 0, drive.pose(329))
     assert len(drive.run(found, range(330, 334))[-1]) == kept
 
@@ -51,7 +51,7 @@ def test_what_parted_from_a_body_and_was_lost_is_none_once_that_is_passed(lost: 
     drive = Drive(np.concatenate([body(40.0, 2.5, 1.6, 1.3, 10), road_points(100), parted]))
     found = tracker()
     assert len(drive.run(found, range(300))[-1]) == 2
-    found._marks.body[found._marks.body >= 0] = 0
+    found._points.body[found._points.body >= 0] = 0
     assert len(drive.run(found, range(300, 303))[-1]) == 1
     if lost:
         drive.scene[-3:] = [-50.0, 0.0, 0.0]
@@ -69,10 +69,10 @@ def test_what_a_body_drives_over_is_none(right_m: float, kept: int) -> None:
     drives = replace(
         bodies, left_m=np.array([right_m - 1.0]), right_m=np.array([right_m + 1.0]), speed_mps=np.full(1, 3.0)
     )
-    spot = Spot(float(bodies.forward_m[0]), 0.0, 0.6, 10.0)
-    found._spots.record([spot], drive.pose(329))
+    spot = LowObservation(float(bodies.forward_m[0]), 0.0, 0.6, 10.0)
+    found._low_tracks.record([spot], drive.pose(329))
     found._make_way(drives, drive.pose(329), drive.road)
-    assert len(found._spots._known) == kept
+    assert len(found._low_tracks._known) == kept
     for track in range(12):  # and is not seen again
         drive.scene[track] = [-50.0, 0.0, 0.0]
     assert len(drive.run(found, range(330, 334))[-1]) == kept
@@ -81,7 +81,7 @@ def test_what_a_body_drives_over_is_none(right_m: float, kept: int) -> None:
 def test_what_a_body_drives_over_is_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor was it when the older picture was taken, 4.5 m of our way before, 2.4 m of its own."""
     found, seen, one = tracker(), list[Floats](), np.ones(1)
-    monkeypatch.setattr(found._residual, "update", lambda *arguments: seen.append(arguments[2]))
+    monkeypatch.setattr(found._parallax, "update", lambda *arguments: seen.append(arguments[2]))
     drives = Obstacles(12.0 * one, -1.0 * one, one, 0.5 * one, one, -one.astype(np.int64), 3.0 * one)
     found.look(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(9)).road, drives, 5.6)
     assert seen[0].shape == (1, 4, 2)
@@ -131,7 +131,7 @@ def test_what_is_not_seen_again_on_the_way_to_it_is_no_part_of_a_body(
     drive = Drive(np.concatenate([body(40.0, 1.5, 3.0, 1.2, 20), road_points(100), part]))
     found = tracker()
     assert len(drive.run(found, range(first))[-1]) == 2
-    marks = found._marks
+    marks = found._points
     marks.body[marks.body >= 0] = 0
     if lost:
         drive.scene[-3:] = [-50.0, 0.0, 0.0]
@@ -144,8 +144,8 @@ def test_what_is_not_seen_again_on_the_way_to_it_is_no_part_of_a_body(
 def test_points_known_badly_or_low_tell_no_body_surely(sigma_m: float, low: bool, sure: bool) -> None:
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 7), road_points(100)])), tracker()
     bodies = drive.run(found, range(330))[-1]
-    found._marks.sigma_m[:], found._marks.low[:] = sigma_m, low
-    assert found.tells_surely(bodies).tolist() == [sure]
+    found._points.sigma_m[:], found._points.low[:] = sigma_m, low
+    assert found.is_well_supported(bodies).tolist() == [sure]
 
 
 @pytest.mark.parametrize(
@@ -162,8 +162,10 @@ def test_no_second_look_refutes_what_low_points_and_looks_at_the_road_tell_of_bo
         bodies = drive.run(found, range(k, k + 1))[-1]
         forward_m = 40.0 - drive.pose(k)[0]
         if middle_m is not None and forward_m < 16.0 and k % 6 == 0:
-            found._spots.record([Spot(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k))
-    assert found.stands_surely(bodies).tolist() == sure
+            found._low_tracks.record(
+                [LowObservation(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k)
+            )
+    assert found.is_verified(bodies).tolist() == sure
 
 
 @pytest.mark.parametrize(
@@ -183,14 +185,14 @@ def test_what_is_low_hides_little_and_what_was_refuted_nothing(
     if refuted:
         found.refute(ahead.identity)
     lens = np.array([0.8, 0.0])
-    assert (found._in_sight(Spot(spot_m, -0.4, 0.4, 30.0), [lens], ahead) is not None) == seen
+    assert (found._in_sight(LowObservation(spot_m, -0.4, 0.4, 30.0), [lens], ahead) is not None) == seen
 
 
 @pytest.mark.parametrize("refuted", [False, True])
 def test_the_road_behind_a_body_is_left_out_unless_that_was_refuted(refuted: bool) -> None:
     found, hidden = tracker(), []
     found._tall = Obstacles(*(np.array([value]) for value in (9.0, -0.9, 0.9, 0.4, np.inf)), np.array([7]))
-    found._residual = SimpleNamespace(looks=True, update=lambda _image, _pose, corners: hidden.append(len(corners)))  # type: ignore[assignment]
+    found._parallax = SimpleNamespace(looks=True, update=lambda _image, _pose, corners: hidden.append(len(corners)))  # type: ignore[assignment]
     if refuted:
         found.refute(np.array([7]))
     found.look(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(4)).road, speed_mps=5.0)

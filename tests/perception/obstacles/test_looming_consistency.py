@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tracked_points import CAMERA
 
-from vpf_sim.perception.obstacles.looming_consistency import Spread, SpreadConfig
+from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency, LoomingConsistencyConfig
 from vpf_sim.types import Floats, Flow
 
 RATE_HZ, SPEED_MPS = 20.0, 5.5
@@ -25,7 +25,7 @@ def seen(corners_m: Floats, distance_m: Floats | float, time_s: float, born_s: f
     return Flow(points, zero, np.zeros(count), poses, pose, identity, points, poses, whole, np.zeros((count, 2, 2)))
 
 
-def approached(spread: Spread, count: int, stands: bool, now_m: float, born_s: float = 0.0) -> None:
+def approached(spread: LoomingConsistency, count: int, stands: bool, now_m: float, born_s: float = 0.0) -> None:
     """Record 1 s of the corners of a body that stands, or of one five times as far off and as large that drives as
     fast as we do and across, so that it seems to be where the first is."""
     times_s = np.arange(0.0, 1.01, 1.0 / RATE_HZ)
@@ -40,13 +40,13 @@ def approached(spread: Spread, count: int, stands: bool, now_m: float, born_s: f
         spread.record(flow)
 
 
-def told(spread: Spread, count: int, now_m: float) -> list[bool]:
+def told(spread: LoomingConsistency, count: int, now_m: float) -> list[bool]:
     return spread.keeps_together(np.arange(count), np.full(count, 1.0 / now_m)).tolist()
 
 
 def keeps_together(count: int, stands: bool, now_m: float, born_s: float = 0.0) -> list[bool]:
     """What is told of them then."""
-    spread = Spread(SpreadConfig(), RATE_HZ)
+    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
     approached(spread, count, stands, now_m, born_s)
     return told(spread, count, now_m)
 
@@ -64,7 +64,7 @@ def test_one_point_or_young_ones_tell_nothing() -> None:
 
 
 def test_what_a_point_was_found_to_be_holds_while_it_is_alone_and_followed() -> None:
-    spread = Spread(SpreadConfig(), RATE_HZ)
+    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
     approached(spread, 2, False, 6.0)
     assert told(spread, 2, 6.0) == [True] * 2
     assert told(spread, 1, 6.0) == [True]
@@ -74,7 +74,7 @@ def test_what_a_point_was_found_to_be_holds_while_it_is_alone_and_followed() -> 
 
 
 def test_a_wiper_before_the_points_leaves_what_was_found() -> None:
-    spread = Spread(SpreadConfig(), RATE_HZ)
+    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
     approached(spread, 2, False, 6.0)
     assert told(spread, 2, 6.0) == [True] * 2
     nothing = seen(CORNERS_M[:0], 6.0, 1.0, 0.0)
@@ -84,7 +84,10 @@ def test_a_wiper_before_the_points_leaves_what_was_found() -> None:
 
 
 def test_more_verdicts_than_are_kept_are_undone_by_as_many_others() -> None:
-    spread, kept = Spread(SpreadConfig(), RATE_HZ), round(SpreadConfig().kept_s * RATE_HZ)
+    spread, kept = (
+        LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ),
+        round(LoomingConsistencyConfig().kept_s * RATE_HZ),
+    )
     approached(spread, 2, False, 6.0)
     for _ in range(3 * kept):
         assert told(spread, 2, 6.0) == [True] * 2
@@ -95,12 +98,12 @@ def test_more_verdicts_than_are_kept_are_undone_by_as_many_others() -> None:
 
 def test_points_of_other_things_are_not_compared() -> None:
     """Each by itself beside a far tree line, 40 px apart, or at another depth."""
-    spread = Spread(SpreadConfig(), RATE_HZ)
+    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
     apart = np.array([[1.5, 0.0], [3.5, 0.0], [5.5, 0.0]])
     for frame in range(11):
         spread.record(seen(apart, 12.0, frame / RATE_HZ, 0.0))
     assert spread.keeps_together(np.arange(3), np.full(3, 1.0 / 12.0)).tolist() == [False] * 3
-    spread = Spread(SpreadConfig(), RATE_HZ)
+    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
     for frame in range(11):
         spread.record(seen(CORNERS_M[:3], 12.0, frame / RATE_HZ, 0.0))
     assert spread.keeps_together(np.arange(3), 1.0 / np.array([4.0, 9.0, 20.0])).tolist() == [False] * 3
@@ -108,4 +111,4 @@ def test_points_of_other_things_are_not_compared() -> None:
 
 def test_limits_must_be_positive() -> None:
     with pytest.raises(ValueError, match=r"baseline_s: expected > 0, got 0\.0"):
-        SpreadConfig(baseline_s=0.0)
+        LoomingConsistencyConfig(baseline_s=0.0)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.obstacles.moving.extent import Sides, SidesConfig
+from vpf_sim.perception.obstacles.moving.extent import Sides, TrackExtentConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
-CONFIG = SidesConfig()
+CONFIG = TrackExtentConfig()
 DEPTH_M, LOOK_S = 10.0, 0.05
 FACE_M = np.linspace(-0.95, 0.95, 24)
 
@@ -108,4 +108,4 @@ def test_mirrored_points_give_the_mirrored_place() -> None:
 
 def test_widths_are_in_order() -> None:
     with pytest.raises(ValueError, match=r"narrowest_m: expected 0 < it < widest_m = 2\.6, got 3\.0"):
-        SidesConfig(narrowest_m=3.0)
+        TrackExtentConfig(narrowest_m=3.0)

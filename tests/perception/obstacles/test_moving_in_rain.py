@@ -5,10 +5,10 @@ import pytest
 from test_moving_tracker import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
-from vpf_sim.perception.obstacles.moving.detection import Apparent, MoverConfig, appear, outlines
+from vpf_sim.perception.obstacles.moving.detection import Apparent, MovingObstacleConfig, appear, outlines
 from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig
-from vpf_sim.perception.obstacles.moving.track import Mover, Sight
-from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
+from vpf_sim.perception.obstacles.moving.track import MovingTrack, Sight
+from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow
 
@@ -69,7 +69,7 @@ def test_a_suspect_goes_to_its_foot_wherever_that_is_and_a_body_rather_towards_u
     pose = np.zeros(3)
 
     def moved(foot_m: float, identity: int | None) -> float:
-        mover = Mover(Sight(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, MoverConfig().filter)
+        mover = MovingTrack(Sight(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, MovingObstacleConfig().filter)
         mover.identity = identity
         for _ in range(10):
             mover.stand(foot_m, SPEED_MPS, pose, 0.05)
@@ -88,7 +88,7 @@ def test_the_flank_of_a_body_that_is_passed_is_no_landmark(depth_m: float, side:
     flank = np.column_stack([CAMERA.forward_m + along, np.full(24, side * 2.3), np.tile([0.3, 0.7, 1.1], 8)])
     drive, seen = wet((flank, 0.0, 1.0), (flank * [1.0, -1.0, 1.0], 0.0, 1.0)), Seen()
     flow = last_of(drive, 10)
-    seen.movers.movers.append(believed(depth_m, side * 3.3, flow.pose))
+    seen.movers.tracks.append(believed(depth_m, side * 3.3, flow.pose))
     moving = seen.movers.update(flow, seen.landmarks.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ)
     place = drive.scene[flow.identity] - [*flow.pose[:2], 0.0]
     beside = (flow.identity < 48) & (place[:, 0] - CAMERA.forward_m > 1.0)
@@ -103,13 +103,15 @@ def test_the_flank_of_a_body_that_is_passed_is_no_landmark(depth_m: float, side:
 def test_a_body_that_would_be_where_we_are_hides_nothing(depth_m: float) -> None:
     drive, seen = wet(), Seen()
     flow = last_of(drive, 10)
-    seen.movers.movers.append(believed(depth_m, 0.3, flow.pose))
+    seen.movers.tracks.append(believed(depth_m, 0.3, flow.pose))
     assert not seen.movers.update(flow, seen.landmarks.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ).any()
 
 
-def believed(depth_m: float, right_m: float, pose: Floats) -> Mover:
+def believed(depth_m: float, right_m: float, pose: Floats) -> MovingTrack:
     """A body that is sure to drive there at 3 m/s."""
-    mover = Mover(Sight(depth_m, 3.0, 0.1, right_m - 1.0, right_m + 1.0), CAMERA, pose, 6.0, MoverConfig().filter)
+    mover = MovingTrack(
+        Sight(depth_m, 3.0, 0.1, right_m - 1.0, right_m + 1.0), CAMERA, pose, 6.0, MovingObstacleConfig().filter
+    )
     mover.identity = 1
     return mover
 
@@ -122,23 +124,23 @@ def test_what_would_be_mirrored_stands_on_the_road_as_far_as_that_is_known(
     speed_mps: float, right_m: float, is_on_road: bool
 ) -> None:
     """A body at 18 m is the image of what stands 18 / (1 - v_b / v) m off: 39 m at 3 m/s, 105 m at 4.6, none faster."""
-    movers, evidence = MoverTracker(CAMERA, MoverConfig(), RATE_HZ), MoverConfig().evidence
+    movers, evidence = MovingObstacleTracker(CAMERA, MovingObstacleConfig(), RATE_HZ), MovingObstacleConfig().evidence
     sight = Sight(18.0, speed_mps, 0.5, right_m - 1.0, right_m + 1.0)
-    mover = Mover(sight, CAMERA, np.zeros(3), 0.0, MoverConfig().filter)
+    mover = MovingTrack(sight, CAMERA, np.zeros(3), 0.0, MovingObstacleConfig().filter)
     for image in (-1.2, -2.5):  # above and below what asphalt is
         expected = max(image, evidence.faint(0.0, 18.0)) if is_on_road else evidence.faint(1.0, 18.0)
         assert movers._faint(mover, image, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(expected)
 
 
 def test_nearer_than_the_road_mirrors_a_body_is_not_compared_with_its_image() -> None:
-    movers, evidence = MoverTracker(CAMERA, MoverConfig(), RATE_HZ), MoverConfig().evidence
-    near = Mover(Sight(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, MoverConfig().filter)
+    movers, evidence = MovingObstacleTracker(CAMERA, MovingObstacleConfig(), RATE_HZ), MovingObstacleConfig().evidence
+    near = MovingTrack(Sight(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, MovingObstacleConfig().filter)
     assert movers._faint(near, -2.5, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(evidence.faint(1.0, 5.0))
 
 
 def apparent(drive: Contrasted, frames: int) -> Apparent:
     flow = last_of(drive, frames)
-    return appear(flow, tracker().triangulate(flow), CAMERA, RATE_HZ, MoverConfig())
+    return appear(flow, tracker().triangulate(flow), CAMERA, RATE_HZ, MovingObstacleConfig())
 
 
 def test_a_body_is_compared_with_its_image_by_what_of_it_is_half_a_metre_up_and_no_higher_than_a_car() -> None:
@@ -148,11 +150,11 @@ def test_a_body_is_compared_with_its_image_by_what_of_it_is_half_a_metre_up_and_
     parts = [
         (place[heights == high], 0.0, float(np.exp(share))) for high, share in ((0.2, -3.0), (0.8, -0.9), (2.5, 0.0))
     ]
-    seen, movers = apparent(wet(*parts), 30), MoverTracker(CAMERA, MoverConfig(), RATE_HZ)
+    seen, movers = apparent(wet(*parts), 30), MovingObstacleTracker(CAMERA, MovingObstacleConfig(), RATE_HZ)
     depth = 15.0 - 29 * SPEED_MPS / RATE_HZ - CAMERA.forward_m
     mine = np.arange(18)
     assert movers._image(seen, mine, depth) == pytest.approx(-2.0, abs=0.05)
-    assert movers._image(seen, mine, 0.99 * MoverConfig().steep_m) == -np.inf
+    assert movers._image(seen, mine, 0.99 * MovingObstacleConfig().steep_m) == -np.inf
 
 
 def test_who_is_brightest_is_suspected_first() -> None:
@@ -160,14 +162,14 @@ def test_who_is_brightest_is_suspected_first() -> None:
     bright, faint = vehicle(16.0, -2.5, 10), vehicle(16.0, 2.5, 24)
     seen = apparent(wet((faint, 3.0, float(np.exp(-1.4))), (bright, 3.0, 1.0)), 40)
     feet = np.flatnonzero(seen.moves)
-    first = outlines(seen, feet, 1, CAMERA, MoverConfig())[0]
+    first = outlines(seen, feet, 1, CAMERA, MovingObstacleConfig())[0]
     assert (seen.bearing[first] < 0.0).all()
 
 
 @pytest.mark.parametrize("key", ["bright", "least_bright"])
 def test_weights_that_make_no_order_are_refused(key: str) -> None:
     with pytest.raises(ValueError, match=key):
-        MoverConfig(**{key: {"bright": (-0.8, -1.5), "least_bright": 0.0}[key]})  # type: ignore[arg-type]
+        MovingObstacleConfig(**{key: {"bright": (-0.8, -1.5), "least_bright": 0.0}[key]})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("key", "value"), [("dry_image", -1.0), ("image_ramp", 0.0)])

@@ -7,10 +7,10 @@ import pytest
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.obstacles.moving.detection import MoverConfig, appear
+from vpf_sim.perception.obstacles.moving.detection import MovingObstacleConfig, appear
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, against
-from vpf_sim.perception.obstacles.moving.track import Mover, Sight
-from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
+from vpf_sim.perception.obstacles.moving.track import MovingTrack, Sight
+from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow, Obstacles
 
@@ -41,7 +41,7 @@ class Seen:
     """Movers and landmarks together, as the planner has them."""
 
     def __init__(self) -> None:
-        self.movers = MoverTracker(CAMERA, MoverConfig(), RATE_HZ)
+        self.movers = MovingObstacleTracker(CAMERA, MovingObstacleConfig(), RATE_HZ)
         self.landmarks = tracker()
 
     def run(self, drive: Drive, frames: range) -> list[Obstacles]:
@@ -68,7 +68,7 @@ def test_a_body_that_moves_has_the_inverse_depth_of_its_closing_speed(speed_mps:
     for frame in range(40):
         flow = drive.flow(frame)
     points = tracker().triangulate(flow)
-    seen = appear(flow, points, CAMERA, RATE_HZ, MoverConfig())
+    seen = appear(flow, points, CAMERA, RATE_HZ, MovingObstacleConfig())
     mine = flow.identity < 18
     depth = 20.0 + (speed_mps - SPEED_MPS) * 39 / RATE_HZ - CAMERA.forward_m
     assert seen.inverse_per_m[mine] == pytest.approx((1.0 - speed_mps / SPEED_MPS) / depth, abs=1e-6)
@@ -212,11 +212,11 @@ def test_a_body_that_is_believed_keeps_its_place_against_a_nearer_suspect() -> N
     drive = traffic((vehicle(16.0, 0.0), 3.0))
     seen = Seen()
     seen.run(drive, range(round(2.0 * RATE_HZ)))
-    (mover,) = [mover for mover in seen.movers.movers if mover.identity is not None]
+    (mover,) = [mover for mover in seen.movers.tracks if mover.identity is not None]
     pose = drive.pose(round(2.0 * RATE_HZ) - 1)
     place = mover.place(pose)
     sight = Sight(place[0] - 3.0, 3.6, 0.5, -1.2, 1.2)
-    seen.movers.movers.append(Mover(sight, CAMERA, pose, 0.9, MoverConfig().filter))
+    seen.movers.tracks.append(MovingTrack(sight, CAMERA, pose, 0.9, MovingObstacleConfig().filter))
     found = seen.run(drive, range(round(2.0 * RATE_HZ), round(2.2 * RATE_HZ)))
     assert [int(name) for name in found[-1].identity] == [-1]
     expected = 16.0 + (3.0 - SPEED_MPS) * 2.2
@@ -239,13 +239,13 @@ def test_a_believed_body_is_not_given_up_for_a_second_in_which_little_of_it_is_s
     assert told.forward_m == pytest.approx([16.0 + (3.0 - SPEED_MPS) * 3.0], abs=1.0)
 
 
-def two(ahead_m: float, right_m: float, pose: Floats) -> list[Mover]:
+def two(ahead_m: float, right_m: float, pose: Floats) -> list[MovingTrack]:
     """Two believed bodies on a road along the x axis, the second so far ahead of the first and right of it."""
     movers = []
     for name, (x, y) in enumerate([(12.0, 0.0), (12.0 + ahead_m, right_m)], start=1):
         forward, right = vehicle_from_world(np.array([x, y]), pose)
         sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
-        mover = Mover(sight, CAMERA, pose, 4.0, MoverConfig().filter)
+        mover = MovingTrack(sight, CAMERA, pose, 4.0, MovingObstacleConfig().filter)
         mover.predict(0.0, 0.0, 0.0)
         mover.identity = name
         movers.append(mover)
@@ -259,9 +259,9 @@ def test_two_bodies_are_one_by_how_they_lie_along_the_road_wherever_we_look(
 ) -> None:
     """Cars in neighbouring lanes, 4 m apart along the road, are 1.9 m apart across the axis of one turned by .35."""
     seen, pose = Seen(), np.array([0.0, 0.0, yaw_rad])
-    seen.movers.movers = two(ahead_m, right_m, pose)
+    seen.movers.tracks = two(ahead_m, right_m, pose)
     seen.movers._merge(pose)
-    assert len(seen.movers.movers) == count
+    assert len(seen.movers.tracks) == count
 
 
 def test_no_point_is_of_two_bodies_the_nearer_of_which_hides_the_farther() -> None:
@@ -273,16 +273,16 @@ def test_no_point_is_of_two_bodies_the_nearer_of_which_hides_the_farther() -> No
     drive, seen = traffic((near, 5.05), (vehicle(16.0, 1.3), 4.6)), Seen()
     seen.run(drive, range(60))
     pose = drive.pose(59)
-    seen.movers.movers = []
+    seen.movers.tracks = []
     for name, (start_m, right_m, speed_mps) in enumerate([(16.0, 1.3, 4.6), (9.0, 3.3, 5.05)], start=1):
         depth = start_m + speed_mps - SPEED_MPS - CAMERA.forward_m
-        mover = Mover(
-            Sight(depth, speed_mps, 0.2, right_m - 1.0, right_m + 1.0), CAMERA, pose, 5.0, MoverConfig().filter
+        mover = MovingTrack(
+            Sight(depth, speed_mps, 0.2, right_m - 1.0, right_m + 1.0), CAMERA, pose, 5.0, MovingObstacleConfig().filter
         )
         mover.identity = name
-        seen.movers.movers.append(mover)
+        seen.movers.tracks.append(mover)
     found = seen.run(drive, range(60, 120))
-    far, nearer = sorted(seen.movers.movers, key=lambda mover: mover.identity or 0)
+    far, nearer = sorted(seen.movers.tracks, key=lambda mover: mover.identity or 0)
     assert len(far.tracks)
     assert not np.isin(far.tracks, nearer.tracks).any()
     assert sorted(0.5 * (found[-1].left_m + found[-1].right_m)) == pytest.approx([1.3, 3.3], abs=0.35)
@@ -295,8 +295,8 @@ def test_tracks_older_than_a_fast_body_is_in_sight_are_not_of_it_and_do_not_spoi
         flow = drive.flow(frame)
     course, old = Course(9.0, 0.0, 0.0), flow.age_frames > 52
     assert old.any()
-    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, MoverConfig().noise)
-    mover = Mover(Sight(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, MoverConfig().filter)
+    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, MovingObstacleConfig().noise)
+    mover = MovingTrack(Sight(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, MovingObstacleConfig().filter)
     chi2, _, change = mover.fit(tracks, np.ones(len(flow)), SPEED_MPS, 3.0, np.ones(len(flow), np.bool_))
     assert np.isfinite(change)
     assert (chi2[old] > 1e3).all()
@@ -306,13 +306,13 @@ def test_a_body_that_is_only_predicted_hides_none_behind_it() -> None:
     """Beside us, beyond the picture, one is believed still; where it would be the right half of another is seen."""
     drive, seen = traffic((vehicle(9.5, 3.2), 3.0)), Seen()
     seen.run(drive, range(60))
-    beside = Mover(Sight(3.6, 3.0, 0.2, 4.7, 6.7), CAMERA, drive.pose(59), 5.0, MoverConfig().filter)
+    beside = MovingTrack(Sight(3.6, 3.0, 0.2, 4.7, 6.7), CAMERA, drive.pose(59), 5.0, MovingObstacleConfig().filter)
     beside.identity = 99
-    passed = next(mover for mover in seen.movers.movers if mover.identity is not None)
-    seen.movers.movers.append(beside)
+    passed = next(mover for mover in seen.movers.tracks if mover.identity is not None)
+    seen.movers.tracks.append(beside)
     for frame in range(60, 84):
         seen.run(drive, range(frame, frame + 1))
-        assert beside in seen.movers.movers
+        assert beside in seen.movers.tracks
         right_half = np.arange(10, 18)
         assert np.isin(passed.tracks, right_half).sum() >= 4
 
@@ -323,7 +323,7 @@ def test_the_sides_of_a_body_are_where_they_are_in_the_world_however_the_car_is_
     pose, face_m = np.array([0.0, 0.0, yaw_rad]), 12.0
     forward, right = vehicle_from_world(np.array([face_m, 1.0]), pose)
     sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
-    mover = Mover(sight, CAMERA, pose, 4.0, MoverConfig().filter)
+    mover = MovingTrack(sight, CAMERA, pose, 4.0, MovingObstacleConfig().filter)
     mover.course = Course(3.0, 0.0, 0.0)
     rear = vehicle_from_world(np.column_stack([np.full(20, face_m), 1.5 + np.linspace(-0.95, 0.95, 20)]), pose)
     for _ in range(20):
@@ -335,7 +335,7 @@ def test_the_sides_of_a_body_are_where_they_are_in_the_world_however_the_car_is_
 
 def test_a_body_seen_from_its_side_tells_nothing_of_its_rear() -> None:
     pose = np.array([0.0, 0.0, 1.2])
-    mover = Mover(Sight(7.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 4.0, MoverConfig().filter)
+    mover = MovingTrack(Sight(7.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 4.0, MovingObstacleConfig().filter)
     mover.predict(0.0, 0.0, 0.0)
     mover.predict(0.05, 0.0, 0.0)
     before = mover._place_m.copy()

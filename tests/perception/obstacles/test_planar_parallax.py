@@ -8,10 +8,10 @@ import pytest
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.geometry import rotation, vehicle_from_world
-from vpf_sim.perception.obstacles.free_road import ClearingConfig
-from vpf_sim.perception.obstacles.planar_parallax.detector import GroundResidual, ResidualConfig, Spot
-from vpf_sim.perception.obstacles.planar_parallax.tracker import SpotBook, SpotConfig, in_sight
-from vpf_sim.perception.road.occlusion import CoverConfig, footprints
+from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
+from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, ParallaxConfig, PlanarParallax
+from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, LowTrackConfig, in_sight
+from vpf_sim.perception.road.occlusion import OcclusionConfig, footprints
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 
@@ -29,9 +29,9 @@ def in_rain(image: Image, look: int) -> Image:
     return wet
 
 
-def looks(height_m: float, turn_rad: float = 0.0, rain: bool = False) -> list[tuple[Floats, list[Spot]]]:
+def looks(height_m: float, turn_rad: float = 0.0, rain: bool = False) -> list[tuple[Floats, list[LowObservation]]]:
     """Poses and spots on the way to 6.5 m before the plate; all poses turned about the origin."""
-    residual, found = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), []
+    residual, found = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), []
     for look, forward in enumerate(np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist()):
         pose = np.array([*(rotation(turn_rad) @ np.array([forward, 0.0])), turn_rad])
         image = frame(forward, height_m)
@@ -53,7 +53,7 @@ def test_a_flat_plate_is_seen_where_it_lies() -> None:
 @pytest.mark.parametrize("dash_m", [1.5, 3.0])
 def test_a_dash_that_ends_at_a_plate_does_not_bring_it_nearer(dash_m: float) -> None:
     """A car that weaves a little sees the paint a cell aside of where it was."""
-    residual, off_m = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), []
+    residual, off_m = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), []
     for way in np.arange(10.0, PLATE_M[0, 0] - 7.3, SPEED_MPS / LOOKS_HZ).tolist():
         pose = np.array([way, 0.02 * np.sin(way), 0.004 * np.cos(1.3 * way)])
         image = frame(way, 0.15, float(pose[1]), float(pose[2]), dash_m=dash_m)
@@ -67,8 +67,8 @@ def test_a_plate_in_the_next_lane_or_in_a_swerve_is_seen_and_nothing_beside_it(
     aside_m: float, turn_radpm: float
 ) -> None:
     """The car passes it in the next lane, or swerves towards it: by 13 deg between the frames that are compared."""
-    residual, on_plate = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), 0
-    for way in np.arange(8.0, PLATE_M[0, 0] - ResidualConfig().near_m - 0.3, SPEED_MPS / LOOKS_HZ).tolist():
+    residual, on_plate = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), 0
+    for way in np.arange(8.0, PLATE_M[0, 0] - ParallaxConfig().near_m - 0.3, SPEED_MPS / LOOKS_HZ).tolist():
         turning = max(0.0, way - 14.0)
         pose = np.array([way, aside_m + 0.5 * turn_radpm * turning**2, turn_radpm * turning])
         for spot in residual.update(frame(way, 0.15, float(pose[1]), float(pose[2])), pose) or []:
@@ -90,7 +90,7 @@ def test_drops_on_the_glass_are_no_spots_and_hide_no_plate() -> None:
 @pytest.mark.parametrize(("height_m", "bodies"), [(0.15, 1), (0.0, 0), (-0.15, 0), (-1.4, 0)])
 def test_only_what_stands_above_the_road_becomes_a_body(height_m: float, bodies: int) -> None:
     """Not paint as bright as the plate, nor what the wet road mirrors."""
-    book = SpotBook(SpotConfig(), lambda: 7)
+    book = LowObstacleTracks(LowTrackConfig(), lambda: 7)
     for pose, spots in looks(height_m):
         book.record(spots, pose)
     assert len(book.bodies(pose)) == bodies
@@ -118,11 +118,11 @@ def test_a_known_body_is_left_out_with_what_it_hides_and_not_what_lies_beside_it
     left_m: float, right_m: float, ahead_m: float, seen: bool
 ) -> None:
     """The plate lies from 0.2 m left to 0.6 m right."""
-    residual, found, one = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), False, np.ones(1)
+    residual, found, one = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), False, np.ones(1)
     for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
         face = PLATE_M[0, 0] - forward - ahead_m
         body = Obstacles(face * one, left_m * one, right_m * one, 0.1 * one, one, np.array([1]))
-        known = footprints(body, STRAIGHT, CoverConfig())
+        known = footprints(body, STRAIGHT, OcclusionConfig())
         found |= bool(residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]), known))
     assert found is seen
 
@@ -130,20 +130,20 @@ def test_a_known_body_is_left_out_with_what_it_hides_and_not_what_lies_beside_it
 @pytest.mark.parametrize(("right_m", "is_road"), [(0.2, False), (-1.5, True)])
 def test_where_a_body_should_begin_the_road_is_seen_or_it_is_not(right_m: float, is_road: bool) -> None:
     """A body is told where the plate is, or beside it."""
-    residual, one, found = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), np.ones(1), []
+    residual, one, found = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), np.ones(1), []
     for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
         residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
         face = (PLATE_M[0, 0] - forward) * one
         body = Obstacles(face, (right_m - 0.3) * one, (right_m + 0.3) * one, 0.2 * one, one, np.array([1]))
         found.append(float(residual.difference_at(body)[0]))
-    seen, config = np.array(found)[np.isfinite(found)], ClearingConfig()
+    seen, config = np.array(found)[np.isfinite(found)], FreeRoadConfig()
     assert len(seen) >= 4
     assert np.count_nonzero(seen < config.road) >= config.looks if is_road else np.median(seen) > config.body
 
 
 def test_where_the_noise_is_not_measured_no_road_is_seen_instead_of_a_body() -> None:
     """So far away a faint body looks like road."""
-    residual, one, config = GroundResidual(CAMERA, ResidualConfig(), LOOKS_HZ), np.ones(1), ResidualConfig()
+    residual, one, config = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), np.ones(1), ParallaxConfig()
     found = []
     for forward in np.arange(0.0, PLATE_M[0, 0] - 8.0, SPEED_MPS / LOOKS_HZ).tolist():
         residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
@@ -156,13 +156,13 @@ def test_where_the_noise_is_not_measured_no_road_is_seen_instead_of_a_body() -> 
 
 
 def test_between_looks_and_without_a_way_nothing_is_told() -> None:
-    residual = GroundResidual(CAMERA, ResidualConfig(), 60.0)
+    residual = PlanarParallax(CAMERA, ParallaxConfig(), 60.0)
     image = frame(0.0, 0.15)
     assert all(residual.update(image, np.zeros(3)) is None for _ in range(20))
 
 
 def test_a_look_waits_for_a_frame_without_a_wiper_and_the_next_is_a_period_later() -> None:
-    residual, image, looked = GroundResidual(CAMERA, ResidualConfig(), 60.0), frame(0.0, 0.15), []
+    residual, image, looked = PlanarParallax(CAMERA, ParallaxConfig(), 60.0), frame(0.0, 0.15), []
     for index in range(24):
         hidden = 4 <= index < 9  # it is due in frame 6
         looked += [index] if residual.looks and not hidden else []
@@ -173,10 +173,10 @@ def test_a_look_waits_for_a_frame_without_a_wiper_and_the_next_is_a_period_later
 def recorded(places_m: list[float], speed_mps: float = SPEED_MPS) -> list[Obstacles]:
     """Bodies after each look at spots told so far ahead, one each 0.1 s, straight on."""
     numbers = iter(range(5))
-    book, found = SpotBook(SpotConfig(), lambda: next(numbers)), []
+    book, found = LowObstacleTracks(LowTrackConfig(), lambda: next(numbers)), []
     for k, place in enumerate(places_m):
         pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
-        book.record([Spot(place, -0.4, 0.4, 30.0)] if np.isfinite(place) else [], pose)
+        book.record([LowObservation(place, -0.4, 0.4, 30.0)] if np.isfinite(place) else [], pose)
         found.append(book.bodies(pose))
     return found
 
@@ -205,7 +205,7 @@ def test_a_spot_is_believed_when_it_stays_in_the_world() -> None:
 )
 def test_what_no_spot_can_be_counted_by_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
-        SpotConfig(**wrong)
+        LowTrackConfig(**wrong)
 
 
 @pytest.mark.parametrize("bend_per_m", [-0.07, 0.0, 0.07])
@@ -214,12 +214,12 @@ def test_a_spot_is_believed_as_soon_in_a_bend_and_a_mirror_image_is_not(
     bend_per_m: float, mirrored: bool, told: int
 ) -> None:
     """On the way of 5 m a mirror image moves on by a fifth of it, away from where the car is headed at first."""
-    book, place = SpotBook(SpotConfig(), lambda: 0), np.array([13.0, 2.0 * np.sign(bend_per_m)])
+    book, place = LowObstacleTracks(LowTrackConfig(), lambda: 0), np.array([13.0, 2.0 * np.sign(bend_per_m)])
     for way in np.arange(0.0, 5.0, 0.5):
         turn = bend_per_m * way
         pose = np.array([way * np.sinc(turn / np.pi), 0.5 * way * turn, turn])
         ahead, aside = vehicle_from_world(place + np.array([0.2 * way * mirrored, 0.0]), pose)
-        book.record([Spot(ahead, aside - 0.4, aside + 0.4, 30.0)], pose)
+        book.record([LowObservation(ahead, aside - 0.4, aside + 0.4, 30.0)], pose)
         if way == 2.0:
             assert len(book.bodies(pose)) == told
     assert len(book.bodies(pose)) == told
@@ -232,12 +232,12 @@ def test_a_drop_that_moves_with_the_car_is_never_believed(speed_mps: float) -> N
 
 def suspected(sightings: list[tuple[float, bool, bool]], step_m: float = SPEED_MPS / LOOKS_HZ) -> list[tuple[int, int]]:
     """How many are suspected and believed after each look at a spot so far ahead (nan: none), `sure`, `cut`."""
-    book, found = SpotBook(SpotConfig(), lambda: 0, near_m=6.5), []
+    book, found = LowObstacleTracks(LowTrackConfig(), lambda: 0, near_m=6.5), []
     for k, (place, sure, cut) in enumerate(sightings):
         pose = np.array([k * step_m, 0.0, 0.0])
-        gain = SpotConfig().usual_gain if sure else 4.0
-        book.record([Spot(place, -0.4, 0.4, gain, sure, cut)] if np.isfinite(place) else [], pose)
-        found.append((len(book.suspects(pose)), len(book.bodies(pose))))
+        gain = LowTrackConfig().usual_gain if sure else 4.0
+        book.record([LowObservation(place, -0.4, 0.4, gain, sure, cut)] if np.isfinite(place) else [], pose)
+        found.append((len(book.tentative(pose)), len(book.bodies(pose))))
     return found
 
 
@@ -255,19 +255,21 @@ def test_what_is_first_seen_where_looks_end_is_suspected_if_it_is_sure(
 
 def test_a_car_that_stands_suspects_nothing_that_shows_up_again() -> None:
     """What sticks to the glass, while the pose trembles by a millimetre."""
-    book = SpotBook(SpotConfig(), lambda: 0)
+    book = LowObstacleTracks(LowTrackConfig(), lambda: 0)
     for k in range(6):
-        book.record([Spot(9.0 - 0.001 * k, -0.4, 0.4, 4.0, False)], np.array([0.001 * k, 0.0, 0.0]))
-    assert len(book.suspects(np.zeros(3))) == 0
+        book.record([LowObservation(9.0 - 0.001 * k, -0.4, 0.4, 4.0, False)], np.array([0.001 * k, 0.0, 0.0]))
+    assert len(book.tentative(np.zeros(3))) == 0
 
 
 def test_suspects_are_told_apart() -> None:
-    book, step = SpotBook(SpotConfig(), lambda: 0), SPEED_MPS / LOOKS_HZ
+    book, step = LowObstacleTracks(LowTrackConfig(), lambda: 0), SPEED_MPS / LOOKS_HZ
     for k in range(3):
-        spots = [Spot(place - k * step, left, left + 0.8, 4.0, False) for place, left in ((9.0, 1.3), (11.0, -0.4))]
+        spots = [
+            LowObservation(place - k * step, left, left + 0.8, 4.0, False) for place, left in ((9.0, 1.3), (11.0, -0.4))
+        ]
         book.record(spots, np.array([k * step, 0.0, 0.0]))
-    suspects = book.suspects(np.array([2 * step, 0.0, 0.0]))
-    assert len(set(suspects.identity.tolist())) == 2
+    tentative = book.tentative(np.array([2 * step, 0.0, 0.0]))
+    assert len(set(tentative.identity.tolist())) == 2
 
 
 def test_what_is_seen_again_is_suspected_until_it_is_believed_and_never_believed_on_doubts_alone() -> None:
@@ -287,22 +289,22 @@ def test_a_suspicion_ends_with_the_looks_that_do_not_show_it_but_not_where_none_
 
 @pytest.mark.parametrize(("gain", "looks"), [(6.0, 6), (12.0, 3), (60.0, 2)])
 def test_the_fainter_a_spot_the_more_looks_it_takes(gain: float, looks: int) -> None:
-    book, step = SpotBook(SpotConfig(way_m=0.5), lambda: 0), SPEED_MPS / LOOKS_HZ
+    book, step = LowObstacleTracks(LowTrackConfig(way_m=0.5), lambda: 0), SPEED_MPS / LOOKS_HZ
     for k in range(looks):
         pose = np.array([k * step, 0.0, 0.0])
         assert not len(book.bodies(pose))
-        book.record([Spot(12.0 - k * step, -0.4, 0.4, gain)], pose)
+        book.record([LowObservation(12.0 - k * step, -0.4, 0.4, gain)], pose)
     assert len(book.bodies(pose)) == 1
 
 
 @pytest.mark.parametrize(("height_m", "believed"), [(0.0, True), (0.9, False)])
 def test_what_comes_nearer_by_less_than_the_way_is_mirrored(height_m: float, believed: bool) -> None:
     """What stands 0.9 m high at D is seen in the road at D h / (h + 0.9), h that of the camera."""
-    book, height, numbers = SpotBook(SpotConfig(), lambda: next(numbers)), 1.4, iter(range(9))
+    book, height, numbers = LowObstacleTracks(LowTrackConfig(), lambda: next(numbers)), 1.4, iter(range(9))
     share = height / (height + height_m)
     for way in np.arange(0.0, 8.0, SPEED_MPS / LOOKS_HZ).tolist():
         pose = np.array([way, 0.0, 0.0])
-        book.record([Spot(0.8 + share * (14.0 / share - way), -0.4, 0.4, 30.0)], pose)
+        book.record([LowObservation(0.8 + share * (14.0 / share - way), -0.4, 0.4, 30.0)], pose)
     assert (len(book.bodies(pose)) > 0) == believed
 
 
@@ -327,10 +329,10 @@ def test_one_first_seen_near_is_believed_by_sightings_cut_off_if_there_are_more_
 
 
 def test_a_spot_that_turns_out_to_be_road_is_forgotten() -> None:
-    book, pose = SpotBook(SpotConfig(), lambda: 4), np.zeros(3)
+    book, pose = LowObstacleTracks(LowTrackConfig(), lambda: 4), np.zeros(3)
     for forward in np.arange(0.0, 4.0, 0.555).tolist():
         pose = np.array([forward, 0.0, 0.0])
-        book.record([Spot(14.0 - forward, -0.4, 0.4, 30.0)], pose)
+        book.record([LowObservation(14.0 - forward, -0.4, 0.4, 30.0)], pose)
     book.forget(3)
     assert len(book.bodies(pose)) == 1
     book.forget(4)
@@ -344,11 +346,11 @@ def test_what_flashes_up_is_forgotten() -> None:
 @pytest.mark.parametrize(("flashes", "hits"), [(0, 3), (2, 7)])
 def test_where_spots_flash_up_everywhere_it_takes_more_looks(flashes: int, hits: int) -> None:
     rng, numbers = stream(33, "flashes"), iter(range(50))
-    book, step = SpotBook(SpotConfig(), lambda: next(numbers)), SPEED_MPS / LOOKS_HZ
+    book, step = LowObstacleTracks(LowTrackConfig(), lambda: next(numbers)), SPEED_MPS / LOOKS_HZ
     for k in range(60):
-        spots = [Spot(float(place), -2.4, -2.0, 12.0) for place in rng.uniform(7.0, 30.0, flashes)]
+        spots = [LowObservation(float(place), -2.4, -2.0, 12.0) for place in rng.uniform(7.0, 30.0, flashes)]
         if k >= 40:
-            spots.append(Spot(13.0 - (k - 40) * step, 0.6, 1.4, 12.0))
+            spots.append(LowObservation(13.0 - (k - 40) * step, 0.6, 1.4, 12.0))
         book.record(spots, np.array([k * step, 0.0, 0.0]))
         if np.any(book.bodies(np.array([k * step, 0.0, 0.0])).right_m > 1.0):
             break
@@ -356,14 +358,14 @@ def test_where_spots_flash_up_everywhere_it_takes_more_looks(flashes: int, hits:
 
 
 def test_behind_a_body_the_road_is_hidden_from_either_place() -> None:
-    none, config = np.full(1, np.inf), SpotConfig()
+    none, config = np.full(1, np.inf), LowTrackConfig()
     body = Obstacles(np.array([8.0]), np.array([-1.0]), np.array([1.0]), np.ones(1), none, np.zeros(1, np.int64))
     lens, before = np.array([0.8, 0.0]), np.array([-4.0, 5.0])
-    assert in_sight(Spot(12.0, -0.4, 0.4, 30.0), lens, body, config) is None
-    beside, in_front = Spot(12.0, 2.6, 3.4, 30.0), Spot(7.0, -0.4, 0.4, 30.0)
+    assert in_sight(LowObservation(12.0, -0.4, 0.4, 30.0), lens, body, config) is None
+    beside, in_front = LowObservation(12.0, 2.6, 3.4, 30.0), LowObservation(7.0, -0.4, 0.4, 30.0)
     assert in_sight(beside, lens, body, config) == beside
     assert in_sight(in_front, lens, body, config) == in_front
-    seen_aslant = Spot(12.0, -3.6, -3.0, 30.0)
+    seen_aslant = LowObservation(12.0, -3.6, -3.0, 30.0)
     assert in_sight(seen_aslant, before, body, config) is None
     assert in_sight(seen_aslant, lens, body, config) == seen_aslant
 
@@ -371,22 +373,24 @@ def test_behind_a_body_the_road_is_hidden_from_either_place() -> None:
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_of_a_spot_half_behind_a_body_the_other_half_is_seen(side: float) -> None:
     """From 0.8 m, what is 1.3 m aside at 8 m hides up to 1.3 * 11.2 / 7.2 = 2.02 m aside at 12 m."""
-    none, config = np.full(1, np.inf), SpotConfig(margin_m=0.3)
+    none, config = np.full(1, np.inf), LowTrackConfig(margin_m=0.3)
     body = Obstacles(np.array([8.0]), np.array([-1.0]), np.array([1.0]), np.ones(1), none, np.zeros(1, np.int64))
     lens = np.array([0.8, 0.0])
     ends = sorted((side * 1.5, side * 2.9))
-    seen = in_sight(Spot(12.0, *ends, 30.0), lens, body, config)
+    seen = in_sight(LowObservation(12.0, *ends, 30.0), lens, body, config)
     assert seen is not None
     assert (seen.left_m, seen.right_m) == pytest.approx(sorted((side * 2.02, side * 2.9)), abs=0.01)
-    assert in_sight(Spot(12.0, *sorted((side * 1.5, side * 2.2)), 30.0), lens, body, config) is None, "a rim of it"
+    assert in_sight(LowObservation(12.0, *sorted((side * 1.5, side * 2.2)), 30.0), lens, body, config) is None, (
+        "a rim of it"
+    )
 
 
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 16\.0"):
-        ResidualConfig(near_m=20.0)
+        ParallaxConfig(near_m=20.0)
     with pytest.raises(ValueError, match=r"noise_far_m: expected 6\.5 to 16\.0, got 17\.0"):
-        ResidualConfig(noise_far_m=17.0)
+        ParallaxConfig(noise_far_m=17.0)
     with pytest.raises(ValueError, match=r"doubt_gain: expected > 0 and <= least_gain = 6\.0, got 7\.0"):
-        ResidualConfig(doubt_gain=7.0)
+        ParallaxConfig(doubt_gain=7.0)
     with pytest.raises(ValueError, match="doubts: expected > 0, got 0"):
-        SpotConfig(doubts=0)
+        LowTrackConfig(doubts=0)

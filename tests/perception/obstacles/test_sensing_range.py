@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from vpf_sim.perception.obstacles.planar_parallax.sensing_range import LookQuality, LowSight, LowSightConfig
+from vpf_sim.perception.obstacles.planar_parallax.sensing_range import LookQuality, SensingRange, SensingRangeConfig
 
-CONFIG = LowSightConfig()
+CONFIG = SensingRangeConfig()
 NEAR_M, PERIOD_S, SIGHTINGS = 6.5, 0.1, 2
 GRAIN = 3.0
 
 
 def told(noise: float, seen: float = 1.0, speed_mps: float = 5.0, looks: int = 200, grain: float = GRAIN) -> float:
-    sight = LowSight(CONFIG, NEAR_M, PERIOD_S)
+    sight = SensingRange(CONFIG, NEAR_M, PERIOD_S)
     for _ in range(looks):
         sight.record(LookQuality(noise, grain, np.full(len(sight.forward_m), seen)))
     return sight.distance_m(sight.needed_m(speed_mps, SIGHTINGS))
@@ -59,7 +59,7 @@ def test_before_the_first_look_the_road_is_believed_to_be_seen() -> None:
 
 def test_a_good_view_is_known_beside_whatever_is_seen() -> None:
     way = (SIGHTINGS + CONFIG.spare_looks) * PERIOD_S * 5.0
-    sight = LowSight(CONFIG, NEAR_M, PERIOD_S)
+    sight = SensingRange(CONFIG, NEAR_M, PERIOD_S)
     for _ in range(50):
         sight.record(LookQuality(np.inf, GRAIN, np.zeros(len(sight.forward_m))))
     assert sight.distance_m(sight.needed_m(5.0, SIGHTINGS)) == 0.0
@@ -70,7 +70,7 @@ def test_a_good_view_is_known_beside_whatever_is_seen() -> None:
 
 
 def test_one_bad_look_is_no_blindness() -> None:
-    sight = LowSight(CONFIG, NEAR_M, PERIOD_S)
+    sight = SensingRange(CONFIG, NEAR_M, PERIOD_S)
     whole = np.ones(len(sight.forward_m))
     for noise in (1.0, 1.0, np.inf, 1.0):
         sight.record(LookQuality(noise, GRAIN, whole))
@@ -79,4 +79,4 @@ def test_one_bad_look_is_no_blindness() -> None:
 
 def test_a_configuration_that_makes_no_sense_is_refused() -> None:
     with pytest.raises(ValueError, match="grains: expected > 0"):
-        LowSightConfig(grains=0.0)
+        SensingRangeConfig(grains=0.0)

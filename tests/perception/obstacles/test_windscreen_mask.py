@@ -4,11 +4,16 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import Grid, WaterConfig, texture, what_stays
+from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import (
+    Grid,
+    WindscreenMaskConfig,
+    static_texture,
+    texture,
+)
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
-CELL_M, CONFIG = 0.05, WaterConfig()
+CELL_M, CONFIG = 0.05, WindscreenMaskConfig()
 ROWS, COLUMNS, STEP = 160, 100, 11  # of the patch, and by how many rows the road moves between two
 ASPHALT = 90.0 + cv2.GaussianBlur(stream(41, "asphalt").normal(0.0, 12.0, (ROWS + STEP, COLUMNS)), (0, 0), 2.0)
 DROP = slice(60, 70), slice(40, 46)
@@ -29,7 +34,7 @@ def water(seen: tuple[bool, bool], line: bool = False) -> Image:
     """What stays from one layout to the next, when there is a drop in the first or the second."""
     now, before = layout(STEP, seen[1], line), layout(0, seen[0], line)
     moved = np.vstack([before[STEP:], np.zeros((STEP, COLUMNS), np.float32)])
-    return what_stays(now, before, moved, CELL_M, CONFIG)
+    return static_texture(now, before, moved, CELL_M, CONFIG)
 
 
 def test_a_drop_is_water_and_the_road_about_it_is_not() -> None:
@@ -52,4 +57,4 @@ def test_a_line_along_the_way_is_no_water() -> None:
 @pytest.mark.parametrize("wrong", [{"least_way_m": 0.0}, {"contrast": -1.0}, {"share": 1.0}])
 def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="expected"):
-        WaterConfig(**wrong)
+        WindscreenMaskConfig(**wrong)

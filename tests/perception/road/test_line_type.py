@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.perception.road.birds_eye import BirdsEye, Patch
-from vpf_sim.perception.road.line_type import LEAST_MEMORY_M, LineDuty
+from vpf_sim.perception.road.line_type import LEAST_MEMORY_M, DashDutyCycle
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats
 
@@ -14,9 +14,9 @@ RIGHT_M = np.broadcast_to(PLACES_M[:, None], (4, len(VIEW.forward_m)))
 VISIBLE: Bools = np.ones(RIGHT_M.shape, np.bool_)
 
 
-def driven(contrast: float, metres: float, step_m: float = 1.1) -> LineDuty:
+def driven(contrast: float, metres: float, step_m: float = 1.1) -> DashDutyCycle:
     """A solid line of so many grey levels, fading e-fold in 8 m, dashed ones of 3 m in 9 and 6 in 18, and none."""
-    rng, duty = stream(34, "duty"), LineDuty.start(len(PLACES_M))
+    rng, duty = stream(34, "duty"), DashDutyCycle.start(len(PLACES_M))
     column = np.rint((PLACES_M - VIEW.right_m[0]) / VIEW.column_m).astype(int)
     for travelled in np.arange(0.0, metres, step_m):
         response = np.maximum(rng.normal(0.0, 3.0, (len(VIEW.forward_m), len(VIEW.right_m))), 0.0)

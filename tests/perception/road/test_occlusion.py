@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.road.occlusion import CoverConfig, driven_over, footprints, shadow
+from vpf_sim.perception.road.occlusion import OcclusionConfig, driven_over, footprints, shadow
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
-CONFIG = CoverConfig()
+CONFIG = OcclusionConfig()
 LENS_M = np.array([0.8, 0.0])
 
 
@@ -99,4 +99,4 @@ def test_nothing_stands_where_a_body_drives(
 @pytest.mark.parametrize("wrong", [{"beside_m": 0.0}, {"car_width_m": 2.5}])
 def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
-        CoverConfig(**wrong)
+        OcclusionConfig(**wrong)

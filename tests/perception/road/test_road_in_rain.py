@@ -7,7 +7,7 @@ from road_picture import ASPHALT, RoadPicture
 
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road.hypotheses import LASTING_MOST, LaneIndex
+from vpf_sim.perception.road.hypotheses import LASTING_MOST, CarriagewayHypotheses
 from vpf_sim.perception.road.model import CURVATURES, lines, state_of
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.seeding import stream
@@ -118,9 +118,9 @@ def test_the_image_of_a_coloured_body_in_the_own_lane_makes_the_others_no_verge(
 
 
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:
-    index = LaneIndex.start(4, 2)
+    index = CarriagewayHypotheses.start(4, 2)
     assert index.is_lasting(2)
-    index = LaneIndex.start(4, 2)
+    index = CarriagewayHypotheses.start(4, 2)
     assert not any(index.is_lasting(None) for _ in range(200))
     assert not any(index.is_lasting(1) for _ in range(LASTING_MOST - 1))
     assert not index.is_lasting(2)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from vpf_sim.planning.lane.speed.clear_distance import SightConfig, safe_speed, speed_within_sight
+from vpf_sim.planning.lane.speed.clear_distance import ClearDistanceConfig, safe_speed, speed_within_clear_distance
 from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import VehicleModel
 
-CONFIG = SightConfig(brake_mps2=3.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)
+CONFIG = ClearDistanceConfig(brake_mps2=3.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)
 VEHICLE = VehicleModel()
 
 
@@ -25,7 +25,7 @@ def test_it_never_stands_for_what_cannot_be_seen() -> None:
 
 
 def slowed(speed_mps: float, now_m: float, good_m: float, wanted_mps: float = 5.55) -> float:
-    return min(speed_mps, speed_within_sight((now_m, good_m), wanted_mps, CONFIG, VEHICLE))
+    return min(speed_mps, speed_within_clear_distance((now_m, good_m), wanted_mps, CONFIG, VEHICLE))
 
 
 @pytest.mark.parametrize("wanted_mps", [3.0, 5.55, 15.0])
@@ -64,4 +64,4 @@ def test_what_cannot_be_seen_at_that_speed_or_is_not_judged_slows_nobody(good_m:
 
 def test_a_stop_that_makes_no_sense_is_refused() -> None:
     with pytest.raises(ValueError, match="brake_mps2: expected > 0"):
-        SightConfig(brake_mps2=0.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)
+        ClearDistanceConfig(brake_mps2=0.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)

@@ -12,13 +12,13 @@ from ideal import Body, Eyes, Road, clearance, perception
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
-from vpf_sim.planning.lane.planner import Valley
+from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Floats
 
-ROBUST = variant.load("robust").valley
+ROBUST = variant.load("robust").lane_planner
 assert ROBUST is not None
-KEPT_M = ROBUST.field.clearance_m - 0.1  # of the clearance that is asked for
+KEPT_M = ROBUST.lateral_cost.clearance_m - 0.1  # of the clearance that is asked for
 
 
 @dataclass
@@ -43,7 +43,7 @@ def drive(
     x, y = road.point(0.0, start_m)
     car = Bicycle(float(x), float(y), rate_hz=rate_hz)
     setup = DriverSetup(Camera(), car.model, rate_hz, 5.55, (1e3, 0.0), 0)
-    way, hands = Valley(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, rate_hz)
+    way, hands = LanePlanner(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, rate_hz)
     eyes, corners = Eyes(road, bodies, range_m), [road.corners(body) for body in bodies]
     random, seen = stream(0, "ideal perception"), deque(maxlen=delay_frames + 1)
     rows, nearest = [], inf
@@ -76,11 +76,11 @@ def test_a_car_that_does_not_see_the_road_creeps_on_then_stands_until_it_does(
 ) -> None:
     road, car = Road(), Bicycle()
     setup = DriverSetup(Camera(), car.model, 60.0, 5.55, (1e3, 0.0), 0)
-    way, hands, nothing = Valley(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, 60.0), Eyes(road, (), 16.0)
+    way, hands, nothing = LanePlanner(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, 60.0), Eyes(road, (), 16.0)
     speeds = []
     for step in range(60 * (hidden_s + 8)):
         edges = replace(road.edges(car), confidence=0.0 if 60 <= step < 60 * (hidden_s + 1) else 1.0)
-        view = replace(perception(edges, nothing.look(car)), suspects=nothing.look(car))
+        view = replace(perception(edges, nothing.look(car)), tentative=nothing.look(car))
         _, reference, _ = way.step(view, car.observe())
         car.step(hands.command(car.observe(), reference))
         speeds.append(car.speed_mps)

@@ -10,31 +10,31 @@ from bicycle import Bicycle
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, locate, place
-from vpf_sim.planning.lane.kinematic_limits import Reach
-from vpf_sim.planning.lane.lateral_cost import LaneField
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.lateral_cost import LateralCost
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.types import Command, Obstacles, RoadEdges, VehicleModel
 
-ROBUST = variant.load("robust").valley
+ROBUST = variant.load("robust").lane_planner
 assert ROBUST is not None
 CAR, SPEED_MPS = VehicleModel(), 5.55
-REACH = Reach(ROBUST.reach, CAR)
+REACH = KinematicLimits(ROBUST.limits, CAR)
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 
 
-def bodies(*rows: tuple[float, float, float]) -> Neighbours:
+def bodies(*rows: tuple[float, float, float]) -> ObstacleGeometry:
     """Each by its face along the road, and its left and right side."""
     return about(LaneObstacles(*np.array(rows).T))
 
 
-def about(bodies: LaneObstacles) -> Neighbours:
-    return Neighbours(bodies, ROBUST.field, CAR, SPEED_MPS)
+def about(bodies: LaneObstacles) -> ObstacleGeometry:
+    return ObstacleGeometry(bodies, ROBUST.lateral_cost, CAR, SPEED_MPS)
 
 
-def field(lane: Lane = LANE) -> LaneField:
+def field(lane: Lane = LANE) -> LateralCost:
     """One that has seen the empty road: it remembers to be where the car is."""
-    one = LaneField(ROBUST.field, CAR, SPEED_MPS, REACH)
+    one = LateralCost(ROBUST.lateral_cost, CAR, SPEED_MPS, REACH)
     one.update(lane, about(LaneObstacles(np.empty(0), np.empty(0), np.empty(0))))
     return one
 
@@ -45,7 +45,7 @@ def test_the_worst_body_pushes_nobody_off_the_road(side: float) -> None:
     lane = Lane(side * 3.0, 7.0, -7.0, 0.0, 0.0)
     left, right = sorted((-side * 7.0, side * 5.5))
     minimum = field(lane).update(lane, bodies((20.0, left, right))).minimum_m
-    assert abs(minimum) + 0.5 * CAR.width_m <= 7.0 - ROBUST.field.edge_gap_m + ROBUST.field.spacing_m
+    assert abs(minimum) + 0.5 * CAR.width_m <= 7.0 - ROBUST.lateral_cost.edge_gap_m + ROBUST.lateral_cost.spacing_m
 
 
 def test_a_body_that_leaves_no_way_before_it_is_not_crossed() -> None:
@@ -76,7 +76,7 @@ def tightest(way_m: float) -> float:
     """m aside on a way at walking speed: full steering to the one side, then to the other until the heading is back."""
     best = 0.0
     for turn in np.linspace(0.2, 0.8, 13):
-        car = Bicycle(speed_mps=ROBUST.reach.walking_mps)
+        car = Bicycle(speed_mps=ROBUST.limits.walking_mps)
         while car.x_m < way_m and -1e-3 < car.yaw_rad < 1.2:
             car.step(Command(0.0, 1.0 if car.x_m < turn * way_m else -1.0))
         if car.yaw_rad < 0.05:
@@ -94,10 +94,10 @@ def test_the_way_decides_the_speed() -> None:
     """By t = sqrt(4.4 s / a), or by the steering's rate, and what the heading brings; inf where nothing is left."""
     way, shift = np.array([20.0, 5.0, 20.0, 3.0, 3.0]), np.array([1.0, 1.0, -0.2, 2.0, 0.0])
     speed = REACH.speed(way, shift, 0.0, 0.0)
-    assert speed[0] == pytest.approx(20.0 / (np.sqrt(4.4 / ROBUST.reach.acceleration_mps2) + 0.3))
+    assert speed[0] == pytest.approx(20.0 / (np.sqrt(4.4 / ROBUST.limits.acceleration_mps2) + 0.3))
     assert REACH.steering(speed[1]) == pytest.approx(15.0 / (5.0 - 0.3 * speed[1]) ** 3, rel=0.05)
     assert speed[2] == inf
-    assert speed[3] < ROBUST.reach.walking_mps
+    assert speed[3] < ROBUST.limits.walking_mps
     assert speed[4] == inf
     assert REACH.reaches(way, shift, 0.0).tolist() == [True, True, True, False, True]
     assert REACH.reaches(way[3:4], shift[3:4], 0.55)[0]
@@ -139,7 +139,7 @@ def test_near_an_edge_the_car_turns_no_more_than_its_corners_allow() -> None:
     for gap in (0.3, 0.8, 1.5):
         lane = replace(LANE, y_m=LANE.right_m - 0.5 * CAR.width_m - gap)
         left, right = REACH.between(lane, 1.0)
-        assert left == ROBUST.reach.walking_ratio
+        assert left == ROBUST.limits.walking_ratio
         corner = (
             0.5 * hypot(CAR.length_m, CAR.width_m) * np.sin(np.arcsin(right) + np.arctan(CAR.width_m / CAR.length_m))
         )
@@ -186,7 +186,7 @@ def test_a_gap_beside_the_edge_is_chosen_before_a_place_that_touches(side: float
     """
     edges, barrier = sorted((-12.0 * side, 5.25 * side)), sorted((-12.0 * side, (5.25 - gap_m) * side))
     lane = Lane(2.0 * side, edges[1], edges[0], 0.0, 0.0)
-    watch = LaneField(ROBUST.field, CAR, SPEED_MPS, REACH)
+    watch = LateralCost(ROBUST.lateral_cost, CAR, SPEED_MPS, REACH)
     minimum_m = watch.update(lane, bodies((12.0, barrier[0], barrier[1]))).minimum_m
     free_m = side * minimum_m - (5.25 - gap_m) - 0.5 * CAR.width_m
     assert (free_m > 0.11) == passes
@@ -256,7 +256,7 @@ def test_the_way_to_an_edge_is_that_of_the_law_by_which_the_path_comes_near(gap_
     told = REACH.edge_way(gap_m, left_m, slope)
     gap, way, reached = gap_m, -0.5 * CAR.length_m - CAR.l_r_m, np.full(3, np.inf)
     while gap > left_m[0]:
-        slope = min(slope + step_m / REACH.radius_m, ROBUST.reach.walking_ratio, gap / REACH.path_arm_m)
+        slope = min(slope + step_m / REACH.radius_m, ROBUST.limits.walking_ratio, gap / REACH.path_arm_m)
         gap, way = gap - slope * step_m, way + step_m
         reached = np.where((gap <= left_m) & (reached == np.inf), way, reached)
     assert told == pytest.approx(reached, abs=0.3)

@@ -12,27 +12,27 @@ from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, locate
-from vpf_sim.planning.lane.kinematic_limits import Reach, rear_m
-from vpf_sim.planning.lane.lateral_path import Glide
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, rear_m
+from vpf_sim.planning.lane.lateral_path import LateralPath
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.types import Floats, VehicleModel
 
-ROBUST = variant.load("robust").valley
+ROBUST = variant.load("robust").lane_planner
 assert ROBUST is not None
 CAR, RATE_HZ = VehicleModel(), 60.0
-REACH = Reach(ROBUST.reach, CAR)
+REACH = KinematicLimits(ROBUST.limits, CAR)
 LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
 NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))
 
 
-def about(bodies: LaneObstacles) -> Neighbours:
-    return Neighbours(bodies, ROBUST.field, CAR, 5.55)
+def about(bodies: LaneObstacles) -> ObstacleGeometry:
+    return ObstacleGeometry(bodies, ROBUST.lateral_cost, CAR, 5.55)
 
 
 def path(minima_m: Sequence[float], speed_mps: float) -> Floats:
     """(N, 3) place, slope and bend at every step."""
-    glide, rows = Glide(ROBUST.reference, REACH, 0.0, 2.0 * speed_mps), []
+    glide, rows = LateralPath(ROBUST.reference, REACH, 0.0, 2.0 * speed_mps), []
     for minimum_m in minima_m:
         glide.advance(LANE, minimum_m, np.inf, speed_mps, speed_mps / RATE_HZ)
         rows.append((glide.y_m, glide.slope, glide.bend_per_m))
@@ -47,10 +47,10 @@ def test_a_shift_keeps_the_limits_of_the_car_and_ends_without_overshoot(speed_mp
     assert y[-1] == pytest.approx(shift_m, abs=0.01)
     assert y.max() < 1.03 * shift_m
     assert np.abs(bend).max() <= 1.0 / REACH.radius_m + 1e-9
-    assert np.abs(bend).max() * speed_mps**2 <= ROBUST.reach.acceleration_mps2 + 1e-9
-    assert np.abs(slope).max() <= ROBUST.reach.walking_ratio + 1e-9
+    assert np.abs(bend).max() * speed_mps**2 <= ROBUST.limits.acceleration_mps2 + 1e-9
+    assert np.abs(slope).max() <= ROBUST.limits.walking_ratio + 1e-9
     steering = np.abs(np.diff(bend)) / step * speed_mps * CAR.wheelbase_m
-    assert steering.max() <= ROBUST.reach.steering_radps + 1e-9
+    assert steering.max() <= ROBUST.limits.steering_radps + 1e-9
 
 
 @pytest.mark.parametrize("speed_mps", [1.0, 2.0, 3.0])
@@ -71,7 +71,7 @@ def test_a_reversal_overshoots_as_little_as_the_limits_of_the_car_allow(
 
 
 def test_who_stands_goes_along_no_path() -> None:
-    glide = Glide(ROBUST.reference, REACH, 0.0, 4.0)
+    glide = LateralPath(ROBUST.reference, REACH, 0.0, 4.0)
     for _ in range(60):
         glide.advance(LANE, 3.0, np.inf, 1.0, 1.0 / RATE_HZ)
     before = (glide.y_m, glide.slope, glide.bend_per_m)
@@ -220,7 +220,7 @@ def test_between_two_bodies_the_path_is_that_of_the_mirrored_world() -> None:
     """Where no slope is free to either side, it is neither's."""
 
     def ended(side: float) -> float:
-        glide, edges = Glide(ROBUST.reference, REACH, 0.1 * side, 4.0), sorted((-0.9 * side, 1.0 * side))
+        glide, edges = LateralPath(ROBUST.reference, REACH, 0.1 * side, 4.0), sorted((-0.9 * side, 1.0 * side))
         for _ in range(60):
             glide.advance(replace(LANE, left_m=edges[0], right_m=edges[1]), 0.0, np.inf, 2.0, 2.0 / RATE_HZ)
         return glide.y_m

@@ -5,7 +5,7 @@ import pytest
 
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.types import Obstacles, VehicleModel
 
 VEHICLE = VehicleModel()
@@ -28,9 +28,9 @@ def told(*rows: tuple[float, float, float]) -> Obstacles:
 
 
 def weights(bodies: LaneObstacles) -> list[float]:
-    valley = variant.load("robust").valley
+    valley = variant.load("robust").lane_planner
     assert valley is not None
-    weight: list[float] = Neighbours(bodies, valley.field, VEHICLE, 5.55).weight.tolist()
+    weight: list[float] = ObstacleGeometry(bodies, valley.lateral_cost, VEHICLE, 5.55).weight.tolist()
     return weight
 
 

@@ -7,30 +7,30 @@ import pytest
 
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.kinematic_limits import Reach
-from vpf_sim.planning.lane.lateral_cost import LaneField
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.lateral_cost import LateralCost
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.types import VehicleModel
 
-ROBUST = variant.load("robust").valley
+ROBUST = variant.load("robust").lane_planner
 assert ROBUST is not None
 CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
-REACH = Reach(ROBUST.reach, CAR)
+REACH = KinematicLimits(ROBUST.limits, CAR)
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 
 
-def field() -> LaneField:
-    return LaneField(ROBUST.field, CAR, SPEED_MPS, REACH)
+def field() -> LateralCost:
+    return LateralCost(ROBUST.lateral_cost, CAR, SPEED_MPS, REACH)
 
 
 def obstacle(along_m: float, y_m: float, speed_mps: float) -> LaneObstacles:
     return LaneObstacles(*(np.array([value]) for value in (along_m, y_m - 0.9, y_m + 0.9, speed_mps)))
 
 
-def about(*bodies: LaneObstacles) -> Neighbours:
+def about(*bodies: LaneObstacles) -> ObstacleGeometry:
     all_of_them = (np.concatenate([getattr(one, name) for one in bodies]) for name in LaneObstacles.__slots__)
-    return Neighbours(LaneObstacles(*all_of_them), ROBUST.field, CAR, SPEED_MPS)
+    return ObstacleGeometry(LaneObstacles(*all_of_them), ROBUST.lateral_cost, CAR, SPEED_MPS)
 
 
 def test_a_slow_lead_is_overtaken_and_one_that_runs_away_is_not() -> None:
@@ -102,7 +102,7 @@ def test_what_is_met_later_does_not_push_the_path_to_what_is_being_passed() -> N
 
 def test_a_path_is_not_brought_nearer_to_a_body_that_is_being_passed_than_is_wanted() -> None:
     passed = obstacle(2.0, -1.0, 3.0)
-    clear = -0.1 + 0.5 * CAR.width_m + ROBUST.field.clearance_m
+    clear = -0.1 + 0.5 * CAR.width_m + ROBUST.lateral_cost.clearance_m
     assert about(passed).kept_beside(2.0, 0.3) == pytest.approx(clear)
     assert about(passed).kept_beside(2.0, 1.8) == 1.8
     assert about(passed).kept_beside(1.2, 0.3) == 1.2

@@ -13,14 +13,14 @@ from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
-from vpf_sim.planning.lane.planner import Valley, ValleyConfig
-from vpf_sim.planning.lane.recovery import BEGINS_M, NEXT_M, WayOut
-from vpf_sim.planning.lane.recovery_candidates import BEYOND_M, LOCKS, STEP_M, Hindrances, courses, separation
+from vpf_sim.planning.lane.planner import LanePlanner, LanePlannerConfig
+from vpf_sim.planning.lane.recovery import BEGINS_M, NEXT_M, Recovery
+from vpf_sim.planning.lane.recovery_candidates import BEYOND_M, LOCKS, STEP_M, Blockers, courses, separation
 from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges, VehicleModel
 
-ROBUST = variant.load("robust").valley
+ROBUST = variant.load("robust").lane_planner
 assert ROBUST is not None
-CONFIG = ROBUST.way_out
+CONFIG = ROBUST.recovery
 assert CONFIG is not None
 CAR = VehicleModel()
 SETUP = DriverSetup(Camera(), CAR, 60.0, 5.55, (1e3, 0.0), 0)
@@ -31,13 +31,13 @@ CLOSED = (*DEAD_END, Body(28.0, -3.5, width_m=3.0), Body(28.0, -7.0, width_m=3.0
 
 
 def drive(
-    bodies: Sequence[Body], config: ValleyConfig = ROBUST, curvature_per_m: float = 0.0, time_s: float = 40.0
+    bodies: Sequence[Body], config: LanePlannerConfig = ROBUST, curvature_per_m: float = 0.0, time_s: float = 40.0
 ) -> tuple[Bicycle, float, float]:
     """The car, known bodies 3 m before it, at standstill; least clearance m, and the largest angle to the road, rad."""
     road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
     x, y = road.point(20.0, 0.0)
     car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
-    way, hands = Valley(SETUP, config), Gtsmc(load_gains("robust"), car.model, 60.0)
+    way, hands = LanePlanner(SETUP, config), Gtsmc(load_gains("robust"), car.model, 60.0)
     eyes, corners, nearest, turned = Eyes(road, bodies, 16.0), [road.corners(body) for body in bodies], inf, 0.0
     while car.time_s < time_s and road.local(car.x_m, car.y_m)[0] < 40.0:
         _, reference, _ = way.step(perception(road.edges(car), eyes.look(car)), car.observe())
@@ -56,7 +56,7 @@ def test_it_turns_out_where_a_shift_is_out_of_reach(curvature_per_m: float) -> N
 
 
 def test_without_it_the_car_stands_for_good() -> None:
-    car, nearest, _ = drive(DEAD_END, replace(ROBUST, way_out=None), time_s=20.0)
+    car, nearest, _ = drive(DEAD_END, replace(ROBUST, recovery=None), time_s=20.0)
     assert car.speed_mps < 0.05
     assert car.x_m < 28.0
     assert nearest > 0.5
@@ -75,11 +75,11 @@ def test_the_car_is_turned_as_its_course_is(curvature_per_m: float) -> None:
     road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
     x, y = road.point(20.0, 0.0)
     car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
-    way, hands = Valley(SETUP, ROBUST), Gtsmc(load_gains("robust"), CAR, 60.0)
+    way, hands = LanePlanner(SETUP, ROBUST), Gtsmc(load_gains("robust"), CAR, 60.0)
     eyes, off = Eyes(road, DEAD_END, 16.0), []
     while car.time_s < 40.0 and road.local(car.x_m, car.y_m)[0] < 40.0:
         _, reference, _ = way.step(perception(road.edges(car), eyes.look(car)), car.observe())
-        if way._way_out is not None and way._way_out.is_driven:
+        if way._recovery is not None and way._recovery.is_driven:
             off.append(abs(wrap_angle(reference.heading_rad - car.yaw_rad)))
         car.step(hands.command(car.observe(), reference))
     assert len(off) > 300
@@ -123,10 +123,10 @@ def test_the_separation_of_rectangles() -> None:
     straight = courses(LANE, 0.0, CAR, per_m=1e3, lock=1e-9)  # goes on as it is
     beside = LaneObstacles(np.array([4.0]), np.array([1.5]), np.array([2.5]))
     ahead = LaneObstacles(np.array([5.0]), np.array([-0.5]), np.array([0.5]))
-    apart, edges = separation(straight, LANE, Hindrances.of(beside, 2.0, BEYOND_M), CAR)
+    apart, edges = separation(straight, LANE, Blockers.of(beside, 2.0, BEYOND_M), CAR)
     assert apart[0, 40] == pytest.approx(1.5 - HALF_M)
     assert edges[0] == pytest.approx(12.0 - HALF_M)
-    apart, _ = separation(straight, LANE, Hindrances.of(ahead, 1.0, BEYOND_M), CAR)
+    apart, _ = separation(straight, LANE, Blockers.of(ahead, 1.0, BEYOND_M), CAR)
     assert apart[0, 0] == pytest.approx(5.0 - 0.5 * CAR.length_m)
     assert apart[0].min() < 0.0
 
@@ -147,15 +147,15 @@ def narrow(forward_m: float, right_m: float, half_m: float, identity: int) -> Ob
 ON_THE_WAY = narrow(2.3, 0.0, 0.5, 1)
 
 
-def stood_before(bodies: Obstacles) -> WayOut:
+def stood_before(bodies: Obstacles) -> Recovery:
     """After it has stood for so long that it looks for a way."""
-    out, car = WayOut(CONFIG, CAR, 60.0), Bicycle(speed_mps=0.0)
+    out, car = Recovery(CONFIG, CAR, 60.0), Bicycle(speed_mps=0.0)
     for _ in range(round(60.0 * CONFIG.standing_s) + 2):
         out.update(LANE, bodies, car.observe(), Reference(0.0, 0.0))
     return out
 
 
-def began() -> WayOut:
+def began() -> Recovery:
     return stood_before(told(0.0))
 
 
@@ -204,10 +204,10 @@ def test_what_is_told_on_the_way_ends_it_no_farther_than_a_little_past_the_cours
 def test_who_stands_near_a_body_keeps_the_clearance_from_all_that_follows() -> None:
     """A wide body begins 0.1 m beside the corner, and a narrow one, ahead on the other side, leaves room enough."""
     beside = narrow(0.5 * CAR.length_m, HALF_M + 0.1 + 1.05, 1.05, 0)
-    both = beside.together_with(narrow(4.6, -1.2, 0.3, 1))
+    both = beside.concatenate(narrow(4.6, -1.2, 0.3, 1))
     out = stood_before(both)
     assert out._course is not None
-    bodies = Hindrances.of(place(both, LANE), CONFIG.body_length_m, BEYOND_M)
+    bodies = Blockers.of(place(both, LANE), CONFIG.body_length_m, BEYOND_M)
     apart, _ = separation(out._course, LANE, bodies, CAR)
     assert apart[0, 0] == pytest.approx(0.1)
     assert apart[0, round(BEGINS_M / STEP_M) :].min() >= CONFIG.clearance_m
@@ -227,7 +227,7 @@ def test_who_is_turned_and_has_no_course_stands() -> None:
 TURNED = Bicycle(1.0, 0.1, 0.35, 0.0)
 
 
-def begun_again(new: Obstacles) -> tuple[WayOut, Lane]:
+def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
     """A narrow body ends the course, the car stands turned, and looks for another while the `new` is told."""
     out, moves = began(), replace(TURNED, speed_mps=0.5)
     lane = out.lane(road(0.1, -0.35), TURNED.observe())

@@ -66,7 +66,7 @@ def test_what_stands_behind_the_first_must_leave_more(
 def test_a_body_of_another_row_or_beside_the_car_shuts_none() -> None:
     in_way = (-0.5, 0.5)
     truck = (5.0, HALF_M + 1.0, HALF_M + 3.5)
-    far = row(truck, (5.0 + ROBUST.field.long_m + 2.0, *in_way))
+    far = row(truck, (5.0 + ROBUST.lateral_cost.long_m + 2.0, *in_way))
     assert shut(far).tolist() == [False, True]
     assert shut(row((-1.0, *truck[1:]), (3.0, *in_way))).tolist() == [False, True]
 

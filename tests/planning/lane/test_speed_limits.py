@@ -11,9 +11,9 @@ from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.planning.lane.gap_cost import ROW_M
-from vpf_sim.planning.lane.kinematic_limits import Reach
-from vpf_sim.planning.lane.lateral_path import Glide
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.lateral_path import LateralPath
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.limits import (
     CLOSED_M,
     EASY_MPS,
@@ -30,26 +30,26 @@ from vpf_sim.planning.lane.speed.limits import (
     MET_S,
     NEAR_M,
     TURNS_M,
-    Pace,
+    SpeedLimits,
 )
 from vpf_sim.types import Floats, VehicleModel
 
-ROBUST = variant.load("robust").valley
+ROBUST = variant.load("robust").lane_planner
 assert ROBUST is not None
 CONFIG = ROBUST.reference
 CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
 HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
-REACH = Reach(ROBUST.reach, CAR)
+REACH = KinematicLimits(ROBUST.limits, CAR)
 NARROW_M = 0.5 * (CONFIG.walking_clearance_m + CONFIG.minimum_clearance_m)
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 
 
-def about(bodies: LaneObstacles) -> Neighbours:
-    return Neighbours(bodies, ROBUST.field, CAR, SPEED_MPS)
+def about(bodies: LaneObstacles) -> ObstacleGeometry:
+    return ObstacleGeometry(bodies, ROBUST.lateral_cost, CAR, SPEED_MPS)
 
 
-def pace() -> Pace:
-    return Pace(CONFIG, SPEED_MPS, RATE_HZ, REACH)
+def pace() -> SpeedLimits:
+    return SpeedLimits(CONFIG, SPEED_MPS, RATE_HZ, REACH)
 
 
 def wanted(obstacles: LaneObstacles, speed_mps: float = 3.0) -> float:
@@ -67,7 +67,7 @@ def gate(gap_m: float, way_m: float) -> LaneObstacles:
 def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
     gaps = np.linspace(CONFIG.walking_clearance_m + 1e-6, CONFIG.minimum_clearance_m + 0.05, 50)
     speeds = np.array([wanted(gate(gap, 2.0)) for gap in gaps])
-    assert speeds[0] == pytest.approx(ROBUST.reach.walking_mps, abs=1e-3)
+    assert speeds[0] == pytest.approx(ROBUST.limits.walking_mps, abs=1e-3)
     assert speeds[-1] == SPEED_MPS
     assert np.all(np.diff(speeds) >= 0.0)
     assert np.diff(speeds).max() < 0.15
@@ -76,15 +76,15 @@ def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
 
 def test_a_gap_is_left_as_slowly_as_it_is_entered() -> None:
     """Until the rear has passed the bodies, which are 3.5 m long at least."""
-    through = 2.0 * BUMPER_M + ROBUST.field.body_length_m
+    through = 2.0 * BUMPER_M + ROBUST.lateral_cost.body_length_m
     before, beside, past = (wanted(gate(NARROW_M, way_m)) for way_m in (0.5, 0.1 - through, -0.1 - through))
     assert beside == pytest.approx(before, abs=1e-6)
     assert before < SPEED_MPS == past
 
 
 def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> None:
-    speeds = [wanted(gate(NARROW_M, 2.0), ROBUST.reach.walking_mps + off) for off in (-0.01, 0.01)]
-    assert speeds[0] == speeds[1] > ROBUST.reach.walking_mps
+    speeds = [wanted(gate(NARROW_M, 2.0), ROBUST.limits.walking_mps + off) for off in (-0.01, 0.01)]
+    assert speeds[0] == speeds[1] > ROBUST.limits.walking_mps
 
 
 def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
@@ -243,10 +243,10 @@ def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:
 def test_the_wheels_are_straight_before_the_path_is_too_steep(side: float) -> None:
     """On p + b^2 / (2 j) the path is headed most steeply at the wall beside it, and not at all where it is straight."""
     wall = LaneObstacles(*(np.array([one]) for one in (BUMPER_M - 3.0, *sorted((side * 2.0, side * 5.0)))))
-    glide = Glide(CONFIG, REACH, 0.0, 5.0)
+    glide = LateralPath(CONFIG, REACH, 0.0, 5.0)
     glide.slope, glide.bend_per_m = side * 0.05, side * 0.12
     speed_mps = pace()._unwound(about(wall), LANE, glide)
-    assert ROBUST.reach.walking_mps < speed_mps < SPEED_MPS
+    assert ROBUST.limits.walking_mps < speed_mps < SPEED_MPS
     allowed = REACH.path_between(about(wall).between(LANE, 0.0), 0.0)[side > 0.0]
     assert 0.05 + 0.12**2 / (2.0 * REACH.steering(np.array([speed_mps]))[0]) == pytest.approx(allowed + 0.02, abs=0.01)
     glide.slope, glide.bend_per_m = side * 0.3, 0.0
@@ -267,7 +267,7 @@ def bent(
     sign = -1.0 if mirrored else 1.0
     sides = [(face, *sorted((sign * left, sign * right))) for face, left, right in rows]
     y_m, slope, bend = (sign * one for one in path)
-    glide = Glide(CONFIG, REACH, y_m, 5.0)
+    glide = LateralPath(CONFIG, REACH, y_m, 5.0)
     glide.slope, glide.bend_per_m = slope, bend
     lane = Lane(y_m, 9.0, -9.0, -slope, 0.0)
     return pace().update(lane, about(LaneObstacles(*np.array(sides).T)), sign * minimum_m, 5.0, glide)

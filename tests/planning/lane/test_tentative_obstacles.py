@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.speed.tentative_obstacles import Caution, CautionConfig
+from vpf_sim.planning.lane.speed.tentative_obstacles import TentativeLimit, TentativeLimitConfig
 from vpf_sim.types import VehicleModel
 
-CONFIG = CautionConfig(brake_mps2=3.0, reaction_s=0.3, standoff_m=3.0, clearance_m=0.3, least_mps=2.8, rise_mps2=1.5)
+CONFIG = TentativeLimitConfig(
+    brake_mps2=3.0, reaction_s=0.3, standoff_m=3.0, clearance_m=0.3, least_mps=2.8, rise_mps2=1.5
+)
 VEHICLE = VehicleModel()
 REFERENCE_MPS, RATE_HZ = 5.55, 60.0
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
@@ -23,10 +25,10 @@ NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))
 
 
 def driven(
-    what: LaneObstacles, seconds: float = 3.0, goal_m: float = 0.0, caution: Caution | None = None
+    what: LaneObstacles, seconds: float = 3.0, goal_m: float = 0.0, caution: TentativeLimit | None = None
 ) -> list[float]:
     """Speeds of a car that follows exactly."""
-    caution = caution or Caution(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
+    caution = caution or TentativeLimit(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
     speeds = [REFERENCE_MPS]
     for _ in range(round(seconds * RATE_HZ)):
         speeds.append(caution.update(LANE, what, goal_m, speeds[-1]))
@@ -54,7 +56,7 @@ def test_what_lies_where_the_car_is_going_counts() -> None:
 
 
 def test_the_speed_falls_as_the_car_brakes_and_rises_gently() -> None:
-    caution = Caution(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
+    caution = TentativeLimit(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
     speeds = [REFERENCE_MPS, *driven(suspect(4.0), 1.5, caution=caution)]
     fall = -np.diff(speeds).min() * RATE_HZ
     assert fall == pytest.approx(CONFIG.brake_mps2)
@@ -64,7 +66,7 @@ def test_the_speed_falls_as_the_car_brakes_and_rises_gently() -> None:
 
 
 def test_a_sight_that_fails_for_a_moment_does_not_jerk() -> None:
-    caution = Caution(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
+    caution = TentativeLimit(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
     seen = [4.0, *[2.8] * 6, *[4.0] * 30]
     speeds = [caution.update(LANE, NOTHING, 0.0, 4.0, mps) for mps in [4.0] * 60 + seen]
     assert speeds[59] == 4.0
@@ -73,11 +75,11 @@ def test_a_sight_that_fails_for_a_moment_does_not_jerk() -> None:
 
 
 def test_a_car_that_is_slow_already_is_not_slowed_later() -> None:
-    caution = Caution(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
+    caution = TentativeLimit(CONFIG, VEHICLE, REFERENCE_MPS, RATE_HZ)
     assert caution.update(LANE, suspect(5.0), 0.0, 3.5) == pytest.approx(3.5 - CONFIG.brake_mps2 / RATE_HZ)
 
 
-@pytest.mark.parametrize("name", [one.name for one in fields(CautionConfig)])
+@pytest.mark.parametrize("name", [one.name for one in fields(TentativeLimitConfig)])
 def test_nonsense_is_refused(name: str) -> None:
     with pytest.raises(ValueError, match=f"{name}: expected > 0, got 0"):
         replace(CONFIG, **{name: 0.0})

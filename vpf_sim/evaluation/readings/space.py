@@ -68,7 +68,7 @@ def variant_table(reading: Reading) -> Table:
         for key, value in quantity.choices.get(str(reading[quantity.name]), {}).items():
             whole = tables.read(PACKAGE, "robust.toml")[key] if value == WHOLE else value
             put(table, key, deepcopy(whole))
-    line = table["gradient_line"]
+    line = table["paper_planner"]
     target_n = line["target_field"]["alpha"] * line["target_field"].get("reach_m", FAR_M)
     line["obstacle_field"]["gamma"] = rounded(float(reading["push"]) * target_n / _push_of_one(table))
     lambda_y = rounded(float(reading["stiffness"]) * target_n / _stiffness_of_one(line["road_field"]))
@@ -89,7 +89,7 @@ def _push_of_one(table: Table) -> float:
     grid = np.meshgrid(np.arange(left, right, step), np.arange(top, bottom, step))
     plane = rasterise(np.stack([axis.ravel() for axis in grid], axis=1), Camera(), config)
     force = float(smoothed_gradient(plane, config)[0].mean())
-    return force / float(plane.mean()) if table["gradient_line"]["obstacle_field"].get("area") == "obstacles" else force
+    return force / float(plane.mean()) if table["paper_planner"]["obstacle_field"].get("area") == "obstacles" else force
 
 
 def _stiffness_of_one(road: Table) -> float:

@@ -144,12 +144,12 @@ class Judge:
     def _judge_stages(self, flow: Flow, truth: Truth) -> None:
         """What the paper's stages make of that flow, and the robust ones."""
         camera, plain = self._camera, self._plain
-        foe = expansion.estimate(flow, camera, plain.expansion, self._random)
+        foe = expansion.estimate(flow, camera, plain.focus_of_expansion, self._random)
         robust = expansion.estimate(flow, camera, ExpansionConfig(method="robust"), self._random)
         true_foe = truth["foe"].astype(np.float64)
         self._judged.foe_px.extend(foe_error_px(foe, true_foe))
         self._judged.robust_foe_px.extend(foe_error_px(robust, true_foe))
-        ttc = contact.time_to_contact(flow, foe, camera, plain.contact)
+        ttc = contact.time_to_contact(flow, foe, camera, plain.time_to_contact)
         self._judged.ttc_errors.append(ttc_errors(ttc, at(truth["ttc"], flow.points_px, camera)))
         stands = truth["instance"] != 0
         for config, found in (

@@ -72,7 +72,7 @@ class Eye:
 
     def see(self, image: Image, pose: Floats, foe_px: Floats, hidden: Image | None, counts: bool) -> Flow:
         flow = self._tracker.update(image, pose, hidden)
-        self.foe = expansion.estimate(flow, self._camera, self._variant.expansion, self._random, self.foe)
+        self.foe = expansion.estimate(flow, self._camera, self._variant.focus_of_expansion, self._random, self.foe)
         if counts:
             error = np.hypot(*(np.array([self.foe.x_px, self.foe.y_px]) - foe_px))
             self.rows.append((self.foe.x_px, self.foe.y_px, self.foe.confidence, float(error)))

@@ -20,7 +20,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotated
-from vpf_sim.perception.egomotion.mount_pitch import MountedPitch, MountingConfig
+from vpf_sim.perception.egomotion.mount_pitch import MountPitch, MountPitchConfig
 from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Camera, Expansion, Floats, Flow, Image, Integers
 
@@ -32,11 +32,11 @@ REMEMBERED_S = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class SteadinessConfig:
+class PitchConfig:
     settle_s: float = 1.0  # slower changes of the pitch are not told from a drift of the sum
     smoothness: float = 0.1  # weight of a steady rate of pitching within the window
     least_rad: float = 0.0012  # root mean square of the pitch from which on it is taken out; until it is half of that
-    mounting: MountingConfig = field(default_factory=MountingConfig)
+    mounting: MountPitchConfig = field(default_factory=MountPitchConfig)
 
     def __post_init__(self) -> None:
         if not self.settle_s > 0.0:
@@ -45,10 +45,10 @@ class SteadinessConfig:
             raise ValueError(f"smoothness: expected 0 .. 1, got {self.smoothness}")
 
 
-class Steadiness:
+class PitchEstimator:
     """Adds up the pitch from frame to frame."""
 
-    def __init__(self, camera: Camera, config: SteadinessConfig, rate_hz: float) -> None:
+    def __init__(self, camera: Camera, config: PitchConfig, rate_hz: float) -> None:
         self._camera = camera
         self._config = config
         self._rate_hz = rate_hz
@@ -56,7 +56,7 @@ class Steadiness:
         self._slow_rad = 0.0
         self._square_rad2 = 0.0
         self._pitches = False
-        self._mounting = MountedPitch(config.mounting)
+        self._mounting = MountPitch(config.mounting)
         self.pitch_rad = 0.0  # how far the camera looks below its mounting, but for slow changes
 
     def level(self, pitch_rad: float, sigma_rad: float, time_s: float) -> None:

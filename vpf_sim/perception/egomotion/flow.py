@@ -50,7 +50,7 @@ class FlowTracker:
         self.rate_hz = rate_hz
         self._window_frames = max(1, round(config.window_s * rate_hz))
         self._period_frames = max(1, round(config.detect_period_s * rate_hz))
-        self._anchor_frames = None if config.anchor_s is None else max(2, round(config.anchor_s * rate_hz))
+        self._anchor_frames = None if config.keyframe_s is None else max(2, round(config.keyframe_s * rate_hz))
         self._hold_frames = None if config.hold_s is None else max(1, round(config.hold_s * rate_hz))
         self._jump_px = 0.5 * config.reach_px_per_s / rate_hz
         self._bands = [(self._rows(band), round(band.share * config.points)) for band in BANDS[config.bands]]

@@ -42,7 +42,7 @@ class FlowConfig:
     texture_floor: float = 0.0  # least small eigenvalue of a corner's structure tensor, grey levels^2 / px^2
     corner_ratio: float = 0.0  # and its least share of the large one: edges slide
     hold_s: float | None = None  # for so long a point is sought again that a wiper covers; None: it is taken along
-    anchor_s: float | None = None  # a point's first sighting is replaced by one between so old and twice; None: never
+    keyframe_s: float | None = None  # a point's first sighting is replaced by one between so old and twice; None: never
 
     def __post_init__(self) -> None:
         if self.window_px < 3 or self.window_px % 2 == 0:

@@ -21,7 +21,7 @@ ITERATIONS, EPSILON_PX = 20, 0.01
 MOST_PX = 2**15 - 2  # rows and columns of a picture that OpenCV maps from or to
 
 
-class Anchors:
+class KeyframeBuffer:
     """Remembers the last frames, side by side and one below the other in one picture."""
 
     def __init__(self, camera: Camera, window_px: int, frames: int) -> None:

@@ -13,7 +13,7 @@ from math import sqrt
 
 
 @dataclass(frozen=True, slots=True)
-class MountingConfig:
+class MountPitchConfig:
     """How much looks tell, and from where on they are believed."""
 
     first_sd_rad: float = 0.006  # how far off cameras are mounted
@@ -28,10 +28,10 @@ class MountingConfig:
                 raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
-class MountedPitch:
+class MountPitch:
     """The constant part of the pitch, as it is known and as it is believed."""
 
-    def __init__(self, config: MountingConfig) -> None:
+    def __init__(self, config: MountPitchConfig) -> None:
         self._config = config
         self._found_rad, self._variance_rad2 = 0.0, config.first_sd_rad**2
         self._time_s: float | None = None

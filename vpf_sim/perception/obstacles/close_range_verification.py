@@ -22,7 +22,7 @@ PASSED_M = 30.0  # behind the car, where no body is told any more
 
 
 @dataclass(frozen=True, slots=True)
-class SecondLookConfig:
+class VerificationConfig:
     """When looks are taken, and when the road is seen in a body's place."""
 
     slow_mps: float = 3.0  # looks are taken below this speed
@@ -74,10 +74,10 @@ class _Place:
     refuted: bool = False
 
 
-class SecondLook:
+class CloseRangeVerifier:
     """Remembers the last frames at walking pace, and takes away the bodies in whose place the road is."""
 
-    def __init__(self, camera: Camera, config: SecondLookConfig) -> None:
+    def __init__(self, camera: Camera, config: VerificationConfig) -> None:
         self._camera = camera
         self._config = config
         self._past: deque[tuple[Image, Floats]] = deque()

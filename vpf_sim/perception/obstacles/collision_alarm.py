@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.extent import from_here, none
+from vpf_sim.perception.obstacles.extent import none, to_current_frame
 from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
@@ -19,7 +19,7 @@ IDENTITY = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True, slots=True)
-class ClosingConfig:
+class CollisionAlarmConfig:
     """When points in our way alarm."""
 
     bound_s: float = 2.5  # they are met within this time,
@@ -40,10 +40,10 @@ class ClosingConfig:
     hold_s: float = 0.6  # without them
 
 
-class Closing:
+class CollisionAlarm:
     """Watches for what is met soon; keeps its place while it is not seen for a moment."""
 
-    def __init__(self, camera: Camera, config: ClosingConfig, look_s: float) -> None:
+    def __init__(self, camera: Camera, config: CollisionAlarmConfig, look_s: float) -> None:
         self.camera, self.config, self.look_s = camera, config, look_s
         self._alarm_s = 0.0  # for how long; negative: since when not
         self._body: Obstacles | None = None
@@ -69,7 +69,7 @@ class Closing:
         """None or one: what is met soon and is not known, in the axes of the vehicle at `pose`, as if it stood."""
         if self._body is None or not self.alarms:
             return none()
-        body = from_here(self._body, self._seen_from, pose, speed_mps)
+        body = to_current_frame(self._body, self._seen_from, pose, speed_mps)
         place, left, right = (float(part[0]) for part in (body.forward_m, body.left_m, body.right_m))
         return none() if place <= 0.0 or self._is_known(known, place, left, right) else body
 

@@ -40,7 +40,7 @@ class Seen:
     stray: Bools  # (M,) those that tell no side, see `strays`
 
 
-def from_here(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float) -> Obstacles:
+def to_current_frame(bodies: Obstacles, seen_from: Floats, pose: Floats, speed_mps: float) -> Obstacles:
     """Bodies seen from a pose short before, in the axes of the vehicle now, with their time to contact, as if none had
     moved since."""
     if not len(bodies):
@@ -67,7 +67,7 @@ def carried(
             left_m=bodies.left_m + aside,
             right_m=bodies.right_m + aside,
         )
-    return from_here(bodies, seen_from, pose, speed_mps)
+    return to_current_frame(bodies, seen_from, pose, speed_mps)
 
 
 def widened(bodies: Obstacles, width_m: float | Floats) -> Obstacles:
@@ -93,7 +93,7 @@ def nearest_spot(points: Obstacles, spots: Obstacles, beside_m: float) -> tuple[
     return apart.argmin(axis=1), apart.min(axis=1) < beside_m
 
 
-def as_wide_as_seen(points: Obstacles, spots: Obstacles, nearest: Integers, seen: Bools) -> Obstacles:
+def widened_to_observation(points: Obstacles, spots: Obstacles, nearest: Integers, seen: Bools) -> Obstacles:
     """Bodies that low points tell of, each as wide as its `nearest_spot`, where that is near.
 
     Points show a part of a low body, but well where that is: the spot is moved as far as it must be to hold them.
@@ -139,7 +139,7 @@ def joined(
     behind = low.forward_m[:, None] - tall.forward_m[None]
     along = (behind > -before_m) & (behind < SAME_ALONG_M)
     own = low.chosen(~np.any((_apart_m(low, tall) < beside_m) & (out < sticks_out_m) & along, axis=1))
-    return tall.together_with(own)
+    return tall.concatenate(own)
 
 
 def nearest_extent(seen: Seen, label: Integers, count: int) -> tuple[Floats, Floats]:

@@ -15,7 +15,7 @@ from vpf_sim.types import Floats
 
 
 @dataclass(frozen=True, slots=True)
-class ClearingConfig:
+class FreeRoadConfig:
     """What counts as a look at bare road, and how many it takes."""
 
     road: float = 2.5  # largest difference where a body should begin, in multiples of the noise
@@ -36,10 +36,10 @@ class ClearingConfig:
             raise ValueError(f"looks: expected >= 1, got {self.looks}")
 
 
-class Clearing:
+class FreeRoadEvidence:
     """Counts the looks at each body that is told."""
 
-    def __init__(self, config: ClearingConfig) -> None:
+    def __init__(self, config: FreeRoadConfig) -> None:
         self._config = config
         self._score: dict[int, int] = {}
         self._place_m: Floats = np.full(2, np.inf)  # of the car at the last look

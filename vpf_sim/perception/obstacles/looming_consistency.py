@@ -19,7 +19,7 @@ LEAST_POINTS = 2  # of one thing
 
 
 @dataclass(frozen=True, slots=True)
-class SpreadConfig:
+class LoomingConsistencyConfig:
     """Which points are of one thing, and how little they draw apart if it is far off."""
 
     baseline_s: float = 0.5  # over which they are watched
@@ -36,10 +36,10 @@ class SpreadConfig:
                 raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
-class Spread:
+class LoomingConsistency:
     """Remembers where the points were, and tells which draw apart too little."""
 
-    def __init__(self, config: SpreadConfig, rate_hz: float) -> None:
+    def __init__(self, config: LoomingConsistencyConfig, rate_hz: float) -> None:
         """`rate_hz` of the frames that are recorded."""
         self._config = config
         self._past: deque[Flow] = deque(maxlen=frames(config.baseline_s, rate_hz) + 1)

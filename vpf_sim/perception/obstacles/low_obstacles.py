@@ -10,7 +10,7 @@ from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles, RoadEdges
 
 
 @dataclass(frozen=True, slots=True)
-class LowConfig:
+class LowObstacleConfig:
     """When a point counts as low, and how many of them make a body."""
 
     near_m: float = 3.0  # range of depth in which points are judged
@@ -56,7 +56,7 @@ class LowConfig:
                 raise ValueError(f"{key}: expected both > 0, got {getattr(self, key)}")
 
 
-def is_low(points: Triangulation, age_s: Floats, texture: Floats, config: LowConfig) -> Bools:
+def is_low(points: Triangulation, age_s: Floats, texture: Floats, config: LowObstacleConfig) -> Bools:
     """(N,) points that stand too low to be told one by one, by their own tracks and the small eigenvalues (N,)."""
     with np.errstate(invalid="ignore"):
         low = (points.depth_m > config.near_m) & (points.depth_m < config.far_m) & (age_s >= config.min_age_s)
@@ -67,7 +67,7 @@ def is_low(points: Triangulation, age_s: Floats, texture: Floats, config: LowCon
     return low
 
 
-def off_lines(camera: Camera, foot_m: Floats, road: RoadEdges, config: LowConfig) -> Bools:
+def off_lines(camera: Camera, foot_m: Floats, road: RoadEdges, config: LowObstacleConfig) -> Bools:
     """(N,) places (N, 2) on the flat road, vehicle axes, within the carriageway and on no painted line.
 
     Lines are a lane's width apart; along the axes of a turned vehicle farther.
@@ -83,7 +83,7 @@ def off_lines(camera: Camera, foot_m: Floats, road: RoadEdges, config: LowConfig
     return off
 
 
-def is_shaded(place_m: Floats, tall: Obstacles, config: LowConfig) -> Bools:
+def in_shadow(place_m: Floats, tall: Obstacles, config: LowObstacleConfig) -> Bools:
     """(M,) points (M, 2), vehicle axes, beside a taller body, where its shadow may lie: its corner seems to stand."""
     along_m, across_m = config.shade_m
     behind, right = place_m[:, :1] - tall.forward_m, place_m[:, 1:]
@@ -93,7 +93,9 @@ def is_shaded(place_m: Floats, tall: Obstacles, config: LowConfig) -> Bools:
     return shaded
 
 
-def is_part(place_m: Floats, parts_m: Floats, parts_of: Integers, tall: Obstacles, config: LowConfig) -> Bools:
+def belongs_to(
+    place_m: Floats, parts_m: Floats, parts_of: Integers, tall: Obstacles, config: LowObstacleConfig
+) -> Bools:
     """(M,) low points (M, 2) beside one (P, 2) of a taller body, as its wheels are; `parts_of` (P,) tells of which.
 
     What lies before the face that is told of that body is not of it, whatever was taken for one of its points.

@@ -49,14 +49,14 @@ class Sightings:
     sight_rad: Floats  # (M,) direction in the world in which the point was seen, and its place may err
     depth_m: Floats  # (M,) from the camera
     height_m: Floats  # (M,) above the road
-    founding: Floats  # (M,) 0 .. 1, how far it may found a body, not only support one
+    seed_weight: Floats  # (M,) 0 .. 1, how far it may found a body, not only support one
     low: Bools  # (M,) near the road, see `perception.obstacles.low_obstacles`
     margin: Floats  # (M,) by how much chi2 is worse with the road
     texture: Floats  # (M,) small eigenvalue of the structure tensor, grey levels^2 / px^2
 
 
 @dataclass(frozen=True, slots=True)
-class Rules:
+class ConfirmationRule:
     """When a point is believed: after so many hits, in so large a share of the frames, without moving in the world."""
 
     rate_hz: float
@@ -68,7 +68,7 @@ class Rules:
 
 
 @dataclass(slots=True)
-class Marks:
+class PointHypotheses:
     """M points that stood above the road at least once, one row a track."""
 
     identity: Integers  # (M,)
@@ -79,7 +79,7 @@ class Marks:
     sight_rad: Floats  # (M,)
     depth_m: Floats  # (M,)
     height_m: Floats  # (M,)
-    founding: Floats  # (M,)
+    seed_weight: Floats  # (M,)
     low: Bools  # (M,)
     margin: Floats  # (M,) the largest so far
     texture: Floats  # (M,)
@@ -90,7 +90,7 @@ class Marks:
     body: Integers  # (M,) identity of its body, -1 none yet
 
     @classmethod
-    def none(cls) -> "Marks":
+    def none(cls) -> "PointHypotheses":
         number, truth = np.empty(0), np.empty(0, np.bool_)
         return cls.of(
             Sightings(
@@ -104,7 +104,7 @@ class Marks:
         )
 
     @classmethod
-    def of(cls, seen: Sightings, time_s: float) -> "Marks":
+    def of(cls, seen: Sightings, time_s: float) -> "PointHypotheses":
         count = len(seen.identity)
         return cls(
             identity=seen.identity,
@@ -115,7 +115,7 @@ class Marks:
             sight_rad=seen.sight_rad,
             depth_m=seen.depth_m,
             height_m=seen.height_m,
-            founding=seen.founding,
+            seed_weight=seen.seed_weight,
             low=seen.low,
             margin=seen.margin,
             texture=seen.texture,
@@ -133,7 +133,7 @@ class Marks:
         for column in fields(self):
             setattr(self, column.name, getattr(self, column.name)[chosen])
 
-    def record(self, seen: Sightings, on_road: Integers, rules: Rules, time_s: float) -> None:
+    def record(self, seen: Sightings, on_road: Integers, rules: ConfirmationRule, time_s: float) -> None:
         """Count one frame: `seen` stood above the road, the tracks `on_road` lay on it."""
         if not len(self) and not len(seen.identity):
             return
@@ -177,11 +177,11 @@ class Marks:
         self.place_m[row], self.sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
         self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
         self.sight_rad[row] = seen.sight_rad[column]
-        self.founding[row], self.low[row] = seen.founding[column], seen.low[column]
+        self.seed_weight[row], self.low[row] = seen.seed_weight[column], seen.low[column]
         self.margin[row] = np.maximum(self.margin[row], seen.margin[column])
         self.texture[row] = seen.texture[column]
 
     def _append(self, seen: Sightings, new: Bools, time_s: float) -> None:
-        fresh = Marks.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)), time_s)
+        fresh = PointHypotheses.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)), time_s)
         for column in fields(self):
             setattr(self, column.name, np.concatenate([getattr(self, column.name), getattr(fresh, column.name)]))

@@ -3,18 +3,18 @@
 from dataclasses import dataclass, field
 
 from vpf_sim.perception.egomotion.triangulation import NoiseModel
-from vpf_sim.perception.obstacles.free_road import ClearingConfig
-from vpf_sim.perception.obstacles.looming_consistency import SpreadConfig
-from vpf_sim.perception.obstacles.low_obstacles import LowConfig
-from vpf_sim.perception.obstacles.planar_parallax.detector import ResidualConfig
-from vpf_sim.perception.obstacles.planar_parallax.tracker import SpotConfig
-from vpf_sim.perception.obstacles.track_refinement import AskedConfig
-from vpf_sim.perception.road.occlusion import CoverConfig
+from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
+from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistencyConfig
+from vpf_sim.perception.obstacles.low_obstacles import LowObstacleConfig
+from vpf_sim.perception.obstacles.planar_parallax.detector import ParallaxConfig
+from vpf_sim.perception.obstacles.planar_parallax.tracker import LowTrackConfig
+from vpf_sim.perception.obstacles.track_refinement import RefinementConfig
+from vpf_sim.perception.road.occlusion import OcclusionConfig
 
 
 @dataclass(frozen=True, slots=True)
-class LandmarkConfig:
-    """Limits and time constants of `vpf_sim.perception.obstacles.static_tracker.LandmarkTracker`."""
+class StaticObstacleConfig:
+    """Limits and time constants of `vpf_sim.perception.obstacles.static_tracker.StaticObstacleTracker`."""
 
     update_period_s: float = 0.05  # between judgements of the points
     window_px: int = 11  # of the flow, for the noise of a track
@@ -64,13 +64,13 @@ class LandmarkConfig:
     beside_m: float = 0.05  # each side is told so much farther out than its points tell
     least_width_m: float = 0.4  # a body is told no narrower: a cone's flow comes from its stripes, its base is wider
     behind_m: float = 11.0  # where a body is forgotten
-    low: LowConfig = field(default_factory=LowConfig)
-    residual: ResidualConfig = field(default_factory=ResidualConfig)
-    cover: CoverConfig = field(default_factory=CoverConfig)
-    spots: SpotConfig = field(default_factory=SpotConfig)
-    spread: SpreadConfig = field(default_factory=SpreadConfig)
-    clearing: ClearingConfig = field(default_factory=ClearingConfig)
-    asked: AskedConfig = field(default_factory=AskedConfig)
+    low: LowObstacleConfig = field(default_factory=LowObstacleConfig)
+    residual: ParallaxConfig = field(default_factory=ParallaxConfig)
+    cover: OcclusionConfig = field(default_factory=OcclusionConfig)
+    spots: LowTrackConfig = field(default_factory=LowTrackConfig)
+    spread: LoomingConsistencyConfig = field(default_factory=LoomingConsistencyConfig)
+    clearing: FreeRoadConfig = field(default_factory=FreeRoadConfig)
+    asked: RefinementConfig = field(default_factory=RefinementConfig)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:

@@ -9,7 +9,6 @@ from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.obstacles.clustering import clusters, stepped
 from vpf_sim.perception.obstacles.extent import (
     Seen,
-    as_wide_as_seen,
     direction_at,
     face_of,
     joined,
@@ -25,23 +24,26 @@ from vpf_sim.perception.obstacles.extent import (
     turned,
     turned_back,
     widened,
+    widened_to_observation,
 )
-from vpf_sim.perception.obstacles.low_obstacles import LowConfig, is_part, is_shaded, off_lines
-from vpf_sim.perception.obstacles.point_hypotheses import Integers, Marks, among, frames
-from vpf_sim.perception.obstacles.static_config import LandmarkConfig
+from vpf_sim.perception.obstacles.low_obstacles import LowObstacleConfig, belongs_to, in_shadow, off_lines
+from vpf_sim.perception.obstacles.point_hypotheses import Integers, PointHypotheses, among, frames
+from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
 
 
 class Bodies:
     """What the believed points of `marks` and what was seen low on the road tell of bodies, each under one name."""
 
-    def __init__(self, camera: Camera, config: LandmarkConfig, marks: Marks, rate_hz: float) -> None:
+    def __init__(self, camera: Camera, config: StaticObstacleConfig, marks: PointHypotheses, rate_hz: float) -> None:
         self.camera = camera
         self.config = config
-        self._marks = marks
+        self._points = marks
         self._rate_hz = rate_hz  # of judging points
         self._next = 0
-        self.seen_twice: Integers = np.empty(0, np.int64)  # identities of low bodies that points and spots tell of both
+        self.cross_confirmed: Integers = np.empty(
+            0, np.int64
+        )  # identities of low bodies that points and spots tell of both
         self.parts: Integers = np.empty(0, np.int64)  # tracks whose points parted from a body and are none
         self.gone: Integers = np.empty(0, np.int64)  # tracks of bodies that were high up and not seen any nearer
 
@@ -55,15 +57,15 @@ class Bodies:
 
         All are in the axes of the vehicle at `pose`.
         """
-        marks, low = self._marks, self.config.low
+        marks, low = self._points, self.config.low
         self.parts = self.gone = self.parts[:0]
         tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
         tall = widened(tall, np.maximum(tall.width_m + 2.0 * self.config.beside_m, self.config.least_width_m))
         spots = self.config.spots
         flat = self._flat(tall, pose, road)
-        nearest, seen_twice = nearest_spot(flat, seen, low.beside_m)
-        self.seen_twice = flat.identity[seen_twice]
-        flat = widened(as_wide_as_seen(flat, seen, nearest, seen_twice), low.least_width_m)
+        nearest, cross_confirmed = nearest_spot(flat, seen, low.beside_m)
+        self.cross_confirmed = flat.identity[cross_confirmed]
+        flat = widened(widened_to_observation(flat, seen, nearest, cross_confirmed), low.least_width_m)
         whole = on_top(tall, flat)
         sticks_out_m = np.minimum(low.sticks_out_m, low.sticks_out_share * whole.width_m)
         bodies = joined(whole, flat, low.beside_m, sticks_out_m, low.before_m)
@@ -74,15 +76,15 @@ class Bodies:
 
         Lines that were not known when a point was seen may be by now: one that lies on them tells no new body.
         """
-        marks, low = self._marks, self.config.low
+        marks, low = self._points, self.config.low
         chosen = marks.believed & marks.low
         if not chosen.any():
             return none()
         place, parts = vehicle_from_world(marks.place_m, pose), marks.believed & ~marks.low & (marks.body >= 0)
-        chosen[chosen] = ~is_part(place[chosen], place[parts], marks.body[parts], tall, low)
+        chosen[chosen] = ~belongs_to(place[chosen], place[parts], marks.body[parts], tall, low)
         fresh = chosen & (marks.body < 0)
         chosen[fresh] = off_lines(self.camera, place[fresh], road, low)
-        shaded = is_shaded(place, tall, low)
+        shaded = in_shadow(place, tall, low)
 
         def are_bodies(believed: Integers, label: Integers) -> Bools:
             return self._are_low(believed, label, shaded[believed])
@@ -92,7 +94,7 @@ class Bodies:
     def _of_points(
         self,
         chosen: Bools,
-        links: LandmarkConfig | LowConfig,
+        links: StaticObstacleConfig | LowObstacleConfig,
         are_bodies: Callable[[Integers, Integers], Bools],
         pose: Floats,
         road: RoadEdges,
@@ -101,14 +103,14 @@ class Bodies:
         believed = np.flatnonzero(chosen)
         if not len(believed):
             return none()
-        place = vehicle_from_world(self._marks.place_m[believed], pose)
-        sigma = self._marks.sigma_m[believed]
+        place = vehicle_from_world(self._points.place_m[believed], pose)
+        sigma = self._points.sigma_m[believed]
         label = clusters(place, sigma, links.link_right_m, links.link_forward_m)
         confirmed = are_bodies(believed, label)
         if not confirmed.any():  # nor is any part of them one
             return none()
-        rim = 0.5 * self.config.window_px / self.camera.fx_px * self._marks.depth_m[believed]
-        sight, alone = self._marks.sight_rad[believed] - pose[2], are_bodies(believed, np.arange(len(believed)))
+        rim = 0.5 * self.config.window_px / self.camera.fx_px * self._points.depth_m[believed]
+        sight, alone = self._points.sight_rad[believed] - pose[2], are_bodies(believed, np.arange(len(believed)))
         seen, count = Seen(place, sigma, sight, rim, alone, np.zeros(len(label), np.bool_)), int(label.max()) + 1
         angle, apart = direction_at(seen, label, count, road), np.zeros(count, np.bool_)
         along = turned(seen, angle[label])
@@ -125,7 +127,7 @@ class Bodies:
 
     def _are_tall(self, believed: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are bodies beyond doubt."""
-        marks, config, count = self._marks, self.config, int(label.max()) + 1
+        marks, config, count = self._points, self.config, int(label.max()) + 1
         ratio = marks.sigma_m[believed] / marks.depth_m[believed]
         least_m = np.interp(ratio, config.single_depth_ratio, config.single_min_height_m, right=np.inf)
         single = (
@@ -133,16 +135,16 @@ class Bodies:
             & (marks.height_m[believed] > least_m)
             & (marks.height_m[believed] < config.single_max_height_m)
             & (marks.depth_m[believed] < config.single_far_m)
-            & (marks.founding[believed] == 1.0)
+            & (marks.seed_weight[believed] == 1.0)
         )
         support = np.bincount(label, minlength=count)
-        founders = np.bincount(label, marks.founding[believed], count)
+        founders = np.bincount(label, marks.seed_weight[believed], count)
         together: Bools = (founders >= 2) | ((founders >= 1) & (support >= 3))
         return together | (np.bincount(label, single, count) > 0)
 
     def _are_low(self, believed: Integers, label: Integers, shaded: Bools) -> Bools:
         """(K,) clusters of low points that are bodies beyond doubt; it takes one more where any is `shaded` (B,)."""
-        marks, config, count = self._marks, self.config.low, int(label.max()) + 1
+        marks, config, count = self._points, self.config.low, int(label.max()) + 1
         single = (
             (marks.hits[believed] >= frames(config.single_hits_s, self._rate_hz))
             & (marks.margin[believed] > config.single_margin)
@@ -181,9 +183,9 @@ class Bodies:
         support = np.bincount(label)
         no_body = parted(ahead, left, right, angle, parts_of, support)
         no_body |= outdated(ahead, old, label, parts_of, support)
-        self.parts = np.concatenate([self.parts, self._marks.identity[believed[no_body[label]]]])
-        marks = self._marks
-        high = np.bincount(label, marks.low[believed] | (marks.founding[believed] == 1.0), count) == 0
+        self.parts = np.concatenate([self.parts, self._points.identity[believed[no_body[label]]]])
+        marks = self._points
+        high = np.bincount(label, marks.low[believed] | (marks.seed_weight[believed] == 1.0), count) == 0
         gone = high & (np.bincount(label, ~old, count) == 0)
         self.gone = np.concatenate([self.gone, marks.identity[believed[gone[label]]]])
         c = confirmed & ~no_body
@@ -197,7 +199,7 @@ class Bodies:
         camera, config = self.camera, self.config
         depth = place_m[:, 0] - camera.forward_m
         inside = np.abs(place_m[:, 1]) * camera.fx_px < 0.5 * camera.width_px * depth
-        near: Bools = inside & (depth < config.outdated_share * self._marks.depth_m[believed])
+        near: Bools = inside & (depth < config.outdated_share * self._points.depth_m[believed])
         return near & (depth > config.turned_near_m)
 
     def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools, apart: Bools) -> Integers:
@@ -208,7 +210,7 @@ class Bodies:
         one that is not well placed that of a body of which it is a splinter: its depth was wrong.
         """
         count, unknown = len(confirmed), np.iinfo(np.int64).max
-        before = self._marks.body[believed]
+        before = self._points.body[believed]
         known = np.where(before >= 0, before, unknown)
         others = apart[label] & among(known, known[(confirmed & ~apart)[label]])
         own, body, shared = np.full((3, count), unknown)
@@ -220,7 +222,7 @@ class Bodies:
         body[fresh] = [self.number() for _ in fresh]
         body = np.where((body == unknown) & apart, shared, body)
         body[body == unknown] = -1
-        self._marks.body[believed] = np.where(confirmed[label], body[label], before)
+        self._points.body[believed] = np.where(confirmed[label], body[label], before)
         return body
 
 

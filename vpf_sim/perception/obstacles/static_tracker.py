@@ -10,16 +10,24 @@ from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_
 from vpf_sim.perception.egomotion.corners import eigenvalues, is_corner
 from vpf_sim.perception.egomotion.ground_plane import below_horizon, past_image
 from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
-from vpf_sim.perception.obstacles.extent import from_here, none
-from vpf_sim.perception.obstacles.free_road import Clearing
-from vpf_sim.perception.obstacles.looming_consistency import Spread
+from vpf_sim.perception.obstacles.extent import none, to_current_frame
+from vpf_sim.perception.obstacles.free_road import FreeRoadEvidence
+from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency
 from vpf_sim.perception.obstacles.low_obstacles import is_low, off_lines
-from vpf_sim.perception.obstacles.planar_parallax.detector import GroundResidual, Spot
-from vpf_sim.perception.obstacles.planar_parallax.tracker import SpotBook, in_sight
-from vpf_sim.perception.obstacles.point_hypotheses import Integers, Marks, Rules, Sightings, among, followed, frames
-from vpf_sim.perception.obstacles.static_config import LandmarkConfig
+from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
+from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, in_sight
+from vpf_sim.perception.obstacles.point_hypotheses import (
+    ConfirmationRule,
+    Integers,
+    PointHypotheses,
+    Sightings,
+    among,
+    followed,
+    frames,
+)
+from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.static_obstacles import Bodies
-from vpf_sim.perception.obstacles.track_refinement import Match, sharpened
+from vpf_sim.perception.obstacles.track_refinement import Match, refined
 from vpf_sim.perception.road.geometry import carriageway_offsets, near_edge_line
 from vpf_sim.perception.road.occlusion import driven_over, footprints
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
@@ -27,14 +35,14 @@ from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdg
 SLOWEST_MPS = 1.0  # own speed, below which what passed by the road ahead earlier is not looked for
 
 
-class LandmarkTracker:
+class StaticObstacleTracker:
     """Confirms points over frames, joins them to bodies, and remembers these in the world.
 
     A body is never forgotten because it can no longer be measured; only because the car has passed it, or because its
     own points turn out to lie on the road. But points that parted from it and are none of their own are, once lost.
     """
 
-    def __init__(self, camera: Camera, config: LandmarkConfig, rate_hz: float) -> None:
+    def __init__(self, camera: Camera, config: StaticObstacleConfig, rate_hz: float) -> None:
         self.camera = camera
         self.config = config
         self.rate_hz = rate_hz
@@ -43,7 +51,7 @@ class LandmarkTracker:
         self._seen = self._tall = none()
         self._seen_from: Floats = np.zeros(3)
         judged_hz = rate_hz / self._period_frames
-        self._rules = Rules(
+        self._rules = ConfirmationRule(
             rate_hz=judged_hz,
             hits=frames(config.hits_s, judged_hz),
             most_hits=2 * frames(config.single_hits_s, judged_hz),
@@ -51,12 +59,12 @@ class LandmarkTracker:
             steady_m=config.steady_m,
             steady_ratio=config.steady_ratio,
         )
-        self._marks = Marks.none()
-        self._bodies = Bodies(camera, config, self._marks, judged_hz)
-        self._residual = GroundResidual(camera, config.residual, rate_hz)
-        self._spots = SpotBook(config.spots, self._bodies.number, config.residual.near_m)
-        self._clearing = Clearing(config.clearing)
-        self._spread = Spread(config.spread, judged_hz)
+        self._points = PointHypotheses.none()
+        self._bodies = Bodies(camera, config, self._points, judged_hz)
+        self._parallax = PlanarParallax(camera, config.residual, rate_hz)
+        self._low_tracks = LowObstacleTracks(config.spots, self._bodies.number, config.residual.near_m)
+        self._free_road = FreeRoadEvidence(config.clearing)
+        self._looming = LoomingConsistency(config.spread, judged_hz)
         self._refuted: Integers = np.empty(0, np.int64)  # identities of bodies in whose place the road was seen
 
     def triangulate(self, flow: Flow) -> Triangulation:
@@ -64,13 +72,13 @@ class LandmarkTracker:
         age_s = flow.age_frames / self.rate_hz
         return triangulate(flow, self.camera, self.config.window_px, age_s, self.config.noise)
 
-    def sharpened(self, flow: Flow, points: Triangulation, road: RoadEdges, match: Match) -> Triangulation:
+    def refined(self, flow: Flow, points: Triangulation, road: RoadEdges, match: Match) -> Triangulation:
         """The same, but those that may stand on the road by a match of what they show with the frame of their first
         sighting."""
         rows = self.config.asked.asked(points, road, self.camera)
         if not len(rows):
             return points
-        return sharpened(flow, points, rows, match, self.config.asked, partial(self._found, flow), self.camera)
+        return refined(flow, points, rows, match, self.config.asked, partial(self._found, flow), self.camera)
 
     def _found(self, flow: Flow, rows: Integers, aside_px: Floats) -> Triangulation:
         """Some points of the flow, which were first seen aside of where it says, and found there from now."""
@@ -89,32 +97,32 @@ class LandmarkTracker:
     ) -> Obstacles:
         """The standing bodies ahead after this frame, in the axes of the vehicle at `flow.pose`.
 
-        `points` are of `triangulate`; those which are of bodies that `moving` (N,) are no landmarks.
+        `points` are of `triangulate`; those which are of bodies that `moving` (N,) are no static points.
         """
         self._frame += 1
         if self._frame % self._period_frames == 0:
             self._judge(flow, road, time_s, points, moving)
-            self._tall, self._seen = self._bodies.told(flow.pose, road, self._spots.bodies(flow.pose))
+            self._tall, self._seen = self._bodies.told(flow.pose, road, self._low_tracks.bodies(flow.pose))
             self._seen_from = flow.pose
-        return from_here(self._seen, self._seen_from, flow.pose, speed_mps)
+        return to_current_frame(self._seen, self._seen_from, flow.pose, speed_mps)
 
     @property
     def looks(self) -> bool:
         """Whether the next frame is one that `look` looks at."""
-        return self._residual.looks
+        return self._parallax.looks
 
-    def low_sight_m(self, speed_mps: float, speed_reference_mps: float) -> tuple[float, float]:
+    def low_sensing_range_m(self, speed_mps: float, speed_reference_mps: float) -> tuple[float, float]:
         """m ahead of the pose, up to which a low body on the road would be suspected by now at that speed; 0: nowhere.
 
         Then up to which it would be with a good view at the reference speed.
         """
-        sight, sightings = self._residual.sight, self._spots.config.doubts
+        sight, sightings = self._parallax.sight, self._low_tracks.config.doubts
         good_m = sight.good_m(sight.needed_m(speed_reference_mps, sightings))
         return sight.distance_m(sight.needed_m(speed_mps, sightings)), good_m
 
-    def suspects(self, pose: Floats) -> Obstacles:
+    def tentative(self, pose: Floats) -> Obstacles:
         """What seems to lie low on the road and is not believed yet, in the axes of the vehicle at `pose`."""
-        return self._spots.suspects(pose)
+        return self._low_tracks.tentative(pose)
 
     def look(
         self,
@@ -130,23 +138,23 @@ class LandmarkTracker:
         What is no road counts where no body is known that hides it, now or, of those `moving`, when it was seen before.
         """
         known = None
-        if image is not None and self._residual.looks:
+        if image is not None and self._parallax.looks:
             tall = self._tall.chosen(~among(self._tall.identity, self._refuted))
-            hiding = from_here(tall, self._seen_from, pose, 0.0)
+            hiding = to_current_frame(tall, self._seen_from, pose, 0.0)
             if moving is not None and len(moving):
-                hiding = hiding.together_with(moving)
+                hiding = hiding.concatenate(moving)
                 self._make_way(moving, pose, road)
             since_s = self.config.residual.baseline_m / max(speed_mps, SLOWEST_MPS)
             known = footprints(hiding, road, self.config.cover, since_s)
-        spots = self._residual.update(image, pose, known)
+        spots = self._parallax.update(image, pose, known)
         if spots is None:
             return
-        bodies = from_here(self._seen, self._seen_from, pose, 0.0)
-        for index in self._clearing.record(bodies.identity, self._residual.difference_at(bodies), pose[:2]):
+        bodies = to_current_frame(self._seen, self._seen_from, pose, 0.0)
+        for index in self._free_road.record(bodies.identity, self._parallax.difference_at(bodies), pose[:2]):
             self._clear(bodies, index, pose)
-        views = self._residual.lenses_m
+        views = self._parallax.lenses_m
         seen = (self._in_sight(spot, views, bodies) for spot in spots if self._is_inside(spot, road))
-        self._spots.record([spot for spot in seen if spot is not None], pose)
+        self._low_tracks.record([spot for spot in seen if spot is not None], pose)
 
     def _make_way(self, moving: Obstacles, pose: Floats, road: RoadEdges) -> None:
         """Forget what was thought to stand where a body drives now."""
@@ -154,16 +162,16 @@ class LandmarkTracker:
         def stands(places_m: Floats) -> Bools:
             return ~driven_over(places_m, moving, road, self.config.cover)
 
-        self._marks.keep(stands(vehicle_from_world(self._marks.place_m, pose)))
-        self._spots.keep(stands, pose)
+        self._points.keep(stands(vehicle_from_world(self._points.place_m, pose)))
+        self._low_tracks.keep(stands, pose)
 
     def refute(self, identity: Integers) -> None:
         """Bodies (N,) that a second look takes away hide nothing: one told too near hides the one that is there."""
         self._refuted = identity
 
-    def _in_sight(self, spot: Spot, views: Iterable[Floats], bodies: Obstacles) -> Spot | None:
+    def _in_sight(self, spot: LowObservation, views: Iterable[Floats], bodies: Obstacles) -> LowObservation | None:
         """What is seen of a spot from each of the places (2,), past tall bodies; low ones hide what is just behind."""
-        seen: Spot | None = spot
+        seen: LowObservation | None = spot
         hides = among(bodies.identity, self._tall.identity)
         hides |= bodies.forward_m > spot.forward_m - self.config.spots.low_hides_m
         bodies = bodies.chosen(hides & ~among(bodies.identity, self._refuted))
@@ -174,26 +182,26 @@ class LandmarkTracker:
     def _clear(self, bodies: Obstacles, index: int, pose: Floats) -> None:
         """Forget a body of few points where the road is seen instead of it; what was seen of it elsewhere stays."""
         identity, (along_m, across_m) = int(bodies.identity[index]), self.config.clearing.about_m
-        place = vehicle_from_world(self._marks.place_m, pose)
+        place = vehicle_from_world(self._points.place_m, pose)
         far = np.abs(place[:, 0] - bodies.forward_m[index]) > along_m
         far |= (place[:, 1] < bodies.left_m[index] - across_m) | (place[:, 1] > bodies.right_m[index] + across_m)
-        if not self.tells_surely(bodies)[index]:
-            self._marks.keep(far | (self._marks.body != identity))
-            self._spots.forget(identity)
+        if not self.is_well_supported(bodies)[index]:
+            self._points.keep(far | (self._points.body != identity))
+            self._low_tracks.forget(identity)
 
-    def tells_surely(self, bodies: Obstacles) -> Bools:
+    def is_well_supported(self, bodies: Obstacles) -> Bools:
         """(K,) bodies that more points well above the road tell than err together: no look refutes these."""
-        marks, config = self._marks, self.config.clearing
+        marks, config = self._points, self.config.clearing
         counts = np.minimum(config.known_m / marks.sigma_m, 1.0) * (marks.believed & ~marks.low)
         support = (marks.body == bodies.identity[:, None]) @ counts
         return np.asarray((support > config.most_points) & (bodies.identity >= 0), np.bool_)
 
-    def stands_surely(self, bodies: Obstacles) -> Bools:
+    def is_verified(self, bodies: Obstacles) -> Bools:
         """(K,) bodies that no second look refutes: those told surely, and low ones that points and the comparison of
         the road tell of both. A painted line behind a pallet's foot looks like road all across it."""
-        return self.tells_surely(bodies) | among(bodies.identity, self._bodies.seen_twice)
+        return self.is_well_supported(bodies) | among(bodies.identity, self._bodies.cross_confirmed)
 
-    def _is_inside(self, spot: Spot, road: RoadEdges) -> bool:
+    def _is_inside(self, spot: LowObservation, road: RoadEdges) -> bool:
         """Whether a spot's middle lies within the carriageway."""
         left, right = carriageway_offsets(np.array([spot.forward_m]), road)
         margin = self.config.spots.edge_m
@@ -203,16 +211,16 @@ class LandmarkTracker:
         self, flow: Flow, road: RoadEdges, time_s: float, points: Triangulation | None, moving: Bools | None
     ) -> None:
         """Count what the points of this frame tell."""
-        self._spread.record(flow)
+        self._looming.record(flow)
         points = self.triangulate(flow) if points is None else points
         texture, _ = eigenvalues(flow.structure)
         above = self._above(flow, points, road)
         low = self._low(flow, points, texture, road) & ~above
         if moving is not None and moving.any():
             above, low = above & ~moving, low & ~moving
-            self._marks.keep(~among(self._marks.identity, flow.identity[moving]))
+            self._points.keep(~among(self._points.identity, flow.identity[moving]))
         seen = self._sightings(flow, points, texture, road, above | low, low)
-        self._marks.record(seen, flow.identity[self._on_road(flow, points)], self._rules, time_s)
+        self._points.record(seen, flow.identity[self._on_road(flow, points)], self._rules, time_s)
         self._forget(flow)
 
     def _above(self, flow: Flow, points: Triangulation, road: RoadEdges) -> Bools:
@@ -251,7 +259,7 @@ class LandmarkTracker:
         far = np.zeros(len(chosen), np.bool_)
         high = np.flatnonzero(self._beside_far_road(flow.points_px[chosen]))
         if len(high):
-            far[high] = self._spread.keeps_together(chosen[high], 1.0 / points.depth_m[chosen[high]])
+            far[high] = self._looming.keeps_together(chosen[high], 1.0 / points.depth_m[chosen[high]])
         return far
 
     def _beside_far_road(self, points_px: Floats) -> Bools:
@@ -292,9 +300,9 @@ class LandmarkTracker:
 
     def _on_road(self, flow: Flow, points: Triangulation) -> Bools:
         """(N,) points that lie on the road beyond doubt, if there are landmarks: the only evidence that clears one."""
-        if not len(self._marks):
+        if not len(self._points):
             return np.zeros(len(flow), np.bool_)
-        low = among(flow.identity, self._marks.identity[self._marks.low])
+        low = among(flow.identity, self._points.identity[self._points.low])
         least = np.where(low, self.config.low.min_height_m, self.config.min_height_m)
         with np.errstate(invalid="ignore"):
             return (points.chi2_ground < self.config.chi2_limit) & (
@@ -306,8 +314,8 @@ class LandmarkTracker:
     ) -> Sightings:
         forward = self.camera.forward_m + points.depth_m[above]
         place = world_from_vehicle(np.stack([forward, points.right_m[above]], axis=1), flow.pose)
-        founding = self._founding(flow, points, texture, road, above)
-        founding[low[above]] = 0.0
+        seed_weight = self._founding(flow, points, texture, road, above)
+        seed_weight[low[above]] = 0.0
         sigma, depth, height = points.sigma_m[above], points.depth_m[above], points.height_m[above]
         bearing = points.right_m[above] / depth
         sight = flow.pose[2] + np.arctan(bearing)
@@ -319,7 +327,7 @@ class LandmarkTracker:
             sight,
             depth,
             height,
-            founding,
+            seed_weight,
             low[above],
             margin,
             texture[above],
@@ -330,16 +338,16 @@ class LandmarkTracker:
         config, points_px, structure = self.config, flow.points_px[above], flow.structure[above]
         high = self._beside_far_road(points_px)
         corner = is_corner(structure, config.corner_texture, config.corner_ratio)
-        founding: Floats = np.where(high, config.high_share * corner, 1.0)
-        founding[texture[above] <= config.founding_texture] = 0.0
+        seed_weight: Floats = np.where(high, config.high_share * corner, 1.0)
+        seed_weight[texture[above] <= config.founding_texture] = 0.0
         far = points.depth_m[above] > config.dash_far_m
         slides = np.flatnonzero(far & (points.height_m[above] < config.dash_height_m))
         if len(slides):
-            founding[slides] *= self._off_lines(points_px[slides], road)
-        return founding
+            seed_weight[slides] *= self._off_lines(points_px[slides], road)
+        return seed_weight
 
     def _forget(self, flow: Flow) -> None:
-        marks = self._marks
+        marks = self._points
         if not len(marks):
             return
         parts = among(marks.identity, self._bodies.parts)

@@ -16,12 +16,12 @@ from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 
 Again = Callable[[Integers, Floats], Triangulation]  # of rows of a flow, first seen aside of where it says
-# `perception.egomotion.keyframes.Anchors.aside_px` of a flow
+# `perception.egomotion.keyframes.KeyframeBuffer.aside_px` of a flow
 Match = Callable[[Integers, Floats], tuple[Floats, Bools]]
 
 
 @dataclass(frozen=True, slots=True)
-class AskedConfig:
+class RefinementConfig:
     """Which points are matched with the frame of their first sighting: all that their tracks let stand on the road."""
 
     near_m: float = 2.5  # of depth
@@ -53,8 +53,14 @@ class AskedConfig:
         return rows[(aside > left - self.edge_m) & (aside < right + self.edge_m)]
 
 
-def sharpened(
-    flow: Flow, points: Triangulation, rows: Integers, match: Match, config: AskedConfig, again: Again, camera: Camera
+def refined(
+    flow: Flow,
+    points: Triangulation,
+    rows: Integers,
+    match: Match,
+    config: RefinementConfig,
+    again: Again,
+    camera: Camera,
 ) -> Triangulation:
     """The points of a flow with some `rows` of them, one at least, matched with their first sightings.
 

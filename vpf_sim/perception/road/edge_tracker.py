@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.road.birds_eye import BirdsEye, Patch, ridge
-from vpf_sim.perception.road.hypotheses import LaneIndex
+from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
 from vpf_sim.perception.road.markings import (
     CENTROID_M,
     HEADINGS_RAD,
@@ -19,7 +19,7 @@ from vpf_sim.perception.road.markings import (
     sighting_variance,
 )
 from vpf_sim.perception.road.model import PITCH, WIDTH, curvature_ahead, rows_seen, state_of
-from vpf_sim.perception.road.occlusion import CoverConfig
+from vpf_sim.perception.road.occlusion import OcclusionConfig
 from vpf_sim.perception.road.relocalisation import outdoes, rival_of
 from vpf_sim.perception.road.state_filter import (
     NEAR_M,
@@ -36,7 +36,7 @@ from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, RoadEdges
 RIDGE_REACH_M = 0.25
 AHEAD_M = 10.0
 BODY_MARGIN_M = 0.3
-COVER = CoverConfig()  # how long what hides the lines may be
+COVER = OcclusionConfig()  # how long what hides the lines may be
 NEAREST_BODY_M = 0.5  # before the camera: what ends nearer hides nothing of the patch
 LEAST_AGREEMENT = 0.3  # share of the expected lines without which the road is no more than a guess
 LEAST_CERTAIN = 0.5  # of the lines, without which they do not tell where the camera looks
@@ -122,7 +122,7 @@ class RoadEdgeTracker:
         self._variance = sighting_variance(camera, self.view.forward_m, config.sigma_m, config.sigma_px)
         self._filter: LaneFilter | None = None
         self._lost: LaneFilter | None = None  # what was followed last, carried on by the own motion alone
-        self._index = LaneIndex.start(config.lanes, config.likely_lane)
+        self._index = CarriagewayHypotheses.start(config.lanes, config.likely_lane)
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # by the own motion; by the last judgement
         self._refuted, self._agreed_m = 0, 0.0  # looks since lines were last where they should be, and the way then
@@ -273,7 +273,7 @@ class RoadEdgeTracker:
             return
         place = y % width if lost is None else y + width * round((lost.state[0] - y) / width)
         if lost is None:
-            self._index = LaneIndex.start(config.lanes, config.likely_lane)
+            self._index = CarriagewayHypotheses.start(config.lanes, config.likely_lane)
         guess = state_of(place, heading, curvature, width)
         guess[PITCH] = self._pitch_rad or 0.0
         found = self._settled(guess, ridges)

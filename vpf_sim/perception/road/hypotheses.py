@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye
-from vpf_sim.perception.road.line_type import LineDuty
+from vpf_sim.perception.road.line_type import DashDutyCycle
 from vpf_sim.perception.road.markings import RidgeMap, sight
 from vpf_sim.perception.road.model import WIDTH, seen_places
 from vpf_sim.types import Bools, Floats, Image, Integers
@@ -74,24 +74,24 @@ KINDS, ON_ROAD = _kinds(EDGES, NUMBERS), _on_road(EDGES, STRIPS)
 
 
 @dataclass(slots=True)
-class LaneIndex:
+class CarriagewayHypotheses:
     """The log-probabilities of the hypotheses, gathered over time, and the one that is believed."""
 
     prior: Floats  # (H,)
     log_odds: Floats  # (H,) of the evidence
     believed: int  # index in EDGES
-    duty: LineDuty
+    duty: DashDutyCycle
     agreement: float | None = None  # 0 .. 1, how much of the expected lines is seen, lately; None: nothing judged
     followed: int = 0  # judgements since these edges were taken
     rival: int | None = None  # hypothesis that is likelier now, None: none is
     led: int = 0  # judgements in a row in which it was
 
     @classmethod
-    def start(cls, lanes: int, lane: int) -> "LaneIndex":
+    def start(cls, lanes: int, lane: int) -> "CarriagewayHypotheses":
         """Before any evidence: so many lanes, and the road was found in this one, counted from the right."""
         prior = np.where(EDGES[:, 1] - EDGES[:, 0] == lanes, 0.0, UNLIKELY)
         prior += np.where(EDGES[:, 1] == lane, 0.0, UNLIKELY_LANE)
-        return cls(prior, np.zeros(len(EDGES)), _index_of(lane - lanes, lane), LineDuty.start(len(NUMBERS)))
+        return cls(prior, np.zeros(len(EDGES)), _index_of(lane - lanes, lane), DashDutyCycle.start(len(NUMBERS)))
 
     @property
     def edges(self) -> tuple[int, int]:

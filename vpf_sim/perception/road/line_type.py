@@ -22,14 +22,14 @@ WEIGHT, LINE, LINE_SQUARE, BESIDE, BESIDE_SQUARE = range(5)
 
 
 @dataclass(slots=True)
-class LineDuty:
+class DashDutyCycle:
     """Sums over the road that has passed, for L lines in B stretches of the view."""
 
     sums: Floats  # (5, L, B)
     travelled_m: float | None = None  # at the last look
 
     @classmethod
-    def start(cls, lines: int) -> "LineDuty":
+    def start(cls, lines: int) -> "DashDutyCycle":
         return cls(np.zeros((5, lines, 0)))
 
     def look(self, response: Image, view: BirdsEye, right_m: Floats, visible: Bools, travelled_m: float) -> None:

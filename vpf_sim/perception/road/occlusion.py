@@ -12,7 +12,7 @@ FAR_M = 40.0  # from the camera, up to which a body hides the road
 
 
 @dataclass(frozen=True, slots=True)
-class CoverConfig:
+class OcclusionConfig:
     """How far the road is left out about a known body."""
 
     before_m: float = 0.8  # its face
@@ -38,7 +38,7 @@ class CoverConfig:
         return np.select(wide, [self.truck_length_m, self.car_length_m], self.length_m)
 
 
-def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig, since_s: float = 0.0) -> Floats:
+def footprints(bodies: Obstacles, road: RoadEdges, config: OcclusionConfig, since_s: float = 0.0) -> Floats:
     """(K, 4, 2) corners of what each body covers, or did `since_s` ago, at most, vehicle axes: it is along the road."""
     length = config.lengths_m(bodies.width_m)
     along, across = _axes(bodies, road)
@@ -49,7 +49,7 @@ def footprints(bodies: Obstacles, road: RoadEdges, config: CoverConfig, since_s:
     return np.stack([near - half, near + half, far + half, far - half], axis=1)
 
 
-def driven_over(places_m: Floats, moving: Obstacles, road: RoadEdges, config: CoverConfig) -> Bools:
+def driven_over(places_m: Floats, moving: Obstacles, road: RoadEdges, config: OcclusionConfig) -> Bools:
     """(N,) which of the places (N, 2), vehicle axes, lie where a body drives now: nothing stands there."""
     moving = moving.chosen(moving.sigma_m < config.driven_sigma_m)
     along, across = _axes(moving, road)

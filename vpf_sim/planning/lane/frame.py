@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges, SidedBodies
+from vpf_sim.types import Bools, Floats, LateralExtents, Obstacles, RoadEdges
 
 BODY_M = (1.0, 6.0)  # so far behind its face a body may still go on,
 BODY_BEYOND_M = 0.6  # and so far beyond its sides its points may stray;
@@ -30,7 +30,7 @@ class Lane:
 
 
 @dataclass(frozen=True, slots=True)
-class LaneObstacles(SidedBodies):
+class LaneObstacles(LateralExtents):
     """K bodies in lane coordinates."""
 
     along_m: Floats  # (K,) nearest face, from the pose

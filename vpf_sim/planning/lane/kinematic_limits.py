@@ -34,7 +34,7 @@ MEAN_SLOPE = 1.2  # largest over mean slope of a shift that is in a hurry
 
 
 @dataclass(frozen=True, slots=True)
-class ReachConfig:
+class LimitsConfig:
     """Limits of going aside; a ratio is the largest speed across as a share of the vehicle's."""
 
     ratio: float  # at speed
@@ -62,7 +62,7 @@ def rear_m(lane: Lane, vehicle: VehicleModel) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What `Reach` tells of one speed, or of (N,) speeds."""
+    """What `KinematicLimits` tells of one speed, or of (N,) speeds."""
 
     ratio: Floats  # largest speed across as a share of the vehicle's
     tightest_per_m: Floats
@@ -81,10 +81,10 @@ class Limits:
         return rest(slope, bend_per_m, self.steering_per_m2, self.tightest_per_m)
 
 
-class Reach:
+class KinematicLimits:
     """The geometry of going aside for one vehicle."""
 
-    def __init__(self, config: ReachConfig, vehicle: VehicleModel) -> None:
+    def __init__(self, config: LimitsConfig, vehicle: VehicleModel) -> None:
         self._config = config
         self._vehicle = vehicle
         slip = np.arctan(vehicle.l_r_m / vehicle.wheelbase_m * tan(vehicle.steering_limit_rad))

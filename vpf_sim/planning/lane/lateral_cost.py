@@ -30,9 +30,9 @@ import numpy as np
 
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.gap_cost import narrowness
-from vpf_sim.planning.lane.kinematic_limits import Reach
-from vpf_sim.planning.lane.lateral_cost_config import LaneFieldConfig
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.lateral_cost_config import LateralCostConfig
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
@@ -67,11 +67,11 @@ class LanePotential:
         return slope
 
 
-class LaneField:
+class LateralCost:
     """Composes the field of each frame and finds its minimum; remembers the last one."""
 
     def __init__(
-        self, config: LaneFieldConfig, vehicle: VehicleModel, speed_reference_mps: float, reach: Reach
+        self, config: LateralCostConfig, vehicle: VehicleModel, speed_reference_mps: float, reach: KinematicLimits
     ) -> None:
         self._config = config
         self._reach = reach
@@ -86,7 +86,7 @@ class LaneField:
         self._touching = touching  # U at no gap
         self._last_m: float | None = None
 
-    def update(self, lane: Lane, neighbours: Neighbours, speed_mps: float = 0.0) -> LanePotential:
+    def update(self, lane: Lane, neighbours: ObstacleGeometry, speed_mps: float = 0.0) -> LanePotential:
         """The field about the vehicle now."""
         gaps = self._edge_gaps(lane)
         road = self._road(*gaps)
@@ -124,7 +124,7 @@ class LaneField:
         left: Floats = self._y_m - lane.left_m - self._half_width_m
         return right, left
 
-    def _obstacle(self, neighbours: Neighbours, unstopped: Floats | float = 0.0) -> Floats:
+    def _obstacle(self, neighbours: ObstacleGeometry, unstopped: Floats | float = 0.0) -> Floats:
         config = self._config
         if not neighbours.weight.any():
             return self._nothing
@@ -137,20 +137,20 @@ class LaneField:
         worst: Floats = each.max(axis=0)
         return worst
 
-    def _rows(self, neighbours: Neighbours, lane: Lane) -> Floats:
+    def _rows(self, neighbours: ObstacleGeometry, lane: Lane) -> Floats:
         """(G,) what a gap between two bodies of a row, or one and an edge, costs that is wide enough, but narrow."""
         widths_m = 2.0 * (self._half_width_m + self._config.clearance_m), self._config.row_gap_m
         narrow = narrowness(neighbours.bodies, neighbours.in_row, neighbours.weight, lane, self._y_m, widths_m)
         return self._config.row_height * narrow
 
-    def _unstopped(self, neighbours: Neighbours, speed_mps: float) -> Floats:
+    def _unstopped(self, neighbours: ObstacleGeometry, speed_mps: float) -> Floats:
         """(K,) 0 .. 1, which bodies are too near for a stop."""
         way = neighbours.way_m
         closing = np.maximum(speed_mps - neighbours.bodies.speed_mps, 0.0)
         stop = stopping_way(closing, STOP_MPS2, STOP_REACTION_S)
         return np.where(way > 0.0, np.clip(stop - way, 0.0, 1.0), 0.0)
 
-    def _memory(self, neighbours: Neighbours, lane: Lane, rows: Floats) -> Floats:
+    def _memory(self, neighbours: ObstacleGeometry, lane: Lane, rows: Floats) -> Floats:
         """(G,) what keeps the decision: leaving the last minimum costs, changing the side of a near body costs more.
 
         As much if the car has turned to that side already; less if it has not and the gap there proves narrow.
@@ -183,7 +183,7 @@ class LaneField:
         latched: Floats = memory + (other * height[:, None]).max(axis=0)
         return latched
 
-    def _unreached(self, neighbours: Neighbours, lane: Lane) -> Floats:
+    def _unreached(self, neighbours: ObstacleGeometry, lane: Lane) -> Floats:
         """(G,) what keeps the minimum this side of bodies that stand too near to get to their other side before them.
 
         Beside a body, its other side and its own place are out of reach whatever else there is.
@@ -205,7 +205,7 @@ class LaneField:
         unreached: Floats = np.maximum(taken, config.unreached_height * ((y >= from_m) | (y <= up_to_m)))
         return unreached
 
-    def _far(self, neighbours: Neighbours, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Bools, Bools]:
+    def _far(self, neighbours: ObstacleGeometry, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Bools, Bools]:
         """(K,) whether to get free of a body's places, between `least_m` and `most_m` (K,), to the right, and to the
         left, takes more way than there is."""
         way, slope = neighbours.way_m, np.array([[-tan(lane.heading_rad)], [tan(lane.heading_rad)]])

@@ -6,7 +6,7 @@ MOST_CELLS = 10_000  # to one side
 
 
 @dataclass(frozen=True, slots=True)
-class LaneFieldConfig:
+class LateralCostConfig:
     """Potentials have no unit; only their ratios matter."""
 
     reach_m: float  # of the grid, to both sides of the own lane's middle

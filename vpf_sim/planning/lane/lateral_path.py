@@ -18,17 +18,17 @@ For a constant S that is a filter of third order; after a step D it is done in 1
 from math import copysign, inf, sqrt
 
 from vpf_sim.planning.lane.frame import Lane
-from vpf_sim.planning.lane.kinematic_limits import PEAK_SPEED, Limits, Reach
+from vpf_sim.planning.lane.kinematic_limits import PEAK_SPEED, KinematicLimits, Limits
 from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
 
 SHORTEST_S = 0.8  # of a shift
 STEEPEST = 0.95  # slope, whatever the bend was before: at a speed that jumps one step may be many metres long
 
 
-class Glide:
+class LateralPath:
     """The path's place, slope and bend where the car is now."""
 
-    def __init__(self, config: LaneReferenceConfig, reach: Reach, y_m: float, way_m: float) -> None:
+    def __init__(self, config: LaneReferenceConfig, reach: KinematicLimits, y_m: float, way_m: float) -> None:
         self._config = config
         self._reach = reach
         self._way_m = way_m  # S

@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.planning.lane.gap_cost import ROW_M, same_row
-from vpf_sim.planning.lane.lateral_cost_config import LaneFieldConfig
+from vpf_sim.planning.lane.lateral_cost_config import LateralCostConfig
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 NEXT_M = 4.0  # ahead, what stands beside our way is passed next
@@ -18,11 +18,11 @@ PASSING_M = 3.0  # from bumper to face: a body that moves is being passed
 CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
 
 
-class Neighbours:
+class ObstacleGeometry:
     """K bodies in lane coordinates, and ours, which asks for its ways past them; a y is that of its middle."""
 
     def __init__(
-        self, bodies: LaneObstacles, config: LaneFieldConfig, vehicle: VehicleModel, speed_reference_mps: float
+        self, bodies: LaneObstacles, config: LateralCostConfig, vehicle: VehicleModel, speed_reference_mps: float
     ) -> None:
         self.bodies = bodies
         self._config = config

@@ -7,47 +7,49 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
-from vpf_sim.planning.lane.kinematic_limits import Reach, ReachConfig
-from vpf_sim.planning.lane.lateral_cost import LaneField, LanePotential
-from vpf_sim.planning.lane.lateral_cost_config import LaneFieldConfig
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
-from vpf_sim.planning.lane.recovery import WayOut, WayOutConfig
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, LimitsConfig
+from vpf_sim.planning.lane.lateral_cost import LanePotential, LateralCost
+from vpf_sim.planning.lane.lateral_cost_config import LateralCostConfig
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
+from vpf_sim.planning.lane.recovery import Recovery, RecoveryConfig
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
-from vpf_sim.planning.lane.speed.clear_distance import SightConfig, speed_within_sight
-from vpf_sim.planning.lane.speed.tentative_obstacles import Caution, CautionConfig
+from vpf_sim.planning.lane.speed.clear_distance import ClearDistanceConfig, speed_within_clear_distance
+from vpf_sim.planning.lane.speed.tentative_obstacles import TentativeLimit, TentativeLimitConfig
 from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference, RoadEdges
 
 LOST_MPS, LOST_M = 1.0, 12.0  # while the road itself is not seen, and how far: some way or a wiper may bring it back
 
 
 @dataclass(frozen=True, slots=True)
-class ValleyConfig:
-    field: LaneFieldConfig
+class LanePlannerConfig:
+    lateral_cost: LateralCostConfig
     reference: LaneReferenceConfig
-    reach: ReachConfig
-    sight: SightConfig | None = None  # without it, as fast where little is seen
-    caution: CautionConfig | None = None  # without it, as fast before what is suspected
-    way_out: WayOutConfig | None = None  # without it, the car stands for good in a dead end
+    limits: LimitsConfig
+    clear_distance: ClearDistanceConfig | None = None  # without it, as fast where little is seen
+    tentative_obstacles: TentativeLimitConfig | None = None  # without it, as fast before what is suspected
+    recovery: RecoveryConfig | None = None  # without it, the car stands for good in a dead end
 
 
-class Valley:
+class LanePlanner:
     """Follows the valley of the field from frame to frame."""
 
-    def __init__(self, setup: DriverSetup, config: ValleyConfig) -> None:
-        reach, self._speed_mps = Reach(config.reach, setup.vehicle), setup.speed_reference_mps
-        self._sight, self._vehicle, self._field_config = config.sight, setup.vehicle, config.field
-        self._caution = (
-            Caution(config.caution, setup.vehicle, self._speed_mps, setup.rate_hz) if config.caution else None
+    def __init__(self, setup: DriverSetup, config: LanePlannerConfig) -> None:
+        reach, self._speed_mps = KinematicLimits(config.limits, setup.vehicle), setup.speed_reference_mps
+        self._sight, self._vehicle, self._field_config = config.clear_distance, setup.vehicle, config.lateral_cost
+        self._tentative_limit = (
+            TentativeLimit(config.tentative_obstacles, setup.vehicle, self._speed_mps, setup.rate_hz)
+            if config.tentative_obstacles
+            else None
         )
         self._dt_s, self._lost_m = 1.0 / setup.rate_hz, 0.0  # way since the road was seen
         self._alone = self._neighbours(NOTHING)
-        self._field = LaneField(config.field, setup.vehicle, self._speed_mps, reach)
+        self._field = LateralCost(config.lateral_cost, setup.vehicle, self._speed_mps, reach)
         self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
-        self._way_out = WayOut(config.way_out, setup.vehicle, setup.rate_hz) if config.way_out else None
+        self._recovery = Recovery(config.recovery, setup.vehicle, setup.rate_hz) if config.recovery else None
 
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
-        road, out = perception.road, self._way_out
+        road, out = perception.road, self._recovery
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane)
         neighbours = self._neighbours(obstacles) if len(obstacles) else self._alone
@@ -61,8 +63,8 @@ class Valley:
         extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
         return _force(potential, lane.y_m), reference, extra
 
-    def _neighbours(self, bodies: LaneObstacles) -> Neighbours:
-        return Neighbours(bodies, self._field_config, self._vehicle, self._speed_mps)
+    def _neighbours(self, bodies: LaneObstacles) -> ObstacleGeometry:
+        return ObstacleGeometry(bodies, self._field_config, self._vehicle, self._speed_mps)
 
     def _slowed(
         self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
@@ -70,11 +72,13 @@ class Valley:
         """The reference, slowed by what is suspected on the way to a goal aside and by what cannot be seen."""
         allowed = inf
         if self._sight is not None:
-            allowed = speed_within_sight(perception.low_sight_m, self._speed_mps, self._sight, self._vehicle)
+            allowed = speed_within_clear_distance(
+                perception.low_sensing_range_m, self._speed_mps, self._sight, self._vehicle
+            )
             allowed = min(allowed, self._on_road(perception.road, speed_mps))
-        if self._caution is not None and perception.suspects is not None:
-            suspects = place(perception.suspects, lane)
-            allowed = self._caution.update(lane, suspects, goal_m, speed_mps, allowed)
+        if self._tentative_limit is not None and perception.tentative is not None:
+            tentative = place(perception.tentative, lane)
+            allowed = self._tentative_limit.update(lane, tentative, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
     def _on_road(self, road: RoadEdges, speed_mps: float) -> float:
@@ -92,10 +96,10 @@ class Valley:
 
         Who is to stand only because the road is not seen is in no dead end, and on a way out the road need not be seen.
         """
-        if self._way_out is None:
+        if self._recovery is None:
             return None
-        was_driven = self._way_out.is_driven
-        turned = self._way_out.update(lane, obstacles, observation, wanted)
+        was_driven = self._recovery.is_driven
+        turned = self._recovery.update(lane, obstacles, observation, wanted)
         if was_driven or turned is not None:
             self._lost_m = 0.0
             self._field.keep(lane.y_m)

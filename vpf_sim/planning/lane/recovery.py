@@ -16,7 +16,7 @@ import numpy as np
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
-from vpf_sim.planning.lane.recovery_candidates import BEYOND_M, LOCKS, STEP_M, Courses, Hindrances, courses, separation
+from vpf_sim.planning.lane.recovery_candidates import BEYOND_M, LOCKS, STEP_M, Blockers, Courses, courses, separation
 from vpf_sim.planning.lane.speed.creep import STANDING_MPS
 from vpf_sim.types import Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
 
@@ -41,7 +41,7 @@ PULL_PER_M, MOST_PULL = 0.5, 0.2  # back to the course, as an angle
 
 
 @dataclass(frozen=True, slots=True)
-class WayOutConfig:
+class RecoveryConfig:
     """When a way out is looked for and how it is driven."""
 
     standing_s: float  # before a road without a free side in reach
@@ -65,7 +65,7 @@ class _Start:
 
     lane: Lane
     pose: Floats  # (3,)
-    bodies: Hindrances
+    bodies: Blockers
     known: frozenset[int]  # their identities
 
     def lane_at(self, observation: Observation) -> tuple[Lane, float]:
@@ -79,10 +79,10 @@ class _Start:
         return replace(before, y_m=before.y_m + across - 0.5 * bend * along, heading_rad=heading), along
 
 
-class WayOut:
+class Recovery:
     """Looks for a course while the car stands, and remembers the one that is driven."""
 
-    def __init__(self, config: WayOutConfig, vehicle: VehicleModel, rate_hz: float) -> None:
+    def __init__(self, config: RecoveryConfig, vehicle: VehicleModel, rate_hz: float) -> None:
         self._config = config
         self._vehicle = vehicle
         self._dt_s = 1.0 / rate_hz
@@ -173,7 +173,7 @@ class WayOut:
                 self._gone_m, self._clearance_m, self._left_road = 0.0, clearance_m, True
                 return
 
-    def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Hindrances:
+    def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Blockers:
         """What stands near: on a course what was known where it began, and what is told since, which stays so for the
         next course that begins on this one.
 
@@ -182,16 +182,16 @@ class WayOut:
         """
         length_m = self._config.body_length_m
         if self._start is None:
-            bodies = Hindrances.of(place(obstacles, lane), length_m, BEYOND_M)
+            bodies = Blockers.of(place(obstacles, lane), length_m, BEYOND_M)
         else:
             _, gone = self._start.lane_at(observation)
             known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
             new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
             fresh = place(obstacles.chosen(new & (obstacles.width_m < NARROW_M)), lane)
-            bodies = known.together_with(Hindrances.of(fresh, length_m, NEXT_M))
+            bodies = known.concatenate(Blockers.of(fresh, length_m, NEXT_M))
         return bodies.chosen(bodies.along_m < RELEVANT_M)
 
-    def _best(self, found: Courses, lane: Lane, bodies: Hindrances, clearance_m: float) -> Courses | None:
+    def _best(self, found: Courses, lane: Lane, bodies: Blockers, clearance_m: float) -> Courses | None:
         """Of the courses that keep far enough from all the one that turns least and keeps farthest.
 
         On the first BEGINS_M of one the car may be as near to a body as it is now.
@@ -226,7 +226,7 @@ class WayOut:
                 return None
         return self._reference(rest, self._gone_m / STEP_M - step, lane, observation)
 
-    def _has_ended(self, step: int, bodies: Hindrances) -> bool:
+    def _has_ended(self, step: int, bodies: Blockers) -> bool:
         """Whether the car goes along the road again and has passed all bodies that may be long: no side was seen."""
         assert self._course is not None
         if step + 2 >= self._course.along_m.shape[1]:
@@ -236,7 +236,7 @@ class WayOut:
         beside = wide & (front < 0.0) & (bodies.along_m + LONGEST_M > -0.5 * self._vehicle.length_m)
         return step > int(self._course.end[0]) + SETTLING and not bool(np.any(beside))
 
-    def _is_free(self, rest: Courses, lane: Lane, bodies: Hindrances) -> bool:
+    def _is_free(self, rest: Courses, lane: Lane, bodies: Blockers) -> bool:
         """Whether what is left of a course still keeps from all, as far as is known now."""
         here = -self._vehicle.l_r_m * cos(lane.heading_rad)
         rest = replace(rest, along_m=rest.along_m - rest.along_m[0, 0] + here)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.types import Bools, Floats, SidedBodies, VehicleModel
+from vpf_sim.types import Bools, Floats, LateralExtents, VehicleModel
 
 STEP_M = 0.1
 WAY_M = 28.0  # on which courses are looked at
@@ -126,7 +126,7 @@ def _straight_on(
 
 
 @dataclass(frozen=True, slots=True)
-class Hindrances(SidedBodies):
+class Blockers(LateralExtents):
     """K bodies from which a course must keep, in lane coordinates."""
 
     along_m: Floats  # (K,) nearest face, from the pose
@@ -136,14 +136,14 @@ class Hindrances(SidedBodies):
     beyond_m: Floats  # (K,) how far past its end a course is held against each, no farther than BEYOND_M
 
     @classmethod
-    def of(cls, bodies: LaneObstacles, length_m: float, beyond_m: float) -> "Hindrances":
+    def of(cls, bodies: LaneObstacles, length_m: float, beyond_m: float) -> "Blockers":
         """Bodies that are at least so long, and how far past its end a course is held against them."""
         length = np.maximum(bodies.length_m, length_m)
         return cls(bodies.along_m, bodies.left_m, bodies.right_m, length, np.full(len(bodies), beyond_m))
 
 
 def separation(
-    course: Courses, lane: Lane, bodies: Hindrances, vehicle: VehicleModel, every: int = 1
+    course: Courses, lane: Lane, bodies: Blockers, vehicle: VehicleModel, every: int = 1
 ) -> tuple[Floats, Floats]:
     """(N, T) m by which our body is apart at least from all bodies, and (N,) from both edges, until it is past its end.
 

@@ -20,11 +20,11 @@ import numpy as np
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.gap_cost import ROW_M
-from vpf_sim.planning.lane.kinematic_limits import Reach, rear_m
-from vpf_sim.planning.lane.lateral_path import Glide
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, rear_m
+from vpf_sim.planning.lane.lateral_path import LateralPath
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
-from vpf_sim.planning.lane.speed.limits import Pace
+from vpf_sim.planning.lane.speed.limits import SpeedLimits
 from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import Reference, VehicleModel
 
@@ -43,13 +43,13 @@ class LaneReference:
         vehicle: VehicleModel,
         speed_reference_mps: float,
         rate_hz: float,
-        reach: Reach,
+        reach: KinematicLimits,
     ) -> None:
         self._config = config
         self._vehicle = vehicle
         self._dt_s = 1.0 / rate_hz
         self._shift_m = config.shift_s * speed_reference_mps
-        self._pace = Pace(config, speed_reference_mps, rate_hz, reach)
+        self._pace = SpeedLimits(config, speed_reference_mps, rate_hz, reach)
         self._reach = reach
         self.y_m: float | None = None
         self.restart(speed_reference_mps)
@@ -58,10 +58,10 @@ class LaneReference:
         """Begin anew from where the car is."""
         self._pace.restart(speed_mps)
         self._heading_rad: float | None = None
-        self._glide: Glide | None = None
+        self._glide: LateralPath | None = None
 
     def update(
-        self, lane: Lane, neighbours: Neighbours, minimum_m: float, yaw_rad: float, speed_mps: float
+        self, lane: Lane, neighbours: ObstacleGeometry, minimum_m: float, yaw_rad: float, speed_mps: float
     ) -> Reference:
         """One step of 1 / rate_hz towards the field's minimum."""
         wanted = self._pace.update(lane, neighbours, minimum_m, speed_mps, self._glide)
@@ -70,7 +70,7 @@ class LaneReference:
             return Reference(self._straight(lane, minimum_m, yaw_rad, speed_mps), wanted)
         rear = rear_m(lane, self._vehicle)
         if self._glide is None:
-            self._glide = Glide(self._config, self._reach, rear, self._shift_m)
+            self._glide = LateralPath(self._config, self._reach, rear, self._shift_m)
         between, time_s, flanks = lane, np.inf, (np.inf, np.inf)
         if len(neighbours):
             between = neighbours.between(lane, self._glide.y_m)
@@ -83,14 +83,14 @@ class LaneReference:
         heading, rate = self._heading(lane, flanks, self._glide, yaw_rad, speed_mps)
         return Reference(heading, wanted, rate)
 
-    def _time_left(self, neighbours: Neighbours, y_m: float, speed_mps: float) -> float:
+    def _time_left(self, neighbours: ObstacleGeometry, y_m: float, speed_mps: float) -> float:
         """s until the first body is reached that stands where y_r is now."""
         way = neighbours.way_m
         hit = (neighbours.overlap(y_m, self._config.minimum_clearance_m) > 0.0) & (way > 0.0)
         closing = np.maximum(max(speed_mps, self._reach.walking_mps) - neighbours.bodies.speed_mps, SLOWEST_CLOSING_MPS)
         return float((way / closing).min(where=hit, initial=np.inf))
 
-    def _goal(self, glide: Glide, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> float:
+    def _goal(self, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
         """Where the path shall lead now, on its way to the minimum past bodies."""
         if self._waits(glide, neighbours, minimum_m, speed_mps):
             minimum_m = glide.y_m
@@ -98,12 +98,12 @@ class LaneReference:
             minimum_m = self._held(glide, neighbours, minimum_m, speed_mps)
         return neighbours.kept_beside(glide.y_m, minimum_m)
 
-    def _waits(self, glide: Glide, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> bool:
+    def _waits(self, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float) -> bool:
         """Whether there is more way than it takes before the first body for which the path must leave where it is.
 
         From nearer a body's side is known better, and the own lane is left no longer than it must be: the way back does
         not wait. Where there is no room to spare beside the bodies it does not wait either, nor before one that moves:
-        who is still behind it when it is near is no longer let past (`LaneField`).
+        who is still behind it when it is near is no longer let past (`LateralCost`).
         """
         if abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
             return False
@@ -117,7 +117,7 @@ class LaneReference:
         needed += WAITS_S * max(speed_mps, self._reach.walking_mps)
         return float(neighbours.way_m[hit].min()) > needed
 
-    def _held(self, glide: Glide, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> float:
+    def _held(self, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
         """Where the path shall lead: to the minimum, or where it is soonest straight if no place is free there, either.
 
         Turned towards a gap that may be none a car has neither the way nor the angle left for another. It goes back to
@@ -151,7 +151,7 @@ class LaneReference:
         return min(max(pull, -most), most) / max(speed_mps, 1.0)
 
     def _heading(
-        self, lane: Lane, flanks: tuple[float, float], glide: Glide, yaw_rad: float, speed_mps: float
+        self, lane: Lane, flanks: tuple[float, float], glide: LateralPath, yaw_rad: float, speed_mps: float
     ) -> tuple[float, float]:
         """psi_d rad and its rate rad/s."""
         left, right = self._reach.between(lane, speed_mps)

@@ -14,7 +14,7 @@ from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
 
 
 @dataclass(frozen=True, slots=True)
-class GradientLineConfig:
+class PaperPlannerConfig:
     target_field: TargetFieldConfig
     obstacle_field: ObstacleFieldConfig
     road_field: RoadFieldConfig
@@ -22,10 +22,10 @@ class GradientLineConfig:
     reference: ReferenceConfig
 
 
-class GradientLine:
+class PaperPlanner:
     """Follows the line of the total force from frame to frame."""
 
-    def __init__(self, setup: DriverSetup, config: GradientLineConfig) -> None:
+    def __init__(self, setup: DriverSetup, config: PaperPlannerConfig) -> None:
         self._setup = setup
         self._config = config
         self._bend = FoeBend(config.road_field, setup.camera, setup.rate_hz)

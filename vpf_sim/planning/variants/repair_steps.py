@@ -14,32 +14,32 @@ REPAIRS = (
     Change(
         "focus",
         "focus of expansion and time to contact: right closed form, without rotation and outliers",
-        ("expansion", "contact"),
+        ("focus_of_expansion", "time_to_contact"),
     ),
     Change(
         "rotation",
         "total force: the rotation matrix is transposed, from vehicle to world axes",
-        ("gradient_line.total_field.rotation",),
+        ("paper_planner.total_field.rotation",),
     ),
     Change(
         "axes",
         "total force: the image's x acts on the vehicle's Y; the sum of the times to contact is left out",
-        ("gradient_line.total_field.axes", "gradient_line.obstacle_field.terms"),
+        ("paper_planner.total_field.axes", "paper_planner.obstacle_field.terms"),
     ),
     Change(
         "angles",
         "heading and target: atan2 for atan, the target's angle in vehicle axes",
-        ("gradient_line.target_field.direction", "gradient_line.reference"),
+        ("paper_planner.target_field.direction", "paper_planner.reference"),
     ),
     Change(
         "road",
         "road field: right curved form, which edges, lambda",
-        ("gradient_line.road_field", "gradient_line.total_field.lambda_x", "gradient_line.total_field.lambda_y"),
+        ("paper_planner.road_field", "paper_planner.total_field.lambda_x", "paper_planner.total_field.lambda_y"),
     ),
     Change(
         "goal",
         "target field: the goal lies within reach, so that the weights do not change along the way",
-        ("gradient_line.target_field.reach_m", "gradient_line.target_field.at"),
+        ("paper_planner.target_field.reach_m", "paper_planner.target_field.at"),
     ),
     Change(
         "obstacle-test",
@@ -55,8 +55,8 @@ REPAIRS = (
         "weights",
         "obstacle field: gamma, |R|, sigma, weight of a point",
         (
-            "gradient_line.obstacle_field.gamma",
-            "gradient_line.obstacle_field.area",
+            "paper_planner.obstacle_field.gamma",
+            "paper_planner.obstacle_field.area",
             "obstacle_map.sigma_px",
             "obstacle_map.normalisation",
             "obstacle_map.weight",

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import NoiseModel, Triangulation
-from vpf_sim.perception.obstacles.collision_alarm import ClosingConfig
+from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarmConfig
 from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig
 from vpf_sim.perception.obstacles.moving.track import FilterConfig, Sight
 from vpf_sim.perception.obstacles.point_hypotheses import Integers
@@ -14,7 +14,7 @@ from vpf_sim.types import Bools, Camera, Floats, Flow
 
 
 @dataclass(frozen=True, slots=True)
-class MoverConfig:
+class MovingObstacleConfig:
     """When points move, how many make a body, and how long it is kept in mind."""
 
     window_px: int = 11  # of the flow, for the noise of a track
@@ -76,7 +76,7 @@ class MoverConfig:
     noise: NoiseModel = field(default_factory=NoiseModel)  # of the tracks
     filter: FilterConfig = field(default_factory=FilterConfig)
     evidence: EvidenceConfig = field(default_factory=EvidenceConfig)
-    closing: ClosingConfig = field(default_factory=ClosingConfig)
+    closing: CollisionAlarmConfig = field(default_factory=CollisionAlarmConfig)
 
     def __post_init__(self) -> None:
         if not self.bright[0] < self.bright[1]:
@@ -102,7 +102,7 @@ class Apparent:
     contrast: Floats  # (N,) logarithm of their gradients' square, as a share of that of what stands upright
 
 
-def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, config: MoverConfig) -> Apparent:
+def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, config: MovingObstacleConfig) -> Apparent:
     """The followed points, and which of them no standing body explains."""
     x = (flow.points_px[:, 0] - camera.cx_px) / camera.fx_px
     y = (flow.points_px[:, 1] - camera.cy_px) / camera.fy_px
@@ -127,7 +127,7 @@ def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, co
     return Apparent(inverse, sigma, drop, x, own, ripe, flow.stuck, road, standing, moves, contrast)
 
 
-def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: MoverConfig) -> list[Integers]:
+def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: MovingObstacleConfig) -> list[Integers]:
     """For the best of the suspected feet, the tracks that move as it does in the outline of a vehicle on it."""
     ripe = np.flatnonzero(seen.ripe & ~seen.still & (seen.drop > 0.0))
     middle = np.repeat(np.array([-1.0, 0.0, 1.0]) * config.foot_side_m, len(feet))[:, None]
@@ -155,7 +155,7 @@ def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: 
     return found
 
 
-def suspect(seen: Apparent, mine: Integers, camera: Camera, config: MoverConfig) -> Sight:
+def suspect(seen: Apparent, mine: Integers, camera: Camera, config: MovingObstacleConfig) -> Sight:
     """What the tracks in an outline tell of the body."""
     depth = (camera.height_m - config.filter.foot_height_m) / float(np.sort(seen.drop[mine])[-2:].mean())
     own = median(seen.own_mps[mine])

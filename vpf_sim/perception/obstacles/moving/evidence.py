@@ -9,7 +9,7 @@ a dry road hardly a point lies below it that is of no body (`Mirror`), and a dar
 faint as far asphalt. And it counts by where what is mirrored would have to stand: at the inverse depth w, beside the
 road as a rule. Where that is on the road, as for a car ahead, hardly anything stands, and a body only has to have more
 contrast than its own mirror image, which joins it at the foot and would move the foot towards us. The weights are
-chosen by when suspects of development drives, in clear weather and in rain, were believed with them.
+chosen by when tentative of development drives, in clear weather and in rain, were believed with them.
 """
 
 from dataclasses import dataclass

@@ -17,7 +17,7 @@ UNLIKELY = 1e-4  # a width is not given up for good
 
 
 @dataclass(frozen=True, slots=True)
-class SidesConfig:
+class TrackExtentConfig:
     """How points tell of a body's sides."""
 
     narrowest_m: float = 1.9  # vehicle, with its mirrors, and
@@ -46,7 +46,7 @@ class SidesConfig:
 class Sides:
     """The belief of one body's middle, along the axis across its course, and of its width."""
 
-    def __init__(self, config: SidesConfig) -> None:
+    def __init__(self, config: TrackExtentConfig) -> None:
         self._config = config
         self.sigma_m = config.sigma_m
         self._width_m = np.linspace(config.narrowest_m, config.widest_m, config.widths)

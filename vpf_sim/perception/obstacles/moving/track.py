@@ -6,10 +6,10 @@ from math import exp
 import numpy as np
 
 from vpf_sim.geometry import rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.obstacles.moving.extent import Sides, SidesConfig
+from vpf_sim.perception.obstacles.moving.extent import Sides, TrackExtentConfig
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, Residuals
 from vpf_sim.perception.obstacles.point_hypotheses import among
-from vpf_sim.types import Bools, Camera, Floats, Flow, Sided
+from vpf_sim.types import Bools, Camera, Floats, Flow, LateralExtent
 
 FITS = 3
 NEAREST_M = 1.0  # before a face, from where its sides are looked at
@@ -17,7 +17,7 @@ LEAST_SLOPE = 0.2  # of a ray along its course: a face is not seen along its pla
 
 
 @dataclass(frozen=True, slots=True)
-class Sight(Sided[float]):
+class Sight(LateralExtent[float]):
     """What the tracks of a body say when it is found."""
 
     depth_m: float  # of the road behind its lowest point, from the camera
@@ -50,10 +50,10 @@ class FilterConfig:
     drift_m: float = 0.3  # and at most: it keeps its lane
     clip: float = 2.0  # standard deviations of an innovation that are taken
     chi2_limit: float = 9.0  # of a track that belongs to the body
-    sides: SidesConfig = field(default_factory=SidesConfig)
+    sides: TrackExtentConfig = field(default_factory=TrackExtentConfig)
 
 
-class Mover:
+class MovingTrack:
     """Filters of the distance, of the speed along the road, and of the place across (`Sides`).
 
     Tracks fix the rate (v - v_b) / Z at which the body grows, its foot the distance Z; so a correction of Z corrects

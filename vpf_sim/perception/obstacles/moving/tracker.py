@@ -21,26 +21,26 @@ import numpy as np
 
 from vpf_sim.geometry import rotation
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.collision_alarm import Closing
-from vpf_sim.perception.obstacles.moving.detection import Apparent, MoverConfig, appear, outlines, suspect
+from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarm
+from vpf_sim.perception.obstacles.moving.detection import Apparent, MovingObstacleConfig, appear, outlines, suspect
 from vpf_sim.perception.obstacles.moving.evidence import Mirror, evidence
 from vpf_sim.perception.obstacles.moving.moving_frame import Residuals, against
-from vpf_sim.perception.obstacles.moving.track import Mover, Sight
+from vpf_sim.perception.obstacles.moving.track import MovingTrack, Sight
 from vpf_sim.perception.obstacles.point_hypotheses import Integers, among
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.geometry import carriageway_offsets, near_edge_line
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
 
-class MoverTracker:
+class MovingObstacleTracker:
     """Finds bodies that move, follows them, and keeps them in mind where they are not seen."""
 
-    def __init__(self, camera: Camera, config: MoverConfig, rate_hz: float) -> None:
+    def __init__(self, camera: Camera, config: MovingObstacleConfig, rate_hz: float) -> None:
         self.camera, self.config, self.rate_hz = camera, config, rate_hz
-        self.movers: list[Mover] = []
+        self.tracks: list[MovingTrack] = []
         self._look = max(1, round(config.look_s * rate_hz))
         self._search = self._look * max(1, round(config.search_s / config.look_s))
-        self._closing = Closing(camera, config.closing, self._look / rate_hz)
+        self._closing = CollisionAlarm(camera, config.closing, self._look / rate_hz)
         self._mirror = Mirror(config.evidence, self._look / rate_hz)
         self._frame = -1
         self._time_s = 0.0
@@ -62,12 +62,12 @@ class MoverTracker:
         dt_s, self._time_s = time_s - self._time_s, time_s
         look = self.looks
         self._frame += 1
-        for mover in self.movers:
-            ahead = min(max(mover.place(flow.pose)[0], -self.config.behind_m), 1.5 * self.config.far_m)
+        for track in self.tracks:
+            ahead = min(max(track.place(flow.pose)[0], -self.config.behind_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
-            mover.predict(dt_s, direction, road.curvature_per_m)
+            track.predict(dt_s, direction, road.curvature_per_m)
         if look and points is not None:
-            if self.movers or self._searches:
+            if self.tracks or self._searches:
                 self._look_at(flow, points, road, speed_mps)
             self._closing.look(flow, points, road, speed_mps, ~among(flow.identity, self._hidden))
         return among(flow.identity, self._hidden)
@@ -82,14 +82,14 @@ class MoverTracker:
         hidden = np.zeros(len(flow), np.bool_)
         taken = np.zeros(len(flow), np.bool_)
         self._reflect(seen, flow.pose)
-        for mover in sorted(self.movers, key=lambda mover: mover.place(flow.pose)[0]):
-            mine, within = self._follow(mover, seen, flow, road, speed_mps, ~taken)
+        for track in sorted(self.tracks, key=lambda track: track.place(flow.pose)[0]):
+            mine, within = self._follow(track, seen, flow, road, speed_mps, ~taken)
             free &= ~mine
-            if mover.identity is not None:
+            if track.identity is not None:
                 free &= ~within  # two bodies do not stand in one place
-            if mover.identity is not None and mover.is_seen:  # nor is the farther seen through the nearer
-                taken |= mine | self._outline(mover, seen, flow.pose, 0.0)
-            if mover.log_odds > self.config.sure:
+            if track.identity is not None and track.is_seen:  # nor is the farther seen through the nearer
+                taken |= mine | self._outline(track, seen, flow.pose, 0.0)
+            if track.log_odds > self.config.sure:
                 hidden |= (mine | within) & seen.ripe
         self._hidden = flow.identity[hidden]
         self._merge(flow.pose)
@@ -101,27 +101,27 @@ class MoverTracker:
     def _reflect(self, seen: Apparent, pose: Floats) -> None:
         """Look at how far the road mirrors, outside of all that moves."""
         low = seen.ripe & ~seen.still & (seen.drop > self.config.least_drop)
-        for mover in self.movers:
-            low &= ~self._outline(mover, seen, pose, self.config.margin_m)
+        for track in self.tracks:
+            low &= ~self._outline(track, seen, pose, self.config.margin_m)
         self._mirror.update(int(np.count_nonzero(low & seen.moves)), int(np.count_nonzero(low)))
 
     @property
     def reports(self) -> bool:
         """Whether there is anything to tell of."""
-        return self._closing.alarms or any(mover.identity is not None for mover in self.movers)
+        return self._closing.alarms or any(track.identity is not None for track in self.tracks)
 
     def obstacles(self, pose: Floats, speed_mps: float, standing: Obstacles) -> Obstacles:
         """All bodies in the axes of the vehicle: the `standing`, the moving, whose identities are negative, and what is
         met soon and is none of these."""
-        known = standing.together_with(self.moving(pose, speed_mps))
-        return known.together_with(self._closing.obstacles(pose, speed_mps, known))
+        known = standing.concatenate(self.moving(pose, speed_mps))
+        return known.concatenate(self._closing.obstacles(pose, speed_mps, known))
 
     def moving(self, pose: Floats, speed_mps: float) -> Obstacles:
         """Those believed to move, in the axes of the vehicle; their identities are negative."""
-        believed = [mover for mover in self.movers if mover.identity is not None]
-        place = np.array([mover.place(pose) for mover in believed]).reshape(-1, 2)
-        half = np.array([mover.reach_m for mover in believed])
-        speed = np.array([mover.speed_mps for mover in believed])
+        believed = [track for track in self.tracks if track.identity is not None]
+        place = np.array([track.place(pose) for track in believed]).reshape(-1, 2)
+        half = np.array([track.reach_m for track in believed])
+        speed = np.array([track.speed_mps for track in believed])
         forward, closing = place[:, 0], speed_mps - speed
         with np.errstate(divide="ignore", invalid="ignore"):
             ttc = np.where((forward > 0.0) & (closing > 0.0), forward / closing, np.inf)
@@ -129,71 +129,71 @@ class MoverTracker:
             forward_m=forward,
             left_m=place[:, 1] - half,
             right_m=place[:, 1] + half,
-            sigma_m=np.array([mover.sigma_m for mover in believed]),
+            sigma_m=np.array([track.sigma_m for track in believed]),
             ttc_s=ttc,
-            identity=-np.array([mover.identity for mover in believed], np.int64),
+            identity=-np.array([track.identity for track in believed], np.int64),
             speed_mps=speed,
         )
 
     def _follow(
-        self, mover: Mover, seen: Apparent, flow: Flow, road: RoadEdges, own_mps: float, free: Bools
+        self, track: MovingTrack, seen: Apparent, flow: Flow, road: RoadEdges, own_mps: float, free: Bools
     ) -> tuple[Bools, Bools]:
         """Bring a body to this frame by its tracks; (N,) points that are of it, and (N,) those seen through it.
 
         Its tracks are among those that are `free` (N,): of no nearer body.
         """
         config, dt_s = self.config, self._look / self.rate_hz
-        within = self._outline(mover, seen, flow.pose, config.margin_m)
-        forward, right = mover.place(flow.pose)
+        within = self._outline(track, seen, flow.pose, config.margin_m)
+        forward, right = track.place(flow.pose)
         depth = forward - self.camera.forward_m
         if not (depth > config.follow_m and abs(right) < config.follow_bearing * depth) or not seen.ripe.any():
-            self._fade(mover, dt_s)
-            return mover.mine(flow), within
-        follows = abs(own_mps - mover.speed_mps) < config.equal_share * own_mps  # then what is on it stands still
-        about = self._outline(mover, seen, flow.pose, config.margin_m + config.about_m)
+            self._fade(track, dt_s)
+            return track.mine(flow), within
+        follows = abs(own_mps - track.speed_mps) < config.equal_share * own_mps  # then what is on it stands still
+        about = self._outline(track, seen, flow.pose, config.margin_m + config.about_m)
         chosen = np.flatnonzero(about & free & seen.ripe & (follows | ~seen.still))
         image = self._image(seen, chosen[within[chosen]], depth)
         chosen = chosen[seen.contrast[chosen] > image]
         tracks, standing, inner = flow.chosen(chosen), seen.standing[chosen], within[chosen]
-        fitted, behind, faster = mover.fit(self._against(mover, tracks, depth), standing, own_mps, depth, inner)
+        fitted, behind, faster = track.fit(self._against(track, tracks, depth), standing, own_mps, depth, inner)
         chi2 = np.where(inner & (fitted < standing + config.odds), fitted, np.inf)
         face = chi2 < config.chi2_limit
-        mover.tracks = flow.identity[chosen[face]]
+        track.tracks = flow.identity[chosen[face]]
         gain = -config.speaks_against
         if np.count_nonzero(face) >= 3:
-            mover.grow(faster, int(np.count_nonzero(face)), dt_s)
+            track.grow(faster, int(np.count_nonzero(face)), dt_s)
             sure = face & (standing > chi2 + config.chi2_limit)  # what else is in the outline may shine through
             shape = sure if np.count_nonzero(sure) >= 3 else face
             foot = self._foot(seen.drop[chosen[shape]])
             if foot is not None:
-                mover.stand(foot, own_mps, flow.pose, dt_s)
-            depth = mover.depth_m(flow.pose)
+                track.stand(foot, own_mps, flow.pose, dt_s)
+            depth = track.depth_m(flow.pose)
             front = shape & (behind < config.front_m)
             front = front if np.count_nonzero(front) >= 3 else shape
-            self._spread(mover, seen, chosen, front, fitted, flow.pose)
-            inside = self._upright(mover, seen, chosen, face, own_mps, flow.pose)
+            self._looming(track, seen, chosen, front, fitted, flow.pose)
+            inside = self._upright(track, seen, chosen, face, own_mps, flow.pose)
             if inside is not None:
-                faint = self._faint(mover, image, own_mps, flow.pose, road)
+                faint = self._faint(track, image, own_mps, flow.pose, road)
                 gain = evidence(inside, chi2, standing, seen.contrast[chosen], faint, config.evidence)
-        self._weigh(mover, gain, dt_s)
+        self._weigh(track, gain, dt_s)
         with np.errstate(invalid="ignore"):
-            return mover.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
+            return track.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
 
-    def _weigh(self, mover: Mover, gain: float, dt_s: float) -> None:
+    def _weigh(self, track: MovingTrack, gain: float, dt_s: float) -> None:
         """One look spoke for a body by so much."""
         config = self.config
-        if mover.identity is not None:
+        if track.identity is not None:
             gain = max(gain, -config.doubts)
-        mover.log_odds = min(mover.log_odds + gain * dt_s / config.independent_s, config.most)
-        if mover.log_odds > config.sure:
-            mover.credit = config.sure  # a body that was sure is not doubted for what the picture's edge leaves of it
+        track.log_odds = min(track.log_odds + gain * dt_s / config.independent_s, config.most)
+        if track.log_odds > config.sure:
+            track.credit = config.sure  # a body that was sure is not doubted for what the picture's edge leaves of it
 
-    def _fade(self, mover: Mover, dt_s: float) -> None:
+    def _fade(self, track: MovingTrack, dt_s: float) -> None:
         """A body cannot be looked at: it is doubted more and more, and what is only suspected is forgotten."""
-        mover.log_odds = max(mover.log_odds, mover.credit) - self.config.fade_per_s * dt_s
-        mover.credit = min(mover.credit, mover.log_odds)
-        if mover.identity is None:
-            mover.log_odds = -np.inf
+        track.log_odds = max(track.log_odds, track.credit) - self.config.fade_per_s * dt_s
+        track.credit = min(track.credit, track.log_odds)
+        if track.identity is None:
+            track.log_odds = -np.inf
 
     def _image(self, seen: Apparent, within: Integers, depth_m: float) -> float:
         """The contrast below which points are of the mirror image of a body that has these in its outline."""
@@ -204,39 +204,41 @@ class MoverTracker:
         upper = within[(height > evidence.image_above_m) & (height < evidence.high_m)]
         return evidence.image(self._mirror.degree, seen.contrast[upper])
 
-    def _faint(self, mover: Mover, image: float, own_mps: float, pose: Floats, road: RoadEdges) -> float:
+    def _faint(self, track: MovingTrack, image: float, own_mps: float, pose: Floats, road: RoadEdges) -> float:
         """The contrast below which points speak against a body: that of its own `image`, or of asphalt, if what it
         would be the image of stood on the road, where hardly anything does."""
         config = self.config
-        forward, right = mover.place(pose)
+        forward, right = track.place(pose)
         depth = forward - self.camera.forward_m
-        share = mover.closing_share(own_mps)  # and so of its depth in that of what stands and would move as it does
+        share = track.closing_share(own_mps)  # and so of its depth in that of what stands and would move as it does
         is_known = depth > config.steep_m and share * config.mirrored_m > depth
         if is_known and self._is_on_carriageway(depth / share, right / share, road):
             return max(image, config.evidence.faint(0.0, depth))
         return config.evidence.faint(self._mirror.degree, depth)
 
-    def _spread(self, mover: Mover, seen: Apparent, chosen: Integers, front: Bools, chi2: Floats, pose: Floats) -> None:
+    def _looming(
+        self, track: MovingTrack, seen: Apparent, chosen: Integers, front: Bools, chi2: Floats, pose: Floats
+    ) -> None:
         """Look at a body's sides by the chosen points, of which those in `front` (M,) make its face.
 
         What lies on the road tells nothing of them: paint is long, and tracks slip along it.
         """
-        config, depth = self.config, mover.depth_m(pose)
+        config, depth = self.config, track.depth_m(pose)
         bearing, height = seen.bearing[chosen], self.camera.height_m - seen.drop[chosen] * depth
         face = bearing[front]
         left, right = quantile(face, config.side_quantile), quantile(face, 1.0 - config.side_quantile)
         upright = (height > config.evidence.low_m) & (height < config.evidence.high_m)
         odds = np.minimum(seen.standing[chosen], config.chi2_limit) - np.minimum(chi2, config.chi2_limit)
-        mover.spread((right - left) * depth, bearing[upright], 0.5 * odds[upright], pose, self._look / self.rate_hz)
+        track.spread((right - left) * depth, bearing[upright], 0.5 * odds[upright], pose, self._look / self.rate_hz)
 
-    def _outline(self, mover: Mover, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
+    def _outline(self, track: MovingTrack, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
         """(N,) points in the outline of a body, or so near beside it."""
         config = self.config
-        forward, right = mover.place(pose)
+        forward, right = track.place(pose)
         depth = forward - self.camera.forward_m
         near, far = max(depth, config.nearest_m), depth + config.length_m
         margin = margin_m + 0.02 * near
-        left, right = right - mover.half_m - margin, right + mover.half_m + margin
+        left, right = right - track.half_m - margin, right + track.half_m + margin
         is_in_us = depth < near and left < 0.0 < right  # it is not where it is believed to be, and would hide all
         if far < near or is_in_us:
             return np.zeros(len(seen.drop), np.bool_)
@@ -246,11 +248,11 @@ class MoverTracker:
         inside &= below < 1.2 * self.camera.height_m
         return inside
 
-    def _against(self, mover: Mover, tracks: Flow, depth_m: float) -> Residuals:
+    def _against(self, track: MovingTrack, tracks: Flow, depth_m: float) -> Residuals:
         behind = depth_m + self.config.filter.face_m
         depths = np.full(len(tracks), behind)
         return against(
-            tracks, self.camera, mover.course, depths, self.rate_hz, self.config.window_px, self.config.noise
+            tracks, self.camera, track.course, depths, self.rate_hz, self.config.window_px, self.config.noise
         )
 
     def _foot(self, drop: Floats) -> float | None:
@@ -260,73 +262,73 @@ class MoverTracker:
         return height / low if low > self.config.least_drop else None
 
     def _upright(
-        self, mover: Mover, seen: Apparent, chosen: Integers, face: Bools, own_mps: float, pose: Floats
+        self, track: MovingTrack, seen: Apparent, chosen: Integers, face: Bools, own_mps: float, pose: Floats
     ) -> Bools | None:
         """(M,) of the chosen points, of which those in `face` (M,) are its, that speak in a look at a body; None where
         its face is nothing upright that is as wide as a vehicle, and drives."""
         config = self.config
-        forward, right = mover.place(pose)
+        forward, right = track.place(pose)
         depth = forward - self.camera.forward_m
         height = self.camera.height_m - seen.drop[chosen] * depth
         across = seen.bearing[chosen] * depth - right
         inside = (height > config.evidence.low_m) & (height < config.evidence.high_m)
-        inside &= np.abs(across) < mover.half_m + 0.1
+        inside &= np.abs(across) < track.half_m + 0.1
         low, high = np.min(height[face]), np.max(height[face])
         upright = np.count_nonzero(face & inside) >= config.least_members and low < config.foot_m
-        upright &= high - low > config.least_height_m and mover.width_m > config.least_width_m
+        upright &= high - low > config.least_height_m and track.width_m > config.least_width_m
         if not upright:
             return None
-        if mover.identity is None:
-            share = mover.closing_share(own_mps)
+        if track.identity is None:
+            share = track.closing_share(own_mps)
             as_fast = -0.5 * config.equal_share < share < config.equal_share  # like the mirror image of what is far off
             thick = _thickness(across[face], height[face]) > config.least_thickness_m
-            if as_fast or not thick or mover.speed_mps < config.least_mps:
+            if as_fast or not thick or track.speed_mps < config.least_mps:
                 return None
         return inside
 
     def _merge(self, pose: Floats) -> None:
         """Two parts of one body, side by side in one lane or one before the other, become one: the surer."""
-        if len(self.movers) < 2:
+        if len(self.tracks) < 2:
             return
         config = self.config
-        kept: list[Mover] = []
-        for mover in sorted(self.movers, key=lambda mover: (-mover.log_odds, mover.place(pose)[0])):
-            forward, right = mover.place(pose)
+        kept: list[MovingTrack] = []
+        for track in sorted(self.tracks, key=lambda track: (-track.log_odds, track.place(pose)[0])):
+            forward, right = track.place(pose)
             for other in kept:
                 apart = np.subtract((forward, right), other.place(pose))
                 ahead, aside = rotation(pose[2] - other.course.direction_rad) @ apart  # along its course and across
-                alike = abs(mover.speed_mps - other.speed_mps) < 2.0
+                alike = abs(track.speed_mps - other.speed_mps) < 2.0
                 in_sight = other.depth_m(pose) > config.follow_m
-                near = other.half_m + mover.half_m + 0.2 if in_sight else config.same_m  # a prediction may be off
+                near = other.half_m + track.half_m + 0.2 if in_sight else config.same_m  # a prediction may be off
                 if alike and abs(ahead) < config.length_m + in_sight and abs(aside) < near:
-                    names = [name for name in (mover.identity, other.identity) if name is not None]
+                    names = [name for name in (track.identity, other.identity) if name is not None]
                     other.identity = min(names, default=None)
                     break
             else:
-                kept.append(mover)
-        self.movers = kept
+                kept.append(track)
+        self.tracks = kept
 
     def _believe(self) -> None:
-        for mover in self.movers:
-            if mover.identity is None and mover.log_odds > self.config.believed:
-                mover.identity, self._next = self._next, self._next + 1
+        for track in self.tracks:
+            if track.identity is None and track.log_odds > self.config.believed:
+                track.identity, self._next = self._next, self._next + 1
 
     def _forget(self, pose: Floats, road: RoadEdges) -> None:
         config = self.config
 
-        def kept(mover: Mover) -> bool:
-            forward, right = mover.place(pose)
+        def kept(track: MovingTrack) -> bool:
+            forward, right = track.place(pose)
             on_road = abs(forward) > config.far_m or _is_on_road(forward, right, road, -0.5)
-            known = -config.behind_m < forward < 1.5 * config.far_m and mover.sigma_m < config.vague_m
-            least = 0.0 if mover.identity is not None else config.dropped
-            return bool(known and on_road and mover.log_odds > least)
+            known = -config.behind_m < forward < 1.5 * config.far_m and track.sigma_m < config.vague_m
+            least = 0.0 if track.identity is not None else config.dropped
+            return bool(known and on_road and track.log_odds > least)
 
-        self.movers = [mover for mover in self.movers if kept(mover)]
+        self.tracks = [track for track in self.tracks if kept(track)]
 
     def _find(self, seen: Apparent, free: Bools, flow: Flow, road: RoadEdges) -> None:
-        """New suspects from points that move and belong to none: the best outlines about one of them."""
+        """New tentative from points that move and belong to none: the best outlines about one of them."""
         config = self.config
-        spare = config.most_suspects - sum(mover.identity is None for mover in self.movers)
+        spare = config.most_suspects - sum(track.identity is None for track in self.tracks)
         with np.errstate(divide="ignore"):
             free &= self.camera.height_m < config.far_m * seen.drop
         if spare <= 0 or np.count_nonzero(free) < config.least_points:
@@ -344,7 +346,7 @@ class MoverTracker:
                 continue
             sight = suspect(seen, members, self.camera, config)
             if self._is_plausible(sight, road):
-                self.movers.append(Mover(sight, self.camera, flow.pose, config.prior, config.filter))
+                self.tracks.append(MovingTrack(sight, self.camera, flow.pose, config.prior, config.filter))
 
     def _is_plausible(self, sight: Sight, road: RoadEdges) -> bool:
         """It drives, and on the carriageway."""

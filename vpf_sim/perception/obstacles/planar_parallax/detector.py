@@ -15,12 +15,17 @@ import cv2
 import numpy as np
 
 from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.obstacles.planar_parallax.sensing_range import LookQuality, LowSight, LowSightConfig
+from vpf_sim.perception.obstacles.planar_parallax.sensing_range import LookQuality, SensingRange, SensingRangeConfig
 from vpf_sim.perception.obstacles.planar_parallax.temporal_average import Evidence, Grid
-from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import WaterConfig, odd_cells, texture, what_stays
+from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import (
+    WindscreenMaskConfig,
+    odd_cells,
+    static_texture,
+    texture,
+)
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.occlusion import shadow
-from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles, Sided
+from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Obstacles
 
 WARP, NEAREST = (way | cv2.WARP_INVERSE_MAP for way in (cv2.INTER_LINEAR, cv2.INTER_NEAREST))
 WHOLE = 64  # columns: OpenCV rounds what is left over at the end of a row otherwise
@@ -29,7 +34,7 @@ FAINT = 0.05  # share of a window, below which what is seen there is not scaled 
 
 
 @dataclass(frozen=True, slots=True)
-class ResidualConfig:
+class ParallaxConfig:
     """The patch of road that is looked at, the heights that are tried, and what counts as one."""
 
     period_s: float = 0.1  # between looks
@@ -58,8 +63,8 @@ class ResidualConfig:
     foot_width_m: float = 0.5  # so much of it at least,
     foot_share: float = 0.6  # and this share of that must be seen
     least_seen: float = 0.5  # share of a window that water must leave free
-    water: WaterConfig = field(default_factory=WaterConfig)
-    sight: LowSightConfig = field(default_factory=LowSightConfig)
+    water: WindscreenMaskConfig = field(default_factory=WindscreenMaskConfig)
+    sight: SensingRangeConfig = field(default_factory=SensingRangeConfig)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
@@ -90,7 +95,7 @@ class ResidualConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class Spot(Sided[float]):
+class LowObservation(LateralExtent[float]):
     """A place on the road that stands above it, in vehicle axes."""
 
     forward_m: float  # where it begins
@@ -111,10 +116,10 @@ class _Layout:
     water: Image  # (rows, columns) 0 where the road is seen, neither hidden nor beyond the frame
 
 
-class GroundResidual:
+class PlanarParallax:
     """Compares the road ahead with how it looked `baseline_m` before."""
 
-    def __init__(self, camera: Camera, config: ResidualConfig, rate_hz: float) -> None:
+    def __init__(self, camera: Camera, config: ParallaxConfig, rate_hz: float) -> None:
         self.camera = camera
         self.config = config
         self._period_frames = max(1, round(config.period_s * rate_hz))
@@ -137,14 +142,16 @@ class GroundResidual:
         self._about = slice(max(border - 1, 0), min(self._columns.stop + 1, len(self._right_m)))
         self._warped = min(-(-self._about.stop // WHOLE) * WHOLE, len(self._right_m))
         self._evidence = Evidence(config.newest)
-        self.sight = LowSight(config.sight, config.near_m, self._period_frames / rate_hz)
+        self.sight = SensingRange(config.sight, config.near_m, self._period_frames / rate_hz)
 
     @property
     def looks(self) -> bool:
         """Whether the next frame is one that is looked at."""
         return self._since + 1 >= self._period_frames
 
-    def update(self, image: Image | None, pose: Floats, footprints: Floats | None = None) -> list[Spot] | None:
+    def update(
+        self, image: Image | None, pose: Floats, footprints: Floats | None = None
+    ) -> list[LowObservation] | None:
         """What stands on the road in the frame taken at `pose`; None between looks and before there is a baseline.
 
         None for a frame that shows something else, as a wiper: a look that is due waits for the next that does not.
@@ -201,7 +208,7 @@ class GroundResidual:
         if before is not None:
             transform = self._transform(before.pose, pose, 0.0)
             moved = np.asarray(cv2.warpAffine(before.texture, transform, patch.shape[::-1], flags=WARP), np.float32)
-            stays = what_stays(now.texture, before.texture, moved, config.cell_m, config.water)
+            stays = static_texture(now.texture, before.texture, moved, config.cell_m, config.water)
             now.water = np.asarray(cv2.max(stays, self._outside), np.uint8)
             before.water = np.asarray(cv2.max(before.water, now.water), np.uint8)
         if not self._past or distance_m(pose, self._past[-1].pose) >= config.cell_m:
@@ -228,7 +235,7 @@ class GroundResidual:
                 return None
         return found
 
-    def _compare(self, layout: _Layout, older: _Layout, footprints: Floats | None) -> list[Spot]:
+    def _compare(self, layout: _Layout, older: _Layout, footprints: Floats | None) -> list[LowObservation]:
         config, pose = self.config, layout.pose
         sharp = layout.patch[: self._rows].astype(np.float32)
         now = np.asarray(cv2.GaussianBlur(sharp, (3, 15), 0), np.float32)[:, self._columns]
@@ -259,7 +266,7 @@ class GroundResidual:
         gain = road - above
         stands = seen & (gain > config.doubt_gain) & (above < config.most_share * road) & (below > above)
         stands &= road > edges
-        return self._spots(seen & (road > config.outline_gain), np.where(stands, gain, 0.0))
+        return self._low_tracks(seen & (road > config.outline_gain), np.where(stands, gain, 0.0))
 
     def _between_grids(self, older_pose: Floats, pose: Floats) -> Grid:
         """(2, 3) as `_transform`, of the road itself and without the border."""
@@ -326,7 +333,7 @@ class GroundResidual:
         offset = (turn @ start + before.T @ (way + (stretch - 1.0) * lens) - start) / config.cell_m
         return np.array([[turn[1, 1], turn[1, 0], offset[1]], [turn[0, 1], turn[0, 0], offset[0]]], np.float32)
 
-    def _spots(self, outline: Bools, gain: Grid) -> list[Spot]:
+    def _low_tracks(self, outline: Bools, gain: Grid) -> list[LowObservation]:
         """One for each connected part of the outline in which something stands."""
         if not gain.any():
             return []
@@ -340,18 +347,20 @@ class GroundResidual:
         begins = np.maximum(boxes[:, 1], first - round(config.begins_m / config.cell_m))
         half_along, half_across = 0.5 * config.window_m[0], 0.5 * config.window_m[1]
         right_m = self._right_m[self._columns]
-        found: list[Spot] = []
+        found: list[LowObservation] = []
         for part in np.flatnonzero(best > 0.0).tolist():
             column, _, width = (int(value) for value in boxes[part, :3])
             row = int(begins[part])
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
             if right - left >= config.least_width_m:
                 near = float(self._forward_m[row]) + half_along
-                found.append(Spot(near, left, right, float(best[part]), bool(best[part] > config.least_gain), row == 0))
+                found.append(
+                    LowObservation(near, left, right, float(best[part]), bool(best[part] > config.least_gain), row == 0)
+                )
         found.sort(key=lambda spot: spot.forward_m)
         return [spot for index, spot in enumerate(found) if not any(self._is_end(spot, one) for one in found[:index])]
 
-    def _is_end(self, spot: Spot, nearer: Spot) -> bool:
+    def _is_end(self, spot: LowObservation, nearer: LowObservation) -> bool:
         """Whether a spot is the far edge of what a nearer one, as sure as it is, is the near edge of."""
         overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m and nearer.sure >= spot.sure
         return overlap and spot.forward_m - nearer.forward_m < self.config.length_m

@@ -15,7 +15,7 @@ from vpf_sim.types import Floats
 
 
 @dataclass(frozen=True, slots=True)
-class LowSightConfig:
+class SensingRangeConfig:
     """The difference that a pallet 0.12 to 0.15 m high makes, and how looks are averaged."""
 
     grains: float = 30.0  # of the fainter pallets, in multiples of what the grain makes, grey levels^2,
@@ -44,10 +44,10 @@ class LookQuality:
     seen: Floats  # (K,) share of the road ahead that was seen at each place
 
 
-class LowSight:
+class SensingRange:
     """Averages over the looks. Before the first, the road is believed to be seen well."""
 
-    def __init__(self, config: LowSightConfig, near_m: float, period_s: float) -> None:
+    def __init__(self, config: SensingRangeConfig, near_m: float, period_s: float) -> None:
         self.config = config
         self.forward_m: Floats = np.arange(near_m, config.far_m, config.step_m)
         self._period_s = period_s  # between looks

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vpf_sim.geometry import distance_m, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.obstacles.planar_parallax.detector import Spot
+from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.types import Bools, Floats, Obstacles
 
 LEAST_WAY_M = 0.2  # without which nothing has come nearer: a standing car sees what sticks to the glass again
 
 
 @dataclass(frozen=True, slots=True)
-class SpotConfig:
+class LowTrackConfig:
     """When a spot is believed: seen so often at one place of the world, over so long a way."""
 
     # Mirror images gain 6 to 12 times the noise, pallets 12 to 45 times in hard rain, 30 to 130 in clear weather.
@@ -84,10 +84,10 @@ class _Candidate:
     identity: int | None = None  # of the body that it is believed to be
 
 
-class SpotBook:
+class LowObstacleTracks:
     """Counts where spots are seen again."""
 
-    def __init__(self, config: SpotConfig, next_identity: Callable[[], int], near_m: float = 0.0) -> None:
+    def __init__(self, config: LowTrackConfig, next_identity: Callable[[], int], near_m: float = 0.0) -> None:
         """`near_m` from the pose nothing is looked at any more."""
         self.config = config
         self._near_m = near_m
@@ -95,7 +95,7 @@ class SpotBook:
         self._known: list[_Candidate] = []
         self._fresh_rate = 0.0  # new spots a look
 
-    def record(self, spots: list[Spot], pose: Floats) -> None:
+    def record(self, spots: list[LowObservation], pose: Floats) -> None:
         """Count one look, of the vehicle at `pose`."""
         before = len(self._known)
         for one in self._known:
@@ -111,7 +111,7 @@ class SpotBook:
         """Those believed, in the axes of the vehicle at `pose`."""
         return self._told([one for one in self._known if one.identity is not None], pose)
 
-    def suspects(self, pose: Floats) -> Obstacles:
+    def tentative(self, pose: Floats) -> Obstacles:
         """Those that were seen again, but are not believed, in the axes of the vehicle at `pose`.
 
         What was hidden until it is too near to be seen to come nearer must have been sure each time.
@@ -142,7 +142,7 @@ class SpotBook:
             places = vehicle_from_world(np.array([one.place_m for one in self._known]), pose)
             self._known = [one for one, stays in zip(self._known, stands(places), strict=True) if stays]
 
-    def _count(self, spot: Spot, pose: Floats) -> None:
+    def _count(self, spot: LowObservation, pose: Floats) -> None:
         """Add it to the spot that it is seen again, or remember it; the near end of one cut off tells no place."""
         here = np.array([spot.forward_m, spot.middle_m])
         place, one = world_from_vehicle(here, pose), self._known_at(here, pose)
@@ -159,7 +159,7 @@ class SpotBook:
         if one.identity is None and self._stands(one):
             one.identity = self._next_identity()
 
-    def _count_of(self, spot: Spot) -> float:
+    def _count_of(self, spot: LowObservation) -> float:
         """How much a sighting counts; 0 for one that is not sure."""
         least, most = self.config.counts
         return min(max(spot.gain / self.config.usual_gain, least), most) if spot.sure else 0.0
@@ -178,13 +178,13 @@ class SpotBook:
                 return one
         return None
 
-    def _place(self, one: _Candidate, spot: Spot, place_m: Floats) -> None:
+    def _place(self, one: _Candidate, spot: LowObservation, place_m: Floats) -> None:
         """Average over the sightings."""
         newest, one.told_m = self.config.newest, one.way_m
         one.place_m = one.place_m + newest * (place_m - one.place_m)
         one.width_m += newest * (spot.width_m - one.width_m)
 
-    def _approach(self, one: _Candidate, spot: Spot, place_m: Floats, pose: Floats) -> None:
+    def _approach(self, one: _Candidate, spot: LowObservation, place_m: Floats, pose: Floats) -> None:
         """How far the car has come since the first sighting, and whether the spot came nearer by as much.
 
         That is less by what the spot moved on, as the car was headed then. One that is cut off came at least so near.
@@ -209,7 +209,7 @@ class SpotBook:
         return float(vehicle_from_world(one.place_m, pose)[0])
 
 
-def in_sight(spot: Spot, lens_m: Floats, bodies: Obstacles, config: SpotConfig) -> Spot | None:
+def in_sight(spot: LowObservation, lens_m: Floats, bodies: Obstacles, config: LowTrackConfig) -> LowObservation | None:
     """What a camera at `lens_m` (2,), vehicle axes, sees of a spot beside the known bodies that stand before it.
 
     Where one stood, its picture is the body's, not the road's.

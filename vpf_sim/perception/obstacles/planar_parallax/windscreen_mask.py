@@ -19,7 +19,7 @@ SPARSE = slice(None, None, 3)  # windows overlap: a few tell
 
 
 @dataclass(frozen=True, slots=True)
-class WaterConfig:
+class WindscreenMaskConfig:
     """What stays. Sizes are along and across."""
 
     least_way_m: float = 0.3  # of the car between two layouts
@@ -36,14 +36,14 @@ class WaterConfig:
             raise ValueError(f"least_way_m, contrast: expected > 0; share: expected between 0 and 1; got {self}")
 
 
-def texture(patch: Image, cell_m: float, config: WaterConfig) -> Grid:
+def texture(patch: Image, cell_m: float, config: WindscreenMaskConfig) -> Grid:
     """(rows, columns) grey levels in two cells, how the brightness changes along the way."""
     size = odd_cells(config.texture_m, cell_m)
     smooth = cv2.blur(patch.astype(np.float32), (3, size))
     return np.asarray(cv2.Sobel(smooth, cv2.CV_32F, 0, 1, ksize=1), np.float32)
 
 
-def what_stays(now: Grid, before: Grid, moved: Grid, cell_m: float, config: WaterConfig) -> Image:
+def static_texture(now: Grid, before: Grid, moved: Grid, cell_m: float, config: WindscreenMaskConfig) -> Image:
     """(rows, columns) 1 where the textures of two layouts agree although the car has moved between them, else 0.
 
     `moved` is the texture `before`, moved as the road has: what agrees with it better is on the road.

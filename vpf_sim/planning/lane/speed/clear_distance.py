@@ -16,7 +16,7 @@ ENOUGH = 0.8  # of the reference speed: a good view that allows as much is one
 
 
 @dataclass(frozen=True, slots=True)
-class SightConfig:
+class ClearDistanceConfig:
     """The stop that must be possible."""
 
     brake_mps2: float
@@ -30,17 +30,17 @@ class SightConfig:
                 raise ValueError(f"{one.name}: expected > 0, got {getattr(self, one.name)}")
 
 
-def safe_speed(sight_m: float, config: SightConfig, vehicle: VehicleModel) -> float:
+def safe_speed(sight_m: float, config: ClearDistanceConfig, vehicle: VehicleModel) -> float:
     """m/s from which the car stops within a distance from the pose: `stopping_way` the other way round."""
     way = max(sight_m - 0.5 * vehicle.length_m - config.standoff_m, 0.0)
     brake, reaction = config.brake_mps2, config.reaction_s
     return max(brake * (sqrt(reaction**2 + 2.0 * way / brake) - reaction), config.least_mps)
 
 
-def speed_within_sight(
-    sight_m: tuple[float, float], speed_reference_mps: float, config: SightConfig, vehicle: VehicleModel
+def speed_within_clear_distance(
+    sight_m: tuple[float, float], speed_reference_mps: float, config: ClearDistanceConfig, vehicle: VehicleModel
 ) -> float:
-    """m/s at most by what is not seen, inf where that is no reason; `sight_m` as in `Perception.low_sight_m`.
+    """m/s at most by what is not seen, inf where that is no reason; `sight_m` as in `Perception.low_sensing_range_m`.
 
     Who wants to go no faster than `least_mps` is never too fast.
     """

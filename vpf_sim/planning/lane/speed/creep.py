@@ -8,8 +8,8 @@ would stop, and only where that has not helped either, as near as there is.
 import numpy as np
 
 from vpf_sim.planning.lane.frame import Lane
-from vpf_sim.planning.lane.kinematic_limits import Reach
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
 from vpf_sim.types import Floats
 
@@ -20,7 +20,7 @@ STAGES = 2  # to the least standoff, and as near as there is
 class Creep:
     """How near the car may walk, by how long it has stood and how often."""
 
-    def __init__(self, config: LaneReferenceConfig, reach: Reach, rate_hz: float) -> None:
+    def __init__(self, config: LaneReferenceConfig, reach: KinematicLimits, rate_hz: float) -> None:
         self._config = config
         self._reach = reach
         self._dt_s = 1.0 / rate_hz
@@ -32,7 +32,7 @@ class Creep:
         """Whether the car has stood for long enough to walk up to what blocks the way."""
         return self._stage > 0
 
-    def standoff(self, lane: Lane, neighbours: Neighbours) -> Floats:
+    def standoff(self, lane: Lane, neighbours: ObstacleGeometry) -> Floats:
         """(K,) m from the bumper to each face, kept when stopping."""
         config = self._config
         if neighbours.moves.all():

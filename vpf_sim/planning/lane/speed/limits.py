@@ -5,9 +5,9 @@ from math import inf, sqrt, tan
 import numpy as np
 
 from vpf_sim.planning.lane.frame import Lane
-from vpf_sim.planning.lane.kinematic_limits import SPEEDS_MPS, Reach
-from vpf_sim.planning.lane.lateral_path import Glide
-from vpf_sim.planning.lane.obstacle_geometry import Neighbours
+from vpf_sim.planning.lane.kinematic_limits import SPEEDS_MPS, KinematicLimits
+from vpf_sim.planning.lane.lateral_path import LateralPath
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
 from vpf_sim.planning.lane.speed.creep import Creep
 from vpf_sim.types import Bools, Floats
@@ -28,7 +28,7 @@ FALL_BACK_MPS = 1.0  # by which a body that moves and is too near is let go ahea
 TURNED_M = 0.6  # by which a car turned by 15 deg is wider on each side
 
 
-class Pace:
+class SpeedLimits:
     """The speed reference, with the memory of what was wanted and of how near the car may creep."""
 
     def __init__(
@@ -36,7 +36,7 @@ class Pace:
         config: LaneReferenceConfig,
         speed_reference_mps: float,
         rate_hz: float,
-        reach: Reach,
+        reach: KinematicLimits,
     ) -> None:
         self._config = config
         self._speed_reference_mps = speed_reference_mps
@@ -55,10 +55,10 @@ class Pace:
     def update(
         self,
         lane: Lane,
-        neighbours: Neighbours,
+        neighbours: ObstacleGeometry,
         minimum_m: float,
         speed_mps: float,
-        glide: Glide | None = None,
+        glide: LateralPath | None = None,
     ) -> float:
         """m/s after one step of 1 / rate_hz, where the car follows a path or, without one, goes along the road."""
         if self._config.speed == "constant":
@@ -69,7 +69,7 @@ class Pace:
             wanted = min(wanted, max(settled, eased(speed_mps)))
         return self._risen(wanted, speed_mps)
 
-    def shut(self, neighbours: Neighbours, minimum_m: float) -> Bools:
+    def shut(self, neighbours: ObstacleGeometry, minimum_m: float) -> Bools:
         """(K,) before which bodies the car is to stop, since at the minimum there is no way past them.
 
         As long as it has not walked up to what blocks the way, it stops before the first of a row that any of it shuts.
@@ -86,7 +86,7 @@ class Pace:
         self._wanted_mps = min(wanted_mps, max(self._wanted_mps, speed_mps) + rise)
         return self._wanted_mps
 
-    def _speed(self, lane: Lane, neighbours: Neighbours, minimum_m: float, speed_mps: float) -> float:
+    def _speed(self, lane: Lane, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
         """v_d: the reference speed, less in tight bends and before bodies that cannot be cleared in time."""
         config = self._config
         limit = self._speed_reference_mps
@@ -114,7 +114,7 @@ class Pace:
         creep = np.where((way > nearest) & ~neighbours.moves, config.creep_mps, 0.0)
         return float(np.maximum(limits, creep).min(where=counts, initial=limit))
 
-    def _stop(self, lane: Lane, neighbours: Neighbours) -> Floats:
+    def _stop(self, lane: Lane, neighbours: ObstacleGeometry) -> Floats:
         """(K,) m/s from which the car stops before each body, or falls in behind one that moves."""
         config, way, body_mps = self._config, neighbours.way_m, neighbours.bodies.speed_mps
         spare = way - self._creep.standoff(lane, neighbours) - config.time_gap_s * body_mps
@@ -126,7 +126,7 @@ class Pace:
         return follow + stop
 
     def _braked(
-        self, limits_mps: Floats, neighbours: Neighbours, speed_mps: float, closed: Bools, shut: Bools
+        self, limits_mps: Floats, neighbours: ObstacleGeometry, speed_mps: float, closed: Bools, shut: Bools
     ) -> Floats:
         """(K,) m/s, the limits before each body as far as comfort allows.
 
@@ -138,7 +138,7 @@ class Pace:
         least = np.where(shut & ~closed, ease, braked(speed_mps, closing, way, NEAR_M))
         return np.where(shut & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, least))
 
-    def _looking(self, lane: Lane, neighbours: Neighbours, minimum_m: float) -> float:
+    def _looking(self, lane: Lane, neighbours: ObstacleGeometry, minimum_m: float) -> float:
         """m/s before a row with a gap that one thing more would close: a stop shall leave the way for a turn."""
         gap = neighbours.gaps(lane, minimum_m)
         narrow = neighbours.beside((gap > 0.0) & (gap < CLOSED_M)) & (neighbours.way_m > TURNS_M)
@@ -150,7 +150,7 @@ class Pace:
         speed = np.interp(gap_m, self._gaps_m, self._beside_mps)
         return np.where(gap_m < self._config.minimum_clearance_m, speed, np.inf)
 
-    def _before(self, lane: Lane, neighbours: Neighbours, minimum_m: float, gap_m: Floats) -> Floats:
+    def _before(self, lane: Lane, neighbours: ObstacleGeometry, minimum_m: float, gap_m: Floats) -> Floats:
         """(K,) m/s before bodies that the minimum avoids, by `gap_m` (K,), but the car not yet.
 
         It shall be there only when as much of the shift is done as they need. Where it cannot be done as wide as
@@ -169,13 +169,13 @@ class Pace:
         there = np.maximum(self._reach.speed(way, wanted, goal_m, abs(slope)), self._reach.walking_mps)
         return neighbours.bodies.speed_mps + np.where(reached, there, 0.0)
 
-    def _narrow(self, neighbours: Neighbours, minimum_m: float, y_m: float) -> bool:
+    def _narrow(self, neighbours: ObstacleGeometry, minimum_m: float, y_m: float) -> bool:
         """Whether beyond the minimum there is no room for a car that is still turned while it passes."""
         beyond = minimum_m + float(np.sign(minimum_m - y_m)) * TURNED_M
         covers = neighbours.overlap(beyond, self._config.minimum_clearance_m) > 0.0
         return bool((covers & neighbours.present).any())
 
-    def _settled(self, neighbours: Neighbours, minimum_m: float, glide: Glide) -> float:
+    def _settled(self, neighbours: ObstacleGeometry, minimum_m: float, glide: LateralPath) -> float:
         """m/s at which the path, bent as it is, comes to rest before it is too near to bodies beyond the minimum."""
         if max(abs(glide.slope), abs(glide.bend_per_m) * self._reach.radius_m) < STRAIGHT:
             return inf
@@ -192,7 +192,7 @@ class Pace:
         settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
         return max(settled, self._reach.walking_mps)
 
-    def _unwound(self, neighbours: Neighbours, lane: Lane, glide: Glide) -> float:
+    def _unwound(self, neighbours: ObstacleGeometry, lane: Lane, glide: LateralPath) -> float:
         """m/s up to which the wheels are straight before the path is headed at what is beside it too steeply.
 
         The slope is largest where they are, p + b^2 / (2 j), and j falls with the speed (`settling`).

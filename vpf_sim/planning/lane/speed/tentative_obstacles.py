@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from math import inf
 
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.speed.clear_distance import SightConfig, safe_speed
+from vpf_sim.planning.lane.speed.clear_distance import ClearDistanceConfig, safe_speed
 from vpf_sim.types import VehicleModel
 
 
 @dataclass(frozen=True, slots=True)
-class CautionConfig(SightConfig):
+class TentativeLimitConfig(ClearDistanceConfig):
     """The stop that must be possible, its standoff where a way aside begins, and how the speed changes: suspicions
     flash up. Nor is it braked harder until what is suspected is believed."""
 
@@ -21,11 +21,11 @@ class CautionConfig(SightConfig):
     rise_mps2: float  # once the suspicion is gone
 
 
-class Caution:
+class TentativeLimit:
     """The speed that suspicion allows, with the memory of the last one."""
 
     def __init__(
-        self, config: CautionConfig, vehicle: VehicleModel, speed_reference_mps: float, rate_hz: float
+        self, config: TentativeLimitConfig, vehicle: VehicleModel, speed_reference_mps: float, rate_hz: float
     ) -> None:
         self._config = config
         self._vehicle = vehicle
@@ -34,7 +34,7 @@ class Caution:
         self._allowed_mps = speed_reference_mps
 
     def update(
-        self, lane: Lane, suspects: LaneObstacles, goal_m: float, speed_mps: float, seen_mps: float = inf
+        self, lane: Lane, tentative: LaneObstacles, goal_m: float, speed_mps: float, seen_mps: float = inf
     ) -> float:
         """m/s after one step, where the car goes from `lane.y_m` to `goal_m` across the road.
 
@@ -42,18 +42,18 @@ class Caution:
         `speed_mps`, and rises gently.
         """
         config = self._config
-        wanted = min(safe_speed(self._nearest(lane, suspects, goal_m), config, self._vehicle), seen_mps)
+        wanted = min(safe_speed(self._nearest(lane, tentative, goal_m), config, self._vehicle), seen_mps)
         least = min(self._allowed_mps, speed_mps) - config.brake_mps2 * self._dt_s
         most = self._allowed_mps + config.rise_mps2 * self._dt_s
         self._allowed_mps = min(max(wanted, least), most, self._reference_mps)
         return self._allowed_mps
 
-    def _nearest(self, lane: Lane, suspects: LaneObstacles, goal_m: float) -> float:
+    def _nearest(self, lane: Lane, tentative: LaneObstacles, goal_m: float) -> float:
         """m to the first of them that the car may touch on its way aside; inf where there is none."""
-        if not len(suspects):
+        if not len(tentative):
             return inf
         margin = 0.5 * self._vehicle.width_m + self._config.clearance_m
         least, most = min(lane.y_m, goal_m) - margin, max(lane.y_m, goal_m) + margin
-        meets = (suspects.right_m > least) & (suspects.left_m < most)
-        ahead = suspects.along_m > 0.5 * self._vehicle.length_m
-        return float(suspects.along_m.min(where=meets & ahead, initial=inf))
+        meets = (tentative.right_m > least) & (tentative.left_m < most)
+        ahead = tentative.along_m > 0.5 * self._vehicle.length_m
+        return float(tentative.along_m.min(where=meets & ahead, initial=inf))
