@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name, wrong_value
 from vpf_sim.scenarios import parts
 from vpf_sim.scenarios.random_road import RandomRoad, RandomScenario
@@ -52,12 +52,12 @@ def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScen
     path = Path(name_or_path)
     if path.suffix != ".toml" and not path.is_file():
         raise unknown_name("scenario", name_or_path, names())
-    return _checked(tables.read_file(path, "scenario"), name_or_path)
+    return _checked(configuration.read_file(path, "scenario"), name_or_path)
 
 
 def parse(text: str, file: str) -> Scenario | RandomScenario:
     """The scenario that a TOML text describes; `file` is how messages call it."""
-    return _checked(tables.parse(text, file), file)
+    return _checked(configuration.parse(text, file), file)
 
 
 def _checked(content: dict[str, Any], file: str) -> Scenario | RandomScenario:
@@ -78,7 +78,7 @@ def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
         raise InputError(f"{file}: base: expected the name of a scenario, got {base!r}")
     if base not in names():
         raise InputError(f"{file}: base: {unknown_name('scenario', base, names())}")
-    below = tables.read("vpf_sim.scenarios.catalog", f"{base}.toml")
+    below = configuration.read("vpf_sim.scenarios.catalog", f"{base}.toml")
     return _laid_over(below, {key: value for key, value in content.items() if key != "base"})
 
 

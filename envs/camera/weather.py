@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name, wrong_value
 
 
@@ -104,7 +104,7 @@ def load(name_or_path: str | Weather) -> Weather:
 
 
 def _read(path: Path) -> Weather:
-    content = tables.read_file(path, "weather")
+    content = configuration.read_file(path, "weather")
     base = content.pop("base", "ClearNoon")
     if not isinstance(base, str):
         raise InputError(f"{path}: base: expected the name of a weather, got {base!r}")

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from vpf_sim import drivers, tables
+from vpf_sim import configuration, drivers
 from vpf_sim.errors import InputError
 from vpf_sim.planning import variant
 from vpf_sim.planning.variant import PACKAGE, Variant
 from vpf_sim.planning.variants.ablation_steps import CHANGES, Change, Table, steps
 
-PAPER, ROBUST = (tables.read(PACKAGE, f"{name}.toml") for name in ("full-frame", "robust"))
+PAPER, ROBUST = (configuration.read(PACKAGE, f"{name}.toml") for name in ("full-frame", "robust"))
 STEPS = steps(PAPER, ROBUST)
 
 
@@ -62,7 +62,7 @@ def test_a_change_that_changes_nothing_is_no_step() -> None:
 
 
 def test_the_tables_that_steps_are_made_of_stay_as_they_are() -> None:
-    again = (tables.read(PACKAGE, f"{name}.toml") for name in ("full-frame", "robust"))
+    again = (configuration.read(PACKAGE, f"{name}.toml") for name in ("full-frame", "robust"))
     steps(PAPER, ROBUST)
     assert tuple(again) == (PAPER, ROBUST)
 
@@ -91,7 +91,7 @@ def test_a_variant_of_ones_own_says_what_it_starts_from_and_what_it_changes(tmp_
     [
         ('base = "robus"', "unknown variant 'robus': did you mean 'robust'?"),
         ("base = 3", "mine.toml: base: expected the name of a variant, got 3"),
-        ("[flow]\nwindow = 3", "mine.toml: flow: unknown key 'window': did you mean 'window_s'?"),
+        ("[flow]\nwindow = 3", "mine.toml: flow.window: unknown key, did you mean 'window_s'?"),
         ("flow = 3", "mine.toml: flow: expected a table, got 3"),
         ('gains = "robus"', "unknown gains 'robus': did you mean 'robust'?"),
         ('landmarks = "none"', "mine.toml: [valley] needs [landmarks]"),

@@ -10,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.egomotion.camera_pitch import SteadinessConfig
 from vpf_sim.perception.egomotion.flow_config import FlowConfig
@@ -79,9 +79,9 @@ def names() -> list[str]:
 def load(name: str) -> Variant:
     """The variant or step of that name, or of that TOML file."""
     if not name.endswith(".toml"):
-        return tables.build(Variant, _table(name), f"{name}.toml")
-    own = {"base": BASE, **tables.read_file(Path(name), "variant")}
-    return tables.build(Variant, _whole(own, name), name)
+        return configuration.build(Variant, _table(name), f"{name}.toml")
+    own = {"base": BASE, **configuration.read_file(Path(name), "variant")}
+    return configuration.build(Variant, _whole(own, name), name)
 
 
 def ablation(chain: Chain = "robust") -> dict[str, str]:
@@ -99,7 +99,7 @@ def summary(name: str) -> str | None:
 
 def _table(name: str) -> dict[str, Any]:
     if name in names():
-        return _whole(tables.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
+        return _whole(configuration.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
     between = {step: found for chain in get_args(Chain) for step, found in _steps(chain).items()}
     if name in between:
         return between[name][1]

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.replay import plausible
 from vpf_sim.replay.assemble import CAMERA_AHEAD_M, WHEELBASE_M
 
@@ -107,8 +107,8 @@ def _check_letters(*texts: str) -> None:
 
 def load(path: Path) -> DriveFile:
     """The file as it was written; what is wrong with it is an InputError of one line."""
-    table = tables.read_file(path, "drive")
+    table = configuration.read_file(path, "drive")
     columns = table.get("signals", {}).get("columns") if isinstance(table.get("signals"), dict) else None
     if isinstance(columns, dict):
         table["signals"]["columns"] = [[ours, theirs] for ours, theirs in columns.items()]
-    return tables.build(DriveFile, table, str(path))
+    return configuration.build(DriveFile, table, str(path))

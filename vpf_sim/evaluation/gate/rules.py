@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.errors import InputError, wrong_value
 
 Score = Literal["success_rate", "collisions", "path_mse_m2", "clearance_m", "comfortable_share"]
@@ -78,7 +78,7 @@ class Rules(Section):
 
 def read_rules(path: Path) -> list[Rule]:
     """The rules of a file; InputError with a line for each fault."""
-    content = tables.read_file(path, "rules")
+    content = configuration.read_file(path, "rules")
     try:
         rules = Rules.model_validate(content).rules
     except ValidationError as error:

@@ -7,7 +7,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 
@@ -84,12 +84,12 @@ def parse_seeds(text: str, where: str = "--seeds") -> range:
 
 def read_plan(path: Path) -> dict[str, Any]:
     """The keys that a sweep file gives."""
-    return tables.read_file(path, "sweep")
+    return configuration.read_file(path, "sweep")
 
 
 def make_plan(table: dict[str, Any], where: str) -> Plan:
     """A plan from keys and values, each checked; `where` is what messages call their source."""
-    plan = tables.build(Plan, table, where) if "drives" not in table else _of_drives(table, where)
+    plan = configuration.build(Plan, table, where) if "drives" not in table else _of_drives(table, where)
     if not plan.drives:
         parse_seeds(plan.seeds, f"{where}: seeds")
     return plan
@@ -97,7 +97,7 @@ def make_plan(table: dict[str, Any], where: str) -> Plan:
 
 def _of_drives(table: dict[str, Any], where: str) -> Plan:
     """The plan of single drives: the grid is the least that has them all."""
-    drives = tables.build(_Drives, {"drives": table["drives"]}, where).drives
+    drives = configuration.build(_Drives, {"drives": table["drives"]}, where).drives
     for place, (*_, seed) in enumerate(drives):
         if not 0 <= seed < 10**MOST_DIGITS:
             raise InputError(f"{where}: drives[{place}]: expected a seed of 0 or more, got {seed}")
@@ -109,7 +109,7 @@ def _of_drives(table: dict[str, Any], where: str) -> Plan:
     for key, value in grid.items():
         if table.get(key, value) != value:
             raise InputError(f"{where}: {key}: expected drives or a grid, got both")
-    return tables.build(Plan, {**table, **grid}, where)
+    return configuration.build(Plan, {**table, **grid}, where)
 
 
 @dataclass(frozen=True, slots=True)
