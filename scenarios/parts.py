@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
 
+from vpf_sim.configuration import STRICT
 from vpf_sim.scenarios.kinds import BodyKind
 
 MOST_ROAD_M = 20_000.0  # of one scenario; its lanes, paint and trees are built before the first frame
@@ -26,7 +27,7 @@ LaneWidth = Annotated[float, Field(gt=0.0, le=20.0)]
 class Section(BaseModel):
     """What all parts of a scenario share: they cannot change, and refuse unknown keys, nan and inf."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, populate_by_name=True)
+    model_config = ConfigDict(**STRICT, frozen=True, populate_by_name=True)
 
 
 class Line(Section):

@@ -82,14 +82,14 @@ class RandomRoad(Section):
         for key in ("length_m", "heading_deg", "radius_m", "rows", "row_bodies"):
             low, high = getattr(self, key)
             if low > high:
-                yield f"random.{key}: expected [low, high] with low <= high, got [{low:g}, {high:g}]"
+                yield f"{key}: expected [low, high] with low <= high, got [{low:g}, {high:g}]"
         half_m = self.lanes * self.lane_width_m / 2.0
         if self.radius_m[0] <= half_m:
-            yield f"random.radius_m: expected more than half the carriageway, {half_m:g} m, got {self.radius_m[0]:g}"
+            yield f"radius_m: expected more than half the carriageway, {half_m:g} m, got {self.radius_m[0]:g}"
         if self.length_m[0] < self.first_row_m:
-            yield f"random.length_m: expected at least first_row_m, {self.first_row_m:g} m, got {self.length_m[0]:g}"
+            yield f"length_m: expected at least first_row_m, {self.first_row_m:g} m, got {self.length_m[0]:g}"
         if self.free_gap_m > 2.0 * half_m:
-            yield f"random.free_gap_m: expected at most the carriageway, {2.0 * half_m:g} m, got {self.free_gap_m:g}"
+            yield f"free_gap_m: expected at most the carriageway, {2.0 * half_m:g} m, got {self.free_gap_m:g}"
 
 
 class RandomScenario(Section):

@@ -19,6 +19,7 @@ LEAVES = {
     "seeding",
     "configuration",
     "configuration_faults",
+    "configuration_fields",
     "files",
     "shell",
     "process_state",

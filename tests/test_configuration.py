@@ -66,7 +66,7 @@ def test_an_integer_becomes_the_float_that_a_field_asks_for() -> None:
         ({"inner": {"gain": "x"}}, "f.toml: inner.gain: expected a number, got 'x'"),
         ({"inner": {"gain": True}}, "f.toml: inner.gain: expected a number, got True"),
         ({"inner": {"gain": -1}}, "f.toml: inner.gain: expected >= 0, got -1"),
-        ({"inner": {"gain": 1, "least": 2}}, "f.toml: inner: gain: expected at least 2, got 1"),
+        ({"inner": {"gain": 1, "least": 2}}, "f.toml: inner.gain: expected at least 2, got 1"),
         ({"inner": {}}, "f.toml: inner.gain: expected a value, got none"),
         ({"parts": [{"gain": 1}, {"gain": "x"}]}, "f.toml: parts[1].gain: expected a number, got 'x'"),
         ({"plain": {"gain": "x"}}, "f.toml: plain.gain: expected a number, got 'x'"),

@@ -18,12 +18,13 @@ from functools import cache, wraps
 from importlib.resources import files
 from pathlib import Path
 from types import NoneType
-from typing import Any, TypeVar, cast, dataclass_transform, get_args, get_type_hints
+from typing import Any, TypeVar, cast, dataclass_transform, get_args
 
 import pydantic
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from vpf_sim import configuration_faults
+from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError
 
 Config = TypeVar("Config")
@@ -117,15 +118,13 @@ def _adapter(config: Any) -> TypeAdapter[Any]:
     return TypeAdapter(tuple[config], config=STRICT)  # a tuple: else a plain dataclass is not strict
 
 
-def _without_none(config: Any, table: Mapping[str, Any]) -> dict[str, Any]:
-    """The table with None for each "none" that stands where None is allowed."""
-    hints = get_type_hints(config)
-    return {key: _plain(hints.get(key), value) for key, value in table.items()}
-
-
-def _plain(hint: Any, value: Any) -> Any:
-    options = get_args(hint) or (hint,)
-    if value == "none" and NoneType in options:
+def _without_none(hint: Any, value: Any) -> Any:
+    """A value of TOML with None for each "none" that stands where None is allowed."""
+    if value == "none" and NoneType in get_args(hint):
         return None
-    section = next((option for option in options if dataclasses.is_dataclass(option)), None)
-    return _without_none(section, value) if section and isinstance(value, Mapping) else value
+    known = {key: inner for section in sections(hint) for key, inner in keys(section).items()}
+    if known and isinstance(value, list):
+        return [_without_none(hint, item) for item in value]
+    if known and isinstance(value, Mapping):
+        return {key: _without_none(known.get(key), item) for key, item in value.items()}
+    return value

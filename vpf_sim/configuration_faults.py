@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass
 from difflib import get_close_matches
-from typing import Any, get_args, get_type_hints
+from typing import Any
 
+from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import shown, wrong_value
 
 LARGEST = 1e15  # no quantity in SI units is larger
@@ -27,7 +27,8 @@ EXPECTED = {  # by pydantic's name of the fault, filled from its context
     "greater_than_equal": ">= {ge}",
     "less_than": "< {lt}",
     "less_than_equal": "<= {le}",
-    "too_short": "at least {min_length} values",
+    "too_short": "at least {min_length}",
+    "json_invalid": "what JSON can hold: {error}",
     "too_long": "at most {max_length} values",
 }
 Fault = Mapping[str, Any]
@@ -72,10 +73,15 @@ def _lines(config: type, fault: Fault, also: Sequence[str]) -> list[str]:
     key, known = _place(config, fault["loc"], also)
     prefix = f"{key}: " if key else ""
     if fault["type"] == "value_error":
-        return [f"{prefix}{line}" for line in str(fault["ctx"]["error"]).split("\n")]
+        inner = [
+            re.sub(r"^(?=\w+: )", f"{key}." if key else "", line) for line in str(fault["ctx"]["error"]).split("\n")
+        ]
+        return [line if line.startswith(f"{key}.") else f"{prefix}{line}" for line in inner]
     if fault["type"] in UNKNOWN:
         remedy = _remedy(fault["loc"][-1], known) or f"known: {', '.join(known)}"
         return [f"{prefix}unknown key, {remedy}"]
+    if fault["type"].startswith("union_tag"):
+        prefix = f"{key}.{fault['ctx']['discriminator'][1:-1]}: "
     return [prefix + _expected(fault)]
 
 
@@ -91,8 +97,10 @@ def _expected(fault: Fault) -> str:
     if kind in ("missing", "union_tag_not_found"):
         return "expected a value, got none"
     if kind in ("too_short", "too_long"):
-        got = str(context["actual_length"])
+        got = str(context["actual_length"] or "none")
     bounds = {name: f"{value:g}" if isinstance(value, float) else value for name, value in context.items()}
+    if bounds.get("min_length") == 1:
+        bounds["min_length"] = "one"
     if kind in EXPECTED:
         return f"expected {EXPECTED[kind].format(**bounds)}, got {got}"
     return wrong_value(fault["msg"], fault["input"])
@@ -118,20 +126,5 @@ def _place(config: type, location: Location, also: Sequence[str]) -> tuple[str, 
             continue  # pydantic's names for a key of a table and for the kind of a section
         else:
             key += f'."{step}"' if "." in step else f".{step}"
-            inside = _sections(hints.get(step)) if i < len(location) - 1 else inside
+            inside = sections(hints.get(step)) if i < len(location) - 1 else inside
     return key.removeprefix("."), known
-
-
-def keys(config: type) -> dict[str, Any]:
-    """The keys of a configuration class in a file, with their types."""
-    hints = get_type_hints(config)
-    if hasattr(config, "__pydantic_fields__"):
-        return {field.alias or name: hints[name] for name, field in config.__pydantic_fields__.items()}
-    return {field.name: hints[field.name] for field in fields(config)}
-
-
-def _sections(hint: Any) -> list[type]:
-    """The configuration classes in a type: [Line, Arc] of tuple[Line | Arc, ...]."""
-    if isinstance(hint, type) and (is_dataclass(hint) or hasattr(hint, "__pydantic_fields__")):
-        return [hint]
-    return [one for option in get_args(hint) for one in _sections(option)]

@@ -6,18 +6,18 @@ physical units is in `vpf_sim.envs.camera.atmosphere`.
 """
 
 from pathlib import Path
-from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from vpf_sim import configuration
-from vpf_sim.errors import InputError, unknown_name, wrong_value
+from vpf_sim.configuration import STRICT
+from vpf_sim.errors import InputError, unknown_name
 
 
 class Weather(BaseModel):
     """The weather of one episode. Factors without a unit run from 0, none, to 100, most."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    model_config = ConfigDict(**STRICT, frozen=True)
 
     name: str
     cloudiness: float = Field(default=0.0, ge=0.0, le=100.0)
@@ -111,14 +111,4 @@ def _read(path: Path) -> Weather:
     if base not in names():
         raise InputError(f"{path}: base: {unknown_name('weather', base, names())}")
     factors = {**load(base).model_dump(), "name": path.stem, **content}
-    try:
-        return Weather.model_validate(factors)
-    except ValidationError as error:
-        raise InputError("\n".join(_line(path, fault) for fault in error.errors())) from None
-
-
-def _line(path: Path, fault: Any) -> str:
-    key = ".".join(str(part) for part in fault["loc"])
-    if fault["type"] == "extra_forbidden":
-        return f"{path}: {unknown_name('key', key, ['base', *Weather.model_fields])}"
-    return f"{path}: {key}: {wrong_value(fault['msg'], fault['input'])}"
+    return configuration.build(Weather, factors, str(path), also=("base",))
