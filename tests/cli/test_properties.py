@@ -199,7 +199,7 @@ def assert_read_or_refused(folder: Path) -> None:
         assert_possible(recording)
         return recording
 
-    outcome(read, folder)
+    outcome(read, folder, MOST_LINES)
 
 
 @pytest.mark.parametrize("examples", MANY)

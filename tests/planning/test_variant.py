@@ -8,7 +8,7 @@ import pytest
 from vpf_sim import configuration
 from vpf_sim.errors import InputError
 from vpf_sim.planning import variant
-from vpf_sim.planning.variant import PACKAGE, Variant
+from vpf_sim.planning.variant import Variant
 
 
 def test_all_variants_load() -> None:
@@ -49,7 +49,7 @@ def test_flow_and_landmarks_speak_of_the_same_window() -> None:
 
 
 def changed(section: str, **keys: Any) -> dict[str, Any]:
-    table = configuration.read(PACKAGE, "paper.toml")
+    table = variant.table("paper")
     table[section] = {**table.get(section, {}), **keys}
     return table
 

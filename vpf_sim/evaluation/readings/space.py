@@ -15,7 +15,7 @@ import numpy as np
 
 from vpf_sim import configuration
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, rasterise, smoothed_gradient
-from vpf_sim.planning.variant import PACKAGE
+from vpf_sim.planning import variant
 from vpf_sim.planning.variants.ablation_steps import Table, put
 from vpf_sim.types import Camera
 
@@ -63,10 +63,10 @@ def _quantity(name: str, table: Mapping[str, Any]) -> Quantity:
 
 def variant_table(reading: Reading) -> Table:
     """The whole table of the variant that a reading makes."""
-    table = {"base": BASE, **configuration.read(PACKAGE, f"{BASE}.toml")}
+    table = {"base": BASE, **variant.table(BASE)}
     for quantity in quantities():
         for key, value in quantity.choices.get(str(reading[quantity.name]), {}).items():
-            whole = configuration.read(PACKAGE, "robust.toml")[key] if value == WHOLE else value
+            whole = variant.table("robust")[key] if value == WHOLE else value
             put(table, key, deepcopy(whole))
     line = table["gradient_line"]
     target_n = line["target_field"]["alpha"] * line["target_field"].get("reach_m", FAR_M)
