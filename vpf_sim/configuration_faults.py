@@ -28,7 +28,6 @@ EXPECTED = {  # by pydantic's name of the fault, filled from its context
     "less_than": "< {lt}",
     "less_than_equal": "<= {le}",
     "too_short": "at least {min_length}",
-    "json_invalid": "what JSON can hold: {error}",
     "too_long": "at most {max_length} values",
 }
 Fault = Mapping[str, Any]
