@@ -54,13 +54,4 @@ def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
     if base not in names():
         raise InputError(f"{file}: base: {unknown_name('scenario', base, names())}")
     below = configuration.read("vpf_sim.scenarios.catalog", f"{base}.toml")
-    return _laid_over(below, {key: value for key, value in content.items() if key != "base"})
-
-
-def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    """Tables merged key by key; any other value of `above` replaces that of `below`."""
-    merged = dict(below)
-    for key, value in above.items():
-        nested = isinstance(value, dict) and isinstance(merged.get(key), dict)
-        merged[key] = _laid_over(merged[key], value) if nested else value
-    return merged
+    return configuration.laid_over(below, {key: value for key, value in content.items() if key != "base"})

@@ -94,6 +94,15 @@ def parse(text: str, file: str) -> dict[str, Any]:
         raise InputError(f"{file}: expected TOML, got brackets within brackets without end") from None
 
 
+def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables merged key by key; any other value of `above` replaces that of `below`."""
+    merged = dict(below)
+    for key, value in above.items():
+        nested = isinstance(value, dict) and isinstance(merged.get(key), dict)
+        merged[key] = laid_over(merged[key], value) if nested else value
+    return merged
+
+
 def build(config: type[Config], table: Mapping[str, Any], where: str, also: tuple[str, ...] = ()) -> Config:
     """The configuration class `config` filled from `table`.
 

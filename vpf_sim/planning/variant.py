@@ -6,12 +6,12 @@ these it starts from, and then only what it changes; one's own starts from `robu
 the name of a variant, `flow = "robust"`, is that variant's.
 """
 
-from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.egomotion.camera_pitch import SteadinessConfig
@@ -34,20 +34,24 @@ BASE = "robust"
 Chain = Literal["robust", "paper", "without"]
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class ControllerConfig:
-    """What a variant changes of the gains that it names; None leaves them as they are."""
+    """Changes of the gains that it names."""
 
-    c_r_per_s: float | None = None
-    u0_radps: float | None = None
-    reference_filter_hz: float | None = None
+    c_r_per_s: float | None = setting(
+        "c_r, slope of the rotational manifold; none: as in the gains", default=None, gt=0.0
+    )
+    u0_radps: float | None = setting("u_0, rate of the steering actuator; none: as in the gains", default=None, gt=0.0)
+    reference_filter_hz: float | None = setting(
+        "low-pass of the differentiated reference; none: as in the gains", default=None, ge=0.0
+    )
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class Variant:
     """One section a stage. The way through the field is the paper's `gradient_line` or the `valley`, never both."""
 
-    gains: str  # of the controller, a set [gtsmc.NAME] of controllers/gains.toml
+    gains: str = setting("of the controller, a set [gtsmc.NAME] of controllers/gains.toml")
     flow: FlowConfig
     expansion: ExpansionConfig
     contact: ContactConfig
@@ -124,7 +128,7 @@ def _whole(own: dict[str, Any], file: str) -> dict[str, Any]:
     named = {key: name for key, name in own.items() if key in SECTIONS and isinstance(name, str) and name != "none"}
     below = _of_variant(own["base"], file, "base") if "base" in own else {}
     rest = {key: value for key, value in own.items() if key != "base" and key not in named}
-    return {**_laid_over(below, rest), **{key: _section(key, name, file) for key, name in named.items()}}
+    return {**configuration.laid_over(below, rest), **{key: _section(key, name, file) for key, name in named.items()}}
 
 
 def _section(key: str, name: str, file: str) -> dict[str, Any]:
@@ -142,12 +146,3 @@ def _of_variant(name: object, file: str, key: str) -> dict[str, Any]:
         return table(name)
     except InputError as error:
         raise InputError(f"{file}: {key}: {error}") from None
-
-
-def _laid_over(below: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
-    """Sections key by key; "none" takes a whole section away."""
-    both = {
-        key: _laid_over(below[key], value) if isinstance(value, dict) and isinstance(below.get(key), dict) else value
-        for key, value in own.items()
-    }
-    return {**below, **both}
