@@ -56,6 +56,7 @@ def test_an_integer_becomes_the_float_that_a_field_asks_for() -> None:
         ({"inner": {"gian": 1}}, "f.toml: inner.gian: unknown key, did you mean 'gain'?"),
         ({"inner": {"gain": 1, "x": 1}}, "f.toml: inner.x: unknown key, known: gain, least"),
         ({"plain": {"gain": 1, "x": 1}}, "f.toml: plain.x: unknown key, known: gain"),
+        ({"a\nb": 1}, 'f.toml: "a\\nb": unknown key, known: count, kind, inner, pair, level, parts, plain'),
         ({"count": 1.5}, "f.toml: count: expected an integer, got 1.5"),
         ({"count": True}, "f.toml: count: expected an integer, got True"),
         ({"count": 0}, "f.toml: count: expected > 0, got 0"),

@@ -9,6 +9,7 @@ from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import shown, wrong_value
 
 LARGEST = 1e15  # no quantity in SI units is larger
+QUOTES = "'\""
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 EXPECTED = {  # by pydantic's name of the fault, filled from its context
     "int_type": "an integer",
@@ -124,6 +125,6 @@ def _place(config: type, location: Location, also: Sequence[str]) -> tuple[str, 
         elif step == "[key]" or (inside and step not in known and i < len(location) - 1):
             continue  # pydantic's names for a key of a table and for the kind of a section
         else:
-            key += f'."{step}"' if "." in step else f".{step}"
+            key += f".{step}" if re.fullmatch(r"[\w-]{1,60}", step) else f'."{repr(step)[1:61].rstrip(QUOTES)}"'
             inside = sections(hints.get(step)) if i < len(location) - 1 else inside
     return key.removeprefix("."), known
