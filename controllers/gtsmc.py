@@ -24,7 +24,8 @@ from dataclasses import dataclass, replace
 from math import atan, copysign, exp, inf, pi, sin, tan
 from typing import Literal
 
-from vpf_sim import tables
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 from vpf_sim.controllers.super_twisting import SuperTwisting
 from vpf_sim.controllers.swing import Swing
 from vpf_sim.errors import unknown_name
@@ -39,52 +40,41 @@ HARD_SHARE, HARD_LEAST_MPS = 0.7, 1.2  # of the speed, by which a car that is to
 NARROWEST = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
 MOST_RAD, MOST_RADPS, MOST_MPS = 1e6, 1e3, 1e3  # beyond any car: what is filtered and differentiated stays finite
 
-NOT_NEGATIVE = (
-    "boundary_layer_radps",
-    "boundary_speed_mps",
-    "reference_filter_hz",
-    "yaw_rate_filter_hz",
-    "speed_filter_hz",
-    "speed_boundary_mps",
-    "hard_error_mps",
-    "swing_mps2",
-    "swing_s",
-)
 
-
-@dataclass(frozen=True, slots=True)
+@settings
 class Gains:
-    """One set of gains; units are in the names."""
+    """One set of gains."""
 
-    c_r_per_s: float  # c_r
-    u0_radps: float  # u_0
-    boundary_layer_radps: float  # of s_r; 0 is the printed sign function
-    reference_filter_hz: float  # low-pass of the differentiated reference; 0 is none
-    c_l: float
-    a0_mps2: float  # a_0 when speeding up
-    brake_a0_mps2: float  # a_0 when slowing down
-    speed_boundary_mps: float  # of s_l; 0 is the printed sign function
-    yaw_rate_filter_hz: float = (
-        0.0  # below it the sensor is believed, above it the bicycle model; 0 is the sensor alone
+    c_r_per_s: float = setting("c_r, slope of the rotational manifold", gt=0.0)
+    u0_radps: float = setting("u_0, rate of the steering actuator", gt=0.0)
+    boundary_layer_radps: float = setting("of s_r; 0: the printed sign function", ge=0.0)
+    reference_filter_hz: float = setting("low-pass of the differentiated reference; 0: none", ge=0.0)
+    c_l: float = setting("the speed settles at v_d / c_l", gt=0.0)
+    a0_mps2: float = setting("a_0 when speeding up", gt=0.0)
+    brake_a0_mps2: float = setting("a_0 when slowing down", gt=0.0)
+    speed_boundary_mps: float = setting("boundary layer of s_l; 0: the printed sign function", ge=0.0)
+    yaw_rate_filter_hz: float = setting(
+        "below it the sensor is used, above it the bicycle model; 0: the sensor alone", default=0.0, ge=0.0
     )
-    speed_filter_hz: float = 0.0  # likewise of the speed, which the pedals change
-    lateral_law: Literal["first_order", "super_twisting"] = "first_order"
-    disturbance_radps3: float = 0.0  # D of the super-twisting law: how fast what disturbs s_r may change
-    slows_to_reach: bool = False  # where the reaching condition does not hold
-    boundary_speed_mps: float = 0.0  # below it the layer of s_r narrows with the authority, so the loop does not ring
-    hard_error_mps: float = 0.0  # so much too fast, or by `HARD_SHARE` of the speed, the brake goes beyond a_0, 1 m/s
-    # more to its full; 0 is never
-    swing_mps2: float = 0.0  # most by which the acceleration changes within `swing_s`; 0 is no limit
-    swing_s: float = 0.0
-    foresees: bool = False  # turns the steering as the bends of a reference do whose rate is given, before s_r tells
+    speed_filter_hz: float = setting(
+        "below it the sensor is used, above it the pedals' acceleration; 0: the sensor alone", default=0.0, ge=0.0
+    )
+    lateral_law: Literal["first_order", "super_twisting"] = setting("law of the steering", default="first_order")
+    disturbance_radps3: float = setting("D of the super-twisting law: largest rate of the disturbance", default=0.0)
+    slows_to_reach: bool = setting("slow down where the reaching condition does not hold", default=False)
+    boundary_speed_mps: float = setting(
+        "below it the layer of s_r narrows with the authority, so the loop does not ring", default=0.0, ge=0.0
+    )
+    hard_error_mps: float = setting(
+        "error of the speed from which the brake goes beyond a_0, to its full 1 m/s later; 0: never",
+        default=0.0,
+        ge=0.0,
+    )
+    swing_mps2: float = setting("largest change of the acceleration within `swing_s`; 0: no limit", default=0.0, ge=0.0)
+    swing_s: float = setting("time in which the acceleration may change by `swing_mps2`", default=0.0, ge=0.0)
+    foresees: bool = setting("add the bends that the reference asks for to the steering rate", default=False)
 
     def __post_init__(self) -> None:
-        for key in ("c_r_per_s", "u0_radps", "c_l", "a0_mps2", "brake_a0_mps2"):
-            if not getattr(self, key) > 0.0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
-        for key in NOT_NEGATIVE:
-            if not getattr(self, key) >= 0.0:
-                raise ValueError(f"{key}: expected >= 0, got {getattr(self, key)}")
         if (self.lateral_law == "super_twisting") != (self.disturbance_radps3 > 0.0):
             raise ValueError(
                 f"disturbance_radps3: expected > 0 with super_twisting alone, got {self.disturbance_radps3}"
@@ -107,10 +97,10 @@ class Reaching:
 
 def load_gains(name: str) -> Gains:
     """The set [gtsmc.`name`] of gains.toml."""
-    sets = tables.read("vpf_sim.controllers", "gains.toml")["gtsmc"]
+    sets = configuration.read("vpf_sim.controllers", "gains.toml")["gtsmc"]
     if name not in sets:
         raise unknown_name("gains", name, sets)
-    return tables.build(Gains, sets[name], f"gains.toml: [gtsmc.{name}]")
+    return configuration.build(Gains, sets[name], f"gains.toml: [gtsmc.{name}]")
 
 
 def relay(s: float, layer: float) -> float:

@@ -6,31 +6,27 @@ Its steering is a heading controller: with times T_y (lateral) and T_h (heading)
 the offset y obeys y'' + y' / T_h + y / (T_h T_y) = 0. It is told all bodies on the road, and looks at no frame.
 """
 
-from dataclasses import dataclass
 from math import hypot
 
 from highway_env.road.road import Road
 from highway_env.vehicle.behavior import IDMVehicle
 
-from vpf_sim import tables
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 from vpf_sim.seeding import stream
 from vpf_sim.types import Command, DriverSetup, Observation
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class Gains:
-    lateral_s: float  # T_y
-    heading_s: float  # T_h
-
-    def __post_init__(self) -> None:
-        for key in ("lateral_s", "heading_s"):
-            if not getattr(self, key) > 0.0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+    lateral_s: float = setting("T_y, in which an offset from the lane's centre is corrected", gt=0.0)
+    heading_s: float = setting("T_h, in which the heading is corrected; also how far ahead the lane's is read", gt=0.0)
 
 
 def load_gains() -> Gains:
     """The section [idm] of gains.toml."""
-    return tables.build(Gains, tables.read("vpf_sim.controllers", "gains.toml")["idm"], "gains.toml: [idm]")
+    table = configuration.read("vpf_sim.controllers", "gains.toml")["idm"]
+    return configuration.build(Gains, table, "gains.toml: [idm]")
 
 
 class Twin(IDMVehicle):  # type: ignore[misc]

@@ -6,43 +6,39 @@ sum of the last errors (a window, so it cannot wind up); the steering's step is 
 """
 
 from collections import deque
-from dataclasses import dataclass
 from math import atan2
 
 import numpy as np
 
-from vpf_sim import tables
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Floats, Observation
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class Gains:
-    """Gains and limits of CARLA's agent; units are in the names or in gains.toml."""
+    """Gains and limits of CARLA's agent."""
 
-    rate_hz: float
-    look_ahead_m: float
-    buffer_steps: int
-    lateral_kp: float
-    lateral_ki: float
-    lateral_kd: float
-    steering_limit: float
-    steering_step: float
-    longitudinal_kp: float
-    longitudinal_ki: float
-    longitudinal_kd: float
-    throttle_limit: float
-    brake_limit: float
-
-    def __post_init__(self) -> None:
-        for key in ("rate_hz", "buffer_steps", "steering_limit", "steering_step"):
-            if not getattr(self, key) > 0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+    rate_hz: float = setting("of the controller; the command is held between", gt=0.0)
+    look_ahead_m: float = setting("nearer waypoints count as passed")
+    buffer_steps: int = setting("errors that the integral sums", gt=0)
+    lateral_kp: float = setting("steering per rad")
+    lateral_ki: float = setting("steering per rad and second")
+    lateral_kd: float = setting("steering per rad/s")
+    steering_limit: float = setting("of full steering", gt=0.0)
+    steering_step: float = setting("largest change of the steering in a step", gt=0.0)
+    longitudinal_kp: float = setting("throttle per km/h")
+    longitudinal_ki: float = setting("throttle per km/h and second")
+    longitudinal_kd: float = setting("throttle per km/h in a second")
+    throttle_limit: float = setting("of full throttle")
+    brake_limit: float = setting("of full brake")
 
 
 def load_gains() -> Gains:
     """The section [pid] of gains.toml."""
-    return tables.build(Gains, tables.read("vpf_sim.controllers", "gains.toml")["pid"], "gains.toml: [pid]")
+    table = configuration.read("vpf_sim.controllers", "gains.toml")["pid"]
+    return configuration.build(Gains, table, "gains.toml: [pid]")
 
 
 class Pid:

@@ -9,27 +9,23 @@ On a circle the rear axle follows it exactly. Beside a straight line the offset 
 ones, y'' + (2 / l) y' + (2 / l^2) y = 0 over the distance driven: it decays as exp(-s / l), damped by 1 / sqrt(2).
 """
 
-from dataclasses import dataclass
 from math import atan, cos, sin
 
-from vpf_sim import tables
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 from vpf_sim.controllers.polyline import Polyline
 from vpf_sim.types import Floats, Observation, VehicleModel
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class Gains:
-    look_ahead_m: float  # l
-
-    def __post_init__(self) -> None:
-        if not self.look_ahead_m > 0.0:
-            raise ValueError(f"look_ahead_m: expected > 0, got {self.look_ahead_m}")
+    look_ahead_m: float = setting("l, from the rear axle to the goal point", gt=0.0)
 
 
 def load_gains() -> Gains:
     """The section [pure_pursuit] of gains.toml."""
-    table = tables.read("vpf_sim.controllers", "gains.toml")["pure_pursuit"]
-    return tables.build(Gains, table, "gains.toml: [pure_pursuit]")
+    table = configuration.read("vpf_sim.controllers", "gains.toml")["pure_pursuit"]
+    return configuration.build(Gains, table, "gains.toml: [pure_pursuit]")
 
 
 class PurePursuit:

@@ -11,30 +11,25 @@ error obeys e' = -v sin(atan(k e / (k_s + v))), which for small ones decays as e
 terms stand for tyres and a servo that our kinematic car does not have.
 """
 
-from dataclasses import dataclass
 from math import atan2, cos, sin
 
-from vpf_sim import tables
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 from vpf_sim.controllers.polyline import Polyline
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Floats, Observation, VehicleModel
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class Gains:
-    k_per_s: float  # k
-    softening_mps: float  # k_s
-
-    def __post_init__(self) -> None:
-        for key in ("k_per_s", "softening_mps"):
-            if not getattr(self, key) > 0.0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+    k_per_s: float = setting("k, share of the cross-track error corrected in a second", gt=0.0)
+    softening_mps: float = setting("k_s, keeps the steering calm at low speed", gt=0.0)
 
 
 def load_gains() -> Gains:
     """The section [stanley] of gains.toml."""
-    table = tables.read("vpf_sim.controllers", "gains.toml")["stanley"]
-    return tables.build(Gains, table, "gains.toml: [stanley]")
+    table = configuration.read("vpf_sim.controllers", "gains.toml")["stanley"]
+    return configuration.build(Gains, table, "gains.toml: [stanley]")
 
 
 class Stanley:

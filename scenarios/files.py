@@ -1,36 +1,13 @@
-"""Scenarios by name or file, and a clear line for each fault of a wrong file."""
+"""Scenarios by name or file."""
 
-import re
-from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
-
-from vpf_sim import tables
-from vpf_sim.errors import InputError, unknown_name, wrong_value
-from vpf_sim.scenarios import parts
-from vpf_sim.scenarios.random_road import RandomRoad, RandomScenario
+from vpf_sim import configuration
+from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.scenarios.random_road import RandomScenario
 from vpf_sim.scenarios.schema import Scenario
-
-# The keys of every section, for the nearest name to a misspelt one.
-SECTIONS: dict[str, type[BaseModel]] = {
-    "": Scenario,
-    "road": parts.Road,
-    "road.look": parts.Look,
-    "road.segments.line": parts.Line,
-    "road.segments.arc": parts.Arc,
-    "road.segments.clothoid": parts.Clothoid,
-    "ego": parts.Ego,
-    "ego.sensors": parts.Sensors,
-    "ego.sensor_faults": parts.SensorFaults,
-    "goal": parts.Goal,
-    "bodies": parts.Body,
-    "limits": parts.Limits,
-    "random": RandomRoad,
-    "random.look": parts.Look,
-}
 
 
 def names() -> list[str]:
@@ -52,21 +29,19 @@ def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScen
     path = Path(name_or_path)
     if path.suffix != ".toml" and not path.is_file():
         raise unknown_name("scenario", name_or_path, names())
-    return _checked(tables.read_file(path, "scenario"), name_or_path)
+    return _checked(configuration.read_file(path, "scenario"), name_or_path)
 
 
 def parse(text: str, file: str) -> Scenario | RandomScenario:
     """The scenario that a TOML text describes; `file` is how messages call it."""
-    return _checked(tables.parse(text, file), file)
+    return _checked(configuration.parse(text, file), file)
 
 
 def _checked(content: dict[str, Any], file: str) -> Scenario | RandomScenario:
     content = _on_base(content, file)
-    try:
-        return (RandomScenario if "random" in content else Scenario).model_validate(content)
-    except ValidationError as error:
-        faults = _causes([dict(fault) for fault in error.errors(include_url=False)])
-        raise InputError("\n".join(line for fault in faults for line in _lines(file, fault))) from None
+    if "random" in content:
+        return configuration.build(RandomScenario, content, file, also=("base",))
+    return configuration.build(Scenario, content, file, also=("base", "random"))
 
 
 def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
@@ -78,87 +53,5 @@ def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
         raise InputError(f"{file}: base: expected the name of a scenario, got {base!r}")
     if base not in names():
         raise InputError(f"{file}: base: {unknown_name('scenario', base, names())}")
-    below = tables.read("vpf_sim.scenarios.catalog", f"{base}.toml")
-    return _laid_over(below, {key: value for key, value in content.items() if key != "base"})
-
-
-def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    """Tables merged key by key; any other value of `above` replaces that of `below`."""
-    merged = dict(below)
-    for key, value in above.items():
-        nested = isinstance(value, dict) and isinstance(merged.get(key), dict)
-        merged[key] = _laid_over(merged[key], value) if nested else value
-    return merged
-
-
-def _causes(faults: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Faults without those that only follow from others: a key that is missing because it is misspelt, a list that is
-    too short because a part of it is wrong."""
-    misspelt = {(*fault["loc"][:-1], _near(fault["loc"])) for fault in faults if fault["type"] == "extra_forbidden"}
-    places = [fault["loc"] for fault in faults]
-    return [
-        fault
-        for fault in faults
-        if not (fault["type"] == "missing" and fault["loc"] in misspelt)
-        and not (
-            fault["type"] == "too_short"
-            and any(place[: len(fault["loc"])] == fault["loc"] != place for place in places)
-        )
-    ]
-
-
-def _lines(file: str, fault: dict[str, Any]) -> list[str]:
-    """What pydantic found, as one line (or one a fault where the parts do not fit together)."""
-    location, kind = fault["loc"], fault["type"]
-    if kind == "value_error":
-        return [f"{file}: {line}" for line in str(fault["ctx"]["error"]).split("\n")]
-    if kind == "extra_forbidden":
-        return [f"{file}: {_key(location)}: unknown key, {_nearest(location)}"]
-    if kind == "missing":
-        return [f"{file}: {_key(location)}: expected a value, got none"]
-    if kind == "union_tag_not_found":
-        return [f"{file}: {_key(location)}.kind: expected one of 'line', 'arc', 'clothoid', got none"]
-    if kind == "union_tag_invalid":
-        tag = fault["ctx"]["tag"]
-        return [f"{file}: {_key(location)}.kind: expected one of 'line', 'arc', 'clothoid', got '{tag}'"]
-    remedy = _nearest_of(fault["input"], fault["ctx"]["expected"]) if kind == "literal_error" else ""
-    return [f"{file}: {_key(location)}: {wrong_value(fault['msg'], fault['input'])}{remedy}"]
-
-
-def _key(location: tuple[int | str, ...]) -> str:
-    """`bodies[1].lane` from pydantic's location, which puts the kind of a segment and "[key]" between."""
-    key = ""
-    for i, step in enumerate(location):
-        if isinstance(step, int):
-            key += f"[{step}]"
-        elif step != "[key]" and not _is_segment_kind(location, i):
-            key += f'."{step}"' if "." in step else f".{step}"
-    return key.removeprefix(".")
-
-
-def _is_segment_kind(location: tuple[int | str, ...], i: int) -> bool:
-    return i == 3 and location[:2] == ("road", "segments")
-
-
-def _nearest(location: tuple[int | str, ...]) -> str:
-    """The remedy for an unknown key: the nearest of its section, or all of them."""
-    near = _near(location)
-    return f"did you mean '{near}'?" if near else f"known: {', '.join(_known(location))}"
-
-
-def _near(location: tuple[int | str, ...]) -> str | None:
-    """The key of the same section that an unknown one is nearest to."""
-    return next(iter(get_close_matches(str(location[-1]), _known(location), n=1, cutoff=0.5)), None)
-
-
-def _known(location: tuple[int | str, ...]) -> list[str]:
-    """The keys of the section that a key is in."""
-    section = SECTIONS[".".join(step for step in location[:-1] if isinstance(step, str))]
-    fields = {**section.model_fields, **(RandomScenario.model_fields if section is Scenario else {})}
-    return [*(["base"] if section is Scenario else []), *(field.alias or name for name, field in fields.items())]
-
-
-def _nearest_of(value: object, expected: str) -> str:
-    """The nearest of the choices that pydantic lists in quotes."""
-    near = get_close_matches(str(value), re.findall("'([^']+)'", expected), n=1, cutoff=0.5)
-    return f": did you mean '{near[0]}'?" if near else ""
+    below = configuration.read("vpf_sim.scenarios.catalog", f"{base}.toml")
+    return configuration.laid_over(below, {key: value for key, value in content.items() if key != "base"})

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
 
+from vpf_sim.configuration import STRICT
 from vpf_sim.scenarios.kinds import BodyKind
 
 MOST_ROAD_M = 20_000.0  # of one scenario; its lanes, paint and trees are built before the first frame
@@ -26,7 +27,7 @@ LaneWidth = Annotated[float, Field(gt=0.0, le=20.0)]
 class Section(BaseModel):
     """What all parts of a scenario share: they cannot change, and refuse unknown keys, nan and inf."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, populate_by_name=True)
+    model_config = ConfigDict(**STRICT, frozen=True, populate_by_name=True)
 
 
 class Line(Section):
@@ -37,7 +38,7 @@ class Line(Section):
 class Arc(Section):
     kind: Literal["arc"]
     length_m: PositiveFloat
-    radius_m: float  # > 0 turns right
+    radius_m: float = Field(description="> 0 turns right")
 
 
 class Clothoid(Section):
@@ -45,7 +46,7 @@ class Clothoid(Section):
 
     kind: Literal["clothoid"]
     length_m: PositiveFloat
-    end_radius_m: float | None = None  # > 0 turns right; None ends straight
+    end_radius_m: float | None = Field(default=None, description="> 0 turns right; none ends straight")
 
 
 Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
@@ -54,18 +55,22 @@ Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
 class Look(Section):
     """What a road looks like: what lies beside it, what it is made of, and what is left of its markings."""
 
-    verge: Literal["grass", "sand", "snow", "paved"] = "grass"
-    surface: Literal["asphalt", "concrete", "dark"] = "asphalt"
-    worn: bool = False  # the paint
-    edge_lines: Literal["both", "left", "right", "none"] = "both"  # which are painted
+    verge: Literal["grass", "sand", "snow", "paved"] = Field(default="grass", description="what lies beside the road")
+    surface: Literal["asphalt", "concrete", "dark"] = Field(default="asphalt", description="what the road is made of")
+    worn: bool = Field(default=False, description="true: 60 % of the paint's contrast is gone")
+    edge_lines: Literal["both", "left", "right", "none"] = Field(
+        default="both", description="which of the two solid lines are painted"
+    )
 
 
 class Road(Section):
     look: Look = Look()
-    lanes: Lanes = 4
-    lane_width_m: LaneWidth = 3.5
-    start_m: Annotated[tuple[Place, Place], Field(strict=False)] = (0.0, 0.0)
-    heading_deg: Degrees = 0.0
+    lanes: Lanes = Field(default=4, description="of the carriageway")
+    lane_width_m: LaneWidth = Field(default=3.5, description="of each")
+    start_m: Annotated[tuple[Place, Place], Field(strict=False)] = Field(
+        default=(0.0, 0.0), description="of the centre line of the carriageway, along which s_m runs"
+    )
+    heading_deg: Degrees = Field(default=0.0, description="of the first segment")
     segments: Annotated[tuple[Segment, ...], Field(strict=False, min_length=1)]
 
     @property
@@ -87,16 +92,24 @@ Spread = Annotated[float, Field(ge=0.0, le=100.0)]
 class Sensors(Section):
     """How far the sensors of the ego err, each a standard deviation; scale, bias and mounting are drawn once."""
 
-    position_noise_m: Spread = 0.0  # of each reading
-    position_walk_m: Spread = 0.0  # after a second, growing with the root of the time
-    heading_noise_deg: Spread = 0.0
-    heading_walk_deg: Spread = 0.0
-    speed_scale: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # share
-    speed_noise_mps: Spread = 0.0
-    yaw_rate_bias_radps: Spread = 0.0
-    yaw_rate_noise_radps: Spread = 0.0
-    mounting_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # pitch of the camera that its driver is not told of
-    pitch_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # of the body on its springs
+    position_noise_m: Spread = Field(default=0.0, description="of each reading")
+    position_walk_m: Spread = Field(
+        default=0.0, description="of a random walk after a second; it grows with the root of the time"
+    )
+    heading_noise_deg: Spread = Field(default=0.0, description="of each reading")
+    heading_walk_deg: Spread = Field(default=0.0, description="of a random walk after a second")
+    speed_scale: Annotated[float, Field(ge=0.0, le=1.0)] = Field(
+        default=0.0, description="share, drawn once an episode"
+    )
+    speed_noise_mps: Spread = Field(default=0.0, description="of each reading")
+    yaw_rate_bias_radps: Spread = Field(default=0.0, description="drawn once an episode")
+    yaw_rate_noise_radps: Spread = Field(default=0.0, description="of each reading")
+    mounting_deg: Annotated[float, Field(ge=0.0, le=10.0)] = Field(
+        default=0.0, description="pitch of the camera that the driver does not know, drawn once an episode"
+    )
+    pitch_deg: Annotated[float, Field(ge=0.0, le=10.0)] = Field(
+        default=0.0, description="of the body on its springs, 1.5 Hz"
+    )
 
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -106,18 +119,28 @@ Seconds = Annotated[float, Field(gt=0.0, le=LONGEST_S)]
 class SensorFaults(Section):
     """How the sensors of the ego fail, by default not at all; shares are of all camera frames, or of all readings."""
 
-    drop_share: Share = 0.0  # frames that never arrive
-    latency_ms: Annotated[float, Field(ge=0.0, le=2000.0)] = 0.0  # from the exposure of a frame to its arrival
-    freeze_share: Share = 0.0  # frames that repeat an earlier picture under a new time stamp, in stretches
-    freeze_s: Seconds = 0.5  # length of such a stretch
-    black_share: Share = 0.0
-    torn_share: Share = 0.0  # frames whose lower part is that of the frame before
-    noise_rows_share: Share = 0.0  # frames with a band of rows of noise
-    exposure_jump_share: Share = 0.0  # frames that are brighter or darker
-    exposure_jump_stops: Annotated[float, Field(gt=0.0, le=8.0)] = 1.0  # by so many stops, factors of 2
-    speed_stuck_after_s: Seconds | None = None  # the speedometer repeats its reading from then on
-    yaw_rate_spike_share: Share = 0.0  # readings of the yaw rate that are off
-    yaw_rate_spike_radps: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0  # by so much, to either side
+    drop_share: Share = Field(default=0.0, description="frames that never arrive")
+    latency_ms: Annotated[float, Field(ge=0.0, le=2000.0)] = Field(
+        default=0.0, description="from the exposure of a frame to its arrival"
+    )
+    freeze_share: Share = Field(
+        default=0.0, description="frames that repeat an earlier picture under a new time stamp, in stretches"
+    )
+    freeze_s: Seconds = Field(default=0.5, description="length of a frozen stretch")
+    black_share: Share = Field(default=0.0, description="frames that are black")
+    torn_share: Share = Field(default=0.0, description="frames whose lower part is that of the frame before")
+    noise_rows_share: Share = Field(default=0.0, description="frames with a band of rows of noise")
+    exposure_jump_share: Share = Field(default=0.0, description="frames that are brighter or darker")
+    exposure_jump_stops: Annotated[float, Field(gt=0.0, le=8.0)] = Field(
+        default=1.0, description="by this many factors of 2"
+    )
+    speed_stuck_after_s: Seconds | None = Field(
+        default=None, description="the speedometer repeats its reading from then on"
+    )
+    yaw_rate_spike_share: Share = Field(default=0.0, description="readings of the yaw rate that are off")
+    yaw_rate_spike_radps: Annotated[float, Field(gt=0.0, le=100.0)] = Field(
+        default=1.0, description="size of a spike, to either side"
+    )
 
     @property
     def of_the_camera(self) -> bool:
@@ -134,29 +157,31 @@ class SensorFaults(Section):
 class Ego(Section):
     sensors: Sensors = Sensors()
     sensor_faults: SensorFaults = SensorFaults()
-    lane: PositiveInt = 2
-    s_m: float = 5.0
-    lateral_m: float = 0.0  # + is right
-    heading_deg: Degrees = 0.0  # to the road
-    speed_mps: Speed = 5.55
-    speed_reference_mps: Annotated[float, Field(gt=0.0, le=FASTEST_MPS)] = 5.55
+    lane: PositiveInt = Field(default=2, description="counted from the right, from 1")
+    s_m: float = Field(default=5.0, description="along the road")
+    lateral_m: float = Field(default=0.0, description="from the lane's centre, + is right")
+    heading_deg: Degrees = Field(default=0.0, description="to the road")
+    speed_mps: Speed = Field(default=5.55, description="at the start")
+    speed_reference_mps: Annotated[float, Field(gt=0.0, le=FASTEST_MPS)] = Field(
+        default=5.55, description="to drive at"
+    )
 
 
 class Goal(Section):
-    s_m: float
-    kind: Literal["reach", "stop"] = "reach"
+    s_m: float = Field(description="along the road")
+    kind: Literal["reach", "stop"] = Field(default="reach", description="cross its line, or stand before it")
 
 
 class Body(Section):
-    kind: BodyKind
-    s_m: float
-    lane: PositiveInt
-    lateral_m: float = 0.0  # + is right
-    speed_mps: Speed = 0.0  # > 0: traffic
+    kind: BodyKind = Field(description="of object")
+    s_m: float = Field(description="along the road")
+    lane: PositiveInt = Field(description="counted from the right, from 1")
+    lateral_m: float = Field(default=0.0, description="from the lane's centre, + is right")
+    speed_mps: Speed = Field(default=0.0, description="> 0: traffic")
 
 
 class Limits(Section):
-    time_s: Annotated[float, Field(gt=0.0, le=LONGEST_S)]
+    time_s: Annotated[float, Field(gt=0.0, le=LONGEST_S)] = Field(description="until the timeout")
 
 
 VaryKey = Literal[

@@ -58,18 +58,32 @@ class RandomRoad(Section):
     """
 
     look: Look = Look()
-    lanes: Lanes = 4
-    lane_width_m: LaneWidth = 3.5
-    length_m: Annotated[tuple[Length, Length], Field(strict=False)] = (250.0, 400.0)  # of the route
-    heading_deg: Annotated[tuple[Degrees, Degrees], Field(strict=False)] = (-180.0, 180.0)
-    radius_m: Interval = (80.0, 400.0)  # of bends, to either side
-    rows: Annotated[tuple[Rows, Rows], Field(strict=False)] = (0, 4)
-    row_bodies: Annotated[tuple[RowBodies, RowBodies], Field(strict=False)] = (1, 3)
-    first_row_m: PositiveFloat = 50.0  # from the ego at least
-    row_spacing_m: PositiveFloat = 40.0  # from the last body of a row to the first of the next at least
-    free_gap_m: PositiveFloat = 3.5
-    gap_shift_lanes: PositiveFloat = 2.0
-    kinds: Annotated[tuple[BodyKind, ...], Field(strict=False, min_length=1)] = tuple(SIZES)
+    lanes: Lanes = Field(default=4, description="of the carriageway")
+    lane_width_m: LaneWidth = Field(default=3.5, description="of each")
+    length_m: Annotated[tuple[Length, Length], Field(strict=False)] = Field(
+        default=(250.0, 400.0), description="of the route"
+    )
+    heading_deg: Annotated[tuple[Degrees, Degrees], Field(strict=False)] = Field(
+        default=(-180.0, 180.0), description="of the first segment"
+    )
+    radius_m: Interval = Field(default=(80.0, 400.0), description="of bends, to either side")
+    rows: Annotated[tuple[Rows, Rows], Field(strict=False)] = Field(
+        default=(0, 4), description="of objects across the road"
+    )
+    row_bodies: Annotated[tuple[RowBodies, RowBodies], Field(strict=False)] = Field(
+        default=(1, 3), description="objects of a row"
+    )
+    first_row_m: PositiveFloat = Field(default=50.0, description="from the ego at least")
+    row_spacing_m: PositiveFloat = Field(
+        default=40.0, description="from the last object of a row to the first of the next at least"
+    )
+    free_gap_m: PositiveFloat = Field(default=3.5, description="that each row leaves at least")
+    gap_shift_lanes: PositiveFloat = Field(
+        default=2.0, description="largest shift of the gap's middle from that of the row before"
+    )
+    kinds: Annotated[tuple[BodyKind, ...], Field(strict=False, min_length=1)] = Field(
+        default=tuple(SIZES), description="of objects"
+    )
 
     @model_validator(mode="after")
     def _fit_together(self) -> Self:
@@ -82,14 +96,14 @@ class RandomRoad(Section):
         for key in ("length_m", "heading_deg", "radius_m", "rows", "row_bodies"):
             low, high = getattr(self, key)
             if low > high:
-                yield f"random.{key}: expected [low, high] with low <= high, got [{low:g}, {high:g}]"
+                yield f"{key}: expected [low, high] with low <= high, got [{low:g}, {high:g}]"
         half_m = self.lanes * self.lane_width_m / 2.0
         if self.radius_m[0] <= half_m:
-            yield f"random.radius_m: expected more than half the carriageway, {half_m:g} m, got {self.radius_m[0]:g}"
+            yield f"radius_m: expected more than half the carriageway, {half_m:g} m, got {self.radius_m[0]:g}"
         if self.length_m[0] < self.first_row_m:
-            yield f"random.length_m: expected at least first_row_m, {self.first_row_m:g} m, got {self.length_m[0]:g}"
+            yield f"length_m: expected at least first_row_m, {self.first_row_m:g} m, got {self.length_m[0]:g}"
         if self.free_gap_m > 2.0 * half_m:
-            yield f"random.free_gap_m: expected at most the carriageway, {2.0 * half_m:g} m, got {self.free_gap_m:g}"
+            yield f"free_gap_m: expected at most the carriageway, {2.0 * half_m:g} m, got {self.free_gap_m:g}"
 
 
 class RandomScenario(Section):

@@ -12,7 +12,18 @@ import pytest
 ROOT = Path(__file__).parents[1]
 FOLDERS = {"vpf_sim": "vpf_sim", "envs": "vpf_sim.envs", "controllers": "vpf_sim.controllers"}
 FOLDERS["scenarios"] = "vpf_sim.scenarios"
-LEAVES = {"types", "geometry", "errors", "seeding", "tables", "files", "shell", "process_state"}
+LEAVES = {
+    "types",
+    "geometry",
+    "errors",
+    "seeding",
+    "configuration",
+    "configuration_faults",
+    "configuration_fields",
+    "files",
+    "shell",
+    "process_state",
+}
 MAY_IMPORT = {
     **dict.fromkeys(LEAVES, LEAVES),
     "scenarios": LEAVES,

@@ -22,7 +22,7 @@ import recorded_layouts as layouts
 import rendered_drive as rendered
 import typer
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.cli import app
 from vpf_sim.replay.drive_file import DriveFile
 
@@ -78,11 +78,11 @@ def test_every_page_with_commands_is_run() -> None:
 def test_drive_toml_as_printed_is_one() -> None:
     for page in ("recordings", "own-drives"):
         for _, content in blocks(page, "toml"):
-            table = tables.parse(content, page)
-            columns = table["signals"].pop("columns")
-            drive = tables.build(DriveFile, table, page)
+            table = configuration.parse(content, page)
+            drive = configuration.build(DriveFile, table, page)
             assert drive.schema == 1
-            assert columns
+            assert drive.signals is not None
+            assert drive.signals.columns
 
 
 def film(path: Path) -> None:

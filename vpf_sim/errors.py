@@ -18,6 +18,12 @@ def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
 
 def wrong_value(message: str, value: object) -> str:
     """pydantic's "Input should be X" in our words, with what stands there instead."""
-    wanted, text = message.removeprefix("Input should be "), repr(value)
+    wanted = message.removeprefix("Input should be ")
     expected = f"expected: {message}" if wanted == message else f"expected {wanted}"
-    return f"{expected}, got {text if len(text) <= 60 else text[:57] + '...'}"
+    return f"{expected}, got {shown(value)}"
+
+
+def shown(value: object) -> str:
+    """A value as at most 60 characters of a line."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

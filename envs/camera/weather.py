@@ -6,32 +6,69 @@ physical units is in `vpf_sim.envs.camera.atmosphere`.
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
-from vpf_sim import tables
-from vpf_sim.errors import InputError, unknown_name, wrong_value
+from vpf_sim import configuration
+from vpf_sim.configuration import STRICT
+from vpf_sim.errors import InputError, unknown_name
+
+Percent = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
 class Weather(BaseModel):
     """The weather of one episode. Factors without a unit run from 0, none, to 100, most."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    model_config = ConfigDict(**STRICT, frozen=True)
 
-    name: str
-    cloudiness: float = Field(default=0.0, ge=0.0, le=100.0)
-    precipitation: float = Field(default=0.0, ge=0.0, le=100.0)  # rain that falls
-    precipitation_deposits: float = Field(default=0.0, ge=0.0, le=100.0)  # puddles
-    wind_intensity: float = Field(default=0.0, ge=0.0, le=100.0)
-    fog_density: float = Field(default=0.0, ge=0.0, le=100.0)
-    wetness: float = Field(default=0.0, ge=0.0, le=100.0)  # of the road's surface
-    sun_altitude_angle: float = Field(default=45.0, ge=-90.0, le=90.0)  # deg above the horizon
-    sun_azimuth_angle: float = Field(default=215.0, ge=0.0, le=360.0)  # deg, clockwise from the world's X axis
-    droplets: float = Field(default=0.0, ge=0.0, le=100.0)  # on the windshield: what rain of this precipitation brings
-    wiper_period_s: float = Field(default=0.0, ge=0.0, le=60.0)  # from sweep to sweep; 0: off
-    streak_gain: float = Field(default=1.0, ge=0.0, le=20.0)  # brightness of falling drops; 1: physical
-    road_friction: float | None = Field(default=None, ge=0.05, le=2.0)  # None: the tyres never slip, in rain neither
+    name: str = Field(description="in tables and records; left out: the file's")
+    cloudiness: Percent = Field(
+        default=0.0,
+        description="0 clear, 100 overcast: how much of the light comes from all of the sky instead of the sun",
+    )
+    precipitation: Percent = Field(
+        default=0.0,
+        description="rain of R = 50 (p / 100)^2 mm/h: 30 is 4.5 mm/h (moderate), 60 is 18 (heavy), 100 is 50 (violent)",
+    )
+    precipitation_deposits: Percent = Field(
+        default=0.0, description="puddles, in places that belong to the road; more of it covers more of the road"
+    )
+    wind_intensity: Percent = Field(default=0.0, description="0 to 15 m/s; slants the rain")
+    fog_density: Percent = Field(
+        default=0.0,
+        description="visibility 20 km x (50 m / 20 km)^(f / 100): 2 is 17.7 km, 30 is 3.3 km, 60 is 550 m, 100 is 50 m",
+    )
+    wetness: Percent = Field(
+        default=0.0,
+        description="of the road: darker, and a mirror at grazing angles; at least as wet as rain and puddles say",
+    )
+    sun_altitude_angle: float = Field(default=45.0, ge=-90.0, le=90.0, description="degrees above the horizon")
+    sun_azimuth_angle: float = Field(
+        default=215.0, ge=0.0, le=360.0, description="degrees clockwise from the world's X axis"
+    )
+    droplets: Percent = Field(
+        default=0.0,
+        description="on the windscreen: as many as rain of this precipitation brings, drawn in the air or not",
+    )
+    wiper_period_s: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=60.0,
+        description="from sweep to sweep, 0 is off; 1.33 and 0.92 are 45 and 65 cycles a minute",
+    )
+    streak_gain: float = Field(
+        default=1.0,
+        ge=0.0,
+        le=20.0,
+        description="brightness of falling drops; 1 is physical, CARLA's look is far above",
+    )
+    road_friction: float | None = Field(
+        default=None,
+        ge=0.05,
+        le=2.0,
+        description="grip of the ego's tyres, their largest acceleration / g; none: they never slip. No preset sets it",
+    )
 
 
 def _preset(
@@ -104,21 +141,11 @@ def load(name_or_path: str | Weather) -> Weather:
 
 
 def _read(path: Path) -> Weather:
-    content = tables.read_file(path, "weather")
+    content = configuration.read_file(path, "weather")
     base = content.pop("base", "ClearNoon")
     if not isinstance(base, str):
         raise InputError(f"{path}: base: expected the name of a weather, got {base!r}")
     if base not in names():
         raise InputError(f"{path}: base: {unknown_name('weather', base, names())}")
     factors = {**load(base).model_dump(), "name": path.stem, **content}
-    try:
-        return Weather.model_validate(factors)
-    except ValidationError as error:
-        raise InputError("\n".join(_line(path, fault) for fault in error.errors())) from None
-
-
-def _line(path: Path, fault: Any) -> str:
-    key = ".".join(str(part) for part in fault["loc"])
-    if fault["type"] == "extra_forbidden":
-        return f"{path}: {unknown_name('key', key, ['base', *Weather.model_fields])}"
-    return f"{path}: {key}: {wrong_value(fault['msg'], fault['input'])}"
+    return configuration.build(Weather, factors, str(path), also=("base",))

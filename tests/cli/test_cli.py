@@ -95,11 +95,11 @@ def test_a_wrong_scenario_file_is_told_by_file_and_key(
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ('scenaro = ["town04"]', "unknown key 'scenaro': did you mean 'scenario'?"),
+        ('scenaro = ["town04"]', "scenaro: unknown key, did you mean 'scenario'?"),
         ('scenario = "town04"', "scenario: expected a list, got 'town04'"),
-        ("scenario = [4]", "scenario: expected str, got 4"),
+        ("scenario = [4]", "scenario[0]: expected a string, got 4"),
         ('seeds = "9:9"', "seeds: expected A:B with A below B, got '9:9', which holds no seed"),
-        ("seeds = 5", "seeds: expected str, got 5"),
+        ("seeds = 5", "seeds: expected a string, got 5"),
         ("driver = []", "driver: expected at least one, got none"),
         ("weather = [", "expected TOML"),
     ],

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 
+from vpf_sim.configuration import build
 from vpf_sim.controllers.gtsmc import Gains, Gtsmc, load_gains, relay
 from vpf_sim.errors import InputError
 from vpf_sim.seeding import stream
-from vpf_sim.tables import build
 from vpf_sim.types import Reference, VehicleModel
 
 CAR = VehicleModel()

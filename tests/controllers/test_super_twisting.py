@@ -8,10 +8,10 @@ import pytest
 from bicycle import Bicycle
 from scipy.linalg import solve_continuous_lyapunov
 
+from vpf_sim.configuration import build
 from vpf_sim.controllers.gtsmc import Gains, Gtsmc, load_gains
 from vpf_sim.controllers.super_twisting import SuperTwisting
 from vpf_sim.errors import InputError
-from vpf_sim.tables import build
 from vpf_sim.types import Floats, Reference, VehicleModel
 
 D, AUTHORITY, PLENTY = 2.0, 2.0, 1e3

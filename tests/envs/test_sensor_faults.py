@@ -148,10 +148,13 @@ def test_a_scenario_on_a_base_is_the_base_with_what_it_changes() -> None:
     [
         ('base = "strait"', "my.toml: base: unknown scenario 'strait'"),
         ("base = 1", "my.toml: base: expected the name of a scenario, got 1"),
-        (f"{BASED}[ego.sensor_faults]\ndrop_share = 1.5", "my.toml: ego.sensor_faults.drop_share: expected less than"),
+        (
+            f"{BASED}[ego.sensor_faults]\ndrop_share = 1.5",
+            "my.toml: ego.sensor_faults.drop_share: expected <= 1, got 1.5",
+        ),
         (
             f"{BASED}[ego.sensor_faults]\nlatency_ms = -1",
-            "my.toml: ego.sensor_faults.latency_ms: expected greater than",
+            "my.toml: ego.sensor_faults.latency_ms: expected >= 0, got -1",
         ),
         (f"{BASED}[ego.sensor_faults]\ndrop_shar = 0.1", "unknown key, did you mean 'drop_share'?"),
     ],

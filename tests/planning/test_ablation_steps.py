@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from vpf_sim import drivers, tables
+from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.planning import variant
-from vpf_sim.planning.variant import PACKAGE, Variant
+from vpf_sim.planning.variant import Variant
 from vpf_sim.planning.variants.ablation_steps import CHANGES, Change, Table, steps
 
-PAPER, ROBUST = (tables.read(PACKAGE, f"{name}.toml") for name in ("full-frame", "robust"))
+PAPER, ROBUST = (variant.table(name) for name in ("full-frame", "robust"))
 STEPS = steps(PAPER, ROBUST)
 
 
@@ -62,7 +62,7 @@ def test_a_change_that_changes_nothing_is_no_step() -> None:
 
 
 def test_the_tables_that_steps_are_made_of_stay_as_they_are() -> None:
-    again = (tables.read(PACKAGE, f"{name}.toml") for name in ("full-frame", "robust"))
+    again = (variant.table(name) for name in ("full-frame", "robust"))
     steps(PAPER, ROBUST)
     assert tuple(again) == (PAPER, ROBUST)
 
@@ -86,12 +86,22 @@ def test_a_variant_of_ones_own_says_what_it_starts_from_and_what_it_changes(tmp_
     assert drivers.create(f"vpf@{tmp_path / 'mine.toml'}").privileged == "none"
 
 
+def test_a_section_by_a_variants_name_is_taken_whole_from_it(tmp_path: Path) -> None:
+    own = variant.load(written(tmp_path, 'base = "paper"\nflow = "literal"\n[obstacle_map]\nsigma_px = 200.0\n'))
+    paper, literal = variant.load("paper"), variant.load("literal")
+    assert own.flow == literal.flow != paper.flow
+    assert own == replace(paper, flow=literal.flow, obstacle_map=replace(paper.obstacle_map, sigma_px=200.0))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ('base = "robus"', "unknown variant 'robus': did you mean 'robust'?"),
         ("base = 3", "mine.toml: base: expected the name of a variant, got 3"),
-        ("[flow]\nwindow = 3", "mine.toml: flow: unknown key 'window': did you mean 'window_s'?"),
+        ("[flow]\nwindow = 3", "mine.toml: flow.window: unknown key, did you mean 'window_s'?"),
+        ('road_edges = "robus"', "mine.toml: road_edges: unknown variant 'robus': did you mean 'robust'?"),
+        ('odometry = "paper"', "mine.toml: odometry: expected a variant with [odometry], got 'paper'"),
+        ('flow = "other.toml"', "mine.toml: flow: expected the name of a variant, got 'other.toml'"),
         ("flow = 3", "mine.toml: flow: expected a table, got 3"),
         ('gains = "robus"', "unknown gains 'robus': did you mean 'robust'?"),
         ('static_obstacles = "none"', "mine.toml: [lane_planner] needs [static_obstacles]"),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from vpf_sim import drivers, tables
+from vpf_sim import configuration, drivers
 from vpf_sim.evaluation.analysis import ablation
 from vpf_sim.planning import variant
 from vpf_sim.planning.variant import PACKAGE
@@ -55,4 +55,4 @@ def test_what_is_taken_back_is_held_against_the_whole() -> None:
 
 def test_every_file_of_a_variant_says_what_it_is() -> None:
     for name in variant.names():
-        assert tables.read(PACKAGE, f"{name}.toml")
+        assert configuration.read(PACKAGE, f"{name}.toml")

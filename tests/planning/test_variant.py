@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.errors import InputError
 from vpf_sim.planning import variant
-from vpf_sim.planning.variant import PACKAGE, Variant
+from vpf_sim.planning.variant import Variant
 
 
 def test_all_variants_load() -> None:
@@ -49,7 +49,7 @@ def test_flow_and_landmarks_speak_of_the_same_window() -> None:
 
 
 def changed(section: str, **keys: Any) -> dict[str, Any]:
-    table = tables.read(PACKAGE, "paper.toml")
+    table = variant.table("paper")
     table[section] = {**table.get(section, {}), **keys}
     return table
 
@@ -57,21 +57,21 @@ def changed(section: str, **keys: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        (changed("flow", window=25), "paper.toml: flow: unknown key 'window': did you mean 'window_s'?"),
-        (changed("flwo", x=1), "paper.toml: unknown key 'flwo': did you mean 'flow'?"),
+        (changed("flow", window=25), "paper.toml: flow.window: unknown key, did you mean 'window_s'?"),
+        (changed("flwo", x=1), "paper.toml: flwo: unknown key, did you mean 'flow'?"),
         (
             changed("time_to_contact", method="best"),
-            "paper.toml: time_to_contact: method: expected one of as_printed, robust, got 'best'",
+            "paper.toml: time_to_contact.method: expected one of as_printed, robust, got 'best': did you mean 'robust'?",
         ),
         (
             changed("paper_planner", reference={"heading": 3}),
-            "paper.toml: paper_planner: reference: heading: expected one of printed, repaired, got 3",
+            "paper.toml: paper_planner.reference.heading: expected one of printed, repaired, got 3",
         ),
     ],
 )
 def test_a_wrong_variant_is_told_where(table: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError) as caught:
-        tables.build(Variant, table, "paper.toml")
+        configuration.build(Variant, table, "paper.toml")
     assert str(caught.value) == message
 
 

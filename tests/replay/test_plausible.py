@@ -254,7 +254,7 @@ def test_pictures_that_are_black_or_white_are_told_and_blank_ones_are_gaps(
         ("[camera]\nheight_m = 140", "height_m: expected 0.1 to 10, got 140: another unit?"),
         ("[camera]\nfx_px = 4.2", "fx_px: expected 10 to 100000, got 4.2: millimetres?"),
         ("[camera]\nroll_deg = nan", "roll_deg: expected a number up to 1e+15, got nan"),
-        ("[camera]\ndistortion = [nan, 0.0]", "distortion: expected a number up to 1e+15, got nan"),
+        ("[camera]\ndistortion = [nan, 0.0]", "distortion[0]: expected a number up to 1e+15, got nan"),
     ],
 )
 def test_numbers_of_drive_toml_that_cannot_be_are_refused(key: str, told: str, tmp_path: Path) -> None:

@@ -151,10 +151,10 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
     ],
     "general": [
         (write("drive.toml", "schema = "), "drive.toml: expected TOML, got: Invalid value"),
-        (write("drive.toml", "frames = 'drive.mp4'"), "drive.toml: key 'schema' is missing"),
-        (swap("drive.toml", "height_m", "hieght_m"), "unknown key 'hieght_m': did you mean 'height_m'?"),
-        (swap("drive.toml", "fx_px = 80.0", 'fx_px = "far"'), "camera: fx_px: expected float, got 'far'"),
-        (swap("drive.toml", "fx_px = 80.0", "fx_px = -1"), "camera: fx_px: expected 10 to 100000, got -1"),
+        (write("drive.toml", "frames = 'drive.mp4'"), "drive.toml: schema: expected a value, got none"),
+        (swap("drive.toml", "height_m", "hieght_m"), "camera.hieght_m: unknown key, did you mean 'height_m'?"),
+        (swap("drive.toml", "fx_px = 80.0", 'fx_px = "far"'), "camera.fx_px: expected a number, got 'far'"),
+        (swap("drive.toml", "fx_px = 80.0", "fx_px = -1"), "camera.fx_px: expected 10 to 100000, got -1"),
         (swap("drive.toml", "[camera]", "[camera]\nfield_of_view_deg = 60"), "expected one of them, got both"),
         (
             swap("drive.toml", "[camera]", "[camera]\ncx_px = 640"),

@@ -2,15 +2,17 @@
 
 Between `full-frame` and `robust`, and between `literal` and `paper`, lie the steps of the ablations
 (`vpf_sim.planning.variants.ablation_steps`, `repair_steps`), each by its name. A file may say with `base` which of
-these it starts from, and then only what it changes; one's own starts from `robust` if it does not.
+these it starts from, and then only what it changes; one's own starts from `robust` if it does not. A section given as
+the name of a variant, `flow = "robust"`, is that variant's.
 """
 
-from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from vpf_sim import tables
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
+from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.egomotion.camera_pitch import PitchConfig
 from vpf_sim.perception.egomotion.flow_config import FlowConfig
@@ -32,20 +34,24 @@ BASE = "robust"
 Chain = Literal["robust", "paper", "without"]
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class ControllerConfig:
-    """What a variant changes of the gains that it names; None leaves them as they are."""
+    """Changes of the gains that it names."""
 
-    c_r_per_s: float | None = None
-    u0_radps: float | None = None
-    reference_filter_hz: float | None = None
+    c_r_per_s: float | None = setting(
+        "c_r, slope of the rotational manifold; none: as in the gains", default=None, gt=0.0
+    )
+    u0_radps: float | None = setting("u_0, rate of the steering actuator; none: as in the gains", default=None, gt=0.0)
+    reference_filter_hz: float | None = setting(
+        "low-pass of the differentiated reference; none: as in the gains", default=None, ge=0.0
+    )
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class Variant:
     """One section a stage. The way through the field is the paper's `paper_planner` or `lane_planner`, never both."""
 
-    gains: str  # of the controller, a set [gtsmc.NAME] of controllers/gains.toml
+    gains: str = setting("of the controller, a set [gtsmc.NAME] of controllers/gains.toml")
     flow: FlowConfig
     focus_of_expansion: ExpansionConfig
     time_to_contact: ContactConfig
@@ -73,6 +79,9 @@ class Variant:
             raise ValueError("[moving_obstacles] needs [static_obstacles]: it sees what these cannot be")
 
 
+SECTIONS = [key for key, hint in keys(Variant).items() if sections(hint)]
+
+
 def names() -> list[str]:
     """The variants there are."""
     return sorted(item.name.removesuffix(".toml") for item in files(PACKAGE).iterdir() if item.name.endswith(".toml"))
@@ -81,9 +90,9 @@ def names() -> list[str]:
 def load(name: str) -> Variant:
     """The variant or step of that name, or of that TOML file."""
     if not name.endswith(".toml"):
-        return tables.build(Variant, _table(name), f"{name}.toml")
-    own = {"base": BASE, **tables.read_file(Path(name), "variant")}
-    return tables.build(Variant, _whole(own, name), name)
+        return configuration.build(Variant, table(name), f"{name}.toml")
+    own = {"base": BASE, **configuration.read_file(Path(name), "variant")}
+    return configuration.build(Variant, _whole(own, name), name, also=("base",))
 
 
 def ablation(chain: Chain = "robust") -> dict[str, str]:
@@ -99,9 +108,10 @@ def summary(name: str) -> str | None:
     return next((steps[name] for steps in map(ablation, get_args(Chain)) if name in steps), None)
 
 
-def _table(name: str) -> dict[str, Any]:
+def table(name: str) -> dict[str, Any]:
+    """The whole table of a variant or step, with what it takes from others."""
     if name in names():
-        return _whole(tables.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
+        return _whole(configuration.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
     between = {step: found for chain in get_args(Chain) for step, found in _steps(chain).items()}
     if name in between:
         return between[name][1]
@@ -110,25 +120,31 @@ def _table(name: str) -> dict[str, Any]:
 
 def _steps(chain: Chain) -> dict[str, tuple[str, dict[str, Any]]]:
     if chain == "robust":
-        return steps(_table("full-frame"), _table("robust"))
+        return steps(table("full-frame"), table("robust"))
     make = repair_steps.made if chain == "paper" else repair_steps.taken_back
-    return make(_table("literal"), _table("paper"))
+    return make(table("literal"), table("paper"))
 
 
 def _whole(own: dict[str, Any], file: str) -> dict[str, Any]:
-    """A file's table laid over that of the variant that it starts from."""
-    if "base" not in own:
-        return own
-    base = own.pop("base")
-    if not isinstance(base, str) or base.endswith(".toml"):
-        raise InputError(f"{file}: base: expected the name of a variant, got {base!r}")
-    return _laid_over(_table(base), own)
+    """A file's table laid over its base, with the sections that it takes from other variants."""
+    named = {key: name for key, name in own.items() if key in SECTIONS and isinstance(name, str) and name != "none"}
+    below = _of_variant(own["base"], file, "base") if "base" in own else {}
+    rest = {key: value for key, value in own.items() if key != "base" and key not in named}
+    return {**configuration.laid_over(below, rest), **{key: _section(key, name, file) for key, name in named.items()}}
 
 
-def _laid_over(table: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
-    """Sections key by key; "none" takes a whole section away."""
-    both = {
-        key: _laid_over(table[key], value) if isinstance(value, dict) and isinstance(table.get(key), dict) else value
-        for key, value in own.items()
-    }
-    return {**table, **both}
+def _section(key: str, name: str, file: str) -> dict[str, Any]:
+    """A section of the variant `name`."""
+    found: dict[str, Any] | None = _of_variant(name, file, key).get(key)
+    if found is None:
+        raise InputError(f"{file}: {key}: expected a variant with [{key}], got '{name}'")
+    return found
+
+
+def _of_variant(name: object, file: str, key: str) -> dict[str, Any]:
+    if not isinstance(name, str) or name.endswith(".toml"):
+        raise InputError(f"{file}: {key}: expected the name of a variant, got {name!r}")
+    try:
+        return table(name)
+    except InputError as error:
+        raise InputError(f"{file}: {key}: {error}") from None

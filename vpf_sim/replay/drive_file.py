@@ -1,10 +1,10 @@
 """drive.toml: what someone tells of a recording of their own. docs/recordings.md explains each key."""
 
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from vpf_sim import tables
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 from vpf_sim.replay import plausible
 from vpf_sim.replay.assemble import CAMERA_AHEAD_M, WHEELBASE_M
 
@@ -12,22 +12,22 @@ LONGEST_NAME = 200
 Sided = Literal["steering", "yaw_rate", "yaw", "y"]
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class CameraKeys:
-    """Angles: pitch + looks down, yaw + looks right, roll + clockwise; left out they are found on the way."""
+    """The camera's calibration and mounting."""
 
-    fx_px: float | None = None
-    fy_px: float | None = None  # left out: as fx_px
-    cx_px: float | None = None  # left out: the middle
-    cy_px: float | None = None
-    field_of_view_deg: float | None = None  # across, instead of fx_px
-    distortion: tuple[float, ...] = ()
-    model: Literal["pinhole", "fisheye"] = "pinhole"
-    height_m: float | None = None
-    pitch_deg: float | None = None
-    yaw_deg: float | None = None
-    roll_deg: float | None = None
-    ahead_of_rear_axle_m: float = CAMERA_AHEAD_M
+    fx_px: float | None = setting("focal length across", default=None)
+    fy_px: float | None = setting("left out: as fx_px", default=None)
+    cx_px: float | None = setting("left out: the middle", default=None)
+    cy_px: float | None = setting("left out: the middle", default=None)
+    field_of_view_deg: float | None = setting("across, instead of fx_px", default=None)
+    distortion: tuple[float, ...] = setting("coefficients of OpenCV's model", default=())
+    model: Literal["pinhole", "fisheye"] = setting("of the lens", default="pinhole")
+    height_m: float | None = setting("above the road", default=None)
+    pitch_deg: float | None = setting("+ looks down; left out: estimated", default=None)
+    yaw_deg: float | None = setting("+ looks right; left out: estimated", default=None)
+    roll_deg: float | None = setting("+ clockwise; left out: estimated", default=None)
+    ahead_of_rear_axle_m: float = setting("of the camera", default=CAMERA_AHEAD_M)
 
     def __post_init__(self) -> None:
         if self.fx_px is not None and self.field_of_view_deg is not None:
@@ -52,45 +52,45 @@ class CameraKeys:
             raise ValueError("pitch_deg, yaw_deg: expected both or neither")
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class VehicleKeys:
     """The recorded car; its full scales stay those of the driver's model."""
 
-    wheelbase_m: float = WHEELBASE_M
-    steering_ratio: float | None = None  # steering wheel over road wheels
+    wheelbase_m: float = setting("between the axles", default=WHEELBASE_M)
+    steering_ratio: float | None = setting("steering wheel over road wheels", default=None)
 
     def __post_init__(self) -> None:
         plausible.key("wheelbase_m", self.wheelbase_m)
         plausible.key("steering_ratio", self.steering_ratio)
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class SignalKeys:
     """The table of signals. `columns` says how those are called whose names are not ours."""
 
-    file: str = "signals.csv"
-    offset_s: float = 0.0  # added to the table's times: the first frame is at 0
-    left_is_positive: tuple[Sided, ...] = ()
-    columns: tuple[tuple[str, str], ...] = ()  # (our name, the table's name)
+    file: str = setting("the table", default="signals.csv")
+    offset_s: float = setting("added to the table's times: the first frame is at 0", default=0.0)
+    left_is_positive: tuple[Sided, ...] = setting("signals that grow to the left", default=())
+    columns: dict[str, str] = setting("our name and the table's name", default_factory=dict)
 
     def __post_init__(self) -> None:
         plausible.key("offset_s", self.offset_s)
-        _check_letters(self.file, *(name for pair in self.columns for name in pair))
+        _check_letters(self.file, *self.columns, *self.columns.values())
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class DriveFile:
     """The whole file."""
 
     schema: Literal[1]
-    frames: str = ""  # a video or a folder of pictures; left out, the only one there is
-    name: str = ""
-    weather: str = ""
-    rate_hz: float | None = None  # of pictures without times
-    speed_mps: float | None = None  # if it was held, and no table has it
-    camera: CameraKeys = field(default_factory=CameraKeys)
-    vehicle: VehicleKeys = field(default_factory=VehicleKeys)
-    signals: SignalKeys | None = None  # left out: signals.csv, if there is one
+    frames: str = setting("a video or a folder of pictures; left out, the only one there is", default="")
+    name: str = setting("of the drive in messages and tables", default="")
+    weather: str = setting("as you call it", default="")
+    rate_hz: float | None = setting("of pictures without times", default=None)
+    speed_mps: float | None = setting("if it was held, and no table has it", default=None)
+    camera: CameraKeys = setting("the camera's calibration and mounting", default=CameraKeys())
+    vehicle: VehicleKeys = setting("the recorded car", default=VehicleKeys())
+    signals: SignalKeys | None = setting("left out: signals.csv, if there is one", default=None)
 
     def __post_init__(self) -> None:
         _check_letters(self.frames, self.name, self.weather)
@@ -107,8 +107,4 @@ def _check_letters(*texts: str) -> None:
 
 def load(path: Path) -> DriveFile:
     """The file as it was written; what is wrong with it is an InputError of one line."""
-    table = tables.read_file(path, "drive")
-    columns = table.get("signals", {}).get("columns") if isinstance(table.get("signals"), dict) else None
-    if isinstance(columns, dict):
-        table["signals"]["columns"] = [[ours, theirs] for ours, theirs in columns.items()]
-    return tables.build(DriveFile, table, str(path))
+    return configuration.build(DriveFile, configuration.read_file(path, "drive"), str(path))

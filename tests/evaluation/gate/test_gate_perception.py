@@ -103,7 +103,9 @@ def test_where_no_body_was_met_there_is_no_recall_and_no_distance(tmp_path: Path
 
 def test_every_bound_has_a_figure(tmp_path: Path) -> None:
     run = read_run(perceived(tmp_path / "run", {0: {}, 1: {}, 2: {}}, {}))
-    bounds = PerceptionBounds(**{key: 1.0 if key.endswith("least") else 2.0 for key in PerceptionBounds.model_fields})
+    bounds = PerceptionBounds(
+        **{key: 1.0 if key.endswith("least") else 2.0 for key in PerceptionBounds.__dataclass_fields__}
+    )
     (tmp_path / "rules.toml").write_text("[[rules]]\nperception.recall_at_least = 1\n")
     (rule,) = read_rules(tmp_path / "rules.toml")
     found = check(run, rule, bounds, "rules[0].perception")

@@ -10,10 +10,10 @@ from vpf_sim import cli
 from vpf_sim.evaluation.gate.rules import BOUNDS, Rule, read_rules
 
 RULES = [
-    ("", "rules: expected at least one [[rules]], got none"),
+    ("", "rules: expected a value, got none"),
     ("[[rules]]", "rules[0]: expected a bound, such as success_rate_at_least, or no_worse_than, got none"),
     ("[[rule]]", "rule: unknown key, did you mean 'rules'?"),
-    ("rules = 3", "rules: expected a valid list, got 3"),
+    ("rules = 3", "rules: expected a list, got 3"),
     ("rules = [1]", "rules[0]: expected a table, got 1"),
     (
         "[[rules]]\nsucess_rate_at_least = 1",
@@ -21,17 +21,17 @@ RULES = [
     ),
     (
         "[[rules]]\nsuccess_rate_at_least = 95",
-        "rules[0].success_rate_at_least: expected less than or equal to 1, got 95",
+        "rules[0].success_rate_at_least: expected <= 1, got 95",
     ),
-    ("[[rules]]\ncollisions_at_most = 0.5", "rules[0].collisions_at_most: expected a valid integer, got 0.5"),
-    ("[[rules]]\npath_mse_m2_at_most = nan", "rules[0].path_mse_m2_at_most: expected a finite number, got nan"),
+    ("[[rules]]\ncollisions_at_most = 0.5", "rules[0].collisions_at_most: expected an integer, got 0.5"),
+    ("[[rules]]\npath_mse_m2_at_most = nan", "rules[0].path_mse_m2_at_most: expected a number up to 1e+15, got nan"),
     (
         "[[rules]]\nclearance_m_at_least = -1",
-        "rules[0].clearance_m_at_least: expected greater than or equal to 0, got -1",
+        "rules[0].clearance_m_at_least: expected >= 0, got -1",
     ),
     (
         '[[rules]]\ncollisions_at_most = 0\nscores = ["collisions"]',
-        "rules[0].scores: expected some scores, and no_worse_than beside them",
+        "rules[0].scores: expected no_worse_than beside them, got none",
     ),
     ("[[rules]", "expected TOML, got: "),
     (
@@ -40,7 +40,7 @@ RULES = [
     ),
     (
         "[[rules]]\nperception.recall_at_least = 95",
-        "rules[0].perception.recall_at_least: expected less than or equal to 1, got 95",
+        "rules[0].perception.recall_at_least: expected <= 1, got 95",
     ),
     ("[[rules]]\nperception = 1", "rules[0].perception: expected a table, got 1"),
     ("[[rules]]\n[rules.perception]", "rules[0].perception: expected a bound, such as recall_at_least, got none"),
@@ -70,7 +70,7 @@ def test_a_wrong_rules_file_has_a_line_for_each_fault(capsys: pytest.CaptureFixt
     rules.write_text('[[rules]]\ndriver = 3\n[[rules]]\nno_worse_than = "b"\nscores = ["sucess_rate"]')
     assert cli.run(["check", str(folder), "--rules", str(rules)]) == 2
     first, second = capsys.readouterr().err.splitlines()
-    assert first.endswith("rules[0].driver: expected a valid string, got 3")
+    assert first.endswith("rules[0].driver: expected a string, got 3")
     assert second.endswith("got 'sucess_rate': did you mean 'success_rate'?")
 
 
@@ -82,7 +82,7 @@ def test_the_example_rules_show_every_key() -> None:
     assert {key for rule in rules for key in rule.bounds()} == set(BOUNDS)
     assert [rule.no_worse_than for rule in rules] == [None, None, None, "baseline"]
     shown = re.findall(r"^(?:\[rules\.)?(\w+)(?: =|\])", (DOCS / "rules.toml").read_text(), re.M)
-    assert set(Rule.model_fields) - set(shown) == {"driver"}
+    assert set(Rule.__dataclass_fields__) - set(shown) == {"driver"}
 
 
 def test_the_commands_of_the_guide_exist(capsys: pytest.CaptureFixture[str]) -> None:
@@ -94,6 +94,6 @@ def test_the_commands_of_the_guide_exist(capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_every_key_of_the_rules_is_in_the_guide() -> None:
-    assert set(Rule.model_fields) - {"scenario", "weather", "driver"} <= set(
+    assert set(Rule.__dataclass_fields__) - {"scenario", "weather", "driver"} <= set(
         re.findall(r"`(\w+)`", (DOCS / "gate.md").read_text())
     )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vpf_sim import cli, tables
+from vpf_sim import cli, configuration
 from vpf_sim.evaluation.readings import outcome, search, space
 from vpf_sim.evaluation.readings.search import Asked, Tried
 from vpf_sim.evaluation.readings.space import Reading
@@ -73,7 +73,7 @@ def test_a_written_variant_is_the_table_it_was_written_from(tmp_path: Path) -> N
     table = space.variant_table({**FIRST, "flow": "checked", "goal": "lane-ahead"})
     path = tmp_path / "one.toml"
     path.write_text(space.toml(table))
-    assert tables.read_file(path, "variant") == table
+    assert configuration.read_file(path, "variant") == table
 
 
 class Scripted:

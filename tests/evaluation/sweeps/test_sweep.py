@@ -149,9 +149,9 @@ def test_a_plan_of_single_drives_has_no_others() -> None:
     ("changes", "sentence"),
     [
         ({"drives": []}, "drives: expected at least one, got none"),
-        ({"drives": [["a", "rain"]]}, "drives: expected 3 values, got 2"),
-        ({"drives": [["a", "rain", "9"]]}, "drives: expected int, got '9'"),
-        ({"drives": [["a", "rain", -1]]}, "drives[0]: expected a seed of 0 or more, got -1"),
+        ({"drives": [["a", "rain"]]}, "drives[0][2]: expected a value, got none"),
+        ({"drives": [["a", "rain", "9"]]}, "drives[0][2]: expected an integer, got '9'"),
+        ({"drives": [["a", "rain", -1]]}, "drives[0][2]: expected >= 0, got -1"),
         ({"seeds": "0:3"}, "seeds: expected drives or a grid, got both"),
     ],
 )

@@ -15,7 +15,7 @@ from vpf_sim.evaluation.analysis.statistics import mean_interval
 from vpf_sim.evaluation.gate import baseline, perception
 from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Episodes, Run, values_of, worst_first
 from vpf_sim.evaluation.gate.checks import Check, matching, number
-from vpf_sim.evaluation.gate.rules import Rule, Score
+from vpf_sim.evaluation.gate.rules import SCORES, Rule, Score
 
 
 def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
@@ -78,7 +78,7 @@ def _no_worse(rule: Rule, run: Run, cells: Sequence[Cell], path: Path) -> list[C
     return [
         _against(baseline.before(stored, run, cell, score), score, cell, run.cells[cell], str(rule.no_worse_than))
         for cell in cells
-        for score in rule.scores
+        for score in rule.scores or SCORES
     ]
 
 

@@ -1,14 +1,14 @@
 """The rules of the gate: a TOML file of what a run must keep, each rule for some cells or for all."""
 
-from collections.abc import Iterator
-from difflib import get_close_matches
+from collections.abc import Iterable
+from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
-from vpf_sim import tables
-from vpf_sim.errors import InputError, wrong_value
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 
 Score = Literal["success_rate", "collisions", "path_mse_m2", "clearance_m", "comfortable_share"]
 SCORES: tuple[Score, ...] = get_args(Score)
@@ -16,13 +16,8 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
 
-class Section(BaseModel):
-    """No key may be misspelt, no value bent to fit."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class PerceptionBounds(Section):
+@settings
+class PerceptionBounds:
     """Bounds on what `vpf-sim perception` stored; of errors on the median, and on the 95th percentile."""
 
     recall_at_least: Share | None = None
@@ -43,12 +38,17 @@ class PerceptionBounds(Section):
     foe_error_px_at_most: NotNegative | None = None
     foe_error_px_p95_at_most: NotNegative | None = None
 
+    def __post_init__(self) -> None:
+        if not self.bounds():
+            raise ValueError("expected a bound, such as recall_at_least, got none")
+
     def bounds(self) -> dict[str, float]:
         """The bounds that are given, by their keys."""
-        return {key: limit for key in PerceptionBounds.model_fields if (limit := getattr(self, key)) is not None}
+        return _given(self, [field.name for field in fields(self)])
 
 
-class Rule(Section):
+@settings
+class Rule:
     """Bounds for the cells that `scenario`, `weather` and `driver` name; "*" and "?" stand for any letters."""
 
     scenario: str = "*"
@@ -61,58 +61,32 @@ class Rule(Section):
     clearance_m_at_least: NotNegative | None = None
     comfortable_share_at_least: Share | None = None
     perception: PerceptionBounds | None = None
-    no_worse_than: str | None = None  # a run folder, or a summary.json; from where the rules file is
-    scores: list[Score] = list(SCORES)  # that no_worse_than compares
+    no_worse_than: str | None = setting("a run folder, or a summary.json; from where the rules file is", default=None)
+    scores: tuple[Score, ...] | None = setting("that no_worse_than compares; left out: all", default=None, min_length=1)
+
+    def __post_init__(self) -> None:
+        if not self.bounds() and self.no_worse_than is None and self.perception is None:
+            raise ValueError(f"expected a bound, such as {BOUNDS[0]}, or no_worse_than, got none")
+        if self.scores is not None and self.no_worse_than is None:
+            raise ValueError("scores: expected no_worse_than beside them, got none")
 
     def bounds(self) -> dict[str, float]:
         """The bounds that are given, by their keys."""
-        return {key: getattr(self, key) for key in BOUNDS if getattr(self, key) is not None}
+        return _given(self, BOUNDS)
 
 
-BOUNDS = tuple(key for key in Rule.model_fields if key.endswith(("_at_least", "_at_most")))
+BOUNDS = tuple(key for field in fields(Rule) if (key := field.name).endswith(("_at_least", "_at_most")))
 
 
-class Rules(Section):
-    rules: list[Rule] = []
+@settings
+class Rules:
+    rules: tuple[Rule, ...] = setting("each for the cells that it names", min_length=1)
 
 
 def read_rules(path: Path) -> list[Rule]:
     """The rules of a file; InputError with a line for each fault."""
-    content = tables.read_file(path, "rules")
-    try:
-        rules = Rules.model_validate(content).rules
-    except ValidationError as error:
-        faults = error.errors(include_url=False)
-        raise InputError("\n".join(f"{path}: {_line(dict(fault))}" for fault in faults)) from None
-    asks_nothing = list(_empty(rules))
-    if asks_nothing:
-        raise InputError("\n".join(f"{path}: {fault}" for fault in asks_nothing))
-    return rules
+    return list(configuration.build(Rules, configuration.read_file(path, "rules"), str(path)).rules)
 
 
-def _empty(rules: list[Rule]) -> Iterator[str]:
-    """Rules that ask for nothing: a gate that is always open."""
-    if not rules:
-        yield "rules: expected at least one [[rules]], got none"
-    for i, rule in enumerate(rules):
-        if rule.perception is not None and not rule.perception.bounds():
-            yield f"rules[{i}].perception: expected a bound, such as recall_at_least, got none"
-        if not rule.bounds() and rule.no_worse_than is None and rule.perception is None:
-            yield f"rules[{i}]: expected a bound, such as {BOUNDS[0]}, or no_worse_than, got none"
-        if "scores" in rule.model_fields_set and (rule.no_worse_than is None or not rule.scores):
-            yield f"rules[{i}].scores: expected some scores, and no_worse_than beside them"
-
-
-def _line(fault: dict[str, Any]) -> str:
-    """What pydantic found, with the key as in the file and the nearest name."""
-    location: tuple[int | str, ...] = fault["loc"]
-    key = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location).removeprefix(".")
-    if fault["type"] == "extra_forbidden":
-        sections: dict[int, type[Section]] = {1: Rules, 3: Rule, 4: PerceptionBounds}
-        known = list(sections[len(location)].model_fields)
-        near = get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
-        return f"{key}: unknown key, " + (f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}")
-    if fault["type"] == "model_type":
-        return f"{key}: expected a table, got {fault['input']!r}"
-    near = get_close_matches(str(fault["input"]), SCORES, n=1, cutoff=0.5) if fault["type"] == "literal_error" else []
-    return f"{key}: {wrong_value(fault['msg'], fault['input'])}" + "".join(f": did you mean '{one}'?" for one in near)
+def _given(bounds: PerceptionBounds | Rule, keys: Iterable[str]) -> dict[str, float]:
+    return {key: limit for key in keys if (limit := getattr(bounds, key)) is not None}

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation.perception.replay import StoredDrive
 from vpf_sim.evaluation.sweeps.fingerprint import digest
@@ -16,7 +16,7 @@ PACKAGE, FIXED = "vpf_sim.evaluation.perception", "drives.toml"
 
 def fixed_set() -> Plan:
     """The drives on which perception is measured where no run is named."""
-    return make_plan(tables.read(PACKAGE, FIXED), FIXED)
+    return make_plan(configuration.read(PACKAGE, FIXED), FIXED)
 
 
 def folder_of(plan: Plan) -> Path:

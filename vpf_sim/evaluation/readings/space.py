@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim import tables
+from vpf_sim import configuration
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, rasterise, smoothed_gradient
-from vpf_sim.planning.variant import PACKAGE
+from vpf_sim.planning import variant
 from vpf_sim.planning.variants.ablation_steps import Table, put
 from vpf_sim.types import Camera
 
@@ -42,12 +42,12 @@ class Quantity:
 
 def quantities() -> tuple[Quantity, ...]:
     """The space, as space.toml has it."""
-    return tuple(_quantity(name, table) for name, table in tables.read(__package__, "space.toml").items())
+    return tuple(_quantity(name, table) for name, table in configuration.read(__package__, "space.toml").items())
 
 
 def known() -> tuple[Reading, ...]:
     """Readings that are worth a first look, as known.toml has them."""
-    return tuple(tables.read(__package__, "known.toml").values())
+    return tuple(configuration.read(__package__, "known.toml").values())
 
 
 def _quantity(name: str, table: Mapping[str, Any]) -> Quantity:
@@ -63,10 +63,10 @@ def _quantity(name: str, table: Mapping[str, Any]) -> Quantity:
 
 def variant_table(reading: Reading) -> Table:
     """The whole table of the variant that a reading makes."""
-    table = {"base": BASE, **tables.read(PACKAGE, f"{BASE}.toml")}
+    table = {"base": BASE, **variant.table(BASE)}
     for quantity in quantities():
         for key, value in quantity.choices.get(str(reading[quantity.name]), {}).items():
-            whole = tables.read(PACKAGE, "robust.toml")[key] if value == WHOLE else value
+            whole = variant.table("robust")[key] if value == WHOLE else value
             put(table, key, deepcopy(whole))
     line = table["paper_planner"]
     target_n = line["target_field"]["alpha"] * line["target_field"].get("reach_m", FAR_M)

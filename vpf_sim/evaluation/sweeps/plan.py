@@ -1,13 +1,15 @@
 """What a sweep is asked to do: a grid of scenarios, weathers, drivers and seeds."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from hashlib import sha256
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from vpf_sim import tables
+from pydantic import Field
+
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 
@@ -15,20 +17,18 @@ MOST_DIGITS = 18  # of a seed
 MOST_SEEDS = 1_000_000  # of one run: more is a slip of the pen, and would not fit into memory
 
 
-@dataclass(frozen=True, slots=True)
+Drive = tuple[str, str, Annotated[int, Field(ge=0)]]  # scenario, weather and seed
+
+
+@settings
 class Plan:
-    """The grid; `seeds` is "A:B", half open. With `drives`, of the grid only these."""
+    """The grid of a sweep. With `drives`, of the grid only these."""
 
-    scenario: tuple[str, ...]
-    weather: tuple[str, ...]
-    driver: tuple[str, ...]
-    seeds: str
-    drives: tuple[tuple[str, str, int], ...] = ()  # scenario, weather and seed of each
-
-    def __post_init__(self) -> None:
-        for key in ("scenario", "weather", "driver"):
-            if not getattr(self, key):
-                raise InputError(f"sweep: {key}: expected at least one, got none")
+    scenario: tuple[str, ...] = setting("names or files", min_length=1)
+    weather: tuple[str, ...] = setting("names or files", min_length=1)
+    driver: tuple[str, ...] = setting("names", min_length=1)
+    seeds: str = setting('"A:B", half open')
+    drives: tuple[Drive, ...] = setting("scenario, weather and seed of single drives", default=())
 
     def jobs(self) -> list[Job]:
         """The planned episodes, seed by seed, so that a sweep that ends early has something of everything."""
@@ -84,12 +84,12 @@ def parse_seeds(text: str, where: str = "--seeds") -> range:
 
 def read_plan(path: Path) -> dict[str, Any]:
     """The keys that a sweep file gives."""
-    return tables.read_file(path, "sweep")
+    return configuration.read_file(path, "sweep")
 
 
 def make_plan(table: dict[str, Any], where: str) -> Plan:
     """A plan from keys and values, each checked; `where` is what messages call their source."""
-    plan = tables.build(Plan, table, where) if "drives" not in table else _of_drives(table, where)
+    plan = configuration.build(Plan, table, where) if "drives" not in table else _of_drives(table, where)
     if not plan.drives:
         parse_seeds(plan.seeds, f"{where}: seeds")
     return plan
@@ -97,24 +97,19 @@ def make_plan(table: dict[str, Any], where: str) -> Plan:
 
 def _of_drives(table: dict[str, Any], where: str) -> Plan:
     """The plan of single drives: the grid is the least that has them all."""
-    drives = tables.build(_Drives, {"drives": table["drives"]}, where).drives
-    for place, (*_, seed) in enumerate(drives):
-        if not 0 <= seed < 10**MOST_DIGITS:
-            raise InputError(f"{where}: drives[{place}]: expected a seed of 0 or more, got {seed}")
-    if not drives:
-        raise InputError(f"{where}: drives: expected at least one, got none")
+    drives = configuration.build(_Drives, {"drives": table["drives"]}, where).drives
     names = [[*dict.fromkeys(drive[i] for drive in drives)] for i in (0, 1)]
     seeds = sorted(drive[2] for drive in drives)
     grid = {"scenario": names[0], "weather": names[1], "seeds": f"{seeds[0]}:{seeds[-1] + 1}"}
     for key, value in grid.items():
         if table.get(key, value) != value:
             raise InputError(f"{where}: {key}: expected drives or a grid, got both")
-    return tables.build(Plan, {**table, **grid}, where)
+    return configuration.build(Plan, {**table, **grid}, where)
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class _Drives:
-    drives: tuple[tuple[str, str, int], ...]
+    drives: tuple[Drive, ...] = setting("scenario, weather and seed of each", min_length=1)
 
 
 def _hash(value: Iterable[Any] | Any) -> str:

@@ -97,12 +97,12 @@ class Signals:
 def named(file: Path, keys: SignalKeys) -> series.Table:
     """The table's columns under our names; others are left alone."""
     table = series.table(file, "signals")
-    for ours, theirs in keys.columns:
+    for ours, theirs in keys.columns.items():
         if ours not in KNOWN:
             raise InputError(f"drive.toml: signals.columns: unknown signal '{ours}'; known: {', '.join(KNOWN)}")
         if theirs not in table:
             raise InputError(f"{file}: expected a column '{theirs}' for {ours}, found {series.listed(table.cells)}")
-    renamed = {theirs: ours for ours, theirs in keys.columns}
+    renamed = {theirs: ours for ours, theirs in keys.columns.items()}
     result = [renamed.get(name, name) for name in table.cells]
     for name in result:
         shared = name if result.count(name) > 1 else series.shared_name(name)

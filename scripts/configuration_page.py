@@ -1,0 +1,122 @@
+"""Write docs/configuration.md: every key of every TOML file, from the fields of the configuration classes."""
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import MISSING, dataclass
+from pathlib import Path
+from typing import Any, get_origin
+
+from vpf_sim.configuration_fields import Setting, sections, settings_of
+from vpf_sim.controllers import gtsmc, idm, pid, pure_pursuit, stanley
+from vpf_sim.envs.camera.weather import Weather
+from vpf_sim.evaluation.gate.rules import Rules
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.planning import variant
+from vpf_sim.replay.drive_file import DriveFile
+from vpf_sim.scenarios.random_road import RandomRoad
+from vpf_sim.scenarios.schema import Scenario
+
+PAGE = Path(__file__).parents[1] / "docs" / "configuration.md"
+HEAD = """# Configuration: every key of every TOML file
+
+`python scripts/configuration_page.py` writes this page from the sources. Units are SI, and a part of a key's name.
+A key without a default must be given; `none` stands for no value. A wrong file is refused with a line for each fault:
+file, key, what was expected and what stands there.
+"""
+VARIANT = """## Variant of the driver
+`--driver vpf@FILE.toml` drives with a file of your own, which says what it changes. `base` names the variant or
+ablation step that it starts from; without it that is `robust`, the variant of `vpf`. A section can be taken whole from
+another variant by its name, and `"none"` leaves an optional section out:
+```toml
+base = "robust"
+gains = "super-twisting"
+flow = "full-frame"
+movers = "none"
+[road_edges]
+lanes = 3
+lane_width_m = 3.25
+```
+"""
+GAINS = """## Gains of the controllers
+In `controllers/gains.toml`; `gains` of a variant names a set of `[gtsmc]`.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class OfRandom:
+    """What a random scenario has and others have not."""
+
+    random: RandomRoad
+
+
+FILES = (
+    ("Scenario", "Sections of a scenario file. `base` lays a file over a scenario of the catalog.", Scenario),
+    ("Random scenario", "The section `random` stands in place of `road`, `goal` and `bodies`.", OfRandom),
+    ("Weather", "A weather file starts from `base`, a preset or an alias, by default `ClearNoon`.", Weather),
+    ("Sweep", "A `sweep.toml` has lists, or single `drives` in place of scenario, weather and seeds.", Plan),
+    ("Rules of the gate", "[gate.md](gate.md) explains the rules.", Rules),
+    ("Recorded drive", "[recordings.md](recordings.md) explains `drive.toml`.", DriveFile),
+)
+Values = dict[str, Any]  # heading of a column -> the object that has the values
+
+
+def page() -> str:
+    """The whole page."""
+    loaded = {"`vpf`": variant.load("robust"), "`vpf-paper`": variant.load("paper")}
+    parts = [HEAD, VARIANT, *tables(variant.Variant, "", loaded)]
+    parts += [
+        GAINS,
+        *tables(gtsmc.Gains, "[gtsmc]", {f"`{name}`": gtsmc.load_gains(name) for name in ("robust", "paper")}),
+    ]
+    for name, module in {"pid": pid, "pure_pursuit": pure_pursuit, "stanley": stanley, "idm": idm}.items():
+        parts += tables(module.Gains, f"[{name}]", {"value": module.load_gains()})
+    for title, about, config in FILES:
+        parts += [f"## {title}\n{about}\n", *tables(config, "")]
+    return "\n".join(parts)
+
+
+def tables(config: type, path: str, values: Values | None = None) -> Iterator[str]:
+    """A table for a section, with the heading `path`, and for each section in it; without `values` with defaults."""
+    settings = settings_of(config)
+    plain = [setting for setting in settings if not sections(setting.hint)]
+    if plain:
+        columns = ["key", "unit", "meaning", "bounds", *(values or {"default": None})]
+        lines = [f"### {path}\n"] if path else []
+        lines += [_row(columns), _row(["---"] * len(columns))]
+        lines += [_row([*_about(setting), *_values(setting, values)]) for setting in plain]
+        yield "\n".join(lines) + "\n"
+    for setting in settings:
+        name, is_list = f"{path.strip('[]')}.{setting.key}".removeprefix("."), get_origin(setting.hint) is tuple
+        below = {one: getattr(values[one], setting.key, None) for one in values} if values and not is_list else None
+        for inner in sections(setting.hint):
+            yield from tables(inner, f"[[{name}]]" if is_list else f"[{name}]", below)
+
+
+def _about(setting: Setting) -> list[str]:
+    return [f"`{setting.key}`", setting.unit, setting.meaning, setting.bounds]
+
+
+def _values(setting: Setting, values: Values | None) -> list[str]:
+    if values is None:
+        return ["" if setting.default is MISSING else _shown(setting.default)]
+    return ["-" if one is None else _shown(getattr(one, setting.key)) for one in values.values()]
+
+
+def _shown(value: Any) -> str:
+    """A value as a TOML file has it."""
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(_shown, value))}]"
+    if isinstance(value, bool | None):
+        return "none" if value is None else str(value).lower()
+    return repr(value) if isinstance(value, float | int) else str(value)
+
+
+def _row(cells: list[str]) -> str:
+    escaped = [cell.replace("|", "\\|") for cell in cells]
+    return f"| {' | '.join(escaped)} |"
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=PAGE, help="file to write")
+    parser.parse_args().out.write_text(page(), "utf-8")

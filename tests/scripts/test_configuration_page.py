@@ -1,0 +1,46 @@
+"""The page of the configuration: written from the fields, and the one in docs is up to date."""
+
+import runpy
+from pathlib import Path
+from typing import Literal
+
+from vpf_sim.configuration import setting, settings
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = runpy.run_path(str(ROOT / "scripts" / "configuration_page.py"))
+
+
+@settings
+class Inner:
+    speed_mps: float = setting("at the start", ge=0.0, le=60.0)
+
+
+@settings
+class Outer:
+    kind: Literal["a", "b"] = setting("a | b", default="a")
+    reach_m: float | None = setting("none: as far as it sees", default=None, gt=0.0)
+    parts: tuple[Inner, ...] = ()
+    inner: Inner | None = None
+
+
+def test_the_committed_page_is_what_the_command_writes() -> None:
+    committed = (ROOT / "docs" / "configuration.md").read_text("utf-8")
+    assert committed == SCRIPT["page"](), "write it again: python scripts/configuration_page.py"
+
+
+def test_a_key_has_unit_meaning_bounds_and_default() -> None:
+    first, listed, inner = SCRIPT["tables"](Outer, "[outer]")
+    assert first.splitlines()[0] == "### [outer]"
+    assert first.splitlines()[4:] == [
+        "| `kind` |  | a \\| b | a, b | a |",
+        "| `reach_m` | m | none: as far as it sees | > 0 | none |",
+    ]
+    assert listed.splitlines()[0] == "### [[outer.parts]]"
+    assert inner.splitlines()[0] == "### [outer.inner]"
+    assert inner.splitlines()[-1] == "| `speed_mps` | m/s | at the start | >= 0, <= 60 |  |"
+
+
+def test_a_section_that_a_file_leaves_out_has_no_values() -> None:
+    values = {"with": Outer(inner=Inner(1.5)), "without": Outer()}
+    *_, inner = SCRIPT["tables"](Outer, "", values)
+    assert inner.splitlines()[-1] == "| `speed_mps` | m/s | at the start | >= 0, <= 60 | 1.5 | - |"
