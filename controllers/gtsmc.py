@@ -25,30 +25,33 @@ from math import atan, copysign, exp, inf, pi, sin, tan
 from typing import Literal
 
 from vpf_sim import tables
+from vpf_sim.controllers.change_limit import ChangeLimit
 from vpf_sim.controllers.super_twisting import SuperTwisting
-from vpf_sim.controllers.swing import Swing
 from vpf_sim.errors import unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Observation, Reference, VehicleModel
 
 STANDSTILL_MPS = 0.1
 SLOWEST_MPS = 2.0  # to slow down further for the reaching condition would take the authority itself
-AGAIN_MPS2 = 1.5  # how fast the speed may rise when it holds again
+RECOVERY_MPS2 = 1.5  # how fast the speed may rise when it holds again
 DEMAND_FILTER_HZ = 2.0
-HARD_SHARE, HARD_LEAST_MPS = 0.7, 1.2  # of the speed, by which a car that is too fast brakes beyond a_0; no less
-NARROWEST = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
-MOST_RAD, MOST_RADPS, MOST_MPS = 1e6, 1e3, 1e3  # beyond any car: what is filtered and differentiated stays finite
+HARD_BRAKING_SHARE, HARD_BRAKING_MIN_MPS = (
+    0.7,
+    1.2,
+)  # of the speed, by which a car that is too fast brakes beyond a_0; no less
+MIN_LAYER_SHARE = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
+MAX_RAD, MAX_RADPS, MAX_MPS = 1e6, 1e3, 1e3  # beyond any car: what is filtered and differentiated stays finite
 
 NOT_NEGATIVE = (
     "boundary_layer_radps",
-    "boundary_speed_mps",
+    "layer_narrows_below_mps",
     "reference_filter_hz",
     "yaw_rate_filter_hz",
     "speed_filter_hz",
-    "speed_boundary_mps",
-    "hard_error_mps",
-    "swing_mps2",
-    "swing_s",
+    "speed_boundary_layer_mps",
+    "hard_braking_error_mps",
+    "change_limit_mps2",
+    "change_window_s",
 )
 
 
@@ -63,7 +66,7 @@ class Gains:
     c_l: float
     a0_mps2: float  # a_0 when speeding up
     brake_a0_mps2: float  # a_0 when slowing down
-    speed_boundary_mps: float  # of s_l; 0 is the printed sign function
+    speed_boundary_layer_mps: float  # of s_l; 0 is the printed sign function
     yaw_rate_filter_hz: float = (
         0.0  # below it the sensor is believed, above it the bicycle model; 0 is the sensor alone
     )
@@ -71,12 +74,16 @@ class Gains:
     lateral_law: Literal["first_order", "super_twisting"] = "first_order"
     disturbance_radps3: float = 0.0  # D of the super-twisting law: how fast what disturbs s_r may change
     slows_to_reach: bool = False  # where the reaching condition does not hold
-    boundary_speed_mps: float = 0.0  # below it the layer of s_r narrows with the authority, so the loop does not ring
-    hard_error_mps: float = 0.0  # so much too fast, or by `HARD_SHARE` of the speed, the brake goes beyond a_0, 1 m/s
+    layer_narrows_below_mps: float = (
+        0.0  # below it the layer of s_r narrows with the authority, so the loop does not ring
+    )
+    hard_braking_error_mps: float = (
+        0.0  # so much too fast, or by `HARD_SHARE` of the speed, the brake goes beyond a_0, 1 m/s
+    )
     # more to its full; 0 is never
-    swing_mps2: float = 0.0  # most by which the acceleration changes within `swing_s`; 0 is no limit
-    swing_s: float = 0.0
-    foresees: bool = False  # turns the steering as the bends of a reference do whose rate is given, before s_r tells
+    change_limit_mps2: float = 0.0  # most by which the acceleration changes within `swing_s`; 0 is no limit
+    change_window_s: float = 0.0
+    feedforward: bool = False  # turns the steering as the bends of a reference do whose rate is given, before s_r tells
 
     def __post_init__(self) -> None:
         for key in ("c_r_per_s", "u0_radps", "c_l", "a0_mps2", "brake_a0_mps2"):
@@ -89,8 +96,9 @@ class Gains:
             raise ValueError(
                 f"disturbance_radps3: expected > 0 with super_twisting alone, got {self.disturbance_radps3}"
             )
-        if (self.swing_mps2 > 0.0) != (self.swing_s > 0.0):
-            raise ValueError(f"swing_mps2, swing_s: expected both > 0 or both 0, got {self.swing_mps2}, {self.swing_s}")
+        if (self.change_limit_mps2 > 0.0) != (self.change_window_s > 0.0):
+            got = f"{self.change_limit_mps2}, {self.change_window_s}"
+            raise ValueError(f"change_limit_mps2, change_window_s: expected both > 0 or both 0, got {got}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,22 +144,24 @@ class Gtsmc:
         self._heading_rate_radps = 0.0
         self._last_rate_radps: float | None = None
         self._last_bend_per_m: float | None = None
-        self._phi_radps2, self._turning_radps2 = 0.0, 0.0
+        self._demand_radps2, self._curvature_demand_radps2 = 0.0, 0.0
         self._yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
         self._speed_mps: float | None = None
         self._acceleration_mps2 = 0.0  # as commanded last
-        self._reached_mps = inf  # v_d at most
-        swings = self._gains.swing_mps2 > 0.0
-        self._swing = Swing(self._gains.swing_mps2, self._gains.swing_s, self._dt_s) if swings else None
+        self._reachable_mps = inf  # v_d at most
+        swings = self._gains.change_limit_mps2 > 0.0
+        self._change_limit = (
+            ChangeLimit(self._gains.change_limit_mps2, self._gains.change_window_s, self._dt_s) if swings else None
+        )
         twists = self._gains.lateral_law == "super_twisting"
         self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if twists else None
 
     def command(self, observation: Observation, reference: Reference) -> Command:
         """One step of 1 / rate_hz."""
         reference = _bounded(reference)
-        speed_mps = self._believed_mps(observation.speed_mps)
-        measured_radps = min(max(observation.yaw_rate_radps, -MOST_RADPS), MOST_RADPS)
+        speed_mps = self._filtered_speed(observation.speed_mps)
+        measured_radps = min(max(observation.yaw_rate_radps, -MAX_RADPS), MAX_RADPS)
         yaw_rate = self._yaw_rate(measured_radps, speed_mps)
         observation = replace(observation, speed_mps=speed_mps, yaw_rate_radps=yaw_rate)
         steering = self._steer(observation, reference)
@@ -169,10 +179,12 @@ class Gtsmc:
         """The angle of the actuator after one step, rad; clamping the integrator itself is its anti-windup."""
         rate = self._reference_rate(reference)
         authority = observation.speed_mps / self._vehicle.wheelbase_m
-        self._check(observation, reference, rate, authority)
+        self._update_reaching(observation, reference, rate, authority)
         if observation.speed_mps > STANDSTILL_MPS:
             s_r, most = self.manifold(observation, reference, rate), self._gains.u0_radps
-            wish = self._rate(s_r, authority, observation.speed_mps) + self._foreseen(authority, observation.speed_mps)
+            wish = self._rate(s_r, authority, observation.speed_mps) + self._feedforward_rate(
+                authority, observation.speed_mps
+            )
             step = max(-most, min(most, wish)) * self._dt_s
             limit = self._vehicle.steering_limit_rad
             self.steering_rad = max(-limit, min(limit, self.steering_rad + step))
@@ -182,12 +194,12 @@ class Gtsmc:
         """u, rad/s."""
         if self._twisting is not None:
             return self._twisting.rate(s_r, authority_per_s, self._gains.u0_radps)
-        layer, whole_mps = self._gains.boundary_layer_radps, self._gains.boundary_speed_mps
+        layer, whole_mps = self._gains.boundary_layer_radps, self._gains.layer_narrows_below_mps
         if speed_mps < whole_mps:
-            layer *= max(speed_mps / whole_mps, NARROWEST)
+            layer *= max(speed_mps / whole_mps, MIN_LAYER_SHARE)
         return -self._gains.u0_radps * relay(s_r, layer)
 
-    def _bending(self, observation: Observation, reference: Reference) -> float:
+    def _curvature_demand(self, observation: Observation, reference: Reference) -> float:
         """rad/s^2, v^2 db / ds of the told bend b = (d psi_d / dt) / v; the rest, v' b, the wheels make as they stand.
 
         0 where no rate is told: a heading that is differentiated twice is noise.
@@ -199,23 +211,27 @@ class Gtsmc:
         last, self._last_bend_per_m = self._last_bend_per_m, bend
         return 0.0 if last is None else speed * (bend - last) / self._dt_s
 
-    def _foreseen(self, authority_per_s: float, speed_mps: float) -> float:
+    def _feedforward_rate(self, authority_per_s: float, speed_mps: float) -> float:
         """rad/s that the reference's bends ask of the steering; less at walking speed, where the authority is small."""
-        if not self._gains.foresees:
+        if not self._gains.feedforward:
             return 0.0
-        whole_mps = self._gains.boundary_speed_mps
+        whole_mps = self._gains.layer_narrows_below_mps
         share = speed_mps / whole_mps if speed_mps < whole_mps else 1.0
-        return share * self._turning_radps2 / authority_per_s
+        return share * self._curvature_demand_radps2 / authority_per_s
 
-    def _check(self, observation: Observation, reference: Reference, rate_radps: float, authority_per_s: float) -> None:
+    def _update_reaching(
+        self, observation: Observation, reference: Reference, rate_radps: float, authority_per_s: float
+    ) -> None:
         """The reaching condition; d^2 psi_d / dt^2 is differentiated, so phi is low-passed."""
         last, self._last_rate_radps = self._last_rate_radps, rate_radps
         second = 0.0 if last is None else (rate_radps - last) / self._dt_s
         phi = self._gains.c_r_per_s * (observation.yaw_rate_radps - rate_radps) - second
         share = self._share(DEMAND_FILTER_HZ)
-        self._phi_radps2 += share * (phi - self._phi_radps2)
-        self._turning_radps2 += share * (self._bending(observation, reference) - self._turning_radps2)
-        self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._phi_radps2))
+        self._demand_radps2 += share * (phi - self._demand_radps2)
+        self._curvature_demand_radps2 += share * (
+            self._curvature_demand(observation, reference) - self._curvature_demand_radps2
+        )
+        self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._demand_radps2))
 
     def _yaw_rate(self, measured_radps: float, speed_mps: float) -> float:
         """d psi / dt, rad/s: what changes slowly as it is measured, what changes fast as the steering makes it."""
@@ -228,7 +244,7 @@ class Gtsmc:
         self._yaw_rate_radps, self._model_radps = foreseen + share * (measured_radps - foreseen), model
         return self._yaw_rate_radps
 
-    def _believed_mps(self, measured_mps: float) -> float:
+    def _filtered_speed(self, measured_mps: float) -> float:
         """v, m/s: what changes slowly as it is measured, what changes fast as throttle and brake make it.
 
         Where they do less than they should, as on a slippery road, it lags by 1 / (2 pi f) of what is missing.
@@ -244,11 +260,11 @@ class Gtsmc:
         """v_d, less where the manifold could not be reached: it falls at once and rises gently."""
         if not self._gains.slows_to_reach:
             return reference_mps
-        self._reached_mps = max(self._reached_mps + AGAIN_MPS2 * self._dt_s, speed_mps)
+        self._reachable_mps = max(self._reachable_mps + RECOVERY_MPS2 * self._dt_s, speed_mps)
         if not self.reaching.holds:
             slower = speed_mps * self.reaching.authority_radps2 / self.reaching.demand_radps2
-            self._reached_mps = min(self._reached_mps, max(slower, SLOWEST_MPS))
-        return min(reference_mps, self._reached_mps)
+            self._reachable_mps = min(self._reachable_mps, max(slower, SLOWEST_MPS))
+        return min(reference_mps, self._reachable_mps)
 
     def _share(self, cutoff_hz: float) -> float:
         """Of a new value in a low-pass of first order; all of it without one."""
@@ -263,23 +279,23 @@ class Gtsmc:
         self._heading_rate_radps += self._share(self._gains.reference_filter_hz) * (raw - self._heading_rate_radps)
         return self._heading_rate_radps
 
-    def _hard(self, s_l: float, speed_mps: float) -> float:
+    def _hard_braking_share(self, s_l: float, speed_mps: float) -> float:
         """0 .. 1 of the full brake: only what was seen too late asks for a speed so far below the present one."""
-        if self._gains.hard_error_mps == 0.0:
+        if self._gains.hard_braking_error_mps == 0.0:
             return 0.0
-        hard = max(min(self._gains.hard_error_mps, HARD_SHARE * speed_mps), HARD_LEAST_MPS)
+        hard = max(min(self._gains.hard_braking_error_mps, HARD_BRAKING_SHARE * speed_mps), HARD_BRAKING_MIN_MPS)
         return min(max(s_l - hard, 0.0), 1.0)
 
     def _accelerate(self, speed_mps: float, reference_mps: float) -> float:
         """m/s^2, as far as the vehicle can."""
         s_l = self._gains.c_l * speed_mps - reference_mps
-        wish = relay(-s_l, self._gains.speed_boundary_mps)
+        wish = relay(-s_l, self._gains.speed_boundary_layer_mps)
         acceleration = wish * (self._gains.a0_mps2 if wish > 0.0 else self._gains.brake_a0_mps2)
-        hard = self._hard(s_l, speed_mps)
-        if self._swing is not None:
+        hard = self._hard_braking_share(s_l, speed_mps)
+        if self._change_limit is not None:
             if hard > 0.0:
-                self._swing.forget()
-            acceleration = self._swing.limit(acceleration)
+                self._change_limit.reset()
+            acceleration = self._change_limit.limit(acceleration)
         acceleration -= hard * (acceleration + self._vehicle.full_brake_mps2)
         return min(max(acceleration, -self._vehicle.full_brake_mps2), self._vehicle.full_throttle_mps2)
 
@@ -288,7 +304,7 @@ def _bounded(reference: Reference) -> Reference:
     """The reference, within what any car could be asked for."""
     heading, speed, rate = reference.heading_rad, reference.speed_mps, reference.heading_rate_radps
     return Reference(
-        heading if abs(heading) <= MOST_RAD else wrap_angle(heading),
-        min(max(speed, -MOST_MPS), MOST_MPS),
-        None if rate is None else min(max(rate, -MOST_RADPS), MOST_RADPS),
+        heading if abs(heading) <= MAX_RAD else wrap_angle(heading),
+        min(max(speed, -MAX_MPS), MAX_MPS),
+        None if rate is None else min(max(rate, -MAX_RADPS), MAX_RADPS),
     )

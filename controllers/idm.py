@@ -45,7 +45,7 @@ class Twin(IDMVehicle):  # type: ignore[misc]
         self.KP_LATERAL, self.KP_HEADING = 1.0 / gains.lateral_s, 1.0 / gains.heading_s
         self.TAU_PURSUIT = gains.heading_s  # so that a bend asks for its own yaw rate
 
-    def follow(self, observation: Observation, passed_s: float) -> None:
+    def sync(self, observation: Observation, passed_s: float) -> None:
         """Be where the ego is, and that much later."""
         self.position[:] = observation.x_m, observation.y_m
         self.heading, self.speed = observation.yaw_rad, observation.speed_mps
@@ -67,7 +67,7 @@ class Idm:
         if self._twin is None:
             self._twin = Twin(self._gains, self._others(observation), observation, self._setup)
         else:
-            self._twin.follow(observation, 1.0 / self._setup.rate_hz)
+            self._twin.sync(observation, 1.0 / self._setup.rate_hz)
         self._twin.act()
         vehicle, action = self._setup.vehicle, self._twin.action
         acceleration = float(action["acceleration"])

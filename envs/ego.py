@@ -7,7 +7,7 @@ import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.kinematics import Vehicle
 
-from vpf_sim.scenarios.kinds import EGO_SIZE, BodyKind
+from vpf_sim.scenarios.kinds import EGO_SIZE, ObjectKind
 from vpf_sim.types import Floats, VehicleModel
 
 MAX_SPEED_MPS = 60.0
@@ -34,7 +34,7 @@ class Ego(Vehicle):  # type: ignore[misc]
     HEIGHT = EGO_SIZE.height_m
     MAX_SPEED = MAX_SPEED_MPS
     MIN_SPEED = 0.0
-    kind: BodyKind = "car"
+    kind: ObjectKind = "car"
 
     road: Road
     position: Floats  # (2,) m

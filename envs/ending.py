@@ -4,7 +4,7 @@ from math import hypot
 from typing import Literal
 
 from vpf_sim.envs.ego import Ego
-from vpf_sim.envs.frame_check import InvalidFrame, fault_of
+from vpf_sim.envs.frame_check import InvalidFrame, frame_fault
 from vpf_sim.envs.rectangles import corners, free_ahead
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.scenarios import Scenario
@@ -77,7 +77,7 @@ class Ending:
         return hypot(x - last_x, y - last_y) > FRAME_MOVED_M
 
     def _check(self, frame: Image | None, last: Image | None = None) -> None:
-        fault = None if frame is None else fault_of(frame, self._shape, last)
+        fault = None if frame is None else frame_fault(frame, self._shape, last)
         if fault is not None and self.invalid_frame is None:
             self.invalid_frame = InvalidFrame(self._steps, self._steps / self._rate_hz, fault)
 

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from vpf_sim import scenarios
 from vpf_sim.envs import camera as cameras
-from vpf_sim.envs.bodies import place_bodies
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.camera.rig import checked_rig
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
-from vpf_sim.envs.rectangles import clearance, distance, solid_bodies
+from vpf_sim.envs.rectangles import clearance, distance, solid_objects
 from vpf_sim.envs.road import build_road
+from vpf_sim.envs.road_objects import place_objects
 from vpf_sim.envs.route import Route
 from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
 from vpf_sim.envs.sensors import Sensors
@@ -91,14 +91,14 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             raise InputError(f"frames: expected True or False, got {frames!r}")
         if not frames and (self.render_mode or self._truth):
             raise InputError("frames: expected them to be taken for a render mode or for truth, got False")
-        self._undrawn = scenarios.load(scenario)
-        self.scenario = self._undrawn.draw(0)
+        self._template = scenarios.load(scenario)
+        self.scenario = self._template.draw(0)
         self.weather = weathers.load(weather)
-        self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
+        self.speed_reference_mps = self._template.ego.speed_reference_mps
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self._faults = self._undrawn.ego.sensor_faults
-        self._camera_fails = frames and self._faults.of_the_camera
-        self.observation_space = _observation_space(self.camera if frames else None, self._camera_fails)
+        self._faults = self._template.ego.sensor_faults
+        self._camera_faulty = frames and self._faults.affect_camera
+        self.observation_space = _observation_space(self.camera if frames else None, self._camera_faulty)
         self._low, self._high = _ego_bounds()
         self._window: Window | None = None
         self._ending: Ending | None = None  # before the first reset
@@ -109,7 +109,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         """Draw the episode of a seed; without one, the generator that the last seed started draws it."""
         super().reset(seed=seed, options=options)
         self.episode_seed = int(self.np_random.integers(2**31)) if seed is None else seed
-        self.scenario = self._undrawn.draw(self.episode_seed)
+        self.scenario = self._template.draw(self.episode_seed)
         self._build_world()
         self._renderer = self._new_renderer() if self._takes_frames else None
         self._sensors = Sensors(self.scenario.ego.sensors, self.camera, self.rate_hz, self.episode_seed)
@@ -117,23 +117,23 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self._camera_faults = CameraFaults(self._faults, self.rate_hz, self.episode_seed)
         self._steps, self._route_m = 0, self._path.progress(self.ego.place[0])
         self._action = np.zeros(2)
-        self._frame = self._taken()
+        self._frame = self._take_frame()
         shape = (self.camera.height_px, self.camera.width_px, 3)
         self._ending = Ending(self.scenario, self.rate_hz, self.ego, self._frame, shape)
         self._show()
         return self._observation(), self._info(self._ending.status_at_reset)
 
     def step(
-        self, action: NDArray[np.float32], *, look: bool = True
+        self, action: NDArray[np.float32], *, with_frame: bool = True
     ) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
         """Apply throttle and steering for one tick of the clock.
 
         Without `look` the frame of this step is not drawn, for a driver that will not look at it: there is no `image`,
         of the truth only `foe`, and all else and all later frames are the same.
         """
-        ending, command = self._begun("step"), _checked_action(action)
+        ending, command = self._running("step"), _checked_action(action)
         self.advance(command)
-        self._frame = self._taken(look)
+        self._frame = self._take_frame(with_frame)
         status = ending.status(self.ego, self._frame)
         reward = self._reward(command, status)
         self._show()
@@ -158,7 +158,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def render(self) -> Image | None:
         """The frame last taken, for `rgb_array`; the window of `human` is drawn by reset and step."""
-        self._begun("render")
+        self._running("render")
         return self._frame.copy() if self.render_mode == "rgb_array" and self._frame is not None else None
 
     def close(self) -> None:
@@ -166,7 +166,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             self._window.close()
             self._window = None
 
-    def _begun(self, what: str) -> Ending:
+    def _running(self, what: str) -> Ending:
         """What ends the episode that is on; ResetNeeded before the first."""
         if self._ending is None:
             raise ResetNeeded(f"{what}: expected reset() first")
@@ -175,13 +175,13 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def _new_renderer(self) -> cameras.Renderer:
         return cameras.Renderer(self.road, self.rig, self.weather, self.episode_seed)
 
-    def _taken(self, look: bool = True) -> Image | None:
+    def _take_frame(self, with_frame: bool = True) -> Image | None:
         """What the camera sees now, if anybody looks: the renderer makes a fresh array each time."""
         if self._renderer is None:
             return None
-        take = self._renderer.render if look or self._camera_fails else self._renderer.skip
+        take = self._renderer.render if with_frame or self._camera_faulty else self._renderer.skip
         frame = self._sensors.frame(take(self.ego, self._steps / self.rate_hz))
-        if self._camera_fails and frame is not None:
+        if self._camera_faulty and frame is not None:
             self._arrived, self._arrived_s = self._camera_faults.frame(frame, self._steps / self.rate_hz)
         return frame
 
@@ -193,7 +193,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self._path = Route(centre, self.scenario)
         self.route, self.goal_m = self._path.waypoints(), self._path.goal_m
         self.route_length_m = self._path.length_m
-        place_bodies(self.road, self.scenario)
+        place_objects(self.road, self.scenario)
         position = centre.position_at(ego.s_m, self._path.offset_m + ego.lateral_m)
         heading = centre.heading_at(ego.s_m) + radians(ego.heading_deg)
         self.ego = Ego(self.road, position, heading, ego.speed_mps, self.weather.road_friction)
@@ -215,15 +215,15 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def _observation(self) -> EnvObservation:
         measured = self._signal_faults.read(self._sensors.read(self._state()), self._steps / self.rate_hz)
         return {
-            **self._seen(),
+            **self._image(),
             "ego": np.minimum(np.maximum(measured, self._low), self._high),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
         }
 
-    def _seen(self) -> EnvObservation:
+    def _image(self) -> EnvObservation:
         """What the camera gives: its frame, or the last that has arrived of a camera that fails."""
-        if self._camera_fails:
+        if self._camera_faulty:
             return {"image": self._arrived, "frame_time": np.array([self._arrived_s])}
         return {} if self._frame is None else {"image": self._frame}
 
@@ -240,24 +240,24 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "lane_offset_m": self.ego.place[1] - self._path.offset_m,
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
-            **({"ego": self._state()} if self._reads_wrong else {}),
-            **({"invalid_frame": asdict(invalid)} if (invalid := self._begun("info").invalid_frame) else {}),
-            **(self._renderer.truth(self._told) if self._renderer and self._told else {}),
+            **({"ego": self._state()} if self._reads_with_errors else {}),
+            **({"invalid_frame": asdict(invalid)} if (invalid := self._running("info").invalid_frame) else {}),
+            **(self._renderer.truth(self._available_truth) if self._renderer and self._available_truth else {}),
         }
 
     @property
-    def _reads_wrong(self) -> bool:
+    def _reads_with_errors(self) -> bool:
         """Whether the state in the observation may differ from the true one."""
-        return not self._sensors.are_exact or self._faults.of_the_signals
+        return not self._sensors.are_exact or self._faults.affect_signals
 
     @property
-    def _told(self) -> tuple[str, ...]:
+    def _available_truth(self) -> tuple[str, ...]:
         """What is asked for of the truth, as far as this step has it."""
         return self._truth if self._frame is not None else tuple(name for name in self._truth if name == "foe")
 
     def _collided_with(self) -> str:
         """The kind of the body hit: of those in contact, the nearest."""
-        hit = min((body for body in solid_bodies(self.ego) if body.crashed), key=lambda body: distance(self.ego, body))
+        hit = min((obj for obj in solid_objects(self.ego) if obj.crashed), key=lambda obj: distance(self.ego, obj))
         return str(hit.kind)
 
     def _show(self) -> None:

@@ -20,7 +20,7 @@ class InvalidFrame:
     fault: Fault
 
 
-def fault_of(frame: Image, shape: tuple[int, ...], last: Image | None = None) -> Fault | None:
+def frame_fault(frame: Image, shape: tuple[int, ...], last: Image | None = None) -> Fault | None:
     """What is wrong with a frame that should have `shape`; `last` is one that it must differ from."""
     if frame.shape != shape or frame.dtype != np.uint8:
         return "wrong shape"

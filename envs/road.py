@@ -71,7 +71,7 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
         self.centre = centre_line(road)
         self.lane_width_m = road.lane_width_m
         self.half_width_m = road.half_width_m
-        self.look = road.look
+        self.appearance = road.look
         for index in range(road.lanes):
             left = _edge_line(road, "left") if index == 0 else LineType.STRIPED
             right = _edge_line(road, "right") if index == road.lanes - 1 else LineType.STRIPED

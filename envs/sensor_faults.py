@@ -102,7 +102,7 @@ class SignalFaults:
     def read(self, measured: Floats, time_s: float) -> Floats:
         """(5,) x m, y m, yaw rad, speed m/s, yaw rate rad/s as the driver is told."""
         faults = self._faults
-        if not faults.of_the_signals:
+        if not faults.affect_signals:
             return measured
         told = measured.copy()
         if faults.speed_stuck_after_s is not None and time_s >= faults.speed_stuck_after_s - EARLY_S:

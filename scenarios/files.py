@@ -18,7 +18,7 @@ from vpf_sim.scenarios.schema import Scenario
 SECTIONS: dict[str, type[BaseModel]] = {
     "": Scenario,
     "road": parts.Road,
-    "road.look": parts.Look,
+    "road.look": parts.RoadAppearance,
     "road.segments.line": parts.Line,
     "road.segments.arc": parts.Arc,
     "road.segments.clothoid": parts.Clothoid,
@@ -26,10 +26,10 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "ego.sensors": parts.Sensors,
     "ego.sensor_faults": parts.SensorFaults,
     "goal": parts.Goal,
-    "bodies": parts.Body,
+    "bodies": parts.ObjectSpec,
     "limits": parts.Limits,
     "random": RandomRoad,
-    "random.look": parts.Look,
+    "random.look": parts.RoadAppearance,
 }
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
 
-from vpf_sim.scenarios.kinds import BodyKind
+from vpf_sim.scenarios.kinds import ObjectKind
 
 MOST_ROAD_M = 20_000.0  # of one scenario; its lanes, paint and trees are built before the first frame
 FASTEST_MPS = 60.0  # that an observation can hold, as are the next two
@@ -51,7 +51,7 @@ class Clothoid(Section):
 Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
 
 
-class Look(Section):
+class RoadAppearance(Section):
     """What a road looks like: what lies beside it, what it is made of, and what is left of its markings."""
 
     verge: Literal["grass", "sand", "snow", "paved"] = "grass"
@@ -61,7 +61,7 @@ class Look(Section):
 
 
 class Road(Section):
-    look: Look = Look()
+    look: RoadAppearance = RoadAppearance()
     lanes: Lanes = 4
     lane_width_m: LaneWidth = 3.5
     start_m: Annotated[tuple[Place, Place], Field(strict=False)] = (0.0, 0.0)
@@ -120,13 +120,13 @@ class SensorFaults(Section):
     yaw_rate_spike_radps: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0  # by so much, to either side
 
     @property
-    def of_the_camera(self) -> bool:
+    def affect_camera(self) -> bool:
         """Whether any frame may fail."""
         shares = (self.drop_share, self.freeze_share, self.black_share, self.torn_share, self.noise_rows_share)
         return any(share > 0.0 for share in (*shares, self.exposure_jump_share, self.latency_ms))
 
     @property
-    def of_the_signals(self) -> bool:
+    def affect_signals(self) -> bool:
         """Whether the speedometer or the yaw rate's sensor may fail."""
         return self.speed_stuck_after_s is not None or self.yaw_rate_spike_share > 0.0
 
@@ -147,8 +147,8 @@ class Goal(Section):
     kind: Literal["reach", "stop"] = "reach"
 
 
-class Body(Section):
-    kind: BodyKind
+class ObjectSpec(Section):
+    kind: ObjectKind
     s_m: float
     lane: PositiveInt
     lateral_m: float = 0.0  # + is right

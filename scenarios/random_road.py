@@ -6,11 +6,10 @@ from typing import Annotated, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, PositiveFloat, model_validator
 
-from vpf_sim.scenarios.kinds import SIZES, BodyKind
+from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.scenarios.parts import (
     MOST_ROAD_M,
     Arc,
-    Body,
     Clothoid,
     Degrees,
     Ego,
@@ -20,8 +19,9 @@ from vpf_sim.scenarios.parts import (
     LaneWidth,
     Limits,
     Line,
-    Look,
+    ObjectSpec,
     Road,
+    RoadAppearance,
     Section,
     Segment,
     Vary,
@@ -37,16 +37,16 @@ SIDE_GAP_M = 0.3  # between two bodies of a row
 TRIES = 40  # places tried for each body
 Length = Annotated[float, Field(gt=0.0, le=MOST_ROAD_M / 2.0)]
 Rows = Annotated[int, Field(ge=0, le=200)]
-RowBodies = Annotated[int, Field(ge=1, le=20)]
+RowObjects = Annotated[int, Field(ge=1, le=20)]
 
 
-class Span(NamedTuple):
+class LateralInterval(NamedTuple):
     """A stretch across the carriageway, m right of its centre."""
 
     left_m: float
     right_m: float
 
-    def overlaps(self, other: "Span") -> bool:
+    def overlaps(self, other: "LateralInterval") -> bool:
         return self.left_m < other.right_m and other.left_m < self.right_m
 
 
@@ -57,19 +57,19 @@ class RandomRoad(Section):
     the row before, the first from the ego's lane.
     """
 
-    look: Look = Look()
+    look: RoadAppearance = RoadAppearance()
     lanes: Lanes = 4
     lane_width_m: LaneWidth = 3.5
     length_m: Annotated[tuple[Length, Length], Field(strict=False)] = (250.0, 400.0)  # of the route
     heading_deg: Annotated[tuple[Degrees, Degrees], Field(strict=False)] = (-180.0, 180.0)
     radius_m: Interval = (80.0, 400.0)  # of bends, to either side
     rows: Annotated[tuple[Rows, Rows], Field(strict=False)] = (0, 4)
-    row_bodies: Annotated[tuple[RowBodies, RowBodies], Field(strict=False)] = (1, 3)
+    row_bodies: Annotated[tuple[RowObjects, RowObjects], Field(strict=False)] = (1, 3)
     first_row_m: PositiveFloat = 50.0  # from the ego at least
     row_spacing_m: PositiveFloat = 40.0  # from the last body of a row to the first of the next at least
     free_gap_m: PositiveFloat = 3.5
     gap_shift_lanes: PositiveFloat = 2.0
-    kinds: Annotated[tuple[BodyKind, ...], Field(strict=False, min_length=1)] = tuple(SIZES)
+    kinds: Annotated[tuple[ObjectKind, ...], Field(strict=False, min_length=1)] = tuple(SIZES)
 
     @model_validator(mode="after")
     def _fit_together(self) -> Self:
@@ -124,7 +124,7 @@ class RandomScenario(Section):
             heading_deg=float(rng.uniform(*self.random.heading_deg)),
             segments=tuple(_segments(self.random, goal.s_m + BEYOND_GOAL_M, rng)),
         )
-        bodies = tuple(_bodies(self.random, road, self.ego, goal, stream(seed, "random rows")))
+        bodies = tuple(_objects(self.random, road, self.ego, goal, stream(seed, "random rows")))
         ego = drawn(self.ego, self.vary, "ego", "ego", seed)
         parts = {"road": road, "ego": ego, "goal": goal, "bodies": bodies, "limits": self.limits}
         return Scenario.model_validate({"schema": self.version, **parts})
@@ -161,7 +161,7 @@ def _bend(limits: RandomRoad, turned_rad: float, rng: np.random.Generator) -> tu
     return [into, arc, Clothoid(kind="clothoid", length_m=clothoid_m)], sign * turn_rad
 
 
-def _bodies(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator) -> Iterator[Body]:
+def _objects(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator) -> Iterator[ObjectSpec]:
     """Rows of bodies, each with a gap that can be reached from the last one's."""
     longest_m = max(SIZES[kind].length_m for kind in limits.kinds)
     first_m, last_m = ego.s_m + limits.first_row_m + longest_m / 2.0, goal.s_m - LAST_ROW_M
@@ -183,15 +183,15 @@ def _next_gap(limits: RandomRoad, road: Road, last_m: float, rng: np.random.Gene
     return float(rng.uniform(max(last_m - shift, -farthest), min(last_m + shift, farthest)))
 
 
-def _row(limits: RandomRoad, road: Road, s_m: float, gap_m: float, rng: np.random.Generator) -> Iterator[Body]:
+def _row(limits: RandomRoad, road: Road, s_m: float, gap_m: float, rng: np.random.Generator) -> Iterator[ObjectSpec]:
     """Bodies beside each other, each where it fits."""
-    taken = [Span(gap_m - limits.free_gap_m / 2.0, gap_m + limits.free_gap_m / 2.0)]
+    taken = [LateralInterval(gap_m - limits.free_gap_m / 2.0, gap_m + limits.free_gap_m / 2.0)]
     for _ in range(int(rng.integers(limits.row_bodies[0], limits.row_bodies[1] + 1))):
         kind = limits.kinds[int(rng.integers(len(limits.kinds)))]
         half = SIZES[kind].width_m / 2.0
         for place in rng.uniform(-road.half_width_m + half, road.half_width_m - half, TRIES).tolist():
-            if not any(Span(place - half, place + half).overlaps(other) for other in taken):
-                taken.append(Span(place - half - SIDE_GAP_M, place + half + SIDE_GAP_M))
+            if not any(LateralInterval(place - half, place + half).overlaps(other) for other in taken):
+                taken.append(LateralInterval(place - half - SIDE_GAP_M, place + half + SIDE_GAP_M))
                 lane = min(road.lanes, max(1, round(road.lanes / 2.0 - place / road.lane_width_m + 0.5)))
-                yield Body(kind=kind, s_m=s_m, lane=lane, lateral_m=place - road.lane_offset_m(lane))
+                yield ObjectSpec(kind=kind, s_m=s_m, lane=lane, lateral_m=place - road.lane_offset_m(lane))
                 break

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self, TypeVar
 from pydantic import Field, model_validator
 
 from vpf_sim.scenarios.checks import faults
-from vpf_sim.scenarios.parts import Body, Ego, Goal, Limits, Road, Section, Vary
+from vpf_sim.scenarios.parts import Ego, Goal, Limits, ObjectSpec, Road, Section, Vary
 from vpf_sim.seeding import stream
 
 SectionT = TypeVar("SectionT", bound=Section)
@@ -18,7 +18,7 @@ class Scenario(Section):
     road: Road
     ego: Ego = Ego()
     goal: Goal
-    bodies: Annotated[tuple[Body, ...], Field(strict=False)] = ()
+    bodies: Annotated[tuple[ObjectSpec, ...], Field(strict=False)] = ()
     limits: Limits | None = None
     vary: Vary = Field(default_factory=dict)
 
@@ -39,7 +39,7 @@ class Scenario(Section):
     def draw(self, seed: int) -> "Scenario":
         """The scenario of one seed: each value that may vary drawn from a stream of its own, nothing left to vary."""
         ego = drawn(self.ego, self.vary, "ego", "ego", seed)
-        bodies = tuple(drawn(body, self.vary, "bodies", f"bodies.{i}", seed) for i, body in enumerate(self.bodies))
+        bodies = tuple(drawn(spec, self.vary, "bodies", f"bodies.{i}", seed) for i, spec in enumerate(self.bodies))
         return self.model_copy(update={"ego": ego, "bodies": bodies, "vary": {}})
 
 

@@ -26,10 +26,10 @@ class Lens:
 
     def __init__(self, camera: Camera) -> None:
         self._camera = camera
-        self.bends = camera.k1 != 0.0 or camera.k2 != 0.0
+        self.is_distorted = camera.k1 != 0.0 or camera.k2 != 0.0
         self.pinhole = camera  # what the undistorted picture is drawn with
         self._corner_px = np.zeros(2)  # the pinhole's first pixel in the undistorted picture
-        if self.bends:
+        if self.is_distorted:
             self.pinhole, self._corner_px = _pinhole(camera)
             x, y = np.moveaxis(self.pixels().astype(np.float32), -1, 0)
             self._maps = cv2.convertMaps(x, y, cv2.CV_16SC2)
@@ -40,18 +40,18 @@ class Lens:
 
     def nearest(self, values: NDArray[Values]) -> NDArray[Values]:
         """(H, W, ...) what the pinhole's (h, w, ...) picture of values holds where each pixel looks."""
-        if not self.bends:
+        if not self.is_distorted:
             return values
         column, row = np.moveaxis(np.rint(self.pixels()).astype(np.intp), -1, 0)
         return np.asarray(values[row, column], values.dtype)
 
-    def seen(self, pixels: Floats) -> Floats:
+    def to_image(self, pixels: Floats) -> Floats:
         """(..., 2) px in the picture of the pinhole's pixels."""
         return distort(self._camera, pixels + self._corner_px)
 
     def distorted(self, frame: Image) -> Image:
         """(H, W, 3) the pinhole's picture through the lens."""
-        if not self.bends:
+        if not self.is_distorted:
             return frame
         across, down = self._maps
         return np.asarray(cv2.remap(frame, across, down, cv2.INTER_LINEAR), np.uint8)

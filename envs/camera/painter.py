@@ -133,9 +133,9 @@ def drawing(
     return Drawing(seen, [*firsts.tolist(), len(faces)], boxes)
 
 
-def planes_of(normals: Floats, away: Floats, view: View) -> Floats:
+def planes_of(normals: Floats, distances: Floats, view: View) -> Floats:
     """(n, 3) the planes of faces with `normals` (n, 3), which the eye of the view is `away` (n,) m before."""
-    return np.asarray(normals @ view.axes.T / -away[:, None])
+    return np.asarray(normals @ view.axes.T / -distances[:, None])
 
 
 def _boxes(points: NDArray[np.int32], firsts: NDArray[np.int64], camera: Camera) -> list[Box]:
@@ -165,14 +165,14 @@ def in_front(faces: Floats, near_m: float = NEAR_M) -> Floats:
 def paint(frame: Image, drawn: list[Drawing | Sprite]) -> None:
     """Draw things over the picture, in their order."""
     waiting: list[_Layer] = []
-    for thing in drawn:
-        if isinstance(thing, Sprite):
-            waiting = _painted_under(frame, thing, waiting)
-            paint_sprite(frame, thing)
+    for item in drawn:
+        if isinstance(item, Sprite):
+            waiting = _painted_under(frame, item, waiting)
+            paint_sprite(frame, item)
             continue
-        for box, first, last in zip(thing.boxes, thing.firsts, thing.firsts[1:], strict=False):
+        for box, first, last in zip(item.boxes, item.firsts, item.firsts[1:], strict=False):
             if box[0] < box[2] and box[1] < box[3]:
-                waiting = _joined(frame, waiting, box, (thing.faces, first, last))
+                waiting = _joined(frame, waiting, box, (item.faces, first, last))
     for layer in waiting:
         _flush(frame, layer)
 

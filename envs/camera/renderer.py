@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.glass.glass import Glass
 from vpf_sim.envs.camera.ground.ground import Ground
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.lens import Lens
 from vpf_sim.envs.camera.light import Light
@@ -17,11 +18,10 @@ from vpf_sim.envs.camera.rain.spray import Spray
 from vpf_sim.envs.camera.rain.streaks import Streaks
 from vpf_sim.envs.camera.rain.wet_road import WetRoad
 from vpf_sim.envs.camera.rig import Rig
+from vpf_sim.envs.camera.scenery.scene import Scene, Snapshot
 from vpf_sim.envs.camera.sensor import Sensor
 from vpf_sim.envs.camera.sky.sky import Sky
-from vpf_sim.envs.camera.things.things import Snapshot, Things
 from vpf_sim.envs.camera.truth import Drawn, Moment, truth
-from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.types import Floats, Image
@@ -50,10 +50,10 @@ class Renderer:
         self._lens = Lens(rig.camera)
         camera = self._camera = self._lens.pinhole
         self._sky = Sky(camera, light, atmosphere, seed)
-        look = getattr(road.network, "look", None)
-        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, look)
-        self._veil = Veil(camera, atmosphere, light)
-        self._things = Things(camera, shapes, light, self._veil, seed)
+        appearance = getattr(road.network, "appearance", None)
+        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, appearance)
+        self._haze = Haze(camera, atmosphere, light)
+        self._scene = Scene(camera, shapes, light, self._haze, seed)
         self._wet_road = WetRoad(camera, shapes, atmosphere, seed)
         self._spray = Spray(camera, atmosphere, light, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
@@ -64,9 +64,9 @@ class Renderer:
         self._before: Snapshot | None = None
 
     @property
-    def bodies(self) -> list[RoadObject]:
+    def objects(self) -> list[RoadObject]:
         """What `truth`'s instance i + 1 stands for."""
-        return [] if self._now is None else self._now.bodies
+        return [] if self._now is None else self._now.objects
 
     def render(self, ego: Carrier, time_s: float) -> Image:
         """(H, W, 3) RGB, a fresh array: what the camera on `ego` sees at its present pose."""
@@ -89,8 +89,8 @@ class Renderer:
             return
         now, before = self._advance(ego, time_s)
         self._drawn = None
-        self._ground.follow(now.view)
-        self._things.follow(now)
+        self._ground.update(now.view)
+        self._scene.update(now)
         self._wet_road.skip(now.view)
         self._streaks.skip(now, before)
         self._glass.skip(now, before)
@@ -116,24 +116,24 @@ class Renderer:
     def _advance(self, ego: Carrier, time_s: float) -> tuple[Snapshot, Snapshot]:
         """Note where everything is now; now and before."""
         view = View.at(self._camera, ego.position, ego.heading)
-        bodies = [body for body in (*self._road.vehicles, *self._road.objects) if body is not ego]
-        poses = {body: self._pose(body) for body in bodies}
-        now = Snapshot(view, time_s, bodies, poses)
+        objects = [obj for obj in (*self._road.vehicles, *self._road.objects) if obj is not ego]
+        poses = {obj: self._pose(obj) for obj in objects}
+        now = Snapshot(view, time_s, objects, poses)
         self._before, self._now = self._now or now, now
         return now, self._before
 
-    def _pose(self, body: RoadObject) -> Floats:
+    def _pose(self, obj: RoadObject) -> Floats:
         """(3,) x m, y m, heading rad of a body: the same array for as long as it stands."""
-        pose = [*body.position.tolist(), float(body.heading)]
-        before = None if self._now is None else self._now.poses.get(body)
+        pose = [*obj.position.tolist(), float(obj.heading)]
+        before = None if self._now is None else self._now.poses.get(obj)
         return before if before is not None and before.tolist() == pose else np.array(pose)
 
     def _draw_world(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw what there is outside, water on the road and in the air behind bodies included."""
         self._sky.draw(now.view, frame)
         self._ground.draw(now.view, frame)
-        self._veil.ground(frame)
-        drawn = self._drawn = self._things.seen(now, before)
+        self._haze.ground(frame)
+        drawn = self._drawn = self._scene.visible(now, before)
         self._wet_road.draw(frame, now.view, drawn)
-        self._things.paint_shadows(frame, now)
-        self._things.paint(frame, self._spray.added(drawn, now, before))
+        self._scene.paint_shadows(frame, now)
+        self._scene.paint(frame, self._spray.added(drawn, now, before))

@@ -71,7 +71,7 @@ def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn], lens: Lens
     """
     result: dict[str, NDArray[np.generic]] = {}
     if "foe" in names:
-        result["foe"] = lens.seen(focus_of_expansion(moment))
+        result["foe"] = lens.to_image(focus_of_expansion(moment))
     if not set(names) - {"foe", "hidden"}:
         return result
     pixels = lens.pixels()
@@ -81,10 +81,10 @@ def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn], lens: Lens
     if "depth" in names:
         result["depth"] = depth.astype(np.float32)
     if "instance" in names:
-        result["instance"] = np.array([0, *(thing.instance for thing in drawn)], np.int32)[owner + 1]
+        result["instance"] = np.array([0, *(item.instance for item in drawn)], np.int32)[owner + 1]
     if "flow" in names or "ttc" in names:
         earlier, ttc = _motion(moment, drawn, depth, rays, owner)
-        flow = (lens.seen(pixels) - lens.seen(earlier)).astype(np.float32)
+        flow = (lens.to_image(pixels) - lens.to_image(earlier)).astype(np.float32)
         result.update({name: array for name, array in (("flow", flow), ("ttc", ttc)) if name in names})
     return result
 
@@ -108,8 +108,8 @@ def _rasterised(view: View, drawn: list[Drawn]) -> tuple[NDArray[np.int32], Floa
     there, whose inverse depth at a pixel's ray is the dot product."""
     label = np.zeros((view.camera.height_px, view.camera.width_px), np.int32)
     owners, planes = [-1], [-view.axes[:, 2] / view.centre[2]]
-    for index, thing in enumerate(drawn):
-        drawing = thing.drawing
+    for index, item in enumerate(drawn):
+        drawing = item.drawing
         if isinstance(drawing, Sprite):
             x0, y0, x1, y1 = drawing.box
             label[y0:y1, x0:x1][drawing.through[..., 0] < 128] = len(owners)

@@ -47,7 +47,7 @@ class View:
         depth = (pitch_c * c, pitch_c * s, -pitch_s)
         return cls.of(camera, centre, float(yaw_rad), np.array((right, down, depth)))
 
-    def within(self, to_world: Floats) -> "View":
+    def in_object_axes(self, to_world: Floats) -> "View":
         """The same view in the axes of a body, from which (4, 4) leads to the world's (see `body_axes`)."""
         turn = to_world[:3, :3]
         eye = (self.centre - to_world[:3, 3]) @ turn
@@ -73,7 +73,7 @@ class View:
         return np.asarray(self.camera.height_m * image)
 
 
-def body_axes(pose: Floats) -> Floats:
+def object_to_world(pose: Floats) -> Floats:
     """(4, 4) from points (ahead, right, up, 1) m of a body at a pose (x, y, heading) to points of the world."""
     x, y, heading = pose.tolist()
     c, s = cos(heading), sin(heading)

@@ -99,7 +99,7 @@ def test_the_loop_is_damped_at_low_speed_as_it_is_at_two_metres_per_second() -> 
     expected = np.exp(-pi * damping / np.sqrt(1.0 - damping**2))
     for speed_mps in (0.4, 1.0, 2.0):
         assert overshoot(ROBUST, speed_mps) == pytest.approx(expected, abs=0.03)
-    assert overshoot(replace(ROBUST, boundary_speed_mps=0.0), 0.4) > 0.3
+    assert overshoot(replace(ROBUST, layer_narrows_below_mps=0.0), 0.4) > 0.3
 
 
 def test_what_is_seen_too_late_is_braked_for_in_full_and_what_is_not_within_comfort() -> None:

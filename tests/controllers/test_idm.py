@@ -10,9 +10,9 @@ from highway_env.vehicle.behavior import IDMVehicle
 
 from vpf_sim import drivers
 from vpf_sim.controllers.idm import Gains, load_gains
-from vpf_sim.envs.bodies import TRAFFIC
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.road import build_road
+from vpf_sim.envs.road_objects import ACTORS
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios import Scenario, parse
 from vpf_sim.seeding import stream
@@ -30,7 +30,7 @@ def world(*, lead_s_m: float | None = None, lead_mps: float = 3.0) -> Any:
     assert isinstance(scenario, Scenario)
     road = build_road(scenario, stream(0, "road"))
     if lead_s_m is not None:
-        road.vehicles.append(TRAFFIC["car"](road, (lead_s_m, 0.0), lead_mps))
+        road.vehicles.append(ACTORS["car"](road, (lead_s_m, 0.0), lead_mps))
     road.vehicles.append(Ego(road, np.array([5.0, 0.0]), 0.0, 5.55))
     return road
 

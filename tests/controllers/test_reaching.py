@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 
-from vpf_sim.controllers.gtsmc import AGAIN_MPS2, Gains, Gtsmc, load_gains
+from vpf_sim.controllers.gtsmc import RECOVERY_MPS2, Gains, Gtsmc, load_gains
 from vpf_sim.types import Command, Reference, VehicleModel
 
 CAR = VehicleModel()
@@ -87,7 +87,7 @@ def test_when_it_holds_again_the_speed_rises_gently() -> None:
         throttle.append(command.throttle * CAR.full_throttle_mps2)
     assert not all(held[:60])
     assert all(held[120:])
-    assert max(throttle[60:]) < 1.05 * AGAIN_MPS2 < ROBUST.a0_mps2
+    assert max(throttle[60:]) < 1.05 * RECOVERY_MPS2 < ROBUST.a0_mps2
     assert max(np.diff(throttle[60:])) < 0.1
     assert car.speed_mps > 5.0
 
@@ -124,9 +124,9 @@ def bend_error_deg(gains: Gains, speed_mps: float) -> float:
 @pytest.mark.parametrize("speed_mps", [2.0, 3.5, 5.0])
 def test_a_path_is_followed_where_its_bend_changes(speed_mps: float) -> None:
     """Foreseen, it takes no error in the layer to turn the steering."""
-    assert ROBUST.foresees
+    assert ROBUST.feedforward
     assert bend_error_deg(ROBUST, speed_mps) < 0.8
-    assert bend_error_deg(replace(ROBUST, foresees=False), speed_mps) > 1.5
+    assert bend_error_deg(replace(ROBUST, feedforward=False), speed_mps) > 1.5
 
 
 @pytest.mark.parametrize(("speed_mps", "acceleration_mps2"), [(2.0, 1.5), (5.0, -2.5)])
@@ -146,4 +146,4 @@ def test_in_a_bend_the_wheels_stay_as_they_are_while_the_speed_changes(
             car.step(Command(0.0, steering))
         return worst
 
-    assert worst_deg(ROBUST) < worst_deg(replace(ROBUST, foresees=False)) + 0.05
+    assert worst_deg(ROBUST) < worst_deg(replace(ROBUST, feedforward=False)) + 0.05

@@ -27,13 +27,13 @@ def reachable(*roots: object) -> Iterator[object]:
         holder = ahead.pop()
         yield holder
         held = [*gc.get_referents(holder), getattr(holder, "base", None) if isinstance(holder, np.ndarray) else None]
-        for thing in held:
-            if not isinstance(thing, CODE) and id(thing) not in found:
-                found[id(thing)] = thing
-                ahead.append(thing)
+        for item in held:
+            if not isinstance(item, CODE) and id(item) not in found:
+                found[id(item)] = item
+                ahead.append(item)
 
 
-def of_the_world(value: object) -> bool:
+def is_of_the_world(value: object) -> bool:
     return isinstance(value, WORLD) or type(value).__module__.startswith(("highway_env", "vpf_sim.envs"))
 
 
@@ -56,7 +56,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
 
 @pytest.mark.parametrize("privileged", ["none", "route"])
 def test_a_driver_without_the_privilege_cannot_reach_the_world(privileged: str, told: dict[str, list[object]]) -> None:
-    assert not [value for value in reachable(*told[privileged]) if of_the_world(value)]
+    assert not [value for value in reachable(*told[privileged]) if is_of_the_world(value)]
 
 
 def test_the_search_finds_the_world_where_it_is_given(told: dict[str, list[object]]) -> None:

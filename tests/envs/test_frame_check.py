@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.envs.frame_check import fault_of
+from vpf_sim.envs.frame_check import frame_fault
 from vpf_sim.types import Image
 
 SHAPE = (120, 160, 3)
@@ -20,32 +20,32 @@ def with_pixel(frame: Image, row: int, column: int) -> Image:
 
 
 def test_a_picture_has_no_fault() -> None:
-    assert fault_of(picture(), SHAPE) is None
-    assert fault_of(picture(), SHAPE, last=picture(1)) is None
+    assert frame_fault(picture(), SHAPE) is None
+    assert frame_fault(picture(), SHAPE, last=picture(1)) is None
 
 
 def test_a_frame_of_one_colour_is_none() -> None:
-    assert fault_of(np.zeros(SHAPE, np.uint8), SHAPE) == "black"
-    assert fault_of(np.full(SHAPE, [10, 20, 30], np.uint8), SHAPE) == "constant"
+    assert frame_fault(np.zeros(SHAPE, np.uint8), SHAPE) == "black"
+    assert frame_fault(np.full(SHAPE, [10, 20, 30], np.uint8), SHAPE) == "constant"
 
 
 @pytest.mark.parametrize(("row", "column"), [(0, 0), (37, 41), (119, 159)])
 def test_one_grey_level_in_one_pixel_is_a_difference(row: int, column: int) -> None:
     black, frame = np.zeros(SHAPE, np.uint8), picture()
-    assert fault_of(with_pixel(black, row, column), SHAPE) is None
-    assert fault_of(frame, SHAPE, last=with_pixel(frame, row, column)) is None
+    assert frame_fault(with_pixel(black, row, column), SHAPE) is None
+    assert frame_fault(frame, SHAPE, last=with_pixel(frame, row, column)) is None
 
 
 def test_the_frame_of_before_is_stale() -> None:
-    assert fault_of(picture(), SHAPE, last=picture()) == "stale"
+    assert frame_fault(picture(), SHAPE, last=picture()) == "stale"
 
 
 @pytest.mark.parametrize(
     "frame", [picture()[1:], picture()[..., 0], picture().astype(float)], ids=["row", "grey", "float"]
 )
 def test_another_shape_or_type_is_said_to_be_so(frame: Image) -> None:
-    assert fault_of(frame, SHAPE) == "wrong shape"
+    assert frame_fault(frame, SHAPE) == "wrong shape"
 
 
 def test_a_picture_after_a_frame_of_another_shape_is_a_picture() -> None:
-    assert fault_of(picture(), SHAPE, last=picture()[1:]) is None
+    assert frame_fault(picture(), SHAPE, last=picture()[1:]) is None

@@ -91,8 +91,8 @@ def test_cars_are_seen_where_the_state_says(name):
         world = env.unwrapped
         pose = np.array([*world.vehicle.position, world.vehicle.heading])
         truth = env.renderer.truth(("instance", "depth"))
-        for index, body in enumerate(env.renderer.bodies):
-            centre = vehicle_from_world(np.array(body.position), pose)
+        for index, obj in enumerate(env.renderer.objects):
+            centre = vehicle_from_world(np.array(obj.position), pose)
             if not (8.0 < centre[0] < 45.0 and abs(centre[1]) < 0.7 * centre[0]):
                 continue
             column, row = np.rint(project(Camera(), np.array([*centre, 0.7]))).astype(int)

@@ -8,25 +8,25 @@ import pytest
 from highway_env.road.road import Road
 from highway_env.vehicle.objects import Landmark
 
-from vpf_sim.envs.bodies import STANDING
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.rectangles import clearance, corners, distance, free_ahead
 from vpf_sim.envs.road import build_road
+from vpf_sim.envs.road_objects import STATIC_OBSTACLES
 from vpf_sim.scenarios import load
-from vpf_sim.scenarios.kinds import SIZES, BodyKind
+from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 
 
 def straight() -> Road:
     return build_road(load("straight"), np.random.default_rng(0))
 
 
-def scene(*bodies: tuple[BodyKind, float, float, float], heading: float = 0.0) -> Ego:
+def scene(*objects: tuple[ObjectKind, float, float, float], heading: float = 0.0) -> Ego:
     """An ego car at (20, 0) and bodies of a kind at x, y with a heading."""
     road = straight()
-    for kind, x, y, angle in bodies:
-        body = STANDING[kind](road, (x, y))
-        body.heading = angle
-        road.objects.append(body)
+    for kind, x, y, angle in objects:
+        obj = STATIC_OBSTACLES[kind](road, (x, y))
+        obj.heading = angle
+        road.objects.append(obj)
     ego = Ego(road, np.array([20.0, 0.0]), heading, 5.0)
     road.vehicles.append(ego)
     return ego
@@ -59,19 +59,19 @@ def test_any_two_rectangles_are_as_far_apart_as_their_outlines() -> None:
     for _ in range(40):
         x, y, angle, heading = 20.0 + rng.uniform(-9, 9), rng.uniform(-7, 7), rng.uniform(-3, 3), rng.uniform(-3, 3)
         ego = scene(("van", x, y, angle), heading=heading)
-        body = ego.road.objects[0]
-        sampled = np.array([_outline(ego), _outline(body)])
+        obj = ego.road.objects[0]
+        sampled = np.array([_outline(ego), _outline(obj)])
         nearest = np.hypot(*np.moveaxis(sampled[0][:, None] - sampled[1][None], -1, 0)).min()
-        if distance(ego, body) > 0.0:
-            assert nearest - 0.03 <= distance(ego, body) <= nearest + 1e-12
+        if distance(ego, obj) > 0.0:
+            assert nearest - 0.03 <= distance(ego, obj) <= nearest + 1e-12
         else:
             assert nearest < 0.03 or hypot(x - 20.0, y) < 2.0
-        assert distance(ego, body) == pytest.approx(distance(body, ego), abs=1e-12)
+        assert distance(ego, obj) == pytest.approx(distance(obj, ego), abs=1e-12)
 
 
-def _outline(body: Ego) -> np.ndarray:
+def _outline(obj: Ego) -> np.ndarray:
     """(400, 2) points along the four sides."""
-    ends = np.array([*corners(body), corners(body)[0]])
+    ends = np.array([*corners(obj), corners(obj)[0]])
     share = np.linspace(0.0, 1.0, 100, endpoint=False)[:, None]
     return np.concatenate([a + share * (b - a) for a, b in pairwise(ends)])
 

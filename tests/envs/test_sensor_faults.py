@@ -39,7 +39,7 @@ def is_whole(image: Image, k: int) -> bool:
 
 
 def test_by_default_nothing_fails() -> None:
-    assert not SensorFaults().of_the_camera
+    assert not SensorFaults().affect_camera
     assert SignalFaults(SensorFaults(), 1).read(STATE, 3.0) is STATE
 
 

@@ -27,10 +27,10 @@ DRAWN = [load().draw(seed) for seed in SEEDS]
 def rows(scenario: Scenario) -> list[list[tuple[float, float, float]]]:
     """For each row, (s, left, right) m of its bodies, from the left."""
     found: dict[float, list[tuple[float, float, float]]] = {}
-    for body in scenario.bodies:
-        centre, half = scenario.road.lane_offset_m(body.lane) + body.lateral_m, SIZES[body.kind].width_m / 2.0
-        found.setdefault(body.s_m, []).append((body.s_m, centre - half, centre + half))
-    return [sorted(found[s], key=lambda body: body[1]) for s in sorted(found)]
+    for obj in scenario.bodies:
+        centre, half = scenario.road.lane_offset_m(obj.lane) + obj.lateral_m, SIZES[obj.kind].width_m / 2.0
+        found.setdefault(obj.s_m, []).append((obj.s_m, centre - half, centre + half))
+    return [sorted(found[s], key=lambda obj: obj[1]) for s in sorted(found)]
 
 
 def gaps(row: list[tuple[float, float, float]]) -> list[tuple[float, float]]:
@@ -77,7 +77,7 @@ def test_bodies_of_a_row_do_not_touch() -> None:
 
 
 def test_all_kinds_all_counts_of_rows_and_both_ways_of_bending_come_up() -> None:
-    assert {body.kind for drawn in DRAWN for body in drawn.bodies} == set(SIZES)
+    assert {obj.kind for drawn in DRAWN for obj in drawn.bodies} == set(SIZES)
     assert {len(rows(drawn)) for drawn in DRAWN} == {0, 1, 2, 3, 4}
     radii = [part.radius_m for drawn in DRAWN for part in drawn.road.segments if part.kind == "arc"]
     assert min(radii) < -80.0

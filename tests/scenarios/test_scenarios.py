@@ -278,8 +278,8 @@ def test_town04_is_driven_to_the_right_in_both_bends() -> None:
 
 def test_the_slalom_has_a_car_every_50_m_on_alternate_sides() -> None:
     bodies = scenarios.load("slalom").bodies
-    assert np.diff([body.s_m for body in bodies]).tolist() == [50.0] * (len(bodies) - 1)
-    assert [body.lateral_m for body in bodies] == [(-1) ** (i + 1) * 1.2 for i in range(len(bodies))]
+    assert np.diff([obj.s_m for obj in bodies]).tolist() == [50.0] * (len(bodies) - 1)
+    assert [obj.lateral_m for obj in bodies] == [(-1) ** (i + 1) * 1.2 for i in range(len(bodies))]
 
 
 def test_the_catalog_files_are_named_in_their_first_line() -> None:

@@ -11,7 +11,7 @@ from vpf_sim.envs.camera.glass.planes import ROWS, Planes
 from vpf_sim.envs.camera.glass.refraction import Refraction
 from vpf_sim.envs.camera.glass.wipers import Wiper, paint_blade
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.things.things import Snapshot
+from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.types import Bools, Camera, Image
 
@@ -48,10 +48,10 @@ class Glass:
         self.skip(now, before)
         if self._droplets is not None:
             if due:
-                self._refraction.see(frame)
+                self._refraction.capture(frame)
             if self._changed:
                 cover = np.asarray(cv2.max(self._droplets.planes.alpha, self._film.cover), np.uint8)
-                self._refraction.look(cover)
+                self._refraction.refract(cover)
                 self._changed = False
             self._refraction.apply(frame)
         blade = self._blade()

@@ -26,7 +26,7 @@ class Refraction:
         self._texture: Image = np.zeros((*planes.shape, 3), np.uint8)
         self._keep: Image = np.zeros((*planes.shape, 3), np.uint8)
 
-    def look(self, cover: Image) -> None:
+    def refract(self, cover: Image) -> None:
         """Look at what was seen last through water that covers `cover` (h, w) 0..255 of each pixel of the planes."""
         pixels = np.asarray(cv2.cvtColor(self._pictures, cv2.COLOR_RGB2RGBA), np.uint8).view(np.uint32)
         np.take(pixels, self._planes.source, out=self._looked_up, mode="wrap")  # without a check: all are inside
@@ -42,7 +42,7 @@ class Refraction:
             cv2.multiply(rows, self._keep[: len(rows)], rows, 1.0 / 255.0)
             cv2.add(rows, self._texture[: len(rows)], rows)
 
-    def see(self, frame: Image) -> None:
+    def capture(self, frame: Image) -> None:
         """Make the small pictures of a frame that film and drops show."""
         film, (scene, *shades) = self._film, self._shades
         cv2.resize(frame, film.shape[1::-1], film)

@@ -41,9 +41,9 @@ class FarPatch:
         self.pixels: Image = np.empty((rows, columns), np.uint8)
         self.from_world = np.eye(3)
 
-    def follow(self, view: View, patient: bool) -> bool:
+    def update(self, view: View, may_defer: bool) -> bool:
         """Let the raster cover what the camera sees; whether it was painted anew, which the patient put off."""
-        if self._is_near(view, LIMIT if patient else KEPT):
+        if self._is_near(view, LIMIT if may_defer else KEPT):
             return False
         turns = self._rounded(view.yaw_rad / TURN_RAD)
         steps, sidesteps = self._steps(view, turns)

@@ -34,7 +34,7 @@ def _gain(camera: Camera, level: Level) -> Floats:
     energies = []
     for place in stream(0, "grain gains").uniform(-500.0, 500.0, (VIEWS, 2)):
         view = View.at(camera, place, 0.0)
-        patch.follow(view, patient=False)
+        patch.update(view, may_defer=False)
         if not level.steep:
             energies.append(_energy(patch.pixels))
             continue

@@ -5,10 +5,10 @@ from functools import partial
 import cv2
 import numpy as np
 
+from vpf_sim.envs.camera.ground.appearance import ramp
 from vpf_sim.envs.camera.ground.gains import even_gains
 from vpf_sim.envs.camera.ground.grain import Grain
 from vpf_sim.envs.camera.ground.levels import levels
-from vpf_sim.envs.camera.ground.looks import ramp
 from vpf_sim.envs.camera.ground.paint import painted
 from vpf_sim.envs.camera.ground.palette import RAMP, blotch_strength, grain_strength, ground_table
 from vpf_sim.envs.camera.ground.patches import patch_of, sample
@@ -18,7 +18,7 @@ from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.view import View
-from vpf_sim.scenarios.parts import Look
+from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.types import Camera, Floats, Image
 
 GRAINY_M = (10.0, 30.0)  # texels begin to lose their grain when they are so long, and have lost it
@@ -29,7 +29,13 @@ class Ground:
     """Paints every row below the horizon."""
 
     def __init__(
-        self, camera: Camera, shapes: list[LaneShape], light: Light, wetness: float, seed: int, look: Look | None = None
+        self,
+        camera: Camera,
+        shapes: list[LaneShape],
+        light: Light,
+        wetness: float,
+        seed: int,
+        look: RoadAppearance | None = None,
     ) -> None:
         self._top = ground_top(camera)
         self._levels = levels(camera)
@@ -43,17 +49,17 @@ class Ground:
         faded = max((len(level.weights) for level in self._levels), default=0)
         self._over = np.empty((faded, camera.width_px), np.uint8)
 
-    def follow(self, view: View) -> None:
+    def update(self, view: View) -> None:
         """Let the rasters cover what the camera sees."""
         painted = False
         for patch in reversed(self._patches):
-            painted |= patch.follow(view, patient=painted)
+            painted |= patch.update(view, may_defer=painted)
 
     def draw(self, view: View, frame: Image) -> None:
         """Paint the ground into the picture."""
         if not self._levels:
             return
-        self.follow(view)
+        self.update(view)
         to_world = view.ground_homography()
         for level, patch in zip(self._levels, self._patches, strict=True):
             for band in level.bands:

@@ -46,7 +46,7 @@ class NearPatch:
         self.pixels: Image = np.empty((rows, columns), np.uint8)
         self.from_world = np.eye(3)
 
-    def follow(self, view: View, patient: bool) -> bool:  # noqa: ARG002
+    def update(self, view: View, may_defer: bool) -> bool:  # noqa: ARG002
         """Let the raster cover what the camera sees; whether some of it was painted. It is never late."""
         place, before = self._wanted(view), self._place
         if place == before:

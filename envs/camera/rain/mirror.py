@@ -25,7 +25,7 @@ WATER_INDEX = 1.333
 
 
 @dataclass(frozen=True, slots=True)
-class Faces:
+class MirroredFaces:
     """Faces as the water shows them, in painter's order."""
 
     points_px: Floats  # (n, 2) the vertices of one face after the other
@@ -33,7 +33,7 @@ class Faces:
     colours: list[list[float]]
 
 
-NO_FACES = Faces(np.empty((0, 2)), [], [])
+NO_FACES = MirroredFaces(np.empty((0, 2)), [], [])
 
 
 def reflectance(sine: Floats) -> Floats:
@@ -61,17 +61,17 @@ def mirrored_points(view: View, points_px: Floats, planes: Floats) -> tuple[Floa
     return image, lift / inverse_depth
 
 
-def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Faces:
+def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> MirroredFaces:
     """The largest faces of things as water shows them.
 
     The foot of what stands on the road is drawn out upwards by up to `foot_px`, to where the thing itself will cover
     it: so a mirror image keeps its darkness there when it is blurred, as it does on a road, where a ray that leaves it
     flatter than the foot lies does not reach the sky.
     """
-    things = [(thing.drawing, thing.instance) for thing in drawn if _large(thing.drawing)]
-    if not things:
+    items = [(item.drawing, item.instance) for item in drawn if _large(item.drawing)]
+    if not items:
         return NO_FACES
-    drawings = [drawing for drawing, _ in things]
+    drawings = [drawing for drawing, _ in items]
     numbers = [len(drawing.planes) for drawing in drawings]
     planes = np.concatenate([drawing.planes for drawing in drawings])
     colours = np.concatenate([drawing.colours for drawing in drawings])
@@ -80,7 +80,7 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Face
     area = np.abs(ax * by - ay * bx)  # of the parallelogram of three vertices
     turned_away = 1.0 + 2.0 * view.camera.height_m * (planes @ view.axes[:, 2]) <= 0.0  # from the mirrored camera
     area[turned_away | (colours[:, 3] > FADED)] = 0.0
-    area *= np.repeat([BODIES_FIRST if instance > 0 else 1.0 for _, instance in things], numbers)
+    area *= np.repeat([BODIES_FIRST if instance > 0 else 1.0 for _, instance in items], numbers)
     shown = np.flatnonzero(area > SMALLEST_PX)
     if len(shown) > FACES:
         shown = np.sort(shown[np.argpartition(-area[shown], FACES)[:FACES]])
@@ -97,7 +97,9 @@ def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
     return any((x1 - x0) * (y1 - y0) > LARGE_PX for x0, y0, x1, y1 in drawing.boxes)
 
 
-def _drawn_out(view: View, polygons: list[Floats], planes: Floats, colours: list[list[float]], foot_px: float) -> Faces:
+def _drawn_out(
+    view: View, polygons: list[Floats], planes: Floats, colours: list[list[float]], foot_px: float
+) -> MirroredFaces:
     """Faces mirrored, and their feet drawn out."""
     if not polygons:
         return NO_FACES
@@ -105,10 +107,10 @@ def _drawn_out(view: View, polygons: list[Floats], planes: Floats, colours: list
     image, height = mirrored_points(view, np.concatenate(polygons), np.repeat(planes, corners, axis=0))
     low = height < FOOT_M
     image[low, 1] -= np.minimum(foot_px, FOOT_SHARE * (image[low, 1] - horizon_row(view.camera)))
-    return Faces(image, corners, colours)
+    return MirroredFaces(image, corners, colours)
 
 
-def paint_faces(canvas: Image, top: int, faces: Faces) -> None:
+def paint_faces(canvas: Image, top: int, faces: MirroredFaces) -> None:
     """Draw mirrored faces on a canvas of reduced size whose first row is the picture's row `top`."""
     scale = 2.0**SHIFT / REFINEMENT
     corner = np.array([0.5, 0.5 - top]) * scale - 0.5 * 2**SHIFT
@@ -121,7 +123,7 @@ def paint_faces(canvas: Image, top: int, faces: Faces) -> None:
 
 def large_sprites(drawn: list[Drawn]) -> list[Sprite]:
     """The largest upright pictures, in their order."""
-    sprites = [thing.drawing for thing in drawn if isinstance(thing.drawing, Sprite)]
+    sprites = [item.drawing for item in drawn if isinstance(item.drawing, Sprite)]
     tall = [sprite for sprite in sprites if sprite.picture.shape[0] >= SPRITE_TALL_PX]
     largest = sorted(tall, key=lambda sprite: -sprite.picture.shape[0])[:SPRITES]
     return [sprite for sprite in tall if any(sprite is other for other in largest)]

@@ -36,7 +36,7 @@ Depths = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True)
-class Raster:
+class HeightMap:
     """The height map about one place."""
 
     depths: Depths  # (CELLS, CELLS) rows along the world's y
@@ -64,16 +64,19 @@ class Puddles:
         self._outlines = np.concatenate([_outlines(shape, rng) for shape in shapes])
         self._middles = self._outlines.mean(axis=1)
         self._grain_from = rng.integers(0, TILE, 2)
-        self._raster: Raster | None = None
+        self._height_map: HeightMap | None = None
 
-    def raster(self, view: View) -> Raster:
+    def height_map(self, view: View) -> HeightMap:
         """The height map of what lies before the camera."""
         middle = view.centre[:2] + AHEAD_M * np.array([np.cos(view.yaw_rad), np.sin(view.yaw_rad)])
-        if self._raster is None or hypot(*(middle - self._raster.corner_m - 0.5 * CELLS * CELL_M).tolist()) > MOVE_M:
-            self._raster = self._laid(middle)
-        return self._raster
+        if (
+            self._height_map is None
+            or hypot(*(middle - self._height_map.corner_m - 0.5 * CELLS * CELL_M).tolist()) > MOVE_M
+        ):
+            self._height_map = self._laid(middle)
+        return self._height_map
 
-    def _laid(self, middle: Floats) -> Raster:
+    def _laid(self, middle: Floats) -> HeightMap:
         first = np.rint(middle / CELL_M).astype(int) - CELLS // 2
         corner = first * CELL_M
         depths = np.zeros((CELLS, CELLS), np.uint8)
@@ -92,7 +95,7 @@ class Puddles:
         rough = cv2.addWeighted(depths, 1.0, grain, ROUGH, -ROUGH * 128.0)
         road = cv2.threshold(depths, 0.0, 255.0, cv2.THRESH_BINARY)[1]
         depths = np.asarray(cv2.bitwise_and(np.maximum(rough, ROAD - 20), road), np.uint8)
-        return Raster(np.asarray(cv2.GaussianBlur(depths, (5, 5), 0.0), np.uint8), corner)
+        return HeightMap(np.asarray(cv2.GaussianBlur(depths, (5, 5), 0.0), np.uint8), corner)
 
 
 def water_level(puddles: float) -> float:

@@ -10,8 +10,8 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.rain.mirror import erase
+from vpf_sim.envs.camera.scenery.scene import Snapshot, object_size
 from vpf_sim.envs.camera.texture import noise
-from vpf_sim.envs.camera.things.things import Snapshot, body_size
 from vpf_sim.envs.camera.truth import STILL, Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
@@ -53,16 +53,16 @@ class Spray:
         if self._strength <= 0.0 or gap_s <= 0.0:
             return drawn
         self._drawn = []
-        for thing in drawn:
-            behind, before_it = self._puffs(thing.instance - 1, now, before, gap_s) if thing.instance > 0 else ([], [])
-            self._drawn += [*behind, thing, *before_it]
+        for item in drawn:
+            behind, before_it = self._puffs(item.instance - 1, now, before, gap_s) if item.instance > 0 else ([], [])
+            self._drawn += [*behind, item, *before_it]
         return self._drawn
 
     def hidden(self) -> Bools:
         """(H, W) where the last frame shows more of the spray than of what is behind it."""
         mask = np.zeros((self._camera.height_px, self._camera.width_px), np.uint8)
-        for thing in self._drawn:
-            drawing = thing.drawing
+        for item in self._drawn:
+            drawing = item.drawing
             if isinstance(drawing, Puff):
                 height, width = drawing.through.shape[:2]
                 mask[drawing.y : drawing.y + height, drawing.x : drawing.x + width] |= drawing.through[..., 0] < 128
@@ -72,13 +72,13 @@ class Spray:
 
     def _puffs(self, index: int, now: Snapshot, before: Snapshot, gap_s: float) -> tuple[list[Drawn], list[Drawn]]:
         """A body's puffs: those farther away than it, and those nearer."""
-        body = now.bodies[index]
-        pose = now.poses[body]
-        speed = float(np.hypot(*(pose - before.poses.get(body, pose))[:2])) / gap_s
+        obj = now.objects[index]
+        pose = now.poses[obj]
+        speed = float(np.hypot(*(pose - before.poses.get(obj, pose))[:2])) / gap_s
         strength = self._strength * min(1.0, (speed - SLOWEST_MPS) / (FULL_MPS - SLOWEST_MPS))
         if strength <= 0.0:
             return [], []
-        length, width, height = body_size(body)
+        length, width, height = object_size(obj)
         direction = np.array([np.cos(pose[2]), np.sin(pose[2])])
         axis, eye = now.view.axes[2, :2], now.view.centre[:2]
         middle_m = float(axis @ (pose[:2] - eye))
@@ -118,8 +118,8 @@ class Spray:
         return Puff(x0, y0, np.asarray(picture, np.uint8), depth)
 
 
-def _nearness(thing: Drawn) -> float:
-    drawing = thing.drawing
+def _nearness(item: Drawn) -> float:
+    drawing = item.drawing
     return -drawing.depth_m if isinstance(drawing, Sprite) else 0.0
 
 
@@ -129,6 +129,6 @@ def puff_picture(variant: int) -> Image:
     rng = stream(0, f"puff {variant}")
     y, x = (np.mgrid[0:SIZE, 0:SIZE] + 0.5) / SIZE
     billows = noise((SIZE, SIZE), rng, 5.0, 1.2)
-    body = np.exp(-(((x - 0.5) / 0.24) ** 2) - ((y - 0.78) / 0.32) ** 2 * np.where(y < 0.78, 1.0, 3.0))
+    obj = np.exp(-(((x - 0.5) / 0.24) ** 2) - ((y - 0.78) / 0.32) ** 2 * np.where(y < 0.78, 1.0, 3.0))
     edge = np.clip(8.0 * np.minimum.reduce([x, 1.0 - x, y, 1.0 - y]), 0.0, 1.0)
-    return np.asarray(np.clip(255.0 * (1.0 - np.exp(-2.2 * body * (1.0 + 0.35 * billows))) * edge, 0, 255), np.uint8)
+    return np.asarray(np.clip(255.0 * (1.0 - np.exp(-2.2 * obj * (1.0 + 0.35 * billows))) * edge, 0, 255), np.uint8)

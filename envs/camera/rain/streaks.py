@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import GAMMA, Light
 from vpf_sim.envs.camera.rain.shower import CELLS, CLASS_MM, NEAREST_M, Shower, Singles, fall_speed_mps, shower
-from vpf_sim.envs.camera.things.things import Snapshot
+from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 

@@ -124,7 +124,7 @@ class WetRoad:
             return
         self._age += 1
         self._shake()
-        self._puddles.raster(view)
+        self._puddles.height_map(view)
 
     def hidden(self) -> Bools:
         """(H, W) where the last frame shows mirror images of things: they make up a quarter of what is seen, or differ
@@ -135,8 +135,8 @@ class WetRoad:
         mirror, water, drawn = self._last
         white, black = np.full_like(mirror.sky, 255), np.zeros_like(mirror.sky)
         of_sky, of_nothing, with_things, without, all_sky = (
-            self._light(self._mirror(mirror.view, sky, things), water)
-            for sky, things in (
+            self._light(self._mirror(mirror.view, sky, items), water)
+            for sky, items in (
                 (white, mirror.drawn),
                 (black, mirror.drawn),
                 (mirror.sky, mirror.drawn),
@@ -149,8 +149,8 @@ class WetRoad:
         shown = (np.asarray(share).max(axis=2) > HIDDEN_SHARE) | (np.asarray(contrast).max(axis=2) > HIDDEN_LEVELS)
         below = mask[self._top : self._top + self._rows * REFINEMENT]
         below[:] = shown.repeat(REFINEMENT, axis=0).repeat(REFINEMENT, axis=1)[: len(below)]
-        for thing in drawn:
-            erase(mask, thing.drawing)
+        for item in drawn:
+            erase(mask, item.drawing)
         return mask.astype(bool)
 
     def _shake(self) -> None:
@@ -205,11 +205,11 @@ class WetRoad:
 
     def _depths(self, view: View) -> Bytes:
         """(rows, columns) the depth of the puddles' map at each pixel of the canvas."""
-        raster = self._puddles.raster(view)
-        matrix = raster.from_world() @ view.ground_homography() @ self._to_pixels
+        height_map = self._puddles.height_map(view)
+        matrix = height_map.from_world() @ view.ground_homography() @ self._to_pixels
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         size = (self._columns, self._rows)
-        return np.asarray(cv2.warpPerspective(raster.depths, matrix, size, flags=flags), np.uint8)
+        return np.asarray(cv2.warpPerspective(height_map.depths, matrix, size, flags=flags), np.uint8)
 
     def _sines(self, rows: int) -> NDArray[np.float64]:
         """(rows, columns) sine of the angle between ray and road."""

@@ -5,7 +5,7 @@ import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.sky.firmament import ZENITH_SLOPE
+from vpf_sim.envs.camera.sky.sky_dome import ZENITH_SLOPE
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.types import Floats, Image
 

@@ -7,8 +7,8 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.sky.cylinder import Cylinder
-from vpf_sim.envs.camera.sky.firmament import ZENITH_SLOPE, firmament
 from vpf_sim.envs.camera.sky.hills import hills, hills_show, outlines
+from vpf_sim.envs.camera.sky.sky_dome import ZENITH_SLOPE, sky_dome
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
@@ -21,7 +21,7 @@ class Sky:
 
     def __init__(self, camera: Camera, light: Light, atmosphere: Atmosphere, seed: int) -> None:
         rng = stream(seed, "sky")
-        sky = firmament(light, atmosphere, camera.fx_px / COARSE, rng)
+        sky = sky_dome(light, atmosphere, camera.fx_px / COARSE, rng)
         top, width = ground_top(camera), camera.width_px
         columns, rows = np.arange(width, dtype=float), np.arange(top, dtype=float)
         self._hills: Cylinder | None = None

@@ -9,7 +9,7 @@ import cv2
 import highway_scenes
 import numpy as np
 import pytest
-from highway_scenes import WIDTH_M, add_body, add_ego, bent_road, straight_road
+from highway_scenes import WIDTH_M, add_ego, add_object, bent_road, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.errors import InputError
@@ -99,7 +99,7 @@ def test_ends_of_stripes_lie_where_projected(unworn):  # noqa: ARG001
 def test_a_body_fills_the_silhouette_that_its_corners_span(distance):
     camera = Camera()
     road, empty = straight_road(), straight_road()
-    add_body(road, "van", [20.0 + distance, 3.5])
+    add_object(road, "van", [20.0 + distance, 3.5])
     ego = add_ego(road, [20.0, 3.5])
     with_body = Renderer(road, Rig(camera, noise_sd=0.0), CLEAR, 1).render(ego, 0.0)
     without = Renderer(empty, Rig(camera, noise_sd=0.0), CLEAR, 1).render(ego, 0.0)
@@ -117,7 +117,7 @@ def test_a_body_fills_the_silhouette_that_its_corners_span(distance):
 
 def test_a_standing_camera_sees_the_same_frame():
     road = straight_road()
-    add_body(road, "car", [40.0, 3.5])
+    add_object(road, "car", [40.0, 3.5])
     ego = add_ego(road, [20.0, 7.0])
     renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 1)
     first, second = renderer.render(ego, 0.0), renderer.render(ego, 1.0)
@@ -137,12 +137,12 @@ def test_noise_has_its_size_and_is_new_in_each_frame():
 
 DIGEST = """
 import hashlib, cv2
-from highway_scenes import add_body, add_ego, bent_road
+from highway_scenes import add_object, add_ego, bent_road
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.types import Camera
 cv2.setNumThreads(1)
 road = bent_road()
-add_body(road, "car", [30.0, 6.0], 0.3)
+add_object(road, "car", [30.0, 6.0], 0.3)
 ego = add_ego(road, [1.0, 2.0])
 renderer = Renderer(road, Rig(), weather.load("clear"), 7)
 digest = hashlib.sha256()

@@ -7,7 +7,7 @@ from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.glass.drops import DROP
 from vpf_sim.envs.camera.glass.glass import Glass
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.things.things import Snapshot
+from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Image
 

@@ -66,7 +66,7 @@ def test_every_row_is_taken_from_a_patch_that_covers_it_wherever_the_camera_goes
         for k in range(40):
             position, yaw = position + rng.uniform(-0.5, 1.5, 2), yaw + rng.normal(0.0, 0.08)
             view = View.at(camera, position, yaw)
-            patch.follow(view, patient=k % 3 == 0)
+            patch.update(view, may_defer=k % 3 == 0)
             for band in level.bands:
                 target = np.zeros((band.last - band.first, camera.width_px), np.uint8)
                 sample(patch, band, view.ground_homography(), target)
@@ -124,7 +124,7 @@ def test_grain_has_the_same_gradient_in_all_rows() -> None:
         energy = []
         for k in range(6):
             view = View.at(camera, np.array([31.0 * k, 7.0 * k]), 0.0)
-            patch.follow(view, patient=False)
+            patch.update(view, may_defer=False)
             target = np.zeros((level.bands[-1].last - level.bands[0].first, camera.width_px), np.uint8)
             for band in level.bands:
                 first = band.first - level.bands[0].first

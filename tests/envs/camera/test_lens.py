@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from highway_env.road.road import Road
-from highway_scenes import add_body, add_ego, straight_road
+from highway_scenes import add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.lens import Lens
@@ -95,8 +95,8 @@ def test_a_distortion_that_folds_within_the_picture_is_refused(k1: float, k2: fl
 def scene(camera: Camera) -> tuple[Road, Renderer, Callable[[], None]]:
     """A road with bodies, its renderer without noise, and a step ahead."""
     road = straight_road()
-    add_body(road, "van", [36.0, 10.6])
-    add_body(road, "car", [34.0, 3.6])
+    add_object(road, "van", [36.0, 10.6])
+    add_object(road, "car", [34.0, 3.6])
     ego = add_ego(road, [20.0, 7.0], heading=0.02)
 
     def advance() -> None:
@@ -129,7 +129,7 @@ def test_a_body_has_the_same_silhouette_in_truth_and_picture() -> None:
     road, renderer, _ = scene(BARREL)
     frame = renderer.render(road.vehicles[0], 0.0)
     mask = renderer.truth(("instance",))["instance"] > 0
-    bodies = list(road.objects)
+    objects = list(road.objects)
     road.objects.clear()
     empty = Renderer(road, Rig(BARREL, noise_sd=0.0), weather.load("clear"), 4).render(road.vehicles[0], 0.0)
     changed = cv2.absdiff(frame, empty).max(axis=2) > 2
@@ -138,7 +138,7 @@ def test_a_body_has_the_same_silhouette_in_truth_and_picture() -> None:
     assert mask[above].sum() > 500
     assert np.mean(changed[mask & above]) > 0.97
     assert np.mean(mask[changed & above]) > 0.9
-    assert len(bodies) == 2
+    assert len(objects) == 2
 
 
 def test_lucas_kanade_through_the_lens_agrees_with_the_truth() -> None:

@@ -4,7 +4,7 @@ from math import exp, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from highway_scenes import add_body, add_ego, straight_road
+from highway_scenes import add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
@@ -120,7 +120,7 @@ def test_a_shadow_is_as_long_as_the_sun_is_low(altitude_deg: float) -> None:
     for kinds in (["van"], []):
         road = straight_road()
         for kind in kinds:
-            add_body(road, kind, [32.0, 10.6])
+            add_object(road, kind, [32.0, 10.6])
         ego = add_ego(road, [20.0, 3.5])
         pictures.append(Renderer(road, Rig(Camera(), noise_sd=0.0), at, 1).render(ego, 0.0).mean(axis=2))
     forward = 32.0 - 20.0 - 0.8

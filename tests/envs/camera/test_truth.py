@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 from highway_env.vehicle.kinematics import Vehicle
-from highway_scenes import add_body, add_ego, bent_road, on_bend, straight_road
+from highway_scenes import add_ego, add_object, bent_road, on_bend, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.geometry import ground_from_pixels, project, vehicle_from_world, world_from_vehicle
@@ -19,7 +19,7 @@ def straight_scene(seed=4):
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
     for kind, place in (("car", [36.0, 3.6]), ("van", [34.0, 10.6]), ("truck", [44.0, 7.4])):
-        add_body(road, kind, place)
+        add_object(road, kind, place)
     return road, ego, Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, seed)
 
 
@@ -27,7 +27,7 @@ def bent_scene(seed=4):
     road = bent_road()
     ego = add_ego(road, *on_bend(2.0, 1.75))
     for s, right in ((16.0, 3.5), (22.0, -3.5), (28.0, 2.0)):
-        add_body(road, "car", *on_bend(s, right))
+        add_object(road, "car", *on_bend(s, right))
     return road, ego, Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, seed)
 
 
@@ -117,12 +117,12 @@ def test_instances_name_the_bodies_and_carry_their_distance():
     renderer.render(ego, 0.0)
     truth = renderer.truth(("depth", "instance"))
     assert set(truth) == {"depth", "instance"}
-    for index, body in enumerate(renderer.bodies):
+    for index, obj in enumerate(renderer.objects):
         mine = truth["instance"] == index + 1
-        assert mine.sum() > 200, body.kind
-        rear = body.position[0] - 0.5 * body.LENGTH - ego.position[0] - 0.8
+        assert mine.sum() > 200, obj.kind
+        rear = obj.position[0] - 0.5 * obj.LENGTH - ego.position[0] - 0.8
         assert truth["depth"][mine].min() == pytest.approx(rear, abs=0.25)
-        assert truth["depth"][mine].max() < rear + body.LENGTH + 0.5
+        assert truth["depth"][mine].max() < rear + obj.LENGTH + 0.5
     assert (truth["instance"] == -1).any()
 
 
@@ -135,7 +135,7 @@ def test_a_body_that_keeps_its_distance_does_not_flow_and_is_never_met():
         vehicle.position = vehicle.position + np.array([0.09, 0.0])
     renderer.render(ego, 1.0 / RATE_HZ)
     truth = renderer.truth(ALL)
-    mine = truth["instance"] == renderer.bodies.index(leader) + 1
+    mine = truth["instance"] == renderer.objects.index(leader) + 1
     assert mine.sum() > 200
     assert np.abs(truth["flow"][mine]).max() < 1e-4
     assert np.isinf(truth["ttc"][mine]).all()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from highway_scenes import WIDTH_M, add_body, add_ego, straight_road
+from highway_scenes import WIDTH_M, add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
@@ -82,9 +82,9 @@ def test_what_faces_up_is_not_mirrored() -> None:
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
 def test_a_wall_is_mirrored_down_to_its_mirrored_top(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vpf_sim.envs.camera.rain.wet_road.FILM_SLOPE_DEG", 0.0)  # flat water
-    view, thing = wall(camera, 12.0)
+    view, item = wall(camera, 12.0)
     frame = plain(camera)
-    wet_road(camera, "HardRainNoon").draw(frame, view, [thing])
+    wet_road(camera, "HardRainNoon").draw(frame, view, [item])
     column = frame[:, int(camera.cx_px), 0].astype(float)
     mirrored_top = view.pixels(view.camera_axes(np.array([view.centre[0] + 12.0, EGO[1], -1.5])))[1]
     foot = view.pixels(view.camera_axes(np.array([view.centre[0] + 12.0, EGO[1], 0.0])))[1]
@@ -118,13 +118,13 @@ def test_grass_does_not_mirror() -> None:
 
 def test_rough_film_smears_the_mirror_image_downward_and_keeps_its_foot_dark() -> None:
     camera = Camera()
-    view, thing = wall(camera, 12.0)
+    view, item = wall(camera, 12.0)
     mirrored_top = camera.cy_px + camera.fy_px * (1.4 + 1.5) / 12.0
     foot = camera.cy_px + camera.fy_px * 1.4 / 12.0
     soft = {}
     for name in ("SoftRainNoon", "HardRainNoon"):
         frame, without = plain(camera), plain(camera)
-        wet_road(camera, name).draw(frame, view, [thing])
+        wet_road(camera, name).draw(frame, view, [item])
         wet_road(camera, name).draw(without, view, [])
         darker = (without.astype(float) - frame)[:, 300:340, 0].mean(axis=1)
         strongest = darker.max()
@@ -136,9 +136,9 @@ def test_rough_film_smears_the_mirror_image_downward_and_keeps_its_foot_dark() -
 
 def test_hidden_is_where_things_are_mirrored() -> None:
     camera = Camera()
-    view, thing = wall(camera, 12.0)
+    view, item = wall(camera, 12.0)
     road = wet_road(camera, "HardRainNoon")
-    road.draw(plain(camera), view, [thing])
+    road.draw(plain(camera), view, [item])
     hidden = road.hidden()
     foot, tip = (camera.cy_px + camera.fy_px * (1.4 + up) / 12.0 for up in (0.0, 1.5))
     assert hidden.shape == (camera.height_px, camera.width_px)
@@ -153,10 +153,10 @@ def test_hidden_is_where_things_are_mirrored() -> None:
 
 def test_dry_road_is_left_alone() -> None:
     camera = Camera()
-    view, thing = wall(camera, 12.0)
+    view, item = wall(camera, 12.0)
     frame = plain(camera)
     road = wet_road(camera, "ClearNoon")
-    road.draw(frame, view, [thing])
+    road.draw(frame, view, [item])
     assert np.array_equal(frame, plain(camera))
     assert not road.hidden().any()
 
@@ -164,7 +164,7 @@ def test_dry_road_is_left_alone() -> None:
 def test_still_water_stands_still() -> None:
     road = straight_road()
     ego = add_ego(road, [20.0, 5.0])
-    add_body(road, "car", [34.0, 7.0])
+    add_object(road, "car", [34.0, 7.0])
     renderer = Renderer(road, Rig(noise_sd=0.0), weather.load("WetNoon"), 1)
     assert np.array_equal(renderer.render(ego, 0.0), renderer.render(ego, 0.1))
 
@@ -180,10 +180,10 @@ def test_without_sky_or_without_road_nothing_is_mirrored(camera: Camera) -> None
 
 def test_what_drops_shake_follows_within_frames() -> None:
     camera = Camera()
-    (view, thing), frames = wall(camera, 12.0), [plain(camera) for _ in range(EVERY + 1)]
+    (view, item), frames = wall(camera, 12.0), [plain(camera) for _ in range(EVERY + 1)]
     road = wet_road(camera, "HardRainNoon")
     for k, frame in enumerate(frames):
-        road.draw(frame, view, [thing] if k == 0 else [])
+        road.draw(frame, view, [item] if k == 0 else [])
     foot = int(camera.cy_px + camera.fy_px * 1.4 / 12.0) + 3
     dark = [frame[foot, 310:330, 0].mean() < frame[foot, 400:420, 0].mean() - 20.0 for frame in frames]
     assert dark == [True] * EVERY + [False]

@@ -7,7 +7,7 @@ import pytest
 from highway_env.road.lane import LineType
 
 from vpf_sim import scenarios
-from vpf_sim.envs.camera.ground.looks import SURFACES, VERGES, ramp
+from vpf_sim.envs.camera.ground.appearance import SURFACES, VERGES, ramp
 from vpf_sim.envs.camera.ground.palette import RAMP
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.road import Carriageway

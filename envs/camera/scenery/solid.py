@@ -5,12 +5,12 @@ from functools import partial
 
 import numpy as np
 
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Drawing, drawing, planes_of
-from vpf_sim.envs.camera.things.air import Air, contrasts
-from vpf_sim.envs.camera.things.mesh import Mesh
-from vpf_sim.envs.camera.veil import Veil
-from vpf_sim.envs.camera.view import NEAR_M, View, body_axes
+from vpf_sim.envs.camera.scenery.aerial_perspective import AerialPerspective, contrasts
+from vpf_sim.envs.camera.scenery.mesh import Mesh
+from vpf_sim.envs.camera.view import NEAR_M, View, object_to_world
 from vpf_sim.geometry import is_same
 from vpf_sim.types import Floats
 
@@ -22,7 +22,7 @@ ONE = np.zeros(1, np.int64)
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class VisibleFaces:
     """The faces of a body that are seen from about one place, and their colours."""
 
     eye: Floats  # (3,) body axes
@@ -32,13 +32,13 @@ class Look:
     offsets_m: Floats  # (n,)
     colours: list[list[float]]  # (n, 4)
 
-    def away(self, eye: Floats) -> Floats | None:
+    def plane_distances(self, eye: Floats) -> Floats | None:
         """(n,) m, how far an eye is before the planes of the faces; None if it must look again."""
         x, y, _ = (eye - self.eye).tolist()
         if not x * x + y * y < self.far_m**2:
             return None
-        away = self.normals @ eye - self.offsets_m
-        return away if away.min(initial=1.0) > ON_EDGE_M else None
+        distances = self.normals @ eye - self.offsets_m
+        return distances if distances.min(initial=1.0) > ON_EDGE_M else None
 
 
 class Solid:
@@ -48,57 +48,59 @@ class Solid:
     2 r f e / d^2 px when the camera has moved by e, which bounds e by SLIVER_PX.
     """
 
-    def __init__(self, mesh: Mesh, light: Light, veil: Veil) -> None:
+    def __init__(self, mesh: Mesh, light: Light, haze: Haze) -> None:
         self._mesh = mesh
         self._light = light
-        self._air = Air(light, veil)
+        self._air = AerialPerspective(light, haze)
         self._offsets_m = np.einsum("ij,ij->i", mesh.normals, mesh.faces_m[:, 0])  # of the faces' planes
         self._reach_m = mesh.reach_m
         self._pose: Floats = np.full(3, np.nan)
         self._to_world = np.eye(4)
         self._contrasts: Floats | None = None  # at the present heading
-        self._look: Look | None = None
+        self._visible: VisibleFaces | None = None
 
-    def seen(self, view: View, pose: Floats) -> Drawing | None:
+    def visible(self, view: View, pose: Floats) -> Drawing | None:
         """The visible faces at a pose (x, y, heading); None if there are none."""
-        near, away = self._looked_at(view, pose)
-        look = self._look
-        if look is None or away is None or not len(away):
+        near, distances = self._current(view, pose)
+        visible = self._visible
+        if visible is None or distances is None or not len(distances):
             return None
-        return drawing(near, look.faces_m, look.colours, partial(planes_of, look.normals, away, near), ONE)
+        return drawing(
+            near, visible.faces_m, visible.colours, partial(planes_of, visible.normals, distances, near), ONE
+        )
 
-    def follow(self, view: View, pose: Floats) -> None:
+    def update(self, view: View, pose: Floats) -> None:
         """Look again at the pose where it is time to."""
-        self._looked_at(view, pose)
+        self._current(view, pose)
 
-    def _looked_at(self, view: View, pose: Floats) -> tuple[View, Floats | None]:
+    def _current(self, view: View, pose: Floats) -> tuple[View, Floats | None]:
         """The view in the body's axes, and (n,) m how far it is before the planes of the faces; None if it is too far
         away to be seen."""
         self._go(pose)
-        near = view.within(self._to_world)
+        near = view.in_object_axes(self._to_world)
         depth = float(-near.axes[2] @ near.centre)
         if depth > RANGE_M:
             return near, None
-        look = self._look
-        if look is None or (away := look.away(near.centre)) is None:
-            look = self._look = self._looked(near, depth)
-            away = look.normals @ near.centre - look.offsets_m
-        return near, away
+        visible = self._visible
+        if visible is None or (distances := visible.plane_distances(near.centre)) is None:
+            visible = self._visible = self._find_visible(near, depth)
+            distances = visible.normals @ near.centre - visible.offsets_m
+        return near, distances
 
     def _go(self, pose: Floats) -> None:
         """Stand at a pose."""
         if is_same(pose, self._pose):
             return
         if pose[2] != self._pose[2]:
-            self._contrasts = self._look = None
-        self._pose, self._to_world = pose, body_axes(pose)
+            self._contrasts = self._visible = None
+        self._pose, self._to_world = pose, object_to_world(pose)
 
-    def _looked(self, near: View, depth: float) -> Look:
+    def _find_visible(self, near: View, depth: float) -> VisibleFaces:
         """What is seen, at a depth, from here and a little farther."""
         mesh, eye = self._mesh, near.centre
-        away = mesh.normals @ eye - self._offsets_m
+        distances = mesh.normals @ eye - self._offsets_m
         visible_m = VISIBLE_PX * max(depth - 2.0, 0.0) / near.camera.fx_px
-        shown = ((away > ON_EDGE_M) & (mesh.thickness_m >= visible_m)).nonzero()[0]
+        shown = ((distances > ON_EDGE_M) & (mesh.thickness_m >= visible_m)).nonzero()[0]
         if len(mesh.centres_m) > 1:
             nearness = -((mesh.centres_m - eye) ** 2).sum(axis=1)
             shown = shown[np.argsort(nearness[mesh.parts[shown]], kind="stable")]
@@ -109,7 +111,7 @@ class Solid:
         opacity = np.array([min(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))])
         colours = self._air.colours(self._lit()[shown], np.array([max(depth, 0.0)]), opacity)
         faces = mesh.faces_m.take(shown, axis=0)
-        return Look(eye, far_m, faces, mesh.normals[shown], self._offsets_m[shown], colours.tolist())
+        return VisibleFaces(eye, far_m, faces, mesh.normals[shown], self._offsets_m[shown], colours.tolist())
 
     def _lit(self) -> Floats:
         """(F, 4) the contrasts of all faces at the present heading."""

@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from vpf_sim.envs.camera.things.cars import PAINTS, shade
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point, box
+from vpf_sim.envs.camera.scenery.cars import PAINTS, shade
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box
 
 SIDES = 10
 SHOE: Colour = (32, 28, 26)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point, box
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box
 
 WHITE: Colour = (236, 236, 232)
 BLACK: Colour = (30, 30, 32)

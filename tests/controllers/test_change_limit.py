@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 
+from vpf_sim.controllers.change_limit import ChangeLimit
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
-from vpf_sim.controllers.swing import Swing
 from vpf_sim.evaluation.metrics.comfort import BOUNDS, nuplan_signals
 from vpf_sim.planning.lane.speed.limits import eased
 from vpf_sim.types import Floats, Reference, VehicleModel
@@ -14,8 +14,8 @@ RATE_HZ = 60.0
 
 
 def limited(wishes: Floats, most_mps2: float, within_s: float) -> Floats:
-    swing = Swing(most_mps2, within_s, 1.0 / RATE_HZ)
-    return np.array([swing.limit(float(wish)) for wish in wishes])
+    change_limit = ChangeLimit(most_mps2, within_s, 1.0 / RATE_HZ)
+    return np.array([change_limit.limit(float(wish)) for wish in wishes])
 
 
 def test_a_change_within_the_bound_comes_at_once() -> None:

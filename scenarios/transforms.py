@@ -8,17 +8,17 @@ from vpf_sim.scenarios.schema import Scenario
 SIDEWAYS = ("lateral_m", "heading_deg")  # keys of what varies that change their sign in the mirror
 
 
-def turned(scenario: Scenario, degrees: float) -> Scenario:
+def rotated(scenario: Scenario, degrees: float) -> Scenario:
     """The world turned about its origin, clockwise seen from above."""
     (x, y), c, s = scenario.road.start_m, cos(radians(degrees)), sin(radians(degrees))
     heading = fmod(scenario.road.heading_deg + degrees, 360.0)
-    return _on(scenario, {"start_m": (c * x - s * y, s * x + c * y), "heading_deg": heading})
+    return _with_road(scenario, {"start_m": (c * x - s * y, s * x + c * y), "heading_deg": heading})
 
 
-def shifted(scenario: Scenario, x_m: float, y_m: float) -> Scenario:
+def translated(scenario: Scenario, x_m: float, y_m: float) -> Scenario:
     """The world moved."""
     x, y = scenario.road.start_m
-    return _on(scenario, {"start_m": (x + x_m, y + y_m)})
+    return _with_road(scenario, {"start_m": (x + x_m, y + y_m)})
 
 
 def mirrored(scenario: Scenario) -> Scenario:
@@ -31,31 +31,31 @@ def mirrored(scenario: Scenario) -> Scenario:
     seen = {
         "start_m": (road.start_m[0], -road.start_m[1]),
         "heading_deg": -road.heading_deg,
-        "segments": tuple(_bent_the_other_way(segment) for segment in road.segments),
+        "segments": tuple(_mirrored_segment(segment) for segment in road.segments),
     }
     ego = scenario.ego.model_copy(
         update={
-            "lane": _other_lane(road, scenario.ego.lane),
+            "lane": _mirrored_lane(road, scenario.ego.lane),
             "lateral_m": -scenario.ego.lateral_m,
             "heading_deg": -scenario.ego.heading_deg,
         }
     )
     bodies = tuple(
-        body.model_copy(update={"lane": _other_lane(road, body.lane), "lateral_m": -body.lateral_m})
-        for body in scenario.bodies
+        spec.model_copy(update={"lane": _mirrored_lane(road, spec.lane), "lateral_m": -spec.lateral_m})
+        for spec in scenario.bodies
     )
-    return _on(scenario, seen).model_copy(update={"ego": ego, "bodies": bodies, "vary": vary})
+    return _with_road(scenario, seen).model_copy(update={"ego": ego, "bodies": bodies, "vary": vary})
 
 
-def _on(scenario: Scenario, road: dict[str, object]) -> Scenario:
+def _with_road(scenario: Scenario, road: dict[str, object]) -> Scenario:
     return scenario.model_copy(update={"road": scenario.road.model_copy(update=road)})
 
 
-def _other_lane(road: Road, lane: int) -> int:
+def _mirrored_lane(road: Road, lane: int) -> int:
     return road.lanes + 1 - lane
 
 
-def _bent_the_other_way(segment: Segment) -> Segment:
+def _mirrored_segment(segment: Segment) -> Segment:
     if segment.kind == "arc":
         return segment.model_copy(update={"radius_m": -segment.radius_m})
     if segment.kind == "clothoid" and segment.end_radius_m is not None:

@@ -29,7 +29,7 @@ NOON_SUN = 0.65  # factor of the sun at ClearNoon
 SUN_HAZE_M = 1000.0  # of air like that near the ground takes the sun's glow
 
 
-def firmament(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.random.Generator) -> Image:
+def sky_dome(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.random.Generator) -> Image:
     """(rows, columns, 3) RGB, about `per_rad` of both to 1: column i at the azimuth 2 pi i / columns, rows at even
     tangents of the elevation from ZENITH_SLOPE down to 0."""
     columns = min(max(ceil(2.0 * np.pi * per_rad), FEWEST_COLUMNS), MOST_COLUMNS)

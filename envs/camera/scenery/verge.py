@@ -7,9 +7,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vpf_sim.envs.camera.layout import Edge, LaneShape, outer_edges
-from vpf_sim.envs.camera.things.furniture import LAMP_POST, POST, gantry, rail
-from vpf_sim.envs.camera.things.roadside import Standing
-from vpf_sim.envs.camera.things.signs import SIGNS, chevron
+from vpf_sim.envs.camera.scenery.furniture import LAMP_POST, POST, gantry, rail
+from vpf_sim.envs.camera.scenery.roadside import Placement
+from vpf_sim.envs.camera.scenery.signs import SIGNS, chevron
 from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Bools, Floats
 
@@ -54,29 +54,29 @@ class Verge:
         distance, _ = self._lanes.query(points)
         return np.asarray(distance > self._half + margin_m - 0.3)
 
-    def furnished(self, rng: np.random.Generator) -> list[Standing]:
+    def furnished(self, rng: np.random.Generator) -> list[Placement]:
         """All that stands there."""
-        lit, things = rng.random() < LIT_SHARE, []
+        lit, items = rng.random() < LIT_SHARE, []
         for side in self.sides:
             railed = _railed(len(side.points_m), rng)
-            things += [*self._posts(side, railed), *self._rails(side, railed), *self._signs(side, rng)]
+            items += [*self._posts(side, railed), *self._rails(side, railed), *self._signs(side, rng)]
             if lit and side.to_right:
-                things += self._lamps(side, int(rng.integers(LAMP_EVERY)))
+                items += self._lamps(side, int(rng.integers(LAMP_EVERY)))
             if side.to_right:
-                things += self._gantries(side, rng)
-        return things
+                items += self._gantries(side, rng)
+        return items
 
     def _every(self, side: Side, first: int, step: int, offset_m: float) -> Iterator[int]:
         """Stations at which something may stand at an offset."""
         free = self.clear(side.points_m + offset_m * side.outward, offset_m)
         return iter([i for i in range(first, len(side.points_m), step) if free[i]])
 
-    def _posts(self, side: Side, railed: Bools) -> Iterator[Standing]:
+    def _posts(self, side: Side, railed: Bools) -> Iterator[Placement]:
         for i in self._every(side, 0, POST_EVERY, POST_OFFSET_M):
             if not railed[i]:
                 yield POST, side.pose(i, POST_OFFSET_M), POST_RANGE_M
 
-    def _rails(self, side: Side, railed: Bools) -> Iterator[Standing]:
+    def _rails(self, side: Side, railed: Bools) -> Iterator[Placement]:
         places = side.points_m + RAIL_OFFSET_M * side.outward
         standing = railed & self.clear(places, RAIL_OFFSET_M)
         for i in range(0, len(places) - RAIL_EVERY, RAIL_EVERY):
@@ -86,7 +86,7 @@ class Verge:
                 pose = np.array([*(0.5 * (start + end)), np.arctan2(along[1], along[0])])
                 yield rail(round(float(np.hypot(*along)), 2)), pose, RAIL_RANGE_M
 
-    def _signs(self, side: Side, rng: np.random.Generator) -> Iterator[Standing]:
+    def _signs(self, side: Side, rng: np.random.Generator) -> Iterator[Placement]:
         for i in self._every(side, int(rng.integers(4, SIGN_EVERY)), SIGN_EVERY, SIGN_OFFSET_M):
             if side.to_right or rng.random() < 0.3:
                 yield SIGNS[int(rng.integers(len(SIGNS)))], side.pose(i, SIGN_OFFSET_M), SIGN_RANGE_M
@@ -95,12 +95,12 @@ class Verge:
             if abs(bends) > 1.0 / BEND_M and (bends < 0.0) == side.to_right and rng.random() < 0.3:
                 yield chevron(3, not side.to_right), side.pose(i, SIGN_OFFSET_M), SIGN_RANGE_M
 
-    def _lamps(self, side: Side, first: int) -> Iterator[Standing]:
+    def _lamps(self, side: Side, first: int) -> Iterator[Placement]:
         for i in self._every(side, first, LAMP_EVERY, LAMP_OFFSET_M):
             for mesh in LAMP_POST:
                 yield mesh, side.pose(i, LAMP_OFFSET_M), TALL_RANGE_M
 
-    def _gantries(self, side: Side, rng: np.random.Generator) -> Iterator[Standing]:
+    def _gantries(self, side: Side, rng: np.random.Generator) -> Iterator[Placement]:
         """Over the whole road, where the opposite edge lies straight across."""
         for i in range(int(rng.integers(10, GANTRY_EVERY)), len(side.points_m), GANTRY_EVERY):
             across = -side.outward[i]

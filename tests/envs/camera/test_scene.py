@@ -6,15 +6,15 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
-from highway_scenes import add_body, add_ego, straight_road
+from highway_scenes import add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Drawing, Sprite, drawing, paint
-from vpf_sim.envs.camera.things.bodies import body_mesh
-from vpf_sim.envs.camera.things.solid import FADED_IN_M, RANGE_M, SLIVER_PX, Solid
-from vpf_sim.envs.camera.veil import Veil
+from vpf_sim.envs.camera.scenery.object_meshes import object_mesh
+from vpf_sim.envs.camera.scenery.solid import FADED_IN_M, RANGE_M, SLIVER_PX, Solid
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
@@ -69,15 +69,15 @@ def test_what_comes_later_covers_what_came_before_whatever_layers_they_share() -
 
 
 def test_a_thing_looks_the_same_in_any_company() -> None:
-    things = [
+    items = [
         rectangle(100.3, 100.2, 130.7, 122.1, 180.0),
         rectangle(140.1, 100.0, 420.0, 260.5, 120.0),
         rectangle(131.2, 150.0, 138.9, 152.3, 220.0),
     ]
     together, alone = canvas(), canvas()
-    paint(together, [*things])
-    for thing in things:
-        paint(alone, [thing])
+    paint(together, [*items])
+    for item in items:
+        paint(alone, [item])
     assert np.array_equal(together, alone)
 
 
@@ -106,19 +106,19 @@ def test_faces_that_reach_behind_the_camera_are_cut() -> None:
 def test_what_is_kept_of_a_body_shows_as_if_it_were_looked_at_anew(kind: str) -> None:
     clear = weather.load("clear")
     light = Light.of(clear)
-    veil = Veil(Camera(), Atmosphere.of(clear), light)
+    haze = Haze(Camera(), Atmosphere.of(clear), light)
     size = {"van": (5.0, 2.0, 2.3), "barrier": (0.5, 3.0, 1.0)}[kind]
-    kept, anew = (Solid(body_mesh(kind, size, np.random.default_rng(0)), light, veil) for _ in range(2))
+    kept, anew = (Solid(object_mesh(kind, size, np.random.default_rng(0)), light, haze) for _ in range(2))
     looks, missed_px = [], []
     for ahead in (np.linspace(80.0, 8.0, 30)[:, None] - 0.09 * np.arange(4)).ravel():
         view = View.at(Camera(), np.array([-ahead, 0.04 * ahead - 1.0]), 0.01 * np.sin(ahead))
-        anew._look = None
-        drawings = [solid.seen(view, np.array([0.0, 0.0, 0.7])) for solid in (kept, anew)]
+        anew._visible = None
+        drawings = [solid.visible(view, np.array([0.0, 0.0, 0.7])) for solid in (kept, anew)]
         frames = [canvas(), canvas()]
         for frame, drawn in zip(frames, drawings, strict=True):
             assert drawn is not None
             paint(frame, [drawn])
-        looks.append(kept._look)
+        looks.append(kept._visible)
         off = cv2.absdiff(*frames).max(axis=2)
         missed_px.append(off.sum() / 255.0 / np.ptp(drawn.polygons_px[..., 1]))
     assert sum(now is not before for before, now in pairwise(looks)) < 0.7 * len(looks)
@@ -129,11 +129,11 @@ def scene(distance_m: float, name: str = "clear") -> tuple[Image, Image]:
     """What is seen of a road with a truck at a distance, and without it."""
     camera = replace(Camera(), fx_px=1500.0, fy_px=1500.0)
     frames = []
-    for bodies in (True, False):
+    for objects in (True, False):
         road = straight_road()
         ego = add_ego(road, [20.0, 7.0])
-        if bodies:
-            add_body(road, "truck", [20.0 + camera.forward_m + distance_m, 7.0])
+        if objects:
+            add_object(road, "truck", [20.0 + camera.forward_m + distance_m, 7.0])
         frames.append(Renderer(road, Rig(camera, noise_sd=0.0), weather.load(name), 1).render(ego, 0.0))
     return frames[0], frames[1]
 
@@ -158,10 +158,10 @@ def test_fog_takes_the_contrast_of_what_is_far() -> None:
 def test_the_planes_of_faces_give_their_depth() -> None:
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
-    body = add_body(road, "van", [40.0, 7.0])
+    obj = add_object(road, "van", [40.0, 7.0])
     renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), weather.load("clear"), 1)
     renderer.render(ego, 0.0)
     depth = renderer.truth(("depth", "instance"))
-    mine = depth["instance"] == renderer.bodies.index(body) + 1
-    rear = body.position[0] - 0.5 * body.LENGTH - ego.position[0] - Camera().forward_m
+    mine = depth["instance"] == renderer.objects.index(obj) + 1
+    rear = obj.position[0] - 0.5 * obj.LENGTH - ego.position[0] - Camera().forward_m
     assert np.median(depth["depth"][mine]) == pytest.approx(rear, abs=0.05)

@@ -9,9 +9,9 @@ from highway_env.road.road import Road
 from highway_env.vehicle.kinematics import Vehicle
 from highway_env.vehicle.objects import Obstacle, RoadObject
 
-from vpf_sim.envs.rectangles import solid_bodies
+from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.scenarios import Scenario
-from vpf_sim.scenarios.kinds import MOVING, SIZES, BodyKind
+from vpf_sim.scenarios.kinds import MOVING, SIZES, ObjectKind
 from vpf_sim.types import Floats
 
 MAX_ACCELERATION_MPS2 = 1.5
@@ -23,10 +23,10 @@ CLOSING_SCALE_MPS2 = 2.0 * math.sqrt(MAX_ACCELERATION_MPS2 * COMFORTABLE_BRAKING
 SIDE_GAP_M = 0.2  # a body that passes nearer than this counts as in the way
 
 
-class Standing(Obstacle):  # type: ignore[misc]
+class StaticObstacle(Obstacle):  # type: ignore[misc]
     """A body that does not move; it belongs in `road.objects`."""
 
-    kind: BodyKind
+    kind: ObjectKind
     HEIGHT: float
 
     def __init__(self, road: Road, place: tuple[float, float]) -> None:
@@ -35,7 +35,7 @@ class Standing(Obstacle):  # type: ignore[misc]
         super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]))
 
 
-class Traffic(Vehicle):  # type: ignore[misc]
+class Actor(Vehicle):  # type: ignore[misc]
     """A body that keeps its place in its lane and its speed, unless something in its way is nearer than it likes.
 
     Its acceleration is the Intelligent Driver Model's (Treiber, Hennecke, Helbing, Phys. Rev. E 62, 2000), with the gap
@@ -43,7 +43,7 @@ class Traffic(Vehicle):  # type: ignore[misc]
     It moves along the lane exactly, so contacts throw it nowhere and it cannot leave the road.
     """
 
-    kind: BodyKind
+    kind: ObjectKind
     HEIGHT: float
     position: Floats  # (2,) m
     heading: float  # rad
@@ -70,7 +70,7 @@ class Traffic(Vehicle):  # type: ignore[misc]
         """The nearest thing ahead in the way, and the gap to it from bumper to bumper along the road."""
         nearest_m, leader = math.inf, None
         s, lateral = self.place
-        for other in solid_bodies(self):
+        for other in solid_objects(self):
             other_s, other_lateral = other.place
             side_m = abs(other_lateral - lateral) - (self.WIDTH + other.WIDTH) / 2.0
             gap_m = other_s - s - (self.LENGTH + other.LENGTH) / 2.0
@@ -94,7 +94,7 @@ class Traffic(Vehicle):  # type: ignore[misc]
         """The lane never changes."""
 
 
-def _classes(base: type[RoadObject], kinds: Iterable[BodyKind]) -> dict[BodyKind, type[Any]]:
+def _class_by_kind(base: type[RoadObject], kinds: Iterable[ObjectKind]) -> dict[ObjectKind, type[Any]]:
     """A subclass a kind: on an instance LENGTH and WIDTH would leave highway-env's `diagonal` stale."""
     return {
         kind: type(
@@ -113,16 +113,16 @@ def _classes(base: type[RoadObject], kinds: Iterable[BodyKind]) -> dict[BodyKind
     }
 
 
-STANDING = _classes(Standing, SIZES)
-TRAFFIC = _classes(Traffic, MOVING)
-globals().update({one.__name__: one for one in (*STANDING.values(), *TRAFFIC.values())})  # where pickle looks
+STATIC_OBSTACLES = _class_by_kind(StaticObstacle, SIZES)
+ACTORS = _class_by_kind(Actor, MOVING)
+globals().update({one.__name__: one for one in (*STATIC_OBSTACLES.values(), *ACTORS.values())})  # where pickle looks
 
 
-def place_bodies(road: Road, scenario: Scenario) -> None:
+def place_objects(road: Road, scenario: Scenario) -> None:
     """Put the bodies of a scenario on its road, along their lanes."""
-    for body in scenario.bodies:
-        place = (body.s_m, scenario.road.lane_offset_m(body.lane) + body.lateral_m)
-        if body.speed_mps > 0.0:
-            road.vehicles.append(TRAFFIC[body.kind](road, place, body.speed_mps))
+    for obj in scenario.bodies:
+        place = (obj.s_m, scenario.road.lane_offset_m(obj.lane) + obj.lateral_m)
+        if obj.speed_mps > 0.0:
+            road.vehicles.append(ACTORS[obj.kind](road, place, obj.speed_mps))
         else:
-            road.objects.append(STANDING[body.kind](road, place))
+            road.objects.append(STATIC_OBSTACLES[obj.kind](road, place))

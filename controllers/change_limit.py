@@ -8,14 +8,14 @@ brakes may still bite at once. A bound of the command's own slope would do so on
 from collections import deque
 
 
-class Swing:
+class ChangeLimit:
     """The accelerations asked for last."""
 
     def __init__(self, most_mps2: float, within_s: float, dt_s: float) -> None:
         self._most_mps2 = most_mps2
         self._last: deque[float] = deque(maxlen=max(1, round(within_s / dt_s)))
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """What comes next has nothing to be smooth with: the car brakes in need."""
         self._last.clear()
 

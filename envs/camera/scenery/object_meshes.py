@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from vpf_sim.envs.camera.things.cars import CHROME, LAMP, PAINTS, RUBBER, UNDERSIDE, car, plate, shade, upright
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
-from vpf_sim.envs.camera.things.people import pedestrian
+from vpf_sim.envs.camera.scenery.cars import CHROME, LAMP, PAINTS, RUBBER, UNDERSIDE, car, plate, shade, upright
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
+from vpf_sim.envs.camera.scenery.people import pedestrian
 
 HEIGHTS_M = {"car": 1.5, "van": 2.3, "truck": 3.4, "cone": 0.75, "pallet": 0.15, "barrier": 1.0, "pedestrian": 1.75}
 
@@ -16,7 +16,7 @@ ORANGE: Colour = (232, 84, 26)
 WHITE: Colour = (236, 236, 232)
 
 
-def body_mesh(kind: str, size: tuple[float, float, float], rng: np.random.Generator) -> Mesh:
+def object_mesh(kind: str, size: tuple[float, float, float], rng: np.random.Generator) -> Mesh:
     """The mesh of a body whose box is `size` (length, width, height) m; colours and style are the seed's."""
     return MAKERS[kind](*size, rng)
 

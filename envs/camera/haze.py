@@ -12,7 +12,7 @@ from vpf_sim.types import Camera, Floats, Image
 LEAST_LEVELS = 1.0  # what changes by less is left as it is
 
 
-class Veil:
+class Haze:
     """L = L0 t + A (1 - t) with t = exp(-k depth) (Koschmieder, Beitr. Phys. freien Atm. 12:33, 1924).
 
     A is the colour of the sky at the horizon, k the atmosphere's extinction. Rows of the ground are veiled in 8 bits by

@@ -5,8 +5,8 @@ Their fronts face back along x, towards whoever drives up to them; every face ha
 
 from functools import lru_cache
 
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
-from vpf_sim.envs.camera.things.signs import direction_board, lane_arrow
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
+from vpf_sim.envs.camera.scenery.signs import direction_board, lane_arrow
 
 STEEL: Colour = (158, 163, 168)
 DARK_STEEL: Colour = (112, 117, 122)

@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Drawing, Sprite
-from vpf_sim.envs.camera.things.roadside import Roadside
-from vpf_sim.envs.camera.things.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees, TreeStand
-from vpf_sim.envs.camera.things.verge import STATION_M, Verge
-from vpf_sim.envs.camera.veil import Veil
+from vpf_sim.envs.camera.scenery.roadside import Roadside
+from vpf_sim.envs.camera.scenery.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees, TreeStand
+from vpf_sim.envs.camera.scenery.verge import STATION_M, Verge
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
@@ -18,25 +18,25 @@ TREE_SHARE, BUSH_SHARE = 0.8, 0.3
 TREE_FREE_M = 4.0  # around a tree's foot
 
 
-class Scenery:
+class StaticScenery:
     """What stands beside a road and never moves."""
 
-    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, veil: Veil, seed: int) -> None:
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, haze: Haze, seed: int) -> None:
         verge = Verge(shapes)
-        self._trees = TreeStand(camera, _planted(verge, stream(seed, "trees")), light, veil)
-        self._roadside = Roadside(camera, verge.furnished(stream(seed, "scenery")), light, veil)
+        self._trees = TreeStand(camera, _planted(verge, stream(seed, "trees")), light, haze)
+        self._roadside = Roadside(camera, verge.furnished(stream(seed, "scenery")), light, haze)
 
-    def seen(self, view: View) -> tuple[Drawing | None, list[float]]:
+    def visible(self, view: View) -> tuple[Drawing | None, list[float]]:
         """The faces in view, the farthest thing first, and the depth of each, m."""
-        return self._roadside.seen(view)
+        return self._roadside.visible(view)
 
-    def follow(self, view: View) -> None:
+    def update(self, view: View) -> None:
         """Look at what is in view, without a picture."""
-        self._roadside.follow(view)
+        self._roadside.update(view)
 
-    def trees_seen(self, view: View) -> list[Sprite]:
+    def visible_trees(self, view: View) -> list[Sprite]:
         """The trees in view, the farthest first."""
-        return self._trees.seen(view)
+        return self._trees.visible(view)
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, outlines on the ground whose union lies in the shade of furniture, trees and bushes."""

@@ -6,16 +6,16 @@ from math import asin, atan2, cos, hypot, inf, pi, remainder, sin
 import numpy as np
 from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
 
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
-from vpf_sim.envs.camera.things.bodies import HEIGHTS_M, body_mesh
-from vpf_sim.envs.camera.things.occlusion import far_to_near
-from vpf_sim.envs.camera.things.scenery import Scenery
-from vpf_sim.envs.camera.things.shadows import Shadow
-from vpf_sim.envs.camera.things.solid import RANGE_M, STALE_M, Solid
+from vpf_sim.envs.camera.scenery.object_meshes import HEIGHTS_M, object_mesh
+from vpf_sim.envs.camera.scenery.occlusion import far_to_near
+from vpf_sim.envs.camera.scenery.shadows import Shadow
+from vpf_sim.envs.camera.scenery.solid import RANGE_M, STALE_M, Solid
+from vpf_sim.envs.camera.scenery.static_scenery import StaticScenery
 from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
-from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
@@ -29,7 +29,7 @@ class Snapshot:
 
     view: View
     time_s: float
-    bodies: list[RoadObject]  # all but the one that carries the camera
+    objects: list[RoadObject]  # all but the one that carries the camera
     poses: dict[RoadObject, Floats]  # (x, y, heading) of each body
 
 
@@ -41,71 +41,71 @@ class Shape:
     shadow: Shadow
 
 
-class Things:
+class Scene:
     """The bodies and the scenery of one road."""
 
-    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, veil: Veil, seed: int) -> None:
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, haze: Haze, seed: int) -> None:
         self._seed = seed
         self._light = light
-        self._veil = veil
-        self._scenery = Scenery(camera, shapes, light, veil, seed)
+        self._haze = haze
+        self._scenery = StaticScenery(camera, shapes, light, haze, seed)
         self._shapes: dict[RoadObject, Shape] = {}
-        self._bodies = Order()
+        self._objects = Order()
         self._order: list[int] = []
 
-    def seen(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
+    def visible(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
         """All that is in view, the farthest first, as it lies in the picture."""
-        trees = self._scenery.trees_seen(now.view)
-        scenery, depths = self._scenery.seen(now.view)
+        trees = self._scenery.visible_trees(now.view)
+        scenery, depths = self._scenery.visible(now.view)
         drawn: list[Drawn] = []
         first = tree = 0
-        self._order, nearest = self._bodies.in_view(now)
+        self._order, nearest = self._objects.in_view(now)
         for i, behind in [*zip(self._order, nearest, strict=True), (None, -1.0)]:
             while tree < len(trees) and trees[tree].depth_m > behind:
                 if scenery is not None and _covers(trees[tree], scenery, depths):
                     first = _until(drawn, scenery, depths, first, trees[tree].depth_m)
                 drawn.append(Drawn(trees[tree], -1, STILL))
                 tree += 1
-            body = None if i is None else self._body(now, before, i)
-            if i is None or body is not None:
+            obj = None if i is None else self._object(now, before, i)
+            if i is None or obj is not None:
                 first = _until(drawn, scenery, depths, first, behind)
-            if body is not None:
-                drawn.append(body)
+            if obj is not None:
+                drawn.append(obj)
         return drawn
 
-    def follow(self, now: Snapshot) -> None:
+    def update(self, now: Snapshot) -> None:
         """Look at what is in view as `seen` does, without a picture."""
-        self._scenery.follow(now.view)
-        self._order, _ = self._bodies.in_view(now)
+        self._scenery.update(now.view)
+        self._order, _ = self._objects.in_view(now)
         for i in self._order:
-            body = now.bodies[i]
-            self._of(body).solid.follow(now.view, now.poses[body])
+            obj = now.objects[i]
+            self._of(obj).solid.update(now.view, now.poses[obj])
 
     def paint(self, frame: Image, drawn: list[Drawn]) -> None:
         """Draw things over the picture, in their order."""
-        paint(frame, [thing.drawing for thing in drawn])
+        paint(frame, [item.drawing for item in drawn])
 
     def paint_shadows(self, frame: Image, now: Snapshot) -> None:
         """Darken the ground where bodies keep the light off; of those found by `seen`."""
         for i in self._order:
-            body = now.bodies[i]
-            self._of(body).shadow.paint(frame, now.view, now.poses[body])
+            obj = now.objects[i]
+            self._of(obj).shadow.paint(frame, now.view, now.poses[obj])
 
-    def _body(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
+    def _object(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
         """A body's faces in the picture and how it moved; None if none of them is seen."""
-        body = now.bodies[index]
-        pose = now.poses[body]
-        drawing = self._of(body).solid.seen(now.view, pose)
-        return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(body, pose), pose))
+        obj = now.objects[index]
+        pose = now.poses[obj]
+        drawing = self._of(obj).solid.visible(now.view, pose)
+        return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(obj, pose), pose))
 
-    def _of(self, body: RoadObject) -> Shape:
+    def _of(self, obj: RoadObject) -> Shape:
         """What is known of a body."""
-        if body not in self._shapes:
+        if obj not in self._shapes:
             rng = stream(self._seed, f"body {len(self._shapes)}")
-            size = body_size(body)
-            solid = Solid(body_mesh(_kind(body), size, rng), self._light, self._veil)
-            self._shapes[body] = Shape(solid, Shadow(size, self._light))
-        return self._shapes[body]
+            size = object_size(obj)
+            solid = Solid(object_mesh(_kind(obj), size, rng), self._light, self._haze)
+            self._shapes[obj] = Shape(solid, Shadow(size, self._light))
+        return self._shapes[obj]
 
 
 def _covers(tree: Sprite, scenery: Drawing, depths: list[float]) -> bool:
@@ -146,7 +146,7 @@ class Order:
         """
         ahead = _ahead(now)
         discs = {i: _disc(now, i) for i in ahead}
-        places = [[i, *now.poses[now.bodies[i]].tolist()] for i in ahead]
+        places = [[i, *now.poses[now.objects[i]].tolist()] for i in ahead]
         x, y, _ = now.view.centre.tolist()
         if places != self._places or hypot(x - self._eye[0], y - self._eye[1]) > STALE_M:
             self._places, self._eye, self._order = places, (x, y), _far_to_near(now, discs)
@@ -174,12 +174,12 @@ class Disc:
 
 
 def _disc(now: Snapshot, index: int) -> Disc:
-    body, view = now.bodies[index], now.view
-    x, y, heading = now.poses[body].tolist()
+    obj, view = now.objects[index], now.view
+    x, y, heading = now.poses[obj].tolist()
     eye_x, eye_y, _ = view.centre.tolist()
     axis_x, axis_y, _ = view.axes[2].tolist()
     x, y = x - eye_x, y - eye_y
-    length, width, _ = body_size(body)
+    length, width, _ = object_size(obj)
     c, s = cos(heading), sin(heading)
     depth = axis_x * x + axis_y * y
     half = 0.5 * length * abs(axis_x * c + axis_y * s) + 0.5 * width * abs(axis_y * c - axis_x * s)
@@ -203,27 +203,27 @@ def _ahead(now: Snapshot) -> list[int]:
     eye_x, eye_y, _ = view.centre.tolist()
     slope = 0.5 * view.camera.width_px / view.camera.fx_px
     result = []
-    for index, body in enumerate(now.bodies):
-        x, y, _ = now.poses[body].tolist()
+    for index, obj in enumerate(now.objects):
+        x, y, _ = now.poses[obj].tolist()
         ahead, aside = c * (x - eye_x) + s * (y - eye_y), c * (y - eye_y) - s * (x - eye_x)
-        if ahead < RANGE_M and not isinstance(body, Landmark):
-            length, width, height = body_size(body)
+        if ahead < RANGE_M and not isinstance(obj, Landmark):
+            length, width, height = object_size(obj)
             reach = length + width + SHADOW_REACH * height
             if -reach < ahead and abs(aside) < slope * (ahead + reach) + reach:
                 result.append(index)
     return result
 
 
-def body_size(body: RoadObject) -> tuple[float, float, float]:
+def object_size(obj: RoadObject) -> tuple[float, float, float]:
     """(length, width, height) m."""
-    height = getattr(body, "HEIGHT", None)
-    return (float(body.LENGTH), float(body.WIDTH), float(HEIGHTS_M[_kind(body)] if height is None else height))
+    height = getattr(obj, "HEIGHT", None)
+    return (float(obj.LENGTH), float(obj.WIDTH), float(HEIGHTS_M[_kind(obj)] if height is None else height))
 
 
 def _footprint(now: Snapshot, index: int) -> Floats:
-    body = now.bodies[index]
-    return footprint(now.poses[body], *body_size(body)[:2])
+    obj = now.objects[index]
+    return footprint(now.poses[obj], *object_size(obj)[:2])
 
 
-def _kind(body: RoadObject) -> str:
-    return str(getattr(body, "kind", "barrier" if isinstance(body, Obstacle) else "car"))
+def _kind(obj: RoadObject) -> str:
+    return str(getattr(obj, "kind", "barrier" if isinstance(obj, Obstacle) else "car"))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point
 
 PAINTS: tuple[Colour, ...] = (
     (214, 216, 218),

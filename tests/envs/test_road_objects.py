@@ -7,8 +7,8 @@ import pytest
 from highway_env.road.road import Road
 
 from vpf_sim import scenarios
-from vpf_sim.envs.bodies import STANDING, TRAFFIC, place_bodies
 from vpf_sim.envs.road import build_road
+from vpf_sim.envs.road_objects import ACTORS, STATIC_OBSTACLES, place_objects
 from vpf_sim.scenarios import SIZES, Scenario
 
 BEND = """
@@ -20,15 +20,15 @@ s_m = 300.0
 """
 
 
-def body(**keys: object) -> str:
+def object_table(**keys: object) -> str:
     lines = "\n".join(f"{key} = {value!r}" for key, value in keys.items())
     return f"\n[[bodies]]\n{lines}\n"
 
 
-def populated(*bodies: str) -> tuple[Scenario, Road]:
-    scenario = scenarios.parse(BEND + "".join(bodies), "bend.toml")
+def populated(*objects: str) -> tuple[Scenario, Road]:
+    scenario = scenarios.parse(BEND + "".join(objects), "bend.toml")
     road = build_road(scenario, np.random.default_rng(0))
-    place_bodies(road, scenario)
+    place_objects(road, scenario)
     return scenario, road
 
 
@@ -38,7 +38,7 @@ def run(road: Road, seconds: float) -> None:
         road.step(1.0 / 60.0)
 
 
-@pytest.mark.parametrize("classes", [STANDING, TRAFFIC])
+@pytest.mark.parametrize("classes", [STATIC_OBSTACLES, ACTORS])
 def test_each_kind_is_a_class_of_its_own_size(classes: dict[str, type]) -> None:
     for kind, made in classes.items():
         size = SIZES[kind]
@@ -46,19 +46,19 @@ def test_each_kind_is_a_class_of_its_own_size(classes: dict[str, type]) -> None:
 
 
 def test_every_kind_stands_where_the_file_says_along_its_lane() -> None:
-    bodies = [body(kind=kind, s_m=20.0 + 10.0 * i, lane=3, lateral_m=-0.25) for i, kind in enumerate(SIZES)]
-    scenario, road = populated(*bodies)
-    assert [thing.kind for thing in road.objects] == list(SIZES)
+    objects = [object_table(kind=kind, s_m=20.0 + 10.0 * i, lane=3, lateral_m=-0.25) for i, kind in enumerate(SIZES)]
+    scenario, road = populated(*objects)
+    assert [obj.kind for obj in road.objects] == list(SIZES)
     assert road.vehicles == []
-    for planned, thing in zip(scenario.bodies, road.objects, strict=True):
+    for planned, obj in zip(scenario.bodies, road.objects, strict=True):
         lane = road.network.get_lane(("start", "end", 1))
-        assert lane.local_coordinates(thing.position) == pytest.approx((planned.s_m, -0.25), abs=1e-9)
-        assert thing.heading == pytest.approx(planned.s_m / 80.0)
-        assert thing.diagonal == pytest.approx(hypot(*SIZES[planned.kind][:2]))
+        assert lane.local_coordinates(obj.position) == pytest.approx((planned.s_m, -0.25), abs=1e-9)
+        assert obj.heading == pytest.approx(planned.s_m / 80.0)
+        assert obj.diagonal == pytest.approx(hypot(*SIZES[planned.kind][:2]))
 
 
 def test_traffic_keeps_its_speed_and_its_lane_in_a_bend() -> None:
-    _, road = populated(body(kind="car", s_m=20.0, lane=1, lateral_m=0.3, speed_mps=8.0))
+    _, road = populated(object_table(kind="car", s_m=20.0, lane=1, lateral_m=0.3, speed_mps=8.0))
     (car,) = road.vehicles
     start = car.position
     run(road, 10.0)
@@ -72,7 +72,8 @@ def test_traffic_keeps_its_speed_and_its_lane_in_a_bend() -> None:
 
 def test_traffic_stops_behind_a_standing_body_and_never_reverses() -> None:
     _, road = populated(
-        body(kind="car", s_m=20.0, lane=2, speed_mps=8.0), body(kind="barrier", s_m=120.0, lane=2, lateral_m=0.5)
+        object_table(kind="car", s_m=20.0, lane=2, speed_mps=8.0),
+        object_table(kind="barrier", s_m=120.0, lane=2, lateral_m=0.5),
     )
     (car,) = road.vehicles
     speeds = []
@@ -88,9 +89,9 @@ def test_traffic_stops_behind_a_standing_body_and_never_reverses() -> None:
 
 def test_traffic_follows_a_slower_leader_at_its_speed_and_passes_what_stands_beside() -> None:
     _, road = populated(
-        body(kind="van", s_m=30.0, lane=2, speed_mps=8.0),
-        body(kind="truck", s_m=60.0, lane=2, speed_mps=4.0),
-        body(kind="car", s_m=90.0, lane=1),
+        object_table(kind="van", s_m=30.0, lane=2, speed_mps=8.0),
+        object_table(kind="truck", s_m=60.0, lane=2, speed_mps=4.0),
+        object_table(kind="car", s_m=90.0, lane=1),
     )
     van, truck = road.vehicles
     run(road, 40.0)
@@ -105,7 +106,7 @@ def test_traffic_follows_a_slower_leader_at_its_speed_and_passes_what_stands_bes
 
 
 def test_traffic_that_is_hit_brakes_to_a_stand() -> None:
-    _, road = populated(body(kind="car", s_m=20.0, lane=1, speed_mps=6.0))
+    _, road = populated(object_table(kind="car", s_m=20.0, lane=1, speed_mps=6.0))
     (car,) = road.vehicles
     car.crashed = True
     run(road, 1.1)

@@ -9,7 +9,7 @@ from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.geometry import rotation
 from vpf_sim.scenarios import Scenario
-from vpf_sim.scenarios.moved import mirrored, shifted, turned
+from vpf_sim.scenarios.transforms import mirrored, rotated, translated
 from vpf_sim.types import Floats
 
 ALONG = np.linspace(0.0, 150.0, 16)
@@ -23,15 +23,15 @@ def places(scenario: Scenario) -> Floats:
     """(N, 2) m of both edges, of the ego and of the bodies."""
     road, line = scenario.road, CentreLine(scenario.road)
     edges = [line.position(ALONG, side * road.half_width_m) for side in (1.0, -1.0)]
-    things = [scenario.ego, *scenario.bodies]
-    spots = [line.position_at(part.s_m, road.lane_offset_m(part.lane) + part.lateral_m) for part in things]
+    items = [scenario.ego, *scenario.bodies]
+    spots = [line.position_at(part.s_m, road.lane_offset_m(part.lane) + part.lateral_m) for part in items]
     return np.concatenate([*edges, np.array(spots)])
 
 
 @pytest.mark.parametrize("name", ["town04", "random", "curve-left"])
 def test_turned_and_moved_places_are_where_the_motion_takes_them(name: str) -> None:
     scenario = drawn(name)
-    there = places(shifted(turned(scenario, 137.0), 600.0, -800.0))
+    there = places(translated(rotated(scenario, 137.0), 600.0, -800.0))
     assert there == pytest.approx(places(scenario) @ rotation(radians(137.0)).T + [600.0, -800.0], abs=1e-6)
 
 

@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.texture import noise
-from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
@@ -179,7 +179,7 @@ class _Near:
 class TreeStand:
     """The trees of a road in one light, seen through one air."""
 
-    def __init__(self, camera: Camera, trees: Trees, light: Light, veil: Veil) -> None:
+    def __init__(self, camera: Camera, trees: Trees, light: Light, haze: Haze) -> None:
         tint = (light.sky + 0.5 * light.direct) / NOON
         scale = np.diag([*tint, 1.0])
         pictures = [tree_picture(variant) for variant in range(VARIANTS)]
@@ -191,7 +191,7 @@ class TreeStand:
         for variant, shape in enumerate(shapes):
             self._sizes[:, variant, : len(shape)] = np.array(shape).T
         self._limits = np.array([[camera.width_px], [camera.height_px]], float)
-        self._airs = [_airs(range_m, light, veil) for range_m in RANGES_M]
+        self._airs = [_airs(range_m, light, haze) for range_m in RANGES_M]
         self._faded: dict[tuple[int, int, int], Image] = {}  # pictures through the air, the oldest first
         self._trees = trees
         frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
@@ -200,7 +200,7 @@ class TreeStand:
         self._middle = np.full(2, np.inf)
         self._near = _Near.of(trees, self._frames_m, np.empty(0, np.int64))
 
-    def seen(self, view: View) -> list[Sprite]:
+    def visible(self, view: View) -> list[Sprite]:
         """The trees in view, the farthest first."""
         variants, depth, corner, size = self._in_view(view)
         first = np.maximum(np.floor(corner), 0.0)
@@ -278,14 +278,14 @@ class TreeStand:
         return self._faded[key]
 
 
-def _airs(range_m: float, light: Light, veil: Veil) -> list[Floats | None]:
+def _airs(range_m: float, light: Light, haze: Haze) -> list[Floats | None]:
     """(4, 5) what the air and the distance make of a picture, affine in its channels, by steps; None where nothing.
 
     Of a pixel that covers a and lets 1 - a through, with colour a c, the air leaves t; the tree's opacity is o: it
     shows o (t a c + (1 - t) a h) with the horizon's colour h, and lets 1 - o a through.
     """
     depths_m: Floats = (np.arange(ceil(range_m / AIR_STEP_M), dtype=np.float64) + 0.5) * AIR_STEP_M
-    left = veil.transmission(depths_m)
+    left = haze.transmission(depths_m)
     opacity = np.clip((range_m - depths_m) / (range_m * (1.0 - FADED_IN)), 0.0, 1.0)
     veiled = (opacity * (1.0 - left))[:, None] * light.horizon
     matrices = np.zeros((len(depths_m), 4, 5))
