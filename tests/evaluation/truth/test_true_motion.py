@@ -19,7 +19,7 @@ def noted(poses: list[Floats], bodies: list[Any] | None = None) -> TrueMotion:
     motion = TrueMotion(CAMERA, len(poses) - 1)
     for k, pose in enumerate(poses):
         body = [] if bodies is None else [SimpleNamespace(position=bodies[k][:2], heading=bodies[k][2])]
-        renderer: Any = SimpleNamespace(bodies=body)
+        renderer: Any = SimpleNamespace(objects=body)
         motion.note(Shot(k, np.empty((0, 0, 3), np.uint8), pose, renderer))
     return motion
 
