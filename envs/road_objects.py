@@ -1,4 +1,4 @@
-"""What stands or drives on the road beside the ego car: one class a kind, as highway-env needs it for sizes."""
+"""Static obstacles and traffic actors on the road: one class per kind, since highway-env takes sizes from the class."""
 
 import math
 from collections.abc import Iterable
@@ -20,11 +20,11 @@ FULL_BRAKING_MPS2 = 6.0
 TIME_GAP_S = 1.5
 STANDING_GAP_M = 2.0
 CLOSING_SCALE_MPS2 = 2.0 * math.sqrt(MAX_ACCELERATION_MPS2 * COMFORTABLE_BRAKING_MPS2)
-SIDE_GAP_M = 0.2  # a body that passes nearer than this counts as in the way
+SIDE_GAP_M = 0.2  # lateral gap below which an object ahead is a leader
 
 
 class StaticObstacle(Obstacle):  # type: ignore[misc]
-    """A body that does not move; it belongs in `road.objects`."""
+    """A static obstacle; it belongs in `road.objects`."""
 
     kind: ObjectKind
     HEIGHT: float
@@ -36,11 +36,11 @@ class StaticObstacle(Obstacle):  # type: ignore[misc]
 
 
 class Actor(Vehicle):  # type: ignore[misc]
-    """A body that keeps its place in its lane and its speed, unless something in its way is nearer than it likes.
+    """A traffic actor that keeps its lane position and its speed, and follows a leader by the Intelligent Driver Model.
 
-    Its acceleration is the Intelligent Driver Model's (Treiber, Hennecke, Helbing, Phys. Rev. E 62, 2000), with the gap
-    from bumper to bumper: a [1 - (v / v0)^4 - (s* / gap)^2], s* = s0 + v T + v dv / (2 sqrt(a b)). It never reverses.
-    It moves along the lane exactly, so contacts throw it nowhere and it cannot leave the road.
+    Treiber, Hennecke, Helbing, Phys. Rev. E 62, 2000, with the gap from bumper to bumper:
+    a [1 - (v / v0)^4 - (s* / gap)^2], s* = s0 + v T + v dv / (2 sqrt(a b)). It never reverses. It moves exactly along
+    the lane, so contacts do not displace it and it cannot leave the road.
     """
 
     kind: ObjectKind
@@ -56,7 +56,7 @@ class Actor(Vehicle):  # type: ignore[misc]
         self.target_speed = speed
 
     def act(self, action: object = None) -> None:  # noqa: ARG002
-        """Decide on the acceleration; nobody else commands it."""
+        """Set the acceleration; the argument is ignored."""
         acceleration = 1.0 - (self.speed / self.target_speed) ** 4
         gap_m, leader = self._leader()
         if leader is not None:
@@ -67,7 +67,8 @@ class Actor(Vehicle):  # type: ignore[misc]
         self.action = {"steering": 0.0, "acceleration": -FULL_BRAKING_MPS2 if self.crashed else acceleration}
 
     def _leader(self) -> tuple[float, RoadObject | None]:
-        """The nearest thing ahead in the way, and the gap to it from bumper to bumper along the road."""
+        """The gap along the road, from bumper to bumper, to the nearest object ahead in the actor's path, and that
+        object."""
         nearest_m, leader = math.inf, None
         s, lateral = self.place
         for other in solid_objects(self):
@@ -79,7 +80,7 @@ class Actor(Vehicle):  # type: ignore[misc]
         return nearest_m, leader
 
     def step(self, dt: float) -> None:
-        """Move on along the lane by dt seconds."""
+        """Move along the lane for dt seconds."""
         before_mps = self.speed
         self.speed = max(before_mps + self.action["acceleration"] * dt, 0.0)
         s, lateral = self.place
@@ -91,11 +92,11 @@ class Actor(Vehicle):  # type: ignore[misc]
         self.impact = None
 
     def on_state_update(self) -> None:
-        """The lane never changes."""
+        """Nothing to update: the lane never changes."""
 
 
 def _class_by_kind(base: type[RoadObject], kinds: Iterable[ObjectKind]) -> dict[ObjectKind, type[Any]]:
-    """A subclass a kind: on an instance LENGTH and WIDTH would leave highway-env's `diagonal` stale."""
+    """A subclass per kind: sizes set on an instance would leave highway-env's `diagonal` stale."""
     return {
         kind: type(
             f"{base.__name__}{kind.capitalize()}",
@@ -115,11 +116,13 @@ def _class_by_kind(base: type[RoadObject], kinds: Iterable[ObjectKind]) -> dict[
 
 STATIC_OBSTACLES = _class_by_kind(StaticObstacle, SIZES)
 ACTORS = _class_by_kind(Actor, MOVING)
-globals().update({one.__name__: one for one in (*STATIC_OBSTACLES.values(), *ACTORS.values())})  # where pickle looks
+globals().update(
+    {one.__name__: one for one in (*STATIC_OBSTACLES.values(), *ACTORS.values())}
+)  # pickle looks them up here
 
 
 def place_objects(road: Road, scenario: Scenario) -> None:
-    """Put the bodies of a scenario on its road, along their lanes."""
+    """Put the objects of a scenario on its road, along their lanes."""
     for obj in scenario.bodies:
         place = (obj.s_m, scenario.road.lane_offset_m(obj.lane) + obj.lateral_m)
         if obj.speed_mps > 0.0:

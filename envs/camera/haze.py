@@ -1,4 +1,4 @@
-"""What fog and rain put before things, the more the farther they are."""
+"""Haze: fog and rain attenuate contrast with the distance."""
 
 import cv2
 import numpy as np
@@ -9,14 +9,14 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.sky.hills import HILLS
 from vpf_sim.types import Camera, Floats, Image
 
-LEAST_LEVELS = 1.0  # what changes by less is left as it is
+LEAST_LEVELS = 1.0  # smaller changes are left out
 
 
 class Haze:
     """L = L0 t + A (1 - t) with t = exp(-k depth) (Koschmieder, Beitr. Phys. freien Atm. 12:33, 1924).
 
-    A is the colour of the sky at the horizon, k the atmosphere's extinction. Rows of the ground are veiled in 8 bits by
-    one multiplication and one addition.
+    A, the airlight, is the colour of the sky at the horizon; k is the atmosphere's extinction. Rows of the ground take
+    one multiplication and one addition in 8 bits.
     """
 
     def __init__(self, camera: Camera, atmosphere: Atmosphere, light: Light) -> None:
@@ -35,29 +35,28 @@ class Haze:
             self._added[:] = np.rint((1.0 - share / 255.0) * self._horizon)
 
     def transmission(self, depth_m: Floats) -> Floats:
-        """What is left of the contrast with the horizon of things at depths, 0 to 1, in the same shape."""
+        """Transmission t at depths, 0 to 1, in the same shape."""
         return np.asarray(np.exp(-self._extinction_per_m * depth_m))
 
     def ground(self, frame: Image) -> None:
-        """Veil the rows of the ground, in place."""
+        """Apply haze to the rows of the ground, in place."""
         if len(self._left):
             part = frame[self._rows]
             cv2.multiply(part, self._left, part, scale=1 / 255)
             cv2.add(part, self._added, part)
 
     def colours(self, colours: Floats, depth_m: Floats) -> Floats:
-        """(n, 3) colours as they are seen from (n,) depths."""
+        """(n, 3) colours with the haze at (n,) depths."""
         left = self.transmission(depth_m)[:, None]
         return np.asarray(self._horizon + (colours - self._horizon) * left)
 
     def _shows(self, left: Floats) -> Floats:
-        """Where a transmission changes any colour by a level."""
+        """Where a transmission changes any colour by a grey level."""
         return np.asarray((1.0 - left) * self._strongest >= LEAST_LEVELS)
 
 
 def _depth_of_rows(camera: Camera) -> Floats:
-    """(rows,) m along the optical axis of the ground that each row sees, from the top of the ground down; no farther
-    than the line of trees that ends it."""
+    """(rows,) m, depth of the ground in each row from its top down, limited by the line of trees."""
     y = (np.arange(ground_top(camera), camera.height_px) - camera.cy_px) / camera.fy_px
     depth = camera.height_m / (y * np.cos(camera.pitch_rad) + np.sin(camera.pitch_rad))
     return np.asarray(np.minimum(depth, HILLS[-1][0]))

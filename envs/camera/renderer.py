@@ -1,4 +1,4 @@
-"""The first-person picture of a highway-env road."""
+"""First-person rendering of a highway-env road."""
 
 from typing import Protocol
 
@@ -28,19 +28,19 @@ from vpf_sim.types import Floats, Image
 
 
 class Carrier(Protocol):
-    """What carries the camera: a highway-env vehicle."""
+    """The highway-env vehicle that carries the camera."""
 
     position: Floats  # (2,) m
     heading: float  # rad
 
 
 class Renderer:
-    """Draws one road; made anew when the road is.
+    """Renders one road; a new road needs a new renderer.
 
-    The road is read through its lanes (`position`, `heading_at`, `width_at`, `length`, `line_types`) and through its
-    vehicles and objects (`position`, `heading`, LENGTH, WIDTH, and where they have them HEIGHT and `kind`: without
-    one a vehicle is a car and an obstacle a barrier; landmarks are not drawn). A scenario's network also says by its
-    `look` what lies beside the road and what it is made of.
+    It reads the road's lanes (`position`, `heading_at`, `width_at`, `length`, `line_types`) and its vehicles and
+    objects (`position`, `heading`, LENGTH, WIDTH, and if present HEIGHT and `kind`). Without a `kind` a vehicle is a
+    car and an obstacle a barrier; landmarks are not drawn. A network may have an `appearance`: verge and surface of the
+    road.
     """
 
     def __init__(self, road: Road, rig: Rig, weather: Weather, seed: int) -> None:
@@ -59,17 +59,17 @@ class Renderer:
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
         self._glass = Glass(rig.camera, weather, light, seed)
         self._sensor = Sensor(rig, weather, seed)
-        self._drawn: list[Drawn] | None = None  # in the frame rendered last; None if it was skipped
+        self._drawn: list[Drawn] | None = None  # items of the last frame; None if it was skipped
         self._now: Snapshot | None = None
         self._before: Snapshot | None = None
 
     @property
     def objects(self) -> list[RoadObject]:
-        """What `truth`'s instance i + 1 stands for."""
+        """The objects: `truth`'s instance i + 1 is objects[i]."""
         return [] if self._now is None else self._now.objects
 
     def render(self, ego: Carrier, time_s: float) -> Image:
-        """(H, W, 3) RGB, a fresh array: what the camera on `ego` sees at its present pose."""
+        """(H, W, 3) RGB, a fresh array: the frame of the camera on `ego` at its present pose."""
         now, before = self._advance(ego, time_s)
         frame = np.empty((self._camera.height_px, self._camera.width_px, 3), np.uint8)
         self._draw_world(frame, now, before)
@@ -80,9 +80,9 @@ class Renderer:
         return frame
 
     def skip(self, ego: Carrier, time_s: float) -> None:
-        """Let a frame pass that nobody looks at: those after it are what they would be, to the last bit.
+        """Skip a frame; later frames are the same to the last bit.
 
-        Nothing is drawn but where later frames show what this one would have shown.
+        The frame is drawn only if later frames reuse parts of it (reflections, drops on the glass).
         """
         if self._wet_road.is_due or self._glass.is_due(time_s):
             self.render(ego, time_s)
@@ -97,10 +97,11 @@ class Renderer:
         self._sensor.skip()
 
     def truth(self, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
-        """The arrays called `names` for the frame rendered last (see `vpf_sim.envs.camera.truth`), and `hidden`: (H, W)
-        bool, what the weather hides or fakes with mirror images, spray, drops and wipers.
+        """The ground truth `names` of the last frame (see `vpf_sim.envs.camera.truth`), and `hidden`.
 
-        Of a frame that was skipped there is `foe` alone.
+        `hidden` is (H, W) bool: pixels that reflections, spray, drops or wipers hide or falsify. A skipped frame has
+        `foe` only.
+
         """
         if self._now is None or self._before is None:
             raise RuntimeError("no frame has been rendered yet")
@@ -114,7 +115,7 @@ class Renderer:
         return result
 
     def _advance(self, ego: Carrier, time_s: float) -> tuple[Snapshot, Snapshot]:
-        """Note where everything is now; now and before."""
+        """Record all poses; returns the present snapshot and the one before."""
         view = View.at(self._camera, ego.position, ego.heading)
         objects = [obj for obj in (*self._road.vehicles, *self._road.objects) if obj is not ego]
         poses = {obj: self._pose(obj) for obj in objects}
@@ -123,13 +124,13 @@ class Renderer:
         return now, self._before
 
     def _pose(self, obj: RoadObject) -> Floats:
-        """(3,) x m, y m, heading rad of a body: the same array for as long as it stands."""
+        """(3,) x m, y m, heading rad of an object; the same array while it does not move."""
         pose = [*obj.position.tolist(), float(obj.heading)]
         before = None if self._now is None else self._now.poses.get(obj)
         return before if before is not None and before.tolist() == pose else np.array(pose)
 
     def _draw_world(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
-        """Draw what there is outside, water on the road and in the air behind bodies included."""
+        """Draw everything outside the windscreen except falling rain."""
         self._sky.draw(now.view, frame)
         self._ground.draw(now.view, frame)
         self._haze.ground(frame)

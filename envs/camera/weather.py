@@ -1,8 +1,8 @@
-"""Weather by CARLA's named factors, its presets, and weather files.
+"""Weather: CARLA's factors and presets, and weather files.
 
-Names, ranges and presets are those of CARLA 0.9.16 (`carla.WeatherParameters`, PythonAPI/docs/weather.yml), apart from
-`wetness`, which CARLA leaves at 0 in rain, and the azimuth, which it leaves to the map. What the factors mean in
-physical units is in `vpf_sim.envs.camera.atmosphere`.
+Names, ranges and presets are those of CARLA 0.9.16 (`carla.WeatherParameters`, PythonAPI/docs/weather.yml), except
+`wetness`, which CARLA leaves at 0 in rain, and the sun's azimuth, which it leaves to the map. Physical meanings:
+`vpf_sim.envs.camera.atmosphere`.
 """
 
 from pathlib import Path
@@ -15,7 +15,7 @@ from vpf_sim.errors import InputError, unknown_name, wrong_value
 
 
 class Weather(BaseModel):
-    """The weather of one episode. Factors without a unit run from 0, none, to 100, most."""
+    """The weather of one episode. Factors without a unit range from 0 to 100."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
@@ -28,10 +28,12 @@ class Weather(BaseModel):
     wetness: float = Field(default=0.0, ge=0.0, le=100.0)  # of the road's surface
     sun_altitude_angle: float = Field(default=45.0, ge=-90.0, le=90.0)  # deg above the horizon
     sun_azimuth_angle: float = Field(default=215.0, ge=0.0, le=360.0)  # deg, clockwise from the world's X axis
-    droplets: float = Field(default=0.0, ge=0.0, le=100.0)  # on the windshield: what rain of this precipitation brings
-    wiper_period_s: float = Field(default=0.0, ge=0.0, le=60.0)  # from sweep to sweep; 0: off
+    droplets: float = Field(
+        default=0.0, ge=0.0, le=100.0
+    )  # drops on the windscreen, as rain of this precipitation brings
+    wiper_period_s: float = Field(default=0.0, ge=0.0, le=60.0)  # between sweeps; 0: off
     streak_gain: float = Field(default=1.0, ge=0.0, le=20.0)  # brightness of falling drops; 1: physical
-    road_friction: float | None = Field(default=None, ge=0.05, le=2.0)  # None: the tyres never slip, in rain neither
+    road_friction: float | None = Field(default=None, ge=0.05, le=2.0)  # None: the tyres never slip, not even in rain
 
 
 def _preset(
@@ -84,13 +86,12 @@ ALIASES = {"clear": "ClearNoon", "cloudy": "CloudyNoon", "rain": "HardRainNoon",
 
 
 def names() -> list[str]:
-    """The presets and their aliases."""
+    """Names of the presets and their aliases."""
     return sorted([*PRESETS, *ALIASES])
 
 
 def load(name_or_path: str | Weather) -> Weather:
-    """The weather of a preset, an alias, or a TOML file with a `base` and factors of its own; one that is loaded
-    already passes."""
+    """The weather of a preset, an alias or a TOML file (`base` and factors); a Weather is returned as it is."""
     if isinstance(name_or_path, Weather):
         return name_or_path
     if not isinstance(name_or_path, str):

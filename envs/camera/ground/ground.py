@@ -1,4 +1,4 @@
-"""The road and the verge in the picture: what is painted on them, their grain, their colours."""
+"""Renders the ground: paint, grain and colours of road and verge."""
 
 from functools import partial
 
@@ -21,8 +21,8 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.types import Camera, Floats, Image
 
-GRAINY_M = (10.0, 30.0)  # texels begin to lose their grain when they are so long, and have lost it
-NEAR_FINE, FAR_FINE = (2, 2), (2, 4)  # times as fine as the raster, across and along
+GRAINY_M = (10.0, 30.0)  # texel lengths at which grain starts to fade, and has faded
+NEAR_FINE, FAR_FINE = (2, 2), (2, 4)  # supersampling of the raster, across and along
 
 
 class Ground:
@@ -50,13 +50,13 @@ class Ground:
         self._over = np.empty((faded, camera.width_px), np.uint8)
 
     def update(self, view: View) -> None:
-        """Let the rasters cover what the camera sees."""
+        """Update the rasters for a view."""
         painted = False
         for patch in reversed(self._patches):
             painted |= patch.update(view, may_defer=painted)
 
     def draw(self, view: View, frame: Image) -> None:
-        """Paint the ground into the picture."""
+        """Draw the ground into the frame."""
         if not self._levels:
             return
         self.update(view)
@@ -75,7 +75,7 @@ class Ground:
 
 
 def _fade(rows: Image, over: Image, weights: Image) -> None:
-    """Lay rows over others in place; a weight of 255 hides what lies under."""
+    """Blend `over` into `rows` in place; weight 255 is opaque."""
     under = cv2.multiply(rows, cv2.bitwise_not(weights), scale=1 / 255)
     cv2.add(under, cv2.multiply(over, weights, scale=1 / 255), rows)
 

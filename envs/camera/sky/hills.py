@@ -1,4 +1,4 @@
-"""Ranges of hills at the horizon, as a panorama."""
+"""Ranges of hills at the horizon as a panorama."""
 
 import cv2
 import numpy as np
@@ -15,17 +15,17 @@ HILLS = (  # (distance in m, tangent of the height, RGB), from far to near; the 
     (2600.0, 0.036, (62, 84, 70)),
     (950.0, 0.021, (46, 66, 36)),
 )
-VALLEY_HAZE = 0.25  # how much thicker the air is at the foot of a hill than at its top
-LEAST_SHOWN = 0.012  # of the nearest hills' contrast: what is fainter is about a level
+VALLEY_HAZE = 0.25  # extra extinction at the foot of a hill
+LEAST_SHOWN = 0.012  # least contrast of the nearest hills, about a grey level
 
 
 def hills_show(atmosphere: Atmosphere) -> bool:
-    """Whether any of the hills can be made out through the air."""
+    """Whether any hills are visible through the haze."""
     return bool(np.exp(-atmosphere.extinction_per_m * HILLS[-1][0]) > LEAST_SHOWN)
 
 
 def outlines(rng: np.random.Generator) -> Floats:
-    """(ranges, COLUMNS) tangents of the elevation of the hills' tops."""
+    """(ranges, COLUMNS) tangents of the elevation of the tops."""
     trees = len(HILLS) - 1
     fields = [noise((1, COLUMNS), rng, *((3.0, 0.9) if i == trees else (8.0, 1.4)))[0] for i in range(trees + 1)]
     heights = np.array([[height] for _, height, _ in HILLS])
@@ -35,8 +35,10 @@ def outlines(rng: np.random.Generator) -> Floats:
 def hills(
     sky: Image, tops: Floats, tall: float, light: Light, atmosphere: Atmosphere, rng: np.random.Generator
 ) -> Image:
-    """(rows, COLUMNS, 3) RGB ranges of hills before a panorama of the sky: column i at the azimuth 2 pi i / COLUMNS,
-    rows at even tangents of the elevation from `tall` down to 0. The air veils them by their distance."""
+    """(rows, COLUMNS, 3) RGB panorama of hazy hills before the sky.
+
+    Column i is the azimuth 2 pi i / COLUMNS; rows are linear in the tangent of the elevation, from `tall` down to 0.
+    """
     rows = int(tall * ROWS_PER_SLOPE)
     slope = np.linspace(tall, 0.0, rows)[:, None]
     picture = _magnified(sky, slope[:, 0])
@@ -52,7 +54,7 @@ def hills(
 
 
 def _magnified(sky: Image, slope: Floats) -> Floats:
-    """(rows, COLUMNS, 3) the sky at some tangents of the elevation."""
+    """(rows, COLUMNS, 3) the sky at tangents of the elevation."""
     turn = np.concatenate([sky, sky[:, :1]], axis=1)
     columns = np.arange(COLUMNS, dtype=np.float32) * np.float32(sky.shape[1] / COLUMNS)
     rows = ((len(sky) - 1) * (1.0 - slope / ZENITH_SLOPE)).astype(np.float32)

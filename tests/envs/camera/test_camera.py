@@ -219,7 +219,7 @@ def test_the_sky_turns_with_the_yaw_and_does_not_move_with_the_car():
 @pytest.mark.parametrize(
     ("camera", "key"),
     [
-        (replace(Camera(), k1=-0.2), "k1, k2: expected a distortion that can be undone"),
+        (replace(Camera(), k1=-0.2), "k1, k2: expected a distortion that is invertible"),
         (replace(Camera(), height_m=0.0), "height_m: expected at least 0.1, got 0.0"),
         (replace(Camera(), width_px=641), "width_px: expected an even number, got 641"),
     ],

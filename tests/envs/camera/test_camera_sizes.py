@@ -51,8 +51,8 @@ def test_a_small_camera_sees_the_road() -> None:
 @pytest.mark.parametrize(
     ("camera", "line"),
     [
-        (Camera(84, 84, cx_px=319.5), "camera: cx_px: expected within the picture, 0 to 83, got 319.5"),
-        (Camera(84, 84, cy_px=-1.0), "camera: cy_px: expected within the picture, 0 to 83, got -1"),
+        (Camera(84, 84, cx_px=319.5), "camera: cx_px: expected within the image, 0 to 83, got 319.5"),
+        (Camera(84, 84, cy_px=-1.0), "camera: cy_px: expected within the image, 0 to 83, got -1"),
         (Camera(fx_px=float("nan")), "camera: fx_px: expected a finite number, got nan"),
         (Camera(84.5, 84), "camera: width_px: expected a whole number, got 84.5"),  # type: ignore[arg-type]
         (Camera(100_000, 84), "camera: width_px: expected at most 8192, got 100000"),

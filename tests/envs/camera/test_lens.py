@@ -79,10 +79,10 @@ def test_no_border_is_empty(camera: Camera) -> None:
         (
             -0.3,
             0.0,
-            "k1, k2: expected a distortion that can be undone within the picture, to 1.25 off the axis, got -0.3, 0",
+            "k1, k2: expected a distortion that is invertible within the image, to 1.25 off the axis, got -0.3, 0",
         ),
-        (-0.1, -0.1, "k1, k2: expected a distortion that can be undone within the picture"),
-        (-2.0, 0.5, "k1, k2: expected a distortion that can be undone within the picture"),
+        (-0.1, -0.1, "k1, k2: expected a distortion that is invertible within the image"),
+        (-2.0, 0.5, "k1, k2: expected a distortion that is invertible within the image"),
         (inf, 0.0, "k1: expected a finite number, got inf"),
         (0.0, nan, "k2: expected a finite number, got nan"),
     ],
