@@ -1,4 +1,4 @@
-"""The world upside down, as flat water on the road shows it: faces and upright pictures mirrored about the road."""
+"""Reflections on flat water: faces and billboards mirrored about the road."""
 
 from dataclasses import dataclass
 from typing import TypeGuard
@@ -12,24 +12,24 @@ from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
-REFINEMENT = 2  # pixels of the picture to a pixel of the mirror image, each way
-FACES, SPRITES = 18, 5  # only the largest are mirrored
-FADED = 64.0  # of 255; faces that let more through are not mirrored
-BODIES_FIRST = 4.0  # how much more the area of a body's face counts than that of scenery
-LARGE_PX = 150  # area of the rectangle about the smallest thing that is
-SMALLEST_PX = 20.0  # area of the smallest face that is mirrored
+REFINEMENT = 2  # image pixels per pixel of the reflection, each way
+FACES, SPRITES = 18, 5  # most faces and sprites that are mirrored
+FADED = 64.0  # of 255; more transparent faces are not mirrored
+BODIES_FIRST = 4.0  # weight of the area of an object's face over scenery
+LARGE_PX = 150  # least area of a mirrored item's bounding box
+SMALLEST_PX = 20.0  # least area of a mirrored face
 SPRITE_TALL_PX = 30
-FOOT_M = 0.4  # what of a body counts as its foot
-FOOT_SHARE = 0.3  # of the way from its foot up to the horizon is surely covered by the thing
+FOOT_M = 0.4  # height of an object's foot
+FOOT_SHARE = 0.3  # share of the way from the foot to the horizon that the object covers for sure
 WATER_INDEX = 1.333
 
 
 @dataclass(frozen=True, slots=True)
 class MirroredFaces:
-    """Faces as the water shows them, in painter's order."""
+    """Mirrored faces in painter's order."""
 
-    points_px: Floats  # (n, 2) the vertices of one face after the other
-    corners: list[int]  # how many each has
+    points_px: Floats  # (n, 2) vertices, face by face
+    corners: list[int]  # vertices per face
     colours: list[list[float]]
 
 
@@ -37,7 +37,7 @@ NO_FACES = MirroredFaces(np.empty((0, 2)), [], [])
 
 
 def reflectance(sine: Floats) -> Floats:
-    """Share of unpolarised light that flat water mirrors by the sine of the angle between ray and surface (Fresnel)."""
+    """Fresnel reflectance of water for unpolarised light, by the sine of the grazing angle."""
     refracted = np.sqrt(1.0 - (1.0 - sine**2) / WATER_INDEX**2)  # cosine of the angle of refraction
     across = (sine - WATER_INDEX * refracted) / (sine + WATER_INDEX * refracted)
     along = (WATER_INDEX * sine - refracted) / (WATER_INDEX * sine + refracted)
@@ -45,9 +45,9 @@ def reflectance(sine: Floats) -> Floats:
 
 
 def mirrored_points(view: View, points_px: Floats, planes: Floats) -> tuple[Floats, Floats]:
-    """(n, 2) px where the mirror images of points (n, 2) px appear, and how high above the road the points lie, m.
+    """(n, 2) px, mirror images of points (n, 2) px, and (n,) m, heights of the points above the road.
 
-    `planes` (n, 3) gives each point's inverse depth w = plane . ray. The point is ray / w in camera axes; mirrored
+    `planes` (n, 3) give the inverse depths w = plane . ray. The point is ray / w in camera axes; mirrored
     about the road it is ray / w - 2 z up, where z = camera height + ray . up / w is its height.
     """
     camera, up = view.camera, view.axes[:, 2].tolist()
@@ -62,11 +62,10 @@ def mirrored_points(view: View, points_px: Floats, planes: Floats) -> tuple[Floa
 
 
 def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> MirroredFaces:
-    """The largest faces of things as water shows them.
+    """The largest faces, mirrored.
 
-    The foot of what stands on the road is drawn out upwards by up to `foot_px`, to where the thing itself will cover
-    it: so a mirror image keeps its darkness there when it is blurred, as it does on a road, where a ray that leaves it
-    flatter than the foot lies does not reach the sky.
+    Feet are extended upwards by up to `foot_px`, into the area that the object itself covers. So a blurred reflection
+    stays dark at the foot, as on a real road.
     """
     items = [(item.drawing, item.instance) for item in drawn if _large(item.drawing)]
     if not items:
@@ -91,7 +90,7 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Mirr
 
 
 def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
-    """Whether these are faces, and some of them may be large enough."""
+    """Whether a drawing has faces that may be large enough."""
     if isinstance(drawing, Sprite):
         return False
     return any((x1 - x0) * (y1 - y0) > LARGE_PX for x0, y0, x1, y1 in drawing.boxes)
@@ -100,7 +99,7 @@ def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
 def _drawn_out(
     view: View, polygons: list[Floats], planes: Floats, colours: list[list[float]], foot_px: float
 ) -> MirroredFaces:
-    """Faces mirrored, and their feet drawn out."""
+    """Mirrored faces with extended feet."""
     if not polygons:
         return NO_FACES
     corners = [len(polygon) for polygon in polygons]
@@ -111,7 +110,7 @@ def _drawn_out(
 
 
 def paint_faces(canvas: Image, top: int, faces: MirroredFaces) -> None:
-    """Draw mirrored faces on a canvas of reduced size whose first row is the picture's row `top`."""
+    """Draw mirrored faces on a reduced canvas whose first row is image row `top`."""
     scale = 2.0**SHIFT / REFINEMENT
     corner = np.array([0.5, 0.5 - top]) * scale - 0.5 * 2**SHIFT
     fixed = np.rint(faces.points_px * scale + corner).astype(np.int32)
@@ -122,7 +121,7 @@ def paint_faces(canvas: Image, top: int, faces: MirroredFaces) -> None:
 
 
 def large_sprites(drawn: list[Drawn]) -> list[Sprite]:
-    """The largest upright pictures, in their order."""
+    """The largest billboards, in their order."""
     sprites = [item.drawing for item in drawn if isinstance(item.drawing, Sprite)]
     tall = [sprite for sprite in sprites if sprite.picture.shape[0] >= SPRITE_TALL_PX]
     largest = sorted(tall, key=lambda sprite: -sprite.picture.shape[0])[:SPRITES]
@@ -130,7 +129,7 @@ def large_sprites(drawn: list[Drawn]) -> list[Sprite]:
 
 
 def paint_sprite(canvas: Image, view: View, top: int, sprite: Sprite) -> None:
-    """Draw an upright picture upside down below its foot."""
+    """Draw a billboard upside down below its foot."""
     camera = view.camera
     foot = horizon_row(camera) + camera.fy_px * camera.height_m / sprite.depth_m
     tall, wide = sprite.picture.shape[:2]
@@ -152,12 +151,12 @@ def _upside_down(picture: Image, size: tuple[int, int]) -> NDArray[np.uint8]:
 
 
 def horizon_row(camera: Camera) -> float:
-    """The row of the horizon in the middle of the picture, px."""
+    """Image row of the horizon in the middle column, px."""
     return float(camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad))
 
 
 def erase(mask: Image, drawing: Drawing | Sprite) -> None:
-    """Set the pixels (H, W) that a thing covers to 0."""
+    """Set the pixels of a mask (H, W) that an item covers to 0."""
     if isinstance(drawing, Sprite):
         height, width = drawing.through.shape[:2]
         mask[drawing.y : drawing.y + height, drawing.x : drawing.x + width][drawing.through[..., 0] < 128] = 0

@@ -1,4 +1,4 @@
-"""Water that moving bodies throw up from a wet road."""
+"""Spray behind moving objects on a wet road."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,26 +17,26 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Image
 
-SLOWEST_MPS, FULL_MPS = 4.0, 11.0  # spray begins at the one speed and is full at the other, 40 km/h
-PUFFS = 3  # behind each body at a time
-LIFE_S = 0.9  # of a puff, from the wheels until it has sunk
-OPACITY = 0.95  # of a full puff in its middle
+SLOWEST_MPS, FULL_MPS = 4.0, 11.0  # speeds at which spray starts and is full, 40 km/h
+PUFFS = 3  # per object at a time
+LIFE_S = 0.9  # of a puff
+OPACITY = 0.95  # of a dense puff in its middle
 NEAREST_M, RANGE_M = 2.5, 70.0  # depths between which puffs are drawn
-SIZE = 48  # pixels of a puff's picture, each way
+SIZE = 48  # pixels of a puff's image, each way
 VARIANTS = 6
-CYCLES = 1024  # after which a puff's chances come again, in 15 minutes
+CYCLES = 1024  # random cycles before they repeat, 15 minutes
 
 
 @dataclass(frozen=True, slots=True)
 class Puff(Sprite):
-    """A puff in the picture."""
+    """A puff in the image."""
 
 
 class Spray:
-    """Soft puffs behind moving bodies.
+    """Soft puffs behind moving objects.
 
-    They leave the wheels one after the other, stay behind at half the body's speed, widen and fade. As a plume they
-    are as wide as the body and reach about as high as its middle.
+    Puffs leave the wheels one after the other, move at half the object's speed, widen and fade. The plume is as wide as
+    the object and about half as high.
     """
 
     def __init__(self, camera: Camera, atmosphere: Atmosphere, light: Light, seed: int) -> None:
@@ -47,7 +47,7 @@ class Spray:
         self._drawn: list[Drawn] = []
 
     def added(self, drawn: list[Drawn], now: Snapshot, before: Snapshot) -> list[Drawn]:
-        """The things in painter's order with the puffs in their places among them."""
+        """The items in painter's order with the puffs inserted."""
         self._drawn = drawn
         gap_s = now.time_s - before.time_s
         if self._strength <= 0.0 or gap_s <= 0.0:
@@ -59,7 +59,7 @@ class Spray:
         return self._drawn
 
     def hidden(self) -> Bools:
-        """(H, W) where the last frame shows more of the spray than of what is behind it."""
+        """(H, W) where spray hides more than half of the scene in the last frame."""
         mask = np.zeros((self._camera.height_px, self._camera.width_px), np.uint8)
         for item in self._drawn:
             drawing = item.drawing
@@ -71,7 +71,7 @@ class Spray:
         return mask.astype(bool)
 
     def _puffs(self, index: int, now: Snapshot, before: Snapshot, gap_s: float) -> tuple[list[Drawn], list[Drawn]]:
-        """A body's puffs: those farther away than it, and those nearer."""
+        """An object's puffs: those farther than it, and those nearer."""
         obj = now.objects[index]
         pose = now.poses[obj]
         speed = float(np.hypot(*(pose - before.poses.get(obj, pose))[:2])) / gap_s
@@ -98,7 +98,7 @@ class Spray:
         return farther, nearer
 
     def _puff(self, view: View, foot: Floats, size_m: tuple[float, float], opacity: float, variant: int) -> Puff | None:
-        """A puff that stands on the road at a point (2,) of the world; None if it is out of the picture."""
+        """A puff on the road at a world point (2,); None outside the image."""
         camera = self._camera
         right, down, depth = (view.axes @ (np.array([*foot, 0.0]) - view.centre)).tolist()
         if not NEAREST_M < depth < RANGE_M:
@@ -125,7 +125,7 @@ def _nearness(item: Drawn) -> float:
 
 @lru_cache(maxsize=VARIANTS)
 def puff_picture(variant: int) -> Image:
-    """(SIZE, SIZE) opacity of a puff, 0..255: thick at the foot, soft everywhere else."""
+    """(SIZE, SIZE) opacity of a puff, 0..255: dense at the foot, soft elsewhere."""
     rng = stream(0, f"puff {variant}")
     y, x = (np.mgrid[0:SIZE, 0:SIZE] + 0.5) / SIZE
     billows = noise((SIZE, SIZE), rng, 5.0, 1.2)
