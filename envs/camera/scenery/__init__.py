@@ -1,1 +1,1 @@
-"""What stands up from the ground: bodies, furniture of the road, trees."""
+"""Everything that rises from the ground: objects, road furniture, trees."""

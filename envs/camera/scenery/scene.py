@@ -1,4 +1,4 @@
-"""What stands up from the ground, bodies and scenery: what of it is in view, and painting it, the farthest first."""
+"""Objects and static scenery: visibility, drawing order and painting."""
 
 from dataclasses import dataclass
 from math import asin, atan2, cos, hypot, inf, pi, remainder, sin
@@ -20,29 +20,29 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
-SHADOW_REACH = 4.0  # length of the longest shadows, in heights
+SHADOW_REACH = 4.0  # longest shadows, in heights
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """What moved, at one frame."""
+    """View and object poses at one frame."""
 
     view: View
     time_s: float
-    objects: list[RoadObject]  # all but the one that carries the camera
-    poses: dict[RoadObject, Floats]  # (x, y, heading) of each body
+    objects: list[RoadObject]  # without the camera's vehicle
+    poses: dict[RoadObject, Floats]  # (x, y, heading) by object
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A body as it is drawn."""
+    """An object's mesh and shadow."""
 
     solid: Solid
     shadow: Shadow
 
 
 class Scene:
-    """The bodies and the scenery of one road."""
+    """The objects and the static scenery of one road."""
 
     def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, haze: Haze, seed: int) -> None:
         self._seed = seed
@@ -54,7 +54,7 @@ class Scene:
         self._order: list[int] = []
 
     def visible(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
-        """All that is in view, the farthest first, as it lies in the picture."""
+        """All visible items, projected, the farthest first."""
         trees = self._scenery.visible_trees(now.view)
         scenery, depths = self._scenery.visible(now.view)
         drawn: list[Drawn] = []
@@ -74,7 +74,7 @@ class Scene:
         return drawn
 
     def update(self, now: Snapshot) -> None:
-        """Look at what is in view as `seen` does, without a picture."""
+        """Update visibility as `visible` does, without drawing."""
         self._scenery.update(now.view)
         self._order, _ = self._objects.in_view(now)
         for i in self._order:
@@ -82,24 +82,24 @@ class Scene:
             self._of(obj).solid.update(now.view, now.poses[obj])
 
     def paint(self, frame: Image, drawn: list[Drawn]) -> None:
-        """Draw things over the picture, in their order."""
+        """Draw items over the image, in their order."""
         paint(frame, [item.drawing for item in drawn])
 
     def paint_shadows(self, frame: Image, now: Snapshot) -> None:
-        """Darken the ground where bodies keep the light off; of those found by `seen`."""
+        """Draw the shadows of the objects found by `visible`."""
         for i in self._order:
             obj = now.objects[i]
             self._of(obj).shadow.paint(frame, now.view, now.poses[obj])
 
     def _object(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
-        """A body's faces in the picture and how it moved; None if none of them is seen."""
+        """An object's visible faces and its motion; None without visible faces."""
         obj = now.objects[index]
         pose = now.poses[obj]
         drawing = self._of(obj).solid.visible(now.view, pose)
         return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(obj, pose), pose))
 
     def _of(self, obj: RoadObject) -> Shape:
-        """What is known of a body."""
+        """The mesh and shadow of an object, created on first use."""
         if obj not in self._shapes:
             rng = stream(self._seed, f"body {len(self._shapes)}")
             size = object_size(obj)
@@ -109,7 +109,7 @@ class Scene:
 
 
 def _covers(tree: Sprite, scenery: Drawing, depths: list[float]) -> bool:
-    """Whether a tree may cover things of the scenery; else they need not be drawn before it."""
+    """Whether a tree may cover scenery items, which then must be drawn before it."""
     left, top, right, bottom = tree.box
     for (x0, y0, x1, y1), depth in zip(scenery.boxes, depths, strict=True):
         if depth <= tree.depth_m:
@@ -120,7 +120,7 @@ def _covers(tree: Sprite, scenery: Drawing, depths: list[float]) -> bool:
 
 
 def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], first: int, behind: float) -> int:
-    """Add the things of the scenery from `first` on that lie farther than `behind`; the first that does not."""
+    """Add the scenery items from `first` on that are farther than `behind`; returns the next index."""
     last = first
     while last < len(depths) and depths[last] > behind:
         last += 1
@@ -130,8 +130,7 @@ def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], fir
 
 
 class Order:
-    """The order in which bodies are drawn. While none of them moves it is looked for anew when the camera has gone
-    STALE_M: bodies that change places meanwhile lie side by side in the picture."""
+    """Drawing order of objects. While none moves, it is updated when the camera has moved by STALE_M."""
 
     def __init__(self) -> None:
         self._places: list[list[float]] = []
@@ -139,10 +138,9 @@ class Order:
         self._order: list[int] = []
 
     def in_view(self, now: Snapshot) -> tuple[list[int], list[float]]:
-        """Indices of the bodies that may be in the picture, the farthest first, and the depth of each one's nearest
-        corner.
+        """Indices of the objects that may be visible, farthest first, and depths of their nearest corners.
 
-        What lies in front of the body that is farther away comes later, whatever their depths.
+        An object in front of another comes later, whatever their depths.
         """
         ahead = _ahead(now)
         discs = {i: _disc(now, i) for i in ahead}
@@ -154,7 +152,7 @@ class Order:
 
 
 def _far_to_near(now: Snapshot, discs: "dict[int, Disc]") -> list[int]:
-    """The bodies in the order in which they are drawn."""
+    """The objects in drawing order."""
     ahead = list(discs)
     order = sorted(ahead, key=lambda i: -discs[i].distance_m)
     if not any(_unclear(discs[i], discs[j]) for n, i in enumerate(order) for j in order[n + 1 :]):
@@ -165,12 +163,12 @@ def _far_to_near(now: Snapshot, discs: "dict[int, Disc]") -> list[int]:
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """The circle around a body's footprint, as seen from the camera."""
+    """The bounding circle of an object's footprint, from the camera."""
 
     distance_m: float
     bearing_rad: float
     radius_m: float
-    nearest_m: float  # depth of the body's nearest corner
+    nearest_m: float  # depth of the nearest corner
 
 
 def _disc(now: Snapshot, index: int) -> Disc:
@@ -187,7 +185,7 @@ def _disc(now: Snapshot, index: int) -> Disc:
 
 
 def _unclear(farther: Disc, nearer: Disc) -> bool:
-    """Whether distance alone does not tell which of two bodies covers the other."""
+    """Whether distance alone does not decide which of two objects covers the other."""
     if farther.distance_m - farther.radius_m >= nearer.distance_m + nearer.radius_m:
         return False
     if nearer.distance_m <= nearer.radius_m or farther.distance_m <= farther.radius_m:
@@ -197,7 +195,7 @@ def _unclear(farther: Disc, nearer: Disc) -> bool:
 
 
 def _ahead(now: Snapshot) -> list[int]:
-    """Indices of the bodies that may be in the picture, or their shadows, by their places alone."""
+    """Indices of the objects whose position allows them or their shadows to be visible."""
     view = now.view
     c, s = cos(view.yaw_rad), sin(view.yaw_rad)
     eye_x, eye_y, _ = view.centre.tolist()

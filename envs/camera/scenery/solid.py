@@ -1,4 +1,4 @@
-"""A body as the camera sees it: its mesh at a pose, in the light and through the air."""
+"""An object's mesh at a pose, lit and hazed."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -15,25 +15,25 @@ from vpf_sim.geometry import is_same
 from vpf_sim.types import Floats
 
 VISIBLE_PX = 0.6  # faces thinner than this are not drawn
-RANGE_M, FADED_IN_M = 220.0, 180.0  # bodies appear at the one and are there at the other
-STALE_M, SLIVER_PX = 0.3, 0.25  # what the camera moves at most before it looks again, and what it may miss by then
-ON_EDGE_M = 1e-6  # nearer to a face's plane the eye does not see the face
+RANGE_M, FADED_IN_M = 220.0, 180.0  # distances at which objects appear, and are opaque
+STALE_M, SLIVER_PX = 0.3, 0.25  # most motion of the camera before visibility is updated, and width of missed faces
+ON_EDGE_M = 1e-6  # least distance from a visible face's plane
 ONE = np.zeros(1, np.int64)
 
 
 @dataclass(frozen=True, slots=True)
 class VisibleFaces:
-    """The faces of a body that are seen from about one place, and their colours."""
+    """The visible faces of an object near one camera position, and their colours."""
 
-    eye: Floats  # (3,) body axes
-    far_m: float  # how far from it they are seen
+    eye: Floats  # (3,) camera position in object axes
+    far_m: float  # radius of validity
     faces_m: Floats  # (n, V, 3)
     normals: Floats  # (n, 3)
     offsets_m: Floats  # (n,)
     colours: list[list[float]]  # (n, 4)
 
     def plane_distances(self, eye: Floats) -> Floats | None:
-        """(n,) m, how far an eye is before the planes of the faces; None if it must look again."""
+        """(n,) m, distances of the camera from the faces' planes; None if visibility is stale."""
         x, y, _ = (eye - self.eye).tolist()
         if not x * x + y * y < self.far_m**2:
             return None
@@ -42,25 +42,25 @@ class VisibleFaces:
 
 
 class Solid:
-    """One body's mesh in the light. What is seen of it is kept for as long as the camera stays near enough.
+    """One object's lit mesh; its visible faces are cached while the camera stays near.
 
-    A face that turns up meanwhile is missed; of a body that reaches r from its middle, d away, it is no wider than
-    2 r f e / d^2 px when the camera has moved by e, which bounds e by SLIVER_PX.
+    A face that becomes visible meanwhile is missed. For an object of radius r at distance d it is at most 2 r f e / d^2
+    px wide after a camera motion e; SLIVER_PX bounds it.
     """
 
     def __init__(self, mesh: Mesh, light: Light, haze: Haze) -> None:
         self._mesh = mesh
         self._light = light
         self._air = AerialPerspective(light, haze)
-        self._offsets_m = np.einsum("ij,ij->i", mesh.normals, mesh.faces_m[:, 0])  # of the faces' planes
+        self._offsets_m = np.einsum("ij,ij->i", mesh.normals, mesh.faces_m[:, 0])  # plane offsets
         self._reach_m = mesh.reach_m
         self._pose: Floats = np.full(3, np.nan)
         self._to_world = np.eye(4)
-        self._contrasts: Floats | None = None  # at the present heading
+        self._contrasts: Floats | None = None  # for the present heading
         self._visible: VisibleFaces | None = None
 
     def visible(self, view: View, pose: Floats) -> Drawing | None:
-        """The visible faces at a pose (x, y, heading); None if there are none."""
+        """The visible faces at a pose (x, y, heading); None without any."""
         near, distances = self._current(view, pose)
         visible = self._visible
         if visible is None or distances is None or not len(distances):
@@ -70,12 +70,11 @@ class Solid:
         )
 
     def update(self, view: View, pose: Floats) -> None:
-        """Look again at the pose where it is time to."""
+        """Update visibility at a pose if it is stale."""
         self._current(view, pose)
 
     def _current(self, view: View, pose: Floats) -> tuple[View, Floats | None]:
-        """The view in the body's axes, and (n,) m how far it is before the planes of the faces; None if it is too far
-        away to be seen."""
+        """The view in object axes, and (n,) m, distances from the faces' planes; None beyond RANGE_M."""
         self._go(pose)
         near = view.in_object_axes(self._to_world)
         depth = float(-near.axes[2] @ near.centre)
@@ -88,7 +87,7 @@ class Solid:
         return near, distances
 
     def _go(self, pose: Floats) -> None:
-        """Stand at a pose."""
+        """Set the pose."""
         if is_same(pose, self._pose):
             return
         if pose[2] != self._pose[2]:
@@ -96,7 +95,7 @@ class Solid:
         self._pose, self._to_world = pose, object_to_world(pose)
 
     def _find_visible(self, near: View, depth: float) -> VisibleFaces:
-        """What is seen, at a depth, from here and a little farther."""
+        """The visible faces at a depth, near the present view."""
         mesh, eye = self._mesh, near.centre
         distances = mesh.normals @ eye - self._offsets_m
         visible_m = VISIBLE_PX * max(depth - 2.0, 0.0) / near.camera.fx_px
@@ -114,7 +113,7 @@ class Solid:
         return VisibleFaces(eye, far_m, faces, mesh.normals[shown], self._offsets_m[shown], colours.tolist())
 
     def _lit(self) -> Floats:
-        """(F, 4) the contrasts of all faces at the present heading."""
+        """(F, 4) contrasts of all faces at the present heading."""
         if self._contrasts is None:
             mesh, light = self._mesh, self._light
             facing = np.maximum(0.0, mesh.normals @ (light.sun @ self._to_world[:3, :3]))[:, None]

@@ -1,4 +1,4 @@
-"""What stands beside the road and never moves, placed by a seed: its furniture, trees and bushes."""
+"""Static scenery beside the road, placed by a seed: furniture, trees and bushes."""
 
 import numpy as np
 
@@ -13,13 +13,13 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
-TREE_EVERY = 2  # stations, on either side
+TREE_EVERY = 2  # stations between trees, on either side
 TREE_SHARE, BUSH_SHARE = 0.8, 0.3
-TREE_FREE_M = 4.0  # around a tree's foot
+TREE_FREE_M = 4.0  # free radius around a tree
 
 
 class StaticScenery:
-    """What stands beside a road and never moves."""
+    """The static scenery of one road."""
 
     def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, haze: Haze, seed: int) -> None:
         verge = Verge(shapes)
@@ -27,24 +27,24 @@ class StaticScenery:
         self._roadside = Roadside(camera, verge.furnished(stream(seed, "scenery")), light, haze)
 
     def visible(self, view: View) -> tuple[Drawing | None, list[float]]:
-        """The faces in view, the farthest thing first, and the depth of each, m."""
+        """The visible faces, the farthest item first, and the depth of each item, m."""
         return self._roadside.visible(view)
 
     def update(self, view: View) -> None:
-        """Look at what is in view, without a picture."""
+        """Update visibility without drawing."""
         self._roadside.update(view)
 
     def visible_trees(self, view: View) -> list[Sprite]:
-        """The trees in view, the farthest first."""
+        """The visible trees, the farthest first."""
         return self._trees.visible(view)
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
-        """(n, 2) m, outlines on the ground whose union lies in the shade of furniture, trees and bushes."""
+        """(n, 2) m, shadow outlines on the ground of furniture, trees and bushes."""
         return [*self._roadside.shadow_polygons(light), *self._trees.shadow_polygons(light)]
 
 
 def _planted(verge: Verge, rng: np.random.Generator) -> Trees:
-    """Trees some 6 to 32 m outside the edges, the more the nearer."""
+    """Trees 6 to 32 m outside the edges, denser near them."""
     feet = [np.empty((0, 2))]
     for side in verge.sides:
         base, out = side.points_m[::TREE_EVERY], side.outward[::TREE_EVERY]

@@ -1,4 +1,4 @@
-"""Where posts, guard rails, signs, lamp posts and gantries stand: along the outer edges of a road, by a seed."""
+"""Placement of road furniture along the outer edges of a road, by a seed."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,15 +13,15 @@ from vpf_sim.envs.camera.scenery.signs import SIGNS, chevron
 from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Bools, Floats
 
-STATION_M = 4.0  # edges are sampled that finely
+STATION_M = 4.0  # sampling of the edges
 POST_EVERY, POST_OFFSET_M = 6, 1.3  # stations
 RAIL_EVERY, RAIL_OFFSET_M = 3, 1.7
 SIGN_EVERY, SIGN_OFFSET_M = 16, 2.6
 LAMP_EVERY, LAMP_OFFSET_M = 10, 2.4
-LIT_SHARE = 0.5  # of the roads have lamp posts
+LIT_SHARE = 0.5  # share of roads with lamp posts
 GANTRY_EVERY, GANTRY_OFFSET_M = 60, 2.0
-WIDEST_M = 40.0  # no gantry spans more
-CHEVRON_EVERY, BEND_M = 8, 250.0  # bends of a smaller radius are marked
+WIDEST_M = 40.0  # widest gantry
+CHEVRON_EVERY, BEND_M = 8, 250.0  # bends of smaller radius have chevrons
 POST_RANGE_M, RAIL_RANGE_M, SIGN_RANGE_M, TALL_RANGE_M = 100.0, 110.0, 130.0, 200.0
 
 
@@ -32,11 +32,11 @@ class Side:
     points_m: Floats  # (n, 2)
     outward: Floats  # (n, 2) unit
     heading: Floats  # (n,) rad, of the lane beside it
-    to_right: bool  # whether outward is to the right of the lane
-    curvature: Floats  # (n,) 1/m, + bends to the right
+    to_right: bool  # whether outward is right of the lane
+    curvature: Floats  # (n,) 1/m, > 0 turns right
 
     def pose(self, index: int, offset_m: float, turn: float = 0.0) -> Floats:
-        """(x, y, heading) of what stands outside the edge and faces whoever comes along the lane."""
+        """Pose (x, y, heading) outside the edge, facing traffic in the lane."""
         return np.array([*(self.points_m[index] + offset_m * self.outward[index]), self.heading[index] + turn])
 
 
@@ -50,12 +50,12 @@ class Verge:
         self.sides = [_side(edge.points_m, edge.outward) for edge in map(_stations, outer_edges(shapes))]
 
     def clear(self, points: Floats, margin_m: float) -> Bools:
-        """Which points are at least `margin_m` away from every lane."""
+        """Which points are at least `margin_m` from every lane."""
         distance, _ = self._lanes.query(points)
         return np.asarray(distance > self._half + margin_m - 0.3)
 
     def furnished(self, rng: np.random.Generator) -> list[Placement]:
-        """All that stands there."""
+        """All furniture of the road."""
         lit, items = rng.random() < LIT_SHARE, []
         for side in self.sides:
             railed = _railed(len(side.points_m), rng)
@@ -67,7 +67,7 @@ class Verge:
         return items
 
     def _every(self, side: Side, first: int, step: int, offset_m: float) -> Iterator[int]:
-        """Stations at which something may stand at an offset."""
+        """Stations with free ground at an offset."""
         free = self.clear(side.points_m + offset_m * side.outward, offset_m)
         return iter([i for i in range(first, len(side.points_m), step) if free[i]])
 
@@ -101,7 +101,7 @@ class Verge:
                 yield mesh, side.pose(i, LAMP_OFFSET_M), TALL_RANGE_M
 
     def _gantries(self, side: Side, rng: np.random.Generator) -> Iterator[Placement]:
-        """Over the whole road, where the opposite edge lies straight across."""
+        """Gantries over the whole road, where the opposite edge is straight across."""
         for i in range(int(rng.integers(10, GANTRY_EVERY)), len(side.points_m), GANTRY_EVERY):
             across = -side.outward[i]
             start = side.points_m[i] + GANTRY_OFFSET_M * side.outward[i]
@@ -117,7 +117,7 @@ class Verge:
                     yield mesh, pose, TALL_RANGE_M
 
     def _width(self, point: Floats, across: Floats) -> float | None:
-        """How far the opposite edge is straight across, m."""
+        """Distance of the opposite edge straight across, m; None without one."""
         for other in self.sides:
             relative = other.points_m - point
             along, aside = relative @ across, relative @ (-across[1], across[0])
@@ -127,7 +127,7 @@ class Verge:
         return None
 
     def _lanes_across(self, point: Floats, across: Floats, width: float) -> list[float]:
-        """How far across from an edge the middles of the lanes lie, m."""
+        """Distances of the lanes' middles across from an edge, m."""
         result = []
         for middle in self._middles:
             relative = middle - point
@@ -160,7 +160,7 @@ def _dense(shape: LaneShape) -> Floats:
 
 
 def _railed(count: int, rng: np.random.Generator) -> Bools:
-    """Which stations have a guard rail: stretches of 40 to 160 m, about a third of the way."""
+    """Which stations have a guard rail: stretches of 40 to 160 m, about a third of the road."""
     flags = np.zeros(count, bool)
     i = int(rng.integers(0, 40))
     while i < count:
