@@ -145,9 +145,9 @@ class Gtsmc:
         self._last_rate_radps: float | None = None
         self._last_bend_per_m: float | None = None
         self._demand_radps2, self._curvature_demand_radps2 = 0.0, 0.0
-        self._yaw_rate_radps, self._model_radps = 0.0, 0.0
+        self.yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
-        self._speed_mps: float | None = None
+        self.speed_mps: float | None = None
         self._acceleration_mps2 = 0.0  # as commanded last
         self._reachable_mps = inf  # v_d at most
         swings = self._gains.change_limit_mps2 > 0.0
@@ -239,22 +239,22 @@ class Gtsmc:
             return measured_radps
         slip = atan(self._vehicle.l_r_m / self._vehicle.wheelbase_m * tan(self.steering_rad))
         model = speed_mps * sin(slip) / self._vehicle.l_r_m
-        foreseen = self._yaw_rate_radps + model - self._model_radps
+        foreseen = self.yaw_rate_radps + model - self._model_radps
         share = self._share(self._gains.yaw_rate_filter_hz)
-        self._yaw_rate_radps, self._model_radps = foreseen + share * (measured_radps - foreseen), model
-        return self._yaw_rate_radps
+        self.yaw_rate_radps, self._model_radps = foreseen + share * (measured_radps - foreseen), model
+        return self.yaw_rate_radps
 
     def _filtered_speed(self, measured_mps: float) -> float:
         """v, m/s: what changes slowly as it is measured, what changes fast as throttle and brake make it.
 
         Where they do less than they should, as on a slippery road, it lags by 1 / (2 pi f) of what is missing.
         """
-        if self._gains.speed_filter_hz == 0.0 or self._speed_mps is None:
-            self._speed_mps = measured_mps
+        if self._gains.speed_filter_hz == 0.0 or self.speed_mps is None:
+            self.speed_mps = measured_mps
             return measured_mps
-        foreseen = max(self._speed_mps + self._acceleration_mps2 * self._dt_s, 0.0)
-        self._speed_mps = foreseen + self._share(self._gains.speed_filter_hz) * (measured_mps - foreseen)
-        return self._speed_mps
+        foreseen = max(self.speed_mps + self._acceleration_mps2 * self._dt_s, 0.0)
+        self.speed_mps = foreseen + self._share(self._gains.speed_filter_hz) * (measured_mps - foreseen)
+        return self.speed_mps
 
     def _speed(self, speed_mps: float, reference_mps: float) -> float:
         """v_d, less where the manifold could not be reached: it falls at once and rises gently."""

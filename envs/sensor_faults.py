@@ -37,13 +37,13 @@ class CameraFaults:
         self._last: Image | None = None  # the last image that left the camera
         self._arrived: tuple[Image, float] | None = None  # the last that has arrived, with its time stamp
 
-    def frame(self, taken: Image, time_s: float) -> tuple[Image, float]:
+    def frame(self, image: Image, time_s: float) -> tuple[Image, float]:
         """(H, W, 3) the last frame that has arrived, and its exposure time, s."""
         if self._arrived is None:
-            self._exposed = self._last = taken
-            self._arrived = taken, time_s
+            self._exposed = self._last = image
+            self._arrived = image, time_s
             return self._arrived
-        sent = self._with_faults(taken)
+        sent = self._with_faults(image)
         if not self._happens("drop", self._faults.drop_share):
             self._on_the_way.append((sent, time_s))
         latest_s = time_s - 1e-3 * self._faults.latency_ms + EARLY_S
@@ -51,12 +51,12 @@ class CameraFaults:
             self._arrived = self._on_the_way.popleft()
         return self._arrived
 
-    def _with_faults(self, taken: Image) -> Image:
+    def _with_faults(self, image: Image) -> Image:
         """The frame with faults; the input is not changed."""
         assert self._exposed is not None
         assert self._last is not None
         faults, before = self._faults, self._last
-        picture = self._exposed if self._is_frozen() else self._with_exposure_jump(taken)
+        picture = self._exposed if self._is_frozen() else self._with_exposure_jump(image)
         self._exposed = picture
         torn, noisy = self._happens("torn", faults.torn_share), self._happens("noise", faults.noise_rows_share)
         if torn:
@@ -82,12 +82,12 @@ class CameraFaults:
         self._frozen_frames -= frozen
         return frozen
 
-    def _with_exposure_jump(self, taken: Image) -> Image:
+    def _with_exposure_jump(self, image: Image) -> Image:
         """(H, W, 3) the frame, at times overexposed or underexposed."""
         if self._faults.exposure_jump_share == 0.0 or self._exposures.random() >= self._faults.exposure_jump_share:
-            return taken
+            return image
         stops = self._faults.exposure_jump_stops * (1.0 if self._exposures.random() < 0.5 else -1.0)
-        brighter: Image = np.minimum(np.rint(taken * 2.0**stops), 255.0).astype(np.uint8)
+        brighter: Image = np.minimum(np.rint(image * 2.0**stops), 255.0).astype(np.uint8)
         return brighter
 
 

@@ -31,7 +31,7 @@ class Sensors:
         self._scale = 1.0 + errors.speed_scale * scale
         self._bias_radps = errors.yaw_rate_bias_radps * bias
         self._mounting_rad = radians(errors.mounting_deg) * mounting
-        self._pitch_rad = radians(errors.pitch_deg) * pitch
+        self.pitch_rad = radians(errors.pitch_deg) * pitch  # of the body, > 0 down
         self._pitch_radps = omega * radians(errors.pitch_deg) * rate
         self._walked = np.zeros(3)  # x, y, yaw
 
@@ -53,30 +53,30 @@ class Sensors:
         speed = max(0.0, self._scale * float(state[3]) + float(noise[3]))
         return np.array([x, y, -wrap_angle(-yaw), speed, state[4] + self._bias_radps + noise[4]])
 
-    def frame(self, taken: Image | None) -> Image | None:
+    def frame(self, image: Image | None) -> Image | None:
         """(H, W, 3) the frame with mounting error and body pitch; None for a tick without a frame."""
         if self._errors.pitch_deg == self._errors.mounting_deg == 0.0:
-            return taken
-        self._pitch()
-        if taken is None:
+            return image
+        self._step_pitch()
+        if image is None:
             return None
-        turned = self._homography(self._mounting_rad + self._pitch_rad)
-        size = (taken.shape[1], taken.shape[0])
-        frame: Image = cv2.warpPerspective(taken, turned, size, borderMode=cv2.BORDER_REPLICATE).astype(np.uint8)
+        turned = self._homography(self._mounting_rad + self.pitch_rad)
+        size = (image.shape[1], image.shape[0])
+        frame: Image = cv2.warpPerspective(image, turned, size, borderMode=cv2.BORDER_REPLICATE).astype(np.uint8)
         return frame
 
-    def _pitch(self) -> None:
+    def _step_pitch(self) -> None:
         """One step of p'' = -omega^2 p - 2 zeta omega p' + white noise scaled to p's standard deviation."""
         omega, dt = 2.0 * pi * BODY_HZ, self._dt_s
         drive = radians(self._errors.pitch_deg) * sqrt(4.0 * BODY_DAMPING * omega**3 * dt)
-        pull = omega**2 * self._pitch_rad * dt
+        pull = omega**2 * self.pitch_rad * dt
         damped = self._pitch_radps * exp(-2.0 * BODY_DAMPING * omega * dt)
         self._pitch_radps = damped - pull + drive * float(self._bumps.standard_normal())
-        self._pitch_rad += self._pitch_radps * dt
+        self.pitch_rad += self._pitch_radps * dt
 
-    def _homography(self, down_rad: float) -> Floats:
+    def _homography(self, pitch_rad: float) -> Floats:
         """(3, 3) homography from the camera's pixels to those of a camera pitched down by `down_rad`."""
-        camera, (c, s) = self._camera, (np.cos(down_rad), np.sin(down_rad))
+        camera, (c, s) = self._camera, (np.cos(pitch_rad), np.sin(pitch_rad))
         matrix = np.array([[camera.fx_px, 0.0, camera.cx_px], [0.0, camera.fy_px, camera.cy_px], [0.0, 0.0, 1.0]])
         turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
         found: Floats = matrix @ turn @ np.linalg.inv(matrix)

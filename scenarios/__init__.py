@@ -1,4 +1,4 @@
-"""What to drive: the scenario files, their schema and the catalog."""
+"""Scenarios: files, schema and catalog."""
 
 from vpf_sim.scenarios.files import load, names, parse
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind, Size

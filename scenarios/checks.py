@@ -1,4 +1,4 @@
-"""What the keys of a scenario alone do not show: whether the parts fit together. One line a fault."""
+"""Consistency checks across the sections of a scenario; one line per fault."""
 
 from collections.abc import Iterator, Sequence
 
@@ -7,7 +7,7 @@ from vpf_sim.scenarios.parts import FASTEST_MPS, MOST_ROAD_M, Ego, Goal, ObjectS
 
 
 def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[ObjectSpec], vary: Vary) -> Iterator[str]:
-    """Every fault, whatever the seed draws: a scenario that passes is a good one for all seeds."""
+    """Every fault, for any seed: a scenario that passes is valid for all seeds."""
     yield from _road_faults(road)
     yield from _vary_faults(ego, bodies, vary)
     yield from _goal_faults(road, ego, goal, vary)
@@ -19,7 +19,7 @@ def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[ObjectSpec], vary:
 
 
 def _road_faults(road: Road) -> Iterator[str]:
-    """Lanes inside a bend tighter than half the carriageway would cross."""
+    """In a bend tighter than half the carriageway, lanes would cross."""
     if road.length_m > MOST_ROAD_M:
         yield f"road.segments: expected at most {MOST_ROAD_M:g} m in all, got {road.length_m:g}"
     for i, segment in enumerate(road.segments):
@@ -56,7 +56,7 @@ def _goal_faults(road: Road, ego: Ego, goal: Goal, vary: Vary) -> Iterator[str]:
 
 
 def _place_faults(key: str, road: Road, part: Ego | ObjectSpec, size: Size, vary: Vary) -> Iterator[str]:
-    """A body must stand wholly on the carriageway and within the road's length."""
+    """An object must be completely on the carriageway and within the road's length."""
     if part.lane > road.lanes:
         yield f"{key}.lane: expected 1 to {road.lanes}, counted from the right, got {part.lane}"
         return
@@ -65,22 +65,22 @@ def _place_faults(key: str, road: Road, part: Ego | ObjectSpec, size: Size, vary
     low, high = _extent(part.s_m, size.length_m, _change(vary, f"{group}.s_m"))
     if low < 0.0 or high > road.length_m:
         yield (
-            f"{key}.s_m: {noun} off the road: expected the whole body between 0 and {road.length_m:g} m along the "
+            f"{key}.s_m: {noun} off the road: expected the whole object between 0 and {road.length_m:g} m along the "
             f"road, got {low:g} to {high:g} m"
         )
     low, high = _extent(centre_m, size.width_m, _change(vary, f"{group}.lateral_m"))
     if low < -road.half_width_m or high > road.half_width_m:
         yield (
-            f"{key}.lateral_m: {noun} off the road: expected the whole body between {-road.half_width_m:g} and "
+            f"{key}.lateral_m: {noun} off the road: expected the whole object between {-road.half_width_m:g} and "
             f"{road.half_width_m:g} m from the carriageway's centre, got {low:g} to {high:g} m"
         )
 
 
 def _extent(centre_m: float, size_m: float, change: tuple[float, float]) -> tuple[float, float]:
-    """From where to where a body may reach, in one direction."""
+    """Least and largest coordinate of an object in one direction."""
     return centre_m + change[0] - size_m / 2.0, centre_m + change[1] + size_m / 2.0
 
 
 def _change(vary: Vary, key: str) -> tuple[float, float]:
-    """What the seed may add to a value, at least and at most."""
+    """The interval that the seed may add to a value."""
     return next((change for name, change in vary.items() if name == key), (0.0, 0.0))

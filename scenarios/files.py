@@ -1,4 +1,4 @@
-"""Scenarios by name or file, and a clear line for each fault of a wrong file."""
+"""Loads scenarios by name or file; each fault of a file is one clear line."""
 
 import re
 from difflib import get_close_matches
@@ -14,7 +14,7 @@ from vpf_sim.scenarios import parts
 from vpf_sim.scenarios.random_road import RandomRoad, RandomScenario
 from vpf_sim.scenarios.schema import Scenario
 
-# The keys of every section, for the nearest name to a misspelt one.
+# The keys of every section, to suggest the nearest name for a misspelt one.
 SECTIONS: dict[str, type[BaseModel]] = {
     "": Scenario,
     "road": parts.Road,
@@ -34,14 +34,13 @@ SECTIONS: dict[str, type[BaseModel]] = {
 
 
 def names() -> list[str]:
-    """The scenarios of the catalog."""
+    """Names of the scenarios of the catalog."""
     catalog = files("vpf_sim.scenarios.catalog")
     return sorted(entry.name.removesuffix(".toml") for entry in catalog.iterdir() if entry.name.endswith(".toml"))
 
 
 def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScenario:
-    """The scenario of that name in the catalog, or of that TOML file; InputError on anything wrong. One that is loaded
-    already passes."""
+    """The scenario of a catalog name or a TOML file; a loaded scenario is returned as it is. Raises InputError."""
     if isinstance(name_or_path, Scenario | RandomScenario):
         return name_or_path
     if not isinstance(name_or_path, str):
@@ -56,7 +55,7 @@ def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScen
 
 
 def parse(text: str, file: str) -> Scenario | RandomScenario:
-    """The scenario that a TOML text describes; `file` is how messages call it."""
+    """The scenario of a TOML text; `file` is its name in messages."""
     return _checked(tables.parse(text, file), file)
 
 
@@ -70,7 +69,7 @@ def _checked(content: dict[str, Any], file: str) -> Scenario | RandomScenario:
 
 
 def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
-    """The tables of a file, laid over those of the catalog's scenario that its `base` names."""
+    """The tables of a file merged over the catalog's scenario `base`."""
     if "base" not in content:
         return content
     base = content["base"]
@@ -83,7 +82,7 @@ def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
 
 
 def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    """Tables merged key by key; any other value of `above` replaces that of `below`."""
+    """Tables merged recursively; values of `above` replace those of `below`."""
     merged = dict(below)
     for key, value in above.items():
         nested = isinstance(value, dict) and isinstance(merged.get(key), dict)
@@ -92,8 +91,8 @@ def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 
 
 def _causes(faults: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Faults without those that only follow from others: a key that is missing because it is misspelt, a list that is
-    too short because a part of it is wrong."""
+    """Faults without consequences of others: a missing key that is misspelt, a list too short for an invalid
+    element."""
     misspelt = {(*fault["loc"][:-1], _near(fault["loc"])) for fault in faults if fault["type"] == "extra_forbidden"}
     places = [fault["loc"] for fault in faults]
     return [
@@ -108,7 +107,7 @@ def _causes(faults: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _lines(file: str, fault: dict[str, Any]) -> list[str]:
-    """What pydantic found, as one line (or one a fault where the parts do not fit together)."""
+    """A pydantic error as lines: one, or one per inconsistency between sections."""
     location, kind = fault["loc"], fault["type"]
     if kind == "value_error":
         return [f"{file}: {line}" for line in str(fault["ctx"]["error"]).split("\n")]
@@ -126,7 +125,7 @@ def _lines(file: str, fault: dict[str, Any]) -> list[str]:
 
 
 def _key(location: tuple[int | str, ...]) -> str:
-    """`bodies[1].lane` from pydantic's location, which puts the kind of a segment and "[key]" between."""
+    """`bodies[1].lane` from pydantic's location, without its segment kinds and "[key]"."""
     key = ""
     for i, step in enumerate(location):
         if isinstance(step, int):
@@ -141,24 +140,24 @@ def _is_segment_kind(location: tuple[int | str, ...], i: int) -> bool:
 
 
 def _nearest(location: tuple[int | str, ...]) -> str:
-    """The remedy for an unknown key: the nearest of its section, or all of them."""
+    """A suggestion for an unknown key: the nearest key of its section, or all of them."""
     near = _near(location)
     return f"did you mean '{near}'?" if near else f"known: {', '.join(_known(location))}"
 
 
 def _near(location: tuple[int | str, ...]) -> str | None:
-    """The key of the same section that an unknown one is nearest to."""
+    """The key of the same section nearest to an unknown one."""
     return next(iter(get_close_matches(str(location[-1]), _known(location), n=1, cutoff=0.5)), None)
 
 
 def _known(location: tuple[int | str, ...]) -> list[str]:
-    """The keys of the section that a key is in."""
+    """The keys of a key's section."""
     section = SECTIONS[".".join(step for step in location[:-1] if isinstance(step, str))]
     fields = {**section.model_fields, **(RandomScenario.model_fields if section is Scenario else {})}
     return [*(["base"] if section is Scenario else []), *(field.alias or name for name, field in fields.items())]
 
 
 def _nearest_of(value: object, expected: str) -> str:
-    """The nearest of the choices that pydantic lists in quotes."""
+    """A suggestion from the choices that pydantic lists in quotes."""
     near = get_close_matches(str(value), re.findall("'([^']+)'", expected), n=1, cutoff=0.5)
     return f": did you mean '{near[0]}'?" if near else ""

@@ -1,4 +1,4 @@
-"""The kinds of bodies that can stand or drive on a road, and their sizes."""
+"""Kinds of objects on a road, and their sizes."""
 
 from typing import Literal, NamedTuple
 
@@ -8,7 +8,7 @@ ObjectKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedest
 
 
 class Size(NamedTuple):
-    """A body's box: along its heading, across it, above the road."""
+    """An object's box: along its heading, across it, above the road."""
 
     length_m: float
     width_m: float
@@ -25,6 +25,6 @@ SIZES: dict[ObjectKind, Size] = {
     "pedestrian": Size(0.4, 0.5, 1.75),
 }
 
-MOVING: frozenset[ObjectKind] = frozenset({"car", "van", "truck", "pedestrian"})  # kinds that can have a speed
+MOVING: frozenset[ObjectKind] = frozenset({"car", "van", "truck", "pedestrian"})  # kinds that may have a speed
 
 EGO_SIZE = Size(VehicleModel().length_m, VehicleModel().width_m, 1.5)

@@ -1,7 +1,7 @@
-"""The parts of a scenario: the road, where the ego starts, where it is to go, what stands or drives there.
+"""The sections of a scenario: road, ego, goal, objects, limits.
 
-Places are given as s_m along the centre line of the carriageway and metres right of the centre of a lane; lanes are
-counted from the right, from 1. Radii and headings grow when turning right.
+Positions are s_m along the carriageway's centre line and metres right of a lane's centre; lanes are counted from the
+right, from 1. Positive radii and heading changes turn right.
 """
 
 from typing import Annotated, Literal
@@ -10,12 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
 
 from vpf_sim.scenarios.kinds import ObjectKind
 
-MOST_ROAD_M = 20_000.0  # of one scenario; its lanes, paint and trees are built before the first frame
-FASTEST_MPS = 60.0  # that an observation can hold, as are the next two
-FARTHEST_M = 8e4  # of the road's start from the origin
+MOST_ROAD_M = 20_000.0  # longest road: lanes, paint and trees are built before the first frame
+FASTEST_MPS = 60.0  # bounds of the observation space, as the next two
+FARTHEST_M = 8e4  # distance of the road's start from the origin
 LONGEST_S = 1e5
 
-Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML knows lists only
+Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML has lists only
 Place = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
 Speed = Annotated[float, Field(ge=0.0, le=FASTEST_MPS)]
@@ -24,7 +24,7 @@ LaneWidth = Annotated[float, Field(gt=0.0, le=20.0)]
 
 
 class Section(BaseModel):
-    """What all parts of a scenario share: they cannot change, and refuse unknown keys, nan and inf."""
+    """Base of all sections: frozen, without unknown keys, nan and inf."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, populate_by_name=True)
 
@@ -41,7 +41,7 @@ class Arc(Section):
 
 
 class Clothoid(Section):
-    """Curvature changes in proportion to the distance, from where the last segment ended."""
+    """Curvature changes linearly with the distance, from the last segment's end."""
 
     kind: Literal["clothoid"]
     length_m: PositiveFloat
@@ -52,12 +52,12 @@ Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
 
 
 class RoadAppearance(Section):
-    """What a road looks like: what lies beside it, what it is made of, and what is left of its markings."""
+    """Appearance of a road: verge, surface and markings."""
 
     verge: Literal["grass", "sand", "snow", "paved"] = "grass"
     surface: Literal["asphalt", "concrete", "dark"] = "asphalt"
-    worn: bool = False  # the paint
-    edge_lines: Literal["both", "left", "right", "none"] = "both"  # which are painted
+    worn: bool = False  # worn paint
+    edge_lines: Literal["both", "left", "right", "none"] = "both"  # painted edge lines
 
 
 class Road(Section):
@@ -77,7 +77,7 @@ class Road(Section):
         return self.lanes * self.lane_width_m / 2.0
 
     def lane_offset_m(self, lane: int) -> float:
-        """Where a lane's centre lies, right of the centre of the carriageway."""
+        """m, a lane's centre right of the carriageway's centre."""
         return (self.lanes / 2.0 - lane + 0.5) * self.lane_width_m
 
 
@@ -85,18 +85,18 @@ Spread = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
 class Sensors(Section):
-    """How far the sensors of the ego err, each a standard deviation; scale, bias and mounting are drawn once."""
+    """Standard deviations of the ego's sensor errors; scale, bias and mounting are drawn once."""
 
-    position_noise_m: Spread = 0.0  # of each reading
-    position_walk_m: Spread = 0.0  # after a second, growing with the root of the time
+    position_noise_m: Spread = 0.0  # per reading
+    position_walk_m: Spread = 0.0  # after one second; grows with the square root of time
     heading_noise_deg: Spread = 0.0
     heading_walk_deg: Spread = 0.0
     speed_scale: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # share
     speed_noise_mps: Spread = 0.0
     yaw_rate_bias_radps: Spread = 0.0
     yaw_rate_noise_radps: Spread = 0.0
-    mounting_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # pitch of the camera that its driver is not told of
-    pitch_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # of the body on its springs
+    mounting_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # pitch error of the camera's mounting
+    pitch_deg: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0  # pitch of the sprung body
 
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -104,30 +104,30 @@ Seconds = Annotated[float, Field(gt=0.0, le=LONGEST_S)]
 
 
 class SensorFaults(Section):
-    """How the sensors of the ego fail, by default not at all; shares are of all camera frames, or of all readings."""
+    """Faults of the ego's sensors, none by default; shares refer to all frames or all readings."""
 
-    drop_share: Share = 0.0  # frames that never arrive
-    latency_ms: Annotated[float, Field(ge=0.0, le=2000.0)] = 0.0  # from the exposure of a frame to its arrival
-    freeze_share: Share = 0.0  # frames that repeat an earlier picture under a new time stamp, in stretches
-    freeze_s: Seconds = 0.5  # length of such a stretch
+    drop_share: Share = 0.0  # lost frames
+    latency_ms: Annotated[float, Field(ge=0.0, le=2000.0)] = 0.0  # from exposure to arrival
+    freeze_share: Share = 0.0  # frames that repeat an earlier image under new time stamps
+    freeze_s: Seconds = 0.5  # duration of one freeze
     black_share: Share = 0.0
-    torn_share: Share = 0.0  # frames whose lower part is that of the frame before
-    noise_rows_share: Share = 0.0  # frames with a band of rows of noise
-    exposure_jump_share: Share = 0.0  # frames that are brighter or darker
-    exposure_jump_stops: Annotated[float, Field(gt=0.0, le=8.0)] = 1.0  # by so many stops, factors of 2
-    speed_stuck_after_s: Seconds | None = None  # the speedometer repeats its reading from then on
-    yaw_rate_spike_share: Share = 0.0  # readings of the yaw rate that are off
-    yaw_rate_spike_radps: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0  # by so much, to either side
+    torn_share: Share = 0.0  # frames with the lower part of the previous one
+    noise_rows_share: Share = 0.0  # frames with a band of noise
+    exposure_jump_share: Share = 0.0  # overexposed or underexposed frames
+    exposure_jump_stops: Annotated[float, Field(gt=0.0, le=8.0)] = 1.0  # size of a jump in stops, factors of 2
+    speed_stuck_after_s: Seconds | None = None  # time from which the speedometer repeats its reading
+    yaw_rate_spike_share: Share = 0.0  # yaw rate readings with a spike
+    yaw_rate_spike_radps: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0  # size of a spike, of either sign
 
     @property
     def affect_camera(self) -> bool:
-        """Whether any frame may fail."""
+        """Whether any frame may be affected."""
         shares = (self.drop_share, self.freeze_share, self.black_share, self.torn_share, self.noise_rows_share)
         return any(share > 0.0 for share in (*shares, self.exposure_jump_share, self.latency_ms))
 
     @property
     def affect_signals(self) -> bool:
-        """Whether the speedometer or the yaw rate's sensor may fail."""
+        """Whether speed or yaw rate may be affected."""
         return self.speed_stuck_after_s is not None or self.yaw_rate_spike_share > 0.0
 
 
@@ -137,7 +137,7 @@ class Ego(Section):
     lane: PositiveInt = 2
     s_m: float = 5.0
     lateral_m: float = 0.0  # + is right
-    heading_deg: Degrees = 0.0  # to the road
+    heading_deg: Degrees = 0.0  # relative to the road
     speed_mps: Speed = 5.55
     speed_reference_mps: Annotated[float, Field(gt=0.0, le=FASTEST_MPS)] = 5.55
 
@@ -169,4 +169,4 @@ VaryKey = Literal[
     "bodies.speed_mps",
 ]
 
-Vary = dict[VaryKey, Interval]  # [low, high] of what the seed adds, uniformly drawn
+Vary = dict[VaryKey, Interval]  # [low, high] of a uniform draw that is added

@@ -1,4 +1,4 @@
-"""Scenarios whose road and bodies the seed draws as a whole, within limits that a file gives."""
+"""Random scenarios: the seed draws road and obstacles within the limits of a file."""
 
 from collections.abc import Iterator
 from typing import Annotated, Literal, NamedTuple, Self
@@ -29,19 +29,19 @@ from vpf_sim.scenarios.parts import (
 from vpf_sim.scenarios.schema import Scenario, drawn
 from vpf_sim.seeding import stream
 
-BEYOND_GOAL_M = 60.0  # of road
-LAST_ROW_M = 15.0  # before the goal at least
-MOST_TURN_RAD = np.radians(80.0)  # from the first heading: the road never meets itself
+BEYOND_GOAL_M = 60.0  # road beyond the goal
+LAST_ROW_M = 15.0  # least distance of the last row from the goal
+MOST_TURN_RAD = np.radians(80.0)  # largest turn from the first heading: the road never crosses itself
 FIRST_LINE_M, LINE_M, ARC_M, CLOTHOID_M = (30.0, 60.0), (20.0, 60.0), (20.0, 70.0), (15.0, 30.0)
-SIDE_GAP_M = 0.3  # between two bodies of a row
-TRIES = 40  # places tried for each body
+SIDE_GAP_M = 0.3  # between two obstacles of a row
+TRIES = 40  # positions tried for each obstacle
 Length = Annotated[float, Field(gt=0.0, le=MOST_ROAD_M / 2.0)]
 Rows = Annotated[int, Field(ge=0, le=200)]
 RowObjects = Annotated[int, Field(ge=1, le=20)]
 
 
 class LateralInterval(NamedTuple):
-    """A stretch across the carriageway, m right of its centre."""
+    """An interval across the carriageway, m right of its centre."""
 
     left_m: float
     right_m: float
@@ -51,22 +51,22 @@ class LateralInterval(NamedTuple):
 
 
 class RandomRoad(Section):
-    """What the seed draws from, uniformly: a road of lines and bends, and rows of bodies across it.
+    """Limits of the uniform draws: a road of lines and bends, and rows of obstacles.
 
-    Each row leaves a gap that is at least `free_gap_m` wide; its middle is at most `gap_shift_lanes` lanes from that of
-    the row before, the first from the ego's lane.
+    Each row has a gap of at least `free_gap_m`. Its middle is at most `gap_shift_lanes` lanes from the previous row's;
+    for the first row, from the ego's lane.
     """
 
     look: RoadAppearance = RoadAppearance()
     lanes: Lanes = 4
     lane_width_m: LaneWidth = 3.5
-    length_m: Annotated[tuple[Length, Length], Field(strict=False)] = (250.0, 400.0)  # of the route
+    length_m: Annotated[tuple[Length, Length], Field(strict=False)] = (250.0, 400.0)  # length of the route
     heading_deg: Annotated[tuple[Degrees, Degrees], Field(strict=False)] = (-180.0, 180.0)
-    radius_m: Interval = (80.0, 400.0)  # of bends, to either side
+    radius_m: Interval = (80.0, 400.0)  # radius of bends, left or right
     rows: Annotated[tuple[Rows, Rows], Field(strict=False)] = (0, 4)
     row_bodies: Annotated[tuple[RowObjects, RowObjects], Field(strict=False)] = (1, 3)
-    first_row_m: PositiveFloat = 50.0  # from the ego at least
-    row_spacing_m: PositiveFloat = 40.0  # from the last body of a row to the first of the next at least
+    first_row_m: PositiveFloat = 50.0  # least distance from the ego
+    row_spacing_m: PositiveFloat = 40.0  # least distance between rows, rear to front
     free_gap_m: PositiveFloat = 3.5
     gap_shift_lanes: PositiveFloat = 2.0
     kinds: Annotated[tuple[ObjectKind, ...], Field(strict=False, min_length=1)] = tuple(SIZES)
@@ -131,7 +131,7 @@ class RandomScenario(Section):
 
 
 def _segments(limits: RandomRoad, length_m: float, rng: np.random.Generator) -> Iterator[Segment]:
-    """Lines and bends, with and without clothoids, until the road is long enough."""
+    """Random lines and bends, with and without clothoids, up to a length."""
     first = Line(kind="line", length_m=float(rng.uniform(*FIRST_LINE_M)))
     yield first
     laid_m, turned_rad = first.length_m, 0.0
@@ -146,7 +146,7 @@ def _segments(limits: RandomRoad, length_m: float, rng: np.random.Generator) -> 
 
 
 def _bend(limits: RandomRoad, turned_rad: float, rng: np.random.Generator) -> tuple[list[Segment], float]:
-    """An arc, in one of two cases between clothoids, and by what it turns; back where it would turn too far."""
+    """A random bend, half of them with clothoids, and its turn; the sign keeps the total turn bounded."""
     radius_m, arc_m = float(rng.uniform(*limits.radius_m)), float(rng.uniform(*ARC_M))
     clothoid_m = float(rng.uniform(*CLOTHOID_M)) if rng.random() < 0.5 else 0.0
     turn_rad = min((arc_m + clothoid_m) / radius_m, MOST_TURN_RAD)
@@ -162,7 +162,7 @@ def _bend(limits: RandomRoad, turned_rad: float, rng: np.random.Generator) -> tu
 
 
 def _objects(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator) -> Iterator[ObjectSpec]:
-    """Rows of bodies, each with a gap that can be reached from the last one's."""
+    """Rows of obstacles, each with a gap that is reachable from the previous one."""
     longest_m = max(SIZES[kind].length_m for kind in limits.kinds)
     first_m, last_m = ego.s_m + limits.first_row_m + longest_m / 2.0, goal.s_m - LAST_ROW_M
     step_m = limits.row_spacing_m + longest_m
@@ -177,14 +177,14 @@ def _objects(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.rando
 
 
 def _next_gap(limits: RandomRoad, road: Road, last_m: float, rng: np.random.Generator) -> float:
-    """Where the middle of a row's gap lies."""
+    """m, middle of the next row's gap."""
     farthest = road.half_width_m - limits.free_gap_m / 2.0
     shift = limits.gap_shift_lanes * limits.lane_width_m
     return float(rng.uniform(max(last_m - shift, -farthest), min(last_m + shift, farthest)))
 
 
 def _row(limits: RandomRoad, road: Road, s_m: float, gap_m: float, rng: np.random.Generator) -> Iterator[ObjectSpec]:
-    """Bodies beside each other, each where it fits."""
+    """Obstacles side by side that leave the gap free."""
     taken = [LateralInterval(gap_m - limits.free_gap_m / 2.0, gap_m + limits.free_gap_m / 2.0)]
     for _ in range(int(rng.integers(limits.row_bodies[0], limits.row_bodies[1] + 1))):
         kind = limits.kinds[int(rng.integers(len(limits.kinds)))]

@@ -1,34 +1,34 @@
-"""A scenario elsewhere: turned, moved, or in the mirror. Who takes no direction for special drives all alike."""
+"""Rotated, translated and mirrored scenarios, to test a driver for equivariance."""
 
 from math import cos, fmod, radians, sin
 
 from vpf_sim.scenarios.parts import Road, Segment
 from vpf_sim.scenarios.schema import Scenario
 
-SIDEWAYS = ("lateral_m", "heading_deg")  # keys of what varies that change their sign in the mirror
+SIDEWAYS = ("lateral_m", "heading_deg")  # varied keys with opposite sign in the mirror image
 
 
 def rotated(scenario: Scenario, degrees: float) -> Scenario:
-    """The world turned about its origin, clockwise seen from above."""
+    """The scenario rotated about the world's origin, clockwise from above."""
     (x, y), c, s = scenario.road.start_m, cos(radians(degrees)), sin(radians(degrees))
     heading = fmod(scenario.road.heading_deg + degrees, 360.0)
     return _with_road(scenario, {"start_m": (c * x - s * y, s * x + c * y), "heading_deg": heading})
 
 
 def translated(scenario: Scenario, x_m: float, y_m: float) -> Scenario:
-    """The world moved."""
+    """The scenario translated."""
     x, y = scenario.road.start_m
     return _with_road(scenario, {"start_m": (x + x_m, y + y_m)})
 
 
 def mirrored(scenario: Scenario) -> Scenario:
-    """The mirror image in the X axis, left for right: the rightmost lane becomes the leftmost."""
+    """The scenario mirrored in the X axis: the rightmost lane becomes the leftmost."""
     road = scenario.road
     vary = {
         key: (-high, -low) if key.split(".")[1] in SIDEWAYS else (low, high)
         for key, (low, high) in scenario.vary.items()
     }
-    seen = {
+    mirrored_road = {
         "start_m": (road.start_m[0], -road.start_m[1]),
         "heading_deg": -road.heading_deg,
         "segments": tuple(_mirrored_segment(segment) for segment in road.segments),
@@ -44,7 +44,7 @@ def mirrored(scenario: Scenario) -> Scenario:
         spec.model_copy(update={"lane": _mirrored_lane(road, spec.lane), "lateral_m": -spec.lateral_m})
         for spec in scenario.bodies
     )
-    return _with_road(scenario, seen).model_copy(update={"ego": ego, "bodies": bodies, "vary": vary})
+    return _with_road(scenario, mirrored_road).model_copy(update={"ego": ego, "bodies": bodies, "vary": vary})
 
 
 def _with_road(scenario: Scenario, road: dict[str, object]) -> Scenario:

@@ -46,9 +46,11 @@ class Daylight:
         skies = 0.8 + 15.5 * max(height, 0.0) ** 0.5, 0.3 + 45.0 * max(height, 0.0), 0.3 + 21.0 * max(height, 0.0)
         sky = float(np.interp(cover, (0.0, 0.5, 1.0), skies))
         sky *= 10.0 ** (TWILIGHT_DECADES_PER_DEG * min(weather.sun_altitude_angle, 0.0))
-        left = exp(-atmosphere.extinction_per_m * FOG_DEPTH_M / above)
-        sky += 0.5 * (1.0 - left) * sun * max(height, 0.0)
-        return cls(left * sun, sky, left * sun * max(height, 0.0) + sky, sun_colour(weather.sun_altitude_angle))
+        transmission = exp(-atmosphere.extinction_per_m * FOG_DEPTH_M / above)
+        sky += 0.5 * (1.0 - transmission) * sun * max(height, 0.0)
+        return cls(
+            transmission * sun, sky, transmission * sun * max(height, 0.0) + sky, sun_colour(weather.sun_altitude_angle)
+        )
 
 
 def cloud_cover(weather: Weather) -> float:
@@ -67,5 +69,5 @@ def sun_colour(altitude_deg: float) -> Floats:
     """
     depth = 0.008569 * WAVELENGTHS_UM**-4.0 * (1.0 + 0.0113 * WAVELENGTHS_UM**-2.0) + TURBIDITY * WAVELENGTHS_UM**-1.3
     path = 1.0 / max(sin(radians(altitude_deg)), LOWEST_SINE) - 1.0 / sin(radians(WHITE_ALTITUDE_DEG))
-    left = np.exp(-depth * path)
-    return np.asarray(left / left[1])
+    transmission = np.exp(-depth * path)
+    return np.asarray(transmission / transmission[1])

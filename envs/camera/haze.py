@@ -23,15 +23,15 @@ class Haze:
         self._extinction_per_m = atmosphere.extinction_per_m
         self._horizon = light.horizon
         self._strongest = float(np.maximum(light.horizon, 255.0 - light.horizon).max())
-        top, left = ground_top(camera), self.transmission(_depth_of_rows(camera))
-        veiled = int(np.count_nonzero(self._shows(left)))
-        self._rows = slice(top, top + veiled)
-        shape = (veiled, camera.width_px, 3)
-        self._left = np.empty(shape, np.uint8)
+        top, transmission = ground_top(camera), self.transmission(_depth_of_rows(camera))
+        hazy = int(np.count_nonzero(self._is_visible(transmission)))
+        self._rows = slice(top, top + hazy)
+        shape = (hazy, camera.width_px, 3)
+        self._transmission = np.empty(shape, np.uint8)
         self._added = np.empty(shape, np.uint8)
-        if veiled:
-            share = np.rint(255.0 * left[:veiled, None, None])
-            self._left[:] = share
+        if hazy:
+            share = np.rint(255.0 * transmission[:hazy, None, None])
+            self._transmission[:] = share
             self._added[:] = np.rint((1.0 - share / 255.0) * self._horizon)
 
     def transmission(self, depth_m: Floats) -> Floats:
@@ -40,19 +40,19 @@ class Haze:
 
     def ground(self, frame: Image) -> None:
         """Apply haze to the rows of the ground, in place."""
-        if len(self._left):
+        if len(self._transmission):
             part = frame[self._rows]
-            cv2.multiply(part, self._left, part, scale=1 / 255)
+            cv2.multiply(part, self._transmission, part, scale=1 / 255)
             cv2.add(part, self._added, part)
 
     def colours(self, colours: Floats, depth_m: Floats) -> Floats:
         """(n, 3) colours with the haze at (n,) depths."""
-        left = self.transmission(depth_m)[:, None]
-        return np.asarray(self._horizon + (colours - self._horizon) * left)
+        transmission = self.transmission(depth_m)[:, None]
+        return np.asarray(self._horizon + (colours - self._horizon) * transmission)
 
-    def _shows(self, left: Floats) -> Floats:
+    def _is_visible(self, transmission: Floats) -> Floats:
         """Where a transmission changes any colour by a grey level."""
-        return np.asarray((1.0 - left) * self._strongest >= LEAST_LEVELS)
+        return np.asarray((1.0 - transmission) * self._strongest >= LEAST_LEVELS)
 
 
 def _depth_of_rows(camera: Camera) -> Floats:

@@ -68,9 +68,9 @@ def check_distortion(camera: Camera) -> None:
     if camera.k1 == 0.0 and camera.k2 == 0.0:
         return
     radius = np.linspace(0.0, WIDEST, STEPS)
-    seen = radius * (1.0 + camera.k1 * radius**2 + camera.k2 * radius**4)
-    folds = np.flatnonzero(np.diff(seen) <= 0.0)
-    reach = float(seen[folds[0]] if len(folds) else seen[-1])
+    distorted_radius = radius * (1.0 + camera.k1 * radius**2 + camera.k2 * radius**4)
+    folds = np.flatnonzero(np.diff(distorted_radius) <= 0.0)
+    reach = float(distorted_radius[folds[0]] if len(folds) else distorted_radius[-1])
     corners = [
         np.hypot((x - camera.cx_px) / camera.fx_px, (y - camera.cy_px) / camera.fy_px)
         for x in (0, camera.width_px - 1)

@@ -129,8 +129,8 @@ def drawing(
     fixed = exact.T.astype(np.int32, order="C")
     boxes = _boxes(fixed, firsts * vertices, view.camera)
     shape = (len(faces), vertices, 2)
-    seen = Faces(exact.T.reshape(shape), fixed.reshape(shape), colours, planes)
-    return Drawing(seen, [*firsts.tolist(), len(faces)], boxes)
+    projected = Faces(exact.T.reshape(shape), fixed.reshape(shape), colours, planes)
+    return Drawing(projected, [*firsts.tolist(), len(faces)], boxes)
 
 
 def planes_of(normals: Floats, distances: Floats, view: View) -> Floats:
@@ -167,7 +167,7 @@ def paint(frame: Image, drawn: list[Drawing | Sprite]) -> None:
     waiting: list[_Layer] = []
     for item in drawn:
         if isinstance(item, Sprite):
-            waiting = _painted_under(frame, item, waiting)
+            waiting = _flushed_under(frame, item, waiting)
             paint_sprite(frame, item)
             continue
         for box, first, last in zip(item.boxes, item.firsts, item.firsts[1:], strict=False):
@@ -179,10 +179,10 @@ def paint(frame: Image, drawn: list[Drawing | Sprite]) -> None:
 
 def paint_sprite(frame: Image, sprite: Sprite) -> None:
     """Draw a billboard over the image."""
-    _lay(frame, sprite.x, sprite.y, sprite.picture)
+    _blend(frame, sprite.x, sprite.y, sprite.picture)
 
 
-def _lay(frame: Image, x: int, y: int, picture: Image) -> None:
+def _blend(frame: Image, x: int, y: int, picture: Image) -> None:
     """Draw an image (h, w, 4) over the frame with its corner at (x, y)."""
     height, width = picture.shape[:2]
     region = frame[y : y + height, x : x + width]
@@ -191,7 +191,7 @@ def _lay(frame: Image, x: int, y: int, picture: Image) -> None:
     cv2.add(region, cv2.cvtColor(picture, cv2.COLOR_BGRA2BGR), region)
 
 
-def _painted_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[_Layer]:
+def _flushed_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[_Layer]:
     """Draw the pending layers that a sprite overlaps; returns the others."""
     if not waiting:
         return waiting
@@ -214,7 +214,7 @@ def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Faces, int
     a0, b0, a1, b1 = box
     fine = 4 if (a1 - a0) * (b1 - b0) < SMALL_PX else 2
     spare = SPARE_PX // fine**2
-    mine: _Layer | None = None
+    target: _Layer | None = None
     others = []
     for layer in waiting:
         x0, y0, x1, y1 = layer.box
@@ -227,18 +227,18 @@ def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Faces, int
             else:
                 others.append(layer)
             continue
-        if mine is None:
-            mine = layer
+        if target is None:
+            target = layer
         else:
-            mine.runs += layer.runs
+            target.runs += layer.runs
         a0, b0, a1, b1 = u0, v0, u1, v1
-    if mine is None:
-        mine = _Layer(box, fine)
-    mine.box = (a0, b0, a1, b1)
-    if mine.runs and mine.runs[-1][0] is run[0] and mine.runs[-1][2] == run[1]:
-        run = (run[0], mine.runs.pop()[1], run[2])
-    mine.runs.append(run)
-    others.append(mine)
+    if target is None:
+        target = _Layer(box, fine)
+    target.box = (a0, b0, a1, b1)
+    if target.runs and target.runs[-1][0] is run[0] and target.runs[-1][2] == run[1]:
+        run = (run[0], target.runs.pop()[1], run[2])
+    target.runs.append(run)
+    others.append(target)
     return others
 
 
@@ -260,7 +260,7 @@ def _flush(frame: Image, layer: _Layer) -> None:
     while len(canvas) > height:
         half = (canvas.shape[1] // 2, canvas.shape[0] // 2)
         canvas = np.asarray(cv2.resize(canvas, half, interpolation=cv2.INTER_AREA), np.uint8)
-    _lay(frame, x0, y0, canvas)
+    _blend(frame, x0, y0, canvas)
 
 
 def footprint(pose: Floats, length: float, width: float) -> Floats:

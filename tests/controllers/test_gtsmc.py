@@ -194,7 +194,7 @@ def test_an_exact_gyroscope_is_believed_whatever_the_filter() -> None:
         reference = Reference(0.3 * float(np.sin(step / 30.0)), 5.55, 0.6 * float(np.cos(step / 30.0)))
         seen = car.observe()
         car.step(hands.command(seen, reference))
-        assert hands._yaw_rate_radps == pytest.approx(seen.yaw_rate_radps, abs=1e-9)
+        assert hands.yaw_rate_radps == pytest.approx(seen.yaw_rate_radps, abs=1e-9)
 
 
 def throttle_with_a_noisy_speed(gains: Gains, scale: float = 1.0, noise_mps: float = 0.05) -> tuple[float, float]:
@@ -230,6 +230,6 @@ def test_an_exact_speedometer_is_believed_whatever_the_filter() -> None:
     for step in range(480):
         wanted_mps = 5.5 if step < 200 else 0.0
         command = hands.command(car.observe(), Reference(0.0, wanted_mps, 0.0))
-        assert hands._speed_mps == pytest.approx(car.speed_mps, abs=1e-9)
+        assert hands.speed_mps == pytest.approx(car.speed_mps, abs=1e-9)
         car.step(command)
     assert car.speed_mps == pytest.approx(0.0, abs=0.01)

@@ -86,8 +86,8 @@ def test_the_body_pitches_as_much_as_is_asked_for_and_smoothly() -> None:
     sensors = Sensors(SensorErrors(pitch_deg=0.4), CAMERA, 60.0, 5)
     pitches = []
     for _ in range(12000):
-        sensors._pitch()
-        pitches.append(sensors._pitch_rad)
+        sensors.frame(None)
+        pitches.append(sensors.pitch_rad)
     assert np.std(pitches) == pytest.approx(radians(0.4), rel=0.15)
     assert np.std(np.diff(pitches)) < 0.25 * np.std(pitches)
     assert tan(np.std(pitches)) * CAMERA.fy_px == pytest.approx(2.2, rel=0.2)  # px at the horizon

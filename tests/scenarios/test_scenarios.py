@@ -83,13 +83,13 @@ FAULTS = [
     (
         "lane = 2",
         "lane = 1\nlateral_m = 0.5",
-        "bodies[0].lateral_m: obstacle off the road: expected the whole body between -7 and 7 m from the "
+        "bodies[0].lateral_m: obstacle off the road: expected the whole object between -7 and 7 m from the "
         "carriageway's centre, got 4.55 to 7.05 m",
     ),
     (
         "s_m = 90.0",
         "s_m = 168.0",
-        "bodies[0].s_m: obstacle off the road: expected the whole body between 0 and 170 m along the road, "
+        "bodies[0].s_m: obstacle off the road: expected the whole object between 0 and 170 m along the road, "
         "got 165.5 to 170.5 m",
     ),
     ('"car"', '"cat"', f"bodies[0].kind: expected {CHOICES}, got 'cat': did you mean 'car'?"),

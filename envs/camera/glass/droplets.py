@@ -50,7 +50,7 @@ class Droplets:
         self._land(time_s, gap_s, speed_mps)
 
     @contextmanager
-    def unseen(self) -> Iterator[None]:
+    def suspended(self) -> Iterator[None]:
         """Suspend drawing; draw the remaining drops at the end."""
         self.picture.drawing = False
         yield
@@ -88,8 +88,8 @@ class Droplets:
         random = self._rng.random((4, len(sizes)))
         y = self._pane.spread(random[1])
         rows = self._pane.row(y)
-        seen = FOOTPRINT**2 * sizes**2 * self._pane.across[rows] * self._pane.along[rows] >= SMALLEST_PX**2
-        sizes, y, random = sizes[seen], y[seen], random[:, seen]
+        visible = FOOTPRINT**2 * sizes**2 * self._pane.across[rows] * self._pane.along[rows] >= SMALLEST_PX**2
+        sizes, y, random = sizes[visible], y[visible], random[:, visible]
         new = np.zeros(len(sizes), DROP)
         new["x"] = random[0] * self._pane.camera.width_px - 0.5
         new["y"] = y
@@ -100,9 +100,9 @@ class Droplets:
         self.picture.shape(new)
         first = len(self.drops)
         self.drops = np.concatenate([self.drops, new])
-        self.picture.put(self._merge(np.arange(first, len(self.drops)), first))
+        self.picture.put(self.merge(np.arange(first, len(self.drops)), first))
 
-    def _merge(self, movers: NDArray[np.intp], undrawn_from: int) -> Drops:
+    def merge(self, movers: NDArray[np.intp], undrawn_from: int) -> Drops:
         """Merge each of `movers` with the drops it touches: volumes add up, at the centre of mass.
 
         Drops touch if the centre of one lies in the spot of the other. Returns the drops to draw: those that grew, and
@@ -117,14 +117,14 @@ class Droplets:
                 continue
             keeper = int(group[np.argmax(self.drops["size"][group])])
             replaced.append(self.drops[group[group < undrawn_from]])
-            self._unite(group, keeper)
+            self._collect(group, keeper)
             gone[group], gone[keeper], grown[keeper] = True, False, True
         if gone.any():
             self.drops, grown = self.drops[~gone], grown[~gone]
         self.picture.replace(np.concatenate(replaced), self.drops)
         return self.drops[grown]
 
-    def _unite(self, group: NDArray[np.intp], keeper: int) -> None:
+    def _collect(self, group: NDArray[np.intp], keeper: int) -> None:
         """Move the water of a group into one drop."""
         drops = self.drops
         volumes = drops["size"][group] ** 3
@@ -158,7 +158,7 @@ class Droplets:
         moved = self.drops[DRAWN][running] != before[DRAWN]
         self.picture.replace(before[moved], self.drops)
         self.picture.put(self.drops[running[moved]])
-        self.picture.put(self._merge(running[moved], len(self.drops)))
+        self.picture.put(self.merge(running[moved], len(self.drops)))
         self.add(left)
 
     def _turn(self, i: int, time_s: float) -> None:

@@ -33,24 +33,24 @@ class Glass:
         self._changed = False  # whether the water changed since it was last refracted
         self._speed_mps = WARM_UP_MPS
         pane = Pane.of(camera)
-        self._wiper = Wiper(pane, weather.wiper_period_s, seed) if weather.wiper_period_s > 0.0 else None
-        self._droplets: Droplets | None = None
+        self.wiper = Wiper(pane, weather.wiper_period_s, seed) if weather.wiper_period_s > 0.0 else None
+        self.droplets: Droplets | None = None
         if weather.droplets > 0.0:
             rain = HEAVIEST_RAIN_MMPH * (weather.droplets / 100.0) ** 2
             planes = Planes(camera)
-            self._droplets = Droplets(pane, planes, rain, seed)
-            self._film = Film(planes.shape, self._wiper, TICK_S, seed)
+            self.droplets = Droplets(pane, planes, rain, seed)
+            self._film = Film(planes.shape, self.wiper, TICK_S, seed)
             self._refraction = Refraction(planes, light)
 
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw the water and the blade over the frame, in place."""
         due = self.is_due(now.time_s)
         self.skip(now, before)
-        if self._droplets is not None:
+        if self.droplets is not None:
             if due:
                 self._refraction.capture(frame)
             if self._changed:
-                cover = np.asarray(cv2.max(self._droplets.planes.alpha, self._film.cover), np.uint8)
+                cover = np.asarray(cv2.max(self.droplets.planes.alpha, self._film.cover), np.uint8)
                 self._refraction.refract(cover)
                 self._changed = False
             self._refraction.apply(frame)
@@ -60,35 +60,35 @@ class Glass:
 
     def is_due(self, time_s: float) -> bool:
         """Whether the next frames' water refracts the image of this moment."""
-        return self._droplets is not None and (self._time_s is None or _tick_at(time_s) > self._tick)
+        return self.droplets is not None and (self._time_s is None or _tick_at(time_s) > self._tick)
 
     def skip(self, now: Snapshot, before: Snapshot) -> None:
         """Advance water and wiper to this moment."""
         gap_s = now.time_s - before.time_s
         if gap_s > 0.0:
             self._speed_mps = float(np.linalg.norm(now.view.centre - before.view.centre)) / gap_s
-        if self._droplets is not None:
-            self._changed |= self._advance(self._droplets, now.time_s)
+        if self.droplets is not None:
+            self._changed |= self._advance(self.droplets, now.time_s)
         self._time_s = now.time_s
 
     def hidden(self) -> Bools:
         """(H, W) where water or the blade hides more than half of the scene."""
         hidden = np.zeros(self._size[::-1], bool)
-        if self._droplets is not None:
-            hidden |= np.repeat(self._droplets.planes.alpha > 127, ROWS, axis=0)[: len(hidden)]
+        if self.droplets is not None:
+            hidden |= np.repeat(self.droplets.planes.alpha > 127, ROWS, axis=0)[: len(hidden)]
         blade = self._blade()
         if blade is not None:
             hidden |= np.asarray(cv2.resize(blade, self._size)) > 127
         return hidden
 
     def _blade(self) -> Image | None:
-        return None if self._wiper is None or self._time_s is None else self._wiper.blade(self._time_s)
+        return None if self.wiper is None or self._time_s is None else self.wiper.blade(self._time_s)
 
     def _advance(self, droplets: Droplets, time_s: float) -> bool:
         """Advance water and wiper to a time; returns whether anything changed."""
         now = _tick_at(time_s)
         if self._time_s is None:
-            with droplets.unseen():
+            with droplets.suspended():
                 self._tick_through(droplets, range(now - WARM_UP_TICKS, now + 1, WARM_UP_STRIDE))
             self._wipe(droplets, now * TICK_S, time_s)
             return True
@@ -109,7 +109,7 @@ class Glass:
 
     def _wipe(self, droplets: Droplets, from_s: float, until_s: float) -> bool:
         """Wipe over a span of time; returns whether the blade was in the image."""
-        swath = None if self._wiper is None or until_s <= from_s else self._wiper.swath(from_s, until_s)
+        swath = None if self.wiper is None or until_s <= from_s else self.wiper.swath(from_s, until_s)
         if swath is None:
             return False
         droplets.wipe(swath)

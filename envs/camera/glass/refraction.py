@@ -22,15 +22,15 @@ class Refraction:
         self._film = self._pictures[:film_h]
         self._shades = [self._pictures[film_h + k * height :][:height, :width] for k in range(len(SHADES))]
         self._sky: Image = np.broadcast_to(np.rint(SKY_LIGHT * light.horizon), (height, width, 3)).astype(np.uint8)
-        self._looked_up = np.zeros(planes.shape, np.uint32)  # lookups of four bytes are three times as fast as of three
+        self._lookup = np.zeros(planes.shape, np.uint32)  # lookups of four bytes are three times as fast as of three
         self._texture: Image = np.zeros((*planes.shape, 3), np.uint8)
         self._keep: Image = np.zeros((*planes.shape, 3), np.uint8)
 
     def refract(self, cover: Image) -> None:
         """Compose the captured images through water with opacity `cover` (h, w) 0..255 on the planes."""
         pixels = np.asarray(cv2.cvtColor(self._pictures, cv2.COLOR_RGB2RGBA), np.uint8).view(np.uint32)
-        np.take(pixels, self._planes.source, out=self._looked_up, mode="wrap")  # no bounds check needed
-        cv2.cvtColor(self._looked_up.view(np.uint8).reshape(*self._planes.shape, 4), cv2.COLOR_RGBA2RGB, self._texture)
+        np.take(pixels, self._planes.source, out=self._lookup, mode="wrap")  # no bounds check needed
+        cv2.cvtColor(self._lookup.view(np.uint8).reshape(*self._planes.shape, 4), cv2.COLOR_RGBA2RGB, self._texture)
         cv2.cvtColor(cover, cv2.COLOR_GRAY2RGB, self._keep)
         cv2.multiply(self._texture, self._keep, self._texture, 1.0 / 255.0)
         cv2.bitwise_not(self._keep, self._keep)

@@ -43,9 +43,9 @@ def stamp(size: tuple[int, int], blur: tuple[int, int], variant: int, scene: tup
     level = (abs(w - bx) + abs(h - by)) / (w + h + bx + by)
     cover = min(1.0, w / bx) * min(1.0, h / by) * np.clip((1.0 - outer) / (1.0 - level), 0.0, 1.0)
     shade = np.clip((outer - RIM_FROM) / (1.0 - RIM_FROM), 0.0, 0.999) * len(SHADES) // 1 if thick else 0.0
-    look_x = -np.clip(u, -1.0, 1.0) * REACH * (scene[1] / 2 - 1)
-    look_y = -np.clip(v, -1.0, 1.0) * REACH * (scene[0] / 2 - 1) + shade * scene[0]
-    source = np.broadcast_to(np.rint(look_x) + stride * np.rint(look_y), outer.shape)
+    shown_x = -np.clip(u, -1.0, 1.0) * REACH * (scene[1] / 2 - 1)
+    shown_y = -np.clip(v, -1.0, 1.0) * REACH * (scene[0] / 2 - 1) + shade * scene[0]
+    source = np.broadcast_to(np.rint(shown_x) + stride * np.rint(shown_y), outer.shape)
     return Stamp(np.rint(255.0 * cover).astype(np.uint8), source.astype(np.int32))
 
 

@@ -31,7 +31,7 @@ class Grain:
     def __init__(self, level: Level, seed: int) -> None:
         longest = level.along_m * (ALONG if level.steep else (level.far_m / level.near_m) ** 2 / ROWS)
         sizes = (SIZE * level.across_m, COARSER * SIZE * level.across_m, BLOTCH_M)
-        self._laid = [_laid(size, seed) for size in sizes]
+        self._placed = [_placed(size, seed) for size in sizes]
         self._fineness = [min(FINEST, 2 ** max(0, ceil(log2(longest / (SPARSE * size))))) for size in sizes]
 
     def draw(self, raster: Raster) -> Image:
@@ -51,15 +51,15 @@ class Grain:
         """(rows, columns) one noise size, averaged along each texel."""
         fineness = self._fineness[index]
         size = (columns, fineness * raster.rows)
-        matrix = self._laid[index] @ np.linalg.inv(raster.finer(columns / raster.columns, fineness))
-        matrix = _within(matrix, size)
+        matrix = self._placed[index] @ np.linalg.inv(raster.finer(columns / raster.columns, fineness))
+        matrix = _shifted_to_tile(matrix, size)
         grain = cv2.warpPerspective(tile, matrix, size, flags=WARP, borderMode=cv2.BORDER_WRAP)
         while len(grain) > raster.rows:
             grain = cv2.addWeighted(grain[0::2], 0.5, grain[1::2], 0.5, 0.0)
         return np.asarray(grain, np.uint8)
 
 
-def _laid(size_m: float, seed: int) -> Floats:
+def _placed(size_m: float, seed: int) -> Floats:
     """(3, 3) from world points to texels of noise of `size_m`."""
     rng = stream(seed, f"grain {size_m:.6g}")
     angle, (x, y) = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.0, TILE, 2)
@@ -67,7 +67,7 @@ def _laid(size_m: float, seed: int) -> Floats:
     return np.array([[c, -s, x], [s, c, y], [0.0, 0.0, 1.0]])
 
 
-def _within(matrix: Floats, size: tuple[int, int]) -> Floats:
+def _shifted_to_tile(matrix: Floats, size: tuple[int, int]) -> Floats:
     """The mapping shifted by whole tiles, so that its middle falls in the middle of the doubled tile."""
     middle = matrix @ (0.5 * size[0], 0.5 * size[1], 1.0)
     whole = np.rint(middle[:2] / middle[2] / TILE) - 1.0

@@ -35,7 +35,7 @@ class Ground:
         light: Light,
         wetness: float,
         seed: int,
-        look: RoadAppearance | None = None,
+        appearance: RoadAppearance | None = None,
     ) -> None:
         self._top = ground_top(camera)
         self._levels = levels(camera)
@@ -44,7 +44,9 @@ class Ground:
         for level, gain in zip(self._levels, even_gains(camera), strict=True):
             surface = Surface(batches, level.near_m, NEAR_FINE if level.steep else FAR_FINE)
             self._patches.append(patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain)))
-        self._table = ground_table(light, wetness, RAMP if look is None else ramp(look.verge, look.surface, look.worn))
+        self._table = ground_table(
+            light, wetness, RAMP if appearance is None else ramp(appearance.verge, appearance.surface, appearance.worn)
+        )
         self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)
         faded = max((len(level.weights) for level in self._levels), default=0)
         self._over = np.empty((faded, camera.width_px), np.uint8)

@@ -56,37 +56,37 @@ def levels(camera: Camera) -> list[Level]:
     top = ground_top(camera)
     if top == camera.height_px:
         return []
-    falls = _falls(camera, np.array([camera.height_px - 0.5, top]))
-    edges = [float(1.0 / falls[0])]
-    while edges[-1] < LAST_M and edges[-1] * falls[1] < 1.0:
+    inverse_depths = _inverse_depths(camera, np.array([camera.height_px - 0.5, top]))
+    edges = [float(1.0 / inverse_depths[0])]
+    while edges[-1] < LAST_M and edges[-1] * inverse_depths[1] < 1.0:
         edges.append(edges[-1] * RATIO)
     edges = [*edges[: max(1, len(edges) - 1)], np.inf]
     return [_level(camera, near, far) for near, far in reversed(list(pairwise(edges)))]
 
 
-def _falls(camera: Camera, rows: Floats) -> Floats:
+def _inverse_depths(camera: Camera, rows: Floats) -> Floats:
     """1/m, inverse depth of the road in rows; linear in the row."""
     y = (rows - camera.cy_px) / camera.fy_px
     return np.asarray((cos(camera.pitch_rad) * y + sin(camera.pitch_rad)) / camera.height_m)
 
 
 def _level(camera: Camera, near: float, far: float) -> Level:
-    falls = _falls(camera, np.arange(ground_top(camera), camera.height_px, dtype=float))
-    whole, gone = _whole(camera, far), _whole(camera, near)
-    shown = np.flatnonzero((falls > 1.0 / far) & (falls < gone))
-    share = (falls[shown] - 1.0 / far) / max(whole - 1.0 / far, 1e-12)
+    inverse_depths = _inverse_depths(camera, np.arange(ground_top(camera), camera.height_px, dtype=float))
+    opaque_from, hidden_from = _opaque_from(camera, far), _opaque_from(camera, near)
+    shown = np.flatnonzero((inverse_depths > 1.0 / far) & (inverse_depths < hidden_from))
+    share = (inverse_depths[shown] - 1.0 / far) / max(opaque_from - 1.0 / far, 1e-12)
     faded = int(np.count_nonzero(share < 1.0))
     weights = np.repeat(np.rint(255.0 * share[:faded]).astype(np.uint8)[:, None], camera.width_px, axis=1)
     across, along = near / camera.fx_px, near**2 / (camera.fy_px * camera.height_m)
     steep = near < STEEP * camera.height_m
-    sparse = falls[shown] ** -2.0 / near**2 / (SPARSE * ALONG) if steep else np.ones(len(shown))
+    sparse = inverse_depths[shown] ** -2.0 / near**2 / (SPARSE * ALONG) if steep else np.ones(len(shown))
     fineness = [2 ** max(0, ceil(log2(ratio))) for ratio in sparse]
     farthest = min(far, RANGE_M)
-    corners = _corners(camera, 1.0 / gone, farthest)
+    corners = _corners(camera, 1.0 / hidden_from, farthest)
     return Level(near, farthest, across, along, steep, corners, _bands(camera, shown, faded, fineness), weights)
 
 
-def _whole(camera: Camera, far: float) -> float:
+def _opaque_from(camera: Camera, far: float) -> float:
     """1/m, inverse depth from which a level up to `far` is opaque."""
     row = cos(camera.pitch_rad) / (camera.fy_px * camera.height_m)
     return max(1.0 / (FADE * far), 1.0 / far + FADE_ROWS * row) if np.isfinite(far) else 0.0

@@ -59,14 +59,14 @@ class Surface:
         """(rows, columns) palette values."""
         fine_x, fine_y = self._fine
         canvas = np.full((fine_y * raster.rows, fine_x * raster.columns), GRASS, np.uint8)
-        polygons, seen = self._seen(raster)
-        if polygons is not None and len(seen):
-            _fill(canvas, polygons, seen, raster.finer(fine_x, fine_y))
+        polygons, indices = self._candidates(raster)
+        if polygons is not None and len(indices):
+            _fill(canvas, polygons, indices, raster.finer(fine_x, fine_y))
         while len(canvas) > fine_x * raster.rows:
             canvas = np.asarray(cv2.addWeighted(canvas[0::2], 0.5, canvas[1::2], 0.5, 0.0), np.uint8)
         return np.asarray(cv2.resize(canvas, (raster.columns, raster.rows), interpolation=cv2.INTER_AREA), np.uint8)
 
-    def _seen(self, raster: Raster) -> tuple[Polygons | None, Indices]:
+    def _candidates(self, raster: Raster) -> tuple[Polygons | None, Indices]:
         """The polygons near a raster (None without any), and the indices of those that may touch it."""
         outline = raster.outline()
         middle = outline.mean(axis=0)
@@ -86,13 +86,13 @@ class Surface:
         return polygons, np.flatnonzero(outside.max(axis=0) < polygons.radii_m)
 
 
-def _fill(canvas: Image, polygons: Polygons, seen: Indices, matrix: Floats) -> None:
+def _fill(canvas: Image, polygons: Polygons, indices: Indices, matrix: Floats) -> None:
     """Fill polygons, one call per strip."""
-    counts = polygons.counts[seen]
+    counts = polygons.counts[indices]
     ends = np.cumsum(counts)
     starts = ends - counts
-    vertices = np.repeat(polygons.starts[seen] - starts, counts) + np.arange(ends[-1])
-    corners = _narrowed(polygons, vertices, matrix)
+    vertices = np.repeat(polygons.starts[indices] - starts, counts) + np.arange(ends[-1])
+    corners = _narrowed_vertices(polygons, vertices, matrix)
     fixed = _fixed(corners)
     outlines = [fixed[a:b] for a, b in zip(starts.tolist(), ends.tolist(), strict=True)]
     ahead = corners[:, 2] > NEAR_M
@@ -101,14 +101,14 @@ def _fill(canvas: Image, polygons: Polygons, seen: Indices, matrix: Floats) -> N
         padded = starts[cut, None] + np.minimum(np.arange(counts.max()), counts[cut, None] - 1)
         for index, polygon in zip(cut.tolist(), _clipped(corners[padded], ahead[padded]), strict=True):
             outlines[index] = polygon
-    last = [*(np.flatnonzero(np.diff(polygons.runs[seen])) + 1).tolist(), len(seen)]
+    last = [*(np.flatnonzero(np.diff(polygons.runs[indices])) + 1).tolist(), len(indices)]
     first = 0
-    for end, value in zip(last, polygons.values[seen[np.array(last) - 1]].tolist(), strict=True):
+    for end, value in zip(last, polygons.values[indices[np.array(last) - 1]].tolist(), strict=True):
         cv2.fillPoly(canvas, outlines[first:end], value, cv2.LINE_8, SHIFT)
         first = end
 
 
-def _narrowed(polygons: Polygons, vertices: Indices, matrix: Floats) -> Floats:
+def _narrowed_vertices(polygons: Polygons, vertices: Indices, matrix: Floats) -> Floats:
     """(P, 3) vertices in homogeneous canvas coordinates, with thin strips narrowed.
 
     OpenCV's filling adds half a pixel on either side, along the axis in which the edge is steeper."""

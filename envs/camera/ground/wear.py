@@ -31,12 +31,12 @@ Marks = tuple[Floats, Floats, NDArray[np.int64]]  # (n, 2 STATIONS) stations m, 
 
 def coarse_wear(shapes: list[LaneShape], rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
     """(n, 2 STATIONS, 2) patches and skid marks, and (n,) their tones relative to the asphalt."""
-    return _laid(shapes, (_patches, _skids), rng)
+    return _placed(shapes, (_patches, _skids), rng)
 
 
 def fine_wear(shapes: list[LaneShape], rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
     """(n, 2 STATIONS, 2) cracks and manhole covers, and (n,) their tones relative to the asphalt."""
-    return _laid(shapes, (_cracks_along, _cracks_across, _lids), rng)
+    return _placed(shapes, (_cracks_along, _cracks_across, _manhole_covers), rng)
 
 
 def tracks(shapes: list[LaneShape]) -> list[tuple[Floats, Floats, int]]:
@@ -65,15 +65,15 @@ def flakes(lines: list[Line], rng: np.random.Generator) -> Floats:
         askew = rng.uniform(0.5, 1.5, (len(s), 4, 1))[..., 0]
         long, wide = rng.uniform(0.02, 0.10, len(s)), rng.uniform(0.008, 0.022, len(s))
         polygons = np.empty((len(s), 4, 2))
-        for i, (ahead_of_it, beside_it) in enumerate(((-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0))):
-            a, b = ahead_of_it * askew[:, i] * long, beside_it * askew[:, i] * wide
+        for i, (ahead_share, lateral_share) in enumerate(((-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0))):
+            a, b = ahead_share * askew[:, i] * long, lateral_share * askew[:, i] * wide
             for axis in range(2):
                 polygons[:, i, axis] = middle[:, axis] + a * along[:, axis] + b * across[:, axis]
         result.append(polygons)
     return np.concatenate(result)
 
 
-def _laid(
+def _placed(
     shapes: list[LaneShape],
     kinds: tuple[Callable[[LaneShape, np.random.Generator], Marks], ...],
     rng: np.random.Generator,
@@ -109,7 +109,7 @@ def _patches(shape: LaneShape, rng: np.random.Generator) -> Marks:
     tone = rng.choice([-9.0, -7.0, -5.0, 5.0], len(start))
     seam = _ribbons(start - 0.04 + (long + 0.08) * SHARES, middle + 0 * SHARES, 0.0, half + 0.04, tone - 9.0)
     inside = _ribbons(start + long * SHARES, middle + 0 * SHARES, 0.0, half, tone)
-    return _together(seam, inside)
+    return _concatenated(seam, inside)
 
 
 def _skids(shape: LaneShape, rng: np.random.Generator) -> Marks:
@@ -123,7 +123,7 @@ def _skids(shape: LaneShape, rng: np.random.Generator) -> Marks:
         for first, last, share in ((0.0, 0.25, 0.5), (0.25, 0.8, 1.0), (0.8, 1.0, 0.5)):
             along = first + (last - first) * SHARES
             marks.append(_ribbons(start + long * along, middle + side + drift * along**2, 0.0, half, share * tone))
-    return _together(*marks)
+    return _concatenated(*marks)
 
 
 def _cracks_along(shape: LaneShape, rng: np.random.Generator) -> Marks:
@@ -144,7 +144,7 @@ def _cracks_across(shape: LaneShape, rng: np.random.Generator) -> Marks:
     return _ribbons(start + wander, lateral, half, 0.0, rng.uniform(-20.0, -10.0, len(start)))
 
 
-def _lids(shape: LaneShape, rng: np.random.Generator) -> Marks:
+def _manhole_covers(shape: LaneShape, rng: np.random.Generator) -> Marks:
     """Round manhole covers in a dark frame."""
     start = _starts(shape, 120.0, rng)[:, None]
     middle = rng.uniform(-0.8, 0.8, start.shape)
@@ -152,9 +152,9 @@ def _lids(shape: LaneShape, rng: np.random.Generator) -> Marks:
     for radius, tone in ((0.36, -18.0), (0.31, -8.0)):
         s, half = start - radius * np.cos(np.pi * SHARES), radius * np.sin(np.pi * SHARES)
         marks.append(_ribbons(s, middle + 0 * SHARES, 0.0, half, np.full(len(start), tone)))
-    return _together(*marks)
+    return _concatenated(*marks)
 
 
-def _together(*marks: Marks) -> Marks:
+def _concatenated(*marks: Marks) -> Marks:
     stations, places, tones = zip(*marks, strict=True)
     return np.concatenate(stations), np.concatenate(places), np.concatenate(tones)

@@ -86,7 +86,7 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Mirr
     ends = np.cumsum(numbers)
     owners = np.searchsorted(ends, shown, side="right").tolist()
     polygons = [drawings[i].polygons_px[k] for i, k in zip(owners, (shown - ends[owners]).tolist(), strict=True)]
-    return _drawn_out(view, polygons, planes[shown], colours[shown].tolist(), foot_px)
+    return _extended(view, polygons, planes[shown], colours[shown].tolist(), foot_px)
 
 
 def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
@@ -96,7 +96,7 @@ def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
     return any((x1 - x0) * (y1 - y0) > LARGE_PX for x0, y0, x1, y1 in drawing.boxes)
 
 
-def _drawn_out(
+def _extended(
     view: View, polygons: list[Floats], planes: Floats, colours: list[list[float]], foot_px: float
 ) -> MirroredFaces:
     """Mirrored faces with extended feet."""

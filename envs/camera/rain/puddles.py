@@ -72,10 +72,10 @@ class Puddles:
             self._height_map is None
             or hypot(*(middle - self._height_map.corner_m - 0.5 * CELLS * CELL_M).tolist()) > MOVE_M
         ):
-            self._height_map = self._laid(middle)
+            self._height_map = self._computed(middle)
         return self._height_map
 
-    def _laid(self, middle: Floats) -> HeightMap:
+    def _computed(self, middle: Floats) -> HeightMap:
         first = np.rint(middle / CELL_M).astype(int) - CELLS // 2
         corner = first * CELL_M
         depths = np.zeros((CELLS, CELLS), np.uint8)

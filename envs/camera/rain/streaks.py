@@ -60,20 +60,20 @@ class Streaks:
         self._rng = stream(seed, "streaks")
         self.exposure_s = exposure_s(light)
         self.brightness = brightness(light)
-        self._none = atmosphere.rain_mmph <= 0.0 or gain <= 0.0 or self.brightness <= DARKEST
+        self._is_dry = atmosphere.rain_mmph <= 0.0 or gain <= 0.0 or self.brightness <= DARKEST
         self._showers: dict[tuple[int, ...], Shower] = {}
 
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw the drops of this frame, in place."""
-        if not self._none:
-            self.draw_passing(frame, *self._passing(now, before))
+        if not self._is_dry:
+            self.draw_drops(frame, *self._relative_motion(now, before))
 
     def skip(self, now: Snapshot, before: Snapshot) -> None:
         """Skip the drops of a frame."""
-        if not self._none:
-            self._chances(self._shower(*self._passing(now, before)))
+        if not self._is_dry:
+            self._chances(self._shower(*self._relative_motion(now, before)))
 
-    def draw_passing(self, frame: Image, drift: Floats, down: Floats) -> None:
+    def draw_drops(self, frame: Image, drift: Floats, down: Floats) -> None:
         """Draw drops that fall along `down` (3,) and drift at `drift` (3,) m/s, in camera axes."""
         add(frame, self.specks(frame, drift, down), self._brightening)
 
@@ -95,14 +95,14 @@ class Streaks:
         scale = 1.0 / np.cbrt(cube + chance[1] * (shower.farthest_m3[stratum] - cube))
         fall = fall_speed_mps(diameter_mm)
         right, under, depth = (np.float32(a) + np.float32(b) * fall for a, b in zip(drift, down, strict=True))
-        passed = scale * np.float32(self.exposure_s)
-        dx = passed * (camera.fx_px * right - (x_px - camera.cx_px) * depth)
-        dy = passed * (camera.fy_px * under - (y_px - camera.cy_px) * depth)
+        travel = scale * np.float32(self.exposure_s)
+        dx = travel * (camera.fx_px * right - (x_px - camera.cx_px) * depth)
+        dy = travel * (camera.fy_px * under - (y_px - camera.cy_px) * depth)
         width = (1e-3 * camera.fx_px) * diameter_mm * scale
         level = opacity(width, np.hypot(dx, dy)) * contrast
         return Specks(x_px, y_px, dx, dy, width, level).part(np.flatnonzero(level >= FAINTEST))
 
-    def _passing(self, now: Snapshot, before: Snapshot) -> tuple[Floats, Floats]:
+    def _relative_motion(self, now: Snapshot, before: Snapshot) -> tuple[Floats, Floats]:
         """Drift of the rain relative to the camera, m/s, and direction of fall: (3,) each, camera axes."""
         gap_s = now.time_s - before.time_s
         velocity = (now.view.centre - before.view.centre) / gap_s if gap_s > 0.0 else np.zeros(3)

@@ -71,8 +71,8 @@ class WetRoad:
         self._size = (camera.height_px, camera.width_px)
         self._last: tuple[Mirror, Water, list[Drawn]] | None = None
         self._top = ground_top(camera)
-        self._none = atmosphere.wetness <= 0.0 or not REFINEMENT <= self._top < camera.height_px
-        if self._none:
+        self._is_dry = atmosphere.wetness <= 0.0 or not REFINEMENT <= self._top < camera.height_px
+        if self._is_dry:
             return
         self._camera = camera
         self._columns = camera.width_px // REFINEMENT
@@ -100,7 +100,7 @@ class WetRoad:
 
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
         """Draw the reflections of the sky and of `drawn`, in place."""
-        if self._none:
+        if self._is_dry:
             return
         if self._last is None or not self._ripple or self.is_due:
             mirror = self._mirror(view, self._mirrored_sky(frame), drawn)
@@ -108,22 +108,22 @@ class WetRoad:
         else:
             mirror = self._last[0]
         self._age += 1
-        self._shake()
+        self._draw_ripple()
         water = self._water(view)
         self._last = (mirror, water, drawn)
-        self._lay(frame, water.through, self._light(mirror, water))
+        self._blend(frame, water.through, self._light(mirror, water))
 
     @property
     def is_due(self) -> bool:
         """Whether the next frames reuse this frame's reflection."""
-        return not self._none and self._ripple > 0 and (self._last is None or self._age == EVERY)
+        return not self._is_dry and self._ripple > 0 and (self._last is None or self._age == EVERY)
 
     def skip(self, view: View) -> None:
         """Skip a frame that is not due."""
-        if self._none:
+        if self._is_dry:
             return
         self._age += 1
-        self._shake()
+        self._draw_ripple()
         self._puddles.height_map(view)
 
     def hidden(self) -> Bools:
@@ -155,7 +155,7 @@ class WetRoad:
             erase(mask, item.drawing)
         return mask.astype(bool)
 
-    def _shake(self) -> None:
+    def _draw_ripple(self) -> None:
         """Draw the random row offsets of one frame's reflections in puddles."""
         if self._ripple:
             self._from_row = self._rng.integers(-self._ripple, self._ripple + 1, self._rows) + np.arange(self._rows)
@@ -186,7 +186,7 @@ class WetRoad:
         cv2.multiply(light, cv2.cvtColor(water.share, cv2.COLOR_GRAY2RGB), light, scale=1 / 255)
         return light
 
-    def _lay(self, frame: Image, through: Bytes, light: Bytes) -> None:
+    def _blend(self, frame: Image, through: Bytes, light: Bytes) -> None:
         """Dim the road and add the reflected light."""
         rows = frame[self._top : self._top + self._rows * REFINEMENT]
         size = (frame.shape[1], self._rows * REFINEMENT)

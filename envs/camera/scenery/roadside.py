@@ -83,10 +83,10 @@ class Roadside:
     def __init__(self, camera: Camera, items: list[Placement], light: Light, haze: Haze) -> None:
         self._slope = 0.5 * camera.width_px / camera.fx_px  # slope of the field of view's sides
         self._widest = tan(atan(self._slope) + STALE_RAD)
-        self._air = AerialPerspective(light, haze)
+        self._aerial_perspective = AerialPerspective(light, haze)
         self._all = self._near = _group(items, light, camera)
         self._place: tuple[int, int, int] | None = None
-        self._visible: VisibleFaces | None = None
+        self.cached: VisibleFaces | None = None
 
     def visible(self, view: View) -> tuple[Drawing | None, list[float]]:
         """The visible faces, the farthest item first, and the depth of each item, m."""
@@ -105,9 +105,9 @@ class Roadside:
 
     def _current(self, view: View) -> tuple[VisibleFaces, Floats]:
         """The visible faces, and (n,) m, distances of the camera from their planes."""
-        visible = self._visible
+        visible = self.cached
         if visible is None or (distances := visible.plane_distances(view)) is None:
-            visible = self._visible = self._find_visible(view)
+            visible = self.cached = self._find_visible(view)
             distances = visible.normals @ view.centre - visible.offsets_m
         return visible, distances
 
@@ -123,7 +123,7 @@ class Roadside:
         shown, points = shown[inside], in_front(points[inside], SURELY_M)
         depth, owner = ahead[shown], group.owner[shown]
         firsts = np.diff(owner, prepend=-1).nonzero()[0]
-        colours = self._air.colours(
+        colours = self._aerial_perspective.colours(
             group.colours.take(shown, axis=0), depth, np.minimum(1.0, FULL - depth * group.fading[shown])
         )
         return VisibleFaces(

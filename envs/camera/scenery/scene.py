@@ -63,12 +63,12 @@ class Scene:
         for i, behind in [*zip(self._order, nearest, strict=True), (None, -1.0)]:
             while tree < len(trees) and trees[tree].depth_m > behind:
                 if scenery is not None and _covers(trees[tree], scenery, depths):
-                    first = _until(drawn, scenery, depths, first, trees[tree].depth_m)
+                    first = _add_until(drawn, scenery, depths, first, trees[tree].depth_m)
                 drawn.append(Drawn(trees[tree], -1, STILL))
                 tree += 1
             obj = None if i is None else self._object(now, before, i)
             if i is None or obj is not None:
-                first = _until(drawn, scenery, depths, first, behind)
+                first = _add_until(drawn, scenery, depths, first, behind)
             if obj is not None:
                 drawn.append(obj)
         return drawn
@@ -79,7 +79,7 @@ class Scene:
         self._order, _ = self._objects.in_view(now)
         for i in self._order:
             obj = now.objects[i]
-            self._of(obj).solid.update(now.view, now.poses[obj])
+            self._shape(obj).solid.update(now.view, now.poses[obj])
 
     def paint(self, frame: Image, drawn: list[Drawn]) -> None:
         """Draw items over the image, in their order."""
@@ -89,16 +89,16 @@ class Scene:
         """Draw the shadows of the objects found by `visible`."""
         for i in self._order:
             obj = now.objects[i]
-            self._of(obj).shadow.paint(frame, now.view, now.poses[obj])
+            self._shape(obj).shadow.paint(frame, now.view, now.poses[obj])
 
     def _object(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
         """An object's visible faces and its motion; None without visible faces."""
         obj = now.objects[index]
         pose = now.poses[obj]
-        drawing = self._of(obj).solid.visible(now.view, pose)
+        drawing = self._shape(obj).solid.visible(now.view, pose)
         return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(obj, pose), pose))
 
-    def _of(self, obj: RoadObject) -> Shape:
+    def _shape(self, obj: RoadObject) -> Shape:
         """The mesh and shadow of an object, created on first use."""
         if obj not in self._shapes:
             rng = stream(self._seed, f"body {len(self._shapes)}")
@@ -119,7 +119,7 @@ def _covers(tree: Sprite, scenery: Drawing, depths: list[float]) -> bool:
     return False
 
 
-def _until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], first: int, behind: float) -> int:
+def _add_until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float], first: int, behind: float) -> int:
     """Add the scenery items from `first` on that are farther than `behind`; returns the next index."""
     last = first
     while last < len(depths) and depths[last] > behind:
@@ -155,7 +155,7 @@ def _far_to_near(now: Snapshot, discs: "dict[int, Disc]") -> list[int]:
     """The objects in drawing order."""
     ahead = list(discs)
     order = sorted(ahead, key=lambda i: -discs[i].distance_m)
-    if not any(_unclear(discs[i], discs[j]) for n, i in enumerate(order) for j in order[n + 1 :]):
+    if not any(_is_ambiguous(discs[i], discs[j]) for n, i in enumerate(order) for j in order[n + 1 :]):
         return order
     corners = np.array([_footprint(now, i) for i in ahead])
     return [ahead[k] for k in far_to_near(corners, now.view.centre[:2])]
@@ -184,7 +184,7 @@ def _disc(now: Snapshot, index: int) -> Disc:
     return Disc(hypot(x, y), atan2(y, x), 0.5 * hypot(length, width), depth - half)
 
 
-def _unclear(farther: Disc, nearer: Disc) -> bool:
+def _is_ambiguous(farther: Disc, nearer: Disc) -> bool:
     """Whether distance alone does not decide which of two objects covers the other."""
     if farther.distance_m - farther.radius_m >= nearer.distance_m + nearer.radius_m:
         return False

@@ -21,10 +21,10 @@ class Shadow:
     def __init__(self, size: tuple[float, float, float], light: Light) -> None:
         self._size = size
         self._fall_m: Floats | None = None  # (2,) offset of the top's shadow
-        self._left = [light.contact]  # remaining brightness in each outline
+        self._brightness = [light.contact]  # remaining brightness in each outline
         if light.shadow < NO_SUN:
             self._fall_m = -light.sun[:2] / max(light.sun[2], 0.05) * FULLNESS * size[2]
-            self._left = [light.shadow, light.contact]
+            self._brightness = [light.shadow, light.contact]
         self._pose: Floats = np.full(3, np.nan)
         self._outlines: Floats = np.empty((0, 4, 3))
 
@@ -36,7 +36,7 @@ class Shadow:
         if not is_same(pose, self._pose):
             self._pose, self._outlines = pose, self._cast(pose)
         full = min(1.0, (RANGE_M - distance) / (RANGE_M - FADED_IN_M))
-        values = [255.0 - full * 255.0 * (1.0 - share) for share in self._left]
+        values = [255.0 - full * 255.0 * (1.0 - share) for share in self._brightness]
         points = view.camera_axes(self._outlines)
         if points[..., 2].min() <= NEAR_M:
             shown = np.flatnonzero((points[..., 2] > NEAR_M).any(axis=1))

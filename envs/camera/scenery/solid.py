@@ -51,18 +51,18 @@ class Solid:
     def __init__(self, mesh: Mesh, light: Light, haze: Haze) -> None:
         self._mesh = mesh
         self._light = light
-        self._air = AerialPerspective(light, haze)
+        self._aerial_perspective = AerialPerspective(light, haze)
         self._offsets_m = np.einsum("ij,ij->i", mesh.normals, mesh.faces_m[:, 0])  # plane offsets
         self._reach_m = mesh.reach_m
         self._pose: Floats = np.full(3, np.nan)
         self._to_world = np.eye(4)
         self._contrasts: Floats | None = None  # for the present heading
-        self._visible: VisibleFaces | None = None
+        self.cached: VisibleFaces | None = None
 
     def visible(self, view: View, pose: Floats) -> Drawing | None:
         """The visible faces at a pose (x, y, heading); None without any."""
         near, distances = self._current(view, pose)
-        visible = self._visible
+        visible = self.cached
         if visible is None or distances is None or not len(distances):
             return None
         return drawing(
@@ -80,9 +80,9 @@ class Solid:
         depth = float(-near.axes[2] @ near.centre)
         if depth > RANGE_M:
             return near, None
-        visible = self._visible
+        visible = self.cached
         if visible is None or (distances := visible.plane_distances(near.centre)) is None:
-            visible = self._visible = self._find_visible(near, depth)
+            visible = self.cached = self._find_visible(near, depth)
             distances = visible.normals @ near.centre - visible.offsets_m
         return near, distances
 
@@ -91,7 +91,7 @@ class Solid:
         if is_same(pose, self._pose):
             return
         if pose[2] != self._pose[2]:
-            self._contrasts = self._visible = None
+            self._contrasts = self.cached = None
         self._pose, self._to_world = pose, object_to_world(pose)
 
     def _find_visible(self, near: View, depth: float) -> VisibleFaces:
@@ -108,7 +108,7 @@ class Solid:
             far_m = 0.0
             shown = shown[(near.camera_axes(mesh.faces_m[shown])[..., 2] > NEAR_M).any(axis=1)]
         opacity = np.array([min(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))])
-        colours = self._air.colours(self._lit()[shown], np.array([max(depth, 0.0)]), opacity)
+        colours = self._aerial_perspective.colours(self._lit()[shown], np.array([max(depth, 0.0)]), opacity)
         faces = mesh.faces_m.take(shown, axis=0)
         return VisibleFaces(eye, far_m, faces, mesh.normals[shown], self._offsets_m[shown], colours.tolist())
 

@@ -24,7 +24,7 @@ class StaticScenery:
     def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, haze: Haze, seed: int) -> None:
         verge = Verge(shapes)
         self._trees = TreeStand(camera, _planted(verge, stream(seed, "trees")), light, haze)
-        self._roadside = Roadside(camera, verge.furnished(stream(seed, "scenery")), light, haze)
+        self._roadside = Roadside(camera, verge.furniture(stream(seed, "scenery")), light, haze)
 
     def visible(self, view: View) -> tuple[Drawing | None, list[float]]:
         """The visible faces, the farthest item first, and the depth of each item, m."""

@@ -26,9 +26,9 @@ NOTHING = (0, 0, 0, 255)
 RANGE_M = 100.0  # drawing range
 HEIGHTS_SEEN = 30.0  # and at most this many heights of the kind
 FADED_IN = 0.72  # share of the range at which trees are opaque
-AIR_STEP_M = 0.5  # distance step of haze and fading
+HAZE_STEP_M = 0.5  # distance step of haze and fading
 FADED_PICTURES = 512  # cached hazed images
-UNVEILED = 0.97  # haze with a higher transmission is left out
+CLEAR_TRANSMISSION = 0.97  # haze with a higher transmission is left out
 NOON = 0.85  # shading of the crown in the images
 LOWEST_SUN = 0.1  # lowest sine of the altitude for shadow lengths
 SHADOW_SIDES = 10
@@ -191,8 +191,8 @@ class TreeStand:
         for variant, shape in enumerate(shapes):
             self._sizes[:, variant, : len(shape)] = np.array(shape).T
         self._limits = np.array([[camera.width_px], [camera.height_px]], float)
-        self._airs = [_airs(range_m, light, haze) for range_m in RANGES_M]
-        self._faded: dict[tuple[int, int, int], Image] = {}  # hazed images, the oldest first
+        self._haze_transforms = [_haze_transforms(range_m, light, haze) for range_m in RANGES_M]
+        self._hazed_pictures: dict[tuple[int, int, int], Image] = {}  # hazed images, the oldest first
         self._trees = trees
         frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
         self._frames_m = frames[trees.variants] * trees.heights_m[:, None]
@@ -210,7 +210,7 @@ class TreeStand:
         sources = np.zeros((len(depth), 2, 3))
         sources[:, 0, 0], sources[:, 1, 1] = fine
         sources[:, :, 2] = ((first - corner + 0.5) * fine - 0.5).T
-        kinds = np.array((variants, levels, depth / AIR_STEP_M), np.int64).T.tolist()
+        kinds = np.array((variants, levels, depth / HAZE_STEP_M), np.int64).T.tolist()
         places = np.concatenate((first, extent)).astype(np.int64).T.tolist()
         return [
             Sprite(x, y, self._sampled(kind, source, (columns, rows)), far)
@@ -221,7 +221,7 @@ class TreeStand:
     def _in_view(self, view: View) -> tuple[Indices, Floats, Floats, Floats]:
         """Variants (n,), depths (n,), corners (2, n) px and sizes (2, n) px of the visible trees, the farthest
         first."""
-        camera, near = view.camera, self._close(view.centre[:2])
+        camera, near = view.camera, self._near_trees(view.centre[:2])
         right, down, depth = view.axes[:, :2] @ near.feet_m - (view.axes @ view.centre)[:, None]
         left = right + near.left_m
         wide = self._slope * depth
@@ -254,7 +254,7 @@ class TreeStand:
                 result.append(np.array([low - wide, low + wide, high + wide, high - wide]))
         return result
 
-    def _close(self, eye: Floats) -> "_Near":
+    def _near_trees(self, eye: Floats) -> "_Near":
         """The trees that may be visible near a position, updated as the camera moves."""
         if not np.hypot(*(eye - self._middle).tolist()) < STEP_M:
             reach_m = RANGE_M * np.hypot(1.0, self._slope) + STEP_M + self._trees.heights_m
@@ -264,35 +264,37 @@ class TreeStand:
 
     def _sampled(self, kind: list[int], source: Floats, size: tuple[int, int]) -> Image:
         """(rows, columns, 4) the image of `kind` (variant, level, haze step), sampled by the affine `source` (2, 3)."""
-        picture = self._through_air(*kind)
+        picture = self._hazed(*kind)
         return np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
 
-    def _through_air(self, variant: int, level: int, step: int) -> Image:
+    def _hazed(self, variant: int, level: int, step: int) -> Image:
         """(h, w, 4) an image with the haze of a distance step, cached."""
         key = (variant, level, step)
-        if key not in self._faded:
-            if len(self._faded) == FADED_PICTURES:
-                del self._faded[next(iter(self._faded))]
-            picture, air = self._levels[variant][level], self._airs[variant][step]
-            self._faded[key] = picture if air is None else np.asarray(cv2.transform(picture, air), np.uint8)
-        return self._faded[key]
+        if key not in self._hazed_pictures:
+            if len(self._hazed_pictures) == FADED_PICTURES:
+                del self._hazed_pictures[next(iter(self._hazed_pictures))]
+            picture, transform = self._levels[variant][level], self._haze_transforms[variant][step]
+            self._hazed_pictures[key] = (
+                picture if transform is None else np.asarray(cv2.transform(picture, transform), np.uint8)
+            )
+        return self._hazed_pictures[key]
 
 
-def _airs(range_m: float, light: Light, haze: Haze) -> list[Floats | None]:
+def _haze_transforms(range_m: float, light: Light, haze: Haze) -> list[Floats | None]:
     """(4, 5) affine channel transforms for haze and fading, by distance step; None for identity.
 
     A pixel of coverage a and premultiplied colour a c, at transmission t and tree opacity o, becomes
     o (t a c + (1 - t) a h), with the horizon's colour h, and the transparency 1 - o a.
     """
-    depths_m: Floats = (np.arange(ceil(range_m / AIR_STEP_M), dtype=np.float64) + 0.5) * AIR_STEP_M
+    depths_m: Floats = (np.arange(ceil(range_m / HAZE_STEP_M), dtype=np.float64) + 0.5) * HAZE_STEP_M
     left = haze.transmission(depths_m)
     opacity = np.clip((range_m - depths_m) / (range_m * (1.0 - FADED_IN)), 0.0, 1.0)
-    veiled = (opacity * (1.0 - left))[:, None] * light.horizon
+    airlight = (opacity * (1.0 - left))[:, None] * light.horizon
     matrices = np.zeros((len(depths_m), 4, 5))
     for channel in range(3):
         matrices[:, channel, channel] = opacity * left
     matrices[:, 3, 3] = opacity
-    matrices[:, :3, 3], matrices[:, :3, 4] = -veiled / 255.0, veiled
+    matrices[:, :3, 3], matrices[:, :3, 4] = -airlight / 255.0, airlight
     matrices[:, 3, 4] = 255.0 * (1.0 - opacity)
-    shows = (left < UNVEILED) | (opacity < 1.0)
+    shows = (left < CLEAR_TRANSMISSION) | (opacity < 1.0)
     return [matrix if shown else None for matrix, shown in zip(matrices, shows.tolist(), strict=True)]

@@ -54,7 +54,7 @@ class Verge:
         distance, _ = self._lanes.query(points)
         return np.asarray(distance > self._half + margin_m - 0.3)
 
-    def furnished(self, rng: np.random.Generator) -> list[Placement]:
+    def furniture(self, rng: np.random.Generator) -> list[Placement]:
         """All furniture of the road."""
         lit, items = rng.random() < LIT_SHARE, []
         for side in self.sides:

@@ -30,6 +30,6 @@ class Cylinder:
         steps = round(yaw_rad * self._per_rad * self._fractions)
         whole, fraction = divmod(steps, self._fractions)
         first = (whole - self._base) % self._columns
-        seen = self._panorama[:, first : first + self._span]
+        part = self._panorama[:, first : first + self._span]
         across, down = self._maps[fraction]
-        cv2.remap(seen, across, down, cv2.INTER_LINEAR, picture)
+        cv2.remap(part, across, down, cv2.INTER_LINEAR, picture)

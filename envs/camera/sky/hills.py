@@ -42,14 +42,14 @@ def hills(
     rows = int(tall * ROWS_PER_SLOPE)
     slope = np.linspace(tall, 0.0, rows)[:, None]
     picture = _magnified(sky, slope[:, 0])
-    air = picture[-1]
+    airlight = picture[-1]
     for (distance_m, _, colour), top in zip(HILLS, tops, strict=True):
         up = np.clip(slope / top, 0.0, 1.0)
-        left = np.exp(-atmosphere.extinction_per_m * distance_m * (1.0 + VALLEY_HAZE * (1.0 - up)))[..., None]
+        transmission = np.exp(-atmosphere.extinction_per_m * distance_m * (1.0 + VALLEY_HAZE * (1.0 - up)))[..., None]
         cover = np.clip((top - slope) / (tall / rows), 0.0, 1.0)[..., None]
         texture = noise((rows, COLUMNS), rng, 3.5, 0.8)[..., None] * 13.0
         tone = (np.array(colour, float) + texture) * light.ground
-        picture += cover * (air + (tone - air) * left - picture)
+        picture += cover * (airlight + (tone - airlight) * transmission - picture)
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
 

@@ -99,7 +99,7 @@ def test_a_drop_shows_as_wide_as_its_spot_at_the_distance_of_the_glass() -> None
 
 def test_drops_that_touch_become_one_of_their_volume_in_their_centre_of_mass() -> None:
     glass = placed((300.0, 240.0, 2.0), (302.0, 242.0, 1.0), (500.0, 240.0, 1.5))
-    glass.picture.put(glass._merge(np.array([1]), len(glass.drops)))
+    glass.picture.put(glass.merge(np.array([1]), len(glass.drops)))
     merged, apart = sorted(glass.drops, key=lambda drop: drop["x"])
     assert merged["size"] ** 3 == pytest.approx(2.0**3 + 1.0**3)
     assert (merged["x"], merged["y"]) == pytest.approx((300.0 + 2.0 / 9.0, 240.0 + 2.0 / 9.0))
@@ -109,7 +109,7 @@ def test_drops_that_touch_become_one_of_their_volume_in_their_centre_of_mass() -
 
 def test_drops_side_by_side_stay_apart() -> None:
     glass = placed((300.0, 240.0, 2.0), (310.0, 240.0, 1.0))  # the spot's radius is 5.8 px
-    glass._merge(np.array([0, 1]), len(glass.drops))
+    glass.merge(np.array([0, 1]), len(glass.drops))
     assert len(glass.drops) == 2
 
 

@@ -44,9 +44,9 @@ def with_drop(x: float, y: float, size: float) -> Glass:
     draw(water, grey(), 0)
     drop = np.zeros(1, DROP)
     drop["x"], drop["y"], drop["size"], drop["dies"] = x, y, size, 1e9
-    assert water._droplets is not None
-    water._droplets.picture.shape(drop)
-    water._droplets.add(drop)
+    assert water.droplets is not None
+    water.droplets.picture.shape(drop)
+    water.droplets.add(drop)
     return water
 
 
@@ -101,8 +101,8 @@ def test_cover_grows_between_sweeps_and_a_pass_takes_it_away() -> None:
     cover = []
     for k in range(0, 360, 3):
         draw(water, grey(), k)
-        assert water._droplets is not None
-        cover.append(water._droplets.planes.alpha.mean() / 255.0)
+        assert water.droplets is not None
+        cover.append(water.droplets.planes.alpha.mean() / 255.0)
     swings = np.array(cover)
     assert swings.max() - swings.min() > 0.06  # a few %/s for 3 s
     assert swings.min() < 0.02
@@ -113,8 +113,8 @@ def test_cover_grows_between_sweeps_and_a_pass_takes_it_away() -> None:
 
 def test_a_thin_film_is_left_behind_the_blade_for_a_moment() -> None:
     water, frame = glass(droplets=1.0, wiper_period_s=4.0), noise()  # drops a second: next to none
-    assert water._wiper is not None
-    seen = [water._wiper.blade(k / RATE_HZ) is not None for k in range(300)]
+    assert water.wiper is not None
+    seen = [water.wiper.blade(k / RATE_HZ) is not None for k in range(300)]
     gone = next(k for k in range(1, 260) if seen[k - 1] and not any(seen[k : k + 40]))
     contrast = [draw(water, frame, k)[300:400, 200:400].std() for k in range(gone + 40)]
     fresh, dry = contrast[gone], contrast[gone + 30]
@@ -144,8 +144,8 @@ def test_hard_rain_does_not_repeat_within_ten_seconds() -> None:
     for k in range(0, 600, 4):
         draw(water, grey(), k)
         if k % 60 == 40:
-            assert water._droplets is not None
-            alphas.append((water._droplets.planes.alpha > 60).astype(float).ravel())
+            assert water.droplets is not None
+            alphas.append((water.droplets.planes.alpha > 60).astype(float).ravel())
     wet = [alpha for alpha in alphas if alpha.any()]
     assert len(wet) == 10
     likeness = np.corrcoef(wet) - np.eye(10)

@@ -112,13 +112,13 @@ def test_what_is_kept_of_a_body_shows_as_if_it_were_looked_at_anew(kind: str) ->
     looks, missed_px = [], []
     for ahead in (np.linspace(80.0, 8.0, 30)[:, None] - 0.09 * np.arange(4)).ravel():
         view = View.at(Camera(), np.array([-ahead, 0.04 * ahead - 1.0]), 0.01 * np.sin(ahead))
-        anew._visible = None
+        anew.cached = None
         drawings = [solid.visible(view, np.array([0.0, 0.0, 0.7])) for solid in (kept, anew)]
         frames = [canvas(), canvas()]
         for frame, drawn in zip(frames, drawings, strict=True):
             assert drawn is not None
             paint(frame, [drawn])
-        looks.append(kept._visible)
+        looks.append(kept.cached)
         off = cv2.absdiff(*frames).max(axis=2)
         missed_px.append(off.sum() / 255.0 / np.ptp(drawn.polygons_px[..., 1]))
     assert sum(now is not before for before, now in pairwise(looks)) < 0.7 * len(looks)

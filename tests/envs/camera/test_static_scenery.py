@@ -41,7 +41,7 @@ ROADS = {"straight": straight_road, "bent": bent_road, "town04": town}
 
 
 def standing(shapes: list[LaneShape], seed: int) -> list[Placement]:
-    return Verge(shapes).furnished(np.random.default_rng(seed))
+    return Verge(shapes).furniture(np.random.default_rng(seed))
 
 
 def in_world(item: Placement) -> Floats:
@@ -117,7 +117,7 @@ def test_what_is_kept_of_the_roadside_shows_as_if_it_were_looked_at_anew() -> No
     off = []
     for s in (np.linspace(60.0, 300.0, 30)[:, None] + 0.09 * np.arange(4)).ravel():
         view = View.at(CAMERA, lane.position(s, 0.0), lane.heading_at(s))
-        anew._visible = None
+        anew.cached = None
         frames = [np.full((CAMERA.height_px, CAMERA.width_px, 3), 90, np.uint8) for _ in range(2)]
         for frame, (seen, depths) in zip(frames, (kept.visible(view), anew.visible(view)), strict=True):
             assert seen is not None

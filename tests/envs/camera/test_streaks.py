@@ -95,7 +95,7 @@ def test_none_is_seen_before_the_sky_and_none_when_dry() -> None:
     source = streaks(50.0)
     bright = darker_by(0.0, source)
     before = bright.copy()
-    source.draw_passing(bright, np.array([0.0, 0.0, -10.0]), DOWN)
+    source.draw_drops(bright, np.array([0.0, 0.0, -10.0]), DOWN)
     assert np.array_equal(bright, before)
     road = straight_road()
     ego = add_ego(road, [20.0, 5.0])
@@ -110,7 +110,7 @@ def test_gain_brightens() -> None:
     for source in levels:
         frame = darker_by(60.0, source)
         before = frame.copy()
-        source.draw_passing(frame, drift, DOWN)
+        source.draw_drops(frame, drift, DOWN)
         added.append(float((frame - before).sum()))
     assert added[1] == pytest.approx(3.0 * added[0], rel=0.1)
 
@@ -121,7 +121,7 @@ def test_seeds_have_their_own_drops_and_frames_never_come_again() -> None:
         result = []
         for _ in range(2):
             frame = darker_by(100.0, source)
-            source.draw_passing(frame, np.array([0.0, 0.0, -10.0]), DOWN)
+            source.draw_drops(frame, np.array([0.0, 0.0, -10.0]), DOWN)
             result.append(frame)
         return result
 
