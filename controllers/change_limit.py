@@ -1,27 +1,27 @@
-"""How much an acceleration changes within a time: comfort's bound on jerk that leaves braking its reaction.
+"""Limit on the change of acceleration within a time window: bounds comfort jerk without delaying the brakes.
 
-nuPlan takes the jerk as the slope of a line laid through 1.5 s of the acceleration. A step of D within it is a jerk of
-no more than D / 1 s, however sudden: so a bound of the change within about half that window bounds the jerk, and the
-brakes may still bite at once. A bound of the command's own slope would do so only by delaying them.
+nuPlan fits the jerk as a slope over 1.5 s of acceleration. A step of D within that window is a jerk of at most D / 1 s,
+however sudden. So a limit on the change within about half the window bounds the jerk, while a step is still possible. A
+slope limit would delay the brakes.
 """
 
 from collections import deque
 
 
 class ChangeLimit:
-    """The accelerations asked for last."""
+    """The recent acceleration commands."""
 
-    def __init__(self, most_mps2: float, within_s: float, dt_s: float) -> None:
-        self._most_mps2 = most_mps2
-        self._last: deque[float] = deque(maxlen=max(1, round(within_s / dt_s)))
+    def __init__(self, limit_mps2: float, window_s: float, dt_s: float) -> None:
+        self._limit_mps2 = limit_mps2
+        self._last: deque[float] = deque(maxlen=max(1, round(window_s / dt_s)))
 
     def reset(self) -> None:
-        """What comes next has nothing to be smooth with: the car brakes in need."""
+        """Forget the recent commands, for emergency braking."""
         self._last.clear()
 
-    def limit(self, wish_mps2: float) -> float:
-        """m/s2 of the next step of dt, as near to the wish as the bound lets it."""
+    def limit(self, demand_mps2: float) -> float:
+        """m/s2, the demand clipped to the limit; call once per step."""
         if self._last:
-            wish_mps2 = min(max(wish_mps2, max(self._last) - self._most_mps2), min(self._last) + self._most_mps2)
-        self._last.append(wish_mps2)
-        return wish_mps2
+            demand_mps2 = min(max(demand_mps2, max(self._last) - self._limit_mps2), min(self._last) + self._limit_mps2)
+        self._last.append(demand_mps2)
+        return demand_mps2

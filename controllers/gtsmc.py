@@ -1,23 +1,23 @@
-"""The gradient-tracking sliding mode controller (GTSMC): it turns the car along the field's gradient line.
+"""The gradient-tracking sliding mode controller (GTSMC): follows a reference heading and speed.
 
-Lateral, with psi_e = psi - psi_d, the steering actuator as an integrator:
+Lateral, with psi_e = psi - psi_d and the steering actuator as an integrator:
 
     s_r = c_r psi_e + d psi_e / dt,    d delta / dt = u = -u_0 sign(s_r),    |delta| <= delta_0.
 
 Longitudinal: s_l = c_l v - v_d, a = -a_0 sign(s_l). With a boundary layer, sign(s) becomes clip(s / layer, -1, 1). The
-law of second order (`super_twisting`) stands in the place of the lateral sign.
+second-order law (`super_twisting`) replaces the lateral sign.
 
-With `foresees` the reference's part of the equivalent control (Utkin, Sliding Modes in Control and Optimization, 1992,
-ch. 2), L v db / ds of the bend b = (d psi_d / dt) / v, is added to u: in its layer the law by itself follows a bend
-that changes only with an error.
+`feedforward` adds the reference's part of the equivalent control (Utkin, Sliding Modes in Control and Optimization,
+1992, ch. 2) to u: L v db / ds for the curvature b = (d psi_d / dt) / v. Without it, a changing curvature leaves an
+error inside the layer.
 
-In the layer, of slope k = u_0 / layer, psi_e'' + k v / L psi_e' + c_r k v / L psi_e = 0, damped by
-sqrt(k v / (4 c_r L)). The gains `robust` keep that at low speed, by a layer that narrows with v.
+In the layer, with slope k = u_0 / layer, psi_e'' + k v / L psi_e' + c_r k v / L psi_e = 0 has the damping ratio
+sqrt(k v / (4 c_r L)). `layer_narrows_below_mps` keeps it constant at low speed.
 
-Since d s_r / dt = (v / L) u + phi, phi = c_r d psi_e / dt - d^2 psi_d / dt^2, the manifold is reached only while the
-authority u_0 v / L exceeds |phi|, and at standstill the steering has no authority at all: there it is held. Along a
-road whose curvature changes at k' a metre phi is k' v^2, which grows faster with the speed than the authority: where it
-is too much, the gains `robust` slow down, to v times authority / |phi|, at which it holds.
+Reaching condition: d s_r / dt = (v / L) u + phi with phi = c_r d psi_e / dt - d^2 psi_d / dt^2, so the manifold is
+reached only while the authority u_0 v / L exceeds |phi|. At standstill the steering has no authority and is held. On a
+road with the curvature rate k' phi is k' v^2, which grows faster with speed than the authority. With `slows_to_reach`
+the car slows down to v authority / |phi|, at which the condition holds.
 """
 
 from dataclasses import dataclass, replace
@@ -32,15 +32,12 @@ from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Observation, Reference, VehicleModel
 
 STANDSTILL_MPS = 0.1
-SLOWEST_MPS = 2.0  # to slow down further for the reaching condition would take the authority itself
-RECOVERY_MPS2 = 1.5  # how fast the speed may rise when it holds again
+SLOWEST_MPS = 2.0  # lowest speed for the reaching condition: less speed means less authority
+RECOVERY_MPS2 = 1.5  # rise of the speed limit once the condition holds again
 DEMAND_FILTER_HZ = 2.0
-HARD_BRAKING_SHARE, HARD_BRAKING_MIN_MPS = (
-    0.7,
-    1.2,
-)  # of the speed, by which a car that is too fast brakes beyond a_0; no less
-MIN_LAYER_SHARE = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
-MAX_RAD, MAX_RADPS, MAX_MPS = 1e6, 1e3, 1e3  # beyond any car: what is filtered and differentiated stays finite
+HARD_BRAKING_SHARE, HARD_BRAKING_MIN_MPS = 0.7, 1.2  # excess speed for hard braking: of the speed, and at least
+MIN_LAYER_SHARE = 0.15  # least share of the boundary layer: a narrower one amplifies sensor noise
+MAX_RAD, MAX_RADPS, MAX_MPS = 1e6, 1e3, 1e3  # input limits, so that filters and derivatives stay finite
 
 NOT_NEGATIVE = (
     "boundary_layer_radps",
@@ -57,33 +54,26 @@ NOT_NEGATIVE = (
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """One set of gains; units are in the names."""
+    """One set of gains."""
 
     c_r_per_s: float  # c_r
     u0_radps: float  # u_0
-    boundary_layer_radps: float  # of s_r; 0 is the printed sign function
-    reference_filter_hz: float  # low-pass of the differentiated reference; 0 is none
+    boundary_layer_radps: float  # of s_r; 0 for the printed sign function
+    reference_filter_hz: float  # low-pass of the differentiated reference; 0 for none
     c_l: float
     a0_mps2: float  # a_0 when speeding up
     brake_a0_mps2: float  # a_0 when slowing down
-    speed_boundary_layer_mps: float  # of s_l; 0 is the printed sign function
-    yaw_rate_filter_hz: float = (
-        0.0  # below it the sensor is believed, above it the bicycle model; 0 is the sensor alone
-    )
-    speed_filter_hz: float = 0.0  # likewise of the speed, which the pedals change
+    speed_boundary_layer_mps: float  # of s_l; 0 for the printed sign function
+    yaw_rate_filter_hz: float = 0.0  # complementary filter: sensor below, bicycle model above; 0 for sensor only
+    speed_filter_hz: float = 0.0  # complementary filter: speedometer below, commanded acceleration above
     lateral_law: Literal["first_order", "super_twisting"] = "first_order"
-    disturbance_radps3: float = 0.0  # D of the super-twisting law: how fast what disturbs s_r may change
-    slows_to_reach: bool = False  # where the reaching condition does not hold
-    layer_narrows_below_mps: float = (
-        0.0  # below it the layer of s_r narrows with the authority, so the loop does not ring
-    )
-    hard_braking_error_mps: float = (
-        0.0  # so much too fast, or by `HARD_SHARE` of the speed, the brake goes beyond a_0, 1 m/s
-    )
-    # more to its full; 0 is never
-    change_limit_mps2: float = 0.0  # most by which the acceleration changes within `swing_s`; 0 is no limit
+    disturbance_radps3: float = 0.0  # D of the super-twisting law: bound on the disturbance's rate
+    slows_to_reach: bool = False  # slow down where the reaching condition fails
+    layer_narrows_below_mps: float = 0.0  # below it the layer of s_r narrows with the authority
+    hard_braking_error_mps: float = 0.0  # excess speed from which the brake exceeds a_0; full 1 m/s later; 0 for never
+    change_limit_mps2: float = 0.0  # largest change of acceleration within `change_window_s`; 0 for none
     change_window_s: float = 0.0
-    feedforward: bool = False  # turns the steering as the bends of a reference do whose rate is given, before s_r tells
+    feedforward: bool = False  # feedforward of a given reference rate
 
     def __post_init__(self) -> None:
         for key in ("c_r_per_s", "u0_radps", "c_l", "a0_mps2", "brake_a0_mps2"):
@@ -103,7 +93,7 @@ class Gains:
 
 @dataclass(frozen=True, slots=True)
 class Reaching:
-    """Whether the manifold can be reached: the condition of a sliding mode."""
+    """The reaching condition of the sliding mode."""
 
     authority_radps2: float  # u_0 v / L
     demand_radps2: float  # |phi|, low-passed
@@ -114,7 +104,7 @@ class Reaching:
 
 
 def load_gains(name: str) -> Gains:
-    """The set [gtsmc.`name`] of gains.toml."""
+    """The gains [gtsmc.`name`] of gains.toml."""
     sets = tables.read("vpf_sim.controllers", "gains.toml")["gtsmc"]
     if name not in sets:
         raise unknown_name("gains", name, sets)
@@ -122,14 +112,14 @@ def load_gains(name: str) -> Gains:
 
 
 def relay(s: float, layer: float) -> float:
-    """sign(s), or its saturation in a boundary layer of that half width; 0 at 0."""
+    """sign(s), or the saturation s / layer in a boundary layer; 0 at 0."""
     if layer > 0.0:
         return max(-1.0, min(1.0, s / layer))
     return copysign(1.0, s) if s else 0.0
 
 
 class Gtsmc:
-    """The controller with its actuator's angle and the memory of its reference."""
+    """The controller with its actuator state and filters."""
 
     def __init__(self, gains: Gains, vehicle: VehicleModel, rate_hz: float) -> None:
         self._gains = gains
@@ -138,7 +128,7 @@ class Gtsmc:
         self.reset()
 
     def reset(self) -> None:
-        """Wheels straight, no memory."""
+        """Reset all state, with straight wheels."""
         self.steering_rad = 0.0
         self._last_heading_rad: float | None = None
         self._heading_rate_radps = 0.0
@@ -148,50 +138,52 @@ class Gtsmc:
         self.yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
         self.speed_mps: float | None = None
-        self._acceleration_mps2 = 0.0  # as commanded last
-        self._reachable_mps = inf  # v_d at most
-        swings = self._gains.change_limit_mps2 > 0.0
+        self._acceleration_mps2 = 0.0  # last command
+        self._reachable_mps = inf  # limit of v_d by the reaching condition
+        limits_change = self._gains.change_limit_mps2 > 0.0
         self._change_limit = (
-            ChangeLimit(self._gains.change_limit_mps2, self._gains.change_window_s, self._dt_s) if swings else None
+            ChangeLimit(self._gains.change_limit_mps2, self._gains.change_window_s, self._dt_s)
+            if limits_change
+            else None
         )
-        twists = self._gains.lateral_law == "super_twisting"
-        self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if twists else None
+        is_second_order = self._gains.lateral_law == "super_twisting"
+        self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if is_second_order else None
 
     def command(self, observation: Observation, reference: Reference) -> Command:
-        """One step of 1 / rate_hz."""
+        """The command for one step of 1 / rate_hz."""
         reference = _bounded(reference)
         speed_mps = self._filtered_speed(observation.speed_mps)
         measured_radps = min(max(observation.yaw_rate_radps, -MAX_RADPS), MAX_RADPS)
         yaw_rate = self._yaw_rate(measured_radps, speed_mps)
         observation = replace(observation, speed_mps=speed_mps, yaw_rate_radps=yaw_rate)
         steering = self._steer(observation, reference)
-        wish_mps = self._speed(speed_mps, reference.speed_mps)
-        self._acceleration_mps2 = self._accelerate(speed_mps, wish_mps)
+        target_mps = self._speed(speed_mps, reference.speed_mps)
+        self._acceleration_mps2 = self._accelerate(speed_mps, target_mps)
         throttle = self._acceleration_mps2 / self._vehicle.full_mps2(self._acceleration_mps2)
         return Command(throttle, steering / self._vehicle.steering_limit_rad)
 
     def manifold(self, observation: Observation, reference: Reference, heading_rate_radps: float) -> float:
-        """s_r, rad/s."""
+        """The sliding variable s_r, rad/s."""
         error = wrap_angle(observation.yaw_rad - reference.heading_rad)
         return self._gains.c_r_per_s * error + observation.yaw_rate_radps - heading_rate_radps
 
     def _steer(self, observation: Observation, reference: Reference) -> float:
-        """The angle of the actuator after one step, rad; clamping the integrator itself is its anti-windup."""
+        """The actuator's angle after one step, rad; clamping the integrator prevents windup."""
         rate = self._reference_rate(reference)
         authority = observation.speed_mps / self._vehicle.wheelbase_m
         self._update_reaching(observation, reference, rate, authority)
         if observation.speed_mps > STANDSTILL_MPS:
             s_r, most = self.manifold(observation, reference, rate), self._gains.u0_radps
-            wish = self._rate(s_r, authority, observation.speed_mps) + self._feedforward_rate(
+            demand = self._rate(s_r, authority, observation.speed_mps) + self._feedforward_rate(
                 authority, observation.speed_mps
             )
-            step = max(-most, min(most, wish)) * self._dt_s
+            step = max(-most, min(most, demand)) * self._dt_s
             limit = self._vehicle.steering_limit_rad
             self.steering_rad = max(-limit, min(limit, self.steering_rad + step))
         return self.steering_rad
 
     def _rate(self, s_r: float, authority_per_s: float, speed_mps: float) -> float:
-        """u, rad/s."""
+        """The steering rate u, rad/s."""
         if self._twisting is not None:
             return self._twisting.rate(s_r, authority_per_s, self._gains.u0_radps)
         layer, whole_mps = self._gains.boundary_layer_radps, self._gains.layer_narrows_below_mps
@@ -200,9 +192,9 @@ class Gtsmc:
         return -self._gains.u0_radps * relay(s_r, layer)
 
     def _curvature_demand(self, observation: Observation, reference: Reference) -> float:
-        """rad/s^2, v^2 db / ds of the told bend b = (d psi_d / dt) / v; the rest, v' b, the wheels make as they stand.
+        """rad/s^2, v^2 db / ds of the reference curvature b = (d psi_d / dt) / v.
 
-        0 where no rate is told: a heading that is differentiated twice is noise.
+        0 without a given rate: a heading differentiated twice is noise.
         """
         if reference.heading_rate_radps is None:
             return 0.0
@@ -212,7 +204,7 @@ class Gtsmc:
         return 0.0 if last is None else speed * (bend - last) / self._dt_s
 
     def _feedforward_rate(self, authority_per_s: float, speed_mps: float) -> float:
-        """rad/s that the reference's bends ask of the steering; less at walking speed, where the authority is small."""
+        """Feedforward steering rate, rad/s; reduced at low speed, where the authority is small."""
         if not self._gains.feedforward:
             return 0.0
         whole_mps = self._gains.layer_narrows_below_mps
@@ -222,7 +214,7 @@ class Gtsmc:
     def _update_reaching(
         self, observation: Observation, reference: Reference, rate_radps: float, authority_per_s: float
     ) -> None:
-        """The reaching condition; d^2 psi_d / dt^2 is differentiated, so phi is low-passed."""
+        """Update the reaching condition; phi contains a numerical derivative, so it is low-passed."""
         last, self._last_rate_radps = self._last_rate_radps, rate_radps
         second = 0.0 if last is None else (rate_radps - last) / self._dt_s
         phi = self._gains.c_r_per_s * (observation.yaw_rate_radps - rate_radps) - second
@@ -234,30 +226,30 @@ class Gtsmc:
         self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._demand_radps2))
 
     def _yaw_rate(self, measured_radps: float, speed_mps: float) -> float:
-        """d psi / dt, rad/s: what changes slowly as it is measured, what changes fast as the steering makes it."""
+        """d psi / dt, rad/s: complementary filter of the measurement and the bicycle model."""
         if self._gains.yaw_rate_filter_hz == 0.0:
             return measured_radps
         slip = atan(self._vehicle.l_r_m / self._vehicle.wheelbase_m * tan(self.steering_rad))
         model = speed_mps * sin(slip) / self._vehicle.l_r_m
-        foreseen = self.yaw_rate_radps + model - self._model_radps
+        predicted = self.yaw_rate_radps + model - self._model_radps
         share = self._share(self._gains.yaw_rate_filter_hz)
-        self.yaw_rate_radps, self._model_radps = foreseen + share * (measured_radps - foreseen), model
+        self.yaw_rate_radps, self._model_radps = predicted + share * (measured_radps - predicted), model
         return self.yaw_rate_radps
 
     def _filtered_speed(self, measured_mps: float) -> float:
-        """v, m/s: what changes slowly as it is measured, what changes fast as throttle and brake make it.
+        """v, m/s: complementary filter of the measurement and the commanded acceleration.
 
-        Where they do less than they should, as on a slippery road, it lags by 1 / (2 pi f) of what is missing.
+        On a slippery road it lags by 1 / (2 pi f) times the missing acceleration.
         """
         if self._gains.speed_filter_hz == 0.0 or self.speed_mps is None:
             self.speed_mps = measured_mps
             return measured_mps
-        foreseen = max(self.speed_mps + self._acceleration_mps2 * self._dt_s, 0.0)
-        self.speed_mps = foreseen + self._share(self._gains.speed_filter_hz) * (measured_mps - foreseen)
+        predicted = max(self.speed_mps + self._acceleration_mps2 * self._dt_s, 0.0)
+        self.speed_mps = predicted + self._share(self._gains.speed_filter_hz) * (measured_mps - predicted)
         return self.speed_mps
 
     def _speed(self, speed_mps: float, reference_mps: float) -> float:
-        """v_d, less where the manifold could not be reached: it falls at once and rises gently."""
+        """v_d, limited by the reaching condition: the limit falls at once and rises slowly."""
         if not self._gains.slows_to_reach:
             return reference_mps
         self._reachable_mps = max(self._reachable_mps + RECOVERY_MPS2 * self._dt_s, speed_mps)
@@ -267,11 +259,11 @@ class Gtsmc:
         return min(reference_mps, self._reachable_mps)
 
     def _share(self, cutoff_hz: float) -> float:
-        """Of a new value in a low-pass of first order; all of it without one."""
+        """Weight of a new value in a first-order low-pass; 1 without one."""
         return 1.0 - exp(-2.0 * pi * cutoff_hz * self._dt_s) if cutoff_hz > 0.0 else 1.0
 
     def _reference_rate(self, reference: Reference) -> float:
-        """d psi_d / dt: as given, or differentiated and low-passed."""
+        """d psi_d / dt, rad/s: as given, or differentiated and low-passed."""
         last, self._last_heading_rad = self._last_heading_rad, reference.heading_rad
         if reference.heading_rate_radps is not None:
             return reference.heading_rate_radps
@@ -280,28 +272,28 @@ class Gtsmc:
         return self._heading_rate_radps
 
     def _hard_braking_share(self, s_l: float, speed_mps: float) -> float:
-        """0 .. 1 of the full brake: only what was seen too late asks for a speed so far below the present one."""
+        """Share of full braking, 0 to 1, for a large excess speed, as for an obstacle detected late."""
         if self._gains.hard_braking_error_mps == 0.0:
             return 0.0
-        hard = max(min(self._gains.hard_braking_error_mps, HARD_BRAKING_SHARE * speed_mps), HARD_BRAKING_MIN_MPS)
-        return min(max(s_l - hard, 0.0), 1.0)
+        hard_share = max(min(self._gains.hard_braking_error_mps, HARD_BRAKING_SHARE * speed_mps), HARD_BRAKING_MIN_MPS)
+        return min(max(s_l - hard_share, 0.0), 1.0)
 
     def _accelerate(self, speed_mps: float, reference_mps: float) -> float:
-        """m/s^2, as far as the vehicle can."""
+        """The acceleration, m/s^2, within the vehicle's limits."""
         s_l = self._gains.c_l * speed_mps - reference_mps
-        wish = relay(-s_l, self._gains.speed_boundary_layer_mps)
-        acceleration = wish * (self._gains.a0_mps2 if wish > 0.0 else self._gains.brake_a0_mps2)
-        hard = self._hard_braking_share(s_l, speed_mps)
+        demand = relay(-s_l, self._gains.speed_boundary_layer_mps)
+        acceleration = demand * (self._gains.a0_mps2 if demand > 0.0 else self._gains.brake_a0_mps2)
+        hard_share = self._hard_braking_share(s_l, speed_mps)
         if self._change_limit is not None:
-            if hard > 0.0:
+            if hard_share > 0.0:
                 self._change_limit.reset()
             acceleration = self._change_limit.limit(acceleration)
-        acceleration -= hard * (acceleration + self._vehicle.full_brake_mps2)
+        acceleration -= hard_share * (acceleration + self._vehicle.full_brake_mps2)
         return min(max(acceleration, -self._vehicle.full_brake_mps2), self._vehicle.full_throttle_mps2)
 
 
 def _bounded(reference: Reference) -> Reference:
-    """The reference, within what any car could be asked for."""
+    """The reference within the input limits."""
     heading, speed, rate = reference.heading_rad, reference.speed_mps, reference.heading_rate_radps
     return Reference(
         heading if abs(heading) <= MAX_RAD else wrap_angle(heading),

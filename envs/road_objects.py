@@ -116,9 +116,8 @@ def _class_by_kind(base: type[RoadObject], kinds: Iterable[ObjectKind]) -> dict[
 
 STATIC_OBSTACLES = _class_by_kind(StaticObstacle, SIZES)
 ACTORS = _class_by_kind(Actor, MOVING)
-globals().update(
-    {one.__name__: one for one in (*STATIC_OBSTACLES.values(), *ACTORS.values())}
-)  # pickle looks them up here
+# pickle looks classes up by their name in the module
+globals().update({cls.__name__: cls for cls in (*STATIC_OBSTACLES.values(), *ACTORS.values())})
 
 
 def place_objects(road: Road, scenario: Scenario) -> None:

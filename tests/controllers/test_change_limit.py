@@ -18,12 +18,12 @@ def limited(wishes: Floats, most_mps2: float, within_s: float) -> Floats:
     return np.array([change_limit.limit(float(wish)) for wish in wishes])
 
 
-def test_a_change_within_the_bound_comes_at_once() -> None:
+def test_change_within_the_limit_passes_at_once() -> None:
     wishes = np.repeat([0.0, -3.0, 0.0, 2.0], 120)
     assert np.array_equal(limited(wishes, 3.0, 0.9), wishes)
 
 
-def test_no_two_accelerations_within_the_time_are_farther_apart_and_the_wish_is_reached_after_it() -> None:
+def test_change_stays_within_the_limit_and_the_demand_is_reached() -> None:
     wishes = np.repeat([1.5, -3.6, 1.5], 120)
     given = limited(wishes, 3.75, 0.9)
     steps = round(0.9 * RATE_HZ)
@@ -35,7 +35,7 @@ def test_no_two_accelerations_within_the_time_are_farther_apart_and_the_wish_is_
 
 @pytest.mark.parametrize("braking_s", [0.3, 0.6, 1.2, 3.0])
 @pytest.mark.parametrize("name", ["robust", "super-twisting"])
-def test_braking_out_of_speeding_up_and_speeding_up_after_it_keep_nuplans_bounds(name: str, braking_s: float) -> None:
+def test_alternating_throttle_and_brake_stays_within_nuplan_bounds(name: str, braking_s: float) -> None:
     """As hard as the gains allow where nothing is seen too late."""
     car, hands, rows = Bicycle(speed_mps=3.0), Gtsmc(load_gains(name), VehicleModel(), RATE_HZ), []
     while car.time_s < 4.0 + braking_s:
@@ -50,7 +50,7 @@ def test_braking_out_of_speeding_up_and_speeding_up_after_it_keep_nuplans_bounds
 
 
 @pytest.mark.parametrize("speed_mps", [1.6, 2.1, 2.6, 3.6, 5.1])
-def test_who_must_stop_out_of_speeding_up_stops_sooner_than_by_a_0_whatever_the_speed(speed_mps: float) -> None:
+def test_emergency_stop_from_acceleration_beats_a_0(speed_mps: float) -> None:
     """A pallet seen late just after a body was passed: comfort's bound of the swing does not hold the brakes back."""
     car, hands = Bicycle(speed_mps=speed_mps - 1.5), Gtsmc(load_gains("robust"), VehicleModel(), RATE_HZ)
     while car.speed_mps < speed_mps:

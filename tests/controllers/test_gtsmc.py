@@ -64,7 +64,7 @@ def test_the_heading_error_is_wrapped() -> None:
     assert hands.command(car.observe(), Reference(-pi + 0.02, 5.0, 0.0)).steering > 0.0  # right, the short way
 
 
-def test_the_integrator_is_clamped_so_that_it_comes_back_at_once() -> None:
+def test_integrator_is_clamped_without_windup() -> None:
     hands = controller(PAPER)
     car = Bicycle()
     for _ in range(600):
@@ -92,7 +92,7 @@ def overshoot(gains: Gains, speed_mps: float) -> float:
     return most
 
 
-def test_the_loop_is_damped_at_low_speed_as_it_is_at_two_metres_per_second() -> None:
+def test_damping_is_constant_at_low_speed() -> None:
     """exp(-pi z / sqrt(1 - z^2)) with the damping z = sqrt(k v / (4 c_r L))."""
     slope = ROBUST.u0_radps / ROBUST.boundary_layer_radps
     damping = np.sqrt(slope * 2.0 / (4.0 * ROBUST.c_r_per_s * CAR.wheelbase_m))
@@ -102,7 +102,7 @@ def test_the_loop_is_damped_at_low_speed_as_it_is_at_two_metres_per_second() -> 
     assert overshoot(replace(ROBUST, layer_narrows_below_mps=0.0), 0.4) > 0.3
 
 
-def test_what_is_seen_too_late_is_braked_for_in_full_and_what_is_not_within_comfort() -> None:
+def test_large_excess_speed_brakes_fully_and_small_within_comfort() -> None:
     """At 5 m/s: up to an error of 3 m/s the brake is a_0, from 4 m/s on the car's own."""
     comfort = -ROBUST.brake_a0_mps2 / CAR.full_brake_mps2
     for error_mps, brake in ((1.0, comfort), (3.0, comfort), (3.5, 0.5 * (comfort - 1.0)), (4.0, -1.0), (5.0, -1.0)):
@@ -110,7 +110,7 @@ def test_what_is_seen_too_late_is_braked_for_in_full_and_what_is_not_within_comf
         assert command.throttle == pytest.approx(brake)
 
 
-def test_relay_is_sign_or_its_saturation() -> None:
+def test_relay_is_sign_or_saturation() -> None:
     assert [relay(s, 0.0) for s in (-0.1, 0.0, 2.0)] == [-1.0, 0.0, 1.0]
     assert [relay(s, 0.5) for s in (-1.0, -0.25, 0.0, 0.25, 1.0)] == [-1.0, -0.5, 0.0, 0.5, 1.0]
 
@@ -129,7 +129,7 @@ def noisy_run(gains: Gains, seed: int = 3) -> tuple[float, float]:
     return hypot(*places) / len(places) ** 0.5, hypot(*rates) / len(rates) ** 0.5
 
 
-def test_the_low_pass_saves_the_controller_from_the_differentiated_noise() -> None:
+def test_low_pass_suppresses_differentiated_noise() -> None:
     raw, _ = noisy_run(LITERAL)
     filtered, rate = noisy_run(PAPER)
     smooth, smooth_rate = noisy_run(ROBUST)
@@ -139,7 +139,7 @@ def test_the_low_pass_saves_the_controller_from_the_differentiated_noise() -> No
     assert smooth_rate < 0.6 * rate
 
 
-def test_a_given_rate_of_the_reference_is_used_as_it_is() -> None:
+def test_given_reference_rate_is_used_without_lag() -> None:
     """psi_d turns at 0.05 rad/s: with the rate given there is no lag, and without it s_r = 0 leaves rate / c_r."""
 
     def lag(rate: float) -> float:
@@ -152,7 +152,7 @@ def test_a_given_rate_of_the_reference_is_used_as_it_is() -> None:
     assert lag(0.0) == pytest.approx(0.05 / 2.5, abs=2e-3)
 
 
-def test_nonsense_gains_are_refused() -> None:
+def test_invalid_gains_are_rejected() -> None:
     table = {key: getattr(ROBUST, key) for key in ROBUST.__slots__}
     with pytest.raises(InputError, match=r"^gains\.toml: u0_radps: expected > 0, got 0\.0$"):
         build(Gains, {**table, "u0_radps": 0.0}, "gains.toml")
@@ -174,20 +174,20 @@ def steering_with_a_noisy_gyroscope(gains: Gains, bias: float = 0.0, noise: floa
     return hypot(*rates[300:]) / 600**0.5, float(np.mean(places[300:]))
 
 
-def test_a_noisy_gyroscope_does_not_reach_the_steering() -> None:
+def test_gyroscope_noise_is_filtered_from_the_steering() -> None:
     rate, place = steering_with_a_noisy_gyroscope(ROBUST)
     raw_rate, _ = steering_with_a_noisy_gyroscope(replace(ROBUST, yaw_rate_filter_hz=0.0))
     assert rate < 0.3 * raw_rate
     assert place < 0.02
 
 
-def test_a_gyroscopes_bias_shifts_the_car_no_more_than_the_law_lets_it() -> None:
+def test_gyroscope_bias_shifts_the_car_by_the_closed_form() -> None:
     """s_r = 0 leaves psi_e = -bias / c_r, and y = psi_e / 0.16."""
     _, place = steering_with_a_noisy_gyroscope(ROBUST, bias=0.01, noise=0.0)
     assert place == pytest.approx(0.01 / 2.5 / 0.16, rel=0.1)
 
 
-def test_an_exact_gyroscope_is_believed_whatever_the_filter() -> None:
+def test_exact_gyroscope_passes_the_filter_unchanged() -> None:
     """The model has the steering of this very moment, so nothing lags."""
     car, hands = Bicycle(), controller(ROBUST)
     for step in range(240):
@@ -212,7 +212,7 @@ def throttle_with_a_noisy_speed(gains: Gains, scale: float = 1.0, noise_mps: flo
     return hypot(*np.diff(throttles[300:])) / 599**0.5, float(np.mean(speeds[300:]))
 
 
-def test_a_noisy_speedometer_does_not_reach_the_throttle() -> None:
+def test_speedometer_noise_is_filtered_from_the_throttle() -> None:
     """White noise passes a low-pass of share q with q in its steps, sqrt(2) without one."""
     change, _ = throttle_with_a_noisy_speed(ROBUST)
     raw_change, _ = throttle_with_a_noisy_speed(replace(ROBUST, speed_filter_hz=0.0))
@@ -224,7 +224,7 @@ def test_a_speedometers_scale_shifts_the_speed_by_as_much() -> None:
     assert speed_mps == pytest.approx(5.0 / 1.05, rel=1e-3)
 
 
-def test_an_exact_speedometer_is_believed_whatever_the_filter() -> None:
+def test_exact_speedometer_passes_the_filter_unchanged() -> None:
     """Through speeding up, braking in full and standing still."""
     car, hands = Bicycle(speed_mps=2.0), controller(ROBUST)
     for step in range(480):

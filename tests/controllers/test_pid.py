@@ -20,7 +20,7 @@ def route(radius_m: float, straight_m: float = 40.0, length_m: float = 160.0) ->
 
 @pytest.mark.parametrize("rate_hz", [60.0, 20.0])
 @pytest.mark.parametrize("radius_m", [100.0, -100.0, 1e9])
-def test_it_follows_a_straight_and_a_bend(radius_m: float, rate_hz: float) -> None:
+def test_pid_follows_a_straight_and_a_bend(radius_m: float, rate_hz: float) -> None:
     path = route(radius_m)
     car = Bicycle(y_m=0.3, rate_hz=rate_hz)
     hands = WaypointPid(GAINS, path, 5.55, rate_hz)
@@ -52,7 +52,7 @@ def test_the_derivative_and_the_clip() -> None:
     assert pid.step(50.0) == 1.0
 
 
-def test_steering_is_limited_in_step_and_range_and_held_between_its_own_steps() -> None:
+def test_steering_is_limited_in_rate_and_range_and_held() -> None:
     hands = WaypointPid(GAINS, route(1e9), 5.55, 60.0)
     car = Bicycle(yaw_rad=-1.5)
     steering = [hands.command(car.observe()).steering for _ in range(60)]
@@ -66,7 +66,7 @@ def test_throttle_and_brake_are_limited() -> None:
     assert (slow.throttle, fast.throttle) == (0.75, -0.3)
 
 
-def test_reset_forgets() -> None:
+def test_reset_clears_the_state() -> None:
     hands = WaypointPid(GAINS, route(100.0), 5.55, 60.0)
     car = Bicycle(y_m=0.5)
     first = [hands.command(car.observe()) for _ in range(10)]

@@ -34,7 +34,7 @@ def test_on_a_circle_the_rear_axle_has_no_steady_error(radius_m: float) -> None:
 
 
 @pytest.mark.parametrize("side_m", [0.1, -0.1])
-def test_beside_a_straight_it_comes_in_as_a_damped_wave(side_m: float) -> None:
+def test_offset_from_a_straight_decays_as_a_damped_wave(side_m: float) -> None:
     """y = y0 exp(-s / l) (cos(s / l) + sin(s / l)), with 4.3 % of overshoot, exp(-pi)."""
     reach_m = load_gains().look_ahead_m
     route = np.column_stack([np.arange(-5.0, 60.0), np.zeros(65)])
@@ -44,7 +44,7 @@ def test_beside_a_straight_it_comes_in_as_a_damped_wave(side_m: float) -> None:
     assert float(np.min(y / side_m)) == pytest.approx(-exp(-np.pi), abs=0.01)
 
 
-def test_it_starts_towards_the_line_from_far_off_and_within_the_limits() -> None:
+def test_steering_saturates_towards_a_distant_line() -> None:
     route = np.column_stack([np.arange(80.0), np.zeros(80)])
     hands = PurePursuit(load_gains(), route, MODEL)
     assert hands.steer(Bicycle(x_m=10.0, y_m=5.5).observe()) == -1.0

@@ -33,7 +33,7 @@ def wave(gains: Gains, speed_mps: float, time_s: float = 12.0) -> tuple[list[flo
     return speeds[240:], off[240:], held[240:]
 
 
-def test_authority_and_demand_are_those_of_the_closed_form() -> None:
+def test_authority_and_demand_match_the_closed_form() -> None:
     """A curvature that grows at k' a metre: phi = -k' v^2, after the low-pass."""
     hands, change = Gtsmc(replace(ROBUST, yaw_rate_filter_hz=0.0), CAR, 60.0), 0.01
     for step in range(120):
@@ -46,7 +46,7 @@ def test_authority_and_demand_are_those_of_the_closed_form() -> None:
     assert hands.reaching.holds
 
 
-def test_where_it_holds_the_speed_is_kept() -> None:
+def test_speed_is_kept_while_the_reaching_condition_holds() -> None:
     assert 7.65 < HOLDS_UP_TO_MPS < 7.67
     speeds, off, held = wave(ROBUST, 0.75 * HOLDS_UP_TO_MPS)
     assert np.mean(held) > 0.98
@@ -54,7 +54,7 @@ def test_where_it_holds_the_speed_is_kept() -> None:
     assert max(off) < 1.5 * ROBUST.boundary_layer_radps
 
 
-def test_where_it_cannot_hold_the_car_slows_down_until_it_does() -> None:
+def test_failing_reaching_condition_slows_the_car() -> None:
     fast = 1.6 * HOLDS_UP_TO_MPS
     speeds, off, held = wave(ROBUST, fast)
     careless, far_off, _ = wave(replace(ROBUST, slows_to_reach=False), fast)
@@ -65,7 +65,7 @@ def test_where_it_cannot_hold_the_car_slows_down_until_it_does() -> None:
     assert max(off) < 0.6 * max(far_off)
 
 
-def test_at_low_speed_it_is_not_slowed_down_further() -> None:
+def test_reaching_condition_does_not_slow_below_the_least_speed() -> None:
     """The authority falls with the speed: a demand that does not would bring the car to stand."""
     car, hands = Bicycle(speed_mps=0.5), Gtsmc(ROBUST, CAR, 60.0)
     for step in range(300):
@@ -74,7 +74,7 @@ def test_at_low_speed_it_is_not_slowed_down_further() -> None:
     assert car.speed_mps > 1.9
 
 
-def test_when_it_holds_again_the_speed_rises_gently() -> None:
+def test_speed_rises_slowly_once_the_reaching_condition_holds() -> None:
     """A reference that winds for a second, faster than the steering turns at 3 m/s, and then leads straight on."""
     car, hands = Bicycle(speed_mps=3.0), Gtsmc(ROBUST, CAR, 60.0)
     held, throttle = [], []
@@ -92,7 +92,7 @@ def test_when_it_holds_again_the_speed_rises_gently() -> None:
     assert car.speed_mps > 5.0
 
 
-def test_a_new_episode_begins_at_the_speed_that_is_wanted() -> None:
+def test_reset_clears_the_reaching_speed_limit() -> None:
     """Not held back by what could not be reached in the last."""
     hands, fresh, car = Gtsmc(ROBUST, CAR, 60.0), Gtsmc(ROBUST, CAR, 60.0), Bicycle(speed_mps=3.0)
     for step in range(60):
@@ -122,7 +122,7 @@ def bend_error_deg(gains: Gains, speed_mps: float) -> float:
 
 
 @pytest.mark.parametrize("speed_mps", [2.0, 3.5, 5.0])
-def test_a_path_is_followed_where_its_bend_changes(speed_mps: float) -> None:
+def test_feedforward_follows_a_changing_curvature(speed_mps: float) -> None:
     """Foreseen, it takes no error in the layer to turn the steering."""
     assert ROBUST.feedforward
     assert bend_error_deg(ROBUST, speed_mps) < 0.8
@@ -130,9 +130,7 @@ def test_a_path_is_followed_where_its_bend_changes(speed_mps: float) -> None:
 
 
 @pytest.mark.parametrize(("speed_mps", "acceleration_mps2"), [(2.0, 1.5), (5.0, -2.5)])
-def test_in_a_bend_the_wheels_stay_as_they_are_while_the_speed_changes(
-    speed_mps: float, acceleration_mps2: float
-) -> None:
+def test_speed_changes_in_a_bend_need_no_feedforward(speed_mps: float, acceleration_mps2: float) -> None:
     """A bend of 0.1 1/m: the rate of the reference changes, the bend does not, and foresight asks for nothing."""
 
     def worst_deg(gains: Gains) -> float:

@@ -35,7 +35,7 @@ def test_on_a_circle_the_front_axle_has_no_steady_error(radius_m: float) -> None
 
 
 @pytest.mark.parametrize("side_m", [0.1, -0.1])
-def test_beside_a_straight_its_error_decays_exponentially(side_m: float) -> None:
+def test_offset_from_a_straight_decays_exponentially(side_m: float) -> None:
     """e = e0 exp(-k v / (k_s + v) t), once the wheels have turned, which takes some hundredths of a second."""
     car = Bicycle(x_m=-MODEL.l_f_m, y_m=side_m, rate_hz=200.0)
     error = drive(np.column_stack([np.arange(-5.0, 60.0), np.zeros(65)]), car, 4.0)[:, 1] / side_m
@@ -47,14 +47,14 @@ def test_beside_a_straight_its_error_decays_exponentially(side_m: float) -> None
     assert slope == pytest.approx(-rate_per_s, rel=0.03)
 
 
-def test_at_standstill_it_stays_calm_near_the_line() -> None:
+def test_softening_limits_steering_at_standstill() -> None:
     """Without the softening any error would ask for 90 deg; with it, for atan(k e / k_s)."""
     hands = Stanley(GAINS, np.column_stack([np.arange(80.0), np.zeros(80)]), MODEL)
     steering_rad = hands.steer(Bicycle(y_m=0.01, speed_mps=0.0).observe()) * MODEL.steering_limit_rad
     assert steering_rad == pytest.approx(-GAINS.k_per_s * 0.01 / GAINS.softening_mps, rel=1e-3)
 
 
-def test_it_starts_towards_the_line_from_far_off_and_within_the_limits() -> None:
+def test_steering_saturates_towards_a_distant_line() -> None:
     hands = Stanley(GAINS, np.column_stack([np.arange(80.0), np.zeros(80)]), MODEL)
     assert hands.steer(Bicycle(y_m=9.0).observe()) == -1.0
     assert hands.steer(Bicycle(y_m=-9.0).observe()) == 1.0

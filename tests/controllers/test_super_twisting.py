@@ -36,7 +36,7 @@ def test_the_gains_follow_from_the_bound_on_the_disturbances_rate() -> None:
 
 
 @pytest.mark.parametrize("start", [0.05, 0.5, -2.0])
-def test_the_manifold_is_reached_within_the_time_of_lyapunovs_function(start: float) -> None:
+def test_manifold_is_reached_within_the_lyapunov_bound(start: float) -> None:
     """J. Moreno, M. Osorio, A Lyapunov approach to second-order sliding mode controllers and observers, CDC 2008.
 
     With x = (sqrt|s| sign s, w), x' = A x / sqrt|s|, A' P + P A = -Q and V = x' P x, s = w = 0 is reached within
@@ -54,7 +54,7 @@ def test_the_manifold_is_reached_within_the_time_of_lyapunovs_function(start: fl
     assert abs(law.w_radps2) < 1e-3
 
 
-def test_a_disturbance_that_changes_at_less_than_its_bound_is_taken_up_whole() -> None:
+def test_disturbance_below_its_rate_bound_is_fully_rejected() -> None:
     """What is left is s = dt phi, and smooth."""
     dt = 1e-3
     law = SuperTwisting(D, dt)
@@ -64,19 +64,19 @@ def test_a_disturbance_that_changes_at_less_than_its_bound_is_taken_up_whole() -
     assert law.w_radps2 == pytest.approx(-phi[-1], abs=0.01)
 
 
-def test_one_that_changes_faster_is_not() -> None:
+def test_disturbance_above_its_rate_bound_is_not_rejected() -> None:
     s = plant(SuperTwisting(0.2 * D, 1e-3), 0.0, 0.95 * D, 1e-3, 8.0)
     assert np.abs(s[4000:]).max() > 0.01
 
 
-def test_it_is_nearer_than_the_relay_and_does_not_jump() -> None:
+def test_super_twisting_is_closer_and_smoother_than_the_relay() -> None:
     dt = 1.0 / 60.0
     smooth, relay = (plant(law, 0.1, 0.95 * D, dt, 6.0)[180:] for law in (SuperTwisting(D, dt), None))
     assert np.abs(smooth).max() < 0.5 * np.abs(relay).max()
     assert np.abs(np.diff(smooth)).max() < 0.05 * np.abs(np.diff(relay)).max()
 
 
-def test_beyond_the_actuators_rate_it_is_held_and_does_not_wind_up() -> None:
+def test_saturated_rate_does_not_wind_up() -> None:
     law = SuperTwisting(D, 1.0 / 60.0)
     rates = [law.rate(5.0, AUTHORITY, 0.65) for _ in range(600)]
     assert rates == [-0.65] * 600
@@ -100,7 +100,7 @@ def swerve(gains: Gains) -> tuple[float, float, float]:
     return max(sizes[60:]), 60.0 * float(np.sqrt(np.mean(moves**2))), turns / 5.0
 
 
-def test_on_the_car_it_follows_as_well_as_the_relay_without_its_chattering() -> None:
+def test_super_twisting_tracks_without_chattering() -> None:
     off, rate, turns = swerve(TWISTING)
     relay_off, relay_rate, relay_turns = swerve(RELAY)
     assert off < 0.02
@@ -111,7 +111,7 @@ def test_on_the_car_it_follows_as_well_as_the_relay_without_its_chattering() -> 
 
 
 @pytest.mark.parametrize(("law", "rate", "got"), [("first_order", 2.0, "2.0"), ("super_twisting", 0.0, "0.0")])
-def test_the_bound_belongs_to_the_law(law: str, rate: float, got: str) -> None:
+def test_disturbance_bound_requires_super_twisting(law: str, rate: float, got: str) -> None:
     table = {key: getattr(TWISTING, key) for key in TWISTING.__slots__}
     table |= {"lateral_law": law, "disturbance_radps3": rate}
     with pytest.raises(InputError, match=f"disturbance_radps3: expected > 0 with super_twisting alone, got {got}"):

@@ -55,16 +55,16 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
 
 
 @pytest.mark.parametrize("privileged", ["none", "route"])
-def test_a_driver_without_the_privilege_cannot_reach_the_world(privileged: str, told: dict[str, list[object]]) -> None:
+def test_unprivileged_driver_cannot_reach_the_world(privileged: str, told: dict[str, list[object]]) -> None:
     assert not [value for value in reachable(*told[privileged]) if is_of_the_world(value)]
 
 
-def test_the_search_finds_the_world_where_it_is_given(told: dict[str, list[object]]) -> None:
+def test_search_finds_the_world_when_privileged(told: dict[str, list[object]]) -> None:
     kinds = {kind for value in reachable(*told["world"]) for kind in WORLD if isinstance(value, kind)}
     assert kinds == set(WORLD)
 
 
-def test_a_driver_without_a_privilege_holds_no_more_than_numbers_and_its_frames(told: dict[str, list[object]]) -> None:
+def test_unprivileged_driver_holds_only_numbers_and_frames(told: dict[str, list[object]]) -> None:
     modules = {type(value).__module__ for value in reachable(*told["none"])}
     assert modules <= {"builtins", "numpy", "vpf_sim.types"}
     arrays = [value for value in reachable(*told["none"]) if isinstance(value, np.ndarray)]

@@ -28,7 +28,7 @@ def make(name, **options):
 
 
 @pytest.mark.parametrize("name", ENVIRONMENTS)
-def test_the_frame_stands_beside_the_observation(name):
+def test_frame_is_added_to_the_observation(name):
     env = make(name)
     plain = gym.make(name)
     observation, _ = env.reset(seed=5)
@@ -83,7 +83,7 @@ def test_markings_are_bright_where_the_lanes_have_lines(name):
 
 
 @pytest.mark.parametrize("name", ["highway-v0", "merge-v0", "racetrack-v0"])
-def test_cars_are_seen_where_the_state_says(name):
+def test_cars_are_rendered_at_their_state(name):
     env = make(name, rig=QUIET)
     found = 0
     for seed in range(6):
@@ -108,7 +108,7 @@ def test_cars_are_seen_where_the_state_says(name):
     assert found >= 1
 
 
-def test_a_reset_brings_a_new_road_and_the_same_seed_the_same_frame():
+def test_reset_draws_a_new_road_and_a_seed_repeats_it():
     env = make("racetrack-v0")
     first = env.reset(seed=3)[0]["image"]
     renderer = env.renderer
@@ -132,6 +132,6 @@ def test_gymnasiums_checker_finds_nothing_new_with_the_camera():
     assert checker_warnings(make("racetrack-v0")) == plain
 
 
-def test_only_highway_environments_are_taken():
+def test_only_highway_environments_are_accepted():
     with pytest.raises(TypeError, match=r"expected a highway-env environment .* got CartPoleEnv"):
         vpf_sim.CameraObservation(gym.make("CartPole-v1"))

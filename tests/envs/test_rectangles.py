@@ -32,7 +32,7 @@ def scene(*objects: tuple[ObjectKind, float, float, float], heading: float = 0.0
     return ego
 
 
-def test_bumper_to_bumper_side_to_side_and_corner_to_corner() -> None:
+def test_distance_bumper_to_bumper_side_to_side_and_corner_to_corner() -> None:
     assert clearance(scene(("car", 30.0, 0.0, 0.0))) == pytest.approx(10.0 - 2.25 - 2.5)
     assert clearance(scene(("car", 20.0, 3.0, 0.0))) == pytest.approx(3.0 - 0.95 - 1.0)
     corner = hypot(10.0 - 2.25 - 2.5, 4.0 - 0.95 - 1.0)
@@ -41,7 +41,7 @@ def test_bumper_to_bumper_side_to_side_and_corner_to_corner() -> None:
     assert clearance(scene(("cone", 30.0, 0.0, pi / 4.0))) == pytest.approx(diamond)
 
 
-def test_overlap_is_zero_even_where_no_corner_lies_inside_the_other() -> None:
+def test_overlap_without_inside_corners_has_zero_distance() -> None:
     assert clearance(scene(("barrier", 20.0, 0.0, 0.0))) == 0.0
     assert clearance(scene(("cone", 20.5, 0.2, 0.3))) == 0.0
     assert clearance(scene(("car", 24.7, 0.0, 0.0))) == 0.0
@@ -54,7 +54,7 @@ def test_the_nearest_of_several_counts_and_landmarks_do_not() -> None:
     assert clearance(scene()) == inf
 
 
-def test_any_two_rectangles_are_as_far_apart_as_their_outlines() -> None:
+def test_rectangle_distance_matches_sampled_outlines() -> None:
     rng = np.random.default_rng(3)
     for _ in range(40):
         x, y, angle, heading = 20.0 + rng.uniform(-9, 9), rng.uniform(-7, 7), rng.uniform(-3, 3), rng.uniform(-3, 3)
@@ -84,7 +84,7 @@ def test_corners_are_half_the_sizes_away_along_and_across_the_heading() -> None:
     assert relative @ right == pytest.approx([-0.95, 0.95, 0.95, -0.95])
 
 
-def test_the_way_ahead_is_free_up_to_the_first_body_in_the_swept_strip() -> None:
+def test_free_distance_ends_at_the_first_object_in_the_strip() -> None:
     behind_and_beside = [("car", 10.0, 0.0, 0.0), ("car", 30.0, 2.0, 0.0)]
     assert free_ahead(scene(*behind_and_beside)) == inf
     assert free_ahead(scene(*behind_and_beside, ("barrier", 33.0, 2.0, 0.0))) == pytest.approx(13.0 - 0.25 - 2.25)
@@ -92,7 +92,7 @@ def test_the_way_ahead_is_free_up_to_the_first_body_in_the_swept_strip() -> None
     assert free_ahead(turned) == pytest.approx(12.0 - SIZES["car"].width_m / 2.0 - 2.25)
 
 
-def test_a_wide_body_across_the_strip_counts_although_its_corners_lie_outside() -> None:
+def test_wide_object_across_the_strip_counts_with_corners_outside() -> None:
     assert free_ahead(scene(("barrier", 30.0, 0.0, 0.0))) == pytest.approx(10.0 - 0.25 - 2.25)
     slanted = scene(("barrier", 30.0, 0.0, 0.3))  # its near side x cos + y sin = -0.25 leaves the strip at y = 0.95
     assert free_ahead(slanted) == pytest.approx(10.0 - (0.25 + 0.95 * sin(0.3)) / cos(0.3) - 2.25)

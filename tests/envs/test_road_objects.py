@@ -39,13 +39,13 @@ def run(road: Road, seconds: float) -> None:
 
 
 @pytest.mark.parametrize("classes", [STATIC_OBSTACLES, ACTORS])
-def test_each_kind_is_a_class_of_its_own_size(classes: dict[str, type]) -> None:
+def test_each_kind_has_a_class_with_its_size(classes: dict[str, type]) -> None:
     for kind, made in classes.items():
         size = SIZES[kind]
         assert (made.LENGTH, made.WIDTH, made.HEIGHT, made.kind) == (*size, kind)
 
 
-def test_every_kind_stands_where_the_file_says_along_its_lane() -> None:
+def test_every_kind_is_placed_along_its_lane() -> None:
     objects = [object_table(kind=kind, s_m=20.0 + 10.0 * i, lane=3, lateral_m=-0.25) for i, kind in enumerate(SIZES)]
     scenario, road = populated(*objects)
     assert [obj.kind for obj in road.objects] == list(SIZES)
@@ -57,7 +57,7 @@ def test_every_kind_stands_where_the_file_says_along_its_lane() -> None:
         assert obj.diagonal == pytest.approx(hypot(*SIZES[planned.kind][:2]))
 
 
-def test_traffic_keeps_its_speed_and_its_lane_in_a_bend() -> None:
+def test_actor_keeps_speed_and_lane_in_a_bend() -> None:
     _, road = populated(object_table(kind="car", s_m=20.0, lane=1, lateral_m=0.3, speed_mps=8.0))
     (car,) = road.vehicles
     start = car.position
@@ -70,7 +70,7 @@ def test_traffic_keeps_its_speed_and_its_lane_in_a_bend() -> None:
     assert hypot(*(car.position - start)) == pytest.approx(2.0 * radius * np.sin(turn / 2.0), rel=1e-9)
 
 
-def test_traffic_stops_behind_a_standing_body_and_never_reverses() -> None:
+def test_actor_stops_behind_a_static_obstacle_without_reversing() -> None:
     _, road = populated(
         object_table(kind="car", s_m=20.0, lane=2, speed_mps=8.0),
         object_table(kind="barrier", s_m=120.0, lane=2, lateral_m=0.5),
@@ -87,7 +87,7 @@ def test_traffic_stops_behind_a_standing_body_and_never_reverses() -> None:
     assert not car.crashed
 
 
-def test_traffic_follows_a_slower_leader_at_its_speed_and_passes_what_stands_beside() -> None:
+def test_actor_follows_a_slower_leader_and_passes_objects_beside() -> None:
     _, road = populated(
         object_table(kind="van", s_m=30.0, lane=2, speed_mps=8.0),
         object_table(kind="truck", s_m=60.0, lane=2, speed_mps=4.0),
@@ -105,7 +105,7 @@ def test_traffic_follows_a_slower_leader_at_its_speed_and_passes_what_stands_bes
     assert not truck.crashed
 
 
-def test_traffic_that_is_hit_brakes_to_a_stand() -> None:
+def test_crashed_actor_brakes_to_standstill() -> None:
     _, road = populated(object_table(kind="car", s_m=20.0, lane=1, speed_mps=6.0))
     (car,) = road.vehicles
     car.crashed = True

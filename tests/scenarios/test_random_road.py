@@ -62,7 +62,7 @@ def test_routes_bends_and_rows_are_within_the_limits() -> None:
         assert 0 <= len(rows(drawn)) <= 4
 
 
-def test_rows_keep_their_distances_and_leave_a_gap_that_can_be_reached() -> None:
+def test_rows_keep_their_distances_and_a_reachable_gap() -> None:
     for drawn in DRAWN:
         places = [row[0][0] for row in rows(drawn)]
         assert all(place - drawn.ego.s_m >= 50.0 for place in places)
@@ -71,12 +71,12 @@ def test_rows_keep_their_distances_and_leave_a_gap_that_can_be_reached() -> None
         assert reachable(drawn)
 
 
-def test_bodies_of_a_row_do_not_touch() -> None:
+def test_obstacles_of_a_row_do_not_touch() -> None:
     for drawn in DRAWN:
         assert all(b[1] > a[2] for row in rows(drawn) for a, b in pairwise(row))
 
 
-def test_all_kinds_all_counts_of_rows_and_both_ways_of_bending_come_up() -> None:
+def test_draws_cover_all_kinds_row_counts_and_bend_directions() -> None:
     assert {obj.kind for drawn in DRAWN for obj in drawn.bodies} == set(SIZES)
     assert {len(rows(drawn)) for drawn in DRAWN} == {0, 1, 2, 3, 4}
     radii = [part.radius_m for drawn in DRAWN for part in drawn.road.segments if part.kind == "arc"]
@@ -97,7 +97,7 @@ def test_roads_never_come_near_themselves() -> None:
         assert (apart[along > 40.0] > 2.0 * HALF_M).all()
 
 
-def test_a_seed_draws_the_same_road_and_another_seed_another() -> None:
+def test_seed_determines_the_road() -> None:
     assert load().draw(5) == load().draw(5)
     assert load().draw(5).road != load().draw(6).road
 

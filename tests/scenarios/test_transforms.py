@@ -29,14 +29,14 @@ def places(scenario: Scenario) -> Floats:
 
 
 @pytest.mark.parametrize("name", ["town04", "random", "curve-left"])
-def test_turned_and_moved_places_are_where_the_motion_takes_them(name: str) -> None:
+def test_rotated_and_translated_positions_follow_the_rigid_motion(name: str) -> None:
     scenario = drawn(name)
     there = places(translated(rotated(scenario, 137.0), 600.0, -800.0))
     assert there == pytest.approx(places(scenario) @ rotation(radians(137.0)).T + [600.0, -800.0], abs=1e-6)
 
 
 @pytest.mark.parametrize("name", ["town04", "random", "curve-left"])
-def test_in_the_mirror_left_is_right(name: str) -> None:
+def test_mirrored_scenario_swaps_left_and_right(name: str) -> None:
     scenario = drawn(name)
     count = 2 * len(ALONG)
     here, there = places(scenario), places(mirrored(scenario))
@@ -46,7 +46,7 @@ def test_in_the_mirror_left_is_right(name: str) -> None:
     assert mirrored(mirrored(scenario)) == scenario
 
 
-def test_what_varies_varies_the_other_way_in_the_mirror() -> None:
+def test_mirrored_intervals_change_sign() -> None:
     varied = scenarios.load("town04")
     assert isinstance(varied, Scenario)
     skewed = varied.model_copy(update={"vary": {"ego.lateral_m": (-0.1, 0.3), "bodies.s_m": (-1.0, 3.0)}})

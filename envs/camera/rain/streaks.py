@@ -13,10 +13,8 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
 EXPOSURE_S, LONGEST_EXPOSURE_S = 0.002, 0.008  # with the sun at 45 deg, and the longest
-FAINTEST, LEAST_CONTRAST = (
-    4.0,
-    12.0,
-)  # grey levels: least level of a drop, least contrast of its brightness; fainter drops are sensor noise
+# Least level of a drop in the image and least contrast of its brightness, grey levels; fainter drops are sensor noise.
+FAINTEST, LEAST_CONTRAST = 4.0, 12.0
 DARKEST, GROUND = 30.0, 75.0  # grey levels: darkest background, mean of the lit ground
 STEP_MPS = 1.0  # resolution of the relative motion of cached showers
 SHOWERS = 32  # cached showers

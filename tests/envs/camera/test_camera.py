@@ -96,7 +96,7 @@ def test_ends_of_stripes_lie_where_projected(unworn):  # noqa: ARG001
 
 
 @pytest.mark.parametrize("distance", [8.0, 15.0, 30.0])
-def test_a_body_fills_the_silhouette_that_its_corners_span(distance):
+def test_object_silhouette_matches_its_projected_corners(distance):
     camera = Camera()
     road, empty = straight_road(), straight_road()
     add_object(road, "van", [20.0 + distance, 3.5])
@@ -115,7 +115,7 @@ def test_a_body_fills_the_silhouette_that_its_corners_span(distance):
     assert top - 1.0 < rows[0] < top + 1.0
 
 
-def test_a_standing_camera_sees_the_same_frame():
+def test_motionless_camera_renders_the_same_frame():
     road = straight_road()
     add_object(road, "car", [40.0, 3.5])
     ego = add_ego(road, [20.0, 7.0])
@@ -125,7 +125,7 @@ def test_a_standing_camera_sees_the_same_frame():
     assert not np.shares_memory(first, second)
 
 
-def test_noise_has_its_size_and_is_new_in_each_frame():
+def test_noise_has_its_sd_and_is_new_in_each_frame():
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
     quiet = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 1).render(ego, 0.0).astype(float)
@@ -153,7 +153,7 @@ print(digest.hexdigest())
 """
 
 
-def test_a_seed_gives_the_same_bytes_in_a_fresh_process():
+def test_frames_are_reproducible_across_processes():
     helpers = Path(highway_scenes.__file__).parent
     runs = [
         subprocess.run(
@@ -224,12 +224,12 @@ def test_the_sky_turns_with_the_yaw_and_does_not_move_with_the_car():
         (replace(Camera(), width_px=641), "width_px: expected an even number, got 641"),
     ],
 )
-def test_cameras_that_cannot_be_drawn_are_refused(camera, key):
+def test_unsupported_cameras_are_rejected(camera, key):
     with pytest.raises(InputError, match=key):
         Rig(camera)
 
 
-def test_weathers_are_those_that_are_drawn():
+def test_aliases_name_presets_and_unknown_weathers_are_rejected():
     aliases = {"clear": "ClearNoon", "cloudy": "CloudyNoon", "rain": "HardRainNoon", "MidRainNoon": "MidRainyNoon"}
     assert {alias: weather.load(alias).name for alias in aliases} == aliases
     assert set(aliases) < set(weather.names())
@@ -268,6 +268,6 @@ def test_wrong_weather_files_get_one_clear_line(tmp_path, text, message):
     assert "\n" not in str(told.value)
 
 
-def test_a_weather_file_that_is_not_there_is_told(tmp_path):
+def test_missing_weather_file_is_reported(tmp_path):
     with pytest.raises(InputError, match=r"gone.toml: expected a readable weather file, got: No such file"):
         weather.load(str(tmp_path / "gone.toml"))

@@ -53,7 +53,7 @@ def white(raster: Raster) -> Image:
 
 
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
-def test_every_row_is_taken_from_a_patch_that_covers_it_wherever_the_camera_goes(camera: Camera) -> None:
+def test_patches_cover_every_row_for_any_camera_motion(camera: Camera) -> None:
     rng = np.random.default_rng(0)
     top = ground_top(camera)
     rows = np.arange(top, camera.height_px)
@@ -75,7 +75,7 @@ def test_every_row_is_taken_from_a_patch_that_covers_it_wherever_the_camera_goes
     assert covered.all()
 
 
-def test_levels_give_way_to_each_other_completely() -> None:
+def test_levels_blend_completely() -> None:
     farther = None
     for level in levels(Camera()):
         assert np.all(np.diff(level.weights[:, 0].astype(int)) > 0)
@@ -104,7 +104,7 @@ def test_a_strip_keeps_its_width(fine: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize("road", [straight_road(), bent_road()], ids=["straight", "bend"])
-def test_what_was_seen_before_leaves_no_trace(road: Road) -> None:
+def test_ground_does_not_depend_on_the_camera_history(road: Road) -> None:
     """A picture hardly depends on the way the patches came; what differs is how they are sampled."""
     travelled = ground(road)
     for k in range(61):
@@ -144,7 +144,7 @@ def flow_back(pixels: Floats, now: View, before: View) -> tuple[Floats, Floats]:
 
 
 @pytest.mark.parametrize("bend", [False, True], ids=["straight", "bend"])
-def test_distant_ground_can_be_followed(bend: bool) -> None:
+def test_distant_ground_can_be_tracked(bend: bool) -> None:
     """Of the tracks on the ground 10 to 60 m ahead less than 1 % are off by more than a pixel."""
     none: None = None
     options = {"winSize": (25, 25), "maxLevel": 2, "criteria": (3, 30, 0.03)}

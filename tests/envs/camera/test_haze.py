@@ -26,13 +26,13 @@ def seen(name: str, colour: float, depth_m: Floats) -> Floats:
     return np.asarray(colour * left + Light.of(of).horizon * (1.0 - left))
 
 
-def test_hard_rain_lets_through_what_the_literature_says() -> None:
+def test_transmission_in_hard_rain_matches_the_literature() -> None:
     """Transmission in 50 mm/h, 0.312 R^0.67 per km; the fog of HardRainNoon takes a little more."""
     depths = np.array([10.0, 20.0, 40.0, 80.0, 200.0])
     assert haze("HardRainNoon").transmission(depths) == pytest.approx([0.958, 0.918, 0.842, 0.709, 0.424], rel=0.06)
 
 
-def test_at_the_visibility_a_twentieth_of_the_contrast_is_left() -> None:
+def test_transmission_at_the_visibility_is_5_percent() -> None:
     visibility = Atmosphere.of(weather.load("FoggyNoon")).visibility_m
     assert visibility < 1000.0  # or it would not be called fog
     assert float(haze("FoggyNoon").transmission(np.array(visibility))) == pytest.approx(0.05, rel=0.01)
@@ -40,7 +40,7 @@ def test_at_the_visibility_a_twentieth_of_the_contrast_is_left() -> None:
 
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
 @pytest.mark.parametrize("name", ["FoggyNoon", "HardRainNoon", "ClearNoon"])
-def test_the_ground_is_veiled_by_its_depth(name: str, camera: Camera) -> None:
+def test_ground_is_hazed_by_depth(name: str, camera: Camera) -> None:
     for colour in (0, 90, 255):
         frame = np.full((camera.height_px, camera.width_px, 3), colour, np.uint8)
         haze(name, camera).ground(frame)
@@ -55,7 +55,7 @@ def test_the_ground_is_veiled_by_its_depth(name: str, camera: Camera) -> None:
         assert np.all(frame == frame[:, :1])
 
 
-def test_in_clear_air_the_near_road_is_left_alone() -> None:
+def test_clear_haze_does_not_change_the_near_road() -> None:
     rng = np.random.default_rng(0)
     frame = rng.integers(0, 256, (480, 640, 3), dtype=np.uint8)
     veiled = frame.copy()
@@ -64,7 +64,7 @@ def test_in_clear_air_the_near_road_is_left_alone() -> None:
     assert not np.array_equal(veiled[240:245], frame[240:245])
 
 
-def test_colours_are_veiled_by_their_depth() -> None:
+def test_colours_are_hazed_by_depth() -> None:
     depths = np.array([5.0, 50.0, 500.0])
     got = haze("FoggyNoon").colours(np.full((3, 3), 40.0), depths)
     assert got == pytest.approx(seen("FoggyNoon", 40.0, depths))

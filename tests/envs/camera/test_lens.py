@@ -31,7 +31,7 @@ def grid(camera: Camera, step: int = 40) -> Floats:
 
 
 @pytest.mark.parametrize("camera", LENSES.values(), ids=LENSES)
-def test_undoing_the_distortion_is_its_inverse_and_opencvs(camera: Camera) -> None:
+def test_undistortion_is_the_inverse_and_matches_opencv(camera: Camera) -> None:
     pixels = grid(camera)
     flat = undistort(camera, pixels)
     assert distort(camera, flat) == pytest.approx(pixels, abs=1e-8)
@@ -42,7 +42,7 @@ def test_undoing_the_distortion_is_its_inverse_and_opencvs(camera: Camera) -> No
     assert flat == pytest.approx(opencv, abs=1e-3)
 
 
-def test_without_distortion_nothing_is_done() -> None:
+def test_undistorted_lens_changes_nothing() -> None:
     lens, pixels = Lens(Camera()), grid(Camera())
     frame = np.zeros((480, 640, 3), np.uint8)
     assert lens.distorted(frame) is frame
@@ -51,7 +51,7 @@ def test_without_distortion_nothing_is_done() -> None:
 
 
 @pytest.mark.parametrize("camera", LENSES.values(), ids=LENSES)
-def test_a_point_of_the_pinholes_picture_is_seen_where_the_model_says(camera: Camera) -> None:
+def test_lens_moves_points_as_the_model_says(camera: Camera) -> None:
     lens = Lens(camera)
     for point in grid(camera, 130)[1:-1:2]:
         place = undistort(camera, point) - (camera.cx_px, camera.cy_px) + (lens.pinhole.cx_px, lens.pinhole.cy_px)
@@ -87,7 +87,7 @@ def test_no_border_is_empty(camera: Camera) -> None:
         (0.0, nan, "k2: expected a finite number, got nan"),
     ],
 )
-def test_a_distortion_that_folds_within_the_picture_is_refused(k1: float, k2: float, expected: str) -> None:
+def test_distortion_that_folds_within_the_image_is_rejected(k1: float, k2: float, expected: str) -> None:
     with pytest.raises(InputError, match=f"camera: {expected}"):
         Rig(Camera(k1=k1, k2=k2))
 
@@ -105,7 +105,7 @@ def scene(camera: Camera) -> tuple[Road, Renderer, Callable[[], None]]:
     return road, Renderer(road, Rig(camera, noise_sd=0.0), weather.load("clear"), 4), advance
 
 
-def test_the_truth_is_that_of_the_distorted_picture() -> None:
+def test_truth_matches_the_distorted_image() -> None:
     road, renderer, advance = scene(BARREL)
     ego = road.vehicles[0]
     renderer.render(ego, 0.0)
@@ -125,7 +125,7 @@ def test_the_truth_is_that_of_the_distorted_picture() -> None:
     assert truth["flow"][ground][::53] == pytest.approx(expected, abs=1e-3)
 
 
-def test_a_body_has_the_same_silhouette_in_truth_and_picture() -> None:
+def test_object_silhouette_is_equal_in_truth_and_image() -> None:
     road, renderer, _ = scene(BARREL)
     frame = renderer.render(road.vehicles[0], 0.0)
     mask = renderer.truth(("instance",))["instance"] > 0

@@ -37,7 +37,7 @@ def test_puddles_stay_in_their_places_while_the_camera_moves() -> None:
     assert np.array_equal(sampled(before, points), sampled(after, points))
 
 
-def test_a_raster_serves_until_the_camera_has_moved_on() -> None:
+def test_height_map_is_reused_until_the_camera_has_moved() -> None:
     puddles = Puddles(SHAPES, 1)
     assert height_map(puddles, 20.0) is height_map(puddles, 25.0)
     assert height_map(puddles, 20.0) is not height_map(puddles, 45.0)

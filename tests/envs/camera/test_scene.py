@@ -56,7 +56,7 @@ def test_the_brightness_of_an_edge_is_its_coverage(size: float, fine: int) -> No
     assert np.abs(np.mean(errors)) < 0.05
 
 
-def test_what_comes_later_covers_what_came_before_whatever_layers_they_share() -> None:
+def test_later_items_cover_earlier_ones_across_layers() -> None:
     frame = canvas()
     big, small = rectangle(50.0, 50.0, 400.0, 300.0, 90.0), rectangle(100.0, 100.0, 120.0, 120.0, 200.0)
     paint(frame, [small, big])
@@ -68,7 +68,7 @@ def test_what_comes_later_covers_what_came_before_whatever_layers_they_share() -
     assert frame[130, 130, 0] == 30
 
 
-def test_a_thing_looks_the_same_in_any_company() -> None:
+def test_item_is_drawn_the_same_with_and_without_others() -> None:
     items = [
         rectangle(100.3, 100.2, 130.7, 122.1, 180.0),
         rectangle(140.1, 100.0, 420.0, 260.5, 120.0),
@@ -81,7 +81,7 @@ def test_a_thing_looks_the_same_in_any_company() -> None:
     assert np.array_equal(together, alone)
 
 
-def test_what_nothing_covers_stays_as_it_was() -> None:
+def test_uncovered_pixels_do_not_change() -> None:
     rng = np.random.default_rng(1)
     frame = rng.integers(0, 256, (480, 640, 3)).astype(np.uint8)
     before = frame.copy()
@@ -92,7 +92,7 @@ def test_what_nothing_covers_stays_as_it_was() -> None:
     assert not changed.any()
 
 
-def test_faces_that_reach_behind_the_camera_are_cut() -> None:
+def test_faces_behind_the_camera_are_clipped() -> None:
     wall: Floats = np.array([[[-2.0, -1.0, -5.0], [-2.0, -1.0, 40.0], [-2.0, 1.4, 40.0], [-2.0, 1.4, -5.0]]])
     seen = drawing(VIEW, wall, [(10.0, 10.0, 10.0, 0.0)], lambda: np.array([[-0.5, 0.0, 0.0]]), FIRST)
     frame = canvas(200)
@@ -103,7 +103,7 @@ def test_faces_that_reach_behind_the_camera_are_cut() -> None:
 
 
 @pytest.mark.parametrize("kind", ["van", "barrier"])
-def test_what_is_kept_of_a_body_shows_as_if_it_were_looked_at_anew(kind: str) -> None:
+def test_cached_faces_of_an_object_match_fresh_ones(kind: str) -> None:
     clear = weather.load("clear")
     light = Light.of(clear)
     haze = Haze(Camera(), Atmosphere.of(clear), light)
@@ -144,18 +144,18 @@ def contrast(distance_m: float, name: str = "clear") -> float:
     return float(np.percentile(np.abs(with_body - without).max(axis=2), 99.9))
 
 
-def test_bodies_come_out_of_the_air_by_and_by() -> None:
+def test_distant_objects_fade_in() -> None:
     far = [contrast(distance) for distance in (RANGE_M + 1.0, RANGE_M - 1.0, 0.5 * (RANGE_M + FADED_IN_M), FADED_IN_M)]
     assert far[0] == 0.0
     assert 0.0 < far[1] < 8.0
     assert 0.3 * far[3] < far[2] < 0.7 * far[3]
 
 
-def test_fog_takes_the_contrast_of_what_is_far() -> None:
+def test_fog_lowers_the_contrast_of_distant_objects() -> None:
     assert contrast(120.0, "FoggyNoon") < 0.5 * contrast(40.0, "FoggyNoon")
 
 
-def test_the_planes_of_faces_give_their_depth() -> None:
+def test_planes_of_faces_give_depth() -> None:
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
     obj = add_object(road, "van", [40.0, 7.0])

@@ -46,7 +46,7 @@ def thickness(drawn: list[Drawn]) -> float:
     return sum(float((255 - puff.through[..., 0].astype(int)).sum()) for puff in puffs(drawn))
 
 
-def test_puffs_lie_behind_the_body_and_are_drawn_after_it() -> None:
+def test_puffs_lie_behind_the_object_and_are_drawn_after_it() -> None:
     drawn = MovingCar().drawn(12.0)
     obj = next(i for i, item in enumerate(drawn) if item.instance == 1)
     rear_m = 40.0 - 2.5 - (20.0 + CAMERA.forward_m)
@@ -59,7 +59,7 @@ def test_puffs_lie_behind_the_body_and_are_drawn_after_it() -> None:
     assert depths == sorted(depths, reverse=True)
 
 
-def test_puffs_are_about_as_wide_as_the_body() -> None:
+def test_puffs_are_about_as_wide_as_the_object() -> None:
     for puff in puffs(MovingCar().drawn(12.0)):
         wide_m = puff.through.shape[1] * puff.depth_m / CAMERA.fx_px
         assert 0.8 * 2.0 < wide_m < 1.6 * 2.0
@@ -77,11 +77,11 @@ def test_dry_road_gives_no_spray(name: str) -> None:
     assert not puffs(MovingCar(name).drawn(15.0))
 
 
-def test_the_wetter_the_thicker() -> None:
+def test_spray_grows_with_wetness() -> None:
     assert thickness(MovingCar("WetNoon").drawn(11.0)) < thickness(MovingCar("HardRainNoon").drawn(11.0))
 
 
-def test_spray_fluctuates_by_its_seed_and_comes_again_with_it() -> None:
+def test_spray_is_reproducible_by_seed() -> None:
     one, again, other = (thickness(MovingCar(seed=seed).drawn(11.0)) for seed in (1, 1, 2))
     assert one == again
     assert one != other
@@ -97,7 +97,7 @@ def test_puffs_stay_behind_at_half_the_speed() -> None:
     assert moved < speed * 0.1
 
 
-def test_spray_is_hidden_world_but_not_truth() -> None:
+def test_spray_is_hidden_but_not_in_depth() -> None:
     road = straight_road()
     ego = add_ego(road, [20.0, 2.0 * WIDTH_M])
     car = add_object(road, "car", [32.0, 2.0 * WIDTH_M])

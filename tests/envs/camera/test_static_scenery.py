@@ -52,7 +52,7 @@ def in_world(item: Placement) -> Floats:
 
 
 @pytest.mark.parametrize("name", ROADS)
-def test_nothing_stands_on_the_lanes_or_hangs_too_low_over_them(name: str) -> None:
+def test_furniture_keeps_clear_of_the_lanes(name: str) -> None:
     shapes = lane_shapes(ROADS[name]())
     middles = np.concatenate([0.5 * (shape.left_m + shape.right_m) for shape in shapes])
     along = np.concatenate([np.linspace(a, b, 12) for a, b in pairwise(middles)])
@@ -74,7 +74,7 @@ def test_every_kind_of_furniture_stands_beside_some_road() -> None:
     assert len({id(sign) for sign in SIGNS} & meshes) >= 6
 
 
-def test_a_gantry_spans_its_width_and_leaves_room_below() -> None:
+def test_gantry_spans_its_width_with_clearance_below() -> None:
     left, right, carried = gantry(18.0, (-5.25, -1.75, 1.75, 5.25), 1)
     assert left.faces_m[..., 1].max() < -8.5
     assert right.faces_m[..., 1].min() > 8.5
@@ -82,7 +82,7 @@ def test_a_gantry_spans_its_width_and_leaves_room_below() -> None:
     assert carried.faces_m[..., 1].max() == pytest.approx(9.0)
 
 
-def test_a_seed_gives_the_same_scenery_and_another_seed_another() -> None:
+def test_seed_determines_the_scenery() -> None:
     shapes = lane_shapes(town())
     view = View.at(CAMERA, np.array([-80.0, 365.0]), 2.2)
     pictures = []
@@ -96,7 +96,7 @@ def test_a_seed_gives_the_same_scenery_and_another_seed_another() -> None:
     assert pictures[0][1] != pictures[2][1]
 
 
-def test_no_face_in_the_picture_is_missed_by_looking_only_at_what_is_close() -> None:
+def test_culling_misses_no_visible_face() -> None:
     shapes = lane_shapes(town())
     items = standing(shapes, 3)
     roadside = Roadside(CAMERA, items, LIGHT, HAZE)
@@ -110,7 +110,7 @@ def test_no_face_in_the_picture_is_missed_by_looking_only_at_what_is_close() -> 
         assert shown >= expected
 
 
-def test_what_is_kept_of_the_roadside_shows_as_if_it_were_looked_at_anew() -> None:
+def test_cached_faces_of_the_roadside_match_fresh_ones() -> None:
     items = standing(lane_shapes(town()), 3)
     kept, anew = (Roadside(CAMERA, items, LIGHT, HAZE) for _ in range(2))
     lane = town().network.get_lane(("start", "end", 1))
@@ -139,7 +139,7 @@ def _shows(view: View, item: Placement) -> bool:
     return bool(inside and np.ptp(pixels, axis=0).min() > 2.0)
 
 
-def test_the_shade_of_a_lamp_post_lies_where_the_sun_does_not_shine() -> None:
+def test_lamp_post_shadow_matches_the_sun() -> None:
     items: list[Placement] = [(mesh, np.array([10.0, 5.0, 0.3]), 200.0) for mesh in LAMP_POST]
     shade = np.concatenate(Roadside(CAMERA, items, LIGHT, HAZE).shadow_polygons(LIGHT))
     away = -LIGHT.sun[:2] / np.hypot(*LIGHT.sun[:2])
@@ -149,7 +149,7 @@ def test_the_shade_of_a_lamp_post_lies_where_the_sun_does_not_shine() -> None:
     assert reach.min() > -0.3
 
 
-def test_trees_fade_out_with_the_distance_and_move_by_less_than_a_pixel_at_a_time() -> None:
+def test_trees_fade_with_distance_and_move_with_subpixel_accuracy() -> None:
     stand = TreeStand(CAMERA, Trees(np.array([[60.0, 6.0]]), np.array([9.0]), np.array([0])), LIGHT, HAZE)
 
     def visible(ahead_m: float) -> Floats:

@@ -52,7 +52,7 @@ def counted(
 @pytest.mark.parametrize(
     ("rain", "speed", "exposure"), [(50, 10, 0.002), (25, 10, 0.002), (50, 0, 0.002), (50, 20, 0.002)]
 )
-def test_drops_are_as_many_and_as_long_as_those_of_a_box_of_air(rain: float, speed: float, exposure: float) -> None:
+def test_drop_counts_and_lengths_match_a_simulated_volume(rain: float, speed: float, exposure: float) -> None:
     source = streaks(float(rain))
     source.exposure_s = exposure
     frame, drift = darker_by(100.0, source), np.array([0.0, 0.0, -float(speed)])
@@ -91,7 +91,7 @@ def test_drops_of_one_fall_speed_radiate_from_the_vanishing_point_of_the_rain() 
     assert np.all(outward[long] > 0.0)
 
 
-def test_none_is_seen_before_the_sky_and_none_when_dry() -> None:
+def test_drops_are_invisible_before_the_sky_and_absent_when_dry() -> None:
     source = streaks(50.0)
     bright = darker_by(0.0, source)
     before = bright.copy()
@@ -115,7 +115,7 @@ def test_gain_brightens() -> None:
     assert added[1] == pytest.approx(3.0 * added[0], rel=0.1)
 
 
-def test_seeds_have_their_own_drops_and_frames_never_come_again() -> None:
+def test_seeds_have_their_own_drops_and_frames_differ() -> None:
     def frames(seed: int) -> list[Image]:
         source = streaks(50.0, seed)
         result = []
@@ -131,7 +131,7 @@ def test_seeds_have_their_own_drops_and_frames_never_come_again() -> None:
     assert not np.array_equal(a, other)
 
 
-def test_what_is_added_is_what_the_streaks_hold() -> None:
+def test_added_light_matches_the_streaks() -> None:
     source = streaks(50.0)
     frame = np.full((CAMERA.height_px, CAMERA.width_px, 3), 20, np.uint8)
     specks = source.specks(frame, np.array([0.0, 0.0, 0.0]), DOWN)

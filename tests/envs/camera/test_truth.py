@@ -69,7 +69,7 @@ def test_ground_flow_is_the_reprojection_of_the_ground(name):
     assert np.allclose(truth["depth"][rows[::97], columns[::97]], ground[:, 0] - camera.forward_m, rtol=1e-5)
 
 
-def test_sky_flow_is_that_of_the_turn_alone():
+def test_sky_flow_is_pure_rotation():
     truth, before, now = pair(*SCENES["bend"])
     sky = truth["flow"][20, ::40]
     x = (np.arange(0, 640, 40) - 319.5) / 320.0
@@ -101,7 +101,7 @@ def test_the_focus_of_expansion_is_where_the_flow_of_pure_translation_vanishes()
     assert np.allclose(ratio - 1.0 / RATE_HZ, ttc, rtol=0.02)
 
 
-def test_standing_has_no_focus_and_no_contact():
+def test_motionless_camera_has_no_foe_and_infinite_ttc():
     _, ego, renderer = straight_scene()
     renderer.render(ego, 0.0)
     renderer.render(ego, 1.0 / RATE_HZ)
@@ -112,7 +112,7 @@ def test_standing_has_no_focus_and_no_contact():
     assert not truth["hidden"].any()
 
 
-def test_instances_name_the_bodies_and_carry_their_distance():
+def test_instances_match_the_objects_and_their_distances():
     _, ego, renderer = straight_scene()
     renderer.render(ego, 0.0)
     truth = renderer.truth(("depth", "instance"))
@@ -126,7 +126,7 @@ def test_instances_name_the_bodies_and_carry_their_distance():
     assert (truth["instance"] == -1).any()
 
 
-def test_a_body_that_keeps_its_distance_does_not_flow_and_is_never_met():
+def test_object_at_constant_distance_has_no_flow_and_infinite_ttc():
     road, ego, renderer = straight_scene()
     leader = Vehicle(road, [32.0, 0.0], 0.0, SPEED_MPS)
     road.vehicles.append(leader)

@@ -49,7 +49,7 @@ def wet_road(camera: Camera, name: str) -> WetRoad:
     return WetRoad(camera, lane_shapes(straight_road()), atmosphere, 1)
 
 
-def test_reflectance_of_water_is_that_of_the_tables() -> None:
+def test_reflectance_matches_tables() -> None:
     depression = np.arctan2(1.4, [3.0, 5.0, 10.0, 20.0, 40.0])
     assert reflectance(np.sin(depression)) == pytest.approx([0.087, 0.200, 0.428, 0.648, 0.804], abs=1e-3)
     assert reflectance(np.array([1.0])) == pytest.approx([(0.333 / 2.333) ** 2])
@@ -68,7 +68,7 @@ def test_points_are_mirrored_about_the_road(camera: Camera) -> None:
     assert height == pytest.approx(world[:, 2], abs=1e-9)
 
 
-def test_what_faces_up_is_not_mirrored() -> None:
+def test_upward_faces_are_not_mirrored() -> None:
     view, upright = wall(Camera(), 10.0)
     roof = np.array([[30.0, 4.0, 1.0], [34.0, 4.0, 1.0], [34.0, 6.0, 1.0], [30.0, 6.0, 1.0]])
     normal = view.axes[:, 2]
@@ -93,7 +93,7 @@ def test_a_wall_is_mirrored_down_to_its_mirrored_top(camera: Camera, monkeypatch
     assert edge == pytest.approx(mirrored_top, abs=2.5)
 
 
-def test_level_of_the_mirrored_sky_is_fresnels() -> None:
+def test_reflected_sky_has_the_fresnel_level() -> None:
     camera = Camera()
     view, frame = View.at(camera, EGO, 0.0), plain(camera)
     wet_road(camera, "HardRainNoon").draw(frame, view, [])
@@ -105,7 +105,7 @@ def test_level_of_the_mirrored_sky_is_fresnels() -> None:
     assert np.all((covered > 0.8) & (covered < 1.03))  # the film of hard rain covers nine tenths of the road or more
 
 
-def test_grass_does_not_mirror() -> None:
+def test_grass_does_not_reflect() -> None:
     camera = Camera()
     frame = plain(camera)
     wet_road(camera, "HardRainNoon").draw(frame, View.at(camera, EGO, 0.0), [])
@@ -116,7 +116,7 @@ def test_grass_does_not_mirror() -> None:
     assert np.all(frame[row, int(edge_px) - 30 : int(edge_px) - 8] > ROAD + 20)
 
 
-def test_rough_film_smears_the_mirror_image_downward_and_keeps_its_foot_dark() -> None:
+def test_film_smears_reflections_downward_with_a_dark_foot() -> None:
     camera = Camera()
     view, item = wall(camera, 12.0)
     mirrored_top = camera.cy_px + camera.fy_px * (1.4 + 1.5) / 12.0
@@ -134,7 +134,7 @@ def test_rough_film_smears_the_mirror_image_downward_and_keeps_its_foot_dark() -
     assert soft["SoftRainNoon"] > soft["HardRainNoon"]
 
 
-def test_hidden_is_where_things_are_mirrored() -> None:
+def test_hidden_is_where_items_are_reflected() -> None:
     camera = Camera()
     view, item = wall(camera, 12.0)
     road = wet_road(camera, "HardRainNoon")
@@ -151,7 +151,7 @@ def test_hidden_is_where_things_are_mirrored() -> None:
     assert not road.hidden().any()
 
 
-def test_dry_road_is_left_alone() -> None:
+def test_dry_road_has_no_reflections() -> None:
     camera = Camera()
     view, item = wall(camera, 12.0)
     frame = plain(camera)
@@ -161,7 +161,7 @@ def test_dry_road_is_left_alone() -> None:
     assert not road.hidden().any()
 
 
-def test_still_water_stands_still() -> None:
+def test_reflections_without_rain_are_static() -> None:
     road = straight_road()
     ego = add_ego(road, [20.0, 5.0])
     add_object(road, "car", [34.0, 7.0])
@@ -170,7 +170,7 @@ def test_still_water_stands_still() -> None:
 
 
 @pytest.mark.parametrize("camera", [Camera(cy_px=20.0, pitch_rad=0.3), Camera(cy_px=470.0, pitch_rad=-0.3)])
-def test_without_sky_or_without_road_nothing_is_mirrored(camera: Camera) -> None:
+def test_no_reflection_without_sky_or_road(camera: Camera) -> None:
     frame = np.full((camera.height_px, camera.width_px, 3), ROAD, np.uint8)
     road = wet_road(camera, "HardRainNoon")
     road.draw(frame, View.at(camera, EGO, 0.0), [])
@@ -178,7 +178,7 @@ def test_without_sky_or_without_road_nothing_is_mirrored(camera: Camera) -> None
     assert not road.hidden().any()
 
 
-def test_what_drops_shake_follows_within_frames() -> None:
+def test_rippled_reflection_is_updated_every_few_frames() -> None:
     camera = Camera()
     (view, item), frames = wall(camera, 12.0), [plain(camera) for _ in range(EVERY + 1)]
     road = wet_road(camera, "HardRainNoon")
