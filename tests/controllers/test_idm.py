@@ -1,4 +1,4 @@
-"""highway-env's driver in the ego: what it is told, and its closed forms along the lane and across."""
+"""highway-env's driver in the ego: privileges, and closed forms along and across the lane."""
 
 from dataclasses import replace
 from typing import Any

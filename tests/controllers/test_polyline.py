@@ -1,4 +1,4 @@
-"""A route as a line: nearest points and look-ahead points of straights and circles, in closed form."""
+"""Nearest points and look-ahead points on straights and circles, in closed form."""
 
 from math import asin, cos, pi, sin
 
@@ -72,7 +72,7 @@ def test_before_the_start_the_line_begins_at_its_start() -> None:
 
 
 def test_passed_segments_are_never_revisited() -> None:
-    """Where a route crosses itself the way goes on, not back."""
+    """At a self-intersection the route continues forward."""
     line = Polyline(STRAIGHT)
     for x in range(0, 40, 5):
         line.nearest(float(x), 0.0)

@@ -1,4 +1,4 @@
-"""The second-order sliding mode on a plant in closed form, beside the first-order law, and in the controller."""
+"""The second-order sliding mode: closed-form plant, comparison with the relay, and in the controller."""
 
 from dataclasses import replace
 from math import cos, sin, sqrt
@@ -55,7 +55,7 @@ def test_manifold_is_reached_within_the_lyapunov_bound(start: float) -> None:
 
 
 def test_disturbance_below_its_rate_bound_is_fully_rejected() -> None:
-    """What is left is s = dt phi, and smooth."""
+    """The remaining s is dt phi, and smooth."""
     dt = 1e-3
     law = SuperTwisting(D, dt)
     s = plant(law, 0.3, 0.95 * D, dt, 8.0)
@@ -86,14 +86,14 @@ def test_saturated_rate_does_not_wind_up() -> None:
 
 
 def swerve(gains: Gains) -> tuple[float, float, float]:
-    """(largest |s_r|, rms of the actuator's rate, its direction changes a second) while the heading swings."""
-    car, hands = Bicycle(), Gtsmc(gains, CAR, 60.0)
+    """(largest |s_r|, rms of the actuator's rate, its reversals per second) for an oscillating heading."""
+    car, control = Bicycle(), Gtsmc(gains, CAR, 60.0)
     sizes, angles = [], []
     for step in range(360):
         time_s = step / 60.0
         psi_d = Reference(0.2 * sin(1.5 * time_s), 5.55, 0.3 * cos(1.5 * time_s))
-        sizes.append(abs(hands.manifold(car.observe(), psi_d, 0.3 * cos(1.5 * time_s))))
-        car.step(hands.command(car.observe(), psi_d))
+        sizes.append(abs(control.manifold(car.observe(), psi_d, 0.3 * cos(1.5 * time_s))))
+        car.step(control.command(car.observe(), psi_d))
         angles.append(car.steering_rad)
     moves = np.diff(angles)[60:]
     turns = np.count_nonzero(np.diff(np.sign(moves)))

@@ -1,4 +1,4 @@
-"""Environments with the camera that are copied, stored or of many agents: the same world, the same pictures."""
+"""Copied, pickled and multi-agent environments with the camera render the same frames."""
 
 import copy
 import pickle

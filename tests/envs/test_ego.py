@@ -1,4 +1,4 @@
-"""The ego car against closed forms: circles, stopping distances, the rate of its steering."""
+"""The ego car against closed forms: circles, stopping distances, steering rate."""
 
 from math import atan, cos, pi, radians, sin, tan
 
@@ -21,7 +21,7 @@ def ego_car(speed: float = 5.55, heading: float = 0.0, friction: float | None = 
 
 
 def turned(steering: float, speed: float, friction: float | None = None) -> Ego:
-    """A car whose wheels already stand at the steering angle."""
+    """A car with its wheels already at the steering angle."""
     ego = ego_car(speed, friction=friction)
     ego.steering_rad = steering
     ego.act({"acceleration": 0.0, "steering": steering})

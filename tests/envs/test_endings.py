@@ -1,4 +1,4 @@
-"""How an episode of the environment ends, each way by the rule that the reference states."""
+"""Every ending of an episode, by the rules of the reference."""
 
 from collections.abc import Callable
 from math import radians
@@ -65,7 +65,7 @@ def test_rear_end_collision_counts() -> None:
     text = FAR + '[ego]\ns_m = 30.0\nspeed_mps = 0.0\n[[bodies]]\nkind = "car"\ns_m = 10.0\nlane = 2\nspeed_mps = 8.0\n'
     env = FourLane(scenario(text), rig=SMALL)
     env.reset(seed=0)
-    env.road.vehicles[0].act = lambda: None  # it does not look
+    env.road.vehicles[0].act = lambda: None  # it ignores obstacles
     info = next(info for *_, info in (env.step(NEUTRAL) for _ in range(200)) if info["status"] != "running")
     assert (info["status"], info["collided_with"]) == ("collision", "car")
     assert env.ego.position.tolist() == [30.0, 1.75]
@@ -134,7 +134,7 @@ def test_stop_goal_fails_too_far_or_too_near(x: float) -> None:
 
 
 class Frames(FakeRenderer):
-    """Frames that go wrong after half a second."""
+    """Frames that become invalid after half a second."""
 
     wrong: Callable[[np.ndarray], np.ndarray]
 

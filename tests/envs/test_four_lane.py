@@ -111,12 +111,12 @@ def test_episode_without_frames_is_otherwise_the_same(monkeypatch: pytest.Monkey
     check_env(blind, skip_render_check=True)
     observed, info = seeing.reset(seed=3)
     monkeypatch.setattr("vpf_sim.envs.camera.Renderer", None)
-    unseen, told = blind.reset(seed=3)
+    blind_observed, blind_info = blind.reset(seed=3)
     for command in (*20 * [FULL_AHEAD], *20 * [np.array([0.2, 0.3])]):
-        assert observed.keys() == {*unseen, "image"}
-        assert all(np.array_equal(observed[key], unseen[key]) for key in unseen)
-        assert info == told
-        (observed, *judged, info), (unseen, *also, told) = seeing.step(command), blind.step(command)
+        assert observed.keys() == {*blind_observed, "image"}
+        assert all(np.array_equal(observed[key], blind_observed[key]) for key in blind_observed)
+        assert info == blind_info
+        (observed, *judged, info), (blind_observed, *also, blind_info) = seeing.step(command), blind.step(command)
         assert judged == also
     assert blind.renderer is None
 

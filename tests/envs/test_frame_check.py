@@ -1,4 +1,4 @@
-"""What passes for a camera frame, and what is said of what does not."""
+"""Valid camera frames, and the faults of invalid ones."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The camera on highway-env's own environments: frames show the lanes and cars that the state says are there."""
+"""The camera on highway-env's own environments: frames match lanes and cars of the state."""
 
 import warnings
 
@@ -97,7 +97,7 @@ def test_cars_are_rendered_at_their_state(name):
                 continue
             column, row = np.rint(project(Camera(), np.array([*centre, 0.7]))).astype(int)
             owner = truth["instance"][row, column]
-            if owner != index + 1:  # something nearer covers it
+            if owner != index + 1:  # occluded by a nearer object
                 assert truth["depth"][row, column] < centre[0]
                 continue
             found += 1
@@ -128,7 +128,7 @@ def checker_warnings(env):
 
 def test_gymnasiums_checker_finds_nothing_new_with_the_camera():
     plain = checker_warnings(gym.make("racetrack-v0"))
-    assert plain, "it has something to say of the environment itself"
+    assert plain, "expected warnings about the environment itself"
     assert checker_warnings(make("racetrack-v0")) == plain
 
 

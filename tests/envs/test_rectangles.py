@@ -1,4 +1,4 @@
-"""Distances between bodies: closed forms, and a dense sampling of both outlines."""
+"""Distances between objects: closed forms, and dense sampling of both outlines."""
 
 from itertools import pairwise
 from math import cos, hypot, inf, pi, sin, sqrt
@@ -21,7 +21,7 @@ def straight() -> Road:
 
 
 def scene(*objects: tuple[ObjectKind, float, float, float], heading: float = 0.0) -> Ego:
-    """An ego car at (20, 0) and bodies of a kind at x, y with a heading."""
+    """An ego car at (20, 0) and objects (kind, x, y, heading)."""
     road = straight()
     for kind, x, y, angle in objects:
         obj = STATIC_OBSTACLES[kind](road, (x, y))

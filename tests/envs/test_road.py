@@ -1,4 +1,4 @@
-"""Roads from segments: against closed forms, and position and local coordinates inverse to each other."""
+"""Roads from segments: closed forms, and position and local coordinates as inverses."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ ROADS = [scenarios.load(name).draw(0).road for name in scenarios.names()]
 
 
 def places(road: Road) -> tuple[np.ndarray, np.ndarray]:
-    """Places all along and beyond both ends, across three carriageways, and at every joint."""
+    """(s, lateral) along the road and beyond its ends, and at every joint."""
     rng = np.random.default_rng(5)
     joints = np.cumsum([0.0] + [segment.length_m for segment in road.segments])
     s = np.concatenate([rng.uniform(-40.0, road.length_m + 40.0, 500), joints, joints + 1e-9])

@@ -1,4 +1,4 @@
-"""Bodies: sizes by kind, their places on the road, and traffic that keeps lane, speed and distance."""
+"""Objects on the road: sizes by kind, placement, and traffic that keeps lane, speed and distance."""
 
 from math import hypot
 

@@ -1,4 +1,4 @@
-"""The errors of the car's sensors: none by default, of the size that is asked for, told to nobody but the book."""
+"""Sensor errors: none by default, of the configured size, hidden from the driver."""
 
 from contextlib import closing
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Roads that a seed draws keep what the file promises, for every seed."""
+"""Random roads keep the limits of the file for every seed."""
 
 from itertools import pairwise
 
@@ -25,7 +25,7 @@ DRAWN = [load().draw(seed) for seed in SEEDS]
 
 
 def rows(scenario: Scenario) -> list[list[tuple[float, float, float]]]:
-    """For each row, (s, left, right) m of its bodies, from the left."""
+    """For each row, (s, left, right) m of its obstacles, from the left."""
     found: dict[float, list[tuple[float, float, float]]] = {}
     for obj in scenario.bodies:
         centre, half = scenario.road.lane_offset_m(obj.lane) + obj.lateral_m, SIZES[obj.kind].width_m / 2.0
@@ -34,13 +34,13 @@ def rows(scenario: Scenario) -> list[list[tuple[float, float, float]]]:
 
 
 def gaps(row: list[tuple[float, float, float]]) -> list[tuple[float, float]]:
-    """The free stretches across the carriageway that are wide enough."""
+    """The wide enough gaps across the carriageway."""
     edges = [-HALF_M, *(edge for _, left, right in row for edge in (left, right)), HALF_M]
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= FREE_GAP_M - 1e-9]
 
 
 def reachable(scenario: Scenario) -> bool:
-    """Whether gaps can be chosen, row by row, with middles at most two lanes apart, starting from the ego's lane."""
+    """Whether a chain of gaps with middles at most two lanes apart leads from the ego's lane through all rows."""
     places = [(scenario.road.lane_offset_m(scenario.ego.lane),) * 2]
     for row in rows(scenario):
         middles = [(a + FREE_GAP_M / 2.0, b - FREE_GAP_M / 2.0) for a, b in gaps(row)]

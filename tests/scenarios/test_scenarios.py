@@ -1,4 +1,4 @@
-"""Scenario files: the catalog is sound, and each fault of a wrong file is one clear line."""
+"""Scenario files: the catalog is valid, and each fault of an invalid file is one clear line."""
 
 import os
 import tomllib
@@ -36,7 +36,7 @@ lane = 2
 
 
 def message(old: str = "", new: str = "", extra: str = "") -> str:
-    """What is said about FILE with one change."""
+    """The error message for FILE with one change."""
     assert old in FILE
     with pytest.raises(InputError) as caught:
         scenarios.parse(FILE.replace(old, new, 1) + extra, "my.toml")

@@ -1,4 +1,4 @@
-"""Scenarios turned, moved and mirrored: every place of the road and of what stands on it goes along."""
+"""Rotated, translated and mirrored scenarios: all positions follow."""
 
 from math import radians
 
@@ -20,7 +20,7 @@ def drawn(name: str, seed: int = 7) -> Scenario:
 
 
 def places(scenario: Scenario) -> Floats:
-    """(N, 2) m of both edges, of the ego and of the bodies."""
+    """(N, 2) m, points of both edges, the ego and the objects."""
     road, line = scenario.road, CentreLine(scenario.road)
     edges = [line.position(ALONG, side * road.half_width_m) for side in (1.0, -1.0)]
     items = [scenario.ego, *scenario.bodies]

@@ -1,4 +1,4 @@
-"""The picture against the geometry: known points lie where the pinhole camera says, frames repeat to the byte."""
+"""Frames against pinhole geometry; frames are reproducible to the byte."""
 
 import subprocess
 import sys
@@ -35,7 +35,7 @@ def stripes_ahead(first, last):
 
 
 def half_level_crossing(profile, rising):
-    """Where a profile crosses the middle between its extremes, to a fraction of a sample."""
+    """Sub-sample position at which a profile crosses the middle between its extremes."""
     level = 0.5 * (profile.min() + profile.max())
     above = profile > level
     k = int(np.argmax(above if rising else ~above))
@@ -44,7 +44,7 @@ def half_level_crossing(profile, rising):
 
 @pytest.fixture
 def unworn(monkeypatch):
-    """Markings without missing pieces, whose edges are exactly where the paint was laid."""
+    """Markings without missing pieces, with exact edges."""
     monkeypatch.setattr("vpf_sim.envs.camera.ground.paint.flakes", lambda *_: np.empty((0, 4, 2)))
 
 
@@ -101,9 +101,9 @@ def test_object_silhouette_matches_its_projected_corners(distance):
     road, empty = straight_road(), straight_road()
     add_object(road, "van", [20.0 + distance, 3.5])
     ego = add_ego(road, [20.0, 3.5])
-    with_body = Renderer(road, Rig(camera, noise_sd=0.0), CLEAR, 1).render(ego, 0.0)
+    with_object = Renderer(road, Rig(camera, noise_sd=0.0), CLEAR, 1).render(ego, 0.0)
     without = Renderer(empty, Rig(camera, noise_sd=0.0), CLEAR, 1).render(ego, 0.0)
-    changed = cv2.absdiff(with_body, without).max(axis=2) > 2  # in any channel: its grey may be that of the scenery
+    changed = cv2.absdiff(with_object, without).max(axis=2) > 2  # in any channel: its grey may be that of the scenery
     rear = distance - 0.5 * 5.5
     (left, top), (right, _) = project(camera, np.array([[rear, -1.05, 2.3], [rear, 1.05, 2.3]]))
     # a pixel's square reaches half a pixel beyond its centre, so the outermost changed pixel lies within 1 of the edge
@@ -184,7 +184,7 @@ def test_the_ground_has_grain_at_every_distance():
 
 
 def test_grain_has_no_seam_between_its_levels():
-    """Averaged over many places, the brightness changes nowhere abruptly from row to row."""
+    """Averaged over many places, brightness has no step from row to row."""
     road = straight_road()
     ego = add_ego(road, [0.0, 3.5])
     renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 3)
@@ -198,7 +198,7 @@ def test_grain_has_no_seam_between_its_levels():
 
 
 def test_frames_do_not_shimmer_in_the_distance():
-    """A millimetre of travel changes the far road by no more than its share of a pixel."""
+    """A millimetre of travel changes distant pixels only slightly."""
     road = straight_road()
     ego = add_ego(road, [20.0, 3.5])
     renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 3)
@@ -262,10 +262,10 @@ def test_weather_files_change_single_factors(tmp_path):
 def test_wrong_weather_files_get_one_clear_line(tmp_path, text, message):
     path = tmp_path / "wrong.toml"
     path.write_text(text, encoding="latin-1")
-    with pytest.raises(InputError, match=message) as told:
+    with pytest.raises(InputError, match=message) as error:
         weather.load(str(path))
-    assert str(told.value).startswith(f"{path}: ")
-    assert "\n" not in str(told.value)
+    assert str(error.value).startswith(f"{path}: ")
+    assert "\n" not in str(error.value)
 
 
 def test_missing_weather_file_is_reported(tmp_path):

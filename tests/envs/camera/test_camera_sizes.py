@@ -1,4 +1,4 @@
-"""A camera that is told its size or its field of view, and rigs that are none."""
+"""Cameras of given sizes and fields of view, and invalid rigs."""
 
 from math import atan, degrees
 from typing import Any
@@ -41,7 +41,7 @@ def test_the_default_camera_has_90_deg() -> None:
 
 
 def test_a_small_camera_sees_the_road() -> None:
-    """The lower half of its picture is the ground, as the truth says, and not sky."""
+    """By the true depth, the lower half of the image is ground."""
     env = FourLane("straight", rig=Rig(camera=Camera(84, 84)), truth=("depth",))
     _, info = env.reset(seed=1)
     assert np.isfinite(info["depth"][43:]).all()

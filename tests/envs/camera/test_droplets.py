@@ -1,4 +1,4 @@
-"""Drops on the windshield: how many land, how they merge, run and go; and that the planes show those that are there."""
+"""Drops on the windscreen: impact rate, merging, running, drying; the planes match the drop list."""
 
 import numpy as np
 import pytest

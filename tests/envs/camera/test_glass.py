@@ -1,4 +1,4 @@
-"""Water on the windshield as a whole, in frames."""
+"""Water on the windscreen, in frames."""
 
 import numpy as np
 import pytest
@@ -39,7 +39,7 @@ def grey(level: int = 128) -> Image:
 
 
 def with_drop(x: float, y: float, size: float) -> Glass:
-    """A glass with one drop on it, in next to no rain."""
+    """A windscreen with one drop, almost without rain."""
     water = glass(droplets=0.01, wiper_period_s=0.0)
     draw(water, grey(), 0)
     drop = np.zeros(1, DROP)

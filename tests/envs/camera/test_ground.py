@@ -1,4 +1,4 @@
-"""The ground against the geometry: patches cover what is seen, hang together, and can be followed to the horizon."""
+"""The ground: patches cover the view, are consistent, and can be tracked up to the horizon."""
 
 from dataclasses import replace
 
@@ -88,7 +88,8 @@ def test_levels_blend_completely() -> None:
 
 @pytest.mark.parametrize("fine", [(2, 2), (2, 4)])
 def test_a_strip_keeps_its_width(fine: tuple[int, int]) -> None:
-    """On average over many directions its area on a raster is right to 3 %; filling adds half a pixel all around."""
+    """On average over many directions its area on a raster is right to 3 %; plain filling adds half a pixel all
+    around."""
     lattice = np.array([[20.0, 0.0, -0.5], [0.0, 10.0, -0.5], [0.0, 0.0, 1.0]])
     raster = Raster(100, 200, lattice, 0.05, 0.1)  # 10 m square
     areas = []
@@ -105,7 +106,7 @@ def test_a_strip_keeps_its_width(fine: tuple[int, int]) -> None:
 
 @pytest.mark.parametrize("road", [straight_road(), bent_road()], ids=["straight", "bend"])
 def test_ground_does_not_depend_on_the_camera_history(road: Road) -> None:
-    """A picture hardly depends on the way the patches came; what differs is how they are sampled."""
+    """A frame hardly depends on earlier views; the sampling of patches differs."""
     travelled = ground(road)
     for k in range(61):
         place, heading = on_bend(2.0 + 0.3 * k, 1.75)
@@ -137,7 +138,7 @@ def test_grain_has_the_same_gradient_in_all_rows() -> None:
 
 
 def flow_back(pixels: Floats, now: View, before: View) -> tuple[Floats, Floats]:
-    """(N, 2) where points of the ground were a frame before, and (N,) their depth m."""
+    """(N, 2) px, previous positions of ground points, and (N,) m, their depths."""
     ground_points = np.column_stack([pixels, np.ones(len(pixels))]) @ now.ground_homography().T
     world = np.column_stack([ground_points[:, :2] / ground_points[:, 2:], np.zeros(len(pixels))])
     return before.pixels(before.camera_axes(world)), now.camera_axes(world)[:, 2]
@@ -145,7 +146,7 @@ def flow_back(pixels: Floats, now: View, before: View) -> tuple[Floats, Floats]:
 
 @pytest.mark.parametrize("bend", [False, True], ids=["straight", "bend"])
 def test_distant_ground_can_be_tracked(bend: bool) -> None:
-    """Of the tracks on the ground 10 to 60 m ahead less than 1 % are off by more than a pixel."""
+    """Less than 1 % of the tracks on the ground 10 to 60 m ahead have an error above one pixel."""
     none: None = None
     options = {"winSize": (25, 25), "maxLevel": 2, "criteria": (3, 30, 0.03)}
     errors = []

@@ -1,4 +1,4 @@
-"""The veil against Koschmieder's law, on colours, on the ground and on upright pictures."""
+"""Haze against Koschmieder's law, on colours and on the ground."""
 
 import numpy as np
 import pytest
@@ -19,8 +19,8 @@ def haze(name: str, camera: Camera | None = None) -> Haze:
     return Haze(camera or Camera(), Atmosphere.of(of), Light.of(of))
 
 
-def seen(name: str, colour: float, depth_m: Floats) -> Floats:
-    """(..., 3) what is seen of a colour, by the law."""
+def hazed(name: str, colour: float, depth_m: Floats) -> Floats:
+    """(..., 3) a hazed colour by Koschmieder's law."""
     of = weather.load(name)
     left = np.exp(-Atmosphere.of(of).extinction_per_m * depth_m)[..., None]
     return np.asarray(colour * left + Light.of(of).horizon * (1.0 - left))
@@ -50,7 +50,7 @@ def test_ground_is_hazed_by_depth(name: str, camera: Camera) -> None:
         depth = np.cos(camera.pitch_rad) * ahead + np.sin(camera.pitch_rad) * camera.height_m
         ground = np.isfinite(depth)
         depth = np.minimum(depth, HILLS[-1][0])  # the line of trees ends the ground
-        assert frame[ground, 3] == pytest.approx(seen(name, colour, depth[ground]), abs=1.8)
+        assert frame[ground, 3] == pytest.approx(hazed(name, colour, depth[ground]), abs=1.8)
         assert np.all(frame[~ground] == colour)
         assert np.all(frame == frame[:, :1])
 
@@ -58,13 +58,13 @@ def test_ground_is_hazed_by_depth(name: str, camera: Camera) -> None:
 def test_clear_haze_does_not_change_the_near_road() -> None:
     rng = np.random.default_rng(0)
     frame = rng.integers(0, 256, (480, 640, 3), dtype=np.uint8)
-    veiled = frame.copy()
-    haze("ClearNoon").ground(veiled)
-    assert np.array_equal(veiled[300:], frame[300:])
-    assert not np.array_equal(veiled[240:245], frame[240:245])
+    hazy = frame.copy()
+    haze("ClearNoon").ground(hazy)
+    assert np.array_equal(hazy[300:], frame[300:])
+    assert not np.array_equal(hazy[240:245], frame[240:245])
 
 
 def test_colours_are_hazed_by_depth() -> None:
     depths = np.array([5.0, 50.0, 500.0])
     got = haze("FoggyNoon").colours(np.full((3, 3), 40.0), depths)
-    assert got == pytest.approx(seen("FoggyNoon", 40.0, depths))
+    assert got == pytest.approx(hazed("FoggyNoon", 40.0, depths))

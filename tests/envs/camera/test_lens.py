@@ -1,4 +1,4 @@
-"""Lens distortion against OpenCV's model, its truth against the frames, and a planner's flow seen through it."""
+"""Lens distortion against OpenCV, ground truth against frames, and optical flow through the lens."""
 
 from collections.abc import Callable
 from math import inf, nan
@@ -25,7 +25,7 @@ ALL = ("depth", "flow", "foe", "ttc", "instance")
 
 
 def grid(camera: Camera, step: int = 40) -> Floats:
-    """(n, 2) px over the picture."""
+    """(n, 2) px, a grid over the image."""
     x, y = np.meshgrid(np.arange(5, camera.width_px - 5, step), np.arange(5, camera.height_px - 5, step))
     return np.stack([x.ravel(), y.ravel()], axis=-1).astype(float)
 
@@ -93,7 +93,7 @@ def test_distortion_that_folds_within_the_image_is_rejected(k1: float, k2: float
 
 
 def scene(camera: Camera) -> tuple[Road, Renderer, Callable[[], None]]:
-    """A road with bodies, its renderer without noise, and a step ahead."""
+    """A road with objects, a renderer without noise, and a function that advances the ego."""
     road = straight_road()
     add_object(road, "van", [36.0, 10.6])
     add_object(road, "car", [34.0, 3.6])

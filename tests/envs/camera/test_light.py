@@ -1,4 +1,4 @@
-"""Light and daylight against their closed forms, and what a driver notices of them."""
+"""Light and daylight against closed forms, and their effect on frames."""
 
 from math import exp, radians, sin, sqrt
 

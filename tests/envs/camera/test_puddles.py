@@ -1,4 +1,4 @@
-"""Puddles belong to the world: they stay where they are while the camera moves, and each seed has its own."""
+"""Puddles are fixed to the world and differ between seeds."""
 
 from itertools import pairwise
 

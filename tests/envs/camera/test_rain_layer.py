@@ -1,4 +1,4 @@
-"""Rain that does not come again."""
+"""Rain does not repeat."""
 
 import numpy as np
 import pytest

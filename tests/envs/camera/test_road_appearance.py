@@ -1,4 +1,4 @@
-"""Other verges, road surfaces and markings: what is asked for is what the picture shows."""
+"""Verges, road surfaces and markings as set by the scenario."""
 
 from contextlib import closing
 

@@ -1,4 +1,4 @@
-"""Painting of things: exact coverage, their order, their company, and how they come out of the air."""
+"""Painting of items: coverage, order, independence, haze."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -23,7 +23,7 @@ FIRST = np.zeros(1, np.int64)
 
 
 def rectangle(x0: float, y0: float, x1: float, y1: float, grey: float, depth_m: float = 10.0) -> Drawing:
-    """An upright face whose corners lie at these pixels' coordinates."""
+    """An upright face with its corners at these pixel coordinates."""
     camera = VIEW.camera
     corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     rays = np.column_stack([(corners - (camera.cx_px, camera.cy_px)) / camera.fx_px, np.ones(4)])
@@ -108,25 +108,25 @@ def test_cached_faces_of_an_object_match_fresh_ones(kind: str) -> None:
     light = Light.of(clear)
     haze = Haze(Camera(), Atmosphere.of(clear), light)
     size = {"van": (5.0, 2.0, 2.3), "barrier": (0.5, 3.0, 1.0)}[kind]
-    kept, anew = (Solid(object_mesh(kind, size, np.random.default_rng(0)), light, haze) for _ in range(2))
-    looks, missed_px = [], []
+    kept, fresh = (Solid(object_mesh(kind, size, np.random.default_rng(0)), light, haze) for _ in range(2))
+    caches, missed_px = [], []
     for ahead in (np.linspace(80.0, 8.0, 30)[:, None] - 0.09 * np.arange(4)).ravel():
         view = View.at(Camera(), np.array([-ahead, 0.04 * ahead - 1.0]), 0.01 * np.sin(ahead))
-        anew.cached = None
-        drawings = [solid.visible(view, np.array([0.0, 0.0, 0.7])) for solid in (kept, anew)]
+        fresh.cached = None
+        drawings = [solid.visible(view, np.array([0.0, 0.0, 0.7])) for solid in (kept, fresh)]
         frames = [canvas(), canvas()]
         for frame, drawn in zip(frames, drawings, strict=True):
             assert drawn is not None
             paint(frame, [drawn])
-        looks.append(kept.cached)
+        caches.append(kept.cached)
         off = cv2.absdiff(*frames).max(axis=2)
         missed_px.append(off.sum() / 255.0 / np.ptp(drawn.polygons_px[..., 1]))
-    assert sum(now is not before for before, now in pairwise(looks)) < 0.7 * len(looks)
+    assert sum(now is not before for before, now in pairwise(caches)) < 0.7 * len(caches)
     assert 0.0 < max(missed_px) < SLIVER_PX
 
 
 def scene(distance_m: float, name: str = "clear") -> tuple[Image, Image]:
-    """What is seen of a road with a truck at a distance, and without it."""
+    """Frames of a road with a truck at a distance, and without it."""
     camera = replace(Camera(), fx_px=1500.0, fy_px=1500.0)
     frames = []
     for objects in (True, False):
@@ -139,9 +139,9 @@ def scene(distance_m: float, name: str = "clear") -> tuple[Image, Image]:
 
 
 def contrast(distance_m: float, name: str = "clear") -> float:
-    """How strongly a truck at a distance stands out, grey levels."""
-    with_body, without = (frame.astype(float) for frame in scene(distance_m, name))
-    return float(np.percentile(np.abs(with_body - without).max(axis=2), 99.9))
+    """Contrast of a truck at a distance, grey levels."""
+    with_object, without = (frame.astype(float) for frame in scene(distance_m, name))
+    return float(np.percentile(np.abs(with_object - without).max(axis=2), 99.9))
 
 
 def test_distant_objects_fade_in() -> None:

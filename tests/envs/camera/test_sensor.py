@@ -1,4 +1,4 @@
-"""The sensor's noise, exposure and blur, in figures."""
+"""Noise, exposure and blur of the image sensor."""
 
 from itertools import pairwise
 
@@ -64,7 +64,7 @@ def test_seeds_have_noise_of_their_own_and_repeat_it() -> None:
 
 
 def test_exposure_of_one_stop_doubles_the_light() -> None:
-    """In linear light, from which the picture comes by a gamma of 2.2; what is too bright is white."""
+    """In linear light, before the gamma of 2.2; clipped at white."""
     for ev in (-1.0, 1.0, 2.0):
         got = exposed(grey(80), Rig(CAMERA, noise_sd=0.0, exposure_ev=ev))[0]
         assert np.all(np.abs((got / 80.0) ** 2.2 - 2.0**ev) < 0.02 * 2.0**ev)

@@ -1,4 +1,4 @@
-"""The sky turns exactly with the yaw, joins itself after a turn, and looks like its weather."""
+"""The sky turns with the yaw, is periodic, and matches the weather."""
 
 from math import radians
 
@@ -31,7 +31,7 @@ def drawn(of: Sky, yaw_rad: float, place: tuple[float, float] = (0.0, 0.0), came
 
 
 def turned_px(points: Floats, turn_rad: float) -> Floats:
-    """(..., 2) where points at infinity were before a turn to the right."""
+    """(..., 2) px of points at infinity before a turn to the right."""
     ray = np.stack([(points[..., 0] - 319.5) / 320.0, (points[..., 1] - 239.5) / 320.0, np.ones(points.shape[:-1])], -1)
     c, s = np.cos(turn_rad), np.sin(turn_rad)
     right, ahead = c * ray[..., 0] + s * ray[..., 2], c * ray[..., 2] - s * ray[..., 0]

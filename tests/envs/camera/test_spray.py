@@ -1,4 +1,4 @@
-"""Spray behind bodies: where it belongs, how it grows with speed, and what it leaves alone."""
+"""Spray behind moving objects: place, growth with speed, and no effect on truth."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ CAMERA = Camera()
 
 
 class MovingCar:
-    """A car ahead that moves, and what stands for it in one frame."""
+    """A moving car ahead and its drawn items."""
 
     def __init__(self, name: str = "HardRainNoon", seed: int = 1) -> None:
         self.road = straight_road()

@@ -1,4 +1,4 @@
-"""What stands beside a road: off the lanes, the same for a seed, all of it drawn that is in the picture."""
+"""Static scenery: clear of the lanes, reproducible, and completely drawn."""
 
 from itertools import pairwise
 
@@ -45,7 +45,7 @@ def standing(shapes: list[LaneShape], seed: int) -> list[Placement]:
 
 
 def in_world(item: Placement) -> Floats:
-    """(n, 3) all corners of a thing."""
+    """(n, 3) corners of an item."""
     mesh, (x, y, heading), _ = item
     c, s = np.cos(heading), np.sin(heading)
     return mesh.faces_m.reshape(-1, 3) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + (x, y, 0.0)
@@ -112,14 +112,14 @@ def test_culling_misses_no_visible_face() -> None:
 
 def test_cached_faces_of_the_roadside_match_fresh_ones() -> None:
     items = standing(lane_shapes(town()), 3)
-    kept, anew = (Roadside(CAMERA, items, LIGHT, HAZE) for _ in range(2))
+    kept, fresh = (Roadside(CAMERA, items, LIGHT, HAZE) for _ in range(2))
     lane = town().network.get_lane(("start", "end", 1))
     off = []
     for s in (np.linspace(60.0, 300.0, 30)[:, None] + 0.09 * np.arange(4)).ravel():
         view = View.at(CAMERA, lane.position(s, 0.0), lane.heading_at(s))
-        anew.cached = None
+        fresh.cached = None
         frames = [np.full((CAMERA.height_px, CAMERA.width_px, 3), 90, np.uint8) for _ in range(2)]
-        for frame, (seen, depths) in zip(frames, (kept.visible(view), anew.visible(view)), strict=True):
+        for frame, (seen, depths) in zip(frames, (kept.visible(view), fresh.visible(view)), strict=True):
             assert seen is not None
             assert depths == sorted(depths, reverse=True)
             paint(frame, [seen])
@@ -129,7 +129,7 @@ def test_cached_faces_of_the_roadside_match_fresh_ones() -> None:
 
 
 def _shows(view: View, item: Placement) -> bool:
-    """Whether a thing surely shows: well within its range and the picture, and large."""
+    """Whether an item is surely visible: well within its range and the image, and large."""
     points = view.camera_axes(in_world(item))
     depth = points[:, 2]
     if depth.min() < 2.0 or depth.max() > 0.8 * item[2]:

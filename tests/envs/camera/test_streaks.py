@@ -1,4 +1,4 @@
-"""Falling drops against an independent count of drops in a box of air, and against the geometry of their motion."""
+"""Falling drops against a simulated volume of rain, and against the geometry of their motion."""
 
 from dataclasses import replace
 
@@ -23,14 +23,14 @@ def streaks(rain_mmph: float = 50.0, seed: int = 1, gain: float = 1.0, name: str
 
 
 def darker_by(levels: float, source: Streaks) -> Image:
-    """A frame that many grey levels darker than the drops."""
+    """A frame darker than the drops by `levels` grey levels."""
     return np.full((CAMERA.height_px, CAMERA.width_px, 3), round(source.brightness - levels), np.uint8)
 
 
 def counted(
     rain_mmph: float, speed_mps: float, exposure: float, contrast: float, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Levels and lengths of the drops of one frame, every drop of a box of air before the camera thrown by itself."""
+    """Levels and lengths of the drops of one frame, with every drop of a volume simulated."""
     edges = np.linspace(0.3, 6.0, 58)
     middle = 0.5 * (edges[1:] + edges[:-1])
     half_x, half_y = 1.0, 0.75

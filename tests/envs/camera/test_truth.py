@@ -1,4 +1,4 @@
-"""The truth against itself (independent reprojection) and Lucas-Kanade on rendered frames against the truth."""
+"""Ground truth against independent reprojection, and against Lucas-Kanade on rendered frames."""
 
 import cv2
 import numpy as np
@@ -142,7 +142,7 @@ def test_object_at_constant_distance_has_no_flow_and_infinite_ttc():
 
 
 def tracked(previous, picture, mask):
-    """Corners of a frame where the mask allows, followed back to the frame before and forth again."""
+    """Corners within a mask, tracked to the previous frame and back."""
     corners = cv2.goodFeaturesToTrack(picture, 300, 0.01, 8, mask=mask.astype(np.uint8) * 255)
     options = {"winSize": (25, 25), "maxLevel": 2, "criteria": (3, 30, 0.03)}
     back, _, _ = cv2.calcOpticalFlowPyrLK(picture, previous, corners, None, **options)
@@ -152,7 +152,7 @@ def tracked(previous, picture, mask):
 
 
 @pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("surface", ["ground", "bodies"])
+@pytest.mark.parametrize("surface", ["ground", "objects"])
 def test_lucas_kanade_on_two_frames_agrees_with_the_truth(name, surface):
     scene, curvature = SCENES[name]
     errors = []
@@ -181,7 +181,7 @@ def test_lucas_kanade_on_two_frames_agrees_with_the_truth(name, surface):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_lucas_kanade_chained_over_six_frames_agrees_with_the_truth(name):
-    """Followed from frame to frame, as the planner does; the truth is chained the same way."""
+    """Tracked from frame to frame, as in the planner; the truth is chained the same way."""
     scene, curvature = SCENES[name]
     _, ego, renderer = scene()
     pictures, flows = [], []

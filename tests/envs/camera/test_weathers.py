@@ -1,4 +1,4 @@
-"""Weathers: the presets hold CARLA's numbers, the factors mean what they say, and wrong files are told by key."""
+"""Weathers: CARLA's presets, physical meanings, and errors of invalid files."""
 
 import json
 from dataclasses import dataclass
@@ -97,9 +97,9 @@ def test_factor_is_accepted_within_its_range_only(edge: Edge, tmp_path: Path) ->
     path.write_text(f"{edge.key} = {edge.bound}\n")
     assert getattr(weather.load(str(path)), edge.key) == edge.bound
     path.write_text(f"{edge.key} = {edge.beyond}\n")
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as error:
         weather.load(str(path))
-    assert str(told.value) == f"{path}: {edge.key}: expected {edge.words}, got {edge.beyond}"
+    assert str(error.value) == f"{path}: {edge.key}: expected {edge.words}, got {edge.beyond}"
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf"])

@@ -1,4 +1,4 @@
-"""The mirror image on the wet road against the geometry of a mirror, and against the reflectance of water."""
+"""Reflections on the wet road against mirror geometry and the reflectance of water."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ SKY, ROAD = 200, 40
 
 
 def wall(camera: Camera, ahead_m: float) -> tuple[View, Drawn]:
-    """An upright rectangle 2 m wide and 1.5 m high that faces the camera, as a thing of the frame."""
+    """An upright rectangle 2 m wide and 1.5 m high that faces the camera, as a drawn item."""
     view = View.at(camera, EGO, 0.0)
     x = view.centre[0] + ahead_m
     corners = np.array([[x, EGO[1] + side, up] for side, up in ((-1.0, 0.0), (-1.0, 1.5), (1.0, 1.5), (1.0, 0.0))])

@@ -1,4 +1,4 @@
-"""The wiper: how it turns, what it passes over, and how its blade looks."""
+"""The wiper: motion, swept area and image of the blade."""
 
 import numpy as np
 import pytest
