@@ -133,7 +133,7 @@ class Gtsmc:
         self._last_heading_rad: float | None = None
         self._heading_rate_radps = 0.0
         self._last_rate_radps: float | None = None
-        self._last_bend_per_m: float | None = None
+        self._last_curvature_per_m: float | None = None
         self._demand_radps2, self._curvature_demand_radps2 = 0.0, 0.0
         self.yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
@@ -173,11 +173,11 @@ class Gtsmc:
         authority = observation.speed_mps / self._vehicle.wheelbase_m
         self._update_reaching(observation, reference, rate, authority)
         if observation.speed_mps > STANDSTILL_MPS:
-            s_r, most = self.manifold(observation, reference, rate), self._gains.u0_radps
+            s_r, rate_limit = self.manifold(observation, reference, rate), self._gains.u0_radps
             demand = self._rate(s_r, authority, observation.speed_mps) + self._feedforward_rate(
                 authority, observation.speed_mps
             )
-            step = max(-most, min(most, demand)) * self._dt_s
+            step = max(-rate_limit, min(rate_limit, demand)) * self._dt_s
             limit = self._vehicle.steering_limit_rad
             self.steering_rad = max(-limit, min(limit, self.steering_rad + step))
         return self.steering_rad
@@ -186,9 +186,9 @@ class Gtsmc:
         """The steering rate u, rad/s."""
         if self._twisting is not None:
             return self._twisting.rate(s_r, authority_per_s, self._gains.u0_radps)
-        layer, whole_mps = self._gains.boundary_layer_radps, self._gains.layer_narrows_below_mps
-        if speed_mps < whole_mps:
-            layer *= max(speed_mps / whole_mps, MIN_LAYER_SHARE)
+        layer, narrows_below_mps = self._gains.boundary_layer_radps, self._gains.layer_narrows_below_mps
+        if speed_mps < narrows_below_mps:
+            layer *= max(speed_mps / narrows_below_mps, MIN_LAYER_SHARE)
         return -self._gains.u0_radps * relay(s_r, layer)
 
     def _curvature_demand(self, observation: Observation, reference: Reference) -> float:
@@ -199,16 +199,16 @@ class Gtsmc:
         if reference.heading_rate_radps is None:
             return 0.0
         speed = max(observation.speed_mps, STANDSTILL_MPS)
-        bend = reference.heading_rate_radps / speed
-        last, self._last_bend_per_m = self._last_bend_per_m, bend
-        return 0.0 if last is None else speed * (bend - last) / self._dt_s
+        curvature = reference.heading_rate_radps / speed
+        last, self._last_curvature_per_m = self._last_curvature_per_m, curvature
+        return 0.0 if last is None else speed * (curvature - last) / self._dt_s
 
     def _feedforward_rate(self, authority_per_s: float, speed_mps: float) -> float:
         """Feedforward steering rate, rad/s; reduced at low speed, where the authority is small."""
         if not self._gains.feedforward:
             return 0.0
-        whole_mps = self._gains.layer_narrows_below_mps
-        share = speed_mps / whole_mps if speed_mps < whole_mps else 1.0
+        narrows_below_mps = self._gains.layer_narrows_below_mps
+        share = speed_mps / narrows_below_mps if speed_mps < narrows_below_mps else 1.0
         return share * self._curvature_demand_radps2 / authority_per_s
 
     def _update_reaching(

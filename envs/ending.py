@@ -22,8 +22,10 @@ FRAME_MOVED_M = 0.02
 
 
 class Ending:
-    """The status of every step of one episode; `invalid_frame` is the first invalid one. Frames are None where none are
-    rendered."""
+    """Computes the status of every step of one episode.
+
+    `invalid_frame` is the first invalid frame. Frames are None where none are rendered.
+    """
 
     def __init__(
         self, scenario: Scenario, rate_hz: float, ego: Ego, frame: Image | None, shape: tuple[int, ...]

@@ -83,8 +83,7 @@ def free_ahead(ego: RoadObject) -> float:
 
 
 def _first_in_strip(points: list[Point], half_width: float) -> float:
-    """The smallest distance ahead at which a convex outline enters the strip |right| <= half_width; inf if it does
-    not."""
+    """Least distance ahead at which a convex outline is in the strip |right| <= half_width; inf if nowhere."""
     ahead = [x for x, right in points if abs(right) <= half_width]
     edges = list(zip(points, points[1:] + points[:1], strict=True))
     for side in (-half_width, half_width):

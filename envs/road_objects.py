@@ -67,8 +67,7 @@ class Actor(Vehicle):  # type: ignore[misc]
         self.action = {"steering": 0.0, "acceleration": -FULL_BRAKING_MPS2 if self.crashed else acceleration}
 
     def _leader(self) -> tuple[float, RoadObject | None]:
-        """The gap along the road, from bumper to bumper, to the nearest object ahead in the actor's path, and that
-        object."""
+        """The gap, bumper to bumper, to the nearest object ahead in the actor's path, and that object."""
         nearest_m, leader = math.inf, None
         s, lateral = self.place
         for other in solid_objects(self):

@@ -75,7 +75,7 @@ class Sensors:
         self.pitch_rad += self._pitch_radps * dt
 
     def _homography(self, pitch_rad: float) -> Floats:
-        """(3, 3) homography from the camera's pixels to those of a camera pitched down by `down_rad`."""
+        """(3, 3) homography from the camera's pixels to those of a camera pitched down by `pitch_rad`."""
         camera, (c, s) = self._camera, (np.cos(pitch_rad), np.sin(pitch_rad))
         matrix = np.array([[camera.fx_px, 0.0, camera.cx_px], [0.0, camera.fy_px, camera.cy_px], [0.0, 0.0, 1.0]])
         turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])

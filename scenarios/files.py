@@ -91,8 +91,7 @@ def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 
 
 def _causes(faults: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Faults without consequences of others: a missing key that is misspelt, a list too short for an invalid
-    element."""
+    """Faults without consequences of others: missing keys that are misspelt, lists too short by invalid elements."""
     misspelt = {(*fault["loc"][:-1], _near(fault["loc"])) for fault in faults if fault["type"] == "extra_forbidden"}
     places = [fault["loc"] for fault in faults]
     return [

@@ -186,8 +186,10 @@ def _sampled(lane: AbstractLane, before: bool, after: bool) -> LaneShape:
 
 
 def _stations(lane: AbstractLane, length: float) -> Floats:
-    """Stations along a lane, dense enough for its sharpest bend: the sagitta of a chord c at curvature k is c^2 k /
-    8."""
+    """Stations along a lane, dense enough for its sharpest bend.
+
+    The sagitta of a chord c at curvature k is c^2 k / 8.
+    """
     spacing = length / PROBES
     headings = unwrapped([lane.heading_at(spacing * i) for i in range(PROBES + 1)])
     sharpest = float(np.abs(np.diff(headings)).max()) / spacing

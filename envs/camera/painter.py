@@ -110,10 +110,9 @@ class _Layer:
 def drawing(
     view: View, faces: Floats, colours: Sequence[Colour], planes: Callable[[], Floats], firsts: NDArray[np.int64]
 ) -> Drawing:
-    """The projection of items with `faces` (n, V, 3) in the view's world axes; each face has a vertex beyond the near
-    plane.
+    """The projection of items with `faces` (n, V, 3) in the view's axes.
 
-    `firsts` is (k,), the first face of each item.
+    Each face has a vertex beyond the near plane. `firsts` is (k,), the first face of each item.
     """
     projection = view.projection
     points = projection[:, :3] @ faces.reshape(-1, 3).T

@@ -64,8 +64,10 @@ class Sensor:
 
 
 def noise_of(weather: Weather) -> float:
-    """Standard deviation of the noise, grey levels: 1.3 by day, 2.5 in hard rain or with the sun at 15 deg, 5 at
-    dusk."""
+    """Standard deviation of the noise, grey levels.
+
+    1.3 by day, 2.5 in hard rain or with the sun at 15 deg, 5 at dusk.
+    """
     by_sun = float(np.interp(weather.sun_altitude_angle, (-6.0, 15.0, 45.0), (5.0, 2.5, 1.3)))
     by_rain = float(np.interp(weather.precipitation, (0.0, 100.0), (1.3, 2.5)))
     return max(by_sun, by_rain)

@@ -30,11 +30,6 @@ def plant(law: SuperTwisting | None, s: float, rate: float, dt: float, time_s: f
     return np.array(found)
 
 
-def test_the_gains_follow_from_the_bound_on_the_disturbances_rate() -> None:
-    law = SuperTwisting(D, 0.01)
-    assert (law.k1, law.k2) == pytest.approx((1.5 * sqrt(2.0), 2.2))
-
-
 @pytest.mark.parametrize("start", [0.05, 0.5, -2.0])
 def test_manifold_is_reached_within_the_lyapunov_bound(start: float) -> None:
     """J. Moreno, M. Osorio, A Lyapunov approach to second-order sliding mode controllers and observers, CDC 2008.

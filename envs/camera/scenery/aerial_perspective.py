@@ -24,8 +24,10 @@ class AerialPerspective:
         self._horizon = np.array([*light.horizon, -255.0])
 
     def colours(self, contrast: Floats, depth_m: Floats, opacity: Floats) -> Floats:
-        """(n, 4) premultiplied RGB and transparency, of 255, for (n, 4) contrasts; depths and opacities are (n,) or
-        (1,)."""
+        """(n, 4) premultiplied RGB and transparency, of 255, for (n, 4) contrasts.
+
+        Depths and opacities are (n,) or (1,).
+        """
         result = contrast * (self._haze.transmission(depth_m) * opacity)[:, None]
         result += opacity[:, None] * self._horizon
         result[:, 3] += 255.0

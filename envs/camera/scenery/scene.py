@@ -50,7 +50,7 @@ class Scene:
         self._haze = haze
         self._scenery = StaticScenery(camera, shapes, light, haze, seed)
         self._shapes: dict[RoadObject, Shape] = {}
-        self._objects = Order()
+        self._drawing_order = DrawingOrder()
         self._order: list[int] = []
 
     def visible(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
@@ -59,7 +59,7 @@ class Scene:
         scenery, depths = self._scenery.visible(now.view)
         drawn: list[Drawn] = []
         first = tree = 0
-        self._order, nearest = self._objects.in_view(now)
+        self._order, nearest = self._drawing_order.in_view(now)
         for i, behind in [*zip(self._order, nearest, strict=True), (None, -1.0)]:
             while tree < len(trees) and trees[tree].depth_m > behind:
                 if scenery is not None and _covers(trees[tree], scenery, depths):
@@ -76,7 +76,7 @@ class Scene:
     def update(self, now: Snapshot) -> None:
         """Update visibility as `visible` does, without drawing."""
         self._scenery.update(now.view)
-        self._order, _ = self._objects.in_view(now)
+        self._order, _ = self._drawing_order.in_view(now)
         for i in self._order:
             obj = now.objects[i]
             self._shape(obj).solid.update(now.view, now.poses[obj])
@@ -101,7 +101,7 @@ class Scene:
     def _shape(self, obj: RoadObject) -> Shape:
         """The mesh and shadow of an object, created on first use."""
         if obj not in self._shapes:
-            rng = stream(self._seed, f"body {len(self._shapes)}")
+            rng = stream(self._seed, f"body {len(self._shapes)}")  # part of what a seed means: keep
             size = object_size(obj)
             solid = Solid(object_mesh(_kind(obj), size, rng), self._light, self._haze)
             self._shapes[obj] = Shape(solid, Shadow(size, self._light))
@@ -129,7 +129,7 @@ def _add_until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float],
     return last
 
 
-class Order:
+class DrawingOrder:
     """Drawing order of objects. While none moves, it is updated when the camera has moved by STALE_M."""
 
     def __init__(self) -> None:

@@ -219,8 +219,7 @@ class TreeStand:
         ]
 
     def _in_view(self, view: View) -> tuple[Indices, Floats, Floats, Floats]:
-        """Variants (n,), depths (n,), corners (2, n) px and sizes (2, n) px of the visible trees, the farthest
-        first."""
+        """Variants (n,), depths (n,), corners (2, n) px and sizes (2, n) px of the visible trees."""
         camera, near = view.camera, self._near_trees(view.centre[:2])
         right, down, depth = view.axes[:, :2] @ near.feet_m - (view.axes @ view.centre)[:, None]
         left = right + near.left_m
