@@ -41,7 +41,9 @@ class Pose:
 
 
 def _body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> ObjectSpec:
-    return ObjectSpec.model_validate({"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps})
+    return ObjectSpec.model_validate(
+        {"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps}
+    )
 
 
 POSES = (
