@@ -1,23 +1,23 @@
-"""The gradient-tracking sliding mode controller (GTSMC): it turns the car along the field's gradient line.
+"""The gradient-tracking sliding mode controller (GTSMC): follows a reference heading and speed.
 
-Lateral, with psi_e = psi - psi_d, the steering actuator as an integrator:
+Lateral, with psi_e = psi - psi_d and the steering actuator as an integrator:
 
     s_r = c_r psi_e + d psi_e / dt,    d delta / dt = u = -u_0 sign(s_r),    |delta| <= delta_0.
 
 Longitudinal: s_l = c_l v - v_d, a = -a_0 sign(s_l). With a boundary layer, sign(s) becomes clip(s / layer, -1, 1). The
-law of second order (`super_twisting`) stands in the place of the lateral sign.
+second-order law (`super_twisting`) replaces the lateral sign.
 
-With `foresees` the reference's part of the equivalent control (Utkin, Sliding Modes in Control and Optimization, 1992,
-ch. 2), L v db / ds of the bend b = (d psi_d / dt) / v, is added to u: in its layer the law by itself follows a bend
-that changes only with an error.
+`feedforward` adds the reference's part of the equivalent control (Utkin, Sliding Modes in Control and Optimization,
+1992, ch. 2) to u: L v db / ds for the curvature b = (d psi_d / dt) / v. Without it, a changing curvature leaves an
+error inside the layer.
 
-In the layer, of slope k = u_0 / layer, psi_e'' + k v / L psi_e' + c_r k v / L psi_e = 0, damped by
-sqrt(k v / (4 c_r L)). The gains `robust` keep that at low speed, by a layer that narrows with v.
+In the layer, with slope k = u_0 / layer, psi_e'' + k v / L psi_e' + c_r k v / L psi_e = 0 has the damping ratio
+sqrt(k v / (4 c_r L)). `layer_narrows_below_mps` keeps it constant at low speed.
 
-Since d s_r / dt = (v / L) u + phi, phi = c_r d psi_e / dt - d^2 psi_d / dt^2, the manifold is reached only while the
-authority u_0 v / L exceeds |phi|, and at standstill the steering has no authority at all: there it is held. Along a
-road whose curvature changes at k' a metre phi is k' v^2, which grows faster with the speed than the authority: where it
-is too much, the gains `robust` slow down, to v times authority / |phi|, at which it holds.
+Reaching condition: d s_r / dt = (v / L) u + phi with phi = c_r d psi_e / dt - d^2 psi_d / dt^2, so the manifold is
+reached only while the authority u_0 v / L exceeds |phi|. At standstill the steering has no authority and is held. On a
+road with the curvature rate k' phi is k' v^2, which grows faster with speed than the authority. With `slows_to_reach`
+the car slows down to v authority / |phi|, at which the condition holds.
 """
 
 from dataclasses import dataclass, replace
@@ -26,19 +26,19 @@ from typing import Literal
 
 from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
+from vpf_sim.controllers.change_limit import ChangeLimit
 from vpf_sim.controllers.super_twisting import SuperTwisting
-from vpf_sim.controllers.swing import Swing
 from vpf_sim.errors import unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Observation, Reference, VehicleModel
 
 STANDSTILL_MPS = 0.1
-SLOWEST_MPS = 2.0  # to slow down further for the reaching condition would take the authority itself
-AGAIN_MPS2 = 1.5  # how fast the speed may rise when it holds again
+SLOWEST_MPS = 2.0  # lowest speed for the reaching condition: less speed means less authority
+RECOVERY_MPS2 = 1.5  # rise of the speed limit once the condition holds again
 DEMAND_FILTER_HZ = 2.0
-HARD_SHARE, HARD_LEAST_MPS = 0.7, 1.2  # of the speed, by which a car that is too fast brakes beyond a_0; no less
-NARROWEST = 0.15  # share of the boundary layer: in less of it the sensor's noise would steer
-MOST_RAD, MOST_RADPS, MOST_MPS = 1e6, 1e3, 1e3  # beyond any car: what is filtered and differentiated stays finite
+HARD_BRAKING_SHARE, HARD_BRAKING_MIN_MPS = 0.7, 1.2  # excess speed for hard braking: of the speed, and at least
+MIN_LAYER_SHARE = 0.15  # least share of the boundary layer: a narrower one amplifies sensor noise
+MAX_RAD, MAX_RADPS, MAX_MPS = 1e6, 1e3, 1e3  # input limits, so that filters and derivatives stay finite
 
 
 @settings
@@ -52,7 +52,7 @@ class Gains:
     c_l: float = setting("the speed settles at v_d / c_l", gt=0.0)
     a0_mps2: float = setting("a_0 when speeding up", gt=0.0)
     brake_a0_mps2: float = setting("a_0 when slowing down", gt=0.0)
-    speed_boundary_mps: float = setting("boundary layer of s_l; 0: the printed sign function", ge=0.0)
+    speed_boundary_layer_mps: float = setting("boundary layer of s_l; 0: the printed sign function", ge=0.0)
     yaw_rate_filter_hz: float = setting(
         "below it the sensor is used, above it the bicycle model; 0: the sensor alone", default=0.0, ge=0.0
     )
@@ -62,30 +62,35 @@ class Gains:
     lateral_law: Literal["first_order", "super_twisting"] = setting("law of the steering", default="first_order")
     disturbance_radps3: float = setting("D of the super-twisting law: largest rate of the disturbance", default=0.0)
     slows_to_reach: bool = setting("slow down where the reaching condition does not hold", default=False)
-    boundary_speed_mps: float = setting(
+    layer_narrows_below_mps: float = setting(
         "below it the layer of s_r narrows with the authority, so the loop does not ring", default=0.0, ge=0.0
     )
-    hard_error_mps: float = setting(
+    hard_braking_error_mps: float = setting(
         "error of the speed from which the brake goes beyond a_0, to its full 1 m/s later; 0: never",
         default=0.0,
         ge=0.0,
     )
-    swing_mps2: float = setting("largest change of the acceleration within `swing_s`; 0: no limit", default=0.0, ge=0.0)
-    swing_s: float = setting("time in which the acceleration may change by `swing_mps2`", default=0.0, ge=0.0)
-    foresees: bool = setting("add the bends that the reference asks for to the steering rate", default=False)
+    change_limit_mps2: float = setting(
+        "largest change of the acceleration within `change_window_s`; 0: no limit", default=0.0, ge=0.0
+    )
+    change_window_s: float = setting(
+        "time in which the acceleration may change by `change_limit_mps2`", default=0.0, ge=0.0
+    )
+    feedforward: bool = setting("add the bends that the reference asks for to the steering rate", default=False)
 
     def __post_init__(self) -> None:
         if (self.lateral_law == "super_twisting") != (self.disturbance_radps3 > 0.0):
             raise ValueError(
                 f"disturbance_radps3: expected > 0 with super_twisting alone, got {self.disturbance_radps3}"
             )
-        if (self.swing_mps2 > 0.0) != (self.swing_s > 0.0):
-            raise ValueError(f"swing_mps2, swing_s: expected both > 0 or both 0, got {self.swing_mps2}, {self.swing_s}")
+        if (self.change_limit_mps2 > 0.0) != (self.change_window_s > 0.0):
+            got = f"{self.change_limit_mps2}, {self.change_window_s}"
+            raise ValueError(f"change_limit_mps2, change_window_s: expected both > 0 or both 0, got {got}")
 
 
 @dataclass(frozen=True, slots=True)
 class Reaching:
-    """Whether the manifold can be reached: the condition of a sliding mode."""
+    """The reaching condition of the sliding mode."""
 
     authority_radps2: float  # u_0 v / L
     demand_radps2: float  # |phi|, low-passed
@@ -104,14 +109,14 @@ def load_gains(name: str) -> Gains:
 
 
 def relay(s: float, layer: float) -> float:
-    """sign(s), or its saturation in a boundary layer of that half width; 0 at 0."""
+    """sign(s), or the saturation s / layer in a boundary layer; 0 at 0."""
     if layer > 0.0:
         return max(-1.0, min(1.0, s / layer))
     return copysign(1.0, s) if s else 0.0
 
 
 class Gtsmc:
-    """The controller with its actuator's angle and the memory of its reference."""
+    """The controller with its actuator state and filters."""
 
     def __init__(self, gains: Gains, vehicle: VehicleModel, rate_hz: float) -> None:
         self._gains = gains
@@ -120,132 +125,142 @@ class Gtsmc:
         self.reset()
 
     def reset(self) -> None:
-        """Wheels straight, no memory."""
+        """Reset all state, with straight wheels."""
         self.steering_rad = 0.0
         self._last_heading_rad: float | None = None
         self._heading_rate_radps = 0.0
         self._last_rate_radps: float | None = None
-        self._last_bend_per_m: float | None = None
-        self._phi_radps2, self._turning_radps2 = 0.0, 0.0
-        self._yaw_rate_radps, self._model_radps = 0.0, 0.0
+        self._last_curvature_per_m: float | None = None
+        self._demand_radps2, self._curvature_demand_radps2 = 0.0, 0.0
+        self.yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
-        self._speed_mps: float | None = None
-        self._acceleration_mps2 = 0.0  # as commanded last
-        self._reached_mps = inf  # v_d at most
-        swings = self._gains.swing_mps2 > 0.0
-        self._swing = Swing(self._gains.swing_mps2, self._gains.swing_s, self._dt_s) if swings else None
-        twists = self._gains.lateral_law == "super_twisting"
-        self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if twists else None
+        self.speed_mps: float | None = None
+        self._acceleration_mps2 = 0.0  # last command
+        self._reachable_mps = inf  # limit of v_d by the reaching condition
+        limits_change = self._gains.change_limit_mps2 > 0.0
+        self._change_limit = (
+            ChangeLimit(self._gains.change_limit_mps2, self._gains.change_window_s, self._dt_s)
+            if limits_change
+            else None
+        )
+        is_second_order = self._gains.lateral_law == "super_twisting"
+        self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if is_second_order else None
 
     def command(self, observation: Observation, reference: Reference) -> Command:
-        """One step of 1 / rate_hz."""
+        """The command for one step of 1 / rate_hz."""
         reference = _bounded(reference)
-        speed_mps = self._believed_mps(observation.speed_mps)
-        measured_radps = min(max(observation.yaw_rate_radps, -MOST_RADPS), MOST_RADPS)
+        speed_mps = self._filtered_speed(observation.speed_mps)
+        measured_radps = min(max(observation.yaw_rate_radps, -MAX_RADPS), MAX_RADPS)
         yaw_rate = self._yaw_rate(measured_radps, speed_mps)
         observation = replace(observation, speed_mps=speed_mps, yaw_rate_radps=yaw_rate)
         steering = self._steer(observation, reference)
-        wish_mps = self._speed(speed_mps, reference.speed_mps)
-        self._acceleration_mps2 = self._accelerate(speed_mps, wish_mps)
+        target_mps = self._speed(speed_mps, reference.speed_mps)
+        self._acceleration_mps2 = self._accelerate(speed_mps, target_mps)
         throttle = self._acceleration_mps2 / self._vehicle.full_mps2(self._acceleration_mps2)
         return Command(throttle, steering / self._vehicle.steering_limit_rad)
 
     def manifold(self, observation: Observation, reference: Reference, heading_rate_radps: float) -> float:
-        """s_r, rad/s."""
+        """The sliding variable s_r, rad/s."""
         error = wrap_angle(observation.yaw_rad - reference.heading_rad)
         return self._gains.c_r_per_s * error + observation.yaw_rate_radps - heading_rate_radps
 
     def _steer(self, observation: Observation, reference: Reference) -> float:
-        """The angle of the actuator after one step, rad; clamping the integrator itself is its anti-windup."""
+        """The actuator's angle after one step, rad; clamping the integrator prevents windup."""
         rate = self._reference_rate(reference)
         authority = observation.speed_mps / self._vehicle.wheelbase_m
-        self._check(observation, reference, rate, authority)
+        self._update_reaching(observation, reference, rate, authority)
         if observation.speed_mps > STANDSTILL_MPS:
-            s_r, most = self.manifold(observation, reference, rate), self._gains.u0_radps
-            wish = self._rate(s_r, authority, observation.speed_mps) + self._foreseen(authority, observation.speed_mps)
-            step = max(-most, min(most, wish)) * self._dt_s
+            s_r, rate_limit = self.manifold(observation, reference, rate), self._gains.u0_radps
+            demand = self._rate(s_r, authority, observation.speed_mps) + self._feedforward_rate(
+                authority, observation.speed_mps
+            )
+            step = max(-rate_limit, min(rate_limit, demand)) * self._dt_s
             limit = self._vehicle.steering_limit_rad
             self.steering_rad = max(-limit, min(limit, self.steering_rad + step))
         return self.steering_rad
 
     def _rate(self, s_r: float, authority_per_s: float, speed_mps: float) -> float:
-        """u, rad/s."""
+        """The steering rate u, rad/s."""
         if self._twisting is not None:
             return self._twisting.rate(s_r, authority_per_s, self._gains.u0_radps)
-        layer, whole_mps = self._gains.boundary_layer_radps, self._gains.boundary_speed_mps
-        if speed_mps < whole_mps:
-            layer *= max(speed_mps / whole_mps, NARROWEST)
+        layer, narrows_below_mps = self._gains.boundary_layer_radps, self._gains.layer_narrows_below_mps
+        if speed_mps < narrows_below_mps:
+            layer *= max(speed_mps / narrows_below_mps, MIN_LAYER_SHARE)
         return -self._gains.u0_radps * relay(s_r, layer)
 
-    def _bending(self, observation: Observation, reference: Reference) -> float:
-        """rad/s^2, v^2 db / ds of the told bend b = (d psi_d / dt) / v; the rest, v' b, the wheels make as they stand.
+    def _curvature_demand(self, observation: Observation, reference: Reference) -> float:
+        """rad/s^2, v^2 db / ds of the reference curvature b = (d psi_d / dt) / v.
 
-        0 where no rate is told: a heading that is differentiated twice is noise.
+        0 without a given rate: a heading differentiated twice is noise.
         """
         if reference.heading_rate_radps is None:
             return 0.0
         speed = max(observation.speed_mps, STANDSTILL_MPS)
-        bend = reference.heading_rate_radps / speed
-        last, self._last_bend_per_m = self._last_bend_per_m, bend
-        return 0.0 if last is None else speed * (bend - last) / self._dt_s
+        curvature = reference.heading_rate_radps / speed
+        last, self._last_curvature_per_m = self._last_curvature_per_m, curvature
+        return 0.0 if last is None else speed * (curvature - last) / self._dt_s
 
-    def _foreseen(self, authority_per_s: float, speed_mps: float) -> float:
-        """rad/s that the reference's bends ask of the steering; less at walking speed, where the authority is small."""
-        if not self._gains.foresees:
+    def _feedforward_rate(self, authority_per_s: float, speed_mps: float) -> float:
+        """Feedforward steering rate, rad/s; reduced at low speed, where the authority is small."""
+        if not self._gains.feedforward:
             return 0.0
-        whole_mps = self._gains.boundary_speed_mps
-        share = speed_mps / whole_mps if speed_mps < whole_mps else 1.0
-        return share * self._turning_radps2 / authority_per_s
+        narrows_below_mps = self._gains.layer_narrows_below_mps
+        share = speed_mps / narrows_below_mps if speed_mps < narrows_below_mps else 1.0
+        return share * self._curvature_demand_radps2 / authority_per_s
 
-    def _check(self, observation: Observation, reference: Reference, rate_radps: float, authority_per_s: float) -> None:
-        """The reaching condition; d^2 psi_d / dt^2 is differentiated, so phi is low-passed."""
+    def _update_reaching(
+        self, observation: Observation, reference: Reference, rate_radps: float, authority_per_s: float
+    ) -> None:
+        """Update the reaching condition; phi contains a numerical derivative, so it is low-passed."""
         last, self._last_rate_radps = self._last_rate_radps, rate_radps
         second = 0.0 if last is None else (rate_radps - last) / self._dt_s
         phi = self._gains.c_r_per_s * (observation.yaw_rate_radps - rate_radps) - second
         share = self._share(DEMAND_FILTER_HZ)
-        self._phi_radps2 += share * (phi - self._phi_radps2)
-        self._turning_radps2 += share * (self._bending(observation, reference) - self._turning_radps2)
-        self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._phi_radps2))
+        self._demand_radps2 += share * (phi - self._demand_radps2)
+        self._curvature_demand_radps2 += share * (
+            self._curvature_demand(observation, reference) - self._curvature_demand_radps2
+        )
+        self.reaching = Reaching(self._gains.u0_radps * authority_per_s, abs(self._demand_radps2))
 
     def _yaw_rate(self, measured_radps: float, speed_mps: float) -> float:
-        """d psi / dt, rad/s: what changes slowly as it is measured, what changes fast as the steering makes it."""
+        """d psi / dt, rad/s: complementary filter of the measurement and the bicycle model."""
         if self._gains.yaw_rate_filter_hz == 0.0:
             return measured_radps
         slip = atan(self._vehicle.l_r_m / self._vehicle.wheelbase_m * tan(self.steering_rad))
         model = speed_mps * sin(slip) / self._vehicle.l_r_m
-        foreseen = self._yaw_rate_radps + model - self._model_radps
+        predicted = self.yaw_rate_radps + model - self._model_radps
         share = self._share(self._gains.yaw_rate_filter_hz)
-        self._yaw_rate_radps, self._model_radps = foreseen + share * (measured_radps - foreseen), model
-        return self._yaw_rate_radps
+        self.yaw_rate_radps, self._model_radps = predicted + share * (measured_radps - predicted), model
+        return self.yaw_rate_radps
 
-    def _believed_mps(self, measured_mps: float) -> float:
-        """v, m/s: what changes slowly as it is measured, what changes fast as throttle and brake make it.
+    def _filtered_speed(self, measured_mps: float) -> float:
+        """v, m/s: complementary filter of the measurement and the commanded acceleration.
 
-        Where they do less than they should, as on a slippery road, it lags by 1 / (2 pi f) of what is missing.
+        On a slippery road it lags by 1 / (2 pi f) times the missing acceleration.
         """
-        if self._gains.speed_filter_hz == 0.0 or self._speed_mps is None:
-            self._speed_mps = measured_mps
+        if self._gains.speed_filter_hz == 0.0 or self.speed_mps is None:
+            self.speed_mps = measured_mps
             return measured_mps
-        foreseen = max(self._speed_mps + self._acceleration_mps2 * self._dt_s, 0.0)
-        self._speed_mps = foreseen + self._share(self._gains.speed_filter_hz) * (measured_mps - foreseen)
-        return self._speed_mps
+        predicted = max(self.speed_mps + self._acceleration_mps2 * self._dt_s, 0.0)
+        self.speed_mps = predicted + self._share(self._gains.speed_filter_hz) * (measured_mps - predicted)
+        return self.speed_mps
 
     def _speed(self, speed_mps: float, reference_mps: float) -> float:
-        """v_d, less where the manifold could not be reached: it falls at once and rises gently."""
+        """v_d, limited by the reaching condition: the limit falls at once and rises slowly."""
         if not self._gains.slows_to_reach:
             return reference_mps
-        self._reached_mps = max(self._reached_mps + AGAIN_MPS2 * self._dt_s, speed_mps)
+        self._reachable_mps = max(self._reachable_mps + RECOVERY_MPS2 * self._dt_s, speed_mps)
         if not self.reaching.holds:
             slower = speed_mps * self.reaching.authority_radps2 / self.reaching.demand_radps2
-            self._reached_mps = min(self._reached_mps, max(slower, SLOWEST_MPS))
-        return min(reference_mps, self._reached_mps)
+            self._reachable_mps = min(self._reachable_mps, max(slower, SLOWEST_MPS))
+        return min(reference_mps, self._reachable_mps)
 
     def _share(self, cutoff_hz: float) -> float:
-        """Of a new value in a low-pass of first order; all of it without one."""
+        """Weight of a new value in a first-order low-pass; 1 without one."""
         return 1.0 - exp(-2.0 * pi * cutoff_hz * self._dt_s) if cutoff_hz > 0.0 else 1.0
 
     def _reference_rate(self, reference: Reference) -> float:
-        """d psi_d / dt: as given, or differentiated and low-passed."""
+        """d psi_d / dt, rad/s: as given, or differentiated and low-passed."""
         last, self._last_heading_rad = self._last_heading_rad, reference.heading_rad
         if reference.heading_rate_radps is not None:
             return reference.heading_rate_radps
@@ -253,32 +268,32 @@ class Gtsmc:
         self._heading_rate_radps += self._share(self._gains.reference_filter_hz) * (raw - self._heading_rate_radps)
         return self._heading_rate_radps
 
-    def _hard(self, s_l: float, speed_mps: float) -> float:
-        """0 .. 1 of the full brake: only what was seen too late asks for a speed so far below the present one."""
-        if self._gains.hard_error_mps == 0.0:
+    def _hard_braking_share(self, s_l: float, speed_mps: float) -> float:
+        """Share of full braking, 0 to 1, for a large excess speed, as for an obstacle detected late."""
+        if self._gains.hard_braking_error_mps == 0.0:
             return 0.0
-        hard = max(min(self._gains.hard_error_mps, HARD_SHARE * speed_mps), HARD_LEAST_MPS)
-        return min(max(s_l - hard, 0.0), 1.0)
+        hard_share = max(min(self._gains.hard_braking_error_mps, HARD_BRAKING_SHARE * speed_mps), HARD_BRAKING_MIN_MPS)
+        return min(max(s_l - hard_share, 0.0), 1.0)
 
     def _accelerate(self, speed_mps: float, reference_mps: float) -> float:
-        """m/s^2, as far as the vehicle can."""
+        """The acceleration, m/s^2, within the vehicle's limits."""
         s_l = self._gains.c_l * speed_mps - reference_mps
-        wish = relay(-s_l, self._gains.speed_boundary_mps)
-        acceleration = wish * (self._gains.a0_mps2 if wish > 0.0 else self._gains.brake_a0_mps2)
-        hard = self._hard(s_l, speed_mps)
-        if self._swing is not None:
-            if hard > 0.0:
-                self._swing.forget()
-            acceleration = self._swing.limit(acceleration)
-        acceleration -= hard * (acceleration + self._vehicle.full_brake_mps2)
+        demand = relay(-s_l, self._gains.speed_boundary_layer_mps)
+        acceleration = demand * (self._gains.a0_mps2 if demand > 0.0 else self._gains.brake_a0_mps2)
+        hard_share = self._hard_braking_share(s_l, speed_mps)
+        if self._change_limit is not None:
+            if hard_share > 0.0:
+                self._change_limit.reset()
+            acceleration = self._change_limit.limit(acceleration)
+        acceleration -= hard_share * (acceleration + self._vehicle.full_brake_mps2)
         return min(max(acceleration, -self._vehicle.full_brake_mps2), self._vehicle.full_throttle_mps2)
 
 
 def _bounded(reference: Reference) -> Reference:
-    """The reference, within what any car could be asked for."""
+    """The reference within the input limits."""
     heading, speed, rate = reference.heading_rad, reference.speed_mps, reference.heading_rate_radps
     return Reference(
-        heading if abs(heading) <= MOST_RAD else wrap_angle(heading),
-        min(max(speed, -MOST_MPS), MOST_MPS),
-        None if rate is None else min(max(rate, -MOST_RADPS), MOST_RADPS),
+        heading if abs(heading) <= MAX_RAD else wrap_angle(heading),
+        min(max(speed, -MAX_MPS), MAX_MPS),
+        None if rate is None else min(max(rate, -MAX_RADPS), MAX_RADPS),
     )

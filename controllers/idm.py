@@ -1,9 +1,10 @@
-"""highway-env's own driver, IDM along the lane and MOBIL across, at the wheel of the ego car.
+"""highway-env's driver for the ego car: IDM along the lane, MOBIL for lane changes.
 
 Intelligent Driver Model: M. Treiber, A. Hennecke, D. Helbing, Phys. Rev. E 62, 1805, 2000. Lane changes by MOBIL:
-A. Kesting, M. Treiber, D. Helbing, Transp. Res. Rec. 1999, 86, 2007. Parameters are those of highway-env's IDMVehicle.
-Its steering is a heading controller: with times T_y (lateral) and T_h (heading), near the lane's centre on a straight
-the offset y obeys y'' + y' / T_h + y / (T_h T_y) = 0. It is told all bodies on the road, and looks at no frame.
+A. Kesting, M. Treiber, D. Helbing, Transp. Res. Rec. 1999, 86, 2007. Parameters: highway-env's IDMVehicle.
+Its steering is a heading controller with time constants T_y (lateral) and T_h (heading): near the centre of a straight
+lane the offset y obeys y'' + y' / T_h + y / (T_h T_y) = 0. It is privileged: it reads all objects on the road and uses
+no frame.
 """
 
 from math import hypot
@@ -30,27 +31,27 @@ def load_gains() -> Gains:
 
 
 class Twin(IDMVehicle):  # type: ignore[misc]
-    """An IDMVehicle that goes where the ego is put and never moves by itself."""
+    """An IDMVehicle that copies the ego's state and never moves by itself."""
 
     def __init__(self, gains: Gains, road: Road, observation: Observation, setup: DriverSetup) -> None:
         place = (observation.x_m, observation.y_m)
         target_mps = setup.speed_reference_mps
         super().__init__(road, place, observation.yaw_rad, observation.speed_mps, target_speed=target_mps)
-        # Its steering law takes the axles to be half the length before and behind the centre; the ego's are nearer.
+        # Its steering law assumes axles half the length before and behind the centre; the ego's are nearer.
         self.LENGTH = setup.vehicle.wheelbase_m
         self.KP_LATERAL, self.KP_HEADING = 1.0 / gains.lateral_s, 1.0 / gains.heading_s
-        self.TAU_PURSUIT = gains.heading_s  # so that a bend asks for its own yaw rate
+        self.TAU_PURSUIT = gains.heading_s  # so that the command matches a bend's yaw rate
 
-    def follow(self, observation: Observation, passed_s: float) -> None:
-        """Be where the ego is, and that much later."""
+    def sync(self, observation: Observation, elapsed_s: float) -> None:
+        """Copy the ego's state and advance the timer."""
         self.position[:] = observation.x_m, observation.y_m
         self.heading, self.speed = observation.yaw_rad, observation.speed_mps
-        self.timer += passed_s
+        self.timer += elapsed_s
         self.on_state_update()
 
 
 class Idm:
-    """Accelerates, brakes, and changes lanes on a highway-env road, which it only reads."""
+    """Accelerates, brakes and changes lanes on a highway-env road, which it only reads."""
 
     def __init__(self, gains: Gains, setup: DriverSetup, world: Road) -> None:
         self._gains = gains
@@ -59,11 +60,11 @@ class Idm:
         self._twin: Twin | None = None
 
     def command(self, observation: Observation) -> Command:
-        """One step of 1 / rate_hz."""
+        """The command for one step of 1 / rate_hz."""
         if self._twin is None:
             self._twin = Twin(self._gains, self._others(observation), observation, self._setup)
         else:
-            self._twin.follow(observation, 1.0 / self._setup.rate_hz)
+            self._twin.sync(observation, 1.0 / self._setup.rate_hz)
         self._twin.act()
         vehicle, action = self._setup.vehicle, self._twin.action
         acceleration = float(action["acceleration"])
@@ -72,9 +73,9 @@ class Idm:
         return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
 
     def _others(self, observation: Observation) -> Road:
-        """The road with all that is on it except the ego, the vehicle where the observation was made.
+        """The road and its objects without the ego, the vehicle nearest to the observation.
 
-        A leader on the next segment of a lane is seen with `neighbour_vehicles_connected_lanes` only.
+        `neighbour_vehicles_connected_lanes` includes leaders on the next segment of a lane.
         """
         here, world = [observation.x_m, observation.y_m], self._world
         ego = min(world.vehicles, key=lambda other: hypot(*(other.position - here)))

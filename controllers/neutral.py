@@ -1,12 +1,12 @@
-"""Hands off: neither throttle nor steering. The least that a controller can be."""
+"""The neutral controller: neither throttle nor steering; a minimal example."""
 
 from vpf_sim.types import Command
 
 
 class Neutral:
     def reset(self) -> None:
-        """Nothing to forget."""
+        """No state."""
 
     def command(self) -> Command:
-        """Coast straight on."""
+        """Coast straight ahead."""
         return Command(0.0, 0.0)

@@ -1,8 +1,8 @@
-"""The waypoint PID that the paper compares with, by the structure, limits and gains of CARLA's agent.
+"""The paper's baseline: a waypoint PID with structure, limits and gains of CARLA's agent.
 
 CARLA: PythonAPI/carla/agents/navigation/controller.py and local_planner.py. Lateral: PID on the signed angle from the
-heading to the vector that leads to a waypoint ahead. Longitudinal: PID on the speed error in km/h. The integral is the
-sum of the last errors (a window, so it cannot wind up); the steering's step is limited.
+heading to the direction of a waypoint ahead. Longitudinal: PID on the speed error in km/h. The integral sums a window
+of errors, so it cannot wind up; the steering's change per step is limited.
 """
 
 from collections import deque
@@ -42,7 +42,7 @@ def load_gains() -> Gains:
 
 
 class Pid:
-    """One PID law on [-1, 1] with a windowed integral."""
+    """A PID law with output in [-1, 1] and a windowed integral."""
 
     def __init__(self, kp: float, ki: float, kd: float, buffer_steps: int, dt_s: float) -> None:
         self._kp, self._ki, self._kd = kp, ki, kd
@@ -61,7 +61,7 @@ class Pid:
 
 
 class SpeedPid:
-    """Keeps a constant speed; computes at its own rate and holds its throttle between."""
+    """Keeps a constant speed; runs at its own rate and holds the throttle in between."""
 
     def __init__(self, gains: Gains, speed_reference_mps: float, rate_hz: float) -> None:
         self._gains = gains
@@ -72,22 +72,22 @@ class SpeedPid:
         self.reset()
 
     def reset(self) -> None:
-        """No memory."""
+        """Reset the state."""
         self._pid.reset()
         self._step = 0
         self._held = 0.0
 
     def throttle(self, speed_mps: float) -> float:
-        """One step of 1 / rate_hz."""
+        """The throttle for one step of 1 / rate_hz."""
         if self._step % self._hold_steps == 0:
-            wish = self._pid.step(3.6 * (self._speed_reference_mps - speed_mps))
-            self._held = min(max(wish, -self._gains.brake_limit), self._gains.throttle_limit)
+            demand = self._pid.step(3.6 * (self._speed_reference_mps - speed_mps))
+            self._held = min(max(demand, -self._gains.brake_limit), self._gains.throttle_limit)
         self._step += 1
         return self._held
 
 
 class WaypointPid:
-    """Follows waypoints (M, 2) m at a constant speed; computes at its own rate and holds its command between."""
+    """Follows waypoints (M, 2) m at a constant speed; runs at its own rate and holds the command in between."""
 
     def __init__(self, gains: Gains, route_m: Floats, speed_reference_mps: float, rate_hz: float) -> None:
         self._gains = gains
@@ -99,7 +99,7 @@ class WaypointPid:
         self.reset()
 
     def reset(self) -> None:
-        """At the start of the route, no memory."""
+        """Reset the state to the start of the route."""
         self._lateral.reset()
         self._speed.reset()
         self._step = 0
@@ -107,14 +107,14 @@ class WaypointPid:
         self._steering = 0.0
 
     def command(self, observation: Observation) -> Command:
-        """One step of 1 / rate_hz."""
+        """The command for one step of 1 / rate_hz."""
         if self._step % self._hold_steps == 0:
             self._steering = self._steer(observation)
         self._step += 1
         return Command(self._speed.throttle(observation.speed_mps), self._steering)
 
     def _waypoint(self, observation: Observation) -> Floats:
-        """(2,) m, the first waypoint not yet within the look-ahead; waypoints once passed never come back."""
+        """(2,) m, the first waypoint beyond the look-ahead; passed waypoints are never revisited."""
         reach = self._gains.look_ahead_m
         position = np.array([observation.x_m, observation.y_m])
         while self._next < len(self._route_m) - 1 and np.hypot(*(self._route_m[self._next] - position)) < reach:
@@ -125,7 +125,7 @@ class WaypointPid:
     def _steer(self, observation: Observation) -> float:
         x, y = self._waypoint(observation)
         error = wrap_angle(atan2(y - observation.y_m, x - observation.x_m) - observation.yaw_rad)
-        wish = self._lateral.step(error)
+        demand = self._lateral.step(error)
         gains = self._gains
-        wish = max(self._steering - gains.steering_step, min(self._steering + gains.steering_step, wish))
-        return max(-gains.steering_limit, min(gains.steering_limit, wish))
+        demand = max(self._steering - gains.steering_step, min(self._steering + gains.steering_step, demand))
+        return max(-gains.steering_limit, min(gains.steering_limit, demand))

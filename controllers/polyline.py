@@ -1,4 +1,4 @@
-"""A route as a line that a controller follows: where it is nearest, and where it is a given distance ahead."""
+"""A route as a polyline: nearest points and look-ahead points."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -8,21 +8,21 @@ import numpy as np
 from vpf_sim.geometry import unwrapped, wrap_angle
 from vpf_sim.types import Floats
 
-SEARCHED = 30  # segments ahead of the last place that are looked at
+SEARCHED = 30  # segments that are searched from the last one on
 
 
 class Foot(NamedTuple):
-    """The point of the line that is nearest to another."""
+    """The foot of a point on the line."""
 
-    right_m: float  # how far the other one lies right of the line
+    right_m: float  # of the point, right of the line
     heading_rad: float  # of the line there
 
 
 class Polyline:
-    """Waypoints (M, 2) m, joined. It is followed from its start: a place once passed never comes back."""
+    """Waypoints (M, 2) m as a polyline, followed from its start: passed segments are never revisited."""
 
     def __init__(self, points_m: Floats) -> None:
-        """A waypoint at the place of the one before, as where a car stood, leads nowhere and is left out."""
+        """Repeated waypoints, as from a stopped car, are left out."""
         goes_on = np.any(np.diff(points_m, axis=0) != 0.0, axis=1)
         self._points_m = points_m[np.concatenate([[True], goes_on])]
         self._along = np.diff(self._points_m, axis=0)
@@ -31,7 +31,7 @@ class Polyline:
         self._segment = 0
 
     def nearest(self, x_m: float, y_m: float) -> Foot:
-        """The foot of a point. The line's heading goes evenly from waypoint to waypoint, so it has no steps."""
+        """The foot of a point; the heading is interpolated between waypoints."""
         last = min(self._segment + SEARCHED, len(self._along))
         start, along = self._points_m[self._segment : last], self._along[self._segment : last]
         away = np.array([x_m, y_m]) - start
@@ -44,20 +44,20 @@ class Polyline:
         return Foot(across / float(self._length_m[self._segment]), heading)
 
     def ahead(self, x_m: float, y_m: float, reach_m: float) -> tuple[float, float]:
-        """m, the first point of the line beyond the foot of (x, y) that is `reach_m` away from (x, y).
+        """m, the first point of the line beyond the foot of (x, y) at the distance `reach_m` from (x, y).
 
-        The foot itself where that is farther away already, and the end of the line where nothing is so far.
+        The foot itself if it is farther away, and the line's end if all of it is nearer.
         """
         self.nearest(x_m, y_m)
         for segment in range(self._segment, len(self._along)):
-            share = self._leaves(segment, x_m, y_m, reach_m)
+            share = self._exit_share(segment, x_m, y_m, reach_m)
             if share < 1.0:
                 break
         x, y = (self._points_m[segment] + min(share, 1.0) * self._along[segment]).tolist()
         return x, y
 
-    def _leaves(self, segment: int, x_m: float, y_m: float, reach_m: float) -> float:
-        """Where the line through a segment leaves the circle about (x, y), as a share of it; else nearest to it."""
+    def _exit_share(self, segment: int, x_m: float, y_m: float, reach_m: float) -> float:
+        """Share of a segment at which its line leaves the circle around (x, y); else its nearest point."""
         along, length_m = self._along[segment], float(self._length_m[segment])
         dx, dy = x_m - float(self._points_m[segment, 0]), y_m - float(self._points_m[segment, 1])
         foot_m = (dx * float(along[0]) + dy * float(along[1])) / length_m
@@ -67,7 +67,7 @@ class Polyline:
 
 
 def _headings(along: Floats) -> Floats:
-    """(M,) rad, continuous: at a waypoint the mean of the segments that meet there, at the ends the segment's own."""
+    """(M,) rad, continuous: the mean of adjacent segments at waypoints, the segment's own at the ends."""
     heading = unwrapped(np.arctan2(along[:, 1], along[:, 0]))
     between = 0.5 * (heading[:-1] + heading[1:])
     return np.concatenate([heading[:1], between, heading[-1:]])

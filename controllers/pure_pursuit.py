@@ -1,12 +1,12 @@
-"""Pure pursuit: steer on the arc that leads the rear axle through a point of the path ahead.
+"""Pure pursuit: steer the rear axle on an arc through a look-ahead point of the path.
 
 R. C. Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992. With the goal point
-(x, y) in the axes of the vehicle at its rear axle (here y to the right), l^2 = x^2 + y^2, wheelbase L, the arc has
+(x, y) in vehicle axes at the rear axle (y to the right), l^2 = x^2 + y^2 and the wheelbase L, the arc has
 
     curvature = 2 y / l^2,    steering delta = atan(L curvature).
 
-On a circle the rear axle follows it exactly. Beside a straight line the offset y of the rear axle obeys, for small
-ones, y'' + (2 / l) y' + (2 / l^2) y = 0 over the distance driven: it decays as exp(-s / l), damped by 1 / sqrt(2).
+On a circle the rear axle has no error. A small offset y from a straight line obeys y'' + (2 / l) y' + (2 / l^2) y = 0
+over the distance s: it decays as exp(-s / l), with a damping ratio of 1 / sqrt(2).
 """
 
 from math import atan, cos, sin
@@ -29,7 +29,7 @@ def load_gains() -> Gains:
 
 
 class PurePursuit:
-    """The steering along waypoints (M, 2) m."""
+    """Steering along waypoints (M, 2) m."""
 
     def __init__(self, gains: Gains, route_m: Floats, vehicle: VehicleModel) -> None:
         self._gains = gains

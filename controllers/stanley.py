@@ -1,14 +1,14 @@
-"""Stanley's steering: point the front wheels along the path, and turn them towards it by the cross-track error.
+"""The Stanley controller: steering by heading error and cross-track error of the front axle.
 
 S. Thrun et al., Stanley: The Robot that Won the DARPA Grand Challenge, J. Field Robotics 23(9), 2006, eq. 10, with the
 softening of G. M. Hoffmann et al., Autonomous Automobile Trajectory Tracking for Off-Road Driving, ACC 2007, sec. III.
-With psi the heading of the path minus the yaw, and e how far the path lies right of the front axle,
+With psi the path's heading minus the yaw, and e the distance of the path right of the front axle,
 
     delta = psi + atan(k e / (k_s + v)).
 
-The front wheels then roll along the path, so on a circle the front axle has no steady error; beside a straight line its
-error obeys e' = -v sin(atan(k e / (k_s + v))), which for small ones decays as exp(-k v / (k_s + v) t). Their damping
-terms stand for tyres and a servo that our kinematic car does not have.
+On a circle the front axle has no steady error. From a straight line its error obeys e' = -v sin(atan(k e / (k_s + v))),
+and small errors decay as exp(-k v / (k_s + v) t). The original's damping terms model tyres and a servo that the
+kinematic car does not have.
 """
 
 from math import atan2, cos, sin
@@ -33,7 +33,7 @@ def load_gains() -> Gains:
 
 
 class Stanley:
-    """The steering along waypoints (M, 2) m."""
+    """Steering along waypoints (M, 2) m."""
 
     def __init__(self, gains: Gains, route_m: Floats, vehicle: VehicleModel) -> None:
         self._gains = gains

@@ -1,4 +1,4 @@
-"""The super-twisting law, the second-order sliding mode of the paper's reference: s and ds/dt both to zero, no relay.
+"""The super-twisting law: a second-order sliding mode that drives s and ds/dt to zero without a relay.
 
 For ds/dt = b u + phi with the authority b > 0 and a disturbance that changes at most at D, |d phi / dt| <= D,
 
@@ -7,16 +7,16 @@ For ds/dt = b u + phi with the authority b > 0 and a disturbance that changes at
 brings s and ds/dt to zero in finite time (A. Levant, Sliding order and sliding accuracy in sliding mode control, Int.
 J. Control 58, 1993; the gains: A. Levant, Robust exact differentiation via sliding mode technique, Automatica 34,
 1998).
-The relay is behind an integrator, so u is continuous; w becomes -phi.
+The sign is integrated, so u is continuous; w converges to -phi.
 
-In time steps of dt the signs are those of the next s, not of the last (B. Brogliato, A. Polyakov, D. Efimov, The
-implicit discretization of the super-twisting sliding-mode control algorithm, IEEE Trans. Autom. Control 65, 2020): s is
-then not thrown from one side to the other at every step. With z the next s of the undisturbed plant,
+The discretisation is implicit: signs are those of the next s (B. Brogliato, A. Polyakov, D. Efimov, The
+implicit discretization of the super-twisting sliding-mode control algorithm, IEEE Trans. Autom. Control 65, 2020): so s
+does not chatter. With z the next s of the undisturbed plant,
 
     z + dt k_1 sqrt(|z|) sign(z) + dt^2 k_2 sign(z) = s + dt w
 
-is a quadratic equation in sqrt(|z|), and has z = 0 where the right side is at most dt^2 k_2. What is left is s = dt
-phi: smooth, where the explicit law would leave jumps of the order of dt^2.
+is quadratic in sqrt(|z|), with z = 0 where the right side is at most dt^2 k_2. The remaining s = dt phi is smooth; the
+explicit law would leave jumps of the order of dt^2.
 """
 
 from math import copysign, sqrt
@@ -31,8 +31,8 @@ class SuperTwisting:
         self._dt_s = dt_s
         self.w_radps2 = 0.0
 
-    def rate(self, s_radps: float, authority_per_s: float, most_radps: float) -> float:
-        """u, rad/s, of the step that begins with s; |u| <= `most_radps`, and w no larger than that can serve."""
+    def rate(self, s_radps: float, authority_per_s: float, limit_radps: float) -> float:
+        """u, rad/s, for a step that begins at s; |u| <= `limit_radps`, and w is limited accordingly."""
         dt = self._dt_s
         ahead = s_radps + dt * self.w_radps2
         over = abs(ahead) - dt**2 * self.k2
@@ -42,6 +42,6 @@ class SuperTwisting:
             w = self.w_radps2 - copysign(dt * self.k2, ahead)
         else:
             pull, w = 0.0, -s_radps / dt
-        most = authority_per_s * most_radps
-        self.w_radps2 = min(max(w, -most), most)
-        return min(max((self.w_radps2 - pull) / authority_per_s, -most_radps), most_radps)
+        limit = authority_per_s * limit_radps
+        self.w_radps2 = min(max(w, -limit), limit)
+        return min(max((self.w_radps2 - pull) / authority_per_s, -limit_radps), limit_radps)

@@ -1,1 +1,1 @@
-"""The world: roads, bodies, the ego car, its camera, and the environment around them."""
+"""The simulated world: roads, objects, the ego car, its camera, and the environment around them."""

@@ -1,7 +1,7 @@
-"""The centre line of a carriageway: lines, arcs and clothoids, exact, and straight on beyond both ends.
+"""The exact centre line of a carriageway: lines, arcs and clothoids, extended straight beyond both ends.
 
-A point of the road is (s, lateral): metres along the centre line, and metres right of it. Every piece is given from its
-middle: there it has a pose, a curvature k (+ bends right) and a rate of curvature c, so that v metres on
+A point of the road is (s, lateral): metres along the centre line, and metres right of it. A piece has at its middle a
+pose, a curvature k (> 0 turns right) and a curvature rate c. At v metres from the middle
 
     heading(v) = heading + k v + c v^2 / 2.
 
@@ -24,12 +24,12 @@ from vpf_sim.types import Floats
 NODES, WEIGHTS = (values.tolist() for values in np.polynomial.legendre.leggauss(8))
 QUADRATURE = [((1.0 + node) / 2.0, weight / 2.0) for node, weight in zip(NODES, WEIGHTS, strict=True)]  # on [0, 1]
 PIECE_TURN_RAD = 0.5
-TIE_M = 1e-9  # near a joint the joint itself is as near as the true foot but for rounding, so feet inside a piece win
+TIE_M = 1e-9  # tie break at joints: a foot point inside a piece wins over a piece's end
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A stretch of constant rate of curvature, for `low` <= v <= `high` metres from its middle at `s_m`."""
+    """A piece of constant curvature rate, for `low` <= v <= `high` metres from its middle at `s_m`."""
 
     s_m: float
     x_m: float
@@ -41,11 +41,11 @@ class Piece:
     high_m: float
 
     def heading(self, v: Any) -> Any:
-        """The direction v metres from the middle; a float or an array."""
+        """The heading v metres from the middle; a float or an array."""
         return self.heading_rad + (self.curvature_per_m + 0.5 * self.rate_per_m2 * v) * v
 
     def point(self, v: Any, functions: Any = math) -> tuple[Any, Any]:
-        """The place v metres from the middle; a float, or an array with `functions` = numpy."""
+        """The point v metres from the middle; a float, or an array with `functions` = numpy."""
         cos, sin = functions.cos, functions.sin
         if self.rate_per_m2 == 0.0:
             half_turn = 0.5 * self.curvature_per_m * v
@@ -70,7 +70,7 @@ class Piece:
         return v if self.rate_per_m2 == 0.0 else self._newton(v, x_m, y_m)
 
     def _newton(self, v: float, x_m: float, y_m: float) -> float:
-        """Refine v until the line from the point is at right angles to the piece, or an end is nearest."""
+        """Refine v until the point's offset is perpendicular to the piece, or v reaches an end."""
         for _ in range(20):
             x, y = self.point(v)
             heading = self.heading(v)
@@ -86,7 +86,7 @@ class Piece:
 
 
 class CentreLine:
-    """The centre line of a road; arrays in, arrays out, and the same for single places in plain floats."""
+    """The centre line of a road, for arrays and, with the suffix `_at`, for single points in plain floats."""
 
     def __init__(self, road: Road) -> None:
         self.length_m = road.length_m
@@ -95,7 +95,7 @@ class CentreLine:
         self._start_list_m = self._starts_m.tolist()
 
     def position(self, s_m: ArrayLike, lateral_m: ArrayLike = 0.0) -> Floats:
-        """(..., 2) m, the points at s along the line and `lateral` right of it."""
+        """(..., 2) m, the world points at s along the line and `lateral` right of it."""
         s, lateral = np.broadcast_arrays(np.asarray(s_m, float), np.asarray(lateral_m, float))
         points = np.empty((*s.shape, 2))
         for piece, here in self._split(s):
@@ -106,7 +106,7 @@ class CentreLine:
         return points
 
     def heading(self, s_m: ArrayLike) -> Floats:
-        """(...) rad, the direction of the road; continuous along it, so it may leave [-pi, pi]."""
+        """(...) rad, the heading of the road; it is continuous, so it may leave [-pi, pi]."""
         s = np.asarray(s_m, float)
         heading = np.empty(s.shape)
         for piece, here in self._split(s):
@@ -114,7 +114,7 @@ class CentreLine:
         return heading
 
     def curvature(self, s_m: ArrayLike) -> Floats:
-        """(...) 1/m, + bends right; 0 beyond both ends."""
+        """(...) 1/m, > 0 turns right; 0 beyond both ends."""
         s = np.asarray(s_m, float)
         curvature = np.empty(s.shape)
         for piece, here in self._split(s):
@@ -122,14 +122,14 @@ class CentreLine:
         return curvature
 
     def local(self, points_m: ArrayLike) -> tuple[Floats, Floats]:
-        """(...) m along the line and (...) m right of it, of (..., 2) points: the inverse of `position`."""
+        """The inverse of `position`: (...) m along the line and (...) m right of it, for (..., 2) world points."""
         points = np.asarray(points_m, float)
         pairs = [self.local_at(x, y) for x, y in points.reshape(-1, 2).tolist()]
         local = np.array(pairs).reshape(*points.shape)
         return local[..., 0], local[..., 1]
 
     def position_at(self, s_m: float, lateral_m: float) -> tuple[float, float]:
-        """`position` of one place."""
+        """`position` of one point."""
         piece = self._piece_at(s_m)
         v = s_m - piece.s_m
         x, y = piece.point(v)
@@ -137,17 +137,17 @@ class CentreLine:
         return x - lateral_m * math.sin(heading), y + lateral_m * math.cos(heading)
 
     def heading_at(self, s_m: float) -> float:
-        """`heading` of one place."""
+        """`heading` at one s."""
         piece = self._piece_at(s_m)
         return float(piece.heading(s_m - piece.s_m))
 
     def curvature_at(self, s_m: float) -> float:
-        """`curvature` of one place."""
+        """`curvature` at one s."""
         piece = self._piece_at(s_m)
         return piece.curvature_per_m + piece.rate_per_m2 * (s_m - piece.s_m)
 
     def local_at(self, x_m: float, y_m: float) -> tuple[float, float]:
-        """`local` of one point. It depends on the point alone, so that asking never changes a later answer."""
+        """`local` of one point; stateless, so the result does not depend on earlier queries."""
         bounds = []
         for index, piece in enumerate(self.pieces):
             reach = max(-piece.low_m, piece.high_m)
@@ -170,14 +170,14 @@ class CentreLine:
         return self.pieces[bisect_right(self._start_list_m, s_m)]
 
     def _split(self, s: Floats) -> Iterator[tuple[Piece, Any]]:
-        """Each piece that any s lies on, with the mask of those."""
+        """Each piece with the mask of the s on it."""
         which = np.searchsorted(self._starts_m, s, side="right")
         for index in np.unique(which):
             yield self.pieces[index], which == index
 
 
 def _pieces(road: Road) -> Iterator[Piece]:
-    """All pieces in order, the first and the last without end."""
+    """All pieces in order; the first and the last are unbounded."""
     x, y = road.start_m
     heading, curvature, s = math.radians(road.heading_deg), 0.0, 0.0
     yield Piece(s, x, y, heading, 0.0, 0.0, -math.inf, 0.0)
@@ -196,7 +196,7 @@ def _pieces(road: Road) -> Iterator[Piece]:
 
 
 def _bend(segment: Segment, curvature_before: float) -> tuple[float, float, int]:
-    """Curvature at the start of a segment, its rate, and in how many pieces to take it."""
+    """The curvature at a segment's start, its rate, and the number of pieces for the quadrature."""
     if isinstance(segment, Line):
         return 0.0, 0.0, 1
     if isinstance(segment, Arc):

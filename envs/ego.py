@@ -1,4 +1,4 @@
-"""The ego car: the paper's kinematic bicycle, with the limits of its actuators."""
+"""The ego car: the paper's kinematic bicycle with actuator limits."""
 
 from collections.abc import Mapping
 from math import asin, atan, cos, hypot, sin, tan
@@ -7,11 +7,11 @@ import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.kinematics import Vehicle
 
-from vpf_sim.scenarios.kinds import EGO_SIZE, BodyKind
+from vpf_sim.scenarios.kinds import EGO_SIZE, ObjectKind
 from vpf_sim.types import Floats, VehicleModel
 
 MAX_SPEED_MPS = 60.0
-YAW_RATE_LIMIT_RADPS = 4.0  # of the sensor, not of the car
+YAW_RATE_LIMIT_RADPS = 4.0  # range of the sensor
 GRAVITY_MPS2 = 9.81
 
 
@@ -20,13 +20,13 @@ class Ego(Vehicle):  # type: ignore[misc]
 
         x' = v cos(psi + beta),  y' = v sin(psi + beta),  psi' = v sin(beta) / l_r,  v' = a >= -v / dt.
 
-    One step is an arc of the circle that the mean steering angle of the step gives, as long as the exact distance under
-    constant acceleration; so a constant steering angle keeps the car on its circle at every step size. The steering
-    angle follows its command at a limited rate. The speed never falls below zero: braking ends in standing.
+    One step is an arc: its curvature is that of the mean steering angle, its length the exact distance under constant
+    acceleration. So a constant steering angle keeps the car on its circle at every step size. The steering angle
+    follows its command at a limited rate. Braking ends at standstill.
 
-    With a friction mu the tyres hold accelerations, along and across together, up to mu g (the friction circle:
-    Rajamani, Vehicle Dynamics and Control, 2012, ch. 13). Of more, both parts come in the same proportion: the car
-    brakes less, and runs wide at the yaw rate mu g / v. Without one they never slip.
+    With a friction coefficient mu the total acceleration is limited to mu g (friction circle: Rajamani, Vehicle
+    Dynamics and Control, 2012, ch. 13). Beyond it, both components are scaled down alike: the car brakes less and runs
+    wide. Without a coefficient the tyres never slip.
     """
 
     LENGTH = EGO_SIZE.length_m
@@ -34,7 +34,7 @@ class Ego(Vehicle):  # type: ignore[misc]
     HEIGHT = EGO_SIZE.height_m
     MAX_SPEED = MAX_SPEED_MPS
     MIN_SPEED = 0.0
-    kind: BodyKind = "car"
+    kind: ObjectKind = "car"
 
     road: Road
     position: Floats  # (2,) m
@@ -53,12 +53,12 @@ class Ego(Vehicle):  # type: ignore[misc]
         self.on_state_update()
 
     def act(self, action: Mapping[str, float] | None = None) -> None:
-        """Keep a command, {"acceleration": m/s2, "steering": rad}, until the next; the caller's mapping is copied."""
+        """Hold a command, {"acceleration": m/s2, "steering": rad}, until the next; the mapping is copied."""
         if action is not None:
             self.action = dict(action)
 
     def step(self, dt: float) -> None:
-        """Move on by dt seconds. `impact`, by which highway-env throws a body back on contact, is ignored."""
+        """Move for dt seconds. highway-env's `impact`, which displaces objects on contact, is ignored."""
         before_rad = self.steering_rad
         self.steering_rad = self._steer(dt)
         beta, acceleration = self._held(0.5 * (before_rad + self.steering_rad))
@@ -73,13 +73,13 @@ class Ego(Vehicle):  # type: ignore[misc]
         self.on_state_update()
 
     def _steer(self, dt: float) -> float:
-        """The steering angle after dt: towards the command, within the limits of angle and rate."""
+        """The steering angle after dt, within the limits of angle and rate."""
         limit, most = self.model.steering_limit_rad, self.model.steering_rate_limit_radps * dt
         wanted = min(max(float(self.action["steering"]), -limit), limit)
         return self.steering_rad + min(max(wanted - self.steering_rad, -most), most)
 
     def _accelerate(self, acceleration: float, dt: float) -> float:
-        """Change the speed; returns the distance travelled meanwhile, which ends early where the car comes to stand."""
+        """Update the speed and return the distance travelled; a car that stops within dt travels less."""
         before_mps = self.speed
         after_mps = before_mps + acceleration * dt
         self.speed = min(max(after_mps, 0.0), MAX_SPEED_MPS)
@@ -92,7 +92,7 @@ class Ego(Vehicle):  # type: ignore[misc]
         return atan(self.model.l_r_m / self.model.wheelbase_m * tan(steering_rad))
 
     def _held(self, steering_rad: float) -> tuple[float, float]:
-        """Slip angle and acceleration at a steering angle and the commanded acceleration, as far as the tyres hold."""
+        """Slip angle and acceleration for a steering angle and the command, within the friction circle."""
         beta, along = self._slip_rad(steering_rad), float(self.action["acceleration"])
         if self.friction is None:
             return beta, along
@@ -113,7 +113,7 @@ class Ego(Vehicle):  # type: ignore[misc]
         return self.speed * np.array([cos(course), sin(course)])
 
     def on_state_update(self) -> None:
-        """Where the car is on the carriageway, and so on which lane."""
+        """Update the car's place on the carriageway and its lane."""
         network = self.road.network
         self.place = network.centre.local_at(float(self.position[0]), float(self.position[1]))
         self.lane_index = network.lane_at(self.place[1])

@@ -1,10 +1,10 @@
-"""How an episode ends: one status a step, "running" until the end."""
+"""When and how an episode ends: one status per step, "running" until the end."""
 
 from math import hypot
 from typing import Literal
 
 from vpf_sim.envs.ego import Ego
-from vpf_sim.envs.frame_check import InvalidFrame, fault_of
+from vpf_sim.envs.frame_check import InvalidFrame, frame_fault
 from vpf_sim.envs.rectangles import corners, free_ahead
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.scenarios import Scenario
@@ -22,13 +22,15 @@ FRAME_MOVED_M = 0.02
 
 
 class Ending:
-    """Judges every step of one episode; `invalid_frame` is the first frame that was none. Where no frames are taken,
-    all of them are None."""
+    """Computes the status of every step of one episode.
+
+    `invalid_frame` is the first invalid frame. Frames are None where none are rendered.
+    """
 
     def __init__(
         self, scenario: Scenario, rate_hz: float, ego: Ego, frame: Image | None, shape: tuple[int, ...]
     ) -> None:
-        """`frame` is that of the reset, `shape` that which every frame must have."""
+        """`frame` is the one at the reset, `shape` the shape that every frame must have."""
         self._scenario = scenario
         self._rate_hz = rate_hz
         self._shape = shape
@@ -45,7 +47,7 @@ class Ending:
         return "running" if self.invalid_frame is None else "invalid_frame"
 
     def status(self, ego: Ego, frame: Image | None) -> Status:
-        """The status after one more step; called once a step."""
+        """The status after one more step; call it once per step."""
         self._steps += 1
         self._slow_steps = self._slow_steps + 1 if ego.speed < STUCK_MPS else 0
         if frame is not None:
@@ -71,19 +73,19 @@ class Ending:
         return self._standing_steps >= STANDING_S * self._rate_hz
 
     def _moved(self, ego: Ego) -> bool:
-        """Whether the ego is elsewhere than at the last frame."""
+        """Whether the ego has moved since the last frame."""
         (x, y), (last_x, last_y) = ego.position.tolist(), self._last_position.tolist()
         self._last_position = ego.position
         return hypot(x - last_x, y - last_y) > FRAME_MOVED_M
 
     def _check(self, frame: Image | None, last: Image | None = None) -> None:
-        fault = None if frame is None else fault_of(frame, self._shape, last)
+        fault = None if frame is None else frame_fault(frame, self._shape, last)
         if fault is not None and self.invalid_frame is None:
             self.invalid_frame = InvalidFrame(self._steps, self._steps / self._rate_hz, fault)
 
 
 def off_road(ego: Ego) -> bool:
-    """Whether a corner of the body is more than the margin beyond the carriageway's edges or ends."""
+    """Whether a corner of the ego is beyond the carriageway's edges or ends by more than the margin."""
     network: Carriageway = ego.road.network
     s, lateral = ego.place
     reach_m = ego.diagonal / 2.0

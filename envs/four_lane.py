@@ -1,4 +1,4 @@
-"""vpf_sim/FourLane-v0: the ego car on a scenario's road, seen through its camera."""
+"""vpf_sim/FourLane-v0: the ego car on a scenario's road, observed through its camera."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from vpf_sim import scenarios
 from vpf_sim.envs import camera as cameras
-from vpf_sim.envs.bodies import place_bodies
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.camera.rig import checked_rig
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
-from vpf_sim.envs.rectangles import clearance, distance, solid_bodies
+from vpf_sim.envs.rectangles import clearance, distance, solid_objects
 from vpf_sim.envs.road import build_road
+from vpf_sim.envs.road_objects import place_objects
 from vpf_sim.envs.route import Route
 from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
 from vpf_sim.envs.sensors import Sensors
@@ -40,24 +40,24 @@ EnvObservation = dict[str, NDArray[Any]]
 
 
 class FourLane(gymnasium.Env[EnvObservation, Any]):
-    """One clock: each step is one action, one tick of the world and one camera frame.
+    """Gymnasium environment with one clock: a step is one action, one tick and one camera frame.
 
     Action: throttle (negative brakes) and steering (+ is right) in [-1, 1]. Observation: `image` (H, W, 3) RGB, `ego`
     (x, y, yaw, speed, yaw rate) in m, rad, s, `goal` (x, y) m, `time` s. Reward: metres of route gained / 10, less 0.01
     x squared change of action, less 5 on collision or off_road, plus 5 on success. `info`: `status` ("running" until
     the end), `route_m`, `lane_offset_m` from the centre of the ego's lane (+ is right), `clearance_m` to the nearest
-    body, `collided_with`, and the arrays that `truth` names; where a frame was none also `invalid_frame`: its number,
-    `time_s` and `fault`; where the scenario's sensors err or fail also `ego`, the true state. Success, collision and
+    object, `collided_with`, and the arrays that `truth` names; after an invalid frame also `invalid_frame` with its
+    number, `time_s` and `fault`; with sensor errors or faults also `ego`, the true state. Success, collision and
     off_road terminate; timeout, stuck and invalid_frame truncate.
 
-    Where the scenario's camera fails (`ego.sensor_faults`), `image` is the last frame that has arrived, the observation
-    has also `frame_time`, s, when it was taken, and every frame is drawn. `render` shows the frame before the faults.
+    With camera faults in the scenario (`ego.sensor_faults`), `image` is the last frame that has arrived, the
+    observation has its exposure time as `frame_time`, s, and every frame is drawn. `render` shows the frame before the
+    faults.
 
-    Without `frames` nothing is rendered, for a driver that looks at none: there is no `image`, no frame to be invalid,
-    and all else is the same.
+    With `frames=False` nothing is rendered: there is no `image` and no invalid frame, and all else is the same.
 
-    `scenario` and `weather` are names of the catalogs, paths of TOML files, or what their `load` returns. After a reset
-    `scenario` is the one drawn for the seed, and `road`, `ego`, `route` and `goal_m` are those of the episode.
+    `scenario` and `weather` are names of the catalogs, paths of TOML files, or loaded objects. After a reset `scenario`
+    is the one drawn for the seed, and `road`, `ego`, `route` and `goal_m` belong to the episode.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 60}  # noqa: RUF012 (gymnasium's)
@@ -91,14 +91,14 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             raise InputError(f"frames: expected True or False, got {frames!r}")
         if not frames and (self.render_mode or self._truth):
             raise InputError("frames: expected them to be taken for a render mode or for truth, got False")
-        self._undrawn = scenarios.load(scenario)
-        self.scenario = self._undrawn.draw(0)
+        self._template = scenarios.load(scenario)
+        self.scenario = self._template.draw(0)
         self.weather = weathers.load(weather)
-        self.speed_reference_mps = self._undrawn.ego.speed_reference_mps
+        self.speed_reference_mps = self._template.ego.speed_reference_mps
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self._faults = self._undrawn.ego.sensor_faults
-        self._camera_fails = frames and self._faults.of_the_camera
-        self.observation_space = _observation_space(self.camera if frames else None, self._camera_fails)
+        self._faults = self._template.ego.sensor_faults
+        self._camera_faulty = frames and self._faults.affect_camera
+        self.observation_space = _observation_space(self.camera if frames else None, self._camera_faulty)
         self._low, self._high = _ego_bounds()
         self._window: Window | None = None
         self._ending: Ending | None = None  # before the first reset
@@ -106,10 +106,10 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[EnvObservation, dict[str, Any]]:
-        """Draw the episode of a seed; without one, the generator that the last seed started draws it."""
+        """Begin the episode of a seed; without one, the seed comes from gymnasium's generator."""
         super().reset(seed=seed, options=options)
         self.episode_seed = int(self.np_random.integers(2**31)) if seed is None else seed
-        self.scenario = self._undrawn.draw(self.episode_seed)
+        self.scenario = self._template.draw(self.episode_seed)
         self._build_world()
         self._renderer = self._new_renderer() if self._takes_frames else None
         self._sensors = Sensors(self.scenario.ego.sensors, self.camera, self.rate_hz, self.episode_seed)
@@ -117,23 +117,23 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self._camera_faults = CameraFaults(self._faults, self.rate_hz, self.episode_seed)
         self._steps, self._route_m = 0, self._path.progress(self.ego.place[0])
         self._action = np.zeros(2)
-        self._frame = self._taken()
+        self._frame = self._take_frame()
         shape = (self.camera.height_px, self.camera.width_px, 3)
         self._ending = Ending(self.scenario, self.rate_hz, self.ego, self._frame, shape)
         self._show()
         return self._observation(), self._info(self._ending.status_at_reset)
 
     def step(
-        self, action: NDArray[np.float32], *, look: bool = True
+        self, action: NDArray[np.float32], *, with_frame: bool = True
     ) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
         """Apply throttle and steering for one tick of the clock.
 
-        Without `look` the frame of this step is not drawn, for a driver that will not look at it: there is no `image`,
-        of the truth only `foe`, and all else and all later frames are the same.
+        With `with_frame=False` the frame of this step is not drawn: there is no `image`, of the truth only `foe`, and
+        all else and all later frames are the same.
         """
-        ending, command = self._begun("step"), _checked_action(action)
+        ending, command = self._running("step"), _checked_action(action)
         self.advance(command)
-        self._frame = self._taken(look)
+        self._frame = self._take_frame(with_frame)
         status = ending.status(self.ego, self._frame)
         reward = self._reward(command, status)
         self._show()
@@ -141,24 +141,24 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     @property
     def route_m(self) -> float:
-        """m from the start along the route to where the ego is."""
+        """m along the route from the start to the ego."""
         return self._path.progress(self.ego.place[0])
 
     @property
     def renderer(self) -> cameras.Renderer | None:
-        """The camera of the episode, for who asks it for truth from time to time; None where no frames are taken."""
+        """The camera of the episode, for access to ground truth; None with `frames=False`."""
         return self._renderer
 
     def advance(self, command: Floats) -> None:
-        """The world's part of a step, for who needs no frame: throttle and steering for one tick of the clock."""
+        """The physics of a step, without a frame: throttle and steering for one tick."""
         self.ego.act(self._controls(command))
         self.road.act()
         self.road.step(1.0 / self.rate_hz)
         self._steps += 1
 
     def render(self) -> Image | None:
-        """The frame last taken, for `rgb_array`; the window of `human` is drawn by reset and step."""
-        self._begun("render")
+        """The last frame, for `rgb_array`; for `human`, reset and step draw the window."""
+        self._running("render")
         return self._frame.copy() if self.render_mode == "rgb_array" and self._frame is not None else None
 
     def close(self) -> None:
@@ -166,8 +166,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             self._window.close()
             self._window = None
 
-    def _begun(self, what: str) -> Ending:
-        """What ends the episode that is on; ResetNeeded before the first."""
+    def _running(self, what: str) -> Ending:
+        """The ending of the running episode; ResetNeeded before the first reset."""
         if self._ending is None:
             raise ResetNeeded(f"{what}: expected reset() first")
         return self._ending
@@ -175,38 +175,38 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def _new_renderer(self) -> cameras.Renderer:
         return cameras.Renderer(self.road, self.rig, self.weather, self.episode_seed)
 
-    def _taken(self, look: bool = True) -> Image | None:
-        """What the camera sees now, if anybody looks: the renderer makes a fresh array each time."""
+    def _take_frame(self, with_frame: bool = True) -> Image | None:
+        """The camera's present frame as a fresh array; None if it is not needed."""
         if self._renderer is None:
             return None
-        take = self._renderer.render if look or self._camera_fails else self._renderer.skip
+        take = self._renderer.render if with_frame or self._camera_faulty else self._renderer.skip
         frame = self._sensors.frame(take(self.ego, self._steps / self.rate_hz))
-        if self._camera_fails and frame is not None:
+        if self._camera_faulty and frame is not None:
             self._arrived, self._arrived_s = self._camera_faults.frame(frame, self._steps / self.rate_hz)
         return frame
 
     def _build_world(self) -> None:
-        """The road, its bodies and the ego car."""
+        """Build the road, its objects and the ego car."""
         ego = self.scenario.ego
         self.road = build_road(self.scenario, stream(self.episode_seed, "road"))
         centre = self.road.network.centre
         self._path = Route(centre, self.scenario)
         self.route, self.goal_m = self._path.waypoints(), self._path.goal_m
         self.route_length_m = self._path.length_m
-        place_bodies(self.road, self.scenario)
+        place_objects(self.road, self.scenario)
         position = centre.position_at(ego.s_m, self._path.offset_m + ego.lateral_m)
         heading = centre.heading_at(ego.s_m) + radians(ego.heading_deg)
         self.ego = Ego(self.road, position, heading, ego.speed_mps, self.weather.road_friction)
         self.road.vehicles.append(self.ego)
 
     def _controls(self, command: Floats) -> dict[str, float]:
-        """What the actuators are asked for, from a command in [-1, 1]."""
+        """Acceleration and steering angle for a command in [-1, 1]."""
         throttle, steering = command.tolist()
         model = self.vehicle_model
         return {"acceleration": throttle * model.full_mps2(throttle), "steering": steering * model.steering_limit_rad}
 
     def _reward(self, command: Floats, status: Status) -> float:
-        """Metres gained / 10, less 0.01 x squared change of action, and 5 more or less for how it ended."""
+        """The reward of a step; see the class."""
         before_m, self._route_m = self._route_m, self._path.progress(self.ego.place[0])
         change, self._action = command - self._action, command
         end = {"success": 5.0, "collision": -5.0, "off_road": -5.0}.get(status, 0.0)
@@ -215,20 +215,20 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def _observation(self) -> EnvObservation:
         measured = self._signal_faults.read(self._sensors.read(self._state()), self._steps / self.rate_hz)
         return {
-            **self._seen(),
+            **self._image(),
             "ego": np.minimum(np.maximum(measured, self._low), self._high),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
         }
 
-    def _seen(self) -> EnvObservation:
-        """What the camera gives: its frame, or the last that has arrived of a camera that fails."""
-        if self._camera_fails:
+    def _image(self) -> EnvObservation:
+        """The camera's part of the observation: its frame, or with faults the last that has arrived."""
+        if self._camera_faulty:
             return {"image": self._arrived, "frame_time": np.array([self._arrived_s])}
         return {} if self._frame is None else {"image": self._frame}
 
     def _state(self) -> Floats:
-        """(5,) x, y, yaw in (-pi, pi], speed, yaw rate: the truth."""
+        """(5,) the true x, y, yaw in (-pi, pi], speed, yaw rate."""
         ego = self.ego
         yaw_rate = min(max(ego.yaw_rate_radps, -YAW_RATE_LIMIT_RADPS), YAW_RATE_LIMIT_RADPS)
         return np.array([*ego.position.tolist(), -wrap_angle(-ego.heading), ego.speed, yaw_rate])
@@ -240,24 +240,24 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "lane_offset_m": self.ego.place[1] - self._path.offset_m,
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
-            **({"ego": self._state()} if self._reads_wrong else {}),
-            **({"invalid_frame": asdict(invalid)} if (invalid := self._begun("info").invalid_frame) else {}),
-            **(self._renderer.truth(self._told) if self._renderer and self._told else {}),
+            **({"ego": self._state()} if self._reads_with_errors else {}),
+            **({"invalid_frame": asdict(invalid)} if (invalid := self._running("info").invalid_frame) else {}),
+            **(self._renderer.truth(self._available_truth) if self._renderer and self._available_truth else {}),
         }
 
     @property
-    def _reads_wrong(self) -> bool:
-        """Whether the state in the observation may differ from the true one."""
-        return not self._sensors.are_exact or self._faults.of_the_signals
+    def _reads_with_errors(self) -> bool:
+        """Whether the observed state may differ from the true one."""
+        return not self._sensors.are_exact or self._faults.affect_signals
 
     @property
-    def _told(self) -> tuple[str, ...]:
-        """What is asked for of the truth, as far as this step has it."""
+    def _available_truth(self) -> tuple[str, ...]:
+        """The requested truth that this step has."""
         return self._truth if self._frame is not None else tuple(name for name in self._truth if name == "foe")
 
     def _collided_with(self) -> str:
-        """The kind of the body hit: of those in contact, the nearest."""
-        hit = min((body for body in solid_bodies(self.ego) if body.crashed), key=lambda body: distance(self.ego, body))
+        """The kind of the object hit: the nearest of those in contact."""
+        hit = min((obj for obj in solid_objects(self.ego) if obj.crashed), key=lambda obj: distance(self.ego, obj))
         return str(hit.kind)
 
     def _show(self) -> None:
@@ -267,13 +267,13 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
 
 def _ego_bounds() -> tuple[Floats, Floats]:
-    """Least and greatest of the five values."""
+    """Lower and upper bounds of the five values."""
     high = np.array([FARTHEST_M, FARTHEST_M, np.pi, MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS])
     return np.array([-1.0, -1.0, -1.0, 0.0, -1.0]) * high, high
 
 
 def _observation_space(camera: Camera | None, stamped: bool) -> Any:
-    """`stamped`: with the time at which the image was taken."""
+    """The observation space; with `stamped` also the image's exposure time."""
     low, high = _ego_bounds()
     shape = None if camera is None else (camera.height_px, camera.width_px, 3)
     return spaces.Dict(
@@ -301,17 +301,17 @@ def _checked_name(what: str, name: str | None, known: Sequence[str]) -> str | No
 
 
 def _checked_truth(truth: Sequence[str]) -> tuple[str, ...]:
-    """The names in a list or tuple; a string would be one of letters."""
+    """The names in a list or tuple; a string is refused."""
     if isinstance(truth, str) or not isinstance(truth, Iterable):
         raise InputError(f"truth: expected a tuple of names, such as ('depth',), got {truth!r}")
     return tuple(str(_checked_name("truth", name, TRUTHS)) for name in truth)
 
 
 def _checked_action(action: NDArray[np.float32]) -> Floats:
-    """The action as a fresh array; beyond the limits it is clipped, as an actuator would."""
+    """The action as a fresh array, clipped to [-1, 1]."""
     try:
         command = np.array(action, np.float64)
-    except (TypeError, ValueError):  # what is no numbers
+    except (TypeError, ValueError):  # not numeric
         command = np.empty(0)
     if command.shape != (2,) or not np.isfinite(command).all():
         raise ValueError(f"action: expected two finite numbers in [-1, 1], throttle and steering, got {action}")

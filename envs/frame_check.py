@@ -1,4 +1,4 @@
-"""What is wrong with a camera frame: black, constant, of another shape, or stale. None of it may pass for a picture."""
+"""Faults of a camera frame: black, constant, of another shape, or stale."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,20 +8,20 @@ import numpy as np
 from vpf_sim.types import Image
 
 Fault = Literal["black", "constant", "wrong shape", "stale"]
-SAMPLE = 40  # px between the pixels that are looked at before whole frames are compared
+SAMPLE = 40  # px between the pixels of the cheap comparison that comes first
 
 
 @dataclass(frozen=True, slots=True)
 class InvalidFrame:
-    """A frame that is none, and when: frame 0 is that of the reset."""
+    """An invalid frame: its number (0 at the reset), its time and its fault."""
 
     frame: int
     time_s: float
     fault: Fault
 
 
-def fault_of(frame: Image, shape: tuple[int, ...], last: Image | None = None) -> Fault | None:
-    """What is wrong with a frame that should have `shape`; `last` is one that it must differ from."""
+def frame_fault(frame: Image, shape: tuple[int, ...], last: Image | None = None) -> Fault | None:
+    """The fault of a frame that should have `shape` and differ from `last`; None for a valid frame."""
     if frame.shape != shape or frame.dtype != np.uint8:
         return "wrong shape"
     if _constant(frame):
@@ -30,7 +30,7 @@ def fault_of(frame: Image, shape: tuple[int, ...], last: Image | None = None) ->
 
 
 def _constant(frame: Image) -> bool:
-    """Of one colour."""
+    """Whether all pixels have one colour."""
     first = frame[0, 0]
     return bool((frame[::SAMPLE, ::SAMPLE] == first).all() and (frame == first).all())
 

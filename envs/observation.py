@@ -12,19 +12,18 @@ from vpf_sim.envs.camera import Renderer, Rig, Weather
 from vpf_sim.envs.camera.rig import checked_rig
 from vpf_sim.envs.camera.weather import load
 
-ORIGINAL = "state"  # where an observation that is not a dictionary goes
+ORIGINAL = "state"  # the key of an observation that is not a dictionary
 
 
 class CameraObservation(gym.Wrapper, RecordConstructorArgs):
-    """Adds what a camera on the ego vehicle sees to the observation.
+    """Adds the frame of a camera on the ego vehicle to the observation.
 
-    The observation becomes a dictionary: `image` (H, W, 3) uint8 RGB beside the entries it had, or, where it was no
-    dictionary, beside the whole of it as `state`. Of several controlled vehicles the camera is on the first. Rewards
-    pass as they are. The scenery is drawn anew at each reset, from the seed of the reset. `render()` stays the
-    environment's own, the road from above; the camera's frame is `image`.
+    The observation becomes a dictionary: `image` (H, W, 3) uint8 RGB beside the original entries; an original
+    observation that is not a dictionary becomes `state`. With several controlled vehicles the camera is on the first.
+    Each reset draws new scenery from its seed. `render()` remains the environment's own view from above.
 
-    InputError for a weather or rig that is none, ResetNeeded for a step before the first reset, ValueError for an
-    action of another shape or that is not finite. A copy (`copy.deepcopy`) goes on with the same pictures.
+    Raises InputError for an invalid weather or rig, ResetNeeded for a step before the first reset, ValueError for an
+    action of the wrong shape or with non-finite values. A copy (`copy.deepcopy`) continues with the same frames.
 
     >>> env = CameraObservation(gym.make("highway-v0"))  # doctest: +SKIP
     >>> observation, info = env.reset(seed=1)  # doctest: +SKIP
@@ -49,18 +48,18 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode; its road is new, so the renderer is too."""
+        """Begin an episode with a new road and a new renderer."""
         observation, info = self.env.reset(seed=seed, options=options)
         self._episodes = 0 if seed is not None else self._episodes + 1
         self._extend_space()
         world: Any = self.env.unwrapped
-        # the environment's own generator is not drawn from: its episodes stay as they are without the camera
+        # no draw from the environment's own generator: its episodes stay the same with the camera
         episode_seed = int(world.np_random_seed) + self._episodes
         self.renderer = Renderer(world.road, self.rig, self.weather, episode_seed)
         return self._observed(observation, self.renderer), info
 
     def step(self, action: Any) -> tuple[dict[str, Any], Any, bool, bool, dict[str, Any]]:
-        """One step of the environment, seen at its end."""
+        """One step of the environment; the frame shows its end."""
         if self.renderer is None:
             raise ResetNeeded("step: expected reset() first")
         _check_action(self.env.action_space, action)
@@ -81,7 +80,7 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
 
 
 def _check_action(space: gym.Space[Any], action: Any) -> None:
-    """ValueError where highway-env could do nothing with an action; what it clips, it clips."""
+    """ValueError for an action that highway-env cannot use; clipping is left to highway-env."""
     if isinstance(space, spaces.Tuple):
         if not isinstance(action, tuple | list | np.ndarray) or len(action) != len(space):
             raise ValueError(f"action: expected one for each of {len(space)} vehicles, got {action!r}")
@@ -93,7 +92,7 @@ def _check_action(space: gym.Space[Any], action: Any) -> None:
     elif isinstance(space, spaces.Box):
         try:
             values = np.asarray(action, np.float64)
-        except (TypeError, ValueError):  # what is no numbers
+        except (TypeError, ValueError):  # not numeric
             values = np.empty(0)
         if values.shape != space.shape or not np.isfinite(values).all():
             raise ValueError(f"action: expected finite numbers of the shape {space.shape}, got {action!r}")

@@ -1,4 +1,4 @@
-"""highway-env roads from the road of a scenario: exact lanes, and the network of one carriageway."""
+"""highway-env roads from scenarios: exact lanes and the network of one carriageway."""
 
 from typing import Any
 
@@ -21,11 +21,11 @@ def centre_line(road: Road) -> CentreLine:
 
 
 class OffsetLane(AbstractLane):  # type: ignore[misc]
-    """A lane at a constant distance right of the carriageway's centre line, over the whole length of the road.
+    """A lane at a constant offset right of the carriageway's centre line, over the whole length of the road.
 
-    Its longitudinal coordinate is s along the carriageway's centre line, the same for all lanes, so that things side by
-    side have the same s and the dashes of all lane lines begin together. In a bend a metre of s is 1 - offset *
-    curvature metres of the lane. Both coordinates go on, straight, beyond both ends.
+    Its longitudinal coordinate is s along the carriageway's centre line: objects side by side have the same s, and the
+    dashes of all lane lines are aligned. In a bend a metre of s is 1 - offset * curvature metres of the lane. Both
+    coordinates continue straight beyond both ends.
     """
 
     def __init__(self, centre: CentreLine, offset_m: float, width_m: float, line_types: tuple[int, int]) -> None:
@@ -52,26 +52,26 @@ class OffsetLane(AbstractLane):  # type: ignore[misc]
         return self.width_m
 
     def positions(self, longitudinal: Floats, lateral: Floats | float = 0.0) -> Floats:
-        """(N, 2) m, `position` of N places at once."""
+        """(N, 2) m, `position` for N points."""
         return self.centre.position(longitudinal, self.offset_m + np.asarray(lateral))
 
     def headings(self, longitudinal: Floats) -> Floats:
-        """(N,) rad, `heading_at` of N places at once."""
+        """(N,) rad, `heading_at` for N points."""
         return self.centre.heading(longitudinal)
 
     def to_config(self) -> dict[str, Any]:
-        raise NotImplementedError("a lane of a scenario is written as the scenario's road, not lane by lane")
+        raise NotImplementedError("a scenario's road is written as a whole, not lane by lane")
 
 
 class Carriageway(RoadNetwork):  # type: ignore[misc]
-    """The network of one road: lane 0 is the leftmost, as in highway-env."""
+    """The lane network of one road; lane 0 is the leftmost, as in highway-env."""
 
     def __init__(self, road: Road) -> None:
         super().__init__()
         self.centre = centre_line(road)
         self.lane_width_m = road.lane_width_m
         self.half_width_m = road.half_width_m
-        self.look = road.look
+        self.appearance = road.look
         for index in range(road.lanes):
             left = _edge_line(road, "left") if index == 0 else LineType.STRIPED
             right = _edge_line(road, "right") if index == road.lanes - 1 else LineType.STRIPED
@@ -79,13 +79,13 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
             self.add_lane(START, END, OffsetLane(self.centre, offset_m, road.lane_width_m, (left, right)))
 
     def lane_at(self, lateral_m: float) -> LaneIndex:
-        """The index of the lane at a place across the road, the outermost beyond its edges."""
+        """The index of the lane at a lateral position; the outermost lane beyond the edges."""
         count = len(self.graph[START][END])
         index = int((lateral_m + self.half_width_m) // self.lane_width_m)
         return START, END, min(max(index, 0), count - 1)
 
     def get_closest_lane_index(self, position: Floats, heading: float | None = None) -> LaneIndex:  # noqa: ARG002
-        """The lane at a position: all lanes have one direction, so the heading does not matter."""
+        """The lane at a position; the heading is ignored since all lanes have one direction."""
         return self.lane_at(self.centre.local_at(float(position[0]), float(position[1]))[1])
 
 
@@ -95,5 +95,5 @@ def _edge_line(road: Road, side: str) -> int:
 
 
 def build_road(scenario: Scenario, np_random: np.random.Generator) -> HighwayRoad:
-    """An empty highway-env road of a scenario; bodies and the ego car are put on it by the environment."""
+    """The empty highway-env road of a scenario; the environment adds the objects and the ego car."""
     return HighwayRoad(network=Carriageway(scenario.road), np_random=np_random)

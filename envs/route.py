@@ -1,4 +1,4 @@
-"""The way through a scenario: the centre of the ego's lane, from the start to the goal and beyond."""
+"""The route through a scenario: the centre of the ego's lane, from the start to beyond the goal."""
 
 import numpy as np
 
@@ -11,8 +11,11 @@ SPACING_M = 1.0
 
 
 class Route:
-    """A lane's centre as a path. Its length between two places s is exact: the distance along the carriageway's centre,
-    less the lane's offset times the turn of the road between them."""
+    """A lane's centre as a path.
+
+    Its length between two s is exact: the distance along the carriageway's centre less the lane's offset times the
+    road's change of heading.
+    """
 
     def __init__(self, centre: CentreLine, scenario: Scenario) -> None:
         self._centre = centre
@@ -23,7 +26,7 @@ class Route:
         self.goal_m = centre.position_at(scenario.goal.s_m, self.offset_m)
 
     def progress(self, s_m: float) -> float:
-        """m along the lane from the start to the place beside s."""
+        """m along the lane from the start to s."""
         return s_m - self._start_s_m - self.offset_m * (self._centre.heading_at(s_m) - self._start_heading_rad)
 
     def waypoints(self) -> Floats:

@@ -1,4 +1,4 @@
-"""What a real car's sensors make of its state and of its camera's frame; without errors both pass as they are."""
+"""Measurement errors of the car's sensors and of the camera's mounting; none by default."""
 
 from math import exp, pi, radians, sqrt
 
@@ -10,16 +10,15 @@ from vpf_sim.scenarios.parts import Sensors as SensorErrors
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
-BODY_HZ, BODY_DAMPING = 1.5, 0.3  # of a car's pitching on its springs (Gillespie, Fundamentals of Vehicle Dynamics)
+BODY_HZ, BODY_DAMPING = 1.5, 0.3  # pitch of a sprung body (Gillespie, Fundamentals of Vehicle Dynamics)
 
 
 class Sensors:
-    """The sensors of one episode; each is read once a tick.
+    """The sensors of one episode; each is read once per tick.
 
-    Speed: scale and noise. Yaw rate: bias and noise. Pose: noise of each reading, and what satellite and inertial
-    navigation cannot tell, a random walk. Camera: mounted askew, and pitching with the body as a damped oscillator that
-    the road's unevenness drives; the frame is turned about the camera's centre by the homography K R K^-1, its rim
-    repeated. The driver is told of none of it.
+    Speed: scale and noise. Yaw rate: bias and noise. Pose: white noise and a random walk. Camera: a mounting error, and
+    the body's pitch as a damped oscillator driven by the road; the homography K R K^-1 rotates the frame about the
+    camera's centre, with replicated borders. The driver does not know these errors.
     """
 
     def __init__(self, errors: SensorErrors, camera: Camera, rate_hz: float, seed: int) -> None:
@@ -32,12 +31,12 @@ class Sensors:
         self._scale = 1.0 + errors.speed_scale * scale
         self._bias_radps = errors.yaw_rate_bias_radps * bias
         self._mounting_rad = radians(errors.mounting_deg) * mounting
-        self._pitch_rad = radians(errors.pitch_deg) * pitch
+        self.pitch_rad = radians(errors.pitch_deg) * pitch  # of the body, > 0 down
         self._pitch_radps = omega * radians(errors.pitch_deg) * rate
         self._walked = np.zeros(3)  # x, y, yaw
 
     def read(self, state: Floats) -> Floats:
-        """(5,) x m, y m, yaw rad, speed m/s, yaw rate rad/s as they are measured."""
+        """(5,) measured x m, y m, yaw rad, speed m/s, yaw rate rad/s."""
         if self.are_exact:
             return state
         errors = self._errors
@@ -54,30 +53,30 @@ class Sensors:
         speed = max(0.0, self._scale * float(state[3]) + float(noise[3]))
         return np.array([x, y, -wrap_angle(-yaw), speed, state[4] + self._bias_radps + noise[4]])
 
-    def frame(self, taken: Image | None) -> Image | None:
-        """(H, W, 3) the frame of the camera as it is mounted, at the body's pitch; None of a tick in which none is."""
+    def frame(self, image: Image | None) -> Image | None:
+        """(H, W, 3) the frame with mounting error and body pitch; None for a tick without a frame."""
         if self._errors.pitch_deg == self._errors.mounting_deg == 0.0:
-            return taken
-        self._pitch()
-        if taken is None:
+            return image
+        self._step_pitch()
+        if image is None:
             return None
-        turned = self._homography(self._mounting_rad + self._pitch_rad)
-        size = (taken.shape[1], taken.shape[0])
-        frame: Image = cv2.warpPerspective(taken, turned, size, borderMode=cv2.BORDER_REPLICATE).astype(np.uint8)
+        turned = self._homography(self._mounting_rad + self.pitch_rad)
+        size = (image.shape[1], image.shape[0])
+        frame: Image = cv2.warpPerspective(image, turned, size, borderMode=cv2.BORDER_REPLICATE).astype(np.uint8)
         return frame
 
-    def _pitch(self) -> None:
-        """p'' = -omega^2 p - 2 zeta omega p' + white noise, of which p has the standard deviation that is asked for."""
+    def _step_pitch(self) -> None:
+        """One step of p'' = -omega^2 p - 2 zeta omega p' + white noise scaled to p's standard deviation."""
         omega, dt = 2.0 * pi * BODY_HZ, self._dt_s
         drive = radians(self._errors.pitch_deg) * sqrt(4.0 * BODY_DAMPING * omega**3 * dt)
-        pull = omega**2 * self._pitch_rad * dt
+        pull = omega**2 * self.pitch_rad * dt
         damped = self._pitch_radps * exp(-2.0 * BODY_DAMPING * omega * dt)
         self._pitch_radps = damped - pull + drive * float(self._bumps.standard_normal())
-        self._pitch_rad += self._pitch_radps * dt
+        self.pitch_rad += self._pitch_radps * dt
 
-    def _homography(self, down_rad: float) -> Floats:
-        """(3, 3) from the pixels of the camera to those of one that looks so much farther down."""
-        camera, (c, s) = self._camera, (np.cos(down_rad), np.sin(down_rad))
+    def _homography(self, pitch_rad: float) -> Floats:
+        """(3, 3) homography from the camera's pixels to those of a camera pitched down by `pitch_rad`."""
+        camera, (c, s) = self._camera, (np.cos(pitch_rad), np.sin(pitch_rad))
         matrix = np.array([[camera.fx_px, 0.0, camera.cx_px], [0.0, camera.fy_px, camera.cy_px], [0.0, 0.0, 1.0]])
         turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
         found: Floats = matrix @ turn @ np.linalg.inv(matrix)

@@ -1,4 +1,4 @@
-"""The live window of render_mode "human"."""
+"""The live window of `render_mode="human"`."""
 
 import os
 import sys
@@ -7,11 +7,11 @@ from typing import Any
 from vpf_sim.errors import InputError
 from vpf_sim.types import Image
 
-UNSEEN_DRIVERS = frozenset({"dummy", "offscreen"})  # of SDL: windows that nobody can see
+INVISIBLE_DRIVERS = frozenset({"dummy", "offscreen"})  # SDL drivers without a visible window
 
 
 class Window:
-    """A window that shows frames at the speed at which they were taken."""
+    """A window that shows frames in real time."""
 
     def __init__(self, width_px: int, height_px: int, rate_hz: float) -> None:
         self._pygame = _pygame()
@@ -33,14 +33,14 @@ class Window:
 
 
 def require_display() -> None:
-    """InputError where a window would show nobody anything. SDL falls back to such a window without a word."""
+    """InputError if no visible window is available; SDL itself falls back to an invisible one silently."""
     driver = os.environ.get("SDL_VIDEODRIVER") or _default_driver()
-    if driver in UNSEEN_DRIVERS:
+    if driver in INVISIBLE_DRIVERS:
         raise InputError(f"no display: expected one that a window can be seen on, got SDL's driver '{driver}'")
 
 
 def _default_driver() -> str:
-    """SDL's choice. A Linux without a display is not asked: SDL's attempts would complain on stderr first."""
+    """SDL's choice; not queried on a Linux without a display, where SDL prints errors on stderr."""
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return "offscreen"
     pygame = _pygame()
@@ -51,7 +51,7 @@ def _default_driver() -> str:
 
 
 def _pygame() -> Any:
-    """pygame, without the banner that it prints on stdout when it is first imported."""
+    """pygame, imported without its banner on stdout."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     import pygame
 

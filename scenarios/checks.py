@@ -1,25 +1,25 @@
-"""What the keys of a scenario alone do not show: whether the parts fit together. One line a fault."""
+"""Consistency checks across the sections of a scenario; one line per fault."""
 
 from collections.abc import Iterator, Sequence
 
 from vpf_sim.scenarios.kinds import EGO_SIZE, MOVING, SIZES, Size
-from vpf_sim.scenarios.parts import FASTEST_MPS, MOST_ROAD_M, Body, Ego, Goal, Road, Vary
+from vpf_sim.scenarios.parts import FASTEST_MPS, MOST_ROAD_M, Ego, Goal, ObjectSpec, Road, Vary
 
 
-def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[Body], vary: Vary) -> Iterator[str]:
-    """Every fault, whatever the seed draws: a scenario that passes is a good one for all seeds."""
+def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[ObjectSpec], vary: Vary) -> Iterator[str]:
+    """Every fault, for any seed: a scenario that passes is valid for all seeds."""
     yield from _road_faults(road)
     yield from _vary_faults(ego, bodies, vary)
     yield from _goal_faults(road, ego, goal, vary)
     yield from _place_faults("ego", road, ego, EGO_SIZE, vary)
-    for i, body in enumerate(bodies):
-        yield from _place_faults(f"bodies[{i}]", road, body, SIZES[body.kind], vary)
-        if body.speed_mps > 0.0 and body.kind not in MOVING:
-            yield f"bodies[{i}].speed_mps: expected 0 for a {body.kind}, which cannot move, got {body.speed_mps:g}"
+    for i, spec in enumerate(bodies):
+        yield from _place_faults(f"bodies[{i}]", road, spec, SIZES[spec.kind], vary)
+        if spec.speed_mps > 0.0 and spec.kind not in MOVING:
+            yield f"bodies[{i}].speed_mps: expected 0 for a {spec.kind}, which cannot move, got {spec.speed_mps:g}"
 
 
 def _road_faults(road: Road) -> Iterator[str]:
-    """Lanes inside a bend tighter than half the carriageway would cross."""
+    """In a bend tighter than half the carriageway, lanes would cross."""
     if road.length_m > MOST_ROAD_M:
         yield f"road.segments: expected at most {MOST_ROAD_M:g} m in all, got {road.length_m:g}"
     for i, segment in enumerate(road.segments):
@@ -32,12 +32,12 @@ def _road_faults(road: Road) -> Iterator[str]:
             )
 
 
-def _vary_faults(ego: Ego, bodies: Sequence[Body], vary: Vary) -> Iterator[str]:
+def _vary_faults(ego: Ego, bodies: Sequence[ObjectSpec], vary: Vary) -> Iterator[str]:
     for key, (low, high) in vary.items():
         if low > high:
             yield f'vary."{key}": expected [low, high] with low <= high, got [{low:g}, {high:g}]'
         group, field = key.split(".")
-        parts: Sequence[Ego | Body] = [ego] if group == "ego" else bodies
+        parts: Sequence[Ego | ObjectSpec] = [ego] if group == "ego" else bodies
         if field == "speed_mps" and any(part.speed_mps + low < 0.0 for part in parts):
             yield f'vary."{key}": expected speeds that stay at or above 0, got a change of {low:g}'
         if field == "speed_mps" and any(part.speed_mps + high > FASTEST_MPS for part in parts):
@@ -55,32 +55,32 @@ def _goal_faults(road: Road, ego: Ego, goal: Goal, vary: Vary) -> Iterator[str]:
         )
 
 
-def _place_faults(key: str, road: Road, part: Ego | Body, size: Size, vary: Vary) -> Iterator[str]:
-    """A body must stand wholly on the carriageway and within the road's length."""
+def _place_faults(key: str, road: Road, part: Ego | ObjectSpec, size: Size, vary: Vary) -> Iterator[str]:
+    """An object must be completely on the carriageway and within the road's length."""
     if part.lane > road.lanes:
         yield f"{key}.lane: expected 1 to {road.lanes}, counted from the right, got {part.lane}"
         return
-    thing, group = ("ego", "ego") if isinstance(part, Ego) else ("obstacle", "bodies")
+    noun, group = ("ego", "ego") if isinstance(part, Ego) else ("obstacle", "bodies")
     centre_m = road.lane_offset_m(part.lane) + part.lateral_m
     low, high = _extent(part.s_m, size.length_m, _change(vary, f"{group}.s_m"))
     if low < 0.0 or high > road.length_m:
         yield (
-            f"{key}.s_m: {thing} off the road: expected the whole body between 0 and {road.length_m:g} m along the "
+            f"{key}.s_m: {noun} off the road: expected the whole object between 0 and {road.length_m:g} m along the "
             f"road, got {low:g} to {high:g} m"
         )
     low, high = _extent(centre_m, size.width_m, _change(vary, f"{group}.lateral_m"))
     if low < -road.half_width_m or high > road.half_width_m:
         yield (
-            f"{key}.lateral_m: {thing} off the road: expected the whole body between {-road.half_width_m:g} and "
+            f"{key}.lateral_m: {noun} off the road: expected the whole object between {-road.half_width_m:g} and "
             f"{road.half_width_m:g} m from the carriageway's centre, got {low:g} to {high:g} m"
         )
 
 
 def _extent(centre_m: float, size_m: float, change: tuple[float, float]) -> tuple[float, float]:
-    """From where to where a body may reach, in one direction."""
+    """Least and largest coordinate of an object in one direction."""
     return centre_m + change[0] - size_m / 2.0, centre_m + change[1] + size_m / 2.0
 
 
 def _change(vary: Vary, key: str) -> tuple[float, float]:
-    """What the seed may add to a value, at least and at most."""
+    """The interval that the seed may add to a value."""
     return next((change for name, change in vary.items() if name == key), (0.0, 0.0))

@@ -11,14 +11,13 @@ from vpf_sim.scenarios.schema import Scenario
 
 
 def names() -> list[str]:
-    """The scenarios of the catalog."""
+    """Names of the scenarios of the catalog."""
     catalog = files("vpf_sim.scenarios.catalog")
     return sorted(entry.name.removesuffix(".toml") for entry in catalog.iterdir() if entry.name.endswith(".toml"))
 
 
 def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScenario:
-    """The scenario of that name in the catalog, or of that TOML file; InputError on anything wrong. One that is loaded
-    already passes."""
+    """The scenario of a catalog name or a TOML file; a loaded scenario is returned as it is. Raises InputError."""
     if isinstance(name_or_path, Scenario | RandomScenario):
         return name_or_path
     if not isinstance(name_or_path, str):
@@ -45,7 +44,7 @@ def _checked(content: dict[str, Any], file: str) -> Scenario | RandomScenario:
 
 
 def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
-    """The tables of a file, laid over those of the catalog's scenario that its `base` names."""
+    """The tables of a file merged over the catalog's scenario `base`."""
     if "base" not in content:
         return content
     base = content["base"]

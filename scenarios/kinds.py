@@ -1,21 +1,21 @@
-"""The kinds of bodies that can stand or drive on a road, and their sizes."""
+"""Kinds of objects on a road, and their sizes."""
 
 from typing import Literal, NamedTuple
 
 from vpf_sim.types import VehicleModel
 
-BodyKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian"]
+ObjectKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian"]
 
 
 class Size(NamedTuple):
-    """A body's box: along its heading, across it, above the road."""
+    """An object's box: along its heading, across it, above the road."""
 
     length_m: float
     width_m: float
     height_m: float
 
 
-SIZES: dict[BodyKind, Size] = {
+SIZES: dict[ObjectKind, Size] = {
     "car": Size(5.0, 2.0, 1.5),
     "van": Size(5.5, 2.1, 2.3),
     "truck": Size(8.5, 2.5, 3.4),
@@ -25,6 +25,6 @@ SIZES: dict[BodyKind, Size] = {
     "pedestrian": Size(0.4, 0.5, 1.75),
 }
 
-MOVING: frozenset[BodyKind] = frozenset({"car", "van", "truck", "pedestrian"})  # kinds that can have a speed
+MOVING: frozenset[ObjectKind] = frozenset({"car", "van", "truck", "pedestrian"})  # kinds that may have a speed
 
 EGO_SIZE = Size(VehicleModel().length_m, VehicleModel().width_m, 1.5)

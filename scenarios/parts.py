@@ -1,7 +1,7 @@
-"""The parts of a scenario: the road, where the ego starts, where it is to go, what stands or drives there.
+"""The sections of a scenario: road, ego, goal, objects, limits.
 
-Places are given as s_m along the centre line of the carriageway and metres right of the centre of a lane; lanes are
-counted from the right, from 1. Radii and headings grow when turning right.
+Positions are s_m along the carriageway's centre line and metres right of a lane's centre; lanes are counted from the
+right, from 1. Positive radii and heading changes turn right.
 """
 
 from typing import Annotated, Literal
@@ -9,14 +9,14 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
 
 from vpf_sim.configuration import STRICT
-from vpf_sim.scenarios.kinds import BodyKind
+from vpf_sim.scenarios.kinds import ObjectKind
 
-MOST_ROAD_M = 20_000.0  # of one scenario; its lanes, paint and trees are built before the first frame
-FASTEST_MPS = 60.0  # that an observation can hold, as are the next two
-FARTHEST_M = 8e4  # of the road's start from the origin
+MOST_ROAD_M = 20_000.0  # longest road: lanes, paint and trees are built before the first frame
+FASTEST_MPS = 60.0  # bounds of the observation space, as the next two
+FARTHEST_M = 8e4  # distance of the road's start from the origin
 LONGEST_S = 1e5
 
-Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML knows lists only
+Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML has lists only
 Place = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
 Speed = Annotated[float, Field(ge=0.0, le=FASTEST_MPS)]
@@ -25,7 +25,7 @@ LaneWidth = Annotated[float, Field(gt=0.0, le=20.0)]
 
 
 class Section(BaseModel):
-    """What all parts of a scenario share: they cannot change, and refuse unknown keys, nan and inf."""
+    """Base of all sections: frozen, without unknown keys, nan and inf."""
 
     model_config = ConfigDict(**STRICT, frozen=True, populate_by_name=True)
 
@@ -42,7 +42,7 @@ class Arc(Section):
 
 
 class Clothoid(Section):
-    """Curvature changes in proportion to the distance, from where the last segment ended."""
+    """Curvature changes linearly with the distance, from the last segment's end."""
 
     kind: Literal["clothoid"]
     length_m: PositiveFloat
@@ -52,8 +52,8 @@ class Clothoid(Section):
 Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
 
 
-class Look(Section):
-    """What a road looks like: what lies beside it, what it is made of, and what is left of its markings."""
+class RoadAppearance(Section):
+    """Appearance of a road: verge, surface and markings."""
 
     verge: Literal["grass", "sand", "snow", "paved"] = Field(default="grass", description="what lies beside the road")
     surface: Literal["asphalt", "concrete", "dark"] = Field(default="asphalt", description="what the road is made of")
@@ -64,7 +64,7 @@ class Look(Section):
 
 
 class Road(Section):
-    look: Look = Look()
+    look: RoadAppearance = RoadAppearance()
     lanes: Lanes = Field(default=4, description="of the carriageway")
     lane_width_m: LaneWidth = Field(default=3.5, description="of each")
     start_m: Annotated[tuple[Place, Place], Field(strict=False)] = Field(
@@ -82,7 +82,7 @@ class Road(Section):
         return self.lanes * self.lane_width_m / 2.0
 
     def lane_offset_m(self, lane: int) -> float:
-        """Where a lane's centre lies, right of the centre of the carriageway."""
+        """m, a lane's centre right of the carriageway's centre."""
         return (self.lanes / 2.0 - lane + 0.5) * self.lane_width_m
 
 
@@ -90,7 +90,7 @@ Spread = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
 class Sensors(Section):
-    """How far the sensors of the ego err, each a standard deviation; scale, bias and mounting are drawn once."""
+    """Standard deviations of the ego's sensor errors; scale, bias and mounting are drawn once."""
 
     position_noise_m: Spread = Field(default=0.0, description="of each reading")
     position_walk_m: Spread = Field(
@@ -117,7 +117,7 @@ Seconds = Annotated[float, Field(gt=0.0, le=LONGEST_S)]
 
 
 class SensorFaults(Section):
-    """How the sensors of the ego fail, by default not at all; shares are of all camera frames, or of all readings."""
+    """Faults of the ego's sensors, none by default; shares refer to all frames or all readings."""
 
     drop_share: Share = Field(default=0.0, description="frames that never arrive")
     latency_ms: Annotated[float, Field(ge=0.0, le=2000.0)] = Field(
@@ -143,14 +143,14 @@ class SensorFaults(Section):
     )
 
     @property
-    def of_the_camera(self) -> bool:
-        """Whether any frame may fail."""
+    def affect_camera(self) -> bool:
+        """Whether any frame may be affected."""
         shares = (self.drop_share, self.freeze_share, self.black_share, self.torn_share, self.noise_rows_share)
         return any(share > 0.0 for share in (*shares, self.exposure_jump_share, self.latency_ms))
 
     @property
-    def of_the_signals(self) -> bool:
-        """Whether the speedometer or the yaw rate's sensor may fail."""
+    def affect_signals(self) -> bool:
+        """Whether speed or yaw rate may be affected."""
         return self.speed_stuck_after_s is not None or self.yaw_rate_spike_share > 0.0
 
 
@@ -172,8 +172,8 @@ class Goal(Section):
     kind: Literal["reach", "stop"] = Field(default="reach", description="cross its line, or stand before it")
 
 
-class Body(Section):
-    kind: BodyKind = Field(description="of object")
+class ObjectSpec(Section):
+    kind: ObjectKind = Field(description="of object")
     s_m: float = Field(description="along the road")
     lane: PositiveInt = Field(description="counted from the right, from 1")
     lateral_m: float = Field(default=0.0, description="from the lane's centre, + is right")
@@ -194,4 +194,4 @@ VaryKey = Literal[
     "bodies.speed_mps",
 ]
 
-Vary = dict[VaryKey, Interval]  # [low, high] of what the seed adds, uniformly drawn
+Vary = dict[VaryKey, Interval]  # [low, high] of a uniform draw that is added

@@ -1,4 +1,4 @@
-"""Scenarios whose road and bodies the seed draws as a whole, within limits that a file gives."""
+"""Random scenarios: the seed draws road and obstacles within the limits of a file."""
 
 from collections.abc import Iterator
 from typing import Annotated, Literal, NamedTuple, Self
@@ -6,11 +6,10 @@ from typing import Annotated, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, PositiveFloat, model_validator
 
-from vpf_sim.scenarios.kinds import SIZES, BodyKind
+from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.scenarios.parts import (
     MOST_ROAD_M,
     Arc,
-    Body,
     Clothoid,
     Degrees,
     Ego,
@@ -20,8 +19,9 @@ from vpf_sim.scenarios.parts import (
     LaneWidth,
     Limits,
     Line,
-    Look,
+    ObjectSpec,
     Road,
+    RoadAppearance,
     Section,
     Segment,
     Vary,
@@ -29,35 +29,35 @@ from vpf_sim.scenarios.parts import (
 from vpf_sim.scenarios.schema import Scenario, drawn
 from vpf_sim.seeding import stream
 
-BEYOND_GOAL_M = 60.0  # of road
-LAST_ROW_M = 15.0  # before the goal at least
-MOST_TURN_RAD = np.radians(80.0)  # from the first heading: the road never meets itself
+BEYOND_GOAL_M = 60.0  # road beyond the goal
+LAST_ROW_M = 15.0  # least distance of the last row from the goal
+MOST_TURN_RAD = np.radians(80.0)  # largest turn from the first heading: the road never crosses itself
 FIRST_LINE_M, LINE_M, ARC_M, CLOTHOID_M = (30.0, 60.0), (20.0, 60.0), (20.0, 70.0), (15.0, 30.0)
-SIDE_GAP_M = 0.3  # between two bodies of a row
-TRIES = 40  # places tried for each body
+SIDE_GAP_M = 0.3  # between two obstacles of a row
+TRIES = 40  # positions tried for each obstacle
 Length = Annotated[float, Field(gt=0.0, le=MOST_ROAD_M / 2.0)]
 Rows = Annotated[int, Field(ge=0, le=200)]
-RowBodies = Annotated[int, Field(ge=1, le=20)]
+RowObjects = Annotated[int, Field(ge=1, le=20)]
 
 
-class Span(NamedTuple):
-    """A stretch across the carriageway, m right of its centre."""
+class LateralInterval(NamedTuple):
+    """An interval across the carriageway, m right of its centre."""
 
     left_m: float
     right_m: float
 
-    def overlaps(self, other: "Span") -> bool:
+    def overlaps(self, other: "LateralInterval") -> bool:
         return self.left_m < other.right_m and other.left_m < self.right_m
 
 
 class RandomRoad(Section):
-    """What the seed draws from, uniformly: a road of lines and bends, and rows of bodies across it.
+    """Limits of the uniform draws: a road of lines and bends, and rows of obstacles.
 
-    Each row leaves a gap that is at least `free_gap_m` wide; its middle is at most `gap_shift_lanes` lanes from that of
-    the row before, the first from the ego's lane.
+    Each row has a gap of at least `free_gap_m`. Its middle is at most `gap_shift_lanes` lanes from the previous row's;
+    for the first row, from the ego's lane.
     """
 
-    look: Look = Look()
+    look: RoadAppearance = RoadAppearance()
     lanes: Lanes = Field(default=4, description="of the carriageway")
     lane_width_m: LaneWidth = Field(default=3.5, description="of each")
     length_m: Annotated[tuple[Length, Length], Field(strict=False)] = Field(
@@ -70,7 +70,7 @@ class RandomRoad(Section):
     rows: Annotated[tuple[Rows, Rows], Field(strict=False)] = Field(
         default=(0, 4), description="of objects across the road"
     )
-    row_bodies: Annotated[tuple[RowBodies, RowBodies], Field(strict=False)] = Field(
+    row_bodies: Annotated[tuple[RowObjects, RowObjects], Field(strict=False)] = Field(
         default=(1, 3), description="objects of a row"
     )
     first_row_m: PositiveFloat = Field(default=50.0, description="from the ego at least")
@@ -81,7 +81,7 @@ class RandomRoad(Section):
     gap_shift_lanes: PositiveFloat = Field(
         default=2.0, description="largest shift of the gap's middle from that of the row before"
     )
-    kinds: Annotated[tuple[BodyKind, ...], Field(strict=False, min_length=1)] = Field(
+    kinds: Annotated[tuple[ObjectKind, ...], Field(strict=False, min_length=1)] = Field(
         default=tuple(SIZES), description="of objects"
     )
 
@@ -138,14 +138,14 @@ class RandomScenario(Section):
             heading_deg=float(rng.uniform(*self.random.heading_deg)),
             segments=tuple(_segments(self.random, goal.s_m + BEYOND_GOAL_M, rng)),
         )
-        bodies = tuple(_bodies(self.random, road, self.ego, goal, stream(seed, "random rows")))
+        bodies = tuple(_objects(self.random, road, self.ego, goal, stream(seed, "random rows")))
         ego = drawn(self.ego, self.vary, "ego", "ego", seed)
         parts = {"road": road, "ego": ego, "goal": goal, "bodies": bodies, "limits": self.limits}
         return Scenario.model_validate({"schema": self.version, **parts})
 
 
 def _segments(limits: RandomRoad, length_m: float, rng: np.random.Generator) -> Iterator[Segment]:
-    """Lines and bends, with and without clothoids, until the road is long enough."""
+    """Random lines and bends, with and without clothoids, up to a length."""
     first = Line(kind="line", length_m=float(rng.uniform(*FIRST_LINE_M)))
     yield first
     laid_m, turned_rad = first.length_m, 0.0
@@ -160,7 +160,7 @@ def _segments(limits: RandomRoad, length_m: float, rng: np.random.Generator) -> 
 
 
 def _bend(limits: RandomRoad, turned_rad: float, rng: np.random.Generator) -> tuple[list[Segment], float]:
-    """An arc, in one of two cases between clothoids, and by what it turns; back where it would turn too far."""
+    """A random bend, half of them with clothoids, and its turn; the sign keeps the total turn bounded."""
     radius_m, arc_m = float(rng.uniform(*limits.radius_m)), float(rng.uniform(*ARC_M))
     clothoid_m = float(rng.uniform(*CLOTHOID_M)) if rng.random() < 0.5 else 0.0
     turn_rad = min((arc_m + clothoid_m) / radius_m, MOST_TURN_RAD)
@@ -175,8 +175,8 @@ def _bend(limits: RandomRoad, turned_rad: float, rng: np.random.Generator) -> tu
     return [into, arc, Clothoid(kind="clothoid", length_m=clothoid_m)], sign * turn_rad
 
 
-def _bodies(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator) -> Iterator[Body]:
-    """Rows of bodies, each with a gap that can be reached from the last one's."""
+def _objects(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator) -> Iterator[ObjectSpec]:
+    """Rows of obstacles, each with a gap that is reachable from the previous one."""
     longest_m = max(SIZES[kind].length_m for kind in limits.kinds)
     first_m, last_m = ego.s_m + limits.first_row_m + longest_m / 2.0, goal.s_m - LAST_ROW_M
     step_m = limits.row_spacing_m + longest_m
@@ -191,21 +191,21 @@ def _bodies(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.random
 
 
 def _next_gap(limits: RandomRoad, road: Road, last_m: float, rng: np.random.Generator) -> float:
-    """Where the middle of a row's gap lies."""
+    """m, middle of the next row's gap."""
     farthest = road.half_width_m - limits.free_gap_m / 2.0
     shift = limits.gap_shift_lanes * limits.lane_width_m
     return float(rng.uniform(max(last_m - shift, -farthest), min(last_m + shift, farthest)))
 
 
-def _row(limits: RandomRoad, road: Road, s_m: float, gap_m: float, rng: np.random.Generator) -> Iterator[Body]:
-    """Bodies beside each other, each where it fits."""
-    taken = [Span(gap_m - limits.free_gap_m / 2.0, gap_m + limits.free_gap_m / 2.0)]
+def _row(limits: RandomRoad, road: Road, s_m: float, gap_m: float, rng: np.random.Generator) -> Iterator[ObjectSpec]:
+    """Obstacles side by side that leave the gap free."""
+    taken = [LateralInterval(gap_m - limits.free_gap_m / 2.0, gap_m + limits.free_gap_m / 2.0)]
     for _ in range(int(rng.integers(limits.row_bodies[0], limits.row_bodies[1] + 1))):
         kind = limits.kinds[int(rng.integers(len(limits.kinds)))]
         half = SIZES[kind].width_m / 2.0
         for place in rng.uniform(-road.half_width_m + half, road.half_width_m - half, TRIES).tolist():
-            if not any(Span(place - half, place + half).overlaps(other) for other in taken):
-                taken.append(Span(place - half - SIDE_GAP_M, place + half + SIDE_GAP_M))
+            if not any(LateralInterval(place - half, place + half).overlaps(other) for other in taken):
+                taken.append(LateralInterval(place - half - SIDE_GAP_M, place + half + SIDE_GAP_M))
                 lane = min(road.lanes, max(1, round(road.lanes / 2.0 - place / road.lane_width_m + 0.5)))
-                yield Body(kind=kind, s_m=s_m, lane=lane, lateral_m=place - road.lane_offset_m(lane))
+                yield ObjectSpec(kind=kind, s_m=s_m, lane=lane, lateral_m=place - road.lane_offset_m(lane))
                 break

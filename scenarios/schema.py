@@ -1,24 +1,24 @@
-"""A scenario: what one TOML file says, checked, and what a seed makes of it."""
+"""The schema of a scenario file, and the draw of a seed."""
 
 from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
 from vpf_sim.scenarios.checks import faults
-from vpf_sim.scenarios.parts import Body, Ego, Goal, Limits, Road, Section, Vary
+from vpf_sim.scenarios.parts import Ego, Goal, Limits, ObjectSpec, Road, Section, Vary
 from vpf_sim.seeding import stream
 
 SectionT = TypeVar("SectionT", bound=Section)
 
 
 class Scenario(Section):
-    """A road, an ego car, a goal and bodies; `draw` gives the one that a seed stands for."""
+    """A road, an ego car, a goal and objects (`bodies`); `draw` returns the scenario of a seed."""
 
     version: Literal[1] = Field(alias="schema")
     road: Road
     ego: Ego = Ego()
     goal: Goal
-    bodies: Annotated[tuple[Body, ...], Field(strict=False)] = ()
+    bodies: Annotated[tuple[ObjectSpec, ...], Field(strict=False)] = ()
     limits: Limits | None = None
     vary: Vary = Field(default_factory=dict)
 
@@ -31,20 +31,20 @@ class Scenario(Section):
 
     @property
     def time_limit_s(self) -> float:
-        """The time allowed: by default three times what the way takes at the reference speed."""
+        """s, time limit; by default three times the route's duration at the reference speed."""
         if self.limits is not None:
             return self.limits.time_s
         return 3.0 * (self.goal.s_m - self.ego.s_m) / self.ego.speed_reference_mps
 
     def draw(self, seed: int) -> "Scenario":
-        """The scenario of one seed: each value that may vary drawn from a stream of its own, nothing left to vary."""
+        """The scenario of one seed; each varied value has its own random stream."""
         ego = drawn(self.ego, self.vary, "ego", "ego", seed)
-        bodies = tuple(drawn(body, self.vary, "bodies", f"bodies.{i}", seed) for i, body in enumerate(self.bodies))
+        bodies = tuple(drawn(spec, self.vary, "bodies", f"bodies.{i}", seed) for i, spec in enumerate(self.bodies))
         return self.model_copy(update={"ego": ego, "bodies": bodies, "vary": {}})
 
 
 def drawn(part: SectionT, vary: Vary, group: str, name: str, seed: int) -> SectionT:
-    """A part with each value that may vary changed by a draw, uniform in [low, high]."""
+    """A section with uniform draws in [low, high] added to its varied values."""
     update = {}
     for key, (low, high) in vary.items():
         where, field = key.split(".")

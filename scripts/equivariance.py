@@ -29,13 +29,13 @@ from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.evaluation.sweeps.plan import parse_seeds
 from vpf_sim.planning import variant
 from vpf_sim.scenarios import Scenario
-from vpf_sim.scenarios.moved import mirrored, shifted, turned
+from vpf_sim.scenarios.transforms import mirrored, rotated, translated
 
 Motion = Callable[[Scenario], Scenario]
 MOTIONS: dict[str, Motion] = {
     "as it is": lambda scenario: scenario,
-    "turned by 137 deg": lambda scenario: turned(scenario, 137.0),
-    "moved by 1 km": lambda scenario: shifted(scenario, 600.0, -800.0),
+    "turned by 137 deg": lambda scenario: rotated(scenario, 137.0),
+    "moved by 1 km": lambda scenario: translated(scenario, 600.0, -800.0),
     "mirrored": mirrored,
 }
 

@@ -1,4 +1,4 @@
-"""The first-person camera: numpy and OpenCV only, from a highway-env road."""
+"""The first-person camera: renders a highway-env road with numpy and OpenCV only."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ __all__ = ["Renderer", "Rig", "Weather"]
 
 
 def __getattr__(name: str) -> Any:
-    """Load the renderer, and with it highway-env and OpenCV, only when it is asked for."""
+    """Import the renderer, and with it highway-env and OpenCV, on first use."""
     if name == "Renderer":
         from vpf_sim.envs.camera.renderer import Renderer
 

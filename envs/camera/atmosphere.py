@@ -1,4 +1,4 @@
-"""What the factors of a weather mean in physical units."""
+"""The physical meaning of a weather's factors."""
 
 from dataclasses import dataclass
 from math import cos, radians, sin
@@ -9,20 +9,20 @@ from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.types import Floats
 
 HEAVIEST_RAIN_MMPH = 50.0
-CLEAREST_M, DENSEST_M = 20_000.0, 50.0  # visibility at a fog density of 0 and of 100
+CLEAREST_M, DENSEST_M = 20_000.0, 50.0  # visibility at a fog density of 0 and 100
 STRONGEST_WIND_MPS = 15.0
 WIND_ANGLE_DEG = 70.0  # the wind blows towards this direction, clockwise from the world's X axis
 
 
 @dataclass(frozen=True, slots=True)
 class Atmosphere:
-    """Air and water of one weather. CARLA gives its factors no units; these are ours.
+    """Rain, visibility, wind and water of one weather. CARLA's factors have no units; these are ours.
 
     rain_mmph: 50 (precipitation / 100)^2 mm/h, so 30, 60, 100 are 4.5 (moderate), 18 (heavy) and 50 mm/h (violent).
     visibility_m: meteorological optical range, where contrast falls to 5 %: 20 km x (50 m / 20 km)^(fog / 100).
-    extinction_per_m: of light on its way to the camera (Koschmieder): 3.0 / visibility + 0.312 R^0.67 / km for rain of
-    R mm/h (Weber et al. 2015). wind_mps: (2,) world; 15 m/s at an intensity of 100. wetness, puddles: 0 to 1; the road
-    is as wet as the wettest of wetness, precipitation and deposits say.
+    extinction_per_m: of light towards the camera (Koschmieder): 3.0 / visibility + 0.312 R^0.67 / km for R mm/h of
+    rain (Weber et al. 2015). wind_mps: (2,) world; 15 m/s at an intensity of 100. wetness, puddles: 0 to 1;
+    the road's wetness is the largest of wetness, precipitation and deposits.
     """
 
     rain_mmph: float

@@ -1,7 +1,7 @@
-"""A highway-env road as polylines: each lane's two edges, sampled once through the lane's own `position`.
+"""A highway-env road as polylines: both edges of each lane, sampled once.
 
-Nothing else of the road is read: `position`, `heading_at`, `width_at`, `length`, `line_types`. Every lateral place on a
-lane is then a mix of its two edges. Lanes that begin or end where the network does run on straight, out of sight.
+Only `position`, `heading_at`, `width_at`, `length` and `line_types` of the lanes are read. A lateral position on a lane
+interpolates between its edges. Lanes at the network's ends are extended straight, out of sight.
 """
 
 from dataclasses import dataclass
@@ -14,19 +14,19 @@ from scipy.spatial import cKDTree
 from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Bools, Floats
 
-SAGITTA_M = 0.01  # how far the chord between two samples of a bent lane may leave its arc
+SAGITTA_M = 0.01  # largest deviation of a chord between two samples from the arc
 SHORTEST_STEP_M, STRAIGHT_STEP_M = 0.5, 8.0
-PROBES = 64  # places along a lane where its heading is asked for
-RUN_ON_M = 300.0  # how far a lane is drawn beyond the network's ends
-SAME_LINE_M = 0.4  # two lines nearer than this are one
+PROBES = 64  # samples of a lane's heading
+RUN_ON_M = 300.0  # extension of lanes beyond the network's ends
+SAME_LINE_M = 0.4  # lines nearer than this are the same line
 STRIPE_M, PERIOD_M = 3.0, 9.0
 
 
 @dataclass(frozen=True, slots=True)
 class LaneShape:
-    """One lane: its edges at the stations s."""
+    """The edges of one lane at stations s."""
 
-    s_m: Floats  # (M,) along the lane, < 0 and > length where it runs on
+    s_m: Floats  # (M,) along the lane, < 0 and > length on its extensions
     left_m: Floats  # (M, 2) world
     right_m: Floats  # (M, 2)
     line_types: tuple[int, int]  # highway_env.road.lane.LineType of the left and the right edge
@@ -49,7 +49,7 @@ class Line:
     """A marking between or beside lanes."""
 
     s_m: Floats  # (M,)
-    points_m: Floats  # (M, 2) its middle
+    points_m: Floats  # (M, 2) of its middle
     striped: bool
 
 
@@ -66,7 +66,7 @@ def lane_shapes(road: Road) -> list[LaneShape]:
 
 
 def lines(shapes: list[LaneShape]) -> list[Line]:
-    """The markings of the lanes; the line that two lanes share comes once."""
+    """The markings of the lanes; a line shared by two lanes is listed once."""
     kept: list[Line] = []
     drawn: list[cKDTree] = []
     for shape in shapes:
@@ -84,7 +84,7 @@ def interpolated(s: Floats, stations: Floats, points: Floats) -> Floats:
 
 
 def stripes(line: Line) -> Floats:
-    """(n, 2) where each stripe of a striped line begins and ends, counted along it: 3 m of every 9 m."""
+    """(n, 2) m, start and end of each stripe along a striped line: 3 m of every 9 m."""
     first, last = line.s_m[0], line.s_m[-1]
     starts = np.arange(np.ceil(first / PERIOD_M), np.floor((last - STRIPE_M) / PERIOD_M) + 1) * PERIOD_M
     return np.stack([starts, starts + STRIPE_M], axis=1)
@@ -95,14 +95,14 @@ class Edge:
     """A stretch of a lane's edge beyond which there is no other lane."""
 
     points_m: Floats  # (M, 2) world, in the direction of the lane
-    outward: Floats  # (M, 2) unit, across the lane, away from it
+    outward: Floats  # (M, 2) unit normals away from the lane
 
     def at(self, outward_m: float | Floats) -> Floats:
-        """(M, 2) world points that far outside the edge; (M, 1) distances may differ from point to point."""
+        """(M, 2) world points outside the edge, at a distance or at (M, 1) distances."""
         return self.points_m + outward_m * self.outward
 
     def resampled(self, step_m: float) -> "Edge":
-        """The same edge with points `step_m` apart."""
+        """The edge with points `step_m` apart."""
         along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.points_m, axis=0), axis=1))])
         s = np.linspace(0.0, along[-1], max(2, round(along[-1] / step_m) + 1))
         outward = interpolated(s, along, self.outward)
@@ -111,7 +111,7 @@ class Edge:
 
 
 def outer_edges(shapes: list[LaneShape]) -> list[Edge]:
-    """Where the carriageway ends, in stretches that follow one lane."""
+    """The outer edges of the carriageway, in stretches along one lane each."""
     edges = []
     strips = [_Strip.of(shape) for shape in shapes]
     for shape, strip in zip(shapes, strips, strict=True):
@@ -127,12 +127,12 @@ def outer_edges(shapes: list[LaneShape]) -> list[Edge]:
 
 @dataclass(frozen=True, slots=True)
 class _Strip:
-    """The surface of a lane, in straight stretches."""
+    """The surface of a lane as straight pieces."""
 
-    start_m: Floats  # (M - 1, 2) their first points on the middle of the lane
-    unit: Floats  # (M - 1, 2) their directions
+    start_m: Floats  # (M - 1, 2) first points on the lane's middle
+    unit: Floats  # (M - 1, 2) directions
     length_m: Floats  # (M - 1,)
-    half_m: Floats  # (M,) half the lane's width where they begin and end
+    half_m: Floats  # (M,) half the lane's width at their ends
     middles: cKDTree
 
     @classmethod
@@ -144,11 +144,11 @@ class _Strip:
         return cls(start, along / length[:, None], length, half, cKDTree(0.5 * (start + middle[1:])))
 
     def holds(self, points: Floats) -> Bools:
-        """(N,) whether points (N, 2) lie on it."""
+        """(N,) whether points (N, 2) lie on the lane."""
         last = len(self.start_m) - 1
         nearest = self.middles.query(points)[1]
         on = np.zeros(len(points), bool)
-        # the nearest stretch by its middle, or one beside it where stretches differ in length
+        # the piece with the nearest middle or a neighbour, since pieces differ in length
         for index in (np.maximum(nearest - 1, 0), nearest, np.minimum(nearest + 1, last)):
             relative, unit = points - self.start_m[index], self.unit[index]
             s = np.einsum("ij,ij->i", relative, unit)
@@ -158,7 +158,7 @@ class _Strip:
 
 
 def _runs(flags: Bools) -> list[slice]:
-    """Slices of at least two samples over which the flags hold, each with one sample more at either end."""
+    """Slices of runs of at least two true flags, extended by one sample at either end."""
     padded = np.concatenate([[False], flags, [False]]).astype(np.int8)
     starts, ends = np.flatnonzero(np.diff(padded) == 1), np.flatnonzero(np.diff(padded) == -1)
     return [
@@ -186,8 +186,10 @@ def _sampled(lane: AbstractLane, before: bool, after: bool) -> LaneShape:
 
 
 def _stations(lane: AbstractLane, length: float) -> Floats:
-    """Stations along a lane, as dense as its sharpest bend needs: a chord of length c leaves an arc of curvature k by
-    c^2 k / 8."""
+    """Stations along a lane, dense enough for its sharpest bend.
+
+    The sagitta of a chord c at curvature k is c^2 k / 8.
+    """
     spacing = length / PROBES
     headings = unwrapped([lane.heading_at(spacing * i) for i in range(PROBES + 1)])
     sharpest = float(np.abs(np.diff(headings)).max()) / spacing
@@ -201,7 +203,7 @@ def _direction(lane: AbstractLane, s: float) -> Floats:
 
 
 def _covered(points: Floats, drawn: list[cKDTree]) -> bool:
-    """Whether most of the points of an edge lie on lines that are drawn already."""
+    """Whether most points of an edge lie on lines listed already."""
     near = np.zeros(len(points), bool)
     low, high = points.min(axis=0) - SAME_LINE_M, points.max(axis=0) + SAME_LINE_M
     for line in drawn:

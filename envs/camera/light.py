@@ -1,6 +1,6 @@
-"""The light of a weather: what sun and sky give to surfaces, and the colours of the sky.
+"""Light of a weather: factors of sun and sky for surfaces, and the colours of the sky.
 
-All colours and factors are those of the finished picture (gamma 2.2), automatic exposure included.
+All colours and factors hold for the finished image (gamma 2.2) after automatic exposure.
 """
 
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.types import Floats
 
 GAMMA = 2.2
-NOON_LEVEL = 1.04  # the exposure's aim for a horizontal surface at ClearNoon
-ALBEDO = 0.2  # of the ground that the exposure is metered on
-CLEAR_HORIZON, COVERED_HORIZON = 2.5, 0.9  # brightness of the horizon in multiples of the sky's mean
-DARKEST_KLX = 0.05  # with less light than this the exposure is at its longest
-RAIN_DARKENS = 0.13  # how much of the sky's brightness hard rain takes, beyond what the exposure makes up for
-OPAQUE_FOG_PER_M = 0.008  # extinction at which fog alone colours the sky
-BLUE = np.array([-0.05, 0.0, 0.07])  # tint of the light in the shade under a clear sky
-WARM = np.array([0.09, 0.0, -0.14])  # and of all that comes from the sky when the sun stands at 5 deg
+NOON_LEVEL = 1.04  # exposure target for a horizontal surface at ClearNoon
+ALBEDO = 0.2  # of the metered ground
+CLEAR_HORIZON, COVERED_HORIZON = 2.5, 0.9  # brightness of the horizon over the sky's mean
+DARKEST_KLX = 0.05  # below this the exposure is at its limit
+RAIN_DARKENS = 0.13  # loss of the sky's brightness in hard rain, beyond the exposure's correction
+OPAQUE_FOG_PER_M = 0.008  # extinction at which fog hides the sky
+BLUE = np.array([-0.05, 0.0, 0.07])  # tint of skylight under a clear sky
+WARM = np.array([0.09, 0.0, -0.14])  # tint of skylight with the sun at 5 deg
 
-# Colours of the sky with a high sun and with one at 5 deg, means over all directions: chosen by eye.
+# Colours of the sky, means over all directions, with a high sun and with the sun at 5 deg; chosen by eye.
 HORIZON = np.array([[206.0, 219.0, 231.0], [244.0, 205.0, 162.0]])
 ZENITH = np.array([[92.0, 136.0, 198.0], [82.0, 108.0, 160.0]])
 CLOUD = np.array([[246.0, 248.0, 250.0], [255.0, 214.0, 176.0]])
@@ -34,16 +34,16 @@ FOG = np.array([[201.0, 205.0, 209.0], [202.0, 195.0, 188.0]])
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """A surface shows its colour x (sky + direct x max(0, normal . sun)), channel by channel."""
+    """The shaded colour of a surface is colour x (sky + direct x max(0, normal . sun)), per channel."""
 
     sun: Floats  # (3,) unit vector towards the sun, world axes with z up
     direct: Floats  # (3,) RGB factor of the sun
     sky: Floats  # (3,) RGB factor of the sky
-    horizon: Floats  # (3,) RGB 0..255 of the sky at the horizon, and of what fog and rain put before things
+    horizon: Floats  # (3,) RGB 0..255 of the sky at the horizon and of the airlight
     zenith: Floats  # (3,) RGB 0..255, clouds included
-    shadow: float  # what is left of the road's brightness where the sun does not shine, 0..1
-    contact: float  # and right under a body
-    cover: float  # part of the sky that clouds hide, 0..1
+    shadow: float  # brightness of the road in shadow over that in the sun, 0..1
+    contact: float  # the same right under an object
+    cover: float  # cloud cover, 0..1
     gap: Floats  # (3,) RGB 0..255 of the zenith between the clouds
     cloud: Floats  # (3,) RGB 0..255 of the brightest clouds
 
@@ -81,15 +81,15 @@ def _towards_sun(weather: Weather) -> Floats:
 
 
 def _lowness(weather: Weather) -> float:
-    """0 with a high sun to 1 with one at 5 deg or below."""
+    """0 for a high sun to 1 for a sun at 5 deg or below."""
     return min(max((30.0 - weather.sun_altitude_angle) / 25.0, 0.0), 1.0)
 
 
 def _factors(daylight: Daylight, cover: float, weather: Weather) -> tuple[Floats, Floats]:
     """(3,) RGB factors of the sun and of the sky.
 
-    In linear light a surface's brightness is the sum of both; after the gamma the sum is no more exact, so the sun's
-    factor is the mean of those that make the ground and a face turned to the sun right.
+    Light adds up before the gamma, not after it. So the sun's factor is a compromise: the mean of the factors that are
+    right for the ground and for a face towards the sun.
     """
     total = max(daylight.ground_klx, 1e-6)
     level = _exposed(daylight, cover) * _night(daylight) * (1.0 - 0.5 * RAIN_DARKENS * weather.precipitation / 100.0)
@@ -103,14 +103,14 @@ def _factors(daylight: Daylight, cover: float, weather: Weather) -> tuple[Floats
 
 
 def _exposed(daylight: Daylight, cover: float) -> float:
-    """Factor of a horizontal surface: the exposure keeps the mean of ground and horizon at the same grey."""
+    """The factor of a horizontal surface; the exposure keeps the mean of ground and horizon constant."""
     horizon = CLEAR_HORIZON + (COVERED_HORIZON - CLEAR_HORIZON) * cover
     share = daylight.ground_klx / (ALBEDO * daylight.ground_klx + horizon * daylight.sky_klx)
     return float(NOON_LEVEL * (share / NOON_SHARE) ** (1.0 / GAMMA))
 
 
 def _night(daylight: Daylight) -> float:
-    """What is left of the brightness when the exposure is at its longest."""
+    """The loss of brightness where the exposure is at its limit, 0 to 1."""
     return float(min(1.0, daylight.ground_klx / DARKEST_KLX) ** (1.0 / GAMMA))
 
 

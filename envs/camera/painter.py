@@ -1,9 +1,9 @@
-"""Draws faces into the picture, sub-pixel exact.
+"""Draws faces into the image with sub-pixel accuracy.
 
-Things that lie side by side in the picture share a layer: an empty rectangle, finer than the picture, on which faces
-are filled without anti-aliasing; how fine depends on the thing, so that it looks the same in any company. Averaged
-down, the layer holds colours times opacity and what is seen through it (Porter and Duff 1984), so that edges get their
-exact coverage and the picture beneath stays as it was where nothing is drawn.
+Neighbouring items share a layer: a supersampled rectangle on which faces are filled without anti-aliasing. The
+supersampling depends on the item alone, so an item looks the same whatever else is drawn. Averaged down, a layer holds
+premultiplied colours and transparency (Porter and Duff 1984): edges get their exact coverage, and pixels without faces
+do not change.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,49 +18,49 @@ from vpf_sim.envs.camera.view import NEAR_M, View, clip_near
 from vpf_sim.types import Camera, Floats, Image
 
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
-SUBPIXELS = 64  # polygons are rounded to parts of a pixel
-HALF = 0.5 * SUBPIXELS + 0.5  # from the middle of a pixel to its corner, and to round to the nearest part
-SMALL_PX = 1200  # things in less pixels are drawn four times as fine, the others twice
-SPARE_PX = 40000  # what one more layer costs, in empty pixels of a larger one, counted on the layer
-EMPTY = np.frombuffer(bytes((0, 0, 0, 255)), np.uint32)[0]  # a pixel of a layer on which nothing is drawn
+SUBPIXELS = 64  # fractions of a pixel to which polygons are rounded
+HALF = 0.5 * SUBPIXELS + 0.5  # from a pixel's centre to its corner, plus rounding
+SMALL_PX = 1200  # items with fewer pixels are supersampled 4 x 4, others 2 x 2
+SPARE_PX = 40000  # cost of one more layer, in empty supersampled pixels
+EMPTY = np.frombuffer(bytes((0, 0, 0, 255)), np.uint32)[0]  # a transparent pixel
 
 Box = Sequence[int]  # x0, y0, x1, y1
 
 
-Colour = Sequence[float]  # RGB times opacity, and what is seen through, of 255
+Colour = Sequence[float]  # RGB times opacity, and transparency of 255
 
 
 @dataclass(frozen=True, slots=True)
 class Faces:
-    """Faces in the picture, in painter's order."""
+    """Projected faces in painter's order."""
 
-    exact: Floats  # (n, V, 2) from the corner of the picture, in parts of a pixel
-    fixed: NDArray[np.int32]  # (n, V, 2) the same, whole
+    exact: Floats  # (n, V, 2) from the image's corner, in 1 / SUBPIXELS px
+    fixed: NDArray[np.int32]  # (n, V, 2) the same, rounded
     colours: Sequence[Colour]  # (n,)
-    planes: Callable[[], Floats]  # (n, 3), worked out where it is asked for
+    planes: Callable[[], Floats]  # (n, 3), computed on demand
 
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """One or more things in the picture, in painter's order."""
+    """One or more projected items in painter's order."""
 
     faces: Faces
-    firsts: list[int]  # (k + 1,) the first face of each thing, and the end
-    boxes: list[Box]  # (k,) the pixels that each thing may touch
+    firsts: list[int]  # (k + 1,) the first face of each item, and the end
+    boxes: list[Box]  # (k,) bounding box of each item, px
 
     @property
     def polygons_px(self) -> Floats:
-        """(n, V, 2) the things' faces."""
+        """(n, V, 2) px, the items' faces."""
         return (self.faces.exact[self._range] - HALF) / SUBPIXELS
 
     @property
     def planes(self) -> Floats:
-        """(n, 3) the inverse depth of face i at a pixel's ray (x, y, 1) is planes[i] . ray."""
+        """(n, 3) planes: face i has the inverse depth planes[i] . ray at a pixel's ray (x, y, 1)."""
         return self.faces.planes()[self._range]
 
     @property
     def colours(self) -> Sequence[Colour]:
-        """(n,)"""
+        """(n,) colours of the faces."""
         return self.faces.colours[self._range]
 
     @property
@@ -68,52 +68,51 @@ class Drawing:
         return slice(self.firsts[0], self.firsts[-1])
 
     def part(self, first: int, last: int) -> "Drawing":
-        """The things `first` to `last` - 1."""
+        """The items `first` to `last` - 1."""
         return Drawing(self.faces, self.firsts[first : last + 1], self.boxes[first:last])
 
 
 @dataclass(frozen=True, slots=True)
 class Sprite:
-    """An upright picture that faces the camera, and where it lies in the frame."""
+    """A billboard: an upright image that faces the camera, at a place in the frame."""
 
     x: int
     y: int
-    picture: Image  # (h, w, 4) colours times opacity, and what is seen through, of 255
+    picture: Image  # (h, w, 4) premultiplied colours, and transparency of 255
     depth_m: float
 
     @property
     def colour(self) -> Image:
-        """(h, w, 3) colours times opacity."""
+        """(h, w, 3) premultiplied colours."""
         return np.asarray(cv2.cvtColor(self.picture, cv2.COLOR_BGRA2BGR), np.uint8)
 
     @property
     def through(self) -> Image:
-        """(h, w, 3) what is seen through, of 255."""
+        """(h, w, 3) transparency, of 255."""
         return np.asarray(cv2.cvtColor(cv2.extractChannel(self.picture, 3), cv2.COLOR_GRAY2BGR), np.uint8)
 
     @property
     def box(self) -> Box:
-        """x0, y0, x1, y1 of its pixels."""
+        """x0, y0, x1, y1 px."""
         height, width = self.picture.shape[:2]
         return self.x, self.y, self.x + width, self.y + height
 
 
 @dataclass(slots=True)
 class _Layer:
-    """Things that will be drawn together."""
+    """Items that are drawn together."""
 
     box: Box
-    fine: int  # pixels of the layer to one of the picture, each way
-    runs: list[tuple[Faces, int, int]] = field(default_factory=list)  # faces from the first up to the second
+    fine: int  # supersampling, each way
+    runs: list[tuple[Faces, int, int]] = field(default_factory=list)  # faces, first, end
 
 
 def drawing(
     view: View, faces: Floats, colours: Sequence[Colour], planes: Callable[[], Floats], firsts: NDArray[np.int64]
 ) -> Drawing:
-    """The drawing of things whose `faces` (n, V, 3) are given in the axes of the view's centre, each with a vertex
-    beyond the near plane.
+    """The projection of items with `faces` (n, V, 3) in the view's axes.
 
-    `firsts` is (k,), the first face of each thing.
+    Each face has a vertex beyond the near plane. `firsts` is (k,), the first face of each item.
     """
     projection = view.projection
     points = projection[:, :3] @ faces.reshape(-1, 3).T
@@ -129,17 +128,17 @@ def drawing(
     fixed = exact.T.astype(np.int32, order="C")
     boxes = _boxes(fixed, firsts * vertices, view.camera)
     shape = (len(faces), vertices, 2)
-    seen = Faces(exact.T.reshape(shape), fixed.reshape(shape), colours, planes)
-    return Drawing(seen, [*firsts.tolist(), len(faces)], boxes)
+    projected = Faces(exact.T.reshape(shape), fixed.reshape(shape), colours, planes)
+    return Drawing(projected, [*firsts.tolist(), len(faces)], boxes)
 
 
-def planes_of(normals: Floats, away: Floats, view: View) -> Floats:
-    """(n, 3) the planes of faces with `normals` (n, 3), which the eye of the view is `away` (n,) m before."""
-    return np.asarray(normals @ view.axes.T / -away[:, None])
+def planes_of(normals: Floats, distances: Floats, view: View) -> Floats:
+    """(n, 3) planes of faces with `normals` (n, 3) at signed `distances` (n,) m from the camera."""
+    return np.asarray(normals @ view.axes.T / -distances[:, None])
 
 
 def _boxes(points: NDArray[np.int32], firsts: NDArray[np.int64], camera: Camera) -> list[Box]:
-    """The pixels that each thing may touch; `firsts` are its first points."""
+    """The bounding box of each item, px; `firsts` are their first points."""
     low, high = np.minimum.reduceat(points, firsts) // SUBPIXELS, np.maximum.reduceat(points, firsts) // SUBPIXELS
     width, height = camera.width_px, camera.height_px
     return [
@@ -149,7 +148,7 @@ def _boxes(points: NDArray[np.int32], firsts: NDArray[np.int64], camera: Camera)
 
 
 def in_front(faces: Floats, near_m: float = NEAR_M) -> Floats:
-    """(n, W, 3) those parts of faces (n, V, 3), in camera axes, that lie beyond the plane at a depth; W >= V."""
+    """(n, W, 3) faces (n, V, 3) in camera axes, clipped to beyond the depth `near_m`; W >= V."""
     behind = faces[..., 2] <= near_m
     cut = np.flatnonzero(behind.any(axis=1))
     if not len(cut):
@@ -163,27 +162,27 @@ def in_front(faces: Floats, near_m: float = NEAR_M) -> Floats:
 
 
 def paint(frame: Image, drawn: list[Drawing | Sprite]) -> None:
-    """Draw things over the picture, in their order."""
+    """Draw items over the image, in their order."""
     waiting: list[_Layer] = []
-    for thing in drawn:
-        if isinstance(thing, Sprite):
-            waiting = _painted_under(frame, thing, waiting)
-            paint_sprite(frame, thing)
+    for item in drawn:
+        if isinstance(item, Sprite):
+            waiting = _flushed_under(frame, item, waiting)
+            paint_sprite(frame, item)
             continue
-        for box, first, last in zip(thing.boxes, thing.firsts, thing.firsts[1:], strict=False):
+        for box, first, last in zip(item.boxes, item.firsts, item.firsts[1:], strict=False):
             if box[0] < box[2] and box[1] < box[3]:
-                waiting = _joined(frame, waiting, box, (thing.faces, first, last))
+                waiting = _joined(frame, waiting, box, (item.faces, first, last))
     for layer in waiting:
         _flush(frame, layer)
 
 
 def paint_sprite(frame: Image, sprite: Sprite) -> None:
-    """Draw an upright picture over the picture."""
-    _lay(frame, sprite.x, sprite.y, sprite.picture)
+    """Draw a billboard over the image."""
+    _blend(frame, sprite.x, sprite.y, sprite.picture)
 
 
-def _lay(frame: Image, x: int, y: int, picture: Image) -> None:
-    """Draw a picture (h, w, 4) over the frame, its corner at a pixel."""
+def _blend(frame: Image, x: int, y: int, picture: Image) -> None:
+    """Draw an image (h, w, 4) over the frame with its corner at (x, y)."""
     height, width = picture.shape[:2]
     region = frame[y : y + height, x : x + width]
     through = cv2.cvtColor(cv2.extractChannel(picture, 3), cv2.COLOR_GRAY2BGR)
@@ -191,8 +190,8 @@ def _lay(frame: Image, x: int, y: int, picture: Image) -> None:
     cv2.add(region, cv2.cvtColor(picture, cv2.COLOR_BGRA2BGR), region)
 
 
-def _painted_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[_Layer]:
-    """Draw the layers that a sprite covers; those that still wait."""
+def _flushed_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[_Layer]:
+    """Draw the pending layers that a sprite overlaps; returns the others."""
     if not waiting:
         return waiting
     a0, b0, a1, b1 = sprite.box
@@ -207,14 +206,14 @@ def _painted_under(frame: Image, sprite: Sprite, waiting: list[_Layer]) -> list[
 
 
 def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Faces, int, int]) -> list[_Layer]:
-    """Layers with one more thing: together with those that lie near, or in a layer of its own.
+    """The pending layers with one more item: merged with near ones, or in a layer of its own.
 
-    What it would cover, and what lies too far off to share a layer with, is drawn.
+    Layers that it overlaps but cannot share are drawn first.
     """
     a0, b0, a1, b1 = box
     fine = 4 if (a1 - a0) * (b1 - b0) < SMALL_PX else 2
     spare = SPARE_PX // fine**2
-    mine: _Layer | None = None
+    target: _Layer | None = None
     others = []
     for layer in waiting:
         x0, y0, x1, y1 = layer.box
@@ -227,18 +226,18 @@ def _joined(frame: Image, waiting: list[_Layer], box: Box, run: tuple[Faces, int
             else:
                 others.append(layer)
             continue
-        if mine is None:
-            mine = layer
+        if target is None:
+            target = layer
         else:
-            mine.runs += layer.runs
+            target.runs += layer.runs
         a0, b0, a1, b1 = u0, v0, u1, v1
-    if mine is None:
-        mine = _Layer(box, fine)
-    mine.box = (a0, b0, a1, b1)
-    if mine.runs and mine.runs[-1][0] is run[0] and mine.runs[-1][2] == run[1]:
-        run = (run[0], mine.runs.pop()[1], run[2])
-    mine.runs.append(run)
-    others.append(mine)
+    if target is None:
+        target = _Layer(box, fine)
+    target.box = (a0, b0, a1, b1)
+    if target.runs and target.runs[-1][0] is run[0] and target.runs[-1][2] == run[1]:
+        run = (run[0], target.runs.pop()[1], run[2])
+    target.runs.append(run)
+    others.append(target)
     return others
 
 
@@ -260,11 +259,11 @@ def _flush(frame: Image, layer: _Layer) -> None:
     while len(canvas) > height:
         half = (canvas.shape[1] // 2, canvas.shape[0] // 2)
         canvas = np.asarray(cv2.resize(canvas, half, interpolation=cv2.INTER_AREA), np.uint8)
-    _lay(frame, x0, y0, canvas)
+    _blend(frame, x0, y0, canvas)
 
 
 def footprint(pose: Floats, length: float, width: float) -> Floats:
-    """(4, 2) m, the corners of a body at a pose (x, y, heading)."""
+    """(4, 2) m, the footprint of an object at a pose (x, y, heading)."""
     x, y, heading = pose.tolist()
     ahead_x, ahead_y = 0.5 * length * cos(heading), 0.5 * length * sin(heading)
     right_x, right_y = -0.5 * width * sin(heading), 0.5 * width * cos(heading)

@@ -1,4 +1,4 @@
-"""The first-person picture of a highway-env road."""
+"""First-person rendering of a highway-env road."""
 
 from typing import Protocol
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.glass.glass import Glass
 from vpf_sim.envs.camera.ground.ground import Ground
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.lens import Lens
 from vpf_sim.envs.camera.light import Light
@@ -17,30 +18,29 @@ from vpf_sim.envs.camera.rain.spray import Spray
 from vpf_sim.envs.camera.rain.streaks import Streaks
 from vpf_sim.envs.camera.rain.wet_road import WetRoad
 from vpf_sim.envs.camera.rig import Rig
+from vpf_sim.envs.camera.scenery.scene import Scene, Snapshot
 from vpf_sim.envs.camera.sensor import Sensor
 from vpf_sim.envs.camera.sky.sky import Sky
-from vpf_sim.envs.camera.things.things import Snapshot, Things
 from vpf_sim.envs.camera.truth import Drawn, Moment, truth
-from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.types import Floats, Image
 
 
 class Carrier(Protocol):
-    """What carries the camera: a highway-env vehicle."""
+    """The highway-env vehicle that carries the camera."""
 
     position: Floats  # (2,) m
     heading: float  # rad
 
 
 class Renderer:
-    """Draws one road; made anew when the road is.
+    """Renders one road; a new road needs a new renderer.
 
-    The road is read through its lanes (`position`, `heading_at`, `width_at`, `length`, `line_types`) and through its
-    vehicles and objects (`position`, `heading`, LENGTH, WIDTH, and where they have them HEIGHT and `kind`: without
-    one a vehicle is a car and an obstacle a barrier; landmarks are not drawn). A scenario's network also says by its
-    `look` what lies beside the road and what it is made of.
+    It reads the road's lanes (`position`, `heading_at`, `width_at`, `length`, `line_types`) and its vehicles and
+    objects (`position`, `heading`, LENGTH, WIDTH, and if present HEIGHT and `kind`). Without a `kind` a vehicle is a
+    car and an obstacle a barrier; landmarks are not drawn. A network may have an `appearance`: verge and surface of the
+    road.
     """
 
     def __init__(self, road: Road, rig: Rig, weather: Weather, seed: int) -> None:
@@ -50,26 +50,26 @@ class Renderer:
         self._lens = Lens(rig.camera)
         camera = self._camera = self._lens.pinhole
         self._sky = Sky(camera, light, atmosphere, seed)
-        look = getattr(road.network, "look", None)
-        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, look)
-        self._veil = Veil(camera, atmosphere, light)
-        self._things = Things(camera, shapes, light, self._veil, seed)
+        appearance = getattr(road.network, "appearance", None)
+        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, appearance)
+        self._haze = Haze(camera, atmosphere, light)
+        self._scene = Scene(camera, shapes, light, self._haze, seed)
         self._wet_road = WetRoad(camera, shapes, atmosphere, seed)
         self._spray = Spray(camera, atmosphere, light, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
         self._glass = Glass(rig.camera, weather, light, seed)
         self._sensor = Sensor(rig, weather, seed)
-        self._drawn: list[Drawn] | None = None  # in the frame rendered last; None if it was skipped
+        self._drawn: list[Drawn] | None = None  # items of the last frame; None if it was skipped
         self._now: Snapshot | None = None
         self._before: Snapshot | None = None
 
     @property
-    def bodies(self) -> list[RoadObject]:
-        """What `truth`'s instance i + 1 stands for."""
-        return [] if self._now is None else self._now.bodies
+    def objects(self) -> list[RoadObject]:
+        """The objects: `truth`'s instance i + 1 is objects[i]."""
+        return [] if self._now is None else self._now.objects
 
     def render(self, ego: Carrier, time_s: float) -> Image:
-        """(H, W, 3) RGB, a fresh array: what the camera on `ego` sees at its present pose."""
+        """(H, W, 3) RGB, a fresh array: the frame of the camera on `ego` at its present pose."""
         now, before = self._advance(ego, time_s)
         frame = np.empty((self._camera.height_px, self._camera.width_px, 3), np.uint8)
         self._draw_world(frame, now, before)
@@ -80,27 +80,28 @@ class Renderer:
         return frame
 
     def skip(self, ego: Carrier, time_s: float) -> None:
-        """Let a frame pass that nobody looks at: those after it are what they would be, to the last bit.
+        """Skip a frame; later frames are the same to the last bit.
 
-        Nothing is drawn but where later frames show what this one would have shown.
+        The frame is drawn only if later frames reuse parts of it (reflections, drops on the glass).
         """
         if self._wet_road.is_due or self._glass.is_due(time_s):
             self.render(ego, time_s)
             return
         now, before = self._advance(ego, time_s)
         self._drawn = None
-        self._ground.follow(now.view)
-        self._things.follow(now)
+        self._ground.update(now.view)
+        self._scene.update(now)
         self._wet_road.skip(now.view)
         self._streaks.skip(now, before)
         self._glass.skip(now, before)
         self._sensor.skip()
 
     def truth(self, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
-        """The arrays called `names` for the frame rendered last (see `vpf_sim.envs.camera.truth`), and `hidden`: (H, W)
-        bool, what the weather hides or fakes with mirror images, spray, drops and wipers.
+        """The ground truth `names` of the last frame (see `vpf_sim.envs.camera.truth`), and `hidden`.
 
-        Of a frame that was skipped there is `foe` alone.
+        `hidden` is (H, W) bool: pixels that reflections, spray, drops or wipers hide or falsify. A skipped frame has
+        `foe` only.
+
         """
         if self._now is None or self._before is None:
             raise RuntimeError("no frame has been rendered yet")
@@ -114,26 +115,26 @@ class Renderer:
         return result
 
     def _advance(self, ego: Carrier, time_s: float) -> tuple[Snapshot, Snapshot]:
-        """Note where everything is now; now and before."""
+        """Record all poses; returns the present snapshot and the one before."""
         view = View.at(self._camera, ego.position, ego.heading)
-        bodies = [body for body in (*self._road.vehicles, *self._road.objects) if body is not ego]
-        poses = {body: self._pose(body) for body in bodies}
-        now = Snapshot(view, time_s, bodies, poses)
+        objects = [obj for obj in (*self._road.vehicles, *self._road.objects) if obj is not ego]
+        poses = {obj: self._pose(obj) for obj in objects}
+        now = Snapshot(view, time_s, objects, poses)
         self._before, self._now = self._now or now, now
         return now, self._before
 
-    def _pose(self, body: RoadObject) -> Floats:
-        """(3,) x m, y m, heading rad of a body: the same array for as long as it stands."""
-        pose = [*body.position.tolist(), float(body.heading)]
-        before = None if self._now is None else self._now.poses.get(body)
+    def _pose(self, obj: RoadObject) -> Floats:
+        """(3,) x m, y m, heading rad of an object; the same array while it does not move."""
+        pose = [*obj.position.tolist(), float(obj.heading)]
+        before = None if self._now is None else self._now.poses.get(obj)
         return before if before is not None and before.tolist() == pose else np.array(pose)
 
     def _draw_world(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
-        """Draw what there is outside, water on the road and in the air behind bodies included."""
+        """Draw everything outside the windscreen except falling rain."""
         self._sky.draw(now.view, frame)
         self._ground.draw(now.view, frame)
-        self._veil.ground(frame)
-        drawn = self._drawn = self._things.seen(now, before)
+        self._haze.ground(frame)
+        drawn = self._drawn = self._scene.visible(now, before)
         self._wet_road.draw(frame, now.view, drawn)
-        self._things.paint_shadows(frame, now)
-        self._things.paint(frame, self._spray.added(drawn, now, before))
+        self._scene.paint_shadows(frame, now)
+        self._scene.paint(frame, self._spray.added(drawn, now, before))

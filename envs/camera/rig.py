@@ -1,4 +1,4 @@
-"""The camera and its sensor as they are mounted on the vehicle."""
+"""The camera and its image sensor, as mounted on the vehicle."""
 
 from dataclasses import dataclass, field, fields
 from math import isfinite, tan
@@ -14,11 +14,11 @@ LARGEST_PX = 8192
 class Rig:
     """A camera, its lens and its sensor.
 
-    noise_sd: standard deviation of the sensor's noise in grey levels; 0 turns it off, None leaves it to the weather's
-    light: 1.3 by day, which is what a small sensor shows with 10 000 electrons at full scale (EMVA 1288: shot noise and
-    4 electrons of read noise, after a gamma of 2.2), 2.5 in hard rain and at sunset. exposure_ev: longer (+) or shorter
-    (-) than the automatic exposure, in powers of 2 of the light. blur_px: standard deviation of the lens's and the
-    sensor's blur, 0 is none.
+    noise_sd: standard deviation of the sensor's noise in grey levels; 0 turns it off, None derives it from the
+    weather's light: 1.3 by day, 2.5 in hard rain and at sunset. 1.3 is a small sensor with 10 000 electrons at full
+    scale (EMVA 1288: shot noise and 4 electrons of read noise, after a gamma of 2.2). exposure_ev: longer (+) or
+    shorter (-) than the automatic exposure, in powers of 2 of the light. blur_px: standard deviation of the blur of
+    lens and sensor, 0 for none.
     """
 
     camera: Camera = field(default_factory=Camera)
@@ -42,7 +42,7 @@ class Rig:
 
 
 def checked_rig(rig: object) -> Rig:
-    """The rig that an environment is given; the default one for None."""
+    """The given rig, or the default one for None; InputError for anything else."""
     if rig is None:
         return Rig()
     if not isinstance(rig, Rig):
@@ -52,8 +52,8 @@ def checked_rig(rig: object) -> Rig:
 
 
 def _check_camera(camera: Camera) -> None:
-    """Refuse a camera that is none, or whose picture would show nothing of the road."""
-    from vpf_sim.envs.camera.lens import check_distortion  # and OpenCV, which listings do without
+    """Raise InputError for an invalid camera or one that shows no road."""
+    from vpf_sim.envs.camera.lens import check_distortion  # imports OpenCV, which listings do not need
 
     for key in (item.name for item in fields(camera)):
         value = getattr(camera, key)
@@ -73,7 +73,7 @@ def _check_camera(camera: Camera) -> None:
     for key, size in (("cx_px", camera.width_px), ("cy_px", camera.height_px)):
         value = getattr(camera, key)
         if not 0.0 <= value <= size - 1:
-            raise InputError(f"camera: {key}: expected within the picture, 0 to {size - 1}, got {value:g}")
+            raise InputError(f"camera: {key}: expected within the image, 0 to {size - 1}, got {value:g}")
     if not abs(camera.pitch_rad) < 0.5:
         raise InputError(f"camera: pitch_rad: expected between -0.5 and 0.5, got {camera.pitch_rad}")
     horizon = camera.cy_px - camera.fy_px * tan(camera.pitch_rad)

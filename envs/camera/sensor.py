@@ -1,4 +1,4 @@
-"""The sensor: blur, exposure and noise of the finished picture."""
+"""The image sensor: blur, exposure and noise of the finished image."""
 
 from functools import lru_cache
 from math import ceil
@@ -13,16 +13,16 @@ from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
-STRIPS = 4  # of the picture, each with its own part of the bank: a small bank stays in the processor's cache
-MARGIN_PX = 32  # how far the bank is larger than a strip
-CORRELATION_PX = 0.5  # sd of the blur that colour interpolation and denoising leave in the noise
+STRIPS = 4  # image strips with their own part of the noise bank: a small bank fits the CPU cache
+MARGIN_PX = 32  # size of the bank beyond a strip
+CORRELATION_PX = 0.5  # sd of the blur of the noise by demosaicing and denoising
 
 
 class Sensor:
-    """What the sensor makes of the picture.
+    """Blur, exposure and temporal noise of the sensor.
 
-    After a gamma of 2.2 in 8 bits temporal noise is nearly of one size over all tones. A bank is drawn once; each frame
-    adds it to each strip of the picture from another corner.
+    After a gamma of 2.2 temporal noise has nearly the same size at all tones. A noise bank is drawn once; each frame
+    adds it to each strip of the image from a random corner.
     """
 
     def __init__(self, rig: Rig, weather: Weather, seed: int) -> None:
@@ -34,7 +34,7 @@ class Sensor:
         self._layers = _bank(*self._size, sd) if sd > 0.0 else None
 
     def expose(self, frame: Image) -> None:
-        """Blur, expose, and add the next frame's noise, in place."""
+        """Apply blur, exposure and the next frame's noise, in place."""
         if self._blur_px > 0.0:
             side = 2 * ceil(3.0 * self._blur_px) + 1
             cv2.GaussianBlur(frame, (side, side), self._blur_px, frame)
@@ -44,12 +44,12 @@ class Sensor:
             self._add_noise(frame, *self._layers)
 
     def skip(self) -> None:
-        """Leave out the next frame's noise."""
+        """Skip the next frame's noise."""
         if self._layers is not None:
             self._corners()
 
     def _corners(self) -> NDArray[np.int64]:
-        """(STRIPS, 2) row and column of the bank from which the next frame's strips take their noise."""
+        """(STRIPS, 2) row and column of the bank for each strip of the next frame."""
         return self._rng.integers(0, MARGIN_PX, (STRIPS, 2))
 
     def _add_noise(self, frame: Image, brighter: Image, darker: Image) -> None:
@@ -64,8 +64,10 @@ class Sensor:
 
 
 def noise_of(weather: Weather) -> float:
-    """Standard deviation in grey levels by the light there is, from fewer electrons at full scale the darker it is: 1.3
-    by day, 2.5 in hard rain or with the sun at 15 deg, 5 at dusk (see `Rig`)."""
+    """Standard deviation of the noise, grey levels.
+
+    1.3 by day, 2.5 in hard rain or with the sun at 15 deg, 5 at dusk.
+    """
     by_sun = float(np.interp(weather.sun_altitude_angle, (-6.0, 15.0, 45.0), (5.0, 2.5, 1.3)))
     by_rain = float(np.interp(weather.precipitation, (0.0, 100.0), (1.3, 2.5)))
     return max(by_sun, by_rain)
@@ -73,7 +75,7 @@ def noise_of(weather: Weather) -> float:
 
 @lru_cache(maxsize=4)
 def _bank(height: int, width: int, sd: float) -> tuple[Image, Image]:
-    """What is added and what is subtracted, three channels side by side; drawn once, for it costs 20 ms."""
+    """Noise to add and noise to subtract, three channels side by side; cached, since it costs 20 ms."""
     shape = (-(-height // STRIPS) + MARGIN_PX, width + MARGIN_PX, 3)
     white = stream(0, "noise bank").standard_normal(shape, dtype=np.float32)
     blurred = cv2.GaussianBlur(white, (5, 5), CORRELATION_PX).reshape(shape[0], -1)

@@ -1,4 +1,4 @@
-"""Band-limited noise, the grain of every surface; periodic, so that tiles join."""
+"""Periodic band-limited noise, the grain of all surfaces."""
 
 from functools import lru_cache
 
@@ -13,9 +13,9 @@ TILE = 1024  # texels
 
 
 def noise(shape: tuple[int, int], rng: np.random.Generator, shortest: float, slope: float) -> Floats:
-    """Periodic Gaussian noise of mean 0 and sd 1 with no wavelength under `shortest` texels.
+    """Periodic Gaussian noise, mean 0, sd 1, without wavelengths below `shortest` texels.
 
-    Its amplitude falls with the frequency f as f^-slope, from one period of the tile on.
+    Its amplitude falls with the frequency f as f^-slope.
     """
     spectrum = fft.rfft2(rng.standard_normal(shape, dtype=np.float32))
     frequency = np.hypot(fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :]).astype(np.float32)
@@ -28,9 +28,9 @@ def noise(shape: tuple[int, int], rng: np.random.Generator, shortest: float, slo
 
 @lru_cache(maxsize=8)
 def grain_tile(name: str, shortest: float = 3.0, slope: float = 0.6, sd: float = 40.0) -> NDArray[np.uint8]:
-    """(2 TILE, 2 TILE) the grain called `name` about 128, repeated twice each way.
+    """(2 TILE, 2 TILE) the grain `name` about 128, repeated twice each way.
 
-    The same in every episode: what a seed varies is where the grain lies. It is kept, for it costs 50 ms.
+    The same in every episode; a seed only places it. Cached, since it costs 50 ms.
     """
     field = noise((TILE, TILE), stream(0, f"grain {name}"), shortest, slope)
     tile = np.clip(128.5 + sd * field, 0, 255).astype(np.uint8)

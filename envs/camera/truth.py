@@ -1,6 +1,6 @@
-"""What the picture should say, from the geometry alone: depth, flow, focus of expansion, time to contact, instances.
+"""Ground truth of a frame: depth, flow, focus of expansion, time to contact, instances.
 
-All of it belongs to the pixels of frame k and to the motion from frame k-1 to k; the first frame counts as standing.
+It refers to the pixels of frame k and the motion from frame k-1 to k; the first frame counts as motionless.
 """
 
 from dataclasses import dataclass
@@ -15,26 +15,26 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats
 
 Singles = NDArray[np.float32]
-STANDING_M = 1e-6  # a camera that moved less stands
+STANDING_M = 1e-6  # below this a camera counts as motionless
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How a rigid thing got from frame k-1 to k: the world point p now was at `turn` p + `shift` then."""
+    """Rigid motion between frames: a world point p of frame k was at `turn` p + `shift` in frame k-1."""
 
-    before: Floats  # (x, y, heading) of the thing
+    before: Floats  # pose (x, y, heading)
     now: Floats
 
     @property
     def turn(self) -> Floats:
-        """(3, 3)"""
+        """(3, 3) rotation."""
         angle = self.before[2] - self.now[2]
         c, s = np.cos(angle), np.sin(angle)
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
     @property
     def shift(self) -> Floats:
-        """(3,) m"""
+        """(3,) m, translation."""
         shift: Floats = np.array([*self.before[:2], 0.0]) - self.turn @ np.array([*self.now[:2], 0.0])
         return shift
 
@@ -44,16 +44,16 @@ STILL = Motion(np.zeros(3), np.zeros(3))
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """One thing of the frame as it was drawn, in painter's order."""
+    """One drawn item of the frame, in painter's order."""
 
     drawing: Drawing | Sprite
-    instance: int  # -1 scenery, i + 1 the body i
+    instance: int  # -1 scenery, i + 1 object i
     motion: Motion
 
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """The two views between which the truth lies."""
+    """The two views that flow and time to contact refer to."""
 
     now: View
     before: View
@@ -61,17 +61,16 @@ class Moment:
 
 
 def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn], lens: Lens) -> dict[str, NDArray[np.generic]]:
-    """The arrays asked for, of the picture through the lens; the views are those of its pinhole camera.
+    """The requested arrays of the image through the lens; the views belong to its pinhole camera.
 
-    depth: (H, W) float32 m along the optical axis, inf in the sky. flow: (H, W, 2) float32 px from k-1 to k, bodies'
-    own motion included; the sky's is that of the rotation. foe: (2,) float64 px, the image of the translation of the
-    camera's centre, nan when it stands. ttc: (H, W) float32 s, depth / closing speed along the optical axis, inf where
-    the gap does not close. instance: (H, W) int32, 0 ground and sky, -1 scenery, i + 1 the body i of
-    `Renderer.bodies`.
+    depth: (H, W) float32 m along the optical axis, inf in the sky. flow: (H, W, 2) float32 px from k-1 to k, with
+    objects' own motion; the sky's flow is that of the rotation. foe: (2,) float64 px, the image of the camera's
+    translation, nan without motion. ttc: (H, W) float32 s, depth / closing speed along the optical axis, inf if not
+    closing. instance: (H, W) int32, 0 ground and sky, -1 scenery, i + 1 object i of `Renderer.objects`.
     """
     result: dict[str, NDArray[np.generic]] = {}
     if "foe" in names:
-        result["foe"] = lens.seen(focus_of_expansion(moment))
+        result["foe"] = lens.to_image(focus_of_expansion(moment))
     if not set(names) - {"foe", "hidden"}:
         return result
     pixels = lens.pixels()
@@ -81,16 +80,16 @@ def truth(names: tuple[str, ...], moment: Moment, drawn: list[Drawn], lens: Lens
     if "depth" in names:
         result["depth"] = depth.astype(np.float32)
     if "instance" in names:
-        result["instance"] = np.array([0, *(thing.instance for thing in drawn)], np.int32)[owner + 1]
+        result["instance"] = np.array([0, *(item.instance for item in drawn)], np.int32)[owner + 1]
     if "flow" in names or "ttc" in names:
         earlier, ttc = _motion(moment, drawn, depth, rays, owner)
-        flow = (lens.seen(pixels) - lens.seen(earlier)).astype(np.float32)
+        flow = (lens.to_image(pixels) - lens.to_image(earlier)).astype(np.float32)
         result.update({name: array for name, array in (("flow", flow), ("ttc", ttc)) if name in names})
     return result
 
 
 def focus_of_expansion(moment: Moment) -> Floats:
-    """(2,) px, the image in frame k of the direction in which the camera's centre moved; nan when it stands."""
+    """(2,) px, the image in frame k of the camera's direction of motion; nan without motion."""
     step = moment.now.axes @ (moment.now.centre - moment.before.centre)
     if abs(step[2]) < STANDING_M:
         return np.full(2, np.nan)
@@ -98,18 +97,17 @@ def focus_of_expansion(moment: Moment) -> Floats:
 
 
 def _rays(camera: Camera, pixels: Floats) -> Floats:
-    """(..., 3) the rays of (..., 2) pixels in camera axes, with depth 1."""
+    """(..., 3) rays of (..., 2) pixels in camera axes, with depth 1."""
     flat = (pixels - (camera.cx_px, camera.cy_px)) / (camera.fx_px, camera.fy_px)
     return np.concatenate([flat, np.ones((*flat.shape[:-1], 1))], axis=-1)
 
 
 def _rasterised(view: View, drawn: list[Drawn]) -> tuple[NDArray[np.int32], Floats]:
-    """(h, w) which of `drawn` owns each pixel of the pinhole's picture (-1: ground or sky); (h, w, 3) the plane seen
-    there, whose inverse depth at a pixel's ray is the dot product."""
+    """(h, w) the item of `drawn` at each pinhole pixel (-1: ground or sky), and (h, w, 3) its plane there."""
     label = np.zeros((view.camera.height_px, view.camera.width_px), np.int32)
     owners, planes = [-1], [-view.axes[:, 2] / view.centre[2]]
-    for index, thing in enumerate(drawn):
-        drawing = thing.drawing
+    for index, item in enumerate(drawn):
+        drawing = item.drawing
         if isinstance(drawing, Sprite):
             x0, y0, x1, y1 = drawing.box
             label[y0:y1, x0:x1][drawing.through[..., 0] < 128] = len(owners)
@@ -124,12 +122,12 @@ def _rasterised(view: View, drawn: list[Drawn]) -> tuple[NDArray[np.int32], Floa
 
 
 def _fixed(polygons: Floats) -> NDArray[np.int32]:
-    """Pixels in OpenCV's fixed point."""
+    """Pixels in OpenCV's fixed-point format."""
     return np.asarray(np.rint(polygons * 2**SHIFT), np.int32)
 
 
 def _depth(rays: Floats, planes: Floats) -> Floats:
-    """(H, W) m along the optical axis, inf where the ray does not meet its plane."""
+    """(H, W) m along the optical axis, inf where a ray misses its plane."""
     inverse = np.einsum("ijk,ijk->ij", rays, planes)
     depth: Floats = np.divide(1.0, inverse, out=np.full(inverse.shape, np.inf), where=inverse > 0.0)
     return depth
@@ -138,7 +136,7 @@ def _depth(rays: Floats, planes: Floats) -> Floats:
 def _motion(
     moment: Moment, drawn: list[Drawn], depth: Floats, rays: Floats, owner: NDArray[np.int32]
 ) -> tuple[Floats, Singles]:
-    """(H, W, 2) px where each pixel's point was in the pinhole's earlier picture, and (H, W) its time to contact."""
+    """(H, W, 2) px, each pixel's position in the pinhole's previous image, and (H, W) s, its time to contact."""
     far = np.isinf(depth)
     earlier_px = np.empty((*depth.shape, 2))
     ttc = np.full(depth.shape, np.inf, np.float32)

@@ -1,4 +1,4 @@
-"""Where the camera is in one frame: world points into camera axes and pixels, polygons clipped to what lies in front.
+"""The camera in one frame: projects world points to camera axes and pixels, and clips polygons.
 
 World points are (x, y, up) m with up counted from the road; camera axes are (right, down, depth) m.
 """
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vpf_sim.types import Bools, Camera, Floats
 
-NEAR_M = 0.5  # nothing nearer than this plane is drawn; the lowest ray of the default camera meets the road at 1.87 m
+NEAR_M = 0.5  # near plane; the lowest ray of the default camera meets the road at 1.87 m
 
 Pixels = NDArray[np.float64]  # (..., 2)
 
@@ -28,7 +28,7 @@ class View:
 
     @classmethod
     def of(cls, camera: Camera, centre: Floats, yaw_rad: float, axes: Floats) -> "View":
-        """The view of a camera whose centre and axes are given."""
+        """The view of a camera with a centre and axes."""
         scale = np.array(((camera.fx_px, 0.0, camera.cx_px), (0.0, camera.fy_px, camera.cy_px), (0.0, 0.0, 1.0)))
         projection = np.empty((3, 4))
         np.matmul(scale, axes, out=projection[:, :3])
@@ -37,7 +37,7 @@ class View:
 
     @classmethod
     def at(cls, camera: Camera, position: Floats, yaw_rad: float) -> "View":
-        """The view of a camera on a vehicle whose pose is `position`, `yaw_rad`."""
+        """The view of a camera on a vehicle at the pose `position`, `yaw_rad`."""
         c, s = cos(yaw_rad), sin(yaw_rad)
         pitch_c, pitch_s = cos(camera.pitch_rad), sin(camera.pitch_rad)
         x, y = float(position[0]), float(position[1])
@@ -47,8 +47,8 @@ class View:
         depth = (pitch_c * c, pitch_c * s, -pitch_s)
         return cls.of(camera, centre, float(yaw_rad), np.array((right, down, depth)))
 
-    def within(self, to_world: Floats) -> "View":
-        """The same view in the axes of a body, from which (4, 4) leads to the world's (see `body_axes`)."""
+    def in_object_axes(self, to_world: Floats) -> "View":
+        """The view in an object's axes; `to_world` is (4, 4) from there (see `object_to_world`)."""
         turn = to_world[:3, :3]
         eye = (self.centre - to_world[:3, 3]) @ turn
         return View(self.camera, eye, self.yaw_rad, self.axes @ turn, self.projection @ to_world)
@@ -59,7 +59,7 @@ class View:
         return relative
 
     def pixels(self, points: Floats) -> Pixels:
-        """(..., 2) px of (..., 3) points in camera axes that lie in front."""
+        """(..., 2) px of (..., 3) points in camera axes with positive depth."""
         camera = self.camera
         flat: Pixels = points[..., :2] / points[..., 2:]
         flat *= (camera.fx_px, camera.fy_px)
@@ -67,24 +67,27 @@ class View:
         return flat
 
     def ground_homography(self) -> Floats:
-        """(3, 3) matrix from pixels (x, y, 1) to homogeneous world points of the road; the last component is the
-        camera's height over the depth, > 0 below the horizon."""
+        """(3, 3) from pixels (x, y, 1) to homogeneous points of the road.
+
+        The last component is the camera's height over the depth, > 0 below the horizon.
+        """
         image = np.linalg.inv(self.projection[:, (0, 1, 3)])
         return np.asarray(self.camera.height_m * image)
 
 
-def body_axes(pose: Floats) -> Floats:
-    """(4, 4) from points (ahead, right, up, 1) m of a body at a pose (x, y, heading) to points of the world."""
+def object_to_world(pose: Floats) -> Floats:
+    """(4, 4) from points (ahead, right, up, 1) m of an object at a pose (x, y, heading) to the world."""
     x, y, heading = pose.tolist()
     c, s = cos(heading), sin(heading)
     return np.array(((c, -s, 0.0, x), (s, c, 0.0, y), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
 
 
 def clip_near(polygons: Floats, inside: Bools, near_m: float = NEAR_M) -> Floats:
-    """(n, W, 3) those parts of (n, V, 3) polygons in camera axes that lie beyond the plane at the depth `near_m`
-    (Sutherland and Hodgman 1974); W is the most that one of them needs, the last vertex of others is repeated.
+    """(n, W, 3) polygons (n, V, 3) in camera axes, clipped to beyond the depth `near_m` (Sutherland and Hodgman 1974).
 
-    `inside` is (n, V): which vertices lie beyond, at least one each.
+    W is the largest vertex count; the last vertex of other polygons is repeated.
+
+    `inside` is (n, V): the vertices beyond, at least one per polygon.
     """
     cyclic = [*range(1, inside.shape[1]), 0]
     following = polygons[:, cyclic]

@@ -1,8 +1,8 @@
-"""Weather by CARLA's named factors, its presets, and weather files.
+"""Weather: CARLA's factors and presets, and weather files.
 
-Names, ranges and presets are those of CARLA 0.9.16 (`carla.WeatherParameters`, PythonAPI/docs/weather.yml), apart from
-`wetness`, which CARLA leaves at 0 in rain, and the azimuth, which it leaves to the map. What the factors mean in
-physical units is in `vpf_sim.envs.camera.atmosphere`.
+Names, ranges and presets are those of CARLA 0.9.16 (`carla.WeatherParameters`, PythonAPI/docs/weather.yml), except
+`wetness`, which CARLA leaves at 0 in rain, and the sun's azimuth, which it leaves to the map. Physical meanings:
+`vpf_sim.envs.camera.atmosphere`.
 """
 
 from pathlib import Path
@@ -18,7 +18,7 @@ Percent = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
 class Weather(BaseModel):
-    """The weather of one episode. Factors without a unit run from 0, none, to 100, most."""
+    """The weather of one episode. Factors without a unit range from 0 to 100."""
 
     model_config = ConfigDict(**STRICT, frozen=True)
 
@@ -121,13 +121,12 @@ ALIASES = {"clear": "ClearNoon", "cloudy": "CloudyNoon", "rain": "HardRainNoon",
 
 
 def names() -> list[str]:
-    """The presets and their aliases."""
+    """Names of the presets and their aliases."""
     return sorted([*PRESETS, *ALIASES])
 
 
 def load(name_or_path: str | Weather) -> Weather:
-    """The weather of a preset, an alias, or a TOML file with a `base` and factors of its own; one that is loaded
-    already passes."""
+    """The weather of a preset, an alias or a TOML file (`base` and factors); a Weather is returned as it is."""
     if isinstance(name_or_path, Weather):
         return name_or_path
     if not isinstance(name_or_path, str):

@@ -1,4 +1,4 @@
-"""The sliding mode controller, bounded by its theory."""
+"""The sliding mode controller against bounds from theory."""
 
 from dataclasses import replace
 from math import hypot, pi, radians
@@ -23,86 +23,86 @@ def controller(gains: Gains, rate_hz: float = 60.0) -> Gtsmc:
 
 def test_the_manifold_is_reached_within_its_bound() -> None:
     """|s_r| falls at eta = u_0 v / L - c_r |psi_e'|max at least, so it is reached within |s_0| / eta."""
-    car, hands = Bicycle(), controller(replace(PAPER, u0_radps=1.5))
+    car, control = Bicycle(), controller(replace(PAPER, u0_radps=1.5))
     reference = Reference(0.1, 5.55, 0.0)
-    start = hands.manifold(car.observe(), reference, 0.0)
+    start = control.manifold(car.observe(), reference, 0.0)
     eta = 1.5 * car.speed_mps / CAR.wheelbase_m * 0.95 - 2.0 * abs(start)  # cos^2, and |psi_e'| <= |s_0|
     assert start == pytest.approx(-0.2)
     bound_steps = int(abs(start) / eta * 60.0) + 2
     for _ in range(bound_steps):
-        car.step(hands.command(car.observe(), reference))
-    after = [abs(hands.manifold(car.observe(), reference, 0.0))]
+        car.step(control.command(car.observe(), reference))
+    after = [abs(control.manifold(car.observe(), reference, 0.0))]
     for _ in range(60):
-        car.step(hands.command(car.observe(), reference))
-        after.append(abs(hands.manifold(car.observe(), reference, 0.0)))
+        car.step(control.command(car.observe(), reference))
+        after.append(abs(control.manifold(car.observe(), reference, 0.0)))
     one_step = 2.0 * 1.5 * car.speed_mps / CAR.wheelbase_m / 60.0
     assert max(after) < 1.5 * one_step
 
 
 def test_on_the_manifold_the_heading_error_decays_with_c_r() -> None:
-    car, hands = Bicycle(), controller(ROBUST)
+    car, control = Bicycle(), controller(ROBUST)
     reference = Reference(0.1, 5.55, 0.0)
     for _ in range(150):
-        car.step(hands.command(car.observe(), reference))
+        car.step(control.command(car.observe(), reference))
     assert car.yaw_rad == pytest.approx(0.1, abs=0.1 * np.exp(-0.6 * 2.5 * 2.5))
 
 
 @pytest.mark.parametrize(("c_l", "speed"), [(0.8, 6.9375), (1.0, 5.55), (1.25, 4.44)])
 def test_the_speed_settles_at_the_reference_over_c_l(c_l: float, speed: float) -> None:
     for gains in (PAPER, ROBUST):
-        car, hands = Bicycle(), controller(replace(gains, c_l=c_l))
+        car, control = Bicycle(), controller(replace(gains, c_l=c_l))
         for _ in range(600):
-            car.step(hands.command(car.observe(), Reference(0.0, 5.55, 0.0)))
+            car.step(control.command(car.observe(), Reference(0.0, 5.55, 0.0)))
         ripple = max(gains.a0_mps2, gains.brake_a0_mps2) / 60.0
         assert car.speed_mps == pytest.approx(speed, abs=ripple)
 
 
 def test_the_heading_error_is_wrapped() -> None:
-    hands = controller(ROBUST)
+    control = controller(ROBUST)
     car = Bicycle(yaw_rad=pi - 0.02)
-    assert hands.manifold(car.observe(), Reference(-pi + 0.02, 5.0), 0.0) == pytest.approx(-0.04 * 2.5)
-    assert hands.command(car.observe(), Reference(-pi + 0.02, 5.0, 0.0)).steering > 0.0  # right, the short way
+    assert control.manifold(car.observe(), Reference(-pi + 0.02, 5.0), 0.0) == pytest.approx(-0.04 * 2.5)
+    assert control.command(car.observe(), Reference(-pi + 0.02, 5.0, 0.0)).steering > 0.0  # right, the short way
 
 
-def test_the_integrator_is_clamped_so_that_it_comes_back_at_once() -> None:
-    hands = controller(PAPER)
+def test_integrator_is_clamped_without_windup() -> None:
+    control = controller(PAPER)
     car = Bicycle()
     for _ in range(600):
-        command = hands.command(car.observe(), Reference(1.5, 5.55, 0.0))
+        command = control.command(car.observe(), Reference(1.5, 5.55, 0.0))
     assert command.steering == 1.0
-    assert hands.steering_rad == CAR.steering_limit_rad
-    assert hands.command(car.observe(), Reference(-1.5, 5.55, 0.0)).steering < 1.0
+    assert control.steering_rad == CAR.steering_limit_rad
+    assert control.command(car.observe(), Reference(-1.5, 5.55, 0.0)).steering < 1.0
 
 
 def test_at_standstill_the_steering_holds() -> None:
-    hands = controller(PAPER)
-    hands.command(Bicycle().observe(), Reference(0.5, 5.55, 0.0))
-    held = hands.steering_rad
+    control = controller(PAPER)
+    control.command(Bicycle().observe(), Reference(0.5, 5.55, 0.0))
+    held = control.steering_rad
     assert held > 0.0
-    hands.command(Bicycle(speed_mps=0.0).observe(), Reference(-0.5, 0.0, 0.0))
-    assert hands.steering_rad == held
+    control.command(Bicycle(speed_mps=0.0).observe(), Reference(-0.5, 0.0, 0.0))
+    assert control.steering_rad == held
 
 
 def overshoot(gains: Gains, speed_mps: float) -> float:
-    """Of a step of the heading so small that the layer is not left, as a share of it."""
-    car, hands, most = Bicycle(speed_mps=speed_mps), controller(gains), 0.0
+    """Relative overshoot of a heading step within the layer."""
+    car, control, most = Bicycle(speed_mps=speed_mps), controller(gains), 0.0
     while car.time_s < 10.0:
-        car.step(hands.command(car.observe(), Reference(0.004, speed_mps, 0.0)))
+        car.step(control.command(car.observe(), Reference(0.004, speed_mps, 0.0)))
         most = max(most, car.yaw_rad / 0.004 - 1.0)
     return most
 
 
-def test_the_loop_is_damped_at_low_speed_as_it_is_at_two_metres_per_second() -> None:
+def test_damping_is_constant_at_low_speed() -> None:
     """exp(-pi z / sqrt(1 - z^2)) with the damping z = sqrt(k v / (4 c_r L))."""
     slope = ROBUST.u0_radps / ROBUST.boundary_layer_radps
     damping = np.sqrt(slope * 2.0 / (4.0 * ROBUST.c_r_per_s * CAR.wheelbase_m))
     expected = np.exp(-pi * damping / np.sqrt(1.0 - damping**2))
     for speed_mps in (0.4, 1.0, 2.0):
         assert overshoot(ROBUST, speed_mps) == pytest.approx(expected, abs=0.03)
-    assert overshoot(replace(ROBUST, boundary_speed_mps=0.0), 0.4) > 0.3
+    assert overshoot(replace(ROBUST, layer_narrows_below_mps=0.0), 0.4) > 0.3
 
 
-def test_what_is_seen_too_late_is_braked_for_in_full_and_what_is_not_within_comfort() -> None:
+def test_large_excess_speed_brakes_fully_and_small_within_comfort() -> None:
     """At 5 m/s: up to an error of 3 m/s the brake is a_0, from 4 m/s on the car's own."""
     comfort = -ROBUST.brake_a0_mps2 / CAR.full_brake_mps2
     for error_mps, brake in ((1.0, comfort), (3.0, comfort), (3.5, 0.5 * (comfort - 1.0)), (4.0, -1.0), (5.0, -1.0)):
@@ -110,7 +110,7 @@ def test_what_is_seen_too_late_is_braked_for_in_full_and_what_is_not_within_comf
         assert command.throttle == pytest.approx(brake)
 
 
-def test_relay_is_sign_or_its_saturation() -> None:
+def test_relay_is_sign_or_saturation() -> None:
     assert [relay(s, 0.0) for s in (-0.1, 0.0, 2.0)] == [-1.0, 0.0, 1.0]
     assert [relay(s, 0.5) for s in (-1.0, -0.25, 0.0, 0.25, 1.0)] == [-1.0, -0.5, 0.0, 0.5, 1.0]
 
@@ -118,18 +118,18 @@ def test_relay_is_sign_or_its_saturation() -> None:
 def noisy_run(gains: Gains, seed: int = 3) -> tuple[float, float]:
     """(rms y m, rms steering rate rad/s) when the heading to y = 0 carries 1 deg of white noise."""
     random = stream(seed, "noise")
-    car, hands = Bicycle(y_m=0.0), controller(gains)
+    car, control = Bicycle(y_m=0.0), controller(gains)
     places, rates = [], []
     for _ in range(1200):
         before = car.steering_rad
         psi_d = -0.16 * car.y_m + radians(1.0) * float(random.standard_normal())
-        car.step(hands.command(car.observe(), Reference(psi_d, 5.55)))
+        car.step(control.command(car.observe(), Reference(psi_d, 5.55)))
         places.append(car.y_m)
         rates.append(60.0 * (car.steering_rad - before))
     return hypot(*places) / len(places) ** 0.5, hypot(*rates) / len(rates) ** 0.5
 
 
-def test_the_low_pass_saves_the_controller_from_the_differentiated_noise() -> None:
+def test_low_pass_suppresses_differentiated_noise() -> None:
     raw, _ = noisy_run(LITERAL)
     filtered, rate = noisy_run(PAPER)
     smooth, smooth_rate = noisy_run(ROBUST)
@@ -139,20 +139,20 @@ def test_the_low_pass_saves_the_controller_from_the_differentiated_noise() -> No
     assert smooth_rate < 0.6 * rate
 
 
-def test_a_given_rate_of_the_reference_is_used_as_it_is() -> None:
+def test_given_reference_rate_is_used_without_lag() -> None:
     """psi_d turns at 0.05 rad/s: with the rate given there is no lag, and without it s_r = 0 leaves rate / c_r."""
 
     def lag(rate: float) -> float:
-        car, hands = Bicycle(), controller(ROBUST)
+        car, control = Bicycle(), controller(ROBUST)
         for step in range(300):
-            car.step(hands.command(car.observe(), Reference(0.05 * step / 60.0, 5.55, rate)))
+            car.step(control.command(car.observe(), Reference(0.05 * step / 60.0, 5.55, rate)))
         return 0.05 * 299 / 60.0 - car.yaw_rad
 
     assert lag(0.05) == pytest.approx(0.0, abs=2e-3)
     assert lag(0.0) == pytest.approx(0.05 / 2.5, abs=2e-3)
 
 
-def test_nonsense_gains_are_refused() -> None:
+def test_invalid_gains_are_rejected() -> None:
     table = {key: getattr(ROBUST, key) for key in ROBUST.__slots__}
     with pytest.raises(InputError, match=r"^gains\.toml: u0_radps: expected > 0, got 0\.0$"):
         build(Gains, {**table, "u0_radps": 0.0}, "gains.toml")
@@ -161,58 +161,58 @@ def test_nonsense_gains_are_refused() -> None:
 def steering_with_a_noisy_gyroscope(gains: Gains, bias: float = 0.0, noise: float = 0.01) -> tuple[float, float]:
     """(rms actuator rate rad/s, mean |y| m) while y = 0 is followed and the yaw rate is measured with errors."""
     random = stream(2, "gyroscope")
-    car, hands = Bicycle(y_m=0.2), controller(gains)
+    car, control = Bicycle(y_m=0.2), controller(gains)
     rates, places = [], []
     for _ in range(900):
         seen = car.observe()
         measured = seen.yaw_rate_radps + bias + noise * float(random.standard_normal())
         before = car.steering_rad
         reference = Reference(-0.16 * car.y_m, 5.55, 0.0)
-        car.step(hands.command(replace(seen, yaw_rate_radps=measured), reference))
+        car.step(control.command(replace(seen, yaw_rate_radps=measured), reference))
         rates.append(60.0 * (car.steering_rad - before))
         places.append(abs(car.y_m))
     return hypot(*rates[300:]) / 600**0.5, float(np.mean(places[300:]))
 
 
-def test_a_noisy_gyroscope_does_not_reach_the_steering() -> None:
+def test_gyroscope_noise_is_filtered_from_the_steering() -> None:
     rate, place = steering_with_a_noisy_gyroscope(ROBUST)
     raw_rate, _ = steering_with_a_noisy_gyroscope(replace(ROBUST, yaw_rate_filter_hz=0.0))
     assert rate < 0.3 * raw_rate
     assert place < 0.02
 
 
-def test_a_gyroscopes_bias_shifts_the_car_no_more_than_the_law_lets_it() -> None:
+def test_gyroscope_bias_shifts_the_car_by_the_closed_form() -> None:
     """s_r = 0 leaves psi_e = -bias / c_r, and y = psi_e / 0.16."""
     _, place = steering_with_a_noisy_gyroscope(ROBUST, bias=0.01, noise=0.0)
     assert place == pytest.approx(0.01 / 2.5 / 0.16, rel=0.1)
 
 
-def test_an_exact_gyroscope_is_believed_whatever_the_filter() -> None:
-    """The model has the steering of this very moment, so nothing lags."""
-    car, hands = Bicycle(), controller(ROBUST)
+def test_exact_gyroscope_passes_the_filter_unchanged() -> None:
+    """The model uses the present steering, so there is no lag."""
+    car, control = Bicycle(), controller(ROBUST)
     for step in range(240):
         reference = Reference(0.3 * float(np.sin(step / 30.0)), 5.55, 0.6 * float(np.cos(step / 30.0)))
         seen = car.observe()
-        car.step(hands.command(seen, reference))
-        assert hands._yaw_rate_radps == pytest.approx(seen.yaw_rate_radps, abs=1e-9)
+        car.step(control.command(seen, reference))
+        assert control.yaw_rate_radps == pytest.approx(seen.yaw_rate_radps, abs=1e-9)
 
 
 def throttle_with_a_noisy_speed(gains: Gains, scale: float = 1.0, noise_mps: float = 0.05) -> tuple[float, float]:
     """(rms change of the throttle a step, mean speed m/s) while 5 m/s are kept and the speed is measured wrong."""
     random = stream(2, "speedometer")
-    car, hands = Bicycle(speed_mps=5.0), controller(gains)
+    car, control = Bicycle(speed_mps=5.0), controller(gains)
     throttles, speeds = [], []
     for _ in range(900):
         seen = car.observe()
         measured = scale * seen.speed_mps + noise_mps * float(random.standard_normal())
-        command = hands.command(replace(seen, speed_mps=measured), Reference(0.0, 5.0, 0.0))
+        command = control.command(replace(seen, speed_mps=measured), Reference(0.0, 5.0, 0.0))
         car.step(command)
         throttles.append(command.throttle)
         speeds.append(car.speed_mps)
     return hypot(*np.diff(throttles[300:])) / 599**0.5, float(np.mean(speeds[300:]))
 
 
-def test_a_noisy_speedometer_does_not_reach_the_throttle() -> None:
+def test_speedometer_noise_is_filtered_from_the_throttle() -> None:
     """White noise passes a low-pass of share q with q in its steps, sqrt(2) without one."""
     change, _ = throttle_with_a_noisy_speed(ROBUST)
     raw_change, _ = throttle_with_a_noisy_speed(replace(ROBUST, speed_filter_hz=0.0))
@@ -224,12 +224,12 @@ def test_a_speedometers_scale_shifts_the_speed_by_as_much() -> None:
     assert speed_mps == pytest.approx(5.0 / 1.05, rel=1e-3)
 
 
-def test_an_exact_speedometer_is_believed_whatever_the_filter() -> None:
+def test_exact_speedometer_passes_the_filter_unchanged() -> None:
     """Through speeding up, braking in full and standing still."""
-    car, hands = Bicycle(speed_mps=2.0), controller(ROBUST)
+    car, control = Bicycle(speed_mps=2.0), controller(ROBUST)
     for step in range(480):
         wanted_mps = 5.5 if step < 200 else 0.0
-        command = hands.command(car.observe(), Reference(0.0, wanted_mps, 0.0))
-        assert hands._speed_mps == pytest.approx(car.speed_mps, abs=1e-9)
+        command = control.command(car.observe(), Reference(0.0, wanted_mps, 0.0))
+        assert control.speed_mps == pytest.approx(car.speed_mps, abs=1e-9)
         car.step(command)
     assert car.speed_mps == pytest.approx(0.0, abs=0.01)

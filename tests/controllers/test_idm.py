@@ -1,4 +1,4 @@
-"""highway-env's driver in the ego: what it is told, and its closed forms along the lane and across."""
+"""highway-env's driver in the ego: privileges, and closed forms along and across the lane."""
 
 from dataclasses import replace
 from typing import Any
@@ -10,9 +10,9 @@ from highway_env.vehicle.behavior import IDMVehicle
 
 from vpf_sim import drivers
 from vpf_sim.controllers.idm import Gains, load_gains
-from vpf_sim.envs.bodies import TRAFFIC
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.road import build_road
+from vpf_sim.envs.road_objects import ACTORS
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios import Scenario, parse
 from vpf_sim.seeding import stream
@@ -30,7 +30,7 @@ def world(*, lead_s_m: float | None = None, lead_mps: float = 3.0) -> Any:
     assert isinstance(scenario, Scenario)
     road = build_road(scenario, stream(0, "road"))
     if lead_s_m is not None:
-        road.vehicles.append(TRAFFIC["car"](road, (lead_s_m, 0.0), lead_mps))
+        road.vehicles.append(ACTORS["car"](road, (lead_s_m, 0.0), lead_mps))
     road.vehicles.append(Ego(road, np.array([5.0, 0.0]), 0.0, 5.55))
     return road
 
@@ -59,7 +59,7 @@ def drive(road: Any, time_s: float) -> Floats:
     return np.array(rows)
 
 
-def test_behind_a_slower_car_it_keeps_the_models_gap() -> None:
+def test_gap_behind_a_slower_car_matches_the_model() -> None:
     """In equilibrium (v / v0)^4 + (s* / s)^2 = 1, s* = s0 + v T."""
     gap_m, speed_mps, _ = drive(world(lead_s_m=40.0), 60.0)[-1]
     wanted_m = IDMVehicle.DISTANCE_WANTED + 3.0 * IDMVehicle.TIME_WANTED
@@ -67,11 +67,11 @@ def test_behind_a_slower_car_it_keeps_the_models_gap() -> None:
     assert gap_m == pytest.approx(wanted_m / np.sqrt(1.0 - (3.0 / 5.55) ** 4), rel=0.01)
 
 
-def test_on_an_empty_road_it_keeps_the_reference_speed() -> None:
+def test_empty_road_keeps_the_reference_speed() -> None:
     assert drive(world(), 5.0)[:, 1] == pytest.approx(5.55)
 
 
-def test_beside_the_lanes_centre_it_comes_in_as_the_two_times_say() -> None:
+def test_lateral_offset_decays_with_both_time_constants() -> None:
     """y'' + y' / T_h + y / (T_h T_y) = 0, from y0 with y' = 0: two exponentials."""
     road = world()
     road.vehicles[0].position = np.array([5.0, 0.1])
@@ -83,7 +83,7 @@ def test_beside_the_lanes_centre_it_comes_in_as_the_two_times_say() -> None:
     assert drive(road, 6.0)[:, 2] / 0.1 == pytest.approx(decay, abs=0.12)
 
 
-def test_it_only_reads_the_world() -> None:
+def test_idm_does_not_modify_the_world() -> None:
     road = world(lead_s_m=40.0)
     before = [road.vehicles[:], road.objects[:], [vars(vehicle).copy() for vehicle in road.vehicles], vars(road).copy()]
     driver = started(road)
@@ -93,7 +93,7 @@ def test_it_only_reads_the_world() -> None:
     assert repr(before) == repr(after)
 
 
-def test_it_needs_the_world_and_declares_it() -> None:
+def test_idm_requires_and_declares_the_world() -> None:
     driver = drivers.create("idm")
     assert driver.privileged == "world"
     setup = DriverSetup(Camera(), VehicleModel(), RATE_HZ, 5.55, (1900.0, 0.0), 0, np.array([[0.0, 0.0], [1.0, 0.0]]))

@@ -1,4 +1,4 @@
-"""The waypoint PID: CARLA's structure and limits, and a closed loop on a straight and a bend of R = 100 m."""
+"""The waypoint PID: CARLA's structure and limits, and a closed loop on a straight and a bend."""
 
 import numpy as np
 import pytest
@@ -20,13 +20,13 @@ def route(radius_m: float, straight_m: float = 40.0, length_m: float = 160.0) ->
 
 @pytest.mark.parametrize("rate_hz", [60.0, 20.0])
 @pytest.mark.parametrize("radius_m", [100.0, -100.0, 1e9])
-def test_it_follows_a_straight_and_a_bend(radius_m: float, rate_hz: float) -> None:
+def test_pid_follows_a_straight_and_a_bend(radius_m: float, rate_hz: float) -> None:
     path = route(radius_m)
     car = Bicycle(y_m=0.3, rate_hz=rate_hz)
-    hands = WaypointPid(GAINS, path, 5.55, rate_hz)
+    control = WaypointPid(GAINS, path, 5.55, rate_hz)
     offsets = []
     for _ in range(int(28.0 * rate_hz)):
-        car.step(hands.command(car.observe()))
+        car.step(control.command(car.observe()))
         offsets.append(np.min(np.hypot(*(path - [car.x_m, car.y_m]).T)))
     # Between waypoints 1 m apart the nearest is up to 0.5 m away, along the path.
     across = np.sqrt(np.maximum(np.square(offsets) - 0.25, 0.0))[int(4 * rate_hz) :]
@@ -52,10 +52,10 @@ def test_the_derivative_and_the_clip() -> None:
     assert pid.step(50.0) == 1.0
 
 
-def test_steering_is_limited_in_step_and_range_and_held_between_its_own_steps() -> None:
-    hands = WaypointPid(GAINS, route(1e9), 5.55, 60.0)
+def test_steering_is_limited_in_rate_and_range_and_held() -> None:
+    control = WaypointPid(GAINS, route(1e9), 5.55, 60.0)
     car = Bicycle(yaw_rad=-1.5)
-    steering = [hands.command(car.observe()).steering for _ in range(60)]
+    steering = [control.command(car.observe()).steering for _ in range(60)]
     assert steering[:7] == pytest.approx([0.1, 0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
     assert max(steering) == pytest.approx(0.8)
 
@@ -66,9 +66,9 @@ def test_throttle_and_brake_are_limited() -> None:
     assert (slow.throttle, fast.throttle) == (0.75, -0.3)
 
 
-def test_reset_forgets() -> None:
-    hands = WaypointPid(GAINS, route(100.0), 5.55, 60.0)
+def test_reset_clears_the_state() -> None:
+    control = WaypointPid(GAINS, route(100.0), 5.55, 60.0)
     car = Bicycle(y_m=0.5)
-    first = [hands.command(car.observe()) for _ in range(10)]
-    hands.reset()
-    assert [hands.command(car.observe()) for _ in range(10)] == first
+    first = [control.command(car.observe()) for _ in range(10)]
+    control.reset()
+    assert [control.command(car.observe()) for _ in range(10)] == first

@@ -1,4 +1,4 @@
-"""A route as a line: nearest points and look-ahead points of straights and circles, in closed form."""
+"""Nearest points and look-ahead points on straights and circles, in closed form."""
 
 from math import asin, cos, pi, sin
 
@@ -39,7 +39,7 @@ def test_beside_a_circle(radius_m: float) -> None:
         assert foot.heading_rad == pytest.approx(turn, abs=1e-4)
 
 
-def test_the_heading_goes_on_through_half_a_turn() -> None:
+def test_heading_is_continuous_through_half_a_turn() -> None:
     line = Polyline(-circle(30.0, 1.0, 2.0))  # sets out against X
     headings = [line.nearest(-30.0 * sin(a), -30.0 * (1.0 - cos(a))).heading_rad for a in np.arange(0.1, 1.9, 0.01)]
     assert np.max(np.abs(np.diff(unwrapped(headings)))) < 0.011
@@ -71,8 +71,8 @@ def test_before_the_start_the_line_begins_at_its_start() -> None:
     assert line.nearest(-1.35, 0.2) == pytest.approx((0.2, 0.0))
 
 
-def test_what_was_passed_never_comes_back() -> None:
-    """Where a route crosses itself the way goes on, not back."""
+def test_passed_segments_are_never_revisited() -> None:
+    """At a self-intersection the route continues forward."""
     line = Polyline(STRAIGHT)
     for x in range(0, 40, 5):
         line.nearest(float(x), 0.0)

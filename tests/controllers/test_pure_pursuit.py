@@ -1,4 +1,4 @@
-"""Pure pursuit against its closed forms: a circle that the rear axle keeps, and the decay beside a straight."""
+"""Pure pursuit against closed forms: a circle of the rear axle, and the decay towards a straight."""
 
 from math import cos, exp, hypot, sin
 
@@ -14,18 +14,18 @@ MODEL = VehicleModel()
 
 
 def drive(route_m: Floats, car: Bicycle, time_s: float) -> Floats:
-    """(n, 2) m, where the rear axle was."""
-    hands = PurePursuit(load_gains(), route_m, MODEL)
+    """(n, 2) m, positions of the rear axle."""
+    control = PurePursuit(load_gains(), route_m, MODEL)
     places = []
     for _ in range(int(time_s * car.rate_hz)):
-        car.step(Command(0.0, hands.steer(car.observe())))
+        car.step(Command(0.0, control.steer(car.observe())))
         places.append((car.x_m - MODEL.l_r_m * cos(car.yaw_rad), car.y_m - MODEL.l_r_m * sin(car.yaw_rad)))
     return np.array(places)
 
 
 @pytest.mark.parametrize("radius_m", [30.0, -30.0, 80.0])
 def test_on_a_circle_the_rear_axle_has_no_steady_error(radius_m: float) -> None:
-    """So the centre of mass, l_r before it, runs outside by sqrt(R^2 + l_r^2) - R."""
+    """The centre of mass, l_r ahead of it, runs outside by sqrt(R^2 + l_r^2) - R."""
     car = Bicycle(y_m=0.3, rate_hz=200.0)
     rear = drive(circle(radius_m, 0.1), car, 12.0)[-200:]
     assert np.hypot(rear[:, 0], rear[:, 1] - radius_m) == pytest.approx(abs(radius_m), abs=4e-3)
@@ -34,7 +34,7 @@ def test_on_a_circle_the_rear_axle_has_no_steady_error(radius_m: float) -> None:
 
 
 @pytest.mark.parametrize("side_m", [0.1, -0.1])
-def test_beside_a_straight_it_comes_in_as_a_damped_wave(side_m: float) -> None:
+def test_offset_from_a_straight_decays_as_a_damped_wave(side_m: float) -> None:
     """y = y0 exp(-s / l) (cos(s / l) + sin(s / l)), with 4.3 % of overshoot, exp(-pi)."""
     reach_m = load_gains().look_ahead_m
     route = np.column_stack([np.arange(-5.0, 60.0), np.zeros(65)])
@@ -44,11 +44,11 @@ def test_beside_a_straight_it_comes_in_as_a_damped_wave(side_m: float) -> None:
     assert float(np.min(y / side_m)) == pytest.approx(-exp(-np.pi), abs=0.01)
 
 
-def test_it_starts_towards_the_line_from_far_off_and_within_the_limits() -> None:
+def test_steering_saturates_towards_a_distant_line() -> None:
     route = np.column_stack([np.arange(80.0), np.zeros(80)])
-    hands = PurePursuit(load_gains(), route, MODEL)
-    assert hands.steer(Bicycle(x_m=10.0, y_m=5.5).observe()) == -1.0
-    assert hands.steer(Bicycle(x_m=10.0, y_m=-5.5).observe()) == 1.0
+    control = PurePursuit(load_gains(), route, MODEL)
+    assert control.steer(Bicycle(x_m=10.0, y_m=5.5).observe()) == -1.0
+    assert control.steer(Bicycle(x_m=10.0, y_m=-5.5).observe()) == 1.0
 
 
 def test_a_look_ahead_must_be_positive() -> None:

@@ -1,4 +1,4 @@
-"""The reaching condition of the sliding mode against the speed, on roads whose curvature changes fast."""
+"""The reaching condition of the sliding mode on roads with a fast-changing curvature."""
 
 from dataclasses import replace
 from math import cos, pi, sin
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 
-from vpf_sim.controllers.gtsmc import AGAIN_MPS2, Gains, Gtsmc, load_gains
+from vpf_sim.controllers.gtsmc import RECOVERY_MPS2, Gains, Gtsmc, load_gains
 from vpf_sim.types import Command, Reference, VehicleModel
 
 CAR = VehicleModel()
@@ -19,34 +19,34 @@ HOLDS_UP_TO_MPS = ROBUST.u0_radps / CAR.wheelbase_m / CHANGE_PER_M2  # u_0 v / L
 
 def wave(gains: Gains, speed_mps: float, time_s: float = 12.0) -> tuple[list[float], list[float], list[bool]]:
     """Speeds, |s_r| and whether the condition held, of a car on the road at that reference speed."""
-    car, hands, way_m = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0
+    car, control, way_m = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0
     speeds, off, held = [], [], []
     for _ in range(round(60.0 * time_s)):
         phase = 2.0 * pi * way_m / PERIOD_M
         psi_d, rate = LARGEST_PER_M * PERIOD_M / (2.0 * pi) * (1.0 - cos(phase)), LARGEST_PER_M * sin(phase)
         reference = Reference(psi_d, speed_mps, rate * car.speed_mps)
-        off.append(abs(hands.manifold(car.observe(), reference, rate * car.speed_mps)))
-        car.step(hands.command(car.observe(), reference))
-        held.append(hands.reaching.holds)
+        off.append(abs(control.manifold(car.observe(), reference, rate * car.speed_mps)))
+        car.step(control.command(car.observe(), reference))
+        held.append(control.reaching.holds)
         speeds.append(car.speed_mps)
         way_m += car.speed_mps / 60.0
     return speeds[240:], off[240:], held[240:]
 
 
-def test_authority_and_demand_are_those_of_the_closed_form() -> None:
+def test_authority_and_demand_match_the_closed_form() -> None:
     """A curvature that grows at k' a metre: phi = -k' v^2, after the low-pass."""
-    hands, change = Gtsmc(replace(ROBUST, yaw_rate_filter_hz=0.0), CAR, 60.0), 0.01
+    control, change = Gtsmc(replace(ROBUST, yaw_rate_filter_hz=0.0), CAR, 60.0), 0.01
     for step in range(120):
         rate = change * 5.55**2 * step / 60.0
         car = Bicycle(yaw_rad=0.0)
         car.yaw_rate_radps = rate
-        hands.command(car.observe(), Reference(0.0, 5.55, rate))
-    assert hands.reaching.authority_radps2 == pytest.approx(0.65 * 5.55 / 2.7)
-    assert hands.reaching.demand_radps2 == pytest.approx(change * 5.55**2, rel=0.01)
-    assert hands.reaching.holds
+        control.command(car.observe(), Reference(0.0, 5.55, rate))
+    assert control.reaching.authority_radps2 == pytest.approx(0.65 * 5.55 / 2.7)
+    assert control.reaching.demand_radps2 == pytest.approx(change * 5.55**2, rel=0.01)
+    assert control.reaching.holds
 
 
-def test_where_it_holds_the_speed_is_kept() -> None:
+def test_speed_is_kept_while_the_reaching_condition_holds() -> None:
     assert 7.65 < HOLDS_UP_TO_MPS < 7.67
     speeds, off, held = wave(ROBUST, 0.75 * HOLDS_UP_TO_MPS)
     assert np.mean(held) > 0.98
@@ -54,7 +54,7 @@ def test_where_it_holds_the_speed_is_kept() -> None:
     assert max(off) < 1.5 * ROBUST.boundary_layer_radps
 
 
-def test_where_it_cannot_hold_the_car_slows_down_until_it_does() -> None:
+def test_failing_reaching_condition_slows_the_car() -> None:
     fast = 1.6 * HOLDS_UP_TO_MPS
     speeds, off, held = wave(ROBUST, fast)
     careless, far_off, _ = wave(replace(ROBUST, slows_to_reach=False), fast)
@@ -65,85 +65,83 @@ def test_where_it_cannot_hold_the_car_slows_down_until_it_does() -> None:
     assert max(off) < 0.6 * max(far_off)
 
 
-def test_at_low_speed_it_is_not_slowed_down_further() -> None:
-    """The authority falls with the speed: a demand that does not would bring the car to stand."""
-    car, hands = Bicycle(speed_mps=0.5), Gtsmc(ROBUST, CAR, 60.0)
+def test_reaching_condition_does_not_slow_below_the_least_speed() -> None:
+    """The authority falls with speed, so a constant demand would stop the car."""
+    car, control = Bicycle(speed_mps=0.5), Gtsmc(ROBUST, CAR, 60.0)
     for step in range(300):
         noise = 0.5 * sin(2.0 * pi * step / 60.0)
-        car.step(hands.command(car.observe(), Reference(0.0, 5.55, noise)))
+        car.step(control.command(car.observe(), Reference(0.0, 5.55, noise)))
     assert car.speed_mps > 1.9
 
 
-def test_when_it_holds_again_the_speed_rises_gently() -> None:
-    """A reference that winds for a second, faster than the steering turns at 3 m/s, and then leads straight on."""
-    car, hands = Bicycle(speed_mps=3.0), Gtsmc(ROBUST, CAR, 60.0)
+def test_speed_rises_slowly_once_the_reaching_condition_holds() -> None:
+    """A reference that oscillates faster than the steering allows for a second, then goes straight."""
+    car, control = Bicycle(speed_mps=3.0), Gtsmc(ROBUST, CAR, 60.0)
     held, throttle = [], []
     for step in range(240):
         winds = step < 60
         rate = 0.6 * sin(2.0 * pi * step / 30.0) if winds else 0.0
-        command = hands.command(car.observe(), Reference(0.0, 5.55, rate))
+        command = control.command(car.observe(), Reference(0.0, 5.55, rate))
         car.step(command)
-        held.append(hands.reaching.holds)
+        held.append(control.reaching.holds)
         throttle.append(command.throttle * CAR.full_throttle_mps2)
     assert not all(held[:60])
     assert all(held[120:])
-    assert max(throttle[60:]) < 1.05 * AGAIN_MPS2 < ROBUST.a0_mps2
+    assert max(throttle[60:]) < 1.05 * RECOVERY_MPS2 < ROBUST.a0_mps2
     assert max(np.diff(throttle[60:])) < 0.1
     assert car.speed_mps > 5.0
 
 
-def test_a_new_episode_begins_at_the_speed_that_is_wanted() -> None:
-    """Not held back by what could not be reached in the last."""
-    hands, fresh, car = Gtsmc(ROBUST, CAR, 60.0), Gtsmc(ROBUST, CAR, 60.0), Bicycle(speed_mps=3.0)
+def test_reset_clears_the_reaching_speed_limit() -> None:
+    """The last episode's speed limit does not carry over."""
+    control, fresh, car = Gtsmc(ROBUST, CAR, 60.0), Gtsmc(ROBUST, CAR, 60.0), Bicycle(speed_mps=3.0)
     for step in range(60):
-        hands.command(car.observe(), Reference(0.0, 5.55, 0.6 * sin(2.0 * pi * step / 30.0)))
-    assert not hands.reaching.holds
-    hands.reset()
+        control.command(car.observe(), Reference(0.0, 5.55, 0.6 * sin(2.0 * pi * step / 30.0)))
+    assert not control.reaching.holds
+    control.reset()
     for _ in range(3):
-        assert hands.command(car.observe(), Reference(0.0, 5.55, 0.0)) == fresh.command(
+        assert control.command(car.observe(), Reference(0.0, 5.55, 0.0)) == fresh.command(
             car.observe(), Reference(0.0, 5.55, 0.0)
         )
 
 
 def bend_error_deg(gains: Gains, speed_mps: float) -> float:
-    """Largest heading error of a car on a path whose bend changes as fast as it may, by 0.45 rad/s.
+    """Largest heading error on a path with the fastest curvature change, by a steering rate of 0.45 rad/s.
 
     The curvature goes to 0.1 1/m and back.
     """
-    car, hands, worst = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0
+    car, control, worst = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0
     curvature, psi_d, change = 0.0, 0.0, 0.45 / CAR.wheelbase_m / 60.0
     ramp = round(0.1 / change)
     for step in range(3 * ramp):
         curvature += change * (1.0, 0.0, -1.0)[step // ramp]
         psi_d += curvature * speed_mps / 60.0
-        car.step(hands.command(car.observe(), Reference(psi_d, speed_mps, curvature * speed_mps)))
+        car.step(control.command(car.observe(), Reference(psi_d, speed_mps, curvature * speed_mps)))
         worst = max(worst, abs(np.degrees(car.yaw_rad - psi_d)))
     return worst
 
 
 @pytest.mark.parametrize("speed_mps", [2.0, 3.5, 5.0])
-def test_a_path_is_followed_where_its_bend_changes(speed_mps: float) -> None:
-    """Foreseen, it takes no error in the layer to turn the steering."""
-    assert ROBUST.foresees
+def test_feedforward_follows_a_changing_curvature(speed_mps: float) -> None:
+    """With feedforward no error in the layer is needed to turn the steering."""
+    assert ROBUST.feedforward
     assert bend_error_deg(ROBUST, speed_mps) < 0.8
-    assert bend_error_deg(replace(ROBUST, foresees=False), speed_mps) > 1.5
+    assert bend_error_deg(replace(ROBUST, feedforward=False), speed_mps) > 1.5
 
 
 @pytest.mark.parametrize(("speed_mps", "acceleration_mps2"), [(2.0, 1.5), (5.0, -2.5)])
-def test_in_a_bend_the_wheels_stay_as_they_are_while_the_speed_changes(
-    speed_mps: float, acceleration_mps2: float
-) -> None:
-    """A bend of 0.1 1/m: the rate of the reference changes, the bend does not, and foresight asks for nothing."""
+def test_speed_changes_in_a_bend_need_no_feedforward(speed_mps: float, acceleration_mps2: float) -> None:
+    """A bend of 0.1 1/m: the reference's rate changes, its curvature does not, so feedforward is zero."""
 
     def worst_deg(gains: Gains) -> float:
-        car, hands, psi_d, worst = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0, 0.0
+        car, control, psi_d, worst = Bicycle(speed_mps=speed_mps), Gtsmc(gains, CAR, 60.0), 0.0, 0.0
         for step in range(240):
             if step > 120:
                 car.speed_mps += acceleration_mps2 / 60.0
                 worst = max(worst, abs(np.degrees(car.yaw_rad - psi_d)))
             psi_d += 0.1 * car.speed_mps / 60.0
-            steering = hands.command(car.observe(), Reference(psi_d, car.speed_mps, 0.1 * car.speed_mps)).steering
+            steering = control.command(car.observe(), Reference(psi_d, car.speed_mps, 0.1 * car.speed_mps)).steering
             car.step(Command(0.0, steering))
         return worst
 
-    assert worst_deg(ROBUST) < worst_deg(replace(ROBUST, foresees=False)) + 0.05
+    assert worst_deg(ROBUST) < worst_deg(replace(ROBUST, feedforward=False)) + 0.05

@@ -1,4 +1,4 @@
-"""Stanley's law against its closed forms: a circle that the front axle keeps, and the decay beside a straight."""
+"""The Stanley controller against closed forms: a circle of the front axle, and the decay towards a straight."""
 
 from math import cos, hypot, sin, sqrt
 
@@ -15,18 +15,18 @@ GAINS = load_gains()
 
 
 def drive(route_m: Floats, car: Bicycle, time_s: float) -> Floats:
-    """(n, 2) m, where the front axle was."""
-    hands = Stanley(GAINS, route_m, MODEL)
+    """(n, 2) m, positions of the front axle."""
+    control = Stanley(GAINS, route_m, MODEL)
     places = []
     for _ in range(int(time_s * car.rate_hz)):
-        car.step(Command(0.0, hands.steer(car.observe())))
+        car.step(Command(0.0, control.steer(car.observe())))
         places.append((car.x_m + MODEL.l_f_m * cos(car.yaw_rad), car.y_m + MODEL.l_f_m * sin(car.yaw_rad)))
     return np.array(places)
 
 
 @pytest.mark.parametrize("radius_m", [30.0, -30.0, 80.0])
 def test_on_a_circle_the_front_axle_has_no_steady_error(radius_m: float) -> None:
-    """So the centre of mass runs inside, at sqrt(R^2 - L^2 + l_r^2)."""
+    """The centre of mass runs inside, at sqrt(R^2 - L^2 + l_r^2)."""
     car = Bicycle(y_m=0.3, rate_hz=200.0)
     front = drive(circle(radius_m, 0.1), car, 12.0)[-200:]
     assert np.hypot(front[:, 0], front[:, 1] - radius_m) == pytest.approx(abs(radius_m), abs=5e-3)
@@ -35,8 +35,8 @@ def test_on_a_circle_the_front_axle_has_no_steady_error(radius_m: float) -> None
 
 
 @pytest.mark.parametrize("side_m", [0.1, -0.1])
-def test_beside_a_straight_its_error_decays_exponentially(side_m: float) -> None:
-    """e = e0 exp(-k v / (k_s + v) t), once the wheels have turned, which takes some hundredths of a second."""
+def test_offset_from_a_straight_decays_exponentially(side_m: float) -> None:
+    """e = e0 exp(-k v / (k_s + v) t), once the wheels have turned."""
     car = Bicycle(x_m=-MODEL.l_f_m, y_m=side_m, rate_hz=200.0)
     error = drive(np.column_stack([np.arange(-5.0, 60.0), np.zeros(65)]), car, 4.0)[:, 1] / side_m
     time_s = np.arange(1, len(error) + 1) / 200.0
@@ -47,17 +47,17 @@ def test_beside_a_straight_its_error_decays_exponentially(side_m: float) -> None
     assert slope == pytest.approx(-rate_per_s, rel=0.03)
 
 
-def test_at_standstill_it_stays_calm_near_the_line() -> None:
+def test_softening_limits_steering_at_standstill() -> None:
     """Without the softening any error would ask for 90 deg; with it, for atan(k e / k_s)."""
-    hands = Stanley(GAINS, np.column_stack([np.arange(80.0), np.zeros(80)]), MODEL)
-    steering_rad = hands.steer(Bicycle(y_m=0.01, speed_mps=0.0).observe()) * MODEL.steering_limit_rad
+    control = Stanley(GAINS, np.column_stack([np.arange(80.0), np.zeros(80)]), MODEL)
+    steering_rad = control.steer(Bicycle(y_m=0.01, speed_mps=0.0).observe()) * MODEL.steering_limit_rad
     assert steering_rad == pytest.approx(-GAINS.k_per_s * 0.01 / GAINS.softening_mps, rel=1e-3)
 
 
-def test_it_starts_towards_the_line_from_far_off_and_within_the_limits() -> None:
-    hands = Stanley(GAINS, np.column_stack([np.arange(80.0), np.zeros(80)]), MODEL)
-    assert hands.steer(Bicycle(y_m=9.0).observe()) == -1.0
-    assert hands.steer(Bicycle(y_m=-9.0).observe()) == 1.0
+def test_steering_saturates_towards_a_distant_line() -> None:
+    control = Stanley(GAINS, np.column_stack([np.arange(80.0), np.zeros(80)]), MODEL)
+    assert control.steer(Bicycle(y_m=9.0).observe()) == -1.0
+    assert control.steer(Bicycle(y_m=-9.0).observe()) == 1.0
 
 
 def test_gains_must_be_positive() -> None:

@@ -1,4 +1,4 @@
-"""The second-order sliding mode on a plant in closed form, beside the first-order law, and in the controller."""
+"""The second-order sliding mode: closed-form plant, comparison with the relay, and in the controller."""
 
 from dataclasses import replace
 from math import cos, sin, sqrt
@@ -30,13 +30,8 @@ def plant(law: SuperTwisting | None, s: float, rate: float, dt: float, time_s: f
     return np.array(found)
 
 
-def test_the_gains_follow_from_the_bound_on_the_disturbances_rate() -> None:
-    law = SuperTwisting(D, 0.01)
-    assert (law.k1, law.k2) == pytest.approx((1.5 * sqrt(2.0), 2.2))
-
-
 @pytest.mark.parametrize("start", [0.05, 0.5, -2.0])
-def test_the_manifold_is_reached_within_the_time_of_lyapunovs_function(start: float) -> None:
+def test_manifold_is_reached_within_the_lyapunov_bound(start: float) -> None:
     """J. Moreno, M. Osorio, A Lyapunov approach to second-order sliding mode controllers and observers, CDC 2008.
 
     With x = (sqrt|s| sign s, w), x' = A x / sqrt|s|, A' P + P A = -Q and V = x' P x, s = w = 0 is reached within
@@ -54,8 +49,8 @@ def test_the_manifold_is_reached_within_the_time_of_lyapunovs_function(start: fl
     assert abs(law.w_radps2) < 1e-3
 
 
-def test_a_disturbance_that_changes_at_less_than_its_bound_is_taken_up_whole() -> None:
-    """What is left is s = dt phi, and smooth."""
+def test_disturbance_below_its_rate_bound_is_fully_rejected() -> None:
+    """The remaining s is dt phi, and smooth."""
     dt = 1e-3
     law = SuperTwisting(D, dt)
     s = plant(law, 0.3, 0.95 * D, dt, 8.0)
@@ -64,19 +59,19 @@ def test_a_disturbance_that_changes_at_less_than_its_bound_is_taken_up_whole() -
     assert law.w_radps2 == pytest.approx(-phi[-1], abs=0.01)
 
 
-def test_one_that_changes_faster_is_not() -> None:
+def test_disturbance_above_its_rate_bound_is_not_rejected() -> None:
     s = plant(SuperTwisting(0.2 * D, 1e-3), 0.0, 0.95 * D, 1e-3, 8.0)
     assert np.abs(s[4000:]).max() > 0.01
 
 
-def test_it_is_nearer_than_the_relay_and_does_not_jump() -> None:
+def test_super_twisting_is_closer_and_smoother_than_the_relay() -> None:
     dt = 1.0 / 60.0
     smooth, relay = (plant(law, 0.1, 0.95 * D, dt, 6.0)[180:] for law in (SuperTwisting(D, dt), None))
     assert np.abs(smooth).max() < 0.5 * np.abs(relay).max()
     assert np.abs(np.diff(smooth)).max() < 0.05 * np.abs(np.diff(relay)).max()
 
 
-def test_beyond_the_actuators_rate_it_is_held_and_does_not_wind_up() -> None:
+def test_saturated_rate_does_not_wind_up() -> None:
     law = SuperTwisting(D, 1.0 / 60.0)
     rates = [law.rate(5.0, AUTHORITY, 0.65) for _ in range(600)]
     assert rates == [-0.65] * 600
@@ -86,21 +81,21 @@ def test_beyond_the_actuators_rate_it_is_held_and_does_not_wind_up() -> None:
 
 
 def swerve(gains: Gains) -> tuple[float, float, float]:
-    """(largest |s_r|, rms of the actuator's rate, its direction changes a second) while the heading swings."""
-    car, hands = Bicycle(), Gtsmc(gains, CAR, 60.0)
+    """(largest |s_r|, rms of the actuator's rate, its reversals per second) for an oscillating heading."""
+    car, control = Bicycle(), Gtsmc(gains, CAR, 60.0)
     sizes, angles = [], []
     for step in range(360):
         time_s = step / 60.0
         psi_d = Reference(0.2 * sin(1.5 * time_s), 5.55, 0.3 * cos(1.5 * time_s))
-        sizes.append(abs(hands.manifold(car.observe(), psi_d, 0.3 * cos(1.5 * time_s))))
-        car.step(hands.command(car.observe(), psi_d))
+        sizes.append(abs(control.manifold(car.observe(), psi_d, 0.3 * cos(1.5 * time_s))))
+        car.step(control.command(car.observe(), psi_d))
         angles.append(car.steering_rad)
     moves = np.diff(angles)[60:]
     turns = np.count_nonzero(np.diff(np.sign(moves)))
     return max(sizes[60:]), 60.0 * float(np.sqrt(np.mean(moves**2))), turns / 5.0
 
 
-def test_on_the_car_it_follows_as_well_as_the_relay_without_its_chattering() -> None:
+def test_super_twisting_tracks_without_chattering() -> None:
     off, rate, turns = swerve(TWISTING)
     relay_off, relay_rate, relay_turns = swerve(RELAY)
     assert off < 0.02
@@ -111,7 +106,7 @@ def test_on_the_car_it_follows_as_well_as_the_relay_without_its_chattering() -> 
 
 
 @pytest.mark.parametrize(("law", "rate", "got"), [("first_order", 2.0, "2.0"), ("super_twisting", 0.0, "0.0")])
-def test_the_bound_belongs_to_the_law(law: str, rate: float, got: str) -> None:
+def test_disturbance_bound_requires_super_twisting(law: str, rate: float, got: str) -> None:
     table = {key: getattr(TWISTING, key) for key in TWISTING.__slots__}
     table |= {"lateral_law": law, "disturbance_radps3": rate}
     with pytest.raises(InputError, match=f"disturbance_radps3: expected > 0 with super_twisting alone, got {got}"):

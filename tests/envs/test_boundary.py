@@ -1,4 +1,4 @@
-"""The sensor boundary: from what a driver is told, nothing of the world can be reached that it has not declared."""
+"""The sensor boundary: a driver's inputs give no access to the world without the declared privilege."""
 
 import gc
 from collections.abc import Iterator
@@ -20,20 +20,20 @@ WORLD = (Road, RoadNetwork, AbstractLane, RoadObject)
 
 
 def reachable(*roots: object) -> Iterator[object]:
-    """All objects that the roots hold, themselves or through others: attributes, items, the base of a view."""
+    """All objects reachable from the roots: attributes, items, bases of views."""
     found = {id(root): root for root in roots}
     ahead = list(roots)
     while ahead:
         holder = ahead.pop()
         yield holder
         held = [*gc.get_referents(holder), getattr(holder, "base", None) if isinstance(holder, np.ndarray) else None]
-        for thing in held:
-            if not isinstance(thing, CODE) and id(thing) not in found:
-                found[id(thing)] = thing
-                ahead.append(thing)
+        for item in held:
+            if not isinstance(item, CODE) and id(item) not in found:
+                found[id(item)] = item
+                ahead.append(item)
 
 
-def of_the_world(value: object) -> bool:
+def is_of_the_world(value: object) -> bool:
     return isinstance(value, WORLD) or type(value).__module__.startswith(("highway_env", "vpf_sim.envs"))
 
 
@@ -43,8 +43,8 @@ class Declares:
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
-    """What a driver of each privilege holds after the first step of an episode in the real environment."""
+def driver_inputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
+    """All inputs of a driver by privilege, after the first step of an episode."""
     from vpf_sim.envs.four_lane import FourLane
 
     with closing(FourLane(str(write_short(tmp_path_factory.mktemp("scenario"))), truth=("foe",))) as env:
@@ -55,17 +55,17 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
 
 
 @pytest.mark.parametrize("privileged", ["none", "route"])
-def test_a_driver_without_the_privilege_cannot_reach_the_world(privileged: str, told: dict[str, list[object]]) -> None:
-    assert not [value for value in reachable(*told[privileged]) if of_the_world(value)]
+def test_unprivileged_driver_cannot_reach_the_world(privileged: str, driver_inputs: dict[str, list[object]]) -> None:
+    assert not [value for value in reachable(*driver_inputs[privileged]) if is_of_the_world(value)]
 
 
-def test_the_search_finds_the_world_where_it_is_given(told: dict[str, list[object]]) -> None:
-    kinds = {kind for value in reachable(*told["world"]) for kind in WORLD if isinstance(value, kind)}
+def test_search_finds_the_world_when_privileged(driver_inputs: dict[str, list[object]]) -> None:
+    kinds = {kind for value in reachable(*driver_inputs["world"]) for kind in WORLD if isinstance(value, kind)}
     assert kinds == set(WORLD)
 
 
-def test_a_driver_without_a_privilege_holds_no_more_than_numbers_and_its_frames(told: dict[str, list[object]]) -> None:
-    modules = {type(value).__module__ for value in reachable(*told["none"])}
+def test_unprivileged_driver_holds_only_numbers_and_frames(driver_inputs: dict[str, list[object]]) -> None:
+    modules = {type(value).__module__ for value in reachable(*driver_inputs["none"])}
     assert modules <= {"builtins", "numpy", "vpf_sim.types"}
-    arrays = [value for value in reachable(*told["none"]) if isinstance(value, np.ndarray)]
+    arrays = [value for value in reachable(*driver_inputs["none"]) if isinstance(value, np.ndarray)]
     assert {array.shape for array in arrays} == {(480, 640, 3)}, "no waypoints, no other picture"

@@ -1,4 +1,4 @@
-"""Environments with the camera that are copied, stored or of many agents: the same world, the same pictures."""
+"""Copied, pickled and multi-agent environments with the camera render the same frames."""
 
 import copy
 import pickle
@@ -44,7 +44,7 @@ def assert_same_pictures(env: Any, twin: Any, steps: int) -> None:
 
 @pytest.mark.parametrize("duplicate", [copy.deepcopy, stored])
 @pytest.mark.parametrize("scenario", ["town04", "traffic"])
-def test_a_copy_in_the_middle_of_an_episode_shows_the_same_pictures(scenario: str, duplicate: Any) -> None:
+def test_copy_during_an_episode_renders_the_same_frames(scenario: str, duplicate: Any) -> None:
     env = gym.make("vpf_sim/FourLane-v0", scenario=scenario, rig=SMALL, rate_hz=20.0)
     env.reset(seed=5)
     for _ in range(3):
@@ -52,7 +52,7 @@ def test_a_copy_in_the_middle_of_an_episode_shows_the_same_pictures(scenario: st
     assert_same_pictures(env, duplicate(env), 3)
 
 
-def test_looking_ahead_on_a_copy_leaves_the_original_as_it_was() -> None:
+def test_steps_on_a_copy_do_not_change_the_original() -> None:
     env, other = with_camera("intersection-v0"), with_camera("intersection-v0")
     for each in (env, other):
         each.reset(seed=1)
@@ -63,7 +63,7 @@ def test_looking_ahead_on_a_copy_leaves_the_original_as_it_was() -> None:
 
 
 @pytest.mark.parametrize("name", [MANY, pytest.param("racetrack-v0", marks=pytest.mark.slow)])
-def test_what_the_environment_gives_is_left_as_it_is(name: str) -> None:
+def test_wrapper_does_not_change_the_environments_results(name: str) -> None:
     env, bare = with_camera(name), plain(name)
     env.reset(seed=1)
     bare.reset(seed=1)
@@ -95,14 +95,14 @@ def test_every_environment_takes_the_camera(name: str) -> None:
     assert_same_pictures(env, stored(env), 1)
 
 
-def test_a_vector_of_environments_shows_what_each_alone_would() -> None:
+def test_vector_of_environments_equals_single_ones() -> None:
     vector = gym.vector.SyncVectorEnv([lambda: with_camera("merge-v0")] * 2)
     observation, _ = vector.reset(seed=[4, 5])
     for index, seed in enumerate((4, 5)):
         assert np.array_equal(observation["image"][index], with_camera("merge-v0").reset(seed=seed)[0]["image"])
 
 
-def test_render_stays_the_environments_own_view() -> None:
+def test_render_is_the_environments_own_view() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         bare = gym.make("merge-v0", render_mode="rgb_array", disable_env_checker=True)
@@ -120,7 +120,7 @@ def test_render_stays_the_environments_own_view() -> None:
         (MANY, [1, (1,), (1, 9), (np.nan, 0)]),
     ],
 )
-def test_an_action_that_is_none_is_refused_in_a_sentence(name: str, actions: list[Any]) -> None:
+def test_invalid_action_is_rejected_with_a_clear_message(name: str, actions: list[Any]) -> None:
     env = with_camera(name)
     env.reset(seed=1)
     for action in actions:

@@ -1,4 +1,4 @@
-"""The ego car against closed forms: circles, stopping distances, the rate of its steering."""
+"""The ego car against closed forms: circles, stopping distances, steering rate."""
 
 from math import atan, cos, pi, radians, sin, tan
 
@@ -21,7 +21,7 @@ def ego_car(speed: float = 5.55, heading: float = 0.0, friction: float | None = 
 
 
 def turned(steering: float, speed: float, friction: float | None = None) -> Ego:
-    """A car whose wheels already stand at the steering angle."""
+    """A car with its wheels already at the steering angle."""
     ego = ego_car(speed, friction=friction)
     ego.steering_rad = steering
     ego.act({"acceleration": 0.0, "steering": steering})
@@ -50,7 +50,7 @@ def test_positive_steering_turns_right() -> None:
     assert ego.position[1] > 1.75
 
 
-def test_braking_ends_in_standing_after_the_stopping_distance_and_never_reverses() -> None:
+def test_braking_stops_at_the_stopping_distance_without_reversing() -> None:
     ego = ego_car(speed=10.03)  # so that it comes to stand within a step
     ego.act({"acceleration": -6.0, "steering": 0.0})
     for _ in range(200):
@@ -69,7 +69,7 @@ def test_throttle_from_standing_is_half_a_t_squared() -> None:
     assert ego.position - [20.0, 1.75] == pytest.approx([6.0 * cos(pi / 6.0), 6.0 * sin(pi / 6.0)])
 
 
-def test_the_steering_angle_follows_its_command_at_one_radian_a_second_and_stops_at_the_limit() -> None:
+def test_steering_rate_and_angle_are_limited() -> None:
     ego = ego_car()
     ego.act({"acceleration": 0.0, "steering": 10.0})
     angles = []
@@ -83,7 +83,7 @@ def test_the_steering_angle_follows_its_command_at_one_radian_a_second_and_stops
     assert ego.steering_rad == pytest.approx(radians(40.0) - 1.0 / 60.0)
 
 
-def test_a_command_is_copied_and_left_as_it_was() -> None:
+def test_command_is_copied_and_not_modified() -> None:
     ego, command = ego_car(), {"acceleration": 1.0, "steering": 2.0}
     ego.act(command)
     ego.step(1.0 / 60.0)
@@ -93,7 +93,7 @@ def test_a_command_is_copied_and_left_as_it_was() -> None:
     assert ego.speed == pytest.approx(5.55 + 2.0 / 60.0)
 
 
-def test_a_command_is_kept_until_the_next() -> None:
+def test_command_is_held_until_the_next() -> None:
     ego = ego_car(speed=0.0)
     ego.act({"acceleration": 1.5, "steering": 0.0})
     ego.act()
@@ -117,7 +117,7 @@ def test_the_lane_follows_the_position() -> None:
     assert ego.place == pytest.approx((20.0, 5.25))
 
 
-def test_the_throw_of_a_contact_does_not_move_the_car() -> None:
+def test_contact_impulse_does_not_move_the_car() -> None:
     ego = ego_car()
     ego.act({"acceleration": 0.0, "steering": 0.0})
     ego.impact = np.array([3.0, 3.0])
@@ -126,7 +126,7 @@ def test_the_throw_of_a_contact_does_not_move_the_car() -> None:
     assert not ego.crashed
 
 
-def test_on_a_slippery_road_the_car_brakes_at_what_the_friction_holds() -> None:
+def test_friction_limits_braking() -> None:
     ego = ego_car(speed=10.03, friction=0.3)
     ego.act({"acceleration": -6.0, "steering": 0.0})
     for _ in range(400):
@@ -136,7 +136,7 @@ def test_on_a_slippery_road_the_car_brakes_at_what_the_friction_holds() -> None:
 
 
 @pytest.mark.parametrize("steering_deg", [-20.0, 20.0])
-def test_on_a_slippery_road_the_car_runs_wide_on_the_circle_that_the_friction_holds(steering_deg: float) -> None:
+def test_friction_limits_cornering(steering_deg: float) -> None:
     ego = turned(radians(steering_deg), 8.0, friction=0.3)
     held = 0.3 * GRAVITY_MPS2
     for _ in range(120):
@@ -156,7 +156,7 @@ def test_braking_in_a_bend_shares_the_friction_between_both() -> None:
     assert along / (ego.heading / 1e-4 * 8.0) == pytest.approx(-4.0 / across, rel=1e-4)
 
 
-def test_what_the_friction_holds_is_done_as_on_a_dry_road() -> None:
+def test_motion_within_friction_equals_the_dry_road() -> None:
     cars = [turned(radians(3.0), 8.0, friction) for friction in (None, 0.3)]
     for ego in cars:
         ego.act({"acceleration": 1.0, "steering": radians(-4.0)})
@@ -166,7 +166,7 @@ def test_what_the_friction_holds_is_done_as_on_a_dry_road() -> None:
     assert cars[0].heading == cars[1].heading
 
 
-def test_the_grip_is_the_weathers_and_rain_alone_takes_none() -> None:
+def test_friction_comes_from_the_weather_only() -> None:
     for name, changes, expected in (("rain", {}, None), ("clear", {"road_friction": 0.4}, 0.4)):
         env = FourLane("straight", weather.load(name).model_copy(update=changes))
         env.reset(seed=1)

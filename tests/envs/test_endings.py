@@ -1,4 +1,4 @@
-"""How an episode of the environment ends, each way by the rule that the reference states."""
+"""Every ending of an episode, by the rules of the reference."""
 
 from collections.abc import Callable
 from math import radians
@@ -27,7 +27,7 @@ pytest_plugins = ["straight_road"]
 
 
 @pytest.mark.usefixtures("blind")
-def test_success_is_the_centre_crossing_the_goals_cross_section() -> None:
+def test_success_when_the_centre_crosses_the_goal() -> None:
     steps, env = ending(GOAL)
     assert steps[-1][4]["status"] == "success"
     assert (steps[-1][2], steps[-1][3]) == (True, False)
@@ -47,7 +47,7 @@ def test_success_counts_in_any_lane() -> None:
 
 @pytest.mark.usefixtures("blind")
 @pytest.mark.parametrize("kind", ["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian"])
-def test_collision_names_the_kind_hit_and_moves_the_car_by_nothing_but_its_speed(kind: str) -> None:
+def test_collision_names_the_kind_and_does_not_displace_the_car(kind: str) -> None:
     steps, env = ending(FAR + f'[[bodies]]\nkind = "{kind}"\ns_m = 40.0\nlane = 2\nlateral_m = 0.6\n')
     info = steps[-1][4]
     assert (info["status"], info["collided_with"], info["clearance_m"]) == ("collision", kind, 0.0)
@@ -61,11 +61,11 @@ def test_collision_names_the_kind_hit_and_moves_the_car_by_nothing_but_its_speed
 
 
 @pytest.mark.usefixtures("blind")
-def test_a_car_from_behind_is_a_collision_too() -> None:
+def test_rear_end_collision_counts() -> None:
     text = FAR + '[ego]\ns_m = 30.0\nspeed_mps = 0.0\n[[bodies]]\nkind = "car"\ns_m = 10.0\nlane = 2\nspeed_mps = 8.0\n'
     env = FourLane(scenario(text), rig=SMALL)
     env.reset(seed=0)
-    env.road.vehicles[0].act = lambda: None  # it does not look
+    env.road.vehicles[0].act = lambda: None  # it ignores obstacles
     info = next(info for *_, info in (env.step(NEUTRAL) for _ in range(200)) if info["status"] != "running")
     assert (info["status"], info["collided_with"]) == ("collision", "car")
     assert env.ego.position.tolist() == [30.0, 1.75]
@@ -73,7 +73,7 @@ def test_a_car_from_behind_is_a_collision_too() -> None:
 
 @pytest.mark.usefixtures("blind")
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_off_road_is_any_corner_more_than_the_margin_beyond_the_edge(side: float) -> None:
+def test_corner_beyond_the_edge_margin_is_off_road(side: float) -> None:
     lane = 1 if side > 0 else 4
     steps, env = ending(FAR + f"[ego]\nlane = {lane}\nheading_deg = {side * 5.0}\n")
     assert (steps[-1][4]["status"], steps[-1][2]) == ("off_road", True)
@@ -84,7 +84,7 @@ def test_off_road_is_any_corner_more_than_the_margin_beyond_the_edge(side: float
 
 
 @pytest.mark.usefixtures("blind")
-def test_the_end_of_the_road_is_off_road_where_the_goal_is_to_stop() -> None:
+def test_end_of_the_road_is_off_road() -> None:
     steps, env = ending('[goal]\ns_m = 190.0\nkind = "stop"\n[ego]\ns_m = 150.0\n[limits]\ntime_s = 30.0\n')
     assert steps[-1][4]["status"] == "off_road"
     assert env.ego.position[0] + 2.25 == pytest.approx(200.2, abs=5.55 / 60.0)
@@ -102,7 +102,7 @@ def test_timeout_is_the_limit_or_three_times_the_way_at_the_reference_speed() ->
 
 
 @pytest.mark.usefixtures("blind")
-def test_stuck_is_ten_seconds_of_standing() -> None:
+def test_stuck_after_ten_seconds_at_standstill() -> None:
     steps, _ = ending(FAR, FULL_BRAKE)
     slow = sum(step[0]["ego"][3] < 0.2 for step in steps)
     assert (steps[-1][4]["status"], steps[-1][3], slow) == ("stuck", True, 600)
@@ -116,7 +116,7 @@ def braking_at(x: float) -> Callable[[FourLane], Floats]:
 
 
 @pytest.mark.usefixtures("blind")
-def test_stop_is_two_seconds_of_standing_at_one_to_fifteen_metres() -> None:
+def test_stop_goal_needs_two_seconds_at_1_to_15_m() -> None:
     env = FourLane(scenario(STOP + BARRIER), rig=SMALL)
     steps = drive(env, braking_at(28.0))
     standing = sum(step[0]["ego"][3] < 0.05 for step in steps)
@@ -126,7 +126,7 @@ def test_stop_is_two_seconds_of_standing_at_one_to_fifteen_metres() -> None:
 
 @pytest.mark.usefixtures("blind")
 @pytest.mark.parametrize("x", [10.0, 34.3])
-def test_stop_too_far_from_or_too_near_the_body_is_no_success(x: float) -> None:
+def test_stop_goal_fails_too_far_or_too_near(x: float) -> None:
     env = FourLane(scenario(STOP + BARRIER), rig=SMALL)
     steps = drive(env, braking_at(x))
     assert steps[-1][4]["status"] == "stuck"
@@ -134,7 +134,7 @@ def test_stop_too_far_from_or_too_near_the_body_is_no_success(x: float) -> None:
 
 
 class Frames(FakeRenderer):
-    """Frames that go wrong after half a second."""
+    """Frames that become invalid after half a second."""
 
     wrong: Callable[[np.ndarray], np.ndarray]
 
@@ -168,7 +168,7 @@ class Blind(FakeRenderer):
         return np.zeros_like(super().render(ego, time_s))
 
 
-def test_a_camera_that_never_works_is_said_at_the_reset(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_camera_broken_from_the_start_is_reported_at_reset(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vpf_sim.envs.camera.Renderer", Blind)
     env = FourLane(scenario(FAR), rig=SMALL)
     _, info = env.reset(seed=0)
@@ -178,7 +178,7 @@ def test_a_camera_that_never_works_is_said_at_the_reset(monkeypatch: pytest.Monk
     assert info["invalid_frame"] == {"frame": 0, "time_s": 0.0, "fault": "black"}
 
 
-def test_the_same_frame_twice_is_right_while_the_car_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_repeated_frame_is_valid_at_standstill(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vpf_sim.envs.camera.Renderer", type("S", (Frames,), {"wrong": staticmethod(WRONG["stale"])}))
     steps, _ = ending(FAR + "[ego]\nspeed_mps = 0.0\n")
     assert steps[-1][4]["status"] == "stuck"

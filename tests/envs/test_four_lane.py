@@ -56,7 +56,7 @@ def test_actions_are_shares_of_what_the_car_can_do() -> None:
 
 @pytest.mark.usefixtures("blind")
 @pytest.mark.parametrize("action", [[np.nan, 0.0], [0.0], [0.0, inf]])
-def test_an_action_that_is_not_two_finite_numbers_is_refused(action: list[float]) -> None:
+def test_action_must_be_two_finite_numbers(action: list[float]) -> None:
     env = FourLane(scenario(FAR), rig=SMALL)
     env.reset(seed=0)
     with pytest.raises(ValueError, match=r"^action: expected two finite numbers in \[-1, 1\], throttle and steering"):
@@ -64,7 +64,7 @@ def test_an_action_that_is_not_two_finite_numbers_is_refused(action: list[float]
 
 
 @pytest.mark.usefixtures("blind")
-def test_an_action_array_is_left_as_it_was() -> None:
+def test_action_array_is_not_modified() -> None:
     env, action = FourLane(scenario(FAR), rig=SMALL), np.array([2.0, -3.0])
     env.reset(seed=0)
     env.step(action)
@@ -72,7 +72,7 @@ def test_an_action_array_is_left_as_it_was() -> None:
 
 
 @pytest.mark.usefixtures("blind")
-def test_what_the_evaluation_is_offered() -> None:
+def test_attributes_for_the_evaluation() -> None:
     env = FourLane("curve-right", rig=SMALL)
     env.reset(seed=4)
     lane = env.road.network.get_lane(("start", "end", 2))
@@ -98,7 +98,7 @@ def test_the_yaw_is_the_heading_wrapped(heading: float, yaw: float) -> None:
 
 
 @pytest.mark.usefixtures("blind")
-def test_twenty_frames_a_second_is_the_other_clock() -> None:
+def test_rate_of_20_hz_is_supported() -> None:
     env = FourLane(scenario(GOAL), rig=SMALL, rate_hz=20.0)
     steps = drive(env, constantly(NEUTRAL))
     assert len(steps) == np.ceil(25.0 / (5.55 / 20.0))
@@ -106,17 +106,17 @@ def test_twenty_frames_a_second_is_the_other_clock() -> None:
     assert (env.metadata["render_fps"], FourLane.metadata["render_fps"]) == (20, 60)
 
 
-def test_without_frames_all_but_the_image_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_episode_without_frames_is_otherwise_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     seeing, blind = FourLane("town04", rig=SMALL), FourLane("town04", rig=SMALL, frames=False)
     check_env(blind, skip_render_check=True)
     observed, info = seeing.reset(seed=3)
     monkeypatch.setattr("vpf_sim.envs.camera.Renderer", None)
-    unseen, told = blind.reset(seed=3)
+    blind_observed, blind_info = blind.reset(seed=3)
     for command in (*20 * [FULL_AHEAD], *20 * [np.array([0.2, 0.3])]):
-        assert observed.keys() == {*unseen, "image"}
-        assert all(np.array_equal(observed[key], unseen[key]) for key in unseen)
-        assert info == told
-        (observed, *judged, info), (unseen, *also, told) = seeing.step(command), blind.step(command)
+        assert observed.keys() == {*blind_observed, "image"}
+        assert all(np.array_equal(observed[key], blind_observed[key]) for key in blind_observed)
+        assert info == blind_info
+        (observed, *judged, info), (blind_observed, *also, blind_info) = seeing.step(command), blind.step(command)
         assert judged == also
     assert blind.renderer is None
 
@@ -141,7 +141,7 @@ def test_wrong_options_are_one_clear_line(options: dict[str, Any], line: str) ->
     assert str(caught.value) == line
 
 
-def test_names_paths_and_loaded_scenarios_and_weathers_are_the_same_world(tmp_path: Path) -> None:
+def test_names_paths_and_loaded_objects_give_the_same_world(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text((Path(scenarios.__file__).parent / "catalog" / "straight.toml").read_text("utf-8"), "utf-8")
     frames = []
@@ -193,7 +193,7 @@ def test_a_reset_without_a_seed_draws_the_next_of_a_reproducible_sequence() -> N
 
 
 @pytest.mark.parametrize("vector", [SyncVectorEnv, AsyncVectorEnv])
-def test_vector_environments_give_what_single_ones_give(vector: Callable[..., Any]) -> None:
+def test_vector_environments_equal_single_ones(vector: Callable[..., Any]) -> None:
     def make() -> gymnasium.Env[Any, Any]:
         return gymnasium.make("vpf_sim/FourLane-v0", scenario="straight")
 

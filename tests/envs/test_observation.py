@@ -1,4 +1,4 @@
-"""The camera on highway-env's own environments: frames show the lanes and cars that the state says are there."""
+"""The camera on highway-env's own environments: frames match lanes and cars of the state."""
 
 import warnings
 
@@ -28,7 +28,7 @@ def make(name, **options):
 
 
 @pytest.mark.parametrize("name", ENVIRONMENTS)
-def test_the_frame_stands_beside_the_observation(name):
+def test_frame_is_added_to_the_observation(name):
     env = make(name)
     plain = gym.make(name)
     observation, _ = env.reset(seed=5)
@@ -83,7 +83,7 @@ def test_markings_are_bright_where_the_lanes_have_lines(name):
 
 
 @pytest.mark.parametrize("name", ["highway-v0", "merge-v0", "racetrack-v0"])
-def test_cars_are_seen_where_the_state_says(name):
+def test_cars_are_rendered_at_their_state(name):
     env = make(name, rig=QUIET)
     found = 0
     for seed in range(6):
@@ -91,13 +91,13 @@ def test_cars_are_seen_where_the_state_says(name):
         world = env.unwrapped
         pose = np.array([*world.vehicle.position, world.vehicle.heading])
         truth = env.renderer.truth(("instance", "depth"))
-        for index, body in enumerate(env.renderer.bodies):
-            centre = vehicle_from_world(np.array(body.position), pose)
+        for index, obj in enumerate(env.renderer.objects):
+            centre = vehicle_from_world(np.array(obj.position), pose)
             if not (8.0 < centre[0] < 45.0 and abs(centre[1]) < 0.7 * centre[0]):
                 continue
             column, row = np.rint(project(Camera(), np.array([*centre, 0.7]))).astype(int)
             owner = truth["instance"][row, column]
-            if owner != index + 1:  # something nearer covers it
+            if owner != index + 1:  # occluded by a nearer object
                 assert truth["depth"][row, column] < centre[0]
                 continue
             found += 1
@@ -108,7 +108,7 @@ def test_cars_are_seen_where_the_state_says(name):
     assert found >= 1
 
 
-def test_a_reset_brings_a_new_road_and_the_same_seed_the_same_frame():
+def test_reset_draws_a_new_road_and_a_seed_repeats_it():
     env = make("racetrack-v0")
     first = env.reset(seed=3)[0]["image"]
     renderer = env.renderer
@@ -128,10 +128,10 @@ def checker_warnings(env):
 
 def test_gymnasiums_checker_finds_nothing_new_with_the_camera():
     plain = checker_warnings(gym.make("racetrack-v0"))
-    assert plain, "it has something to say of the environment itself"
+    assert plain, "expected warnings about the environment itself"
     assert checker_warnings(make("racetrack-v0")) == plain
 
 
-def test_only_highway_environments_are_taken():
+def test_only_highway_environments_are_accepted():
     with pytest.raises(TypeError, match=r"expected a highway-env environment .* got CartPoleEnv"):
         vpf_sim.CameraObservation(gym.make("CartPole-v1"))

@@ -1,4 +1,4 @@
-"""Roads from segments: against closed forms, and position and local coordinates inverse to each other."""
+"""Roads from segments: closed forms, and position and local coordinates as inverses."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ ROADS = [scenarios.load(name).draw(0).road for name in scenarios.names()]
 
 
 def places(road: Road) -> tuple[np.ndarray, np.ndarray]:
-    """Places all along and beyond both ends, across three carriageways, and at every joint."""
+    """(s, lateral) along the road and beyond its ends, and at every joint."""
     rng = np.random.default_rng(5)
     joints = np.cumsum([0.0] + [segment.length_m for segment in road.segments])
     s = np.concatenate([rng.uniform(-40.0, road.length_m + 40.0, 500), joints, joints + 1e-9])
@@ -51,7 +51,7 @@ def test_position_and_local_coordinates_of_lanes_are_inverse_to_each_other(name:
 
 
 @pytest.mark.parametrize("road", [BENDS, *ROADS])
-def test_single_places_are_the_same_as_arrays_of_them(road: Road) -> None:
+def test_scalar_and_array_queries_agree(road: Road) -> None:
     centre = centre_line(road)
     s, lateral = places(road)
     points = [centre.position_at(*place) for place in zip(s, lateral, strict=True)]
@@ -83,7 +83,7 @@ def test_a_clothoid_between_opposite_bends_is_the_integral_of_its_heading() -> N
     assert np.abs(centre.position(end) - centre.position(start) - [along, across]).max() < 1e-11
 
 
-def test_an_arc_keeps_its_distance_to_its_centre_and_turns_right_for_positive_radii() -> None:
+def test_arc_keeps_its_radius_and_turns_right_if_positive() -> None:
     road = Road(segments=(Arc(kind="arc", length_m=500.0, radius_m=100.0),))
     centre = centre_line(road)
     points = centre.position(np.linspace(0.0, 500.0, 200), 5.0)
@@ -95,7 +95,7 @@ def test_an_arc_keeps_its_distance_to_its_centre_and_turns_right_for_positive_ra
 
 
 @pytest.mark.parametrize("road", [BENDS, *ROADS])
-def test_the_line_is_as_long_as_s_and_has_no_joints(road: Road) -> None:
+def test_line_is_parametrised_by_arc_length_without_jumps(road: Road) -> None:
     centre = centre_line(road)
     s = np.linspace(-10.0, road.length_m + 10.0, 40_001)
     step = s[1] - s[0]
@@ -104,7 +104,7 @@ def test_the_line_is_as_long_as_s_and_has_no_joints(road: Road) -> None:
     assert np.abs(np.diff(centre.heading(s))).max() < step / 40.0
 
 
-def test_asking_for_other_points_between_changes_no_answer() -> None:
+def test_local_coordinates_do_not_depend_on_earlier_queries() -> None:
     centre = centre_line(BENDS)
     x, y = centre.position_at(150.0, 3.0)
     before = centre.local_at(x, y)
@@ -131,7 +131,7 @@ def test_the_lane_of_a_position_is_the_one_it_lies_on() -> None:
     assert network.get_closest_lane_index(np.array(network.centre.position_at(100.0, 30.0)))[2] == 3
 
 
-def test_lane_arrays_are_the_same_as_single_places() -> None:
+def test_scalar_and_array_queries_of_lanes_agree() -> None:
     lane = Carriageway(BENDS).lanes_list()[3]
     s = np.linspace(-5.0, 320.0, 30)
     assert np.abs(lane.positions(s, 0.5) - [lane.position(place, 0.5) for place in s]).max() < 1e-12

@@ -1,4 +1,4 @@
-"""The route: its length and its waypoints against the circle they lie on."""
+"""The route on a circle: length and waypoints."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Sensors that fail: each fault does what it says and nothing else, as often as it is asked for."""
+"""Sensor faults: effect and share of each, and nothing else."""
 
 from contextlib import closing
 
@@ -18,7 +18,7 @@ BASED = 'base = "straight"\n'
 
 
 def picture(k: int) -> Image:
-    """(24, 32, 3) that tells its number in every row, and is neither black nor flat."""
+    """(24, 32, 3) with its number encoded in every row."""
     frame = np.full((24, 32, 3), 40, np.uint8)
     frame[:, 0], frame[:, 1] = divmod(k, 200)
     return frame
@@ -28,41 +28,41 @@ def number(image: Image) -> int:
     return int(image[0, 0, 0]) * 200 + int(image[0, 1, 0])
 
 
-def seen(faults: SensorFaults, count: int = 3000, seed: int = 1) -> list[tuple[Image, float]]:
+def camera_outputs(faults: SensorFaults, count: int = 3000, seed: int = 1) -> list[tuple[Image, float]]:
     """What the driver has at each tick."""
     camera = CameraFaults(faults, RATE_HZ, seed)
     return [camera.frame(picture(k), k / RATE_HZ) for k in range(count)]
 
 
-def is_whole(image: Image, k: int) -> bool:
+def is_intact(image: Image, k: int) -> bool:
     return bool((image == picture(k)).all())
 
 
 def test_by_default_nothing_fails() -> None:
-    assert not SensorFaults().of_the_camera
+    assert not SensorFaults().affect_camera
     assert SignalFaults(SensorFaults(), 1).read(STATE, 3.0) is STATE
 
 
-def test_a_dropped_frame_leaves_the_last_one_with_its_time_stamp() -> None:
-    found = seen(SensorFaults(drop_share=0.2))
+def test_dropped_frame_keeps_the_last_image_and_time_stamp() -> None:
+    found = camera_outputs(SensorFaults(drop_share=0.2))
     stamps = np.rint([time_s * RATE_HZ for _, time_s in found]).astype(int)
-    assert all(is_whole(image, stamp) for (image, _), stamp in zip(found, stamps, strict=True))
+    assert all(is_intact(image, stamp) for (image, _), stamp in zip(found, stamps, strict=True))
     dropped = stamps != np.arange(len(found))
     assert (np.diff(stamps)[dropped[1:]] == 0).all()
     assert dropped.mean() == pytest.approx(0.2, abs=0.03)
 
 
 @pytest.mark.parametrize("latency_ms", [50.0, 100.0, 200.0])
-def test_a_late_frame_has_the_time_stamp_of_its_exposure(latency_ms: float) -> None:
-    found = seen(SensorFaults(latency_ms=latency_ms), 60)
+def test_late_frame_has_its_exposure_time_stamp(latency_ms: float) -> None:
+    found = camera_outputs(SensorFaults(latency_ms=latency_ms), 60)
     late = round(latency_ms * RATE_HZ / 1e3)
     expected = [max(k - late, 0) for k in range(60)]
     assert [number(image) for image, _ in found] == expected
     assert [time_s * RATE_HZ for _, time_s in found] == pytest.approx(expected)
 
 
-def test_a_frozen_picture_has_new_time_stamps_for_as_long_as_is_asked() -> None:
-    found = seen(SensorFaults(freeze_share=0.3, freeze_s=0.1), 12000)
+def test_frozen_image_has_new_time_stamps_for_the_set_duration() -> None:
+    found = camera_outputs(SensorFaults(freeze_share=0.3, freeze_s=0.1), 12000)
     assert [time_s * RATE_HZ for _, time_s in found] == pytest.approx(range(12000))
     numbers = np.array([number(image) for image, _ in found])
     frozen = numbers != np.arange(12000)
@@ -71,16 +71,16 @@ def test_a_frozen_picture_has_new_time_stamps_for_as_long_as_is_asked() -> None:
     assert all(frozen[start + 1 : start + 7].all() for start in starts)
 
 
-def test_black_torn_noisy_and_badly_exposed_frames_are_as_many_as_is_asked_and_the_others_whole() -> None:
+def test_shares_of_corrupted_frames_match_and_others_are_intact() -> None:
     for key in ("black_share", "torn_share", "noise_rows_share", "exposure_jump_share"):
-        found = seen(SensorFaults(**{key: 0.1}))
-        spoilt = np.array([not is_whole(image, k) for k, (image, _) in enumerate(found)])
-        assert spoilt.mean() == pytest.approx(0.1, abs=0.02), key
-        assert not spoilt[0], key
+        found = camera_outputs(SensorFaults(**{key: 0.1}))
+        corrupted = np.array([not is_intact(image, k) for k, (image, _) in enumerate(found)])
+        assert corrupted.mean() == pytest.approx(0.1, abs=0.02), key
+        assert not corrupted[0], key
 
 
-def test_a_torn_frame_is_new_above_a_row_and_that_before_below_it() -> None:
-    found = seen(SensorFaults(torn_share=1.0), 50)
+def test_torn_frame_is_new_above_a_row_and_old_below() -> None:
+    found = camera_outputs(SensorFaults(torn_share=1.0), 50)
     for k, (image, _) in enumerate(found[2:], start=2):
         new = (image == picture(k)).all(axis=(1, 2))
         row = int(np.argmin(new))
@@ -90,43 +90,47 @@ def test_a_torn_frame_is_new_above_a_row_and_that_before_below_it() -> None:
 
 
 def test_an_exposure_jump_is_a_factor_of_two_a_stop() -> None:
-    levels = {int(image[0, 5, 0]) for image, _ in seen(SensorFaults(exposure_jump_share=0.5, exposure_jump_stops=1.0))}
+    levels = {
+        int(image[0, 5, 0])
+        for image, _ in camera_outputs(SensorFaults(exposure_jump_share=0.5, exposure_jump_stops=1.0))
+    }
     assert levels == {20, 40, 80}
 
 
-def told(faults: SensorFaults, count: int = 3000, seed: int = 1) -> Floats:
+def signal_readings(faults: SensorFaults, count: int = 3000, seed: int = 1) -> Floats:
     """(n, 5) readings of a car that accelerates."""
     signals = SignalFaults(faults, seed)
     faster = np.array([0.0, 0.0, 0.0, 0.01, 0.0])
     return np.array([signals.read(STATE + k * faster, k / RATE_HZ) for k in range(count)])
 
 
-def test_a_stuck_speedometer_repeats_its_reading_and_nothing_else_changes() -> None:
-    readings = told(SensorFaults(speed_stuck_after_s=2.0), 240)
+def test_stuck_speedometer_repeats_its_reading_only() -> None:
+    readings = signal_readings(SensorFaults(speed_stuck_after_s=2.0), 240)
     assert readings[:, 3] == pytest.approx(5.0 + 0.01 * np.minimum(np.arange(240), 120))
     assert (readings[:, [0, 1, 2, 4]] == STATE[[0, 1, 2, 4]]).all()
 
 
-def test_spikes_of_the_yaw_rate_have_the_size_and_the_share_that_are_asked() -> None:
-    readings = told(SensorFaults(yaw_rate_spike_share=0.05, yaw_rate_spike_radps=2.0))
+def test_yaw_rate_spikes_have_the_configured_size_and_share() -> None:
+    readings = signal_readings(SensorFaults(yaw_rate_spike_share=0.05, yaw_rate_spike_radps=2.0))
     off = readings[:, 4] - STATE[4]
     assert set(np.round(off, 9)) == {-2.0, 0.0, 2.0}
     assert (off != 0.0).mean() == pytest.approx(0.05, abs=0.015)
     assert (readings[:, :3] == STATE[:3]).all()
 
 
-def test_a_seed_gives_the_same_faults_and_another_seed_others() -> None:
+def test_seed_determines_the_faults() -> None:
     faults = SensorFaults(
         drop_share=0.1, torn_share=0.1, noise_rows_share=0.1, black_share=0.1, exposure_jump_share=0.1
     )
-    first, again, other = (np.array([image for image, _ in seen(faults, 200, seed)]) for seed in (1, 1, 2))
+    first, again, other = (np.array([image for image, _ in camera_outputs(faults, 200, seed)]) for seed in (1, 1, 2))
     assert (first == again).all()
     assert (first != other).any()
 
 
-def test_one_fault_leaves_the_draws_of_another_as_they_were() -> None:
+def test_faults_have_independent_draws() -> None:
     alone, together = (
-        [time_s for _, time_s in seen(SensorFaults(drop_share=0.1, black_share=share), 500)] for share in (0.0, 0.3)
+        [time_s for _, time_s in camera_outputs(SensorFaults(drop_share=0.1, black_share=share), 500)]
+        for share in (0.0, 0.3)
     )
     assert alone == together
 
@@ -137,7 +141,7 @@ def scenario(faults: str) -> scenarios.Scenario:
     return loaded
 
 
-def test_a_scenario_on_a_base_is_the_base_with_what_it_changes() -> None:
+def test_scenario_with_a_base_overrides_only_its_keys() -> None:
     base, changed = scenarios.load("straight"), scenario("drop_share = 0.1")
     assert changed.ego.sensor_faults == SensorFaults(drop_share=0.1)
     assert changed.model_copy(update={"ego": base.ego}) == base
@@ -159,13 +163,13 @@ def test_a_scenario_on_a_base_is_the_base_with_what_it_changes() -> None:
         (f"{BASED}[ego.sensor_faults]\ndrop_shar = 0.1", "unknown key, did you mean 'drop_share'?"),
     ],
 )
-def test_a_wrong_file_gets_a_sentence(text: str, message: str) -> None:
+def test_invalid_file_gets_a_clear_message(text: str, message: str) -> None:
     with pytest.raises(InputError) as caught:
         scenarios.parse(text, "my.toml")
     assert message in str(caught.value)
 
 
-def test_a_camera_that_fails_now_and_then_does_not_end_the_episode() -> None:
+def test_camera_faults_do_not_end_the_episode() -> None:
     with closing(FourLane(scenario("black_share = 1.0"))) as env:
         env.reset(seed=1)
         for _ in range(3):
@@ -176,7 +180,7 @@ def test_a_camera_that_fails_now_and_then_does_not_end_the_episode() -> None:
         assert (terminated, truncated, info["status"]) == (False, False, "running")
 
 
-def test_signals_that_fail_leave_the_frames_and_the_true_state_as_they_were() -> None:
+def test_signal_faults_do_not_change_frames_and_true_state() -> None:
     found = []
     for one in (scenarios.load("straight"), scenario("speed_stuck_after_s = 0.02\nyaw_rate_spike_share = 1.0")):
         with closing(FourLane(one)) as env:

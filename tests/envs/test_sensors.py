@@ -1,4 +1,4 @@
-"""The errors of the car's sensors: none by default, of the size that is asked for, told to nobody but the book."""
+"""Sensor errors: none by default, of the configured size, hidden from the driver."""
 
 from contextlib import closing
 from dataclasses import replace
@@ -35,7 +35,7 @@ def readings(errors: SensorErrors, count: int, seed: int = 1) -> Floats:
     return np.array([sensors.read(STATE) for _ in range(count)]) - STATE
 
 
-def test_by_default_they_do_not_err() -> None:
+def test_sensors_are_exact_by_default() -> None:
     frame = np.zeros((480, 640, 3), np.uint8)
     sensors = Sensors(SensorErrors(), CAMERA, 60.0, 1)
     assert sensors.are_exact
@@ -43,7 +43,7 @@ def test_by_default_they_do_not_err() -> None:
     assert sensors.frame(frame) is frame
 
 
-def test_noise_is_of_the_size_that_is_asked_for() -> None:
+def test_noise_has_the_configured_sd() -> None:
     errors = SensorErrors(position_noise_m=0.1, heading_noise_deg=1.0, speed_noise_mps=0.2, yaw_rate_noise_radps=0.03)
     found = readings(errors, 4000)
     assert found.std(axis=0) == pytest.approx([0.1, 0.1, radians(1.0), 0.2, 0.03], rel=0.05)
@@ -58,7 +58,7 @@ def test_scale_and_bias_are_drawn_once_and_differ_from_seed_to_seed() -> None:
     assert ends[:, 4].std() == pytest.approx(0.01, rel=0.15)
 
 
-def test_the_walk_grows_with_the_root_of_the_time() -> None:
+def test_random_walk_grows_with_the_root_of_time() -> None:
     errors = SensorErrors(position_walk_m=0.3, heading_walk_deg=2.0)
     after = np.array([readings(errors, 240, seed)[[59, 239]] for seed in range(200)])
     assert after[:, 0, 0].std() == pytest.approx(0.3, rel=0.15)
@@ -66,7 +66,7 @@ def test_the_walk_grows_with_the_root_of_the_time() -> None:
     assert after[:, 0, 2].std() == pytest.approx(radians(2.0), rel=0.15)
 
 
-def test_a_camera_that_looks_down_sees_every_point_where_it_projects_to() -> None:
+def test_mounting_pitch_moves_points_to_their_projection() -> None:
     errors, seed = SensorErrors(mounting_deg=1.0), 3
     frame = np.zeros((480, 640, 3), np.uint8)
     dot = (420, 300)
@@ -82,19 +82,19 @@ def test_a_camera_that_looks_down_sees_every_point_where_it_projects_to() -> Non
     assert np.abs(found - dot).max() > 0.5
 
 
-def test_the_body_pitches_as_much_as_is_asked_for_and_smoothly() -> None:
+def test_body_pitch_has_its_sd_and_is_smooth() -> None:
     sensors = Sensors(SensorErrors(pitch_deg=0.4), CAMERA, 60.0, 5)
     pitches = []
     for _ in range(12000):
-        sensors._pitch()
-        pitches.append(sensors._pitch_rad)
+        sensors.frame(None)
+        pitches.append(sensors.pitch_rad)
     assert np.std(pitches) == pytest.approx(radians(0.4), rel=0.15)
     assert np.std(np.diff(pitches)) < 0.25 * np.std(pitches)
     assert tan(np.std(pitches)) * CAMERA.fy_px == pytest.approx(2.2, rel=0.2)  # px at the horizon
     assert sin(max(pitches)) < radians(2.5)
 
 
-def test_the_driver_is_told_what_is_measured_and_the_book_the_truth() -> None:
+def test_driver_gets_measurements_and_the_log_the_truth() -> None:
     with closing(FourLane(scenarios.parse(ERRING, "erring"), frames=False)) as env:
         observed, info = env.reset(seed=4)
         log = StepLog()
@@ -112,14 +112,14 @@ def test_the_driver_is_told_what_is_measured_and_the_book_the_truth() -> None:
         assert abs(measured[0].speed_mps - 5.55) > 0.01
 
 
-def test_sensors_that_do_not_err_leave_everything_as_it_is() -> None:
+def test_exact_sensors_change_nothing() -> None:
     with closing(FourLane(scenarios.parse(SHORT, "exact"), frames=False)) as env:
         observed, info = env.reset(seed=4)
         assert "ego" not in info
         assert observed["ego"] == pytest.approx([5.0, 1.75, 0.0, 5.55, 0.0])
 
 
-def test_a_wrong_key_is_told() -> None:
+def test_unknown_key_is_reported() -> None:
     with pytest.raises(InputError, match=r"ego\.sensors\.yaw_rate: unknown key, did you mean"):
         scenarios.parse(ERRING + "yaw_rate = 3.0\n", "erring")
     with pytest.raises(InputError, match=r"ego\.sensors\.pitch_deg: expected"):

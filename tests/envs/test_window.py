@@ -1,4 +1,4 @@
-"""The live window: it shows the frame, and says where it could show nobody anything."""
+"""The live window: shows the frame, and reports a missing display."""
 
 import numpy as np
 import pygame

@@ -1,4 +1,4 @@
-"""Plain highway-env roads with bodies, for the camera's tests."""
+"""Plain highway-env roads with objects, for the camera's tests."""
 
 import numpy as np
 from highway_env.road.lane import CircularLane, LineType, StraightLane
@@ -42,10 +42,10 @@ def on_bend(s: float, right: float, radius: float = 100.0) -> tuple[list[float],
     return [(radius - right) * np.sin(angle), radius - (radius - right) * np.cos(angle)], angle
 
 
-def add_body(road: Road, kind: str, position: list[float], heading: float = 0.0) -> Obstacle:
+def add_object(road: Road, kind: str, position: list[float], heading: float = 0.0) -> Obstacle:
     length, width, height = SIZES_M[kind]
-    body = type("Body", (Obstacle,), {"LENGTH": length, "WIDTH": width, "HEIGHT": height, "kind": kind})
-    road.objects.append(body(road, position, heading))
+    cls = type("Object", (Obstacle,), {"LENGTH": length, "WIDTH": width, "HEIGHT": height, "kind": kind})
+    road.objects.append(cls(road, position, heading))
     return road.objects[-1]
 
 

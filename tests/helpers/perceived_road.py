@@ -10,7 +10,7 @@ import numpy as np
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.evaluation.perception.judgement import Judge, Judgement
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.scenarios.kinds import SIZES, BodyKind
+from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.scenarios.parts import Road
 from vpf_sim.types import Expansion, Obstacles, RoadEdges
 
@@ -24,7 +24,7 @@ FOE_PX = (320.0, 240.0)
 class Stands:
     """A body on the road: m along it and right of its centre; it drives along it."""
 
-    kind: BodyKind
+    kind: ObjectKind
     x_m: float
     y_m: float = LANE_M
     speed_mps: float = 0.0

@@ -39,9 +39,9 @@ class TinyWorld:
         self.ego.road = self.road
         return self._observed(), self._info("invalid_frame" if self.invalid_after == 0 else "running")
 
-    def step(self, action: Any, *, look: bool = True) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+    def step(self, action: Any, *, with_frame: bool = True) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
         self.steps += 1
-        self.looks.append(look)
+        self.looks.append(with_frame)
         self.ego.position = self.ego.position + np.asarray(action, float)
         success, invalid = self.ego.position[0] >= LENGTH_M, self.steps == self.invalid_after
         status = "invalid_frame" if invalid else "success" if success else "running"

@@ -61,7 +61,8 @@ def changed(section: str, **keys: Any) -> dict[str, Any]:
         (changed("flwo", x=1), "paper.toml: flwo: unknown key, did you mean 'flow'?"),
         (
             changed("time_to_contact", method="best"),
-            "paper.toml: time_to_contact.method: expected one of as_printed, robust, got 'best': did you mean 'robust'?",
+            "paper.toml: time_to_contact.method: expected one of as_printed, robust, got 'best': "
+            "did you mean 'robust'?",
         ),
         (
             changed("paper_planner", reference={"heading": 3}),

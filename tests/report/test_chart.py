@@ -8,7 +8,7 @@ import pytest
 
 from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.rectangles import solid_bodies
+from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.report import commands, dots, paths
 from vpf_sim.report.chart import Axis, Plot, plain, reach, thinned, ticks
@@ -86,7 +86,7 @@ def test_bodies_are_drawn_where_the_world_has_them(scenario: str, seed: int) -> 
     place = places(scenario, [seed])[seed]
     with closing(FourLane(scenario)) as world:
         world.reset(seed=seed)
-        standing = [body for body in solid_bodies(world.ego) if body.speed == 0.0]
+        standing = [body for body in solid_objects(world.ego) if body.speed == 0.0]
         assert len(place.standing) == len(standing)
         assert place.route.length_m == world.route_length_m
         for body, drawn in zip(standing, place.standing, strict=True):

@@ -86,7 +86,7 @@ def test_a_pose_is_reached_with_its_bodies_in_their_places(pose: Pose) -> None:
     s_m, lateral_m = centre.local_at(*last.pose[:2])
     assert (s_m, lateral_m) == pytest.approx((pose.s_m, drive.scenario.road.lane_offset_m(pose.lane)), abs=0.02)
     assert np.cos(last.pose[2] - centre.heading_at(pose.s_m)) > 1.0 - 1e-6
-    places = [centre.local_at(*body.position) for body in last.renderer.bodies]
+    places = [centre.local_at(*body.position) for body in last.renderer.objects]
     for body in pose.bodies:
         wanted = (body.s_m, drive.scenario.road.lane_offset_m(body.lane) + body.lateral_m)
         assert (

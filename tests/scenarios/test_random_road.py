@@ -1,4 +1,4 @@
-"""Roads that a seed draws keep what the file promises, for every seed."""
+"""Random roads keep the limits of the file for every seed."""
 
 from itertools import pairwise
 
@@ -25,22 +25,22 @@ DRAWN = [load().draw(seed) for seed in SEEDS]
 
 
 def rows(scenario: Scenario) -> list[list[tuple[float, float, float]]]:
-    """For each row, (s, left, right) m of its bodies, from the left."""
+    """For each row, (s, left, right) m of its obstacles, from the left."""
     found: dict[float, list[tuple[float, float, float]]] = {}
-    for body in scenario.bodies:
-        centre, half = scenario.road.lane_offset_m(body.lane) + body.lateral_m, SIZES[body.kind].width_m / 2.0
-        found.setdefault(body.s_m, []).append((body.s_m, centre - half, centre + half))
-    return [sorted(found[s], key=lambda body: body[1]) for s in sorted(found)]
+    for obj in scenario.bodies:
+        centre, half = scenario.road.lane_offset_m(obj.lane) + obj.lateral_m, SIZES[obj.kind].width_m / 2.0
+        found.setdefault(obj.s_m, []).append((obj.s_m, centre - half, centre + half))
+    return [sorted(found[s], key=lambda obj: obj[1]) for s in sorted(found)]
 
 
 def gaps(row: list[tuple[float, float, float]]) -> list[tuple[float, float]]:
-    """The free stretches across the carriageway that are wide enough."""
+    """The wide enough gaps across the carriageway."""
     edges = [-HALF_M, *(edge for _, left, right in row for edge in (left, right)), HALF_M]
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= FREE_GAP_M - 1e-9]
 
 
 def reachable(scenario: Scenario) -> bool:
-    """Whether gaps can be chosen, row by row, with middles at most two lanes apart, starting from the ego's lane."""
+    """Whether a chain of gaps with middles at most two lanes apart leads from the ego's lane through all rows."""
     places = [(scenario.road.lane_offset_m(scenario.ego.lane),) * 2]
     for row in rows(scenario):
         middles = [(a + FREE_GAP_M / 2.0, b - FREE_GAP_M / 2.0) for a, b in gaps(row)]
@@ -62,7 +62,7 @@ def test_routes_bends_and_rows_are_within_the_limits() -> None:
         assert 0 <= len(rows(drawn)) <= 4
 
 
-def test_rows_keep_their_distances_and_leave_a_gap_that_can_be_reached() -> None:
+def test_rows_keep_their_distances_and_a_reachable_gap() -> None:
     for drawn in DRAWN:
         places = [row[0][0] for row in rows(drawn)]
         assert all(place - drawn.ego.s_m >= 50.0 for place in places)
@@ -71,13 +71,13 @@ def test_rows_keep_their_distances_and_leave_a_gap_that_can_be_reached() -> None
         assert reachable(drawn)
 
 
-def test_bodies_of_a_row_do_not_touch() -> None:
+def test_obstacles_of_a_row_do_not_touch() -> None:
     for drawn in DRAWN:
         assert all(b[1] > a[2] for row in rows(drawn) for a, b in pairwise(row))
 
 
-def test_all_kinds_all_counts_of_rows_and_both_ways_of_bending_come_up() -> None:
-    assert {body.kind for drawn in DRAWN for body in drawn.bodies} == set(SIZES)
+def test_draws_cover_all_kinds_row_counts_and_bend_directions() -> None:
+    assert {obj.kind for drawn in DRAWN for obj in drawn.bodies} == set(SIZES)
     assert {len(rows(drawn)) for drawn in DRAWN} == {0, 1, 2, 3, 4}
     radii = [part.radius_m for drawn in DRAWN for part in drawn.road.segments if part.kind == "arc"]
     assert min(radii) < -80.0
@@ -97,7 +97,7 @@ def test_roads_never_come_near_themselves() -> None:
         assert (apart[along > 40.0] > 2.0 * HALF_M).all()
 
 
-def test_a_seed_draws_the_same_road_and_another_seed_another() -> None:
+def test_seed_determines_the_road() -> None:
     assert load().draw(5) == load().draw(5)
     assert load().draw(5).road != load().draw(6).road
 

@@ -1,4 +1,4 @@
-"""Scenario files: the catalog is sound, and each fault of a wrong file is one clear line."""
+"""Scenario files: the catalog is valid, and each fault of an invalid file is one clear line."""
 
 import os
 import tomllib
@@ -36,14 +36,14 @@ lane = 2
 
 
 def message(old: str = "", new: str = "", extra: str = "") -> str:
-    """What is said about FILE with one change."""
+    """The error message for FILE with one change."""
     assert old in FILE
     with pytest.raises(InputError) as caught:
         scenarios.parse(FILE.replace(old, new, 1) + extra, "my.toml")
     return str(caught.value)
 
 
-def test_a_good_file_is_taken_with_its_defaults() -> None:
+def test_valid_file_is_loaded_with_defaults() -> None:
     scenario = scenarios.parse(FILE, "my.toml")
     assert scenario.road.length_m == 170.0
     assert (scenario.ego.lane, scenario.ego.speed_mps, scenario.goal.kind) == (2, 5.55, "reach")
@@ -80,13 +80,13 @@ FAULTS = [
     (
         "lane = 2",
         "lane = 1\nlateral_m = 0.5",
-        "bodies[0].lateral_m: obstacle off the road: expected the whole body between -7 and 7 m from the "
+        "bodies[0].lateral_m: obstacle off the road: expected the whole object between -7 and 7 m from the "
         "carriageway's centre, got 4.55 to 7.05 m",
     ),
     (
         "s_m = 90.0",
         "s_m = 168.0",
-        "bodies[0].s_m: obstacle off the road: expected the whole body between 0 and 170 m along the road, "
+        "bodies[0].s_m: obstacle off the road: expected the whole object between 0 and 170 m along the road, "
         "got 165.5 to 170.5 m",
     ),
     ('"car"', '"cat"', f"bodies[0].kind: expected {CHOICES}, got 'cat': did you mean 'car'?"),
@@ -118,7 +118,7 @@ def test_each_fault_is_one_line_with_file_key_expected_and_actual(old: str, new:
     assert message(old, new) == f"my.toml: {line}"
 
 
-def test_a_misspelt_key_that_must_be_there_is_one_fault() -> None:
+def test_misspelt_required_key_is_one_fault() -> None:
     assert message("s_m = 165.0", "s_n = 165.0") == "my.toml: goal.s_n: unknown key, did you mean 's_m'?"
     both = message("s_m = 165.0", "place = 165.0").splitlines()
     assert both == [
@@ -127,30 +127,30 @@ def test_a_misspelt_key_that_must_be_there_is_one_fault() -> None:
     ]
 
 
-def test_the_only_segment_with_a_fault_does_not_count_as_none() -> None:
+def test_faulty_only_segment_is_not_reported_as_missing() -> None:
     text = 'schema = 1\n[road]\nsegments = [{kind = "line", length_m = -1}]\n[goal]\ns_m = 20.0'
     with pytest.raises(InputError) as caught:
         scenarios.parse(text, "my.toml")
     assert str(caught.value) == "my.toml: road.segments[0].length_m: expected > 0, got -1"
 
 
-def test_a_file_with_two_faults_gets_two_lines() -> None:
+def test_two_faults_give_two_lines() -> None:
     text = FILE.replace("s_m = 165.0", "s_m = 4.0").replace("lane = 2", "lane = 5")
     with pytest.raises(InputError) as caught:
         scenarios.parse(text, "my.toml")
     assert len(str(caught.value).splitlines()) == 2
 
 
-def test_a_file_that_is_not_toml_is_said_to_be_so() -> None:
+def test_non_toml_file_is_reported() -> None:
     assert message("schema = 1", "schema = = 1").startswith("my.toml: expected TOML, got: Invalid value (at line 2")
 
 
-def test_an_unknown_scenario_gets_the_nearest_name() -> None:
+def test_unknown_scenario_suggests_the_nearest_name() -> None:
     with pytest.raises(InputError, match=r"^unknown scenario 'town4': did you mean 'town04'\?$"):
         scenarios.load("town4")
 
 
-def test_a_missing_file_is_said_to_be_missing(tmp_path: Path) -> None:
+def test_missing_file_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "none.toml"
     with pytest.raises(InputError) as caught:
         scenarios.load(str(path))
@@ -163,7 +163,7 @@ def test_a_scenario_is_loaded_from_a_path(tmp_path: Path) -> None:
     assert scenarios.load(str(path)) == scenarios.parse(FILE, "mine.toml")
 
 
-def test_a_draw_adds_a_value_in_the_interval_and_leaves_nothing_to_vary() -> None:
+def test_draw_adds_a_value_in_the_interval_and_clears_vary() -> None:
     scenario = scenarios.parse(FILE, "my.toml")
     drawn = [scenario.draw(seed).bodies[0].lateral_m for seed in range(200)]
     assert min(drawn) >= -0.2
@@ -173,7 +173,7 @@ def test_a_draw_adds_a_value_in_the_interval_and_leaves_nothing_to_vary() -> Non
     assert scenario.draw(7).draw(8) == scenario.draw(7)
 
 
-def test_every_value_that_varies_has_a_draw_of_its_own() -> None:
+def test_every_varied_value_has_its_own_draw() -> None:
     drawn, plain = scenarios.load("slalom").draw(3), scenarios.load("slalom")
     changes = [drawn.ego.lateral_m - plain.ego.lateral_m]
     for after, before in zip(drawn.bodies, plain.bodies, strict=True):
@@ -183,19 +183,19 @@ def test_every_value_that_varies_has_a_draw_of_its_own() -> None:
     assert np.diff(np.sort(shares)).min() > 1e-4
 
 
-def test_another_body_leaves_the_draws_of_the_first_as_they_were() -> None:
+def test_additional_object_does_not_change_other_draws() -> None:
     more = FILE.replace("[vary]", '[[bodies]]\nkind = "cone"\ns_m = 30.0\nlane = 1\n[vary]')
     assert scenarios.parse(more, "a").draw(3).bodies[0] == scenarios.parse(FILE, "b").draw(3).bodies[0]
 
 
-def test_the_catalog_has_what_it_promises() -> None:
+def test_catalog_contains_the_documented_scenarios() -> None:
     assert {"town04", "town04-clean", "straight", "curve-left", "curve-right", "heading-30", "slalom"} <= set(
         scenarios.names()
     )
 
 
 @pytest.mark.parametrize("name", scenarios.names())
-def test_every_seed_of_the_catalog_passes_the_checks_of_the_schema(name: str) -> None:
+def test_every_seed_of_the_catalog_is_valid(name: str) -> None:
     scenario = scenarios.load(name)
     for seed in range(50):
         drawn = scenario.draw(seed)
@@ -275,11 +275,11 @@ def test_town04_is_driven_to_the_right_in_both_bends() -> None:
 
 def test_the_slalom_has_a_car_every_50_m_on_alternate_sides() -> None:
     bodies = scenarios.load("slalom").bodies
-    assert np.diff([body.s_m for body in bodies]).tolist() == [50.0] * (len(bodies) - 1)
-    assert [body.lateral_m for body in bodies] == [(-1) ** (i + 1) * 1.2 for i in range(len(bodies))]
+    assert np.diff([obj.s_m for obj in bodies]).tolist() == [50.0] * (len(bodies) - 1)
+    assert [obj.lateral_m for obj in bodies] == [(-1) ** (i + 1) * 1.2 for i in range(len(bodies))]
 
 
-def test_the_catalog_files_are_named_in_their_first_line() -> None:
+def test_catalog_files_start_with_a_description() -> None:
     folder = Path(scenarios.__file__).parent / "catalog"
     for path in folder.glob("*.toml"):
         text = path.read_text("utf-8")

@@ -13,7 +13,7 @@ from vpf_sim.scenarios.parts import SensorFaults
 
 def with_faults(recording: Recording, faults: SensorFaults, seed: int = 0) -> Recording:
     """The recording as sensors that fail would have made it; all else as it was."""
-    if not (faults.of_the_camera or faults.of_the_signals):
+    if not (faults.affect_camera or faults.affect_signals):
         raise InputError("--faults: expected a scenario with a fault in [ego.sensor_faults], got none")
     added = Origin("derived", "sensor faults, ours")
     failing = _with_signal_faults(_with_camera_faults(recording, faults, seed), faults, seed)
@@ -21,7 +21,7 @@ def with_faults(recording: Recording, faults: SensorFaults, seed: int = 0) -> Re
 
 
 def _with_camera_faults(recording: Recording, faults: SensorFaults, seed: int) -> Recording:
-    if not faults.of_the_camera:
+    if not faults.affect_camera:
         return recording
 
     def frames() -> Iterator[Frame]:
@@ -37,7 +37,7 @@ def _with_camera_faults(recording: Recording, faults: SensorFaults, seed: int) -
 
 
 def _with_signal_faults(recording: Recording, faults: SensorFaults, seed: int) -> Recording:
-    if not faults.of_the_signals:
+    if not faults.affect_signals:
         return recording
     signals = SignalFaults(faults, seed)
     start_s, read = float(recording.times_s[0]), np.zeros((len(recording), 5))

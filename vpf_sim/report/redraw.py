@@ -15,7 +15,7 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.rectangles import solid_bodies
+from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.on_rails import SAME, OnRails, rate_of
@@ -64,7 +64,7 @@ class Redrawing:
             thinker = _Thinker(self.record["driver"], world, self.table, self.record["seed"]) if self.think else None
             for index in range(len(self.table) + 1):
                 observation = read(observed)
-                bodies = tuple(body_of(body) for body in solid_bodies(world.ego))
+                bodies = tuple(body_of(body) for body in solid_objects(world.ego))
                 if self.table.looked[index]:
                     digest.update(np.ascontiguousarray(observation.image).data)
                 plan = thinker.plan(index, observation) if thinker else None

@@ -1,1 +1,1 @@
-"""Water on the windshield, and the wiper."""
+"""Water on the windscreen, and the wiper."""

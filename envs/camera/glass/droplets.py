@@ -1,4 +1,4 @@
-"""Drops of water on the windshield: they land, merge, run, dry off or are wiped away."""
+"""Drops on the windscreen: they land, merge, run, dry or are wiped away."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,19 +15,19 @@ from vpf_sim.envs.camera.glass.wipers import Swath
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Image
 
-RUNS_FROM_MM = 3.3  # diameter of the drop; its spot is then 6 mm wide
-GRAVITY_BELOW_MPS, WIND_ABOVE_MPS = 12.0, 20.0  # between these drops of any size stand still
+RUNS_FROM_MM = 3.3  # diameter from which drops run; the spot is 6 mm wide
+GRAVITY_BELOW_MPS, WIND_ABOVE_MPS = 12.0, 20.0  # between these speeds all drops stand still
 RUN_MPS = (0.02, 0.1)
-RUNS_S, RESTS_S = 0.35, 0.25  # mean times of slip and of stick
-SHED_EVERY = 0.6  # widths of its spot, in the mean
-SHED_SHARE = (0.2, 0.4)  # width of what a running drop leaves behind / its own
-LIFE_S = (5.0, 20.0)  # until a drop has dried off or run off, when no wiper comes
+RUNS_S, RESTS_S = 0.35, 0.25  # mean durations of running and of resting
+SHED_EVERY = 0.6  # mean distance between shed drops, in widths of the spot
+SHED_SHARE = (0.2, 0.4)  # size of a shed drop over the running one's
+LIFE_S = (5.0, 20.0)  # life of a drop without a wiper
 LARGEST_MM = 8.0
-SMALLEST_PX = 2.5  # width of a spot; smaller ones are part of the film
+SMALLEST_PX = 2.5  # narrower spots are part of the film
 
 
 class Droplets:
-    """All drops on the glass, and their picture."""
+    """All drops on the windscreen and their image."""
 
     def __init__(self, pane: Pane, planes: Planes, rain_mmph: float, seed: int) -> None:
         self.planes = planes
@@ -39,7 +39,7 @@ class Droplets:
         self._rng = stream(seed, "droplets")
 
     def advance(self, time_s: float, gap_s: float, speed_mps: float) -> None:
-        """Let the drops of the `gap_s` before `time_s` land, run and dry off."""
+        """Simulate landing, running and drying over the `gap_s` before `time_s`."""
         height, width = self.planes.shape
         out = (self.drops["row"] < 0) | (self.drops["row"] > height) | (abs(2 * self.drops["column"] - width) > width)
         gone = (self.drops["dies"] <= time_s) | out
@@ -50,8 +50,8 @@ class Droplets:
         self._land(time_s, gap_s, speed_mps)
 
     @contextmanager
-    def unseen(self) -> Iterator[None]:
-        """Draw nothing before all is over, then the drops that are there."""
+    def suspended(self) -> Iterator[None]:
+        """Suspend drawing; draw the remaining drops at the end."""
         self.picture.drawing = False
         yield
         self.picture.drawing = True
@@ -59,10 +59,10 @@ class Droplets:
         self.picture.put(self.drops)
 
     def wipe(self, swath: Swath) -> None:
-        """Take away the drops whose middle lies in a swath, and all water in it.
+        """Remove the drops with their centre in a swath, and all water in it.
 
-        What is cut in two by the swath's sides lies under the blade and goes with the next swath; what is cut by its
-        ends is drawn again or taken away whole.
+        A drop cut by the swath's sides lies under the blade and goes with the next swath; a drop cut by its ends is
+        drawn again or removed as a whole.
         """
         x, y = self.drops["x"], self.drops["y"]
         gone = swath.holds(x, y)
@@ -75,7 +75,7 @@ class Droplets:
         self.picture.replace(halves, self.drops)
 
     def _corners_in(self, mask: Image, drops: Drops) -> Bools:
-        """(n, 4) whether the corners of the box around each drop lie in a mask of the planes."""
+        """(n, 4) whether the corners of each drop's box lie in a mask of the planes."""
         height, width = mask.shape
         column, row, rx, ry = (drops[name][:, None] for name in (*PLACE, "rx", "ry"))
         columns = np.clip(column + rx * np.array([-1, 1, -1, 1]), 0, width - 1)
@@ -88,8 +88,8 @@ class Droplets:
         random = self._rng.random((4, len(sizes)))
         y = self._pane.spread(random[1])
         rows = self._pane.row(y)
-        seen = FOOTPRINT**2 * sizes**2 * self._pane.across[rows] * self._pane.along[rows] >= SMALLEST_PX**2
-        sizes, y, random = sizes[seen], y[seen], random[:, seen]
+        visible = FOOTPRINT**2 * sizes**2 * self._pane.across[rows] * self._pane.along[rows] >= SMALLEST_PX**2
+        sizes, y, random = sizes[visible], y[visible], random[:, visible]
         new = np.zeros(len(sizes), DROP)
         new["x"] = random[0] * self._pane.camera.width_px - 0.5
         new["y"] = y
@@ -100,11 +100,14 @@ class Droplets:
         self.picture.shape(new)
         first = len(self.drops)
         self.drops = np.concatenate([self.drops, new])
-        self.picture.put(self._merge(np.arange(first, len(self.drops)), first))
+        self.picture.put(self.merge(np.arange(first, len(self.drops)), first))
 
-    def _merge(self, movers: NDArray[np.intp], undrawn_from: int) -> Drops:
-        """Join each of `movers` with the drops it touches (the middle of one lies in the spot of the other) into one of
-        the volume of all, in their centre of mass; the drops from `undrawn_from` on that are left, and those that grew.
+    def merge(self, movers: NDArray[np.intp], undrawn_from: int) -> Drops:
+        """Merge each of `movers` with the drops it touches: volumes add up, at the centre of mass.
+
+        Drops touch if the centre of one lies in the spot of the other. Returns the drops to draw: those that grew, and
+        the remaining ones from `undrawn_from` on.
+
         """
         gone, grown = np.zeros(len(self.drops), bool), np.arange(len(self.drops)) >= undrawn_from
         replaced = [self.drops[:0]]
@@ -114,15 +117,15 @@ class Droplets:
                 continue
             keeper = int(group[np.argmax(self.drops["size"][group])])
             replaced.append(self.drops[group[group < undrawn_from]])
-            self._unite(group, keeper)
+            self._collect(group, keeper)
             gone[group], gone[keeper], grown[keeper] = True, False, True
         if gone.any():
             self.drops, grown = self.drops[~gone], grown[~gone]
         self.picture.replace(np.concatenate(replaced), self.drops)
         return self.drops[grown]
 
-    def _unite(self, group: NDArray[np.intp], keeper: int) -> None:
-        """Give one drop the water of all."""
+    def _collect(self, group: NDArray[np.intp], keeper: int) -> None:
+        """Move the water of a group into one drop."""
         drops = self.drops
         volumes = drops["size"][group] ** 3
         for axis in ("x", "y"):
@@ -131,7 +134,7 @@ class Droplets:
         self.picture.shape(drops[keeper : keeper + 1])
 
     def _touching(self, movers: NDArray[np.intp]) -> list[tuple[int, NDArray[np.intp]]]:
-        """For each mover that touches any: itself, and the drops it touches."""
+        """For each mover that touches others: its index and theirs."""
         drops, rows = self.drops, self._pane.row(self.drops["y"][movers])
         dx = (drops["x"][movers, None] - drops["x"]) / self._pane.across[rows, None]
         dy = (drops["y"][movers, None] - drops["y"]) / self._pane.along[rows, None]
@@ -141,7 +144,7 @@ class Droplets:
         return [(int(movers[k]), np.flatnonzero(touching[k])) for k in np.flatnonzero(touching.any(axis=1))]
 
     def _run(self, time_s: float, gap_s: float, speed_mps: float) -> None:
-        """Move the large drops: down at low speed, up and outwards at high speed, by fits and starts."""
+        """Move large drops intermittently: down at low speed, up and outwards at high speed."""
         large = np.flatnonzero(self.drops["size"] >= RUNS_FROM_MM)
         for i in large[self.drops["turns"][large] <= time_s]:
             self._turn(int(i), time_s)
@@ -155,17 +158,17 @@ class Droplets:
         moved = self.drops[DRAWN][running] != before[DRAWN]
         self.picture.replace(before[moved], self.drops)
         self.picture.put(self.drops[running[moved]])
-        self.picture.put(self._merge(running[moved], len(self.drops)))
+        self.picture.put(self.merge(running[moved], len(self.drops)))
         self.add(left)
 
     def _turn(self, i: int, time_s: float) -> None:
-        """Start a drop that rests, stop one that runs."""
+        """Start a resting drop, or stop a running one."""
         rests = self.drops["run"][i] == 0.0
         self.drops["run"][i] = self._rng.uniform(*RUN_MPS) if rests else 0.0
         self.drops["turns"][i] = time_s + self._rng.exponential(RUNS_S if rests else RESTS_S)
 
     def _stepped(self, drops: Drops, gap_s: float, blown: bool) -> Drops:
-        """Running drops a while later."""
+        """Running drops after `gap_s`."""
         later, rows = drops.copy(), self._pane.row(drops["y"])
         way_mm = 1e3 * gap_s * drops["run"]
         sideways = self._rng.normal(0.0, 0.4, len(drops))
@@ -177,7 +180,7 @@ class Droplets:
         return later
 
     def _shed(self, running: NDArray[np.intp], before: Drops, gap_s: float, blown: bool) -> Drops:
-        """The small drops that running ones leave behind, taken from them."""
+        """The small drops that running ones shed; their water is taken from these."""
         spots = before["run"] * 1e3 * gap_s / (SHED_EVERY * FOOTPRINT * before["size"])
         sheds = self._rng.random(len(running)) < spots
         left = before[sheds]
@@ -193,6 +196,6 @@ class Droplets:
         return left
 
     def add(self, drops: Drops) -> None:
-        """Put drops on the glass."""
+        """Add drops."""
         self.picture.put(drops)
         self.drops = np.concatenate([self.drops, drops])

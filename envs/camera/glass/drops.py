@@ -1,4 +1,4 @@
-"""What a drop on the windshield is, and how it comes onto the planes."""
+"""The record of a drop on the windscreen, and its drawing on the planes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +9,8 @@ from vpf_sim.envs.camera.glass.planes import ROWS, Box, Planes
 from vpf_sim.envs.camera.glass.stamps import stamp
 from vpf_sim.types import Image
 
-SIZE_STEP = 1.08  # drops are drawn in sizes this far apart,
-BAND_PX = 16  # and as in the middle of a band of this many rows
+SIZE_STEP = 1.08  # ratio between drawn sizes
+BAND_PX = 16  # rows per band; drops are drawn as in its middle
 
 Drops = NDArray[np.void]
 PLACE = ["column", "row"]
@@ -19,11 +19,11 @@ DRAWN = [*PLACE, *EXTENTS, "variant"]
 DROP = np.dtype(
     [
         *((name, "f8") for name in ("x", "y")),  # px
-        ("size", "f8"),  # mm, diameter of a sphere of its volume
+        ("size", "f8"),  # mm, diameter of a sphere of equal volume
         ("dies", "f8"),  # s
-        ("turns", "f8"),  # s, when it next starts or stops
+        ("turns", "f8"),  # s, next start or stop
         ("run", "f8"),  # m/s, 0 at rest
-        *((name, "i4") for name in (*DRAWN, "rx", "ry")),  # on the planes: px, stamps in 1/8 px, half its extent
+        *((name, "i4") for name in (*DRAWN, "rx", "ry")),  # on the planes: px; stamps in 1/8 px; half extents
     ]
 )
 
@@ -34,13 +34,13 @@ class DropPicture:
     def __init__(self, pane: Pane, planes: Planes) -> None:
         self.planes = planes
         self._pane = pane
-        self.drawing = True  # False: not now
+        self.drawing = True  # False: suspended
         middles = np.minimum(np.arange(BAND_PX // 2, len(pane.across) + BAND_PX // 2, BAND_PX), len(pane.across) - 1)
         extents = [pane.across, pane.along / ROWS, pane.blur_px, pane.blur_px / ROWS]
-        self._bands = 8.0 * np.array(extents)[:, middles]  # of 1 mm and of the disc, in 1/8 px of the planes
+        self._bands = 8.0 * np.array(extents)[:, middles]  # extents of 1 mm and of the blur disc, 1/8 px of the planes
 
     def shape(self, drops: Drops) -> None:
-        """Note how drops are drawn: their middle on the planes, and their stamp."""
+        """Set how drops are drawn: their centre on the planes and their stamp."""
         bands = self._bands[:, self._pane.row(drops["y"]) // BAND_PX]
         steps = np.rint(np.log(drops["size"] / SMALLEST_MM) / np.log(SIZE_STEP))
         bands[:2] *= FOOTPRINT * SMALLEST_MM * SIZE_STEP**steps
@@ -51,7 +51,7 @@ class DropPicture:
         drops["ry"] = (drops["height"] + drops["blur_y"]) // 16 + 2
 
     def put(self, drops: Drops, box: Box | None = None) -> None:
-        """Draw drops, as far as they lie in a box."""
+        """Draw drops, clipped to a box."""
         if not self.drawing:
             return
         box = box or self.planes.whole
@@ -61,12 +61,12 @@ class DropPicture:
             self.planes.put(image, column, row, box)
 
     def wipe(self, mask: Image) -> None:
-        """Leave no water where a mask of the planes is 255."""
+        """Clear water where a mask of the planes is 255."""
         if self.drawing:
             self.planes.wipe(mask)
 
     def replace(self, gone: Drops, drops: Drops) -> None:
-        """Take away drops as they were drawn; `drops` are those that are there now."""
+        """Erase the drops `gone` and draw those of `drops` that overlap them again."""
         if not self.drawing:
             return
         for drop in gone:
@@ -77,7 +77,7 @@ class DropPicture:
             self.put(drops[~(beside | beyond)], box)
 
     def _box(self, drop: np.void) -> Box:
-        """What a drop covers on the planes."""
+        """The bounding box of a drop on the planes."""
         column, row, rx, ry = (int(drop[name]) for name in (*PLACE, "rx", "ry"))
         height, width = self.planes.shape
         x0, x1, y0, y1 = column - rx, column + rx + 1, row - ry, row + ry + 1

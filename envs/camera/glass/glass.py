@@ -1,4 +1,4 @@
-"""Water on the windshield, and the wiper that takes it away."""
+"""The windscreen: film, droplets and wiper."""
 
 import cv2
 import numpy as np
@@ -11,47 +11,47 @@ from vpf_sim.envs.camera.glass.planes import ROWS, Planes
 from vpf_sim.envs.camera.glass.refraction import Refraction
 from vpf_sim.envs.camera.glass.wipers import Wiper, paint_blade
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.things.things import Snapshot
+from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.types import Bools, Camera, Image
 
-TICK_S = 0.05  # in which drops land and move, and what they show is seen anew
-WARM_UP_TICKS, WARM_UP_STRIDE, WARM_UP_MPS = 160, 2, 5.5  # drive in the rain before the first frame; coarser
+TICK_S = 0.05  # period of the water simulation and of the refracted image
+WARM_UP_TICKS, WARM_UP_STRIDE, WARM_UP_MPS = 160, 2, 5.5  # rain before the first frame, in coarser steps
 
 
 class Glass:
-    """Film, droplets and wiper.
+    """Water on the windscreen, and the wiper.
 
-    `Weather.droplets` is a precipitation like CARLA's: as many drops land as that much rain brings. They are there
-    whether rain is drawn in the air or not, so that what the glass alone does can be told.
+    `Weather.droplets` is a precipitation like CARLA's. It is independent of the falling rain, so the effect of the
+    glass can be measured alone.
     """
 
     def __init__(self, camera: Camera, weather: Weather, light: Light, seed: int) -> None:
         self._size = (camera.width_px, camera.height_px)
         self._time_s: float | None = None
         self._tick = 0
-        self._changed = False  # water, since it was last drawn
+        self._changed = False  # whether the water changed since it was last refracted
         self._speed_mps = WARM_UP_MPS
         pane = Pane.of(camera)
-        self._wiper = Wiper(pane, weather.wiper_period_s, seed) if weather.wiper_period_s > 0.0 else None
-        self._droplets: Droplets | None = None
+        self.wiper = Wiper(pane, weather.wiper_period_s, seed) if weather.wiper_period_s > 0.0 else None
+        self.droplets: Droplets | None = None
         if weather.droplets > 0.0:
             rain = HEAVIEST_RAIN_MMPH * (weather.droplets / 100.0) ** 2
             planes = Planes(camera)
-            self._droplets = Droplets(pane, planes, rain, seed)
-            self._film = Film(planes.shape, self._wiper, TICK_S, seed)
+            self.droplets = Droplets(pane, planes, rain, seed)
+            self._film = Film(planes.shape, self.wiper, TICK_S, seed)
             self._refraction = Refraction(planes, light)
 
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
-        """Put the water of this moment before the picture, in place."""
+        """Draw the water and the blade over the frame, in place."""
         due = self.is_due(now.time_s)
         self.skip(now, before)
-        if self._droplets is not None:
+        if self.droplets is not None:
             if due:
-                self._refraction.see(frame)
+                self._refraction.capture(frame)
             if self._changed:
-                cover = np.asarray(cv2.max(self._droplets.planes.alpha, self._film.cover), np.uint8)
-                self._refraction.look(cover)
+                cover = np.asarray(cv2.max(self.droplets.planes.alpha, self._film.cover), np.uint8)
+                self._refraction.refract(cover)
                 self._changed = False
             self._refraction.apply(frame)
         blade = self._blade()
@@ -59,36 +59,36 @@ class Glass:
             paint_blade(frame, blade)
 
     def is_due(self, time_s: float) -> bool:
-        """Whether the water of the next frames shows what the picture of this moment does."""
-        return self._droplets is not None and (self._time_s is None or _tick_at(time_s) > self._tick)
+        """Whether the next frames' water refracts the image of this moment."""
+        return self.droplets is not None and (self._time_s is None or _tick_at(time_s) > self._tick)
 
     def skip(self, now: Snapshot, before: Snapshot) -> None:
-        """Bring water and wiper to this moment."""
+        """Advance water and wiper to this moment."""
         gap_s = now.time_s - before.time_s
         if gap_s > 0.0:
             self._speed_mps = float(np.linalg.norm(now.view.centre - before.view.centre)) / gap_s
-        if self._droplets is not None:
-            self._changed |= self._advance(self._droplets, now.time_s)
+        if self.droplets is not None:
+            self._changed |= self._advance(self.droplets, now.time_s)
         self._time_s = now.time_s
 
     def hidden(self) -> Bools:
-        """(H, W) where water or the blade hides more than half of what is behind."""
+        """(H, W) where water or the blade hides more than half of the scene."""
         hidden = np.zeros(self._size[::-1], bool)
-        if self._droplets is not None:
-            hidden |= np.repeat(self._droplets.planes.alpha > 127, ROWS, axis=0)[: len(hidden)]
+        if self.droplets is not None:
+            hidden |= np.repeat(self.droplets.planes.alpha > 127, ROWS, axis=0)[: len(hidden)]
         blade = self._blade()
         if blade is not None:
             hidden |= np.asarray(cv2.resize(blade, self._size)) > 127
         return hidden
 
     def _blade(self) -> Image | None:
-        return None if self._wiper is None or self._time_s is None else self._wiper.blade(self._time_s)
+        return None if self.wiper is None or self._time_s is None else self.wiper.blade(self._time_s)
 
     def _advance(self, droplets: Droplets, time_s: float) -> bool:
-        """Bring water and wiper to a time; whether anything changed, which it does not when they are there already."""
+        """Advance water and wiper to a time; returns whether anything changed."""
         now = _tick_at(time_s)
         if self._time_s is None:
-            with droplets.unseen():
+            with droplets.suspended():
                 self._tick_through(droplets, range(now - WARM_UP_TICKS, now + 1, WARM_UP_STRIDE))
             self._wipe(droplets, now * TICK_S, time_s)
             return True
@@ -98,7 +98,7 @@ class Glass:
         return self._wipe(droplets, self._time_s, time_s) or now > before
 
     def _tick_through(self, droplets: Droplets, ticks: range) -> None:
-        """Let the water live from the first of the ticks to the last."""
+        """Simulate the water from the first to the last tick."""
         gap_s = ticks.step * TICK_S
         for tick in ticks[1:]:
             until_s = tick * TICK_S
@@ -108,8 +108,8 @@ class Glass:
         self._tick = ticks[-1]
 
     def _wipe(self, droplets: Droplets, from_s: float, until_s: float) -> bool:
-        """Wipe as the blade does in a span of time; whether it was over the picture."""
-        swath = None if self._wiper is None or until_s <= from_s else self._wiper.swath(from_s, until_s)
+        """Wipe over a span of time; returns whether the blade was in the image."""
+        swath = None if self.wiper is None or until_s <= from_s else self.wiper.swath(from_s, until_s)
         if swath is None:
             return False
         droplets.wipe(swath)
@@ -118,5 +118,5 @@ class Glass:
 
 
 def _tick_at(time_s: float) -> int:
-    """The last tick until a time."""
+    """The last tick up to a time."""
     return int(time_s / TICK_S + 1e-6)

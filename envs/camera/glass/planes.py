@@ -1,4 +1,4 @@
-"""The water before the picture, row pair by row pair: how much of each pixel it covers and what it shows there."""
+"""Water over the image, per pair of rows: its opacity and the pixel that it shows."""
 
 import cv2
 import numpy as np
@@ -7,17 +7,17 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.glass.stamps import REACH, Stamp
 from vpf_sim.types import Camera, Image
 
-FILM_DIVISOR, SCENE_DIVISOR = 4, 8  # how much smaller than the frame the pictures are that film and drops show
-ROWS = 2  # of the picture that share one of the planes: doubling rows costs nothing, doubling columns does
+FILM_DIVISOR, SCENE_DIVISOR = 4, 8  # downscaling of the images that film and drops show
+ROWS = 2  # image rows per row of the planes: doubling rows costs nothing, doubling columns does
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1 on the planes
 
 
 class Planes:
-    """Persistent; only what is stamped, moved or wiped changes.
+    """Persistent planes of opacity and source pixels.
 
-    `alpha` (h, w) 0..255 and `source` (h, w), which pixel each looks at: straight through, in a blurred picture of
-    `film` (height, width); or, in a drop, in those of `scene` (height, width) below it, one for each shade. Pixels are
-    counted along rows of `stride`.
+    `alpha` is (h, w) 0..255. `source` is (h, w), the index of the shown pixel in rows of `stride`: straight through in
+    a blurred image of the size `film` (height, width), or for drops in the images of the size `scene` below it, one per
+    shade.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -29,7 +29,7 @@ class Planes:
         y, x = (np.arange(size) * small // size for size, small in zip(self.shape, self.film, strict=True))
         self.stride = self.film[1]
         self.source: NDArray[np.int64] = np.add.outer(self.stride * y, x).astype(np.int64)
-        self._bits = self.source.view(np.float64)  # as OpenCV 4 copies numbers of eight bytes
+        self._bits = self.source.view(np.float64)  # OpenCV 4 copies eight-byte numbers as float64
         self._through = self._bits.copy()
         self.alpha: Image = np.zeros(self.shape, np.uint8)
         self._anchors_x = _anchors(self.shape[1], self.scene[1], 0)
@@ -37,11 +37,11 @@ class Planes:
 
     @property
     def whole(self) -> Box:
-        """All of it."""
+        """The box of the whole planes."""
         return 0, 0, self.shape[1], self.shape[0]
 
     def put(self, stamp: Stamp, x: int, y: int, box: Box) -> None:
-        """A drop with its middle at (x, y), as far as it lies in `box`; the thicker of two drops is seen."""
+        """Draw a drop centred at (x, y), clipped to `box`; the more opaque of two drops wins."""
         height, width = stamp.alpha.shape
         left, top = x - width // 2, y - height // 2
         x0, y0, x1, y1 = max(left, box[0]), max(top, box[1]), min(left + width, box[2]), min(top + height, box[3])
@@ -58,20 +58,19 @@ class Planes:
         cv2.max(alpha, here, here)
 
     def clear(self, box: Box) -> None:
-        """Leave no water in a box."""
+        """Clear the water in a box."""
         x0, y0, x1, y1 = box
         self.alpha[y0:y1, x0:x1] = 0
         self._bits[y0:y1, x0:x1] = self._through[y0:y1, x0:x1]
 
     def wipe(self, mask: Image) -> None:
-        """Leave no water where a (h, w) mask is 255."""
+        """Clear the water where a (h, w) mask is 255."""
         cv2.subtract(self.alpha, mask, self.alpha)
         cv2.copyTo(self._through, mask, self._bits)
 
 
 def _anchors(size: int, small: int, first: int) -> list[int]:
-    """For each place along the planes, what the middle of a drop there shows: part of the way from the middle of the
-    scene to what is behind the drop."""
+    """The source index at a drop's centre for each position: between the scene's middle and straight through."""
     place = (1.0 - REACH) * np.linspace(-1.0, 1.0, size)
     anchors: list[int] = (first + (small - 1) / 2 * (1.0 + place)).astype(int).tolist()
     return anchors

@@ -1,4 +1,4 @@
-"""What water on the windshield does to the light: the picture is kept where there is none, bent where there is."""
+"""Refraction by water on the windscreen."""
 
 import cv2
 import numpy as np
@@ -8,12 +8,12 @@ from vpf_sim.envs.camera.glass.stamps import SHADES
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.types import Image
 
-SKY_LIGHT = 0.12  # share of a drop's light that is the sky's mirror image
-FILM_SPREAD, DROP_SPREAD = (5, 5), (13, 13)  # px of the small pictures; through a drop of 10 px, far out of focus, 4 px
+SKY_LIGHT = 0.12  # share of reflected skylight in a drop
+FILM_SPREAD, DROP_SPREAD = (5, 5), (13, 13)  # px of the small images; a drop of 10 px is blurred by 4 px
 
 
 class Refraction:
-    """Owns the buffers, for a frame's worth of memory taken anew costs as much as what is done with it."""
+    """Captures frames and composes the refracted ones, with preallocated buffers."""
 
     def __init__(self, planes: Planes, light: Light) -> None:
         self._planes = planes
@@ -22,28 +22,28 @@ class Refraction:
         self._film = self._pictures[:film_h]
         self._shades = [self._pictures[film_h + k * height :][:height, :width] for k in range(len(SHADES))]
         self._sky: Image = np.broadcast_to(np.rint(SKY_LIGHT * light.horizon), (height, width, 3)).astype(np.uint8)
-        self._looked_up = np.zeros(planes.shape, np.uint32)  # pixels of four bytes are found thrice as fast as of three
+        self._lookup = np.zeros(planes.shape, np.uint32)  # lookups of four bytes are three times as fast as of three
         self._texture: Image = np.zeros((*planes.shape, 3), np.uint8)
         self._keep: Image = np.zeros((*planes.shape, 3), np.uint8)
 
-    def look(self, cover: Image) -> None:
-        """Look at what was seen last through water that covers `cover` (h, w) 0..255 of each pixel of the planes."""
+    def refract(self, cover: Image) -> None:
+        """Compose the captured images through water with opacity `cover` (h, w) 0..255 on the planes."""
         pixels = np.asarray(cv2.cvtColor(self._pictures, cv2.COLOR_RGB2RGBA), np.uint8).view(np.uint32)
-        np.take(pixels, self._planes.source, out=self._looked_up, mode="wrap")  # without a check: all are inside
-        cv2.cvtColor(self._looked_up.view(np.uint8).reshape(*self._planes.shape, 4), cv2.COLOR_RGBA2RGB, self._texture)
+        np.take(pixels, self._planes.source, out=self._lookup, mode="wrap")  # no bounds check needed
+        cv2.cvtColor(self._lookup.view(np.uint8).reshape(*self._planes.shape, 4), cv2.COLOR_RGBA2RGB, self._texture)
         cv2.cvtColor(cover, cv2.COLOR_GRAY2RGB, self._keep)
         cv2.multiply(self._texture, self._keep, self._texture, 1.0 / 255.0)
         cv2.bitwise_not(self._keep, self._keep)
 
     def apply(self, frame: Image) -> None:
-        """Put the water as it was last looked through before a frame, in place."""
+        """Blend the refracted water over a frame, in place."""
         for first in range(ROWS):
             rows = frame[first::ROWS]
             cv2.multiply(rows, self._keep[: len(rows)], rows, 1.0 / 255.0)
             cv2.add(rows, self._texture[: len(rows)], rows)
 
-    def see(self, frame: Image) -> None:
-        """Make the small pictures of a frame that film and drops show."""
+    def capture(self, frame: Image) -> None:
+        """Store the small images of a frame that film and drops show."""
         film, (scene, *shades) = self._film, self._shades
         cv2.resize(frame, film.shape[1::-1], film)
         cv2.resize(film, scene.shape[1::-1], scene)

@@ -1,7 +1,7 @@
-"""The windshield wiper: where its blade is, what it sweeps, and its shadow on the picture.
+"""The windscreen wiper: blade angle, swept area and image of the blade.
 
-One blade turns about a pivot below the picture on the left, from lying along the lower edge of the glass to standing by
-its left edge and back, sinusoidally; then it rests until the next period.
+One blade turns about a pivot below the image on the left. It moves sinusoidally from lying along the lower edge to
+standing by the left edge and back, then rests until the next period.
 """
 
 from dataclasses import dataclass
@@ -16,21 +16,21 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Floats, Image
 
 PIVOT_M = (-0.45, 0.62)  # right of the optical axis, down along the glass
-SWEEP_RAD = radians(90.0)  # from lying to the right of the pivot to standing above it
-RADII_M = (0.25, 0.84)  # what the blade wipes
-CYCLE_S = 1.33  # there and back, 45 a minute; faster where the period is shorter
-END_M = 0.01  # the largest drop's reach
+SWEEP_RAD = radians(90.0)  # from lying to standing
+RADII_M = (0.25, 0.84)  # inner and outer radius of the blade
+CYCLE_S = 1.33  # up and down, 45 per minute; less for shorter periods
+END_M = 0.01  # radius of the largest drop
 WIDTH_M = 0.016  # of blade and arm
-GREY, COVER = 22.0, 0.94  # the light that comes from the blade itself; how much it takes of what is behind
-MARGIN_RAD = 0.04  # half the blade, nearest to its pivot, and its blur
+GREY, COVER = 22.0, 0.94  # grey level of the blade, and its opacity
+MARGIN_RAD = 0.04  # half the blade's width at its inner end, with blur
 EXPOSURE_S = 0.004
-EXPOSURES = 5  # positions within one exposure
+EXPOSURES = 5  # blade positions per exposure
 MOMENTS_S = (EXPOSURE_S * np.linspace(-0.5, 0.5, EXPOSURES)).tolist()
-DIVISOR = 4  # the mask of the blade is drawn this much smaller than the frame
+DIVISOR = 4  # downscaling of the blade's mask
 
 
 class Wiper:
-    """One blade; without a period it rests for ever, out of sight."""
+    """One wiper blade with a period."""
 
     def __init__(self, pane: Pane, period_s: float, seed: int) -> None:
         self.period_s = period_s
@@ -40,18 +40,18 @@ class Wiper:
         camera = pane.camera
         y = ROWS * np.arange(-(-camera.height_px // ROWS)) + (ROWS - 1) / 2
         pixels = np.meshgrid(np.arange(camera.width_px), y)
-        self.radii_m = _polar(pane, *pixels)[0]  # (h, w) of the planes: distance from the pivot
+        self.radii_m = _polar(pane, *pixels)[0]  # (h, w) distance from the pivot, on the planes
         self._angles = _angle_at(pane, *pixels).astype(np.float32)
         reached = self._angles[self._angles >= 0.0]
         self._seen = (float(reached.min()), float(reached.max())) if reached.size else (1.0, -1.0)
 
     def angle(self, time_s: float) -> float:
-        """Angle of the blade (rad), 0 lying, `SWEEP_RAD` standing."""
+        """Blade angle, rad: 0 lying, `SWEEP_RAD` standing."""
         phase = ((time_s + self._offset_s) % self.period_s) / self._cycle_s
         return SWEEP_RAD * (1.0 - cos(2.0 * pi * min(phase, 1.0))) / 2.0
 
     def swath(self, from_s: float, until_s: float) -> "Swath | None":
-        """What the blade passes over in a span of time; None outside the picture."""
+        """The area swept in a span of time; None outside the image."""
         angles = [self.angle(from_s), self.angle(until_s)]
         for turn_s, angle in ((0.0, 0.0), (self._cycle_s / 2.0, SWEEP_RAD)):
             if (turn_s - from_s - self._offset_s) % self.period_s <= until_s - from_s:
@@ -62,7 +62,7 @@ class Wiper:
         return Swath(self._pane, min(angles), max(angles), mask)
 
     def blade(self, time_s: float) -> Image | None:
-        """(H / 4, W / 4) 0..255 how much of the light the blade takes; None when it is out of the picture."""
+        """(H / 4, W / 4) opacity of the blade, 0..255; None outside the image."""
         if not self._seen[0] - MARGIN_RAD <= self.angle(time_s) <= self._seen[1] + MARGIN_RAD:
             return None
         camera = self._pane.camera
@@ -74,7 +74,7 @@ class Wiper:
         return np.asarray(cv2.blur(mask, (5, 5)), np.uint8) if mask.any() else None
 
     def _corners(self, angles: Floats) -> Floats:
-        """(n, 4, 2) corners of the blade on the mask, at n angles."""
+        """(n, 4, 2) corners of the blade on the mask for n angles."""
         cosine, sine = np.cos(angles)[:, None], np.sin(angles)[:, None]
         along = np.array([RADII_M[0], RADII_M[0], RADII_M[1], RADII_M[1]])
         across = WIDTH_M * np.array([-0.5, 0.5, 0.5, -0.5])
@@ -84,28 +84,28 @@ class Wiper:
 
 @dataclass(frozen=True, slots=True)
 class Swath:
-    """The glass between two angles of the blade, as far out as the blade reaches."""
+    """The area swept between two blade angles."""
 
     pane: Pane
     low: float  # rad
     high: float
-    mask: Image  # (h, w) of the planes: 255 in it, 0 outside
+    mask: Image  # (h, w) on the planes: 255 inside, 0 outside
 
     def holds(self, x_px: Floats, y_px: Floats) -> Bools:
-        """Which points of the picture lie in the swath."""
+        """Which image points lie in the swath."""
         angle = _angle_at(self.pane, x_px, y_px)
         return (angle >= self.low) & (angle <= self.high)
 
     def at_end(self, x_px: Floats, y_px: Floats) -> Bools:
-        """Which points of the picture lie so near the ends of the blade that it may cut a drop there in two."""
+        """Which image points are near the blade's ends, where it may cut a drop."""
         radius = _polar(self.pane, x_px, y_px)[0]
         return (np.abs(radius - RADII_M[0]) < END_M) | (np.abs(radius - RADII_M[1]) < END_M)
 
 
 def paint_blade(frame: Image, blade: Image) -> None:
-    """Put the blade before the frame, in place."""
+    """Draw the blade over the frame, in place."""
     x, y, width, height = cv2.boundingRect(blade)
-    if width == 0:  # at the turning points it may be beside the picture
+    if width == 0:  # outside the image at the turning points
         return
     part = blade[y : y + height, x : x + width]
     here = frame[DIVISOR * y : DIVISOR * (y + height), DIVISOR * x : DIVISOR * (x + width)]
@@ -116,13 +116,13 @@ def paint_blade(frame: Image, blade: Image) -> None:
 
 
 def _polar(pane: Pane, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
-    """Distance from the pivot (m) and angle (rad) of points of the picture."""
+    """Distance from the pivot, m, and angle, rad, of image points."""
     u, s = pane.on_glass(x_px, y_px)
     u, up = u - PIVOT_M[0], PIVOT_M[1] - s
     return np.hypot(u, up), np.arctan2(up, u)
 
 
 def _angle_at(pane: Pane, x_px: Floats, y_px: Floats) -> Floats:
-    """The blade's angle when it is over a point of the picture; -1 where it never is."""
+    """The blade angle over an image point; -1 out of the blade's reach."""
     radius, angle = _polar(pane, x_px, y_px)
     return np.where((radius >= RADII_M[0]) & (radius <= RADII_M[1]), angle, -1.0)

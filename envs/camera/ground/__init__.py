@@ -1,1 +1,1 @@
-"""The road and the verge: what is painted on them, their grain, kept in patches that go with the camera."""
+"""The ground: road and verge, painted into rasters that follow the camera."""

@@ -1,7 +1,7 @@
-"""The raster of a level of the ground that is far: the picture of a camera that stands a little ahead or behind.
+"""The raster of a far ground level: the image of a camera a little ahead or behind.
 
-Far away a pixel covers much more of the ground along its ray than across, and rays spread. The texels of a picture do
-the same, those of an even lattice do not: grain averaged over them would be drawn out along the flow.
+A distant pixel covers much more ground along its ray than across. Texels of an image have the same shape; on an even
+lattice averaged grain would be stretched along the flow.
 """
 
 from collections.abc import Callable
@@ -15,16 +15,16 @@ from vpf_sim.envs.camera.ground.raster import Raster
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Camera, Floats, Image
 
-STEP, SIDESTEP, TURN_RAD = 0.38, 0.12, 0.06  # between places, in the level's nearest depth, and between headings
-KEPT, LIMIT = 0.55, 0.7  # a place is kept while the camera is nearer to it than this, and the patient at most, in steps
-GOLDEN = 0.618  # the grids of places of the levels are shifted by it, so that few are left in the same frame
-ROWS = 1.25  # of texels per row of pixels
+STEP, SIDESTEP, TURN_RAD = 0.38, 0.12, 0.06  # between anchors, in the level's nearest depth; between headings
+KEPT, LIMIT = 0.55, 0.7  # steps within which an anchor is kept; limit if the update may be deferred
+GOLDEN = 0.618  # phase shift between levels' anchor grids, so that few repaint in the same frame
+ROWS = 1.25  # texels per row of pixels
 
 Place = tuple[float, float, float]  # heading, ahead, right: in turns and steps
 
 
 class FarPatch:
-    """What a level shows of the ground, kept while the camera stays near a place."""
+    """The raster of a far level, kept while the camera stays near its anchor."""
 
     def __init__(self, camera: Camera, level: Level, paint: Callable[[Raster], Image]) -> None:
         self._camera = camera
@@ -34,16 +34,16 @@ class FarPatch:
         (left, top), (right, bottom) = self._corners(level)
         self._to_texels = np.array([[1.0, 0.0, -np.floor(left)], [0.0, ROWS, -ROWS * np.floor(top)], [0.0, 0.0, 1.0]])
         rows, columns = int(np.ceil(ROWS * (bottom - np.floor(top)))) + 2, 2 * int(0.5 * (right - np.floor(left)) + 2.0)
-        # so that the plane at which polygons are cut lies well before what is shown
+        # puts the clipping plane well before the visible range
         self._scale = camera.height_m * NEAR_M / (0.5 * level.near_m)
         self._texel_m = (level.across_m, level.along_m / ROWS)
         self._place: Place = (0.0, inf, inf)
         self.pixels: Image = np.empty((rows, columns), np.uint8)
         self.from_world = np.eye(3)
 
-    def follow(self, view: View, patient: bool) -> bool:
-        """Let the raster cover what the camera sees; whether it was painted anew, which the patient put off."""
-        if self._is_near(view, LIMIT if patient else KEPT):
+    def update(self, view: View, may_defer: bool) -> bool:
+        """Repaint the raster if the view needs it; returns whether it did. `may_defer` allows more distance."""
+        if self._is_near(view, LIMIT if may_defer else KEPT):
             return False
         turns = self._rounded(view.yaw_rad / TURN_RAD)
         steps, sidesteps = self._steps(view, turns)
@@ -64,7 +64,7 @@ class FarPatch:
         return max(aside, steps - ahead) < limit and ahead - steps < KEPT
 
     def _steps(self, view: View, turns: float) -> tuple[float, float]:
-        """How far ahead and to the right the camera is, along a heading."""
+        """The camera's position ahead and to the right along a heading, in steps."""
         c, s = cos(turns * TURN_RAD), sin(turns * TURN_RAD)
         x, y = float(view.centre[0]), float(view.centre[1])
         return (c * x + s * y) / self._step, (c * y - s * x) / self._sidestep
@@ -73,7 +73,7 @@ class FarPatch:
         return round(steps - self._phase) + self._phase
 
     def _corners(self, level: Level) -> tuple[Floats, Floats]:
-        """(2,) and (2,) the least and the largest pixel that a level shows, from all poses that keep a place."""
+        """(2,) and (2,) px, bounds of a level over all poses that keep an anchor."""
         camera = self._camera
         found = []
         for turn, ahead, right in product((-LIMIT * TURN_RAD, LIMIT * TURN_RAD), (-KEPT, LIMIT), (-LIMIT, LIMIT)):

@@ -1,6 +1,6 @@
-"""How strong the grain must be at each distance for an even picture.
+"""Strength of the grain by distance, for an even image.
 
-Where the gradient grows from row to row, Lucas-Kanade follows the rows at the sharper end of its window, which move at
+If the gradient grew from row to row, Lucas-Kanade would follow the rows at the sharper end of its window, which move at
 another speed.
 """
 
@@ -22,9 +22,9 @@ VIEWS = 6
 
 @lru_cache(maxsize=4)
 def even_gains(camera: Camera) -> tuple[Floats, ...]:
-    """For each level what its grain is multiplied by, to have the same gradient from pixel to pixel of every row.
+    """The grain's gain for each level that gives all rows the same gradient.
 
-    Measured on a few views: one factor for all of a lattice, (rows, 1) for the picture of a far level.
+    Measured on a few views: one factor for a near level, (rows, 1) for a far level.
     """
     return tuple(_gain(camera, level) for level in levels(camera))
 
@@ -34,7 +34,7 @@ def _gain(camera: Camera, level: Level) -> Floats:
     energies = []
     for place in stream(0, "grain gains").uniform(-500.0, 500.0, (VIEWS, 2)):
         view = View.at(camera, place, 0.0)
-        patch.follow(view, patient=False)
+        patch.update(view, may_defer=False)
         if not level.steep:
             energies.append(_energy(patch.pixels))
             continue

@@ -1,7 +1,7 @@
-"""The grain of the road and the verge, at every distance.
+"""The grain of road and verge at every distance.
 
-Each level of distance shows two sizes of grain, its own and that of the next level: where levels fade into each other
-they share one. A size is the same noise on the world, laid by a seed; what a texel is too long to show is averaged out.
+Each level shows two grain sizes, its own and the next level's, so that levels that blend share one. A size is one noise
+field fixed to the world by a seed; frequencies too high for a texel are averaged out.
 """
 
 from math import ceil, log2
@@ -16,22 +16,22 @@ from vpf_sim.envs.camera.texture import TILE, grain_tile
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image
 
-SIZE = 1.6  # of a texel of noise, in the level's smallest pixels
-COARSER = 2.0  # the second size of a level over its first
-SHARES = (0.8, 0.4)  # their amplitudes
-SPARSE = 7.0  # texels of noise from one sample to the next where they are averaged
-BLOTCH_M = 0.6  # texel of the noise that varies over metres
-FINEST = 16  # samples in a texel of the raster
+SIZE = 1.6  # texel of noise, in the level's smallest pixels
+COARSER = 2.0  # second grain size over the first
+SHARES = (0.8, 0.4)  # amplitudes of both sizes
+SPARSE = 7.0  # texels of noise between averaged samples
+BLOTCH_M = 0.6  # texel of the coarse noise
+FINEST = 16  # most samples per texel of the raster
 WARP = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
 
 
 class Grain:
-    """The grain of one level, laid on the world by a seed."""
+    """The grain of one level, placed in the world by a seed."""
 
     def __init__(self, level: Level, seed: int) -> None:
         longest = level.along_m * (ALONG if level.steep else (level.far_m / level.near_m) ** 2 / ROWS)
         sizes = (SIZE * level.across_m, COARSER * SIZE * level.across_m, BLOTCH_M)
-        self._laid = [_laid(size, seed) for size in sizes]
+        self._placed = [_placed(size, seed) for size in sizes]
         self._fineness = [min(FINEST, 2 ** max(0, ceil(log2(longest / (SPARSE * size))))) for size in sizes]
 
     def draw(self, raster: Raster) -> Image:
@@ -43,32 +43,32 @@ class Grain:
         return np.asarray(cv2.resize(grain, (raster.columns, raster.rows)), np.uint8)
 
     def blotches(self, raster: Raster) -> Image:
-        """(rows, columns / 8) about 128: larger differences, of metres."""
+        """(rows, columns / 8) about 128: variation over metres."""
         tile = grain_tile("blotches", shortest=3.0, slope=1.0)
         return self._averaged(raster, 2, tile, raster.columns // 8)
 
     def _averaged(self, raster: Raster, index: int, tile: Image, columns: int) -> Image:
-        """(rows, columns) of one size of noise, each texel the mean of a few samples along it."""
+        """(rows, columns) one noise size, averaged along each texel."""
         fineness = self._fineness[index]
         size = (columns, fineness * raster.rows)
-        matrix = self._laid[index] @ np.linalg.inv(raster.finer(columns / raster.columns, fineness))
-        matrix = _within(matrix, size)
+        matrix = self._placed[index] @ np.linalg.inv(raster.finer(columns / raster.columns, fineness))
+        matrix = _shifted_to_tile(matrix, size)
         grain = cv2.warpPerspective(tile, matrix, size, flags=WARP, borderMode=cv2.BORDER_WRAP)
         while len(grain) > raster.rows:
             grain = cv2.addWeighted(grain[0::2], 0.5, grain[1::2], 0.5, 0.0)
         return np.asarray(grain, np.uint8)
 
 
-def _laid(size_m: float, seed: int) -> Floats:
-    """(3, 3) from points of the world to texels of the noise, of a size on the world."""
+def _placed(size_m: float, seed: int) -> Floats:
+    """(3, 3) from world points to texels of noise of `size_m`."""
     rng = stream(seed, f"grain {size_m:.6g}")
     angle, (x, y) = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.0, TILE, 2)
     c, s = np.cos(angle) / size_m, np.sin(angle) / size_m
     return np.array([[c, -s, x], [s, c, y], [0.0, 0.0, 1.0]])
 
 
-def _within(matrix: Floats, size: tuple[int, int]) -> Floats:
-    """The same mapping to the tile with whole tiles taken off, so that its middle comes to the doubled tile's."""
+def _shifted_to_tile(matrix: Floats, size: tuple[int, int]) -> Floats:
+    """The mapping shifted by whole tiles, so that its middle falls in the middle of the doubled tile."""
     middle = matrix @ (0.5 * size[0], 0.5 * size[1], 1.0)
     whole = np.rint(middle[:2] / middle[2] / TILE) - 1.0
     return np.asarray(matrix - np.outer([*whole * TILE, 0.0], matrix[2]))

@@ -1,14 +1,14 @@
-"""The road and the verge in the picture: what is painted on them, their grain, their colours."""
+"""Renders the ground: paint, grain and colours of road and verge."""
 
 from functools import partial
 
 import cv2
 import numpy as np
 
+from vpf_sim.envs.camera.ground.appearance import ramp
 from vpf_sim.envs.camera.ground.gains import even_gains
 from vpf_sim.envs.camera.ground.grain import Grain
 from vpf_sim.envs.camera.ground.levels import levels
-from vpf_sim.envs.camera.ground.looks import ramp
 from vpf_sim.envs.camera.ground.paint import painted
 from vpf_sim.envs.camera.ground.palette import RAMP, blotch_strength, grain_strength, ground_table
 from vpf_sim.envs.camera.ground.patches import patch_of, sample
@@ -18,18 +18,24 @@ from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.view import View
-from vpf_sim.scenarios.parts import Look
+from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.types import Camera, Floats, Image
 
-GRAINY_M = (10.0, 30.0)  # texels begin to lose their grain when they are so long, and have lost it
-NEAR_FINE, FAR_FINE = (2, 2), (2, 4)  # times as fine as the raster, across and along
+GRAINY_M = (10.0, 30.0)  # texel lengths at which grain starts to fade, and has faded
+NEAR_FINE, FAR_FINE = (2, 2), (2, 4)  # supersampling of the raster, across and along
 
 
 class Ground:
     """Paints every row below the horizon."""
 
     def __init__(
-        self, camera: Camera, shapes: list[LaneShape], light: Light, wetness: float, seed: int, look: Look | None = None
+        self,
+        camera: Camera,
+        shapes: list[LaneShape],
+        light: Light,
+        wetness: float,
+        seed: int,
+        appearance: RoadAppearance | None = None,
     ) -> None:
         self._top = ground_top(camera)
         self._levels = levels(camera)
@@ -38,22 +44,24 @@ class Ground:
         for level, gain in zip(self._levels, even_gains(camera), strict=True):
             surface = Surface(batches, level.near_m, NEAR_FINE if level.steep else FAR_FINE)
             self._patches.append(patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain)))
-        self._table = ground_table(light, wetness, RAMP if look is None else ramp(look.verge, look.surface, look.worn))
+        self._table = ground_table(
+            light, wetness, RAMP if appearance is None else ramp(appearance.verge, appearance.surface, appearance.worn)
+        )
         self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)
         faded = max((len(level.weights) for level in self._levels), default=0)
         self._over = np.empty((faded, camera.width_px), np.uint8)
 
-    def follow(self, view: View) -> None:
-        """Let the rasters cover what the camera sees."""
+    def update(self, view: View) -> None:
+        """Update the rasters for a view."""
         painted = False
         for patch in reversed(self._patches):
-            painted |= patch.follow(view, patient=painted)
+            painted |= patch.update(view, may_defer=painted)
 
     def draw(self, view: View, frame: Image) -> None:
-        """Paint the ground into the picture."""
+        """Draw the ground into the frame."""
         if not self._levels:
             return
-        self.follow(view)
+        self.update(view)
         to_world = view.ground_homography()
         for level, patch in zip(self._levels, self._patches, strict=True):
             for band in level.bands:
@@ -69,7 +77,7 @@ class Ground:
 
 
 def _fade(rows: Image, over: Image, weights: Image) -> None:
-    """Lay rows over others in place; a weight of 255 hides what lies under."""
+    """Blend `over` into `rows` in place; weight 255 is opaque."""
     under = cv2.multiply(rows, cv2.bitwise_not(weights), scale=1 / 255)
     cv2.add(under, cv2.multiply(over, weights, scale=1 / 255), rows)
 

@@ -1,7 +1,6 @@
-"""The raster of a level of the ground that is near: a lattice of equal texels, seen from above.
+"""The raster of a near ground level: an even lattice from above.
 
-The lattice is fixed to the world but for its heading, which is one of a few: while the camera drives on, rows that are
-left behind go out, rows that come up are painted, and the rest stays what it was.
+The lattice is fixed to the world, with one of a few headings. As the camera drives on, only new rows are painted.
 """
 
 from collections.abc import Callable
@@ -15,14 +14,14 @@ from vpf_sim.envs.camera.ground.raster import Raster
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Floats, Image
 
-TURN_RAD = pi / 26  # between headings of lattices
-KEPT = 0.6  # a heading is kept while the camera's is nearer than this, in turns
-STEP, SIDESTEP = 1.2, 0.15  # how far a patch goes at a time, in the level's nearest depth
+TURN_RAD = pi / 26  # between lattice headings
+KEPT = 0.6  # a heading is kept within this distance, in turns
+STEP, SIDESTEP = 1.2, 0.15  # step of a patch, in the level's nearest depth
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where on the lattice of a heading a patch begins, in texels from the world's origin."""
+    """A patch's origin on a lattice, in texels from the world's origin."""
 
     heading: int  # in turns
     row: int
@@ -30,7 +29,7 @@ class Place:
 
 
 class NearPatch:
-    """What a level shows of the ground, kept from frame to frame."""
+    """The raster of a near level, kept from frame to frame."""
 
     def __init__(self, level: Level, paint: Callable[[Raster], Image]) -> None:
         across, along = self._texel_m = (ACROSS * level.across_m, ALONG * level.along_m)
@@ -46,8 +45,8 @@ class NearPatch:
         self.pixels: Image = np.empty((rows, columns), np.uint8)
         self.from_world = np.eye(3)
 
-    def follow(self, view: View, patient: bool) -> bool:  # noqa: ARG002
-        """Let the raster cover what the camera sees; whether some of it was painted. It is never late."""
+    def update(self, view: View, may_defer: bool) -> bool:  # noqa: ARG002
+        """Paint the rows that the view needs; returns whether any were painted. Never deferred."""
         place, before = self._wanted(view), self._place
         if place == before:
             return False
@@ -66,7 +65,7 @@ class NearPatch:
         return True
 
     def _wanted(self, view: View) -> Place:
-        """The place from which the patch covers the view; heading and column stay while they do."""
+        """The origin from which the patch covers the view; heading and column stay while they fit."""
         before = self._place
         turns = view.yaw_rad / TURN_RAD
         heading = before.heading if before and abs(turns - before.heading) < KEPT else round(turns)

@@ -1,7 +1,6 @@
-"""What is painted on the ground: carriageway, shoulders, patches, markings, as polygons of palette values.
+"""The flat surfaces of the ground as polygons of palette values: carriageway, shoulders, wear, markings.
 
-All of it is flat and never moves, so it is cut into polygons of a few shapes once, when the road is new; what else
-drawing them takes is worked out for those about the camera.
+They are static, so they are cut into polygons once per road; the rest is computed for polygons near the camera.
 """
 
 from dataclasses import dataclass, replace
@@ -23,42 +22,41 @@ from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, line
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
-# Values of the palette: one ramp from grass over gravel and asphalt to paint, so that an edge blended in palette values
-# looks like an edge blended in colour.
+# Palette values: one ramp from grass over gravel and asphalt to paint, so that blending values blends colours.
 GRASS, GRAVEL, ASPHALT, LINE = 45, 98, 150, 222
 
 LINE_WIDTH_M = 0.15
-FADED = 8  # typical loss of a stripe's brightness, in the palette
+FADED = 8  # typical loss of a stripe's brightness, palette values
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
 RAGGED_STEP_M, RAGGED_RANGE_M = 0.7, 28.0
-CHUNK, CHUNK_M = 10, 20.0  # stretches between samples in one polygon at most, and their length
+CHUNK, CHUNK_M = 10, 20.0  # most pieces in one polygon, and their length
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Polygons of one number of vertices; those of one strip follow each other and do not overlap."""
+    """Polygons with one vertex count; those of a strip are consecutive and do not overlap."""
 
-    polygons_m: Floats  # (n, V, 2) world; a strip's polygon goes up its left edge and down its right edge
-    values: NDArray[np.int64]  # (n,) of the palette
-    strips: NDArray[np.int64]  # (n,) which strip each belongs to
-    thin: bool  # lines, whose width must be kept to a fraction of a pixel
-    range_m: float = inf  # levels that begin farther ahead do not show it
+    polygons_m: Floats  # (n, V, 2) world; a strip goes up its left and down its right edge
+    values: NDArray[np.int64]  # (n,) palette values
+    strips: NDArray[np.int64]  # (n,) index of the strip
+    thin: bool  # lines, which need sub-pixel width
+    range_m: float = inf  # not shown on levels that begin beyond
 
     def near(self, place: Floats, reach_m: float) -> "Batch":
-        """Those that reach so near to a place (2,), and some more."""
+        """The polygons within `reach_m` of a place (2,), and some beyond."""
         x, y = self._firsts_m - place[:, None]
         chosen = np.flatnonzero(x * x + y * y < (reach_m + self._extent_m) ** 2)
         return replace(self, polygons_m=self.polygons_m[chosen], values=self.values[chosen], strips=self.strips[chosen])
 
     @cached_property
     def _firsts_m(self) -> Floats:
-        """(2, n) their first vertices."""
+        """(2, n) first vertices."""
         return np.ascontiguousarray(self.polygons_m[:, 0].T)
 
     @cached_property
     def _extent_m(self) -> float:
-        """How far any of the polygons reaches from its first vertex."""
+        """The largest distance of a vertex from its polygon's first vertex."""
         farthest = 0.0
         for i in range(1, self.polygons_m.shape[1]):
             x, y = self.polygons_m[:, i].T - self._firsts_m
@@ -76,7 +74,7 @@ class Batch:
 
 
 def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
-    """All that is painted on the ground, in the order in which it is laid."""
+    """All batches in drawing order."""
     rng = stream(seed, "asphalt")
     marks = lines(shapes)
     outer = outer_edges(shapes)
@@ -108,14 +106,14 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
 def _ragged(
     edge: Edge, wide_m: float, rough_m: float, value: int, rng: np.random.Generator
 ) -> tuple[Floats, Floats, int]:
-    """The two sides of a shoulder, from inside the lane to an outline that wavers, as grass and gravel leave it."""
+    """The two sides of a shoulder with a ragged outer outline."""
     fine = edge.resampled(RAGGED_STEP_M)
     outline = wide_m + rough_m * np.clip(rng.standard_normal(len(fine.points_m)), -2.0, 2.0)
     return fine.at(-0.3), fine.at(outline[:, None]), value
 
 
 def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
-    """The two edges of a line along a polyline."""
+    """The two edges of a marking along a polyline."""
     direction = np.gradient(line.points_m, axis=0)
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     right = 0.5 * width_m * np.stack([-direction[:, 1], direction[:, 0]], axis=1)
@@ -123,7 +121,7 @@ def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
 
 
 def _stripe_polygons(line: Line) -> Floats:
-    """(n, 6, 2) one polygon a stripe: up its left edge, down its right edge."""
+    """(n, 6, 2) one polygon per stripe: up its left edge, down its right edge."""
     span = stripes(line)
     s = np.stack([span[:, 0], span.mean(axis=1), span[:, 1]], axis=1)
     left, right = (interpolated(s, line.s_m, edge) for edge in _ribbon(line, LINE_WIDTH_M))
@@ -131,13 +129,13 @@ def _stripe_polygons(line: Line) -> Floats:
 
 
 def _separate(polygons: Floats, values: NDArray[np.int64], thin: bool, range_m: float = inf) -> Batch:
-    """Single polygons, sorted by value: those of one value are drawn together."""
+    """Separate polygons, sorted by value so that equal values are drawn together."""
     order = np.argsort(values, kind="stable")
     return Batch(polygons[order], values[order], values[order], thin, range_m)
 
 
 def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float = inf) -> Batch:
-    """Strips between two edges, cut into polygons that are neither long nor of many stretches."""
+    """Strips between two edges, cut into polygons of limited length and vertex count."""
     polygons, values, owners = [np.empty((0, 2 * CHUNK + 2, 2))], [], []
     for owner, (left, right, value) in enumerate(strips):
         cuts = _cuts(left)
@@ -149,11 +147,11 @@ def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float
 
 
 def _cuts(points: Floats) -> NDArray[np.int64]:
-    """Indices at which a polyline (M, 2) is cut, its ends included."""
+    """Indices at which a polyline (M, 2) is cut, including its ends."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)), np.full(CHUNK, np.inf)])
     last = len(points) - 1
     long = np.array([along[k + 1 :][:last] - along[:last] > CHUNK_M for k in range(1, CHUNK)])
-    reach = np.where(long.any(axis=0), long.argmax(axis=0) + 1, CHUNK)  # stretches from each point to the next cut
+    reach = np.where(long.any(axis=0), long.argmax(axis=0) + 1, CHUNK)  # pieces from each point to the next cut
     following = np.minimum(np.arange(last) + reach, last).tolist()
     cuts = [0]
     while cuts[-1] < last:

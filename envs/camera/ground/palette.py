@@ -1,4 +1,4 @@
-"""The colours of the ground: one ramp from dark grass over gravel and asphalt to white paint."""
+"""The ground's palette: one ramp from dark grass over gravel and asphalt to white paint."""
 
 from functools import lru_cache
 
@@ -30,20 +30,19 @@ RAMP = np.array(
 )
 
 
-# (value, how strongly the grain shows: gain)
+# (value, gain of the grain)
 STRENGTH = np.array([(0, 1.2), (60, 1.2), (98, 1.3), (138, 1.0), (160, 1.0), (222, 0.6)])
-BLOTCHES = np.array([(0, 0.3), (70, 0.3), (98, 0.12), (138, 0.05), (222, 0.05)])  # the same for large differences
+BLOTCHES = np.array([(0, 0.3), (70, 0.3), (98, 0.12), (138, 0.05), (222, 0.05)])  # (value, gain of the coarse noise)
 ASPHALT_GREY, PAINT_GREY = 106.0, 255.0
-WET_FACTOR = 0.6  # what is left of the brightness of wet asphalt (Angstrom 1925)
-WET_SHARE = np.array([(60, 0.5), (124, 1.0)])  # (value, how much of that happens to it): less to leaves than to stone
+WET_FACTOR = 0.6  # brightness of wet over dry asphalt (Angstrom 1925)
+WET_SHARE = np.array([(60, 0.5), (124, 1.0)])  # (value, share of the wetting effect): less for leaves than for stone
 
 
 def ground_table(light: Light, wetness: float, ramp: Floats = RAMP) -> NDArray[np.uint8]:
-    """(256, 1, 3) RGB of each palette value under a light, for cv2.applyColorMap; wetness is 0 to 1.
+    """(256, 1, 3) RGB of the palette values under a light, for cv2.applyColorMap; wetness is 0 to 1.
 
-    The ramp's colours, (value, red, green, blue), are those of ClearNoon. What is wet is darker and more saturated:
-    colours are raised to a power, which keeps bright paint bright (Lagarde, "Water drop 3", 2013), so that asphalt
-    keeps 0.6 of its brightness.
+    The ramp, (value, red, green, blue), holds the colours of ClearNoon. Wet surfaces are darker and more saturated: a
+    power law keeps bright paint bright (Lagarde, "Water drop 3", 2013) and gives asphalt 0.6 of its brightness.
     """
     values = np.arange(256)
     colours = np.stack([np.interp(values, ramp[:, 0], ramp[:, i]) for i in (1, 2, 3)], axis=1)
@@ -57,13 +56,13 @@ def ground_table(light: Light, wetness: float, ramp: Floats = RAMP) -> NDArray[n
 
 @lru_cache(maxsize=1)
 def grain_strength() -> NDArray[np.float32]:
-    """(256,) how strongly the grain shows on each palette value, 1 = as on asphalt."""
+    """(256,) gain of the grain for each palette value, 1 on asphalt."""
     return np.asarray(np.interp(np.arange(256), STRENGTH[:, 0], STRENGTH[:, 1]), np.float32)
 
 
 @lru_cache(maxsize=1)
 def blotch_strength() -> NDArray[np.float32]:
-    """(256,) how strongly differences over metres show on each palette value."""
+    """(256,) gain of the coarse noise for each palette value."""
     return np.asarray(np.interp(np.arange(256), BLOTCHES[:, 0], BLOTCHES[:, 1]), np.float32)
 
 
@@ -73,5 +72,5 @@ def _noon() -> Light:
 
 
 def _level(light: Light) -> Floats:
-    """(3,) what a horizontal surface gets."""
+    """(3,) RGB factor of a horizontal surface."""
     return np.asarray(light.sky + light.direct * max(float(light.sun[2]), 0.0))

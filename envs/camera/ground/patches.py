@@ -1,4 +1,4 @@
-"""The rasters of the levels of the ground, and the rows of the picture that are taken from them."""
+"""Creates the rasters of ground levels and samples image rows from them."""
 
 from collections.abc import Callable
 
@@ -17,12 +17,12 @@ Patch = NearPatch | FarPatch
 
 
 def patch_of(camera: Camera, level: Level, paint: Callable[[Raster], Image]) -> Patch:
-    """The patch of a level, which `paint` fills."""
+    """The patch of a level, filled by `paint`."""
     return NearPatch(level, paint) if level.steep else FarPatch(camera, level, paint)
 
 
 def sample(patch: Patch, band: Band, to_world: Floats, target: Image) -> None:
-    """Take the rows of a band from a patch; `to_world` leads from pixels of the picture to the ground."""
+    """Sample the rows of a band from a patch; `to_world` is the homography from image pixels to the ground."""
     matrix = patch.from_world @ to_world @ band.sampling
     if band.fineness == 1:
         cv2.warpPerspective(patch.pixels, matrix, target.shape[::-1], target, WARP, cv2.BORDER_CONSTANT, GRASS)

@@ -1,7 +1,6 @@
-"""The painted ground on a raster, one channel of palette values.
+"""Rasterises the ground's polygons to palette values.
 
-Polygons are filled without anti-aliasing on a canvas several times as fine as the raster and averaged down, which gives
-every edge its exact coverage.
+Polygons are filled without anti-aliasing on a supersampled canvas and averaged down: edges get their exact coverage.
 """
 
 import cv2
@@ -14,15 +13,15 @@ from vpf_sim.envs.camera.view import NEAR_M, clip_near
 from vpf_sim.types import Bools, Floats, Image
 
 SHIFT = 4  # fractional bits of OpenCV's polygon coordinates
-STEP_M = 12.0  # what the raster travels before all polygons are looked at again
+STEP_M = 12.0  # travel of the raster before nearby polygons are collected again
 
 Indices = NDArray[np.int64]
 
 
 class Polygons:
-    """Polygons of a road in the order in which they are laid, their vertices in one array.
+    """Polygons in drawing order with their vertices in one array.
 
-    Vertices that repeat the one before, with which short polygons fill their batch, are left out.
+    Repeated vertices, which pad short polygons, are left out.
     """
 
     def __init__(self, batches: list[Batch]) -> None:
@@ -47,11 +46,11 @@ class Polygons:
 
 
 class Surface:
-    """Draws what is painted on the ground, for rasters that lie near each other, seen from a depth of `near_m` on."""
+    """Draws the ground's polygons on rasters near each other, for a level from the depth `near_m` on."""
 
     def __init__(self, batches: list[Batch], near_m: float, fine: tuple[int, int]) -> None:
         self._batches = [batch for batch in batches if batch.range_m > near_m]
-        self._fine = fine  # pixels of the canvas per texel, across and along
+        self._fine = fine  # supersampling, across and along
         self._close: Polygons | None = None
         self._middle = np.full(2, np.inf)
         self._reach_m = 0.0
@@ -60,15 +59,15 @@ class Surface:
         """(rows, columns) palette values."""
         fine_x, fine_y = self._fine
         canvas = np.full((fine_y * raster.rows, fine_x * raster.columns), GRASS, np.uint8)
-        polygons, seen = self._seen(raster)
-        if polygons is not None and len(seen):
-            _fill(canvas, polygons, seen, raster.finer(fine_x, fine_y))
+        polygons, indices = self._candidates(raster)
+        if polygons is not None and len(indices):
+            _fill(canvas, polygons, indices, raster.finer(fine_x, fine_y))
         while len(canvas) > fine_x * raster.rows:
             canvas = np.asarray(cv2.addWeighted(canvas[0::2], 0.5, canvas[1::2], 0.5, 0.0), np.uint8)
         return np.asarray(cv2.resize(canvas, (raster.columns, raster.rows), interpolation=cv2.INTER_AREA), np.uint8)
 
-    def _seen(self, raster: Raster) -> tuple[Polygons | None, Indices]:
-        """The polygons near a raster, None if there are none, and which of them may touch it."""
+    def _candidates(self, raster: Raster) -> tuple[Polygons | None, Indices]:
+        """The polygons near a raster (None without any), and the indices of those that may touch it."""
         outline = raster.outline()
         middle = outline.mean(axis=0)
         reach = float(np.hypot(*(outline - middle).T).max())
@@ -87,13 +86,13 @@ class Surface:
         return polygons, np.flatnonzero(outside.max(axis=0) < polygons.radii_m)
 
 
-def _fill(canvas: Image, polygons: Polygons, seen: Indices, matrix: Floats) -> None:
-    """Fill polygons, those of one strip in one call."""
-    counts = polygons.counts[seen]
+def _fill(canvas: Image, polygons: Polygons, indices: Indices, matrix: Floats) -> None:
+    """Fill polygons, one call per strip."""
+    counts = polygons.counts[indices]
     ends = np.cumsum(counts)
     starts = ends - counts
-    vertices = np.repeat(polygons.starts[seen] - starts, counts) + np.arange(ends[-1])
-    corners = _narrowed(polygons, vertices, matrix)
+    vertices = np.repeat(polygons.starts[indices] - starts, counts) + np.arange(ends[-1])
+    corners = _narrowed_vertices(polygons, vertices, matrix)
     fixed = _fixed(corners)
     outlines = [fixed[a:b] for a, b in zip(starts.tolist(), ends.tolist(), strict=True)]
     ahead = corners[:, 2] > NEAR_M
@@ -102,16 +101,17 @@ def _fill(canvas: Image, polygons: Polygons, seen: Indices, matrix: Floats) -> N
         padded = starts[cut, None] + np.minimum(np.arange(counts.max()), counts[cut, None] - 1)
         for index, polygon in zip(cut.tolist(), _clipped(corners[padded], ahead[padded]), strict=True):
             outlines[index] = polygon
-    last = [*(np.flatnonzero(np.diff(polygons.runs[seen])) + 1).tolist(), len(seen)]
+    last = [*(np.flatnonzero(np.diff(polygons.runs[indices])) + 1).tolist(), len(indices)]
     first = 0
-    for end, value in zip(last, polygons.values[seen[np.array(last) - 1]].tolist(), strict=True):
+    for end, value in zip(last, polygons.values[indices[np.array(last) - 1]].tolist(), strict=True):
         cv2.fillPoly(canvas, outlines[first:end], value, cv2.LINE_8, SHIFT)
         first = end
 
 
-def _narrowed(polygons: Polygons, vertices: Indices, matrix: Floats) -> Floats:
-    """(P, 3) vertices in homogeneous coordinates of the canvas, strips narrowed by what OpenCV's filling adds on
-    either side: half a pixel, counted along the axis that the edge is steeper against."""
+def _narrowed_vertices(polygons: Polygons, vertices: Indices, matrix: Floats) -> Floats:
+    """(P, 3) vertices in homogeneous canvas coordinates, with thin strips narrowed.
+
+    OpenCV's filling adds half a pixel on either side, along the axis in which the edge is steeper."""
     points = _homogeneous(polygons.points_m.take(vertices, axis=0), matrix)
     thin = np.flatnonzero(polygons.thin[vertices] & (points[:, 2] > NEAR_M))
     if len(thin):
@@ -135,13 +135,13 @@ def _homogeneous(points: Floats, matrix: Floats) -> Floats:
 
 
 def _fixed(corners: Floats) -> NDArray[np.int32]:
-    """(..., 2) pixels of homogeneous corners in OpenCV's fixed point."""
+    """(..., 2) px of homogeneous corners in OpenCV's fixed-point format."""
     scale = 2.0**SHIFT / np.maximum(corners[..., 2:], NEAR_M)
     return np.rint(corners[..., :2] * scale).astype(np.int32)
 
 
 def _clipped(polygons: Floats, inside: Bools) -> NDArray[np.int32]:
-    """(n, W, 2) what of polygons (n, V, 3) lies beyond the near plane; a point off the canvas where nothing does."""
+    """(n, W, 2) polygons (n, V, 3) clipped at the near plane; a point off the canvas if nothing is left."""
     beyond = inside.any(axis=1)
     parts = clip_near(polygons[beyond], inside[beyond])
     fixed = np.full((len(polygons), parts.shape[1], 2), -(9 << SHIFT), np.int32)
@@ -150,19 +150,19 @@ def _clipped(polygons: Floats, inside: Bools) -> NDArray[np.int32]:
 
 
 def _differ(points: Floats) -> Bools:
-    """(P,) which points (P, 2) are another than the one before."""
+    """(P,) whether points (P, 2) differ from the previous one."""
     x, y = np.diff(points, axis=0, prepend=np.nan).T
     return np.asarray((x != 0.0) | (y != 0.0))
 
 
 def _across(batch: Batch) -> Floats:
-    """(n V, 2) m from each vertex of a thin strip to the one beside it; those of others are not needed."""
+    """(n V, 2) m from each vertex of a thin strip to the opposite one; zero for others."""
     polygons = batch.polygons_m
     return (polygons[:, ::-1] - polygons if batch.thin else np.zeros_like(polygons)).reshape(-1, 2)
 
 
 def _along(batch: Batch) -> Floats:
-    """(n V, 2) m along the side of a thin strip at each vertex; those of others are not needed."""
+    """(n V, 2) m along the side of a thin strip at each vertex; zero for others."""
     polygons = batch.polygons_m
     if not batch.thin:
         return np.zeros((polygons.shape[0] * polygons.shape[1], 2))

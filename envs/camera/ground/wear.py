@@ -1,7 +1,7 @@
-"""What years of traffic leave on the asphalt: polished tracks, repaired patches, cracks, skid marks, manhole covers.
+"""Wear of the asphalt: polished tracks, repaired patches, cracks, skid marks, manhole covers.
 
-Every mark is a ribbon between two sides of `STATIONS` points each, at stations s along a lane and lateral places to the
-right of its middle.
+Every mark is a ribbon between two sides of `STATIONS` points, at stations s and lateral positions right of the lane's
+middle.
 """
 
 from collections.abc import Callable
@@ -14,11 +14,11 @@ from vpf_sim.types import Floats
 
 STATIONS = 7
 SHARES = np.linspace(0.0, 1.0, STATIONS)
-WEAR_RANGE_M = 28.0  # levels of the ground that begin farther ahead do not show it
-FLAKE_SPACING_M = 0.5  # of missing pieces along each line, on average
+WEAR_RANGE_M = 28.0  # not shown on levels that begin beyond
+FLAKE_SPACING_M = 0.5  # mean spacing of missing pieces of paint
 FLAKE_RANGE_M = 20.0
 
-# Bands along every lane that tyres polish and engines drip on: lateral place, half its width, tone in the palette.
+# Bands along every lane, polished by tyres or stained by oil: lateral position, half width, tone in palette values.
 TRACKS = (
     (-0.85, 0.32, 2),
     (0.85, 0.32, 2),
@@ -26,21 +26,21 @@ TRACKS = (
     (0.0, 0.28, -4),
 )
 
-Marks = tuple[Floats, Floats, NDArray[np.int64]]  # (n, 2 STATIONS) stations m, as many lateral places m, (n,) tones
+Marks = tuple[Floats, Floats, NDArray[np.int64]]  # (n, 2 STATIONS) stations m, lateral positions m, (n,) tones
 
 
 def coarse_wear(shapes: list[LaneShape], rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
-    """(n, 2 STATIONS, 2) patches and skid marks, and how much brighter than the asphalt they are, in the palette."""
-    return _laid(shapes, (_patches, _skids), rng)
+    """(n, 2 STATIONS, 2) patches and skid marks, and (n,) their tones relative to the asphalt."""
+    return _placed(shapes, (_patches, _skids), rng)
 
 
 def fine_wear(shapes: list[LaneShape], rng: np.random.Generator) -> tuple[Floats, NDArray[np.int64]]:
-    """(n, 2 STATIONS, 2) cracks and lids, and how much brighter than the asphalt they are, in the palette."""
-    return _laid(shapes, (_cracks_along, _cracks_across, _lids), rng)
+    """(n, 2 STATIONS, 2) cracks and manhole covers, and (n,) their tones relative to the asphalt."""
+    return _placed(shapes, (_cracks_along, _cracks_across, _manhole_covers), rng)
 
 
 def tracks(shapes: list[LaneShape]) -> list[tuple[Floats, Floats, int]]:
-    """Left side (M, 2), right side and tone of each band along the lanes."""
+    """Left side (M, 2), right side and tone of each polished band."""
     return [
         (shape.at(middle - half), shape.at(middle + half), tone)
         for middle, half, tone in TRACKS
@@ -50,12 +50,12 @@ def tracks(shapes: list[LaneShape]) -> list[tuple[Floats, Floats, int]]:
 
 
 def flakes(lines: list[Line], rng: np.random.Generator) -> Floats:
-    """(n, 4, 2) pieces that are missing from the markings: small diamonds, askew."""
+    """(n, 4, 2) missing pieces of the markings: small irregular diamonds."""
     result = [np.empty((0, 4, 2))]
     for line in lines:
         first, last = float(line.s_m[0]), float(line.s_m[-1])
         s = rng.uniform(first, last, int((last - first) / FLAKE_SPACING_M))
-        order = np.argsort(s)  # a search in order is several times as fast
+        order = np.argsort(s)  # interpolation of sorted stations is several times as fast
         places = (interpolated(s[order] + shift, line.s_m, line.points_m) for shift in (0.0, 0.05))
         middle, ahead = (place[np.argsort(order)] for place in places)
         along = ahead - middle
@@ -65,15 +65,15 @@ def flakes(lines: list[Line], rng: np.random.Generator) -> Floats:
         askew = rng.uniform(0.5, 1.5, (len(s), 4, 1))[..., 0]
         long, wide = rng.uniform(0.02, 0.10, len(s)), rng.uniform(0.008, 0.022, len(s))
         polygons = np.empty((len(s), 4, 2))
-        for i, (ahead_of_it, beside_it) in enumerate(((-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0))):
-            a, b = ahead_of_it * askew[:, i] * long, beside_it * askew[:, i] * wide
+        for i, (ahead_share, lateral_share) in enumerate(((-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0))):
+            a, b = ahead_share * askew[:, i] * long, lateral_share * askew[:, i] * wide
             for axis in range(2):
                 polygons[:, i, axis] = middle[:, axis] + a * along[:, axis] + b * across[:, axis]
         result.append(polygons)
     return np.concatenate(result)
 
 
-def _laid(
+def _placed(
     shapes: list[LaneShape],
     kinds: tuple[Callable[[LaneShape, np.random.Generator], Marks], ...],
     rng: np.random.Generator,
@@ -89,31 +89,31 @@ def _laid(
 
 
 def _starts(shape: LaneShape, spacing_m: float, rng: np.random.Generator) -> Floats:
-    """(n,) stations of marks that come at random, `spacing_m` apart on average."""
+    """(n,) random stations of marks, `spacing_m` apart on average."""
     first, last = float(shape.s_m[0]), float(shape.s_m[-1])
     return np.asarray(rng.uniform(first, last, rng.poisson((last - first) / spacing_m)))
 
 
 def _ribbons(s: Floats, lateral: Floats, half_s: Floats | float, half_lateral: Floats | float, tone: Floats) -> Marks:
-    """Marks along middles (n, STATIONS), half as wide as said in each direction: up one side, down the other."""
+    """Marks along middles (n, STATIONS) with half widths in s and lateral: up one side, down the other."""
     stations = np.concatenate([s - half_s, (s + half_s)[:, ::-1]], axis=1)
     places = np.concatenate([lateral - half_lateral, (lateral + half_lateral)[:, ::-1]], axis=1)
     return stations, places, np.rint(tone).astype(np.int64)
 
 
 def _patches(shape: LaneShape, rng: np.random.Generator) -> Marks:
-    """Rectangles of another asphalt with a seam of tar around them."""
+    """Rectangles of other asphalt with a seam of tar."""
     start = _starts(shape, 60.0, rng)[:, None]
     long, half = rng.uniform(0.8, 6.0, start.shape), rng.uniform(0.3, 0.45 * shape.width_m, start.shape)
     middle = rng.uniform(-1.0, 1.0, start.shape) * np.maximum(0.5 * shape.width_m - 0.15 - half, 0.0)
     tone = rng.choice([-9.0, -7.0, -5.0, 5.0], len(start))
     seam = _ribbons(start - 0.04 + (long + 0.08) * SHARES, middle + 0 * SHARES, 0.0, half + 0.04, tone - 9.0)
     inside = _ribbons(start + long * SHARES, middle + 0 * SHARES, 0.0, half, tone)
-    return _together(seam, inside)
+    return _concatenated(seam, inside)
 
 
 def _skids(shape: LaneShape, rng: np.random.Generator) -> Marks:
-    """Two tyre marks side by side, drifting to a side, faint where they begin and end."""
+    """Two parallel tyre marks, faint at both ends, with a lateral drift."""
     start = _starts(shape, 140.0, rng)[:, None]
     long, drift = rng.uniform(5.0, 20.0, start.shape), rng.normal(0.0, 0.6, start.shape)
     middle, half = rng.uniform(-0.3, 0.3, start.shape), rng.uniform(0.07, 0.1, start.shape)
@@ -123,7 +123,7 @@ def _skids(shape: LaneShape, rng: np.random.Generator) -> Marks:
         for first, last, share in ((0.0, 0.25, 0.5), (0.25, 0.8, 1.0), (0.8, 1.0, 0.5)):
             along = first + (last - first) * SHARES
             marks.append(_ribbons(start + long * along, middle + side + drift * along**2, 0.0, half, share * tone))
-    return _together(*marks)
+    return _concatenated(*marks)
 
 
 def _cracks_along(shape: LaneShape, rng: np.random.Generator) -> Marks:
@@ -144,7 +144,7 @@ def _cracks_across(shape: LaneShape, rng: np.random.Generator) -> Marks:
     return _ribbons(start + wander, lateral, half, 0.0, rng.uniform(-20.0, -10.0, len(start)))
 
 
-def _lids(shape: LaneShape, rng: np.random.Generator) -> Marks:
+def _manhole_covers(shape: LaneShape, rng: np.random.Generator) -> Marks:
     """Round manhole covers in a dark frame."""
     start = _starts(shape, 120.0, rng)[:, None]
     middle = rng.uniform(-0.8, 0.8, start.shape)
@@ -152,9 +152,9 @@ def _lids(shape: LaneShape, rng: np.random.Generator) -> Marks:
     for radius, tone in ((0.36, -18.0), (0.31, -8.0)):
         s, half = start - radius * np.cos(np.pi * SHARES), radius * np.sin(np.pi * SHARES)
         marks.append(_ribbons(s, middle + 0 * SHARES, 0.0, half, np.full(len(start), tone)))
-    return _together(*marks)
+    return _concatenated(*marks)
 
 
-def _together(*marks: Marks) -> Marks:
+def _concatenated(*marks: Marks) -> Marks:
     stations, places, tones = zip(*marks, strict=True)
     return np.concatenate(stations), np.concatenate(places), np.concatenate(tones)

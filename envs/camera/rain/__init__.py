@@ -1,1 +1,1 @@
-"""Water outside: falling, on the road, thrown up."""
+"""Rain outside the car: falling drops, wet road, spray."""

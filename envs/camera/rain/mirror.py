@@ -1,4 +1,4 @@
-"""The world upside down, as flat water on the road shows it: faces and upright pictures mirrored about the road."""
+"""Reflections on flat water: faces and billboards mirrored about the road."""
 
 from dataclasses import dataclass
 from typing import TypeGuard
@@ -12,32 +12,32 @@ from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
-REFINEMENT = 2  # pixels of the picture to a pixel of the mirror image, each way
-FACES, SPRITES = 18, 5  # only the largest are mirrored
-FADED = 64.0  # of 255; faces that let more through are not mirrored
-BODIES_FIRST = 4.0  # how much more the area of a body's face counts than that of scenery
-LARGE_PX = 150  # area of the rectangle about the smallest thing that is
-SMALLEST_PX = 20.0  # area of the smallest face that is mirrored
+REFINEMENT = 2  # image pixels per pixel of the reflection, each way
+FACES, SPRITES = 18, 5  # most faces and sprites that are mirrored
+FADED = 64.0  # of 255; more transparent faces are not mirrored
+BODIES_FIRST = 4.0  # weight of the area of an object's face over scenery
+LARGE_PX = 150  # least area of a mirrored item's bounding box
+SMALLEST_PX = 20.0  # least area of a mirrored face
 SPRITE_TALL_PX = 30
-FOOT_M = 0.4  # what of a body counts as its foot
-FOOT_SHARE = 0.3  # of the way from its foot up to the horizon is surely covered by the thing
+FOOT_M = 0.4  # height of an object's foot
+FOOT_SHARE = 0.3  # share of the way from the foot to the horizon that the object covers for sure
 WATER_INDEX = 1.333
 
 
 @dataclass(frozen=True, slots=True)
-class Faces:
-    """Faces as the water shows them, in painter's order."""
+class MirroredFaces:
+    """Mirrored faces in painter's order."""
 
-    points_px: Floats  # (n, 2) the vertices of one face after the other
-    corners: list[int]  # how many each has
+    points_px: Floats  # (n, 2) vertices, face by face
+    corners: list[int]  # vertices per face
     colours: list[list[float]]
 
 
-NO_FACES = Faces(np.empty((0, 2)), [], [])
+NO_FACES = MirroredFaces(np.empty((0, 2)), [], [])
 
 
 def reflectance(sine: Floats) -> Floats:
-    """Share of unpolarised light that flat water mirrors by the sine of the angle between ray and surface (Fresnel)."""
+    """Fresnel reflectance of water for unpolarised light, by the sine of the grazing angle."""
     refracted = np.sqrt(1.0 - (1.0 - sine**2) / WATER_INDEX**2)  # cosine of the angle of refraction
     across = (sine - WATER_INDEX * refracted) / (sine + WATER_INDEX * refracted)
     along = (WATER_INDEX * sine - refracted) / (WATER_INDEX * sine + refracted)
@@ -45,9 +45,9 @@ def reflectance(sine: Floats) -> Floats:
 
 
 def mirrored_points(view: View, points_px: Floats, planes: Floats) -> tuple[Floats, Floats]:
-    """(n, 2) px where the mirror images of points (n, 2) px appear, and how high above the road the points lie, m.
+    """(n, 2) px, mirror images of points (n, 2) px, and (n,) m, heights of the points above the road.
 
-    `planes` (n, 3) gives each point's inverse depth w = plane . ray. The point is ray / w in camera axes; mirrored
+    `planes` (n, 3) give the inverse depths w = plane . ray. The point is ray / w in camera axes; mirrored
     about the road it is ray / w - 2 z up, where z = camera height + ray . up / w is its height.
     """
     camera, up = view.camera, view.axes[:, 2].tolist()
@@ -61,17 +61,16 @@ def mirrored_points(view: View, points_px: Floats, planes: Floats) -> tuple[Floa
     return image, lift / inverse_depth
 
 
-def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Faces:
-    """The largest faces of things as water shows them.
+def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> MirroredFaces:
+    """The largest faces, mirrored.
 
-    The foot of what stands on the road is drawn out upwards by up to `foot_px`, to where the thing itself will cover
-    it: so a mirror image keeps its darkness there when it is blurred, as it does on a road, where a ray that leaves it
-    flatter than the foot lies does not reach the sky.
+    Feet are extended upwards by up to `foot_px`, into the area that the object itself covers. So a blurred reflection
+    stays dark at the foot, as on a real road.
     """
-    things = [(thing.drawing, thing.instance) for thing in drawn if _large(thing.drawing)]
-    if not things:
+    items = [(item.drawing, item.instance) for item in drawn if _large(item.drawing)]
+    if not items:
         return NO_FACES
-    drawings = [drawing for drawing, _ in things]
+    drawings = [drawing for drawing, _ in items]
     numbers = [len(drawing.planes) for drawing in drawings]
     planes = np.concatenate([drawing.planes for drawing in drawings])
     colours = np.concatenate([drawing.colours for drawing in drawings])
@@ -80,36 +79,38 @@ def mirrored_faces(view: View, drawn: list[Drawn], foot_px: float = 0.0) -> Face
     area = np.abs(ax * by - ay * bx)  # of the parallelogram of three vertices
     turned_away = 1.0 + 2.0 * view.camera.height_m * (planes @ view.axes[:, 2]) <= 0.0  # from the mirrored camera
     area[turned_away | (colours[:, 3] > FADED)] = 0.0
-    area *= np.repeat([BODIES_FIRST if instance > 0 else 1.0 for _, instance in things], numbers)
+    area *= np.repeat([BODIES_FIRST if instance > 0 else 1.0 for _, instance in items], numbers)
     shown = np.flatnonzero(area > SMALLEST_PX)
     if len(shown) > FACES:
         shown = np.sort(shown[np.argpartition(-area[shown], FACES)[:FACES]])
     ends = np.cumsum(numbers)
     owners = np.searchsorted(ends, shown, side="right").tolist()
     polygons = [drawings[i].polygons_px[k] for i, k in zip(owners, (shown - ends[owners]).tolist(), strict=True)]
-    return _drawn_out(view, polygons, planes[shown], colours[shown].tolist(), foot_px)
+    return _extended(view, polygons, planes[shown], colours[shown].tolist(), foot_px)
 
 
 def _large(drawing: Drawing | Sprite) -> TypeGuard[Drawing]:
-    """Whether these are faces, and some of them may be large enough."""
+    """Whether a drawing has faces that may be large enough."""
     if isinstance(drawing, Sprite):
         return False
     return any((x1 - x0) * (y1 - y0) > LARGE_PX for x0, y0, x1, y1 in drawing.boxes)
 
 
-def _drawn_out(view: View, polygons: list[Floats], planes: Floats, colours: list[list[float]], foot_px: float) -> Faces:
-    """Faces mirrored, and their feet drawn out."""
+def _extended(
+    view: View, polygons: list[Floats], planes: Floats, colours: list[list[float]], foot_px: float
+) -> MirroredFaces:
+    """Mirrored faces with extended feet."""
     if not polygons:
         return NO_FACES
     corners = [len(polygon) for polygon in polygons]
     image, height = mirrored_points(view, np.concatenate(polygons), np.repeat(planes, corners, axis=0))
     low = height < FOOT_M
     image[low, 1] -= np.minimum(foot_px, FOOT_SHARE * (image[low, 1] - horizon_row(view.camera)))
-    return Faces(image, corners, colours)
+    return MirroredFaces(image, corners, colours)
 
 
-def paint_faces(canvas: Image, top: int, faces: Faces) -> None:
-    """Draw mirrored faces on a canvas of reduced size whose first row is the picture's row `top`."""
+def paint_faces(canvas: Image, top: int, faces: MirroredFaces) -> None:
+    """Draw mirrored faces on a reduced canvas whose first row is image row `top`."""
     scale = 2.0**SHIFT / REFINEMENT
     corner = np.array([0.5, 0.5 - top]) * scale - 0.5 * 2**SHIFT
     fixed = np.rint(faces.points_px * scale + corner).astype(np.int32)
@@ -120,15 +121,15 @@ def paint_faces(canvas: Image, top: int, faces: Faces) -> None:
 
 
 def large_sprites(drawn: list[Drawn]) -> list[Sprite]:
-    """The largest upright pictures, in their order."""
-    sprites = [thing.drawing for thing in drawn if isinstance(thing.drawing, Sprite)]
+    """The largest billboards, in their order."""
+    sprites = [item.drawing for item in drawn if isinstance(item.drawing, Sprite)]
     tall = [sprite for sprite in sprites if sprite.picture.shape[0] >= SPRITE_TALL_PX]
     largest = sorted(tall, key=lambda sprite: -sprite.picture.shape[0])[:SPRITES]
     return [sprite for sprite in tall if any(sprite is other for other in largest)]
 
 
 def paint_sprite(canvas: Image, view: View, top: int, sprite: Sprite) -> None:
-    """Draw an upright picture upside down below its foot."""
+    """Draw a billboard upside down below its foot."""
     camera = view.camera
     foot = horizon_row(camera) + camera.fy_px * camera.height_m / sprite.depth_m
     tall, wide = sprite.picture.shape[:2]
@@ -150,12 +151,12 @@ def _upside_down(picture: Image, size: tuple[int, int]) -> NDArray[np.uint8]:
 
 
 def horizon_row(camera: Camera) -> float:
-    """The row of the horizon in the middle of the picture, px."""
+    """Image row of the horizon in the middle column, px."""
     return float(camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad))
 
 
 def erase(mask: Image, drawing: Drawing | Sprite) -> None:
-    """Set the pixels (H, W) that a thing covers to 0."""
+    """Set the pixels of a mask (H, W) that an item covers to 0."""
     if isinstance(drawing, Sprite):
         height, width = drawing.through.shape[:2]
         mask[drawing.y : drawing.y + height, drawing.x : drawing.x + width][drawing.through[..., 0] < 128] = 0

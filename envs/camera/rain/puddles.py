@@ -1,7 +1,6 @@
-"""Where water stands on the road: puddles in fixed places, most of them long ones in the wheel tracks.
+"""Puddles at fixed places of the road, most of them in the wheel tracks.
 
-They are the bottoms of a height map of the road that belongs to the world: the more water there is, the more of it is
-covered. The part of the map about the car is kept as a raster.
+They are the low parts of a height map fixed to the world: more water covers more of it. The map near the car is cached.
 """
 
 from dataclasses import dataclass
@@ -19,16 +18,16 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
 CELL_M = 0.2
-CELLS = 768  # of the raster, each way
-AHEAD_M = 62.0  # the middle of the raster lies that far ahead of the camera
-MOVE_M = 12.0  # from where it should be, before it is laid anew
-ROAD, RUT = 90, 106  # depths of the map, 0..255: the flat road, a wheel track; 0 is beside the road
-CONTOURS = ((1.0, 128), (0.8, 160), (0.6, 195), (0.35, 230))  # parts of a puddle's size, and their depths
-SHARP = 24  # levels of the map over which a puddle's edge goes from dry to covered
-ROUGH = 0.24  # share of the grain in the map
-TRACK_M = 0.78  # the wheel tracks' distance from the lane's middle
-SPACING_M = 3.2  # of puddles in the wheel tracks along each lane, on average
-EDGE_SPACING_M = 9.0  # of puddles along the carriageway's edges
+CELLS = 768  # of the map, each way
+AHEAD_M = 62.0  # distance from the camera to the map's middle
+MOVE_M = 12.0  # offset of the middle that triggers an update
+ROAD, RUT = 90, 106  # depths, 0..255: flat road, wheel track; 0 is beside the road
+CONTOURS = ((1.0, 128), (0.8, 160), (0.6, 195), (0.35, 230))  # shares of a puddle's size, and their depths
+SHARP = 24  # depth levels over which a puddle's edge fades
+ROUGH = 0.24  # weight of the grain
+TRACK_M = 0.78  # wheel tracks' distance from the lane's middle
+SPACING_M = 3.2  # mean spacing of puddles in the wheel tracks
+EDGE_SPACING_M = 9.0  # mean spacing of puddles along the edges
 SHIFT = 4
 VERTICES = 20
 
@@ -36,14 +35,14 @@ Depths = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True)
-class Raster:
-    """The height map about one place."""
+class HeightMap:
+    """The height map around one place."""
 
-    depths: Depths  # (CELLS, CELLS) rows along the world's y
-    corner_m: Floats  # (2,) world, the middle of its first cell
+    depths: Depths  # (CELLS, CELLS), rows along world y
+    corner_m: Floats  # (2,) world, middle of the first cell
 
     def from_world(self) -> Floats:
-        """(3, 3) from points of the ground (x, y, 1) m to columns and rows."""
+        """(3, 3) from ground points (x, y, 1) m to columns and rows."""
         return np.array(
             [
                 [1.0 / CELL_M, 0.0, -self.corner_m[0] / CELL_M],
@@ -64,16 +63,19 @@ class Puddles:
         self._outlines = np.concatenate([_outlines(shape, rng) for shape in shapes])
         self._middles = self._outlines.mean(axis=1)
         self._grain_from = rng.integers(0, TILE, 2)
-        self._raster: Raster | None = None
+        self._height_map: HeightMap | None = None
 
-    def raster(self, view: View) -> Raster:
-        """The height map of what lies before the camera."""
+    def height_map(self, view: View) -> HeightMap:
+        """The height map of the area ahead of the camera."""
         middle = view.centre[:2] + AHEAD_M * np.array([np.cos(view.yaw_rad), np.sin(view.yaw_rad)])
-        if self._raster is None or hypot(*(middle - self._raster.corner_m - 0.5 * CELLS * CELL_M).tolist()) > MOVE_M:
-            self._raster = self._laid(middle)
-        return self._raster
+        if (
+            self._height_map is None
+            or hypot(*(middle - self._height_map.corner_m - 0.5 * CELLS * CELL_M).tolist()) > MOVE_M
+        ):
+            self._height_map = self._computed(middle)
+        return self._height_map
 
-    def _laid(self, middle: Floats) -> Raster:
+    def _computed(self, middle: Floats) -> HeightMap:
         first = np.rint(middle / CELL_M).astype(int) - CELLS // 2
         corner = first * CELL_M
         depths = np.zeros((CELLS, CELLS), np.uint8)
@@ -92,21 +94,21 @@ class Puddles:
         rough = cv2.addWeighted(depths, 1.0, grain, ROUGH, -ROUGH * 128.0)
         road = cv2.threshold(depths, 0.0, 255.0, cv2.THRESH_BINARY)[1]
         depths = np.asarray(cv2.bitwise_and(np.maximum(rough, ROAD - 20), road), np.uint8)
-        return Raster(np.asarray(cv2.GaussianBlur(depths, (5, 5), 0.0), np.uint8), corner)
+        return HeightMap(np.asarray(cv2.GaussianBlur(depths, (5, 5), 0.0), np.uint8), corner)
 
 
 def water_level(puddles: float) -> float:
-    """The depth of the map from which the road is covered, for deposits of 0 to 1."""
+    """The depth from which water covers the road, for deposits of 0 to 1."""
     return 250.0 - 150.0 * puddles if puddles > 0.0 else 300.0
 
 
 def covered_table(puddles: float) -> Depths:
-    """(256,) by the depth of the map: how far water covers the place, 0..255."""
+    """(256,) cover of water, 0..255, by depth."""
     return _ramp(water_level(puddles), SHARP)
 
 
 def road_table() -> Depths:
-    """(256,) by the depth of the map: how far a place belongs to the road, 0..255."""
+    """(256,) membership to the road, 0..255, by depth."""
     return _ramp(0.5 * ROAD, 30.0)
 
 
@@ -116,7 +118,7 @@ def _ramp(middle: float, wide: float) -> Depths:
 
 
 def _outlines(shape: LaneShape, rng: np.random.Generator) -> Floats:
-    """(n, VERTICES, 2) world outlines of a lane's puddles at their fullest."""
+    """(n, VERTICES, 2) world outlines of a lane's puddles at their largest."""
     first, last = float(shape.s_m[0]), float(shape.s_m[-1])
     tracks, edges = (int((last - first) / spacing) + 1 for spacing in (SPACING_M, EDGE_SPACING_M))
     count = tracks + edges
@@ -137,12 +139,12 @@ def _outlines(shape: LaneShape, rng: np.random.Generator) -> Floats:
 
 
 def _stretches(left: Floats, right: Floats, middle: Floats) -> Floats:
-    """(n, 4, 2) quadrilaterals of the strip between two edges that lie about a place."""
+    """(n, 4, 2) quadrilaterals of the strip between two edges near a place."""
     centres = 0.25 * (left[:-1] + left[1:] + right[:-1] + right[1:])
     near = np.flatnonzero(np.abs(centres - middle).max(axis=1) < 0.5 * CELLS * CELL_M + 10.0)
     return np.stack([left[near], left[near + 1], right[near + 1], right[near]], axis=1)
 
 
 def _fixed(points: Floats, corner: Floats) -> NDArray[np.int32]:
-    """World points as OpenCV's fixed point coordinates of the raster."""
+    """World points in OpenCV's fixed-point coordinates of the map."""
     return np.asarray(np.rint((points - corner) / CELL_M * 2**SHIFT), np.int32)

@@ -1,4 +1,4 @@
-"""The drops of a rain that may stand out in the picture: how many of which size, how far away, in which part of it."""
+"""The distribution of visible raindrops over sizes, depths and image cells."""
 
 from dataclasses import dataclass
 
@@ -7,24 +7,23 @@ from numpy.typing import NDArray
 
 from vpf_sim.types import Camera, Floats
 
-CLASS_MM = np.float32(0.2)  # width of a class of drops
-DIAMETERS_MM = np.arange(0.3, 6.0, 0.2)  # the least of each class
-CELLS = (16, 12)  # parts of the picture, columns and rows
-NEAREST_M = 0.6  # there is no rain before the windshield
+CLASS_MM = np.float32(0.2)  # width of a size class
+DIAMETERS_MM = np.arange(0.3, 6.0, 0.2)  # lower bound of each class
+CELLS = (16, 12)  # image cells, columns and rows
+NEAREST_M = 0.6  # no rain nearer than the windscreen
 
 Singles = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True)
 class Shower:
-    """Drops to choose from, in strata: one class of drops in one cell of the picture, out to the distance from which
-    the largest and slowest of them is still bright enough."""
+    """Strata of drops: one size class in one image cell, out to the visible range of its largest and slowest drop."""
 
-    expected: float  # number of drops in all strata
-    strata: NDArray[np.uint16]  # (65536,) each stratum as often as its share of the drops
-    diameter_mm: Singles  # (strata,) the least of the class
-    corners_px: Singles  # (2, strata) the cell's corner
-    farthest_m3: Singles  # (strata,) cube of the farthest depth
+    expected: float  # number of drops over all strata
+    strata: NDArray[np.uint16]  # (65536,) stratum indices in proportion to their drops
+    diameter_mm: Singles  # (strata,) lower bound of the class
+    corners_px: Singles  # (2, strata) corner of the cell
+    farthest_m3: Singles  # (strata,) cube of the largest depth
 
 
 def drops_per_m3_mm(rain_mmph: float, diameter_mm: Floats) -> Floats:
@@ -41,11 +40,12 @@ def fall_speed_mps(diameter_mm: Singles) -> Singles:
 def shower(
     camera: Camera, rain_mmph: float, motion: tuple[Floats, Floats], exposure_s: float, faintest: float
 ) -> Shower:
-    """The drops whose opacity in the picture is at least `faintest`.
+    """The drops with an opacity of at least `faintest`.
 
-    `motion` is (drift, down) in camera axes: drops of fall speed v pass the camera at drift + v down. A drop of
-    diameter D whose image moves by g / z in a second is w = f D / z wide and l = g T / z long; its opacity, (pi / 4)
-    w^2 / max(1, l), falls to `faintest` at z = min(f D sqrt(pi / 4 / faintest), (pi / 4) f^2 D^2 / (g T faintest)).
+    `motion` is (drift, down) in camera axes: drops of fall speed v move at drift + v down. A drop of
+    diameter D whose image moves by g / z per second is w = f D / z wide and l = g T / z long. Its opacity,
+    (pi / 4) w^2 / max(1, l), falls to `faintest` at
+    z = min(f D sqrt(pi / 4 / faintest), (pi / 4) f^2 D^2 / (g T faintest)).
     """
     across, down = (np.arange(n) * size / n for n, size in zip(CELLS, (camera.width_px, camera.height_px), strict=True))
     corners = np.stack([a.ravel() for a in np.meshgrid(across, down)])  # (2, cells)
@@ -81,7 +81,7 @@ def _per_class(rain_mmph: float) -> Floats:
 
 
 def _slowest(camera: Camera, motion: tuple[Floats, Floats], corners: Floats) -> Floats:
-    """(classes, cells) px m/s: at most this the image of a drop of the class moves in the cell, times its depth."""
+    """(classes, cells) px m/s, a lower bound of image speed times depth."""
     drift, down = motion
     size = np.array([camera.width_px / CELLS[0], camera.height_px / CELLS[1]])
     x, y = corners + 0.5 * size[:, None] - np.array([[camera.cx_px], [camera.cy_px]])

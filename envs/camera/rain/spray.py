@@ -1,4 +1,4 @@
-"""Water that moving bodies throw up from a wet road."""
+"""Spray behind moving objects on a wet road."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,33 +10,33 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.rain.mirror import erase
+from vpf_sim.envs.camera.scenery.scene import Snapshot, object_size
 from vpf_sim.envs.camera.texture import noise
-from vpf_sim.envs.camera.things.things import Snapshot, body_size
 from vpf_sim.envs.camera.truth import STILL, Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Image
 
-SLOWEST_MPS, FULL_MPS = 4.0, 11.0  # spray begins at the one speed and is full at the other, 40 km/h
-PUFFS = 3  # behind each body at a time
-LIFE_S = 0.9  # of a puff, from the wheels until it has sunk
-OPACITY = 0.95  # of a full puff in its middle
+SLOWEST_MPS, FULL_MPS = 4.0, 11.0  # speeds at which spray starts and is full, 40 km/h
+PUFFS = 3  # per object at a time
+LIFE_S = 0.9  # of a puff
+OPACITY = 0.95  # of a dense puff in its middle
 NEAREST_M, RANGE_M = 2.5, 70.0  # depths between which puffs are drawn
-SIZE = 48  # pixels of a puff's picture, each way
+SIZE = 48  # pixels of a puff's image, each way
 VARIANTS = 6
-CYCLES = 1024  # after which a puff's chances come again, in 15 minutes
+CYCLES = 1024  # random cycles before they repeat, 15 minutes
 
 
 @dataclass(frozen=True, slots=True)
 class Puff(Sprite):
-    """A puff in the picture."""
+    """A puff in the image."""
 
 
 class Spray:
-    """Soft puffs behind moving bodies.
+    """Soft puffs behind moving objects.
 
-    They leave the wheels one after the other, stay behind at half the body's speed, widen and fade. As a plume they
-    are as wide as the body and reach about as high as its middle.
+    Puffs leave the wheels one after the other, move at half the object's speed, widen and fade. The plume is as wide as
+    the object and about half as high.
     """
 
     def __init__(self, camera: Camera, atmosphere: Atmosphere, light: Light, seed: int) -> None:
@@ -47,22 +47,22 @@ class Spray:
         self._drawn: list[Drawn] = []
 
     def added(self, drawn: list[Drawn], now: Snapshot, before: Snapshot) -> list[Drawn]:
-        """The things in painter's order with the puffs in their places among them."""
+        """The items in painter's order with the puffs inserted."""
         self._drawn = drawn
         gap_s = now.time_s - before.time_s
         if self._strength <= 0.0 or gap_s <= 0.0:
             return drawn
         self._drawn = []
-        for thing in drawn:
-            behind, before_it = self._puffs(thing.instance - 1, now, before, gap_s) if thing.instance > 0 else ([], [])
-            self._drawn += [*behind, thing, *before_it]
+        for item in drawn:
+            behind, before_it = self._puffs(item.instance - 1, now, before, gap_s) if item.instance > 0 else ([], [])
+            self._drawn += [*behind, item, *before_it]
         return self._drawn
 
     def hidden(self) -> Bools:
-        """(H, W) where the last frame shows more of the spray than of what is behind it."""
+        """(H, W) where spray hides more than half of the scene in the last frame."""
         mask = np.zeros((self._camera.height_px, self._camera.width_px), np.uint8)
-        for thing in self._drawn:
-            drawing = thing.drawing
+        for item in self._drawn:
+            drawing = item.drawing
             if isinstance(drawing, Puff):
                 height, width = drawing.through.shape[:2]
                 mask[drawing.y : drawing.y + height, drawing.x : drawing.x + width] |= drawing.through[..., 0] < 128
@@ -71,14 +71,14 @@ class Spray:
         return mask.astype(bool)
 
     def _puffs(self, index: int, now: Snapshot, before: Snapshot, gap_s: float) -> tuple[list[Drawn], list[Drawn]]:
-        """A body's puffs: those farther away than it, and those nearer."""
-        body = now.bodies[index]
-        pose = now.poses[body]
-        speed = float(np.hypot(*(pose - before.poses.get(body, pose))[:2])) / gap_s
+        """An object's puffs: those farther than it, and those nearer."""
+        obj = now.objects[index]
+        pose = now.poses[obj]
+        speed = float(np.hypot(*(pose - before.poses.get(obj, pose))[:2])) / gap_s
         strength = self._strength * min(1.0, (speed - SLOWEST_MPS) / (FULL_MPS - SLOWEST_MPS))
         if strength <= 0.0:
             return [], []
-        length, width, height = body_size(body)
+        length, width, height = object_size(obj)
         direction = np.array([np.cos(pose[2]), np.sin(pose[2])])
         axis, eye = now.view.axes[2, :2], now.view.centre[:2]
         middle_m = float(axis @ (pose[:2] - eye))
@@ -98,7 +98,7 @@ class Spray:
         return farther, nearer
 
     def _puff(self, view: View, foot: Floats, size_m: tuple[float, float], opacity: float, variant: int) -> Puff | None:
-        """A puff that stands on the road at a point (2,) of the world; None if it is out of the picture."""
+        """A puff on the road at a world point (2,); None outside the image."""
         camera = self._camera
         right, down, depth = (view.axes @ (np.array([*foot, 0.0]) - view.centre)).tolist()
         if not NEAREST_M < depth < RANGE_M:
@@ -118,17 +118,17 @@ class Spray:
         return Puff(x0, y0, np.asarray(picture, np.uint8), depth)
 
 
-def _nearness(thing: Drawn) -> float:
-    drawing = thing.drawing
+def _nearness(item: Drawn) -> float:
+    drawing = item.drawing
     return -drawing.depth_m if isinstance(drawing, Sprite) else 0.0
 
 
 @lru_cache(maxsize=VARIANTS)
 def puff_picture(variant: int) -> Image:
-    """(SIZE, SIZE) opacity of a puff, 0..255: thick at the foot, soft everywhere else."""
+    """(SIZE, SIZE) opacity of a puff, 0..255: dense at the foot, soft elsewhere."""
     rng = stream(0, f"puff {variant}")
     y, x = (np.mgrid[0:SIZE, 0:SIZE] + 0.5) / SIZE
     billows = noise((SIZE, SIZE), rng, 5.0, 1.2)
-    body = np.exp(-(((x - 0.5) / 0.24) ** 2) - ((y - 0.78) / 0.32) ** 2 * np.where(y < 0.78, 1.0, 3.0))
+    obj = np.exp(-(((x - 0.5) / 0.24) ** 2) - ((y - 0.78) / 0.32) ** 2 * np.where(y < 0.78, 1.0, 3.0))
     edge = np.clip(8.0 * np.minimum.reduce([x, 1.0 - x, y, 1.0 - y]), 0.0, 1.0)
-    return np.asarray(np.clip(255.0 * (1.0 - np.exp(-2.2 * body * (1.0 + 0.35 * billows))) * edge, 0, 255), np.uint8)
+    return np.asarray(np.clip(255.0 * (1.0 - np.exp(-2.2 * obj * (1.0 + 0.35 * billows))) * edge, 0, 255), np.uint8)

@@ -1,4 +1,4 @@
-"""Falling rain in the picture: every drop that stands out from what is behind it, as a speck or a streak."""
+"""Falling rain: every visible drop as a speck or a streak."""
 
 from dataclasses import dataclass
 
@@ -8,50 +8,47 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import GAMMA, Light
 from vpf_sim.envs.camera.rain.shower import CELLS, CLASS_MM, NEAREST_M, Shower, Singles, fall_speed_mps, shower
-from vpf_sim.envs.camera.things.things import Snapshot
+from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
-EXPOSURE_S, LONGEST_EXPOSURE_S = 0.002, 0.008  # with the sun at 45 deg, and at most
-FAINTEST, LEAST_CONTRAST = (
-    4.0,
-    12.0,
-)  # grey levels of the drop as seen, and of its own brightness; fainter ones are left to the sensor's noise
-DARKEST, GROUND = 30.0, 75.0  # of what drops are seen before, and mean of the ground in full light, grey levels
-STEP_MPS = 1.0  # change of the rain's motion past the camera after which its drops are counted anew
-SHOWERS = 32  # such counts that are kept
+EXPOSURE_S, LONGEST_EXPOSURE_S = 0.002, 0.008  # with the sun at 45 deg, and the longest
+# Least level of a drop in the image and least contrast of its brightness, grey levels; fainter drops are sensor noise.
+FAINTEST, LEAST_CONTRAST = 4.0, 12.0
+DARKEST, GROUND = 30.0, 75.0  # grey levels: darkest background, mean of the lit ground
+STEP_MPS = 1.0  # resolution of the relative motion of cached showers
+SHOWERS = 32  # cached showers
 PIXEL = np.dtype("V3")
 
 
 @dataclass(frozen=True, slots=True)
 class Specks:
-    """Drops as they are seen, (n,) each."""
+    """Projected drops, (n,) each."""
 
-    x_px: Singles  # the middle
+    x_px: Singles  # centre
     y_px: Singles
-    dx_px: Singles  # how far it moves while the shutter is open
+    dx_px: Singles  # motion during the exposure
     dy_px: Singles
     width_px: Singles
-    level: Singles  # grey levels above what is behind
+    level: Singles  # grey levels above the background
 
     @property
     def length_px(self) -> Singles:
         return np.hypot(self.dx_px, self.dy_px)
 
     def part(self, index: NDArray[np.bool_] | NDArray[np.int64]) -> "Specks":
-        """Some of them."""
+        """The drops at an index or mask."""
         x, y, dx, dy = self.x_px[index], self.y_px[index], self.dx_px[index], self.dy_px[index]
         return Specks(x, y, dx, dy, self.width_px[index], self.level[index])
 
 
 class Streaks:
-    """Streaks of falling drops, drawn anew in every frame: in between a drop moves farther than its streak is long.
+    """Streaks of falling drops, drawn independently in every frame.
 
-    A drop of diameter D at depth z is w = f D / z wide and moves by l = f T |v| / z pixels in the exposure T; it
-    differs from what is behind it by (pi / 4) w^2 / max(1, l) of the difference between their brightnesses. A drop
-    shows nearly all of the scene before it, so its brightness is 0.94 of the mean of sky and ground (Garg and Nayar
-    2007, doi 10.1007/s11263-006-0028-6) and before the sky none is seen. A `gain` of 1 is physical; more brightens the
-    drops that are seen, and shows no others.
+    Between frames a drop moves farther than its streak is long. A drop of diameter D at depth z is w = f D / z wide and
+    moves by l = f T |v| / z pixels in the exposure T. Its opacity is (pi / 4) w^2 / max(1, l). Its brightness is 0.94
+    of the mean of sky and ground (Garg and Nayar 2007, doi 10.1007/s11263-006-0028-6), so drops are invisible before
+    the sky. A `gain` of 1 is physical; a larger one brightens the visible drops.
     """
 
     def __init__(self, camera: Camera, atmosphere: Atmosphere, light: Light, gain: float, seed: int) -> None:
@@ -61,25 +58,25 @@ class Streaks:
         self._rng = stream(seed, "streaks")
         self.exposure_s = exposure_s(light)
         self.brightness = brightness(light)
-        self._none = atmosphere.rain_mmph <= 0.0 or gain <= 0.0 or self.brightness <= DARKEST
+        self._is_dry = atmosphere.rain_mmph <= 0.0 or gain <= 0.0 or self.brightness <= DARKEST
         self._showers: dict[tuple[int, ...], Shower] = {}
 
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
-        """Draw the drops of this frame, in place; the camera's velocity is that between the two snapshots."""
-        if not self._none:
-            self.draw_passing(frame, *self._passing(now, before))
+        """Draw the drops of this frame, in place."""
+        if not self._is_dry:
+            self.draw_drops(frame, *self._relative_motion(now, before))
 
     def skip(self, now: Snapshot, before: Snapshot) -> None:
-        """Let the drops of a frame fall that nobody looks at."""
-        if not self._none:
-            self._chances(self._shower(*self._passing(now, before)))
+        """Skip the drops of a frame."""
+        if not self._is_dry:
+            self._chances(self._shower(*self._relative_motion(now, before)))
 
-    def draw_passing(self, frame: Image, drift: Floats, down: Floats) -> None:
-        """Draw drops that fall along `down` (3,) and pass the camera at `drift` (3,) m/s besides, in camera axes."""
+    def draw_drops(self, frame: Image, drift: Floats, down: Floats) -> None:
+        """Draw drops that fall along `down` (3,) and drift at `drift` (3,) m/s, in camera axes."""
         add(frame, self.specks(frame, drift, down), self._brightening)
 
     def specks(self, frame: Image, drift: Floats, down: Floats) -> Specks:
-        """The next frame's drops, those that stand out by FAINTEST or more."""
+        """The next frame's drops with a level of at least FAINTEST."""
         camera, shower = self._camera, self._shower(drift, down)
         drawn = self._chances(shower)
         chance = drawn[1:] * np.float32(1.0 / 65536.0)
@@ -96,25 +93,25 @@ class Streaks:
         scale = 1.0 / np.cbrt(cube + chance[1] * (shower.farthest_m3[stratum] - cube))
         fall = fall_speed_mps(diameter_mm)
         right, under, depth = (np.float32(a) + np.float32(b) * fall for a, b in zip(drift, down, strict=True))
-        passed = scale * np.float32(self.exposure_s)
-        dx = passed * (camera.fx_px * right - (x_px - camera.cx_px) * depth)
-        dy = passed * (camera.fy_px * under - (y_px - camera.cy_px) * depth)
+        travel = scale * np.float32(self.exposure_s)
+        dx = travel * (camera.fx_px * right - (x_px - camera.cx_px) * depth)
+        dy = travel * (camera.fy_px * under - (y_px - camera.cy_px) * depth)
         width = (1e-3 * camera.fx_px) * diameter_mm * scale
         level = opacity(width, np.hypot(dx, dy)) * contrast
         return Specks(x_px, y_px, dx, dy, width, level).part(np.flatnonzero(level >= FAINTEST))
 
-    def _passing(self, now: Snapshot, before: Snapshot) -> tuple[Floats, Floats]:
-        """How the rain passes the camera besides falling, m/s, and whither it falls: (3,) each, in camera axes."""
+    def _relative_motion(self, now: Snapshot, before: Snapshot) -> tuple[Floats, Floats]:
+        """Drift of the rain relative to the camera, m/s, and direction of fall: (3,) each, camera axes."""
         gap_s = now.time_s - before.time_s
         velocity = (now.view.centre - before.view.centre) / gap_s if gap_s > 0.0 else np.zeros(3)
         return now.view.axes @ (self._wind - velocity), -now.view.axes[:, 2]
 
     def _chances(self, shower: Shower) -> NDArray[np.uint16]:
-        """(5, n) what the next frame's n drops are drawn by."""
+        """(5, n) random numbers of the next frame's n drops."""
         return self._rng.integers(0, 65536, (5, int(self._rng.poisson(shower.expected))), dtype=np.uint16)
 
     def _shower(self, drift: Floats, down: Floats) -> Shower:
-        """The drops to choose from, for about this motion of the rain past the camera."""
+        """The shower for a relative motion, cached by its rounded drift."""
         key = tuple(np.rint(drift / STEP_MPS).astype(int).tolist())
         if key not in self._showers:
             if len(self._showers) >= SHOWERS:
@@ -126,26 +123,28 @@ class Streaks:
 
 
 def opacity(width_px: Singles, length_px: Singles) -> Singles:
-    """How much of a pixel on its way a drop covers while the shutter is open."""
+    """Mean opacity of a drop along its path during the exposure."""
     return np.asarray(np.float32(0.25 * np.pi) * width_px**2 / np.maximum(length_px, np.float32(1.0)), np.float32)
 
 
 def exposure_s(light: Light) -> float:
-    """As under a covered sky, whose light on the ground goes with the sine of the sun's altitude."""
+    """Exposure time by the sine of the sun's altitude, as under an overcast sky."""
     sine = max(float(light.sun[2]), 0.05)
     return float(np.clip(EXPOSURE_S * np.sqrt(0.5) / sine, EXPOSURE_S, LONGEST_EXPOSURE_S))
 
 
 def brightness(light: Light) -> float:
-    """Of a drop, grey levels: the mean of sky and ground is that of their light, not of their grey levels."""
+    """Brightness of a drop, grey levels; sky and ground are averaged in linear light."""
     sky = 0.5 * float(np.mean(light.horizon + light.zenith))
     ground = GROUND * float(np.mean(light.ground))
     return float(0.94 * (0.5 * (sky**GAMMA + ground**GAMMA)) ** (1.0 / GAMMA))
 
 
 def add(frame: Image, specks: Specks, gain: float = 1.0) -> None:
-    """Add drops to the picture, in place: points a pixel apart, each shared between the two columns beside it. The few
-    that are wider than a pixel are drawn one pixel wide."""
+    """Add drops to the frame, in place: points a pixel apart, each split between two columns.
+
+    The few drops wider than a pixel are drawn one pixel wide.
+    """
     height, width = frame.shape[:2]
     counts = np.maximum(np.abs(specks.dx_px), np.abs(specks.dy_px)).astype(np.intp) + 2
     ends = np.cumsum(counts)
@@ -158,7 +157,7 @@ def add(frame: Image, specks: Specks, gain: float = 1.0) -> None:
     level = np.repeat(gain * specks.level / np.maximum(specks.width_px, np.float32(1.0)), counts)
     to_right = level * (x - left)
     pixels = (y * width + left)[inside]
-    flat = frame.reshape(-1, 3).view(PIXEL)[:, 0]  # whole pixels are looked up and set in half the time
+    flat = frame.reshape(-1, 3).view(PIXEL)[:, 0]  # access by whole pixels takes half the time
     for index, levels in ((pixels, (level - to_right)[inside]), (pixels + 1, to_right[inside])):
         added = np.minimum(levels + np.float32(0.5), np.float32(255.0)).astype(np.uint8)[:, None]
         behind = flat[index].view(np.uint8).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""The wet road, a mirror at grazing angles: sharp in puddles, smeared along the line of sight elsewhere."""
+"""Reflections on the wet road: sharp in puddles, smeared along the line of sight elsewhere."""
 
 from dataclasses import dataclass
 from math import ceil
@@ -28,51 +28,51 @@ from vpf_sim.types import Bools, Camera, Image
 
 Bytes = NDArray[np.uint8]
 
-DAMP_SHARE, FILM_SHARE = 0.35, 0.9  # of a damp road's and a flooded road's surface that mirrors
-DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # of its facets
-STONES_MMPH, FILM_MMPH = 8.0, 25.0  # between these rates of rain the film comes to cover the stones
-RIPPLE = 5.0  # rows by which the rings of drops shake the mirror image in puddles, in hard rain
-DARK = 0.3  # how fast the asphalt darkens with the depth of the water, levels of 255 per level of the map
-EVERY = 3  # frames in which the mirror image is drawn anew where drops shake it more than things move in between
-STEEP, STEEPEST = 0.30, 0.41  # sines of the angle under which the mirror image (16 %) begins to be left out, and is
+DAMP_SHARE, FILM_SHARE = 0.35, 0.9  # reflecting share of a damp and of a flooded road
+DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # slopes of the facets
+STONES_MMPH, FILM_MMPH = 8.0, 25.0  # rain rates between which the film covers the stones
+RIPPLE = 5.0  # rows by which drops distort reflections in puddles, in hard rain
+DARK = 0.3  # darkening of the asphalt with water depth, of 255 per depth level
+EVERY = 3  # frames between updates of the reflection in rain, when drops distort it more than motion
+STEEP, STEEPEST = 0.30, 0.41  # sines of the angle at which reflections (16 %) start to fade, and are left out
 HIDDEN_SHARE, HIDDEN_LEVELS = 0.25 * 255, 12
 
 
 @dataclass(frozen=True, slots=True)
 class Water:
-    """Where there is water in one frame, (rows, columns) each of the canvas."""
+    """Water in one frame, (rows, columns) of the canvas each."""
 
-    share: Bytes  # of the light that is mirrored, of 255
-    through: Bytes  # of the road's own light that is left, of 255
+    share: Bytes  # reflected share of light, of 255
+    through: Bytes  # remaining share of the road's light, of 255
     standing: Bytes  # 255 in puddles, else 0
 
 
 @dataclass(frozen=True, slots=True)
 class Mirror:
-    """The world upside down, as it was in one frame."""
+    """The reflected scene of one frame."""
 
     view: View
     drawn: list[Drawn]
     sky: Bytes  # (rows, columns, 3)
-    sharp: Bytes  # the same with things before it, as puddles show them
-    smeared: Bytes  # as the film shows them
+    sharp: Bytes  # with items, as in puddles
+    smeared: Bytes  # blurred, as on the film
 
 
 class WetRoad:
-    """Mirrors sky and things on the road.
+    """Reflects the sky and items on the road.
 
-    The share that is mirrored is Fresnel's for flat water (n = 1.333) times the share of the road that is covered.
-    Below about 10 mm/h the stones of the asphalt poke through the film, from 25 mm/h on it is one film (Gallaway et al.
-    1971, TTI report 138-5). A facet tilted by s moves the mirror image of what is far by 2 f s up or down, and hardly
-    sideways. The sky of the picture is all that can be mirrored: a camera that sees none of it sees a dull road.
+    The reflected share is Fresnel's for flat water (n = 1.333) times the covered share of the road. Below about 10 mm/h
+    the stones of the asphalt pierce the film, from 25 mm/h on the film is closed (Gallaway et al. 1971, TTI report
+    138-5). A facet tilted by s moves distant reflections by 2 f s up or down, and hardly sideways. Only the visible sky
+    is reflected, so without sky in the image the road is dull.
     """
 
     def __init__(self, camera: Camera, shapes: list[LaneShape], atmosphere: Atmosphere, seed: int) -> None:
         self._size = (camera.height_px, camera.width_px)
         self._last: tuple[Mirror, Water, list[Drawn]] | None = None
         self._top = ground_top(camera)
-        self._none = atmosphere.wetness <= 0.0 or not REFINEMENT <= self._top < camera.height_px
-        if self._none:
+        self._is_dry = atmosphere.wetness <= 0.0 or not REFINEMENT <= self._top < camera.height_px
+        if self._is_dry:
             return
         self._camera = camera
         self._columns = camera.width_px // REFINEMENT
@@ -93,14 +93,14 @@ class WetRoad:
         self._from_row = np.arange(self._rows)
         centre = 0.5 * (REFINEMENT - 1)
         self._to_pixels = np.array([[REFINEMENT, 0.0, centre], [0.0, REFINEMENT, centre + self._top], [0.0, 0.0, 1.0]])
-        self._age = 0  # of the mirror image, in frames
+        self._age = 0  # of the reflection, in frames
         size = (self._rows * REFINEMENT, camera.width_px)
         self._dimming, self._added = np.empty((*size, 3), np.uint8), np.empty((*size, 3), np.uint8)
         self._left = np.empty(size, np.uint8)
 
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
-        """Mirror what is drawn above the horizon and the things that will be drawn, in place."""
-        if self._none:
+        """Draw the reflections of the sky and of `drawn`, in place."""
+        if self._is_dry:
             return
         if self._last is None or not self._ripple or self.is_due:
             mirror = self._mirror(view, self._mirrored_sky(frame), drawn)
@@ -108,35 +108,37 @@ class WetRoad:
         else:
             mirror = self._last[0]
         self._age += 1
-        self._shake()
+        self._draw_ripple()
         water = self._water(view)
         self._last = (mirror, water, drawn)
-        self._lay(frame, water.through, self._light(mirror, water))
+        self._blend(frame, water.through, self._light(mirror, water))
 
     @property
     def is_due(self) -> bool:
-        """Whether the mirror image that the next frames show is that of this one."""
-        return not self._none and self._ripple > 0 and (self._last is None or self._age == EVERY)
+        """Whether the next frames reuse this frame's reflection."""
+        return not self._is_dry and self._ripple > 0 and (self._last is None or self._age == EVERY)
 
     def skip(self, view: View) -> None:
-        """Let a frame pass that nobody looks at, and that is not due."""
-        if self._none:
+        """Skip a frame that is not due."""
+        if self._is_dry:
             return
         self._age += 1
-        self._shake()
-        self._puddles.raster(view)
+        self._draw_ripple()
+        self._puddles.height_map(view)
 
     def hidden(self) -> Bools:
-        """(H, W) where the last frame shows mirror images of things: they make up a quarter of what is seen, or differ
-        by 12 grey levels from the mirrored sky."""
+        """(H, W) where the last frame shows reflections of items.
+
+        They make up a quarter of the light, or differ by 12 grey levels from the reflected sky.
+        """
         mask = np.zeros(self._size, np.uint8)
         if self._last is None:
             return mask.astype(bool)
         mirror, water, drawn = self._last
         white, black = np.full_like(mirror.sky, 255), np.zeros_like(mirror.sky)
         of_sky, of_nothing, with_things, without, all_sky = (
-            self._light(self._mirror(mirror.view, sky, things), water)
-            for sky, things in (
+            self._light(self._mirror(mirror.view, sky, items), water)
+            for sky, items in (
                 (white, mirror.drawn),
                 (black, mirror.drawn),
                 (mirror.sky, mirror.drawn),
@@ -149,17 +151,17 @@ class WetRoad:
         shown = (np.asarray(share).max(axis=2) > HIDDEN_SHARE) | (np.asarray(contrast).max(axis=2) > HIDDEN_LEVELS)
         below = mask[self._top : self._top + self._rows * REFINEMENT]
         below[:] = shown.repeat(REFINEMENT, axis=0).repeat(REFINEMENT, axis=1)[: len(below)]
-        for thing in drawn:
-            erase(mask, thing.drawing)
+        for item in drawn:
+            erase(mask, item.drawing)
         return mask.astype(bool)
 
-    def _shake(self) -> None:
-        """Let the drops of one frame shake the mirror image in puddles."""
+    def _draw_ripple(self) -> None:
+        """Draw the random row offsets of one frame's reflections in puddles."""
         if self._ripple:
             self._from_row = self._rng.integers(-self._ripple, self._ripple + 1, self._rows) + np.arange(self._rows)
 
     def _water(self, view: View) -> Water:
-        """Where there is water."""
+        """The water in a view."""
         depths = self._depths(view)
         dark: Any = cv2.addWeighted(depths, DARK, depths, 0.0, -DARK * self._level)
         share: Any = cv2.multiply(cv2.LUT(depths, self._share_table), self._reflectance, scale=1 / 255)
@@ -168,7 +170,7 @@ class WetRoad:
         return Water(share, through, standing)
 
     def _mirror(self, view: View, sky: Bytes, drawn: list[Drawn]) -> Mirror:
-        """Things before the mirrored sky."""
+        """The reflected scene: items before the reflected sky."""
         sharp = sky.copy()
         for sprite in large_sprites(drawn):
             paint_sprite(sharp, view, self._top, sprite)
@@ -176,7 +178,7 @@ class WetRoad:
         return Mirror(view, drawn, sky, sharp, np.asarray(cv2.blur(sharp, (1, self._smear)), np.uint8))
 
     def _light(self, mirror: Mirror, water: Water) -> Bytes:
-        """(rows, columns, 3) the light that the water sends to the camera."""
+        """(rows, columns, 3) the reflected light."""
         sharp, light = mirror.sharp, mirror.smeared.copy()
         if self._ripple:
             sharp = sharp.take(self._from_row, axis=0, mode="clip")
@@ -184,8 +186,8 @@ class WetRoad:
         cv2.multiply(light, cv2.cvtColor(water.share, cv2.COLOR_GRAY2RGB), light, scale=1 / 255)
         return light
 
-    def _lay(self, frame: Image, through: Bytes, light: Bytes) -> None:
-        """Dim the road and add what it mirrors."""
+    def _blend(self, frame: Image, through: Bytes, light: Bytes) -> None:
+        """Dim the road and add the reflected light."""
         rows = frame[self._top : self._top + self._rows * REFINEMENT]
         size = (frame.shape[1], self._rows * REFINEMENT)
         cv2.resize(through, size, self._left)
@@ -195,7 +197,7 @@ class WetRoad:
         cv2.add(rows, self._added[: len(rows)], rows)
 
     def _mirrored_sky(self, frame: Image) -> Bytes:
-        """The sky upside down."""
+        """The reflected sky."""
         tall = min(self._rows, self._top // REFINEMENT)
         above = frame[self._top - tall * REFINEMENT : self._top]
         sky = cv2.flip(cv2.resize(above, (self._columns, tall), interpolation=cv2.INTER_AREA), 0)
@@ -204,12 +206,12 @@ class WetRoad:
         return np.asarray(sky, np.uint8)
 
     def _depths(self, view: View) -> Bytes:
-        """(rows, columns) the depth of the puddles' map at each pixel of the canvas."""
-        raster = self._puddles.raster(view)
-        matrix = raster.from_world() @ view.ground_homography() @ self._to_pixels
+        """(rows, columns) puddle depth at each pixel of the canvas."""
+        height_map = self._puddles.height_map(view)
+        matrix = height_map.from_world() @ view.ground_homography() @ self._to_pixels
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         size = (self._columns, self._rows)
-        return np.asarray(cv2.warpPerspective(raster.depths, matrix, size, flags=flags), np.uint8)
+        return np.asarray(cv2.warpPerspective(height_map.depths, matrix, size, flags=flags), np.uint8)
 
     def _sines(self, rows: int) -> NDArray[np.float64]:
         """(rows, columns) sine of the angle between ray and road."""

@@ -1,4 +1,4 @@
-"""A panorama at infinity, seen by a camera that turns about the vertical axis."""
+"""A cylindrical panorama at infinity, for a camera that yaws."""
 
 import cv2
 import numpy as np
@@ -7,11 +7,10 @@ from vpf_sim.types import Floats, Image
 
 
 class Cylinder:
-    """A panorama: column i shows the azimuth 2 pi i / columns, the rows show even tangents of the elevation from
-    `tall` down to 0.
+    """Column i is the azimuth 2 pi i / columns; rows are linear in the tangent of the elevation, from `tall` down to 0.
 
-    Whole columns of a turn shift the panorama, the rest picks one of several look-up tables that are made once: the
-    picture turns in steps of a fraction of a column.
+    Whole columns of a yaw shift the panorama; the rest selects one of several precomputed maps, so the image turns in
+    fractions of a column.
     """
 
     def __init__(self, panorama: Image, tall: float, turn_rad: Floats, slope: Floats, fractions: int) -> None:
@@ -27,10 +26,10 @@ class Cylinder:
         self._maps = [cv2.convertMaps(column + shift, row, cv2.CV_16SC2) for shift in shifts]
 
     def draw(self, yaw_rad: float, picture: Image) -> None:
-        """Paint what is seen at a yaw into a picture of the shape of the rays."""
+        """Draw the panorama at a yaw into an image of the rays' shape."""
         steps = round(yaw_rad * self._per_rad * self._fractions)
         whole, fraction = divmod(steps, self._fractions)
         first = (whole - self._base) % self._columns
-        seen = self._panorama[:, first : first + self._span]
+        part = self._panorama[:, first : first + self._span]
         across, down = self._maps[fraction]
-        cv2.remap(seen, across, down, cv2.INTER_LINEAR, picture)
+        cv2.remap(part, across, down, cv2.INTER_LINEAR, picture)

@@ -1,11 +1,11 @@
-"""Ranges of hills at the horizon, as a panorama."""
+"""Ranges of hills at the horizon as a panorama."""
 
 import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.sky.firmament import ZENITH_SLOPE
+from vpf_sim.envs.camera.sky.sky_dome import ZENITH_SLOPE
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.types import Floats, Image
 
@@ -15,17 +15,17 @@ HILLS = (  # (distance in m, tangent of the height, RGB), from far to near; the 
     (2600.0, 0.036, (62, 84, 70)),
     (950.0, 0.021, (46, 66, 36)),
 )
-VALLEY_HAZE = 0.25  # how much thicker the air is at the foot of a hill than at its top
-LEAST_SHOWN = 0.012  # of the nearest hills' contrast: what is fainter is about a level
+VALLEY_HAZE = 0.25  # extra extinction at the foot of a hill
+LEAST_SHOWN = 0.012  # least contrast of the nearest hills, about a grey level
 
 
 def hills_show(atmosphere: Atmosphere) -> bool:
-    """Whether any of the hills can be made out through the air."""
+    """Whether any hills are visible through the haze."""
     return bool(np.exp(-atmosphere.extinction_per_m * HILLS[-1][0]) > LEAST_SHOWN)
 
 
 def outlines(rng: np.random.Generator) -> Floats:
-    """(ranges, COLUMNS) tangents of the elevation of the hills' tops."""
+    """(ranges, COLUMNS) tangents of the elevation of the tops."""
     trees = len(HILLS) - 1
     fields = [noise((1, COLUMNS), rng, *((3.0, 0.9) if i == trees else (8.0, 1.4)))[0] for i in range(trees + 1)]
     heights = np.array([[height] for _, height, _ in HILLS])
@@ -35,24 +35,26 @@ def outlines(rng: np.random.Generator) -> Floats:
 def hills(
     sky: Image, tops: Floats, tall: float, light: Light, atmosphere: Atmosphere, rng: np.random.Generator
 ) -> Image:
-    """(rows, COLUMNS, 3) RGB ranges of hills before a panorama of the sky: column i at the azimuth 2 pi i / COLUMNS,
-    rows at even tangents of the elevation from `tall` down to 0. The air veils them by their distance."""
+    """(rows, COLUMNS, 3) RGB panorama of hazy hills before the sky.
+
+    Column i is the azimuth 2 pi i / COLUMNS; rows are linear in the tangent of the elevation, from `tall` down to 0.
+    """
     rows = int(tall * ROWS_PER_SLOPE)
     slope = np.linspace(tall, 0.0, rows)[:, None]
     picture = _magnified(sky, slope[:, 0])
-    air = picture[-1]
+    airlight = picture[-1]
     for (distance_m, _, colour), top in zip(HILLS, tops, strict=True):
         up = np.clip(slope / top, 0.0, 1.0)
-        left = np.exp(-atmosphere.extinction_per_m * distance_m * (1.0 + VALLEY_HAZE * (1.0 - up)))[..., None]
+        transmission = np.exp(-atmosphere.extinction_per_m * distance_m * (1.0 + VALLEY_HAZE * (1.0 - up)))[..., None]
         cover = np.clip((top - slope) / (tall / rows), 0.0, 1.0)[..., None]
         texture = noise((rows, COLUMNS), rng, 3.5, 0.8)[..., None] * 13.0
         tone = (np.array(colour, float) + texture) * light.ground
-        picture += cover * (air + (tone - air) * left - picture)
+        picture += cover * (airlight + (tone - airlight) * transmission - picture)
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
 
 def _magnified(sky: Image, slope: Floats) -> Floats:
-    """(rows, COLUMNS, 3) the sky at some tangents of the elevation."""
+    """(rows, COLUMNS, 3) the sky at tangents of the elevation."""
     turn = np.concatenate([sky, sky[:, :1]], axis=1)
     columns = np.arange(COLUMNS, dtype=np.float32) * np.float32(sky.shape[1] / COLUMNS)
     rows = ((len(sky) - 1) * (1.0 - slope / ZENITH_SLOPE)).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Everything at infinity: sky, clouds and hills, on a cylinder that turns with the yaw."""
+"""Sky, clouds and hills at infinity, on cylinders that turn with the yaw."""
 
 import cv2
 import numpy as np
@@ -7,21 +7,21 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.sky.cylinder import Cylinder
-from vpf_sim.envs.camera.sky.firmament import ZENITH_SLOPE, firmament
 from vpf_sim.envs.camera.sky.hills import hills, hills_show, outlines
+from vpf_sim.envs.camera.sky.sky_dome import ZENITH_SLOPE, sky_dome
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
-COARSE = 4  # the sky is soft: it is drawn on every fourth pixel
+COARSE = 4  # the sky is smooth: drawn on every fourth pixel
 
 
 class Sky:
-    """Paints every row above the horizon: the sky down to the hills, and sky and hills together below."""
+    """Draws all rows above the horizon: the sky dome, and below it the sky dome with hills."""
 
     def __init__(self, camera: Camera, light: Light, atmosphere: Atmosphere, seed: int) -> None:
         rng = stream(seed, "sky")
-        sky = firmament(light, atmosphere, camera.fx_px / COARSE, rng)
+        sky = sky_dome(light, atmosphere, camera.fx_px / COARSE, rng)
         top, width = ground_top(camera), camera.width_px
         columns, rows = np.arange(width, dtype=float), np.arange(top, dtype=float)
         self._hills: Cylinder | None = None
@@ -43,7 +43,7 @@ class Sky:
             self._sky = Cylinder(sky, ZENITH_SLOPE, *_directions(camera, columns, rows), 32)
 
     def draw(self, view: View, frame: Image) -> None:
-        """Paint the sky into the picture."""
+        """Draw the sky into the frame."""
         if self._sky is not None:
             self._sky.draw(view.yaw_rad, self._coarse)
             cv2.resize(self._coarse, (frame.shape[1], self._rows), frame[: self._rows])
@@ -52,7 +52,7 @@ class Sky:
 
 
 def _directions(camera: Camera, columns: Floats, rows: Floats) -> tuple[Floats, Floats]:
-    """(rows, columns) of pixels' rays: angle to the right of the yaw in rad, tangent of the elevation."""
+    """(rows, columns) angle right of the yaw, rad, and tangent of the elevation, of the pixels' rays."""
     right, down = np.meshgrid((columns - camera.cx_px) / camera.fx_px, (rows - camera.cy_px) / camera.fy_px)
     c, s = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
     ahead = c - s * down
@@ -60,5 +60,5 @@ def _directions(camera: Camera, columns: Floats, rows: Floats) -> tuple[Floats, 
 
 
 def _middles(count: int, size: int) -> Floats:
-    """(count,) where in `size` fine pixels the middles of coarse ones lie."""
+    """(count,) middles of coarse pixels in `size` fine pixels."""
     return (np.arange(count) + 0.5) * size / count - 0.5

@@ -1,4 +1,4 @@
-"""A camera that is told its size or its field of view, and rigs that are none."""
+"""Cameras of given sizes and fields of view, and invalid rigs."""
 
 from math import atan, degrees
 from typing import Any
@@ -24,13 +24,13 @@ def test_the_lens_follows_the_size(size: tuple[int, int]) -> None:
     assert (camera.cx_px, camera.cy_px) == (0.5 * (width - 1), 0.5 * (height - 1))
 
 
-def test_what_is_given_of_the_lens_stays() -> None:
+def test_given_intrinsics_are_kept() -> None:
     camera = Camera(100, 80, fy_px=70.0, cx_px=45.0)
     assert (camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px) == (70.0, 70.0, 45.0, 39.5)
 
 
 @pytest.mark.parametrize("fov_deg", [20.0, 60.0, 90.0, 120.0])
-def test_a_camera_of_a_field_of_view(fov_deg: float) -> None:
+def test_camera_of_a_field_of_view(fov_deg: float) -> None:
     camera = Camera.of(320, 240, fov_deg, height_m=1.2)
     assert 2.0 * degrees(atan(160.0 / camera.fx_px)) == pytest.approx(fov_deg)
     assert camera.height_m == 1.2
@@ -41,7 +41,7 @@ def test_the_default_camera_has_90_deg() -> None:
 
 
 def test_a_small_camera_sees_the_road() -> None:
-    """The lower half of its picture is the ground, as the truth says, and not sky."""
+    """By the true depth, the lower half of the image is ground."""
     env = FourLane("straight", rig=Rig(camera=Camera(84, 84)), truth=("depth",))
     _, info = env.reset(seed=1)
     assert np.isfinite(info["depth"][43:]).all()
@@ -51,8 +51,8 @@ def test_a_small_camera_sees_the_road() -> None:
 @pytest.mark.parametrize(
     ("camera", "line"),
     [
-        (Camera(84, 84, cx_px=319.5), "camera: cx_px: expected within the picture, 0 to 83, got 319.5"),
-        (Camera(84, 84, cy_px=-1.0), "camera: cy_px: expected within the picture, 0 to 83, got -1"),
+        (Camera(84, 84, cx_px=319.5), "camera: cx_px: expected within the image, 0 to 83, got 319.5"),
+        (Camera(84, 84, cy_px=-1.0), "camera: cy_px: expected within the image, 0 to 83, got -1"),
         (Camera(fx_px=float("nan")), "camera: fx_px: expected a finite number, got nan"),
         (Camera(84.5, 84), "camera: width_px: expected a whole number, got 84.5"),  # type: ignore[arg-type]
         (Camera(100_000, 84), "camera: width_px: expected at most 8192, got 100000"),
@@ -60,13 +60,13 @@ def test_a_small_camera_sees_the_road() -> None:
         (NOT_A_CAMERA, "rig: camera: expected a vpf_sim.types.Camera, got 3"),
     ],
 )
-def test_a_camera_that_would_show_no_road_is_refused(camera: Camera, line: str) -> None:
+def test_camera_that_shows_no_road_is_rejected(camera: Camera, line: str) -> None:
     with pytest.raises(InputError) as caught:
         Rig(camera=camera)
     assert str(caught.value).startswith(line)
 
 
-def test_a_field_of_view_that_no_pinhole_has_is_refused() -> None:
+def test_impossible_field_of_view_is_rejected() -> None:
     with pytest.raises(InputError, match="fov_deg: expected 1 to 170, got 180"):
         Camera.of(640, 480, 180.0)
 
@@ -89,7 +89,7 @@ def test_options_of_another_type_are_one_clear_line(options: dict[str, Any], lin
     assert str(caught.value) == line
 
 
-def test_the_wrapper_refuses_a_rig_and_a_weather_that_are_none() -> None:
+def test_wrapper_rejects_an_invalid_rig_or_weather() -> None:
     env = FourLane("straight")
     env.vehicle = None  # type: ignore[attr-defined]  # as highway-env's own have it
     env.road = None  # type: ignore[assignment]

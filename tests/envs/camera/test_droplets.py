@@ -1,4 +1,4 @@
-"""Drops on the windshield: how many land, how they merge, run and go; and that the planes show those that are there."""
+"""Drops on the windscreen: impact rate, merging, running, drying; the planes match the drop list."""
 
 import numpy as np
 import pytest
@@ -56,7 +56,7 @@ def marshall_palmer(power: float, speed_mps: float, rain_mmph: float) -> float:
 
 
 @pytest.mark.parametrize(("rain_mmph", "speed_mps"), [(5.0, 10.0), (50.0, 0.0), (50.0, 25.0)])
-def test_rain_hits_the_glass_as_often_as_marshall_and_palmer_say(rain_mmph: float, speed_mps: float) -> None:
+def test_impact_rate_matches_marshall_and_palmer(rain_mmph: float, speed_mps: float) -> None:
     impacts = Impacts(rain_mmph)
     diameters = impacts.draw(np.random.default_rng(1), speed_mps, area_time=4.0)
     expected = 4.0 * marshall_palmer(0.0, speed_mps, rain_mmph)
@@ -86,20 +86,20 @@ def test_drops_are_spread_evenly_over_the_glass() -> None:
     np.testing.assert_allclose(counts / len(y), expected, rtol=0.05)
 
 
-def test_the_glass_is_nearer_at_the_top_so_drops_are_larger_there() -> None:
+def test_drops_are_larger_at_the_top_of_the_windscreen() -> None:
     top, bottom = placed((320.0, 40.0, 2.0)), placed((320.0, 440.0, 2.0))
     widths = [(glass.planes.alpha > 127).any(axis=0).sum() for glass in (top, bottom)]
     assert 2.0 < widths[0] / widths[1] < 4.0
 
 
-def test_a_drop_shows_as_wide_as_its_spot_at_the_distance_of_the_glass() -> None:
+def test_drop_width_matches_its_spot_on_the_windscreen() -> None:
     opaque = placed((320.0, 239.5, 3.0)).planes.alpha > 127
     assert opaque.any(axis=0).sum() == pytest.approx(1.83 * 3.0 * 320.0 / 100.0, abs=2.5)  # f D / z
 
 
-def test_drops_that_touch_become_one_of_their_volume_in_their_centre_of_mass() -> None:
+def test_touching_drops_merge_at_their_centre_of_mass() -> None:
     glass = placed((300.0, 240.0, 2.0), (302.0, 242.0, 1.0), (500.0, 240.0, 1.5))
-    glass.picture.put(glass._merge(np.array([1]), len(glass.drops)))
+    glass.picture.put(glass.merge(np.array([1]), len(glass.drops)))
     merged, apart = sorted(glass.drops, key=lambda drop: drop["x"])
     assert merged["size"] ** 3 == pytest.approx(2.0**3 + 1.0**3)
     assert (merged["x"], merged["y"]) == pytest.approx((300.0 + 2.0 / 9.0, 240.0 + 2.0 / 9.0))
@@ -109,12 +109,12 @@ def test_drops_that_touch_become_one_of_their_volume_in_their_centre_of_mass() -
 
 def test_drops_side_by_side_stay_apart() -> None:
     glass = placed((300.0, 240.0, 2.0), (310.0, 240.0, 1.0))  # the spot's radius is 5.8 px
-    glass._merge(np.array([0, 1]), len(glass.drops))
+    glass.merge(np.array([0, 1]), len(glass.drops))
     assert len(glass.drops) == 2
 
 
 @pytest.mark.parametrize(("speed_mps", "way"), [(0.0, 1), (11.0, 1), (16.0, 0), (25.0, -1)])
-def test_large_drops_run_down_slowly_stand_or_are_blown_up(speed_mps: float, way: int) -> None:
+def test_large_drops_move_by_gravity_or_wind(speed_mps: float, way: int) -> None:
     glass = placed((400.0, 240.0, 5.0), (200.0, 240.0, 1.0))
     for tick in range(1, 16):
         glass.advance(tick * TICK_S, TICK_S, speed_mps)
@@ -125,7 +125,7 @@ def test_large_drops_run_down_slowly_stand_or_are_blown_up(speed_mps: float, way
     assert_drawn_as_listed(glass)
 
 
-def test_a_running_drop_leaves_drops_of_its_own_water_behind() -> None:
+def test_running_drop_sheds_drops_and_conserves_water() -> None:
     glass = placed((400.0, 100.0, 6.0))
     for tick in range(1, 61):
         glass.advance(tick * TICK_S, TICK_S, 5.5)
@@ -142,7 +142,7 @@ def test_drops_dry_off() -> None:
     assert_drawn_as_listed(glass)
 
 
-def test_after_any_history_the_planes_show_the_drops_that_are_there() -> None:
+def test_planes_match_the_drop_list_after_any_history() -> None:
     glass = droplets(100.0, seed=3)
     swath = Wiper(PANE, 1.33, 0).swath(0.0, 1.33)
     assert swath is not None
@@ -154,7 +154,7 @@ def test_after_any_history_the_planes_show_the_drops_that_are_there() -> None:
     assert_drawn_as_listed(glass)
 
 
-def test_a_seed_gives_its_own_drops() -> None:
+def test_seed_determines_the_drops() -> None:
     first, again, other = (droplets(seed=seed) for seed in (1, 1, 2))
     for glass in (first, again, other):
         for tick in range(1, 31):

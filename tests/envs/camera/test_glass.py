@@ -1,4 +1,4 @@
-"""Water on the windshield as a whole, in frames."""
+"""Water on the windscreen, in frames."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.glass.drops import DROP
 from vpf_sim.envs.camera.glass.glass import Glass
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.things.things import Snapshot
+from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Image
 
@@ -39,25 +39,25 @@ def grey(level: int = 128) -> Image:
 
 
 def with_drop(x: float, y: float, size: float) -> Glass:
-    """A glass with one drop on it, in next to no rain."""
+    """A windscreen with one drop, almost without rain."""
     water = glass(droplets=0.01, wiper_period_s=0.0)
     draw(water, grey(), 0)
     drop = np.zeros(1, DROP)
     drop["x"], drop["y"], drop["size"], drop["dies"] = x, y, size, 1e9
-    assert water._droplets is not None
-    water._droplets.picture.shape(drop)
-    water._droplets.add(drop)
+    assert water.droplets is not None
+    water.droplets.picture.shape(drop)
+    water.droplets.add(drop)
     return water
 
 
-def test_dry_glass_leaves_the_frame_alone() -> None:
+def test_dry_windscreen_does_not_change_the_frame() -> None:
     water, frame = glass("clear"), noise()
     for k in range(3):
         np.testing.assert_array_equal(draw(water, frame, k), frame)
     assert not water.hidden().any()
 
 
-def test_a_drop_shows_the_scene_upside_down_and_left_for_right() -> None:
+def test_drop_shows_the_scene_rotated_by_180_degrees() -> None:
     frame = grey(0)
     frame[:240, :, 0] = 250  # red above
     frame[:, :320, 2] = 250  # blue on the left
@@ -70,7 +70,7 @@ def test_a_drop_shows_the_scene_upside_down_and_left_for_right() -> None:
     assert drawn[100, 100, 0] > 240 > 10 > drawn[400, 500, 0]
 
 
-def test_hidden_is_where_the_frame_is_no_longer_to_be_seen() -> None:
+def test_hidden_is_where_water_covers_the_scene() -> None:
     water, frame = glass(wiper_period_s=3.0), noise()
     for k in range(0, 120, 6):
         drawn = draw(water, frame, k)
@@ -82,7 +82,7 @@ def test_hidden_is_where_the_frame_is_no_longer_to_be_seen() -> None:
     assert hidden[strongly].mean() > 0.9
 
 
-def test_hidden_holds_the_blade() -> None:
+def test_hidden_includes_the_blade() -> None:
     water = glass(droplets=0.0)
     dark, blades = 0, 0
     for k in range(0, 180, 3):
@@ -96,13 +96,13 @@ def test_hidden_holds_the_blade() -> None:
     assert dark == 0
 
 
-def test_cover_grows_between_sweeps_and_a_pass_takes_it_away() -> None:
+def test_cover_grows_between_sweeps_and_is_wiped() -> None:
     water = glass(wiper_period_s=4.0)
     cover = []
     for k in range(0, 360, 3):
         draw(water, grey(), k)
-        assert water._droplets is not None
-        cover.append(water._droplets.planes.alpha.mean() / 255.0)
+        assert water.droplets is not None
+        cover.append(water.droplets.planes.alpha.mean() / 255.0)
     swings = np.array(cover)
     assert swings.max() - swings.min() > 0.06  # a few %/s for 3 s
     assert swings.min() < 0.02
@@ -111,10 +111,10 @@ def test_cover_grows_between_sweeps_and_a_pass_takes_it_away() -> None:
     assert growth.min() < -0.5
 
 
-def test_a_thin_film_is_left_behind_the_blade_for_a_moment() -> None:
+def test_film_behind_the_blade_dries_within_a_moment() -> None:
     water, frame = glass(droplets=1.0, wiper_period_s=4.0), noise()  # drops a second: next to none
-    assert water._wiper is not None
-    seen = [water._wiper.blade(k / RATE_HZ) is not None for k in range(300)]
+    assert water.wiper is not None
+    seen = [water.wiper.blade(k / RATE_HZ) is not None for k in range(300)]
     gone = next(k for k in range(1, 260) if seen[k - 1] and not any(seen[k : k + 40]))
     contrast = [draw(water, frame, k)[300:400, 200:400].std() for k in range(gone + 40)]
     fresh, dry = contrast[gone], contrast[gone + 30]
@@ -128,7 +128,7 @@ def test_the_same_time_again_changes_nothing() -> None:
         np.testing.assert_array_equal(draw(water, frame, k), first)
 
 
-def test_a_seed_gives_its_own_bytes() -> None:
+def test_seed_determines_the_water() -> None:
     frame = noise()
     first, again, other = (glass(seed=seed) for seed in (3, 3, 4))
     differs = []
@@ -144,8 +144,8 @@ def test_hard_rain_does_not_repeat_within_ten_seconds() -> None:
     for k in range(0, 600, 4):
         draw(water, grey(), k)
         if k % 60 == 40:
-            assert water._droplets is not None
-            alphas.append((water._droplets.planes.alpha > 60).astype(float).ravel())
+            assert water.droplets is not None
+            alphas.append((water.droplets.planes.alpha > 60).astype(float).ravel())
     wet = [alpha for alpha in alphas if alpha.any()]
     assert len(wet) == 10
     likeness = np.corrcoef(wet) - np.eye(10)
@@ -153,7 +153,7 @@ def test_hard_rain_does_not_repeat_within_ten_seconds() -> None:
 
 
 @pytest.mark.parametrize("size", [(64, 48), (640, 361), (1242, 375)])
-def test_any_picture_has_its_glass(size: tuple[int, int]) -> None:
+def test_windscreen_supports_any_image_size(size: tuple[int, int]) -> None:
     width, height = size
     camera = Camera(width, height, width / 2, width / 2, (width - 1) / 2, (height - 1) / 2)
     water, frame = glass(camera=camera), noise(height, width)

@@ -1,4 +1,4 @@
-"""The ground against the geometry: patches cover what is seen, hang together, and can be followed to the horizon."""
+"""The ground: patches cover the view, are consistent, and can be tracked up to the horizon."""
 
 from dataclasses import replace
 
@@ -53,7 +53,7 @@ def white(raster: Raster) -> Image:
 
 
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
-def test_every_row_is_taken_from_a_patch_that_covers_it_wherever_the_camera_goes(camera: Camera) -> None:
+def test_patches_cover_every_row_for_any_camera_motion(camera: Camera) -> None:
     rng = np.random.default_rng(0)
     top = ground_top(camera)
     rows = np.arange(top, camera.height_px)
@@ -66,7 +66,7 @@ def test_every_row_is_taken_from_a_patch_that_covers_it_wherever_the_camera_goes
         for k in range(40):
             position, yaw = position + rng.uniform(-0.5, 1.5, 2), yaw + rng.normal(0.0, 0.08)
             view = View.at(camera, position, yaw)
-            patch.follow(view, patient=k % 3 == 0)
+            patch.update(view, may_defer=k % 3 == 0)
             for band in level.bands:
                 target = np.zeros((band.last - band.first, camera.width_px), np.uint8)
                 sample(patch, band, view.ground_homography(), target)
@@ -75,7 +75,7 @@ def test_every_row_is_taken_from_a_patch_that_covers_it_wherever_the_camera_goes
     assert covered.all()
 
 
-def test_levels_give_way_to_each_other_completely() -> None:
+def test_levels_blend_completely() -> None:
     farther = None
     for level in levels(Camera()):
         assert np.all(np.diff(level.weights[:, 0].astype(int)) > 0)
@@ -88,7 +88,8 @@ def test_levels_give_way_to_each_other_completely() -> None:
 
 @pytest.mark.parametrize("fine", [(2, 2), (2, 4)])
 def test_a_strip_keeps_its_width(fine: tuple[int, int]) -> None:
-    """On average over many directions its area on a raster is right to 3 %; filling adds half a pixel all around."""
+    """On average over many directions its area on a raster is right to 3 %; plain filling adds half a pixel all
+    around."""
     lattice = np.array([[20.0, 0.0, -0.5], [0.0, 10.0, -0.5], [0.0, 0.0, 1.0]])
     raster = Raster(100, 200, lattice, 0.05, 0.1)  # 10 m square
     areas = []
@@ -104,8 +105,8 @@ def test_a_strip_keeps_its_width(fine: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize("road", [straight_road(), bent_road()], ids=["straight", "bend"])
-def test_what_was_seen_before_leaves_no_trace(road: Road) -> None:
-    """A picture hardly depends on the way the patches came; what differs is how they are sampled."""
+def test_ground_does_not_depend_on_the_camera_history(road: Road) -> None:
+    """A frame hardly depends on earlier views; the sampling of patches differs."""
     travelled = ground(road)
     for k in range(61):
         place, heading = on_bend(2.0 + 0.3 * k, 1.75)
@@ -124,7 +125,7 @@ def test_grain_has_the_same_gradient_in_all_rows() -> None:
         energy = []
         for k in range(6):
             view = View.at(camera, np.array([31.0 * k, 7.0 * k]), 0.0)
-            patch.follow(view, patient=False)
+            patch.update(view, may_defer=False)
             target = np.zeros((level.bands[-1].last - level.bands[0].first, camera.width_px), np.uint8)
             for band in level.bands:
                 first = band.first - level.bands[0].first
@@ -137,15 +138,15 @@ def test_grain_has_the_same_gradient_in_all_rows() -> None:
 
 
 def flow_back(pixels: Floats, now: View, before: View) -> tuple[Floats, Floats]:
-    """(N, 2) where points of the ground were a frame before, and (N,) their depth m."""
+    """(N, 2) px, previous positions of ground points, and (N,) m, their depths."""
     ground_points = np.column_stack([pixels, np.ones(len(pixels))]) @ now.ground_homography().T
     world = np.column_stack([ground_points[:, :2] / ground_points[:, 2:], np.zeros(len(pixels))])
     return before.pixels(before.camera_axes(world)), now.camera_axes(world)[:, 2]
 
 
 @pytest.mark.parametrize("bend", [False, True], ids=["straight", "bend"])
-def test_distant_ground_can_be_followed(bend: bool) -> None:
-    """Of the tracks on the ground 10 to 60 m ahead less than 1 % are off by more than a pixel."""
+def test_distant_ground_can_be_tracked(bend: bool) -> None:
+    """Less than 1 % of the tracks on the ground 10 to 60 m ahead have an error above one pixel."""
     none: None = None
     options = {"winSize": (25, 25), "maxLevel": 2, "criteria": (3, 30, 0.03)}
     errors = []

@@ -1,4 +1,4 @@
-"""Lens distortion against OpenCV's model, its truth against the frames, and a planner's flow seen through it."""
+"""Lens distortion against OpenCV, ground truth against frames, and optical flow through the lens."""
 
 from collections.abc import Callable
 from math import inf, nan
@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from highway_env.road.road import Road
-from highway_scenes import add_body, add_ego, straight_road
+from highway_scenes import add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.lens import Lens
@@ -25,13 +25,13 @@ ALL = ("depth", "flow", "foe", "ttc", "instance")
 
 
 def grid(camera: Camera, step: int = 40) -> Floats:
-    """(n, 2) px over the picture."""
+    """(n, 2) px, a grid over the image."""
     x, y = np.meshgrid(np.arange(5, camera.width_px - 5, step), np.arange(5, camera.height_px - 5, step))
     return np.stack([x.ravel(), y.ravel()], axis=-1).astype(float)
 
 
 @pytest.mark.parametrize("camera", LENSES.values(), ids=LENSES)
-def test_undoing_the_distortion_is_its_inverse_and_opencvs(camera: Camera) -> None:
+def test_undistortion_is_the_inverse_and_matches_opencv(camera: Camera) -> None:
     pixels = grid(camera)
     flat = undistort(camera, pixels)
     assert distort(camera, flat) == pytest.approx(pixels, abs=1e-8)
@@ -42,7 +42,7 @@ def test_undoing_the_distortion_is_its_inverse_and_opencvs(camera: Camera) -> No
     assert flat == pytest.approx(opencv, abs=1e-3)
 
 
-def test_without_distortion_nothing_is_done() -> None:
+def test_undistorted_lens_changes_nothing() -> None:
     lens, pixels = Lens(Camera()), grid(Camera())
     frame = np.zeros((480, 640, 3), np.uint8)
     assert lens.distorted(frame) is frame
@@ -51,7 +51,7 @@ def test_without_distortion_nothing_is_done() -> None:
 
 
 @pytest.mark.parametrize("camera", LENSES.values(), ids=LENSES)
-def test_a_point_of_the_pinholes_picture_is_seen_where_the_model_says(camera: Camera) -> None:
+def test_lens_moves_points_as_the_model_says(camera: Camera) -> None:
     lens = Lens(camera)
     for point in grid(camera, 130)[1:-1:2]:
         place = undistort(camera, point) - (camera.cx_px, camera.cy_px) + (lens.pinhole.cx_px, lens.pinhole.cy_px)
@@ -79,24 +79,24 @@ def test_no_border_is_empty(camera: Camera) -> None:
         (
             -0.3,
             0.0,
-            "k1, k2: expected a distortion that can be undone within the picture, to 1.25 off the axis, got -0.3, 0",
+            "k1, k2: expected a distortion that is invertible within the image, to 1.25 off the axis, got -0.3, 0",
         ),
-        (-0.1, -0.1, "k1, k2: expected a distortion that can be undone within the picture"),
-        (-2.0, 0.5, "k1, k2: expected a distortion that can be undone within the picture"),
+        (-0.1, -0.1, "k1, k2: expected a distortion that is invertible within the image"),
+        (-2.0, 0.5, "k1, k2: expected a distortion that is invertible within the image"),
         (inf, 0.0, "k1: expected a finite number, got inf"),
         (0.0, nan, "k2: expected a finite number, got nan"),
     ],
 )
-def test_a_distortion_that_folds_within_the_picture_is_refused(k1: float, k2: float, expected: str) -> None:
+def test_distortion_that_folds_within_the_image_is_rejected(k1: float, k2: float, expected: str) -> None:
     with pytest.raises(InputError, match=f"camera: {expected}"):
         Rig(Camera(k1=k1, k2=k2))
 
 
 def scene(camera: Camera) -> tuple[Road, Renderer, Callable[[], None]]:
-    """A road with bodies, its renderer without noise, and a step ahead."""
+    """A road with objects, a renderer without noise, and a function that advances the ego."""
     road = straight_road()
-    add_body(road, "van", [36.0, 10.6])
-    add_body(road, "car", [34.0, 3.6])
+    add_object(road, "van", [36.0, 10.6])
+    add_object(road, "car", [34.0, 3.6])
     ego = add_ego(road, [20.0, 7.0], heading=0.02)
 
     def advance() -> None:
@@ -105,7 +105,7 @@ def scene(camera: Camera) -> tuple[Road, Renderer, Callable[[], None]]:
     return road, Renderer(road, Rig(camera, noise_sd=0.0), weather.load("clear"), 4), advance
 
 
-def test_the_truth_is_that_of_the_distorted_picture() -> None:
+def test_truth_matches_the_distorted_image() -> None:
     road, renderer, advance = scene(BARREL)
     ego = road.vehicles[0]
     renderer.render(ego, 0.0)
@@ -125,11 +125,11 @@ def test_the_truth_is_that_of_the_distorted_picture() -> None:
     assert truth["flow"][ground][::53] == pytest.approx(expected, abs=1e-3)
 
 
-def test_a_body_has_the_same_silhouette_in_truth_and_picture() -> None:
+def test_object_silhouette_is_equal_in_truth_and_image() -> None:
     road, renderer, _ = scene(BARREL)
     frame = renderer.render(road.vehicles[0], 0.0)
     mask = renderer.truth(("instance",))["instance"] > 0
-    bodies = list(road.objects)
+    objects = list(road.objects)
     road.objects.clear()
     empty = Renderer(road, Rig(BARREL, noise_sd=0.0), weather.load("clear"), 4).render(road.vehicles[0], 0.0)
     changed = cv2.absdiff(frame, empty).max(axis=2) > 2
@@ -138,7 +138,7 @@ def test_a_body_has_the_same_silhouette_in_truth_and_picture() -> None:
     assert mask[above].sum() > 500
     assert np.mean(changed[mask & above]) > 0.97
     assert np.mean(mask[changed & above]) > 0.9
-    assert len(bodies) == 2
+    assert len(objects) == 2
 
 
 def test_lucas_kanade_through_the_lens_agrees_with_the_truth() -> None:

@@ -1,10 +1,10 @@
-"""Light and daylight against their closed forms, and what a driver notices of them."""
+"""Light and daylight against closed forms, and their effect on frames."""
 
 from math import exp, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from highway_scenes import add_body, add_ego, straight_road
+from highway_scenes import add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
@@ -37,7 +37,7 @@ def test_the_sun_stands_at_its_altitude_and_clockwise_azimuth(
 
 
 @pytest.mark.parametrize("altitude_deg", [10.0, 30.0, 60.0])
-def test_a_clear_sky_gives_what_the_ies_model_says(altitude_deg: float) -> None:
+def test_clear_sky_matches_the_ies_model(altitude_deg: float) -> None:
     height = sin(radians(altitude_deg))
     fog_left = exp(-3.0 / 20_000.0 * 200.0 / height)  # of the clearest air there is
     sun = 133.8 * exp(-0.21 / height)
@@ -61,7 +61,7 @@ def test_sun_and_sky_stand_about_four_to_one_at_clear_noon() -> None:
     assert 3.0 < noon.ground_klx / noon.sky_klx - 1.0 < 6.0
 
 
-def test_the_sun_reddens_as_it_sinks_and_is_white_where_the_camera_is_balanced() -> None:
+def test_sun_reddens_as_it_sinks_from_the_white_balance() -> None:
     assert sun_colour(45.0) == pytest.approx([1.0, 1.0, 1.0])
     ratios = [sun_colour(altitude)[0] / sun_colour(altitude)[2] for altitude in (60.0, 45.0, 30.0, 15.0, 5.0)]
     assert np.all(np.diff(ratios) > 0.0)
@@ -103,7 +103,7 @@ def test_it_gets_dark_after_sunset() -> None:
 
 
 @pytest.mark.parametrize("name", weather.PRESETS)
-def test_every_weather_says_what_it_is_in_the_units_of_the_picture(name: str) -> None:
+def test_light_of_every_weather_is_in_image_units(name: str) -> None:
     of = light(name)
     for colour in (of.horizon, of.zenith, of.gap, of.cloud):
         assert np.all((colour >= 0.0) & (colour <= 255.0))
@@ -112,7 +112,7 @@ def test_every_weather_says_what_it_is_in_the_units_of_the_picture(name: str) ->
 
 
 @pytest.mark.parametrize("altitude_deg", [20.0, 45.0])
-def test_a_shadow_is_as_long_as_the_sun_is_low(altitude_deg: float) -> None:
+def test_shadow_length_grows_as_the_sun_sinks(altitude_deg: float) -> None:
     """A van 2.3 m high throws it to the left across the road, over its height / tangent of the altitude; its rounded
     top takes up to a quarter off."""
     at = sky(sun_altitude_angle=altitude_deg, sun_azimuth_angle=90.0)
@@ -120,7 +120,7 @@ def test_a_shadow_is_as_long_as_the_sun_is_low(altitude_deg: float) -> None:
     for kinds in (["van"], []):
         road = straight_road()
         for kind in kinds:
-            add_body(road, kind, [32.0, 10.6])
+            add_object(road, kind, [32.0, 10.6])
         ego = add_ego(road, [20.0, 3.5])
         pictures.append(Renderer(road, Rig(Camera(), noise_sd=0.0), at, 1).render(ego, 0.0).mean(axis=2))
     forward = 32.0 - 20.0 - 0.8

@@ -1,4 +1,4 @@
-"""Puddles belong to the world: they stay where they are while the camera moves, and each seed has its own."""
+"""Puddles are fixed to the world and differ between seeds."""
 
 from itertools import pairwise
 
@@ -7,18 +7,18 @@ from highway_scenes import WIDTH_M, bent_road, straight_road
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.layout import lane_shapes
-from vpf_sim.envs.camera.rain.puddles import CELL_M, CELLS, ROAD, Puddles, Raster, covered_table
+from vpf_sim.envs.camera.rain.puddles import CELL_M, CELLS, ROAD, HeightMap, Puddles, covered_table
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats
 
 SHAPES = lane_shapes(straight_road())
 
 
-def raster(puddles: Puddles, x: float, y: float = 5.0, yaw: float = 0.0) -> Raster:
-    return puddles.raster(View.at(Camera(), np.array([x, y]), yaw))
+def height_map(puddles: Puddles, x: float, y: float = 5.0, yaw: float = 0.0) -> HeightMap:
+    return puddles.height_map(View.at(Camera(), np.array([x, y]), yaw))
 
 
-def sampled(laid: Raster, points: Floats) -> NDArray[np.int64]:
+def sampled(laid: HeightMap, points: Floats) -> NDArray[np.int64]:
     """Depths of a raster at points (n, 2) of the world, to the nearest cell."""
     column, row = np.rint((points - laid.corner_m) / CELL_M).astype(int).T
     return laid.depths[row, column].astype(int)
@@ -32,19 +32,19 @@ def on_road(count: int, first: float, last: float) -> Floats:
 def test_puddles_stay_in_their_places_while_the_camera_moves() -> None:
     puddles = Puddles(SHAPES, 1)
     points = on_road(3000, 70.0, 120.0)
-    before, after = raster(puddles, 20.0), raster(puddles, 47.0, y=8.0, yaw=0.3)
+    before, after = height_map(puddles, 20.0), height_map(puddles, 47.0, y=8.0, yaw=0.3)
     assert not np.array_equal(before.corner_m, after.corner_m)
     assert np.array_equal(sampled(before, points), sampled(after, points))
 
 
-def test_a_raster_serves_until_the_camera_has_moved_on() -> None:
+def test_height_map_is_reused_until_the_camera_has_moved() -> None:
     puddles = Puddles(SHAPES, 1)
-    assert raster(puddles, 20.0) is raster(puddles, 25.0)
-    assert raster(puddles, 20.0) is not raster(puddles, 45.0)
+    assert height_map(puddles, 20.0) is height_map(puddles, 25.0)
+    assert height_map(puddles, 20.0) is not height_map(puddles, 45.0)
 
 
 def test_seeds_have_their_own_puddles() -> None:
-    one, again, other = (raster(Puddles(SHAPES, seed), 20.0).depths for seed in (1, 1, 2))
+    one, again, other = (height_map(Puddles(SHAPES, seed), 20.0).depths for seed in (1, 1, 2))
     assert np.array_equal(one, again)
     covered = covered_table(0.6)
     a, b = covered[one] > 128, covered[other] > 128
@@ -52,7 +52,7 @@ def test_seeds_have_their_own_puddles() -> None:
 
 
 def test_more_deposits_cover_more_of_the_road_and_all_that_less_of_them_covered() -> None:
-    depths = raster(Puddles(SHAPES, 1), 20.0).depths
+    depths = height_map(Puddles(SHAPES, 1), 20.0).depths
     on = depths > ROAD // 2
     covered = [covered_table(puddles)[depths] > 128 for puddles in (0.0, 0.3, 0.5, 0.6, 0.9)]
     shares = [float(mask[on].mean()) for mask in covered]
@@ -64,7 +64,7 @@ def test_more_deposits_cover_more_of_the_road_and_all_that_less_of_them_covered(
 
 
 def test_puddles_lie_in_the_wheel_tracks_and_not_on_the_grass() -> None:
-    laid = raster(Puddles(SHAPES, 1), 20.0)
+    laid = height_map(Puddles(SHAPES, 1), 20.0)
     x = np.arange(40.0, 110.0, 0.2)
     covered = covered_table(0.5)
 
@@ -78,7 +78,7 @@ def test_puddles_lie_in_the_wheel_tracks_and_not_on_the_grass() -> None:
 
 
 def test_puddles_follow_a_bend() -> None:
-    laid = raster(Puddles(lane_shapes(bent_road()), 1), 5.0, y=0.0)
+    laid = height_map(Puddles(lane_shapes(bent_road()), 1), 5.0, y=0.0)
     rows, columns = np.nonzero(covered_table(0.6)[laid.depths] > 128)
     x, y = laid.corner_m[0] + CELL_M * columns, laid.corner_m[1] + CELL_M * rows
     bend = (x > 5.0) & (x < 90.0) & (y < 95.0)

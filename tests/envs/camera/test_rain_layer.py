@@ -1,4 +1,4 @@
-"""Rain that does not come again."""
+"""Rain does not repeat."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def test_a_repeated_layer_is_found() -> None:
 
 
 @pytest.mark.parametrize("weather", [HARD, FALLING], ids=["all", "falling"])
-def test_two_seeds_do_not_rain_alike(weather: weathers.Weather) -> None:
+def test_rain_differs_between_seeds(weather: weathers.Weather) -> None:
     one, other = (rain_layer.layers(weather, seed, 12) for seed in (1, 2))
     assert np.abs(rain_layer.likeness(one, other)).max() < 0.3
 

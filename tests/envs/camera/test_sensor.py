@@ -1,4 +1,4 @@
-"""The sensor's noise, exposure and blur, in figures."""
+"""Noise, exposure and blur of the image sensor."""
 
 from itertools import pairwise
 
@@ -35,7 +35,7 @@ def test_the_weathers_light_sets_the_noise(name: str, sd: float) -> None:
     assert frame.std() == pytest.approx(np.hypot(sd, np.sqrt(1 / 12)), rel=0.05)  # and that of rounding
 
 
-def test_the_rig_sets_the_noise_where_it_names_one() -> None:
+def test_rig_noise_overrides_the_weather() -> None:
     frame = exposed(grey(120), Rig(CAMERA, noise_sd=4.0), "ClearNoon")[0]
     assert frame.std() == pytest.approx(4.0, rel=0.05)
     assert np.array_equal(exposed(grey(120), Rig(CAMERA, noise_sd=0.0), "HardRainNoon")[0], grey(120))
@@ -63,8 +63,8 @@ def test_seeds_have_noise_of_their_own_and_repeat_it() -> None:
     assert not np.array_equal(one, other)
 
 
-def test_a_stop_more_is_twice_the_light() -> None:
-    """In linear light, from which the picture comes by a gamma of 2.2; what is too bright is white."""
+def test_exposure_of_one_stop_doubles_the_light() -> None:
+    """In linear light, before the gamma of 2.2; clipped at white."""
     for ev in (-1.0, 1.0, 2.0):
         got = exposed(grey(80), Rig(CAMERA, noise_sd=0.0, exposure_ev=ev))[0]
         assert np.all(np.abs((got / 80.0) ** 2.2 - 2.0**ev) < 0.02 * 2.0**ev)
@@ -90,6 +90,6 @@ def test_blur_spreads_a_point_by_its_standard_deviation_and_moves_nothing(blur_p
         ({"blur_px": float("nan")}, "blur_px: expected a finite number, got nan"),
     ],
 )
-def test_what_no_sensor_does_is_refused(options: dict[str, float], says: str) -> None:
+def test_impossible_sensor_settings_are_rejected(options: dict[str, float], says: str) -> None:
     with pytest.raises(InputError, match=says):
         Rig(CAMERA, **options)

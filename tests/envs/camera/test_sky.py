@@ -1,4 +1,4 @@
-"""The sky turns exactly with the yaw, joins itself after a turn, and looks like its weather."""
+"""The sky turns with the yaw, is periodic, and matches the weather."""
 
 from math import radians
 
@@ -31,7 +31,7 @@ def drawn(of: Sky, yaw_rad: float, place: tuple[float, float] = (0.0, 0.0), came
 
 
 def turned_px(points: Floats, turn_rad: float) -> Floats:
-    """(..., 2) where points at infinity were before a turn to the right."""
+    """(..., 2) px of points at infinity before a turn to the right."""
     ray = np.stack([(points[..., 0] - 319.5) / 320.0, (points[..., 1] - 239.5) / 320.0, np.ones(points.shape[:-1])], -1)
     c, s = np.cos(turn_rad), np.sin(turn_rad)
     right, ahead = c * ray[..., 0] + s * ray[..., 2], c * ray[..., 2] - s * ray[..., 0]
@@ -71,7 +71,7 @@ def test_the_sky_is_the_same_wherever_the_car_is_and_after_a_whole_turn(name: st
 
 
 @pytest.mark.parametrize("name", ["ClearNoon", "CloudyNoon", "ClearSunset"])
-def test_the_panorama_joins_itself(name: str) -> None:
+def test_panorama_is_periodic(name: str) -> None:
     """Across azimuth 0 neighbouring columns differ no more than elsewhere."""
     picture = drawn(sky(name), 0.0)[:240].astype(float)
     steps = np.abs(np.diff(picture, axis=1)).mean(axis=(0, 2))
@@ -84,7 +84,7 @@ def test_seeds_have_clouds_and_hills_of_their_own() -> None:
     assert np.abs(one - two)[215:].mean() > 3.0
 
 
-def test_every_row_above_the_horizon_is_painted_and_none_below() -> None:
+def test_sky_fills_exactly_the_rows_above_the_horizon() -> None:
     for pitch, top in ((0.0, 240), (0.06, 221), (-0.2, 305)):
         camera = Camera(pitch_rad=pitch)
         picture = drawn(sky("CloudyNoon", camera=camera), 0.3, camera=camera)
@@ -92,12 +92,12 @@ def test_every_row_above_the_horizon_is_painted_and_none_below() -> None:
         assert picture[top:].max() == 0
 
 
-def test_a_camera_that_sees_no_sky_needs_none() -> None:
+def test_camera_without_visible_sky_is_supported() -> None:
     camera = Camera(pitch_rad=0.45, cy_px=100.0)
     assert drawn(sky("ClearNoon", camera=camera), 0.0, camera=camera).max() == 0
 
 
-def test_the_sun_is_where_it_stands() -> None:
+def test_sun_is_drawn_at_its_direction() -> None:
     picture = drawn(sky("ClearSunset"), radians(SUN_AZIMUTH_DEG)).astype(float).sum(axis=2)
     rows, columns = np.nonzero(picture >= picture.max() - 3.0)
     assert columns.mean() == pytest.approx(319.5, abs=2.0)
@@ -106,7 +106,7 @@ def test_the_sun_is_where_it_stands() -> None:
     assert away.max() < 245
 
 
-def test_hills_show_in_clear_air_and_vanish_in_rain_and_fog() -> None:
+def test_hills_are_visible_when_clear_and_vanish_in_rain_and_fog() -> None:
     def contrast(name: str) -> float:
         picture = drawn(sky(name), 0.5)
         return float(np.abs(picture[239].astype(float) - Light.of(weather.load(name)).horizon).mean())
@@ -116,7 +116,7 @@ def test_hills_show_in_clear_air_and_vanish_in_rain_and_fog() -> None:
     assert contrast("FoggyNoon") < 2.0
 
 
-def test_a_clear_sky_is_blue_an_overcast_one_grey_and_between_there_are_both() -> None:
+def test_clear_sky_is_blue_overcast_is_grey_and_broken_has_both() -> None:
     def blueness(name: str) -> Floats:
         picture = np.concatenate([drawn(sky(name, seed), seed)[:150] for seed in range(4)]).astype(float)
         return np.asarray(picture[..., 2] - picture[..., 0])
@@ -134,7 +134,7 @@ def test_an_overcast_sky_is_brighter_overhead_than_at_the_horizon() -> None:
 
 
 @pytest.mark.parametrize("yaw", [0.0, 1.234, 6.2, -3.3])
-def test_a_cylinder_shows_azimuth_and_elevation_where_they_are(yaw: float) -> None:
+def test_cylinder_maps_azimuth_and_elevation_to_pixels(yaw: float) -> None:
     columns, tall = 512, 1.0
     azimuth = np.arange(columns) * 2.0 * np.pi / columns
     rows = np.linspace(tall, 0.0, 65)

@@ -1,4 +1,4 @@
-"""Falling drops against an independent count of drops in a box of air, and against the geometry of their motion."""
+"""Falling drops against a simulated volume of rain, and against the geometry of their motion."""
 
 from dataclasses import replace
 
@@ -23,14 +23,14 @@ def streaks(rain_mmph: float = 50.0, seed: int = 1, gain: float = 1.0, name: str
 
 
 def darker_by(levels: float, source: Streaks) -> Image:
-    """A frame that many grey levels darker than the drops."""
+    """A frame darker than the drops by `levels` grey levels."""
     return np.full((CAMERA.height_px, CAMERA.width_px, 3), round(source.brightness - levels), np.uint8)
 
 
 def counted(
     rain_mmph: float, speed_mps: float, exposure: float, contrast: float, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Levels and lengths of the drops of one frame, every drop of a box of air before the camera thrown by itself."""
+    """Levels and lengths of the drops of one frame, with every drop of a volume simulated."""
     edges = np.linspace(0.3, 6.0, 58)
     middle = 0.5 * (edges[1:] + edges[:-1])
     half_x, half_y = 1.0, 0.75
@@ -52,7 +52,7 @@ def counted(
 @pytest.mark.parametrize(
     ("rain", "speed", "exposure"), [(50, 10, 0.002), (25, 10, 0.002), (50, 0, 0.002), (50, 20, 0.002)]
 )
-def test_drops_are_as_many_and_as_long_as_those_of_a_box_of_air(rain: float, speed: float, exposure: float) -> None:
+def test_drop_counts_and_lengths_match_a_simulated_volume(rain: float, speed: float, exposure: float) -> None:
     source = streaks(float(rain))
     source.exposure_s = exposure
     frame, drift = darker_by(100.0, source), np.array([0.0, 0.0, -float(speed)])
@@ -91,11 +91,11 @@ def test_drops_of_one_fall_speed_radiate_from_the_vanishing_point_of_the_rain() 
     assert np.all(outward[long] > 0.0)
 
 
-def test_none_is_seen_before_the_sky_and_none_when_dry() -> None:
+def test_drops_are_invisible_before_the_sky_and_absent_when_dry() -> None:
     source = streaks(50.0)
     bright = darker_by(0.0, source)
     before = bright.copy()
-    source.draw_passing(bright, np.array([0.0, 0.0, -10.0]), DOWN)
+    source.draw_drops(bright, np.array([0.0, 0.0, -10.0]), DOWN)
     assert np.array_equal(bright, before)
     road = straight_road()
     ego = add_ego(road, [20.0, 5.0])
@@ -110,18 +110,18 @@ def test_gain_brightens() -> None:
     for source in levels:
         frame = darker_by(60.0, source)
         before = frame.copy()
-        source.draw_passing(frame, drift, DOWN)
+        source.draw_drops(frame, drift, DOWN)
         added.append(float((frame - before).sum()))
     assert added[1] == pytest.approx(3.0 * added[0], rel=0.1)
 
 
-def test_seeds_have_their_own_drops_and_frames_never_come_again() -> None:
+def test_seeds_have_their_own_drops_and_frames_differ() -> None:
     def frames(seed: int) -> list[Image]:
         source = streaks(50.0, seed)
         result = []
         for _ in range(2):
             frame = darker_by(100.0, source)
-            source.draw_passing(frame, np.array([0.0, 0.0, -10.0]), DOWN)
+            source.draw_drops(frame, np.array([0.0, 0.0, -10.0]), DOWN)
             result.append(frame)
         return result
 
@@ -131,7 +131,7 @@ def test_seeds_have_their_own_drops_and_frames_never_come_again() -> None:
     assert not np.array_equal(a, other)
 
 
-def test_what_is_added_is_what_the_streaks_hold() -> None:
+def test_added_light_matches_the_streaks() -> None:
     source = streaks(50.0)
     frame = np.full((CAMERA.height_px, CAMERA.width_px, 3), 20, np.uint8)
     specks = source.specks(frame, np.array([0.0, 0.0, 0.0]), DOWN)

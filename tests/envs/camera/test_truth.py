@@ -1,10 +1,10 @@
-"""The truth against itself (independent reprojection) and Lucas-Kanade on rendered frames against the truth."""
+"""Ground truth against independent reprojection, and against Lucas-Kanade on rendered frames."""
 
 import cv2
 import numpy as np
 import pytest
 from highway_env.vehicle.kinematics import Vehicle
-from highway_scenes import add_body, add_ego, bent_road, on_bend, straight_road
+from highway_scenes import add_ego, add_object, bent_road, on_bend, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.geometry import ground_from_pixels, project, vehicle_from_world, world_from_vehicle
@@ -19,7 +19,7 @@ def straight_scene(seed=4):
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
     for kind, place in (("car", [36.0, 3.6]), ("van", [34.0, 10.6]), ("truck", [44.0, 7.4])):
-        add_body(road, kind, place)
+        add_object(road, kind, place)
     return road, ego, Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, seed)
 
 
@@ -27,7 +27,7 @@ def bent_scene(seed=4):
     road = bent_road()
     ego = add_ego(road, *on_bend(2.0, 1.75))
     for s, right in ((16.0, 3.5), (22.0, -3.5), (28.0, 2.0)):
-        add_body(road, "car", *on_bend(s, right))
+        add_object(road, "car", *on_bend(s, right))
     return road, ego, Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, seed)
 
 
@@ -69,7 +69,7 @@ def test_ground_flow_is_the_reprojection_of_the_ground(name):
     assert np.allclose(truth["depth"][rows[::97], columns[::97]], ground[:, 0] - camera.forward_m, rtol=1e-5)
 
 
-def test_sky_flow_is_that_of_the_turn_alone():
+def test_sky_flow_is_pure_rotation():
     truth, before, now = pair(*SCENES["bend"])
     sky = truth["flow"][20, ::40]
     x = (np.arange(0, 640, 40) - 319.5) / 320.0
@@ -101,7 +101,7 @@ def test_the_focus_of_expansion_is_where_the_flow_of_pure_translation_vanishes()
     assert np.allclose(ratio - 1.0 / RATE_HZ, ttc, rtol=0.02)
 
 
-def test_standing_has_no_focus_and_no_contact():
+def test_motionless_camera_has_no_foe_and_infinite_ttc():
     _, ego, renderer = straight_scene()
     renderer.render(ego, 0.0)
     renderer.render(ego, 1.0 / RATE_HZ)
@@ -112,21 +112,21 @@ def test_standing_has_no_focus_and_no_contact():
     assert not truth["hidden"].any()
 
 
-def test_instances_name_the_bodies_and_carry_their_distance():
+def test_instances_match_the_objects_and_their_distances():
     _, ego, renderer = straight_scene()
     renderer.render(ego, 0.0)
     truth = renderer.truth(("depth", "instance"))
     assert set(truth) == {"depth", "instance"}
-    for index, body in enumerate(renderer.bodies):
+    for index, obj in enumerate(renderer.objects):
         mine = truth["instance"] == index + 1
-        assert mine.sum() > 200, body.kind
-        rear = body.position[0] - 0.5 * body.LENGTH - ego.position[0] - 0.8
+        assert mine.sum() > 200, obj.kind
+        rear = obj.position[0] - 0.5 * obj.LENGTH - ego.position[0] - 0.8
         assert truth["depth"][mine].min() == pytest.approx(rear, abs=0.25)
-        assert truth["depth"][mine].max() < rear + body.LENGTH + 0.5
+        assert truth["depth"][mine].max() < rear + obj.LENGTH + 0.5
     assert (truth["instance"] == -1).any()
 
 
-def test_a_body_that_keeps_its_distance_does_not_flow_and_is_never_met():
+def test_object_at_constant_distance_has_no_flow_and_infinite_ttc():
     road, ego, renderer = straight_scene()
     leader = Vehicle(road, [32.0, 0.0], 0.0, SPEED_MPS)
     road.vehicles.append(leader)
@@ -135,14 +135,14 @@ def test_a_body_that_keeps_its_distance_does_not_flow_and_is_never_met():
         vehicle.position = vehicle.position + np.array([0.09, 0.0])
     renderer.render(ego, 1.0 / RATE_HZ)
     truth = renderer.truth(ALL)
-    mine = truth["instance"] == renderer.bodies.index(leader) + 1
+    mine = truth["instance"] == renderer.objects.index(leader) + 1
     assert mine.sum() > 200
     assert np.abs(truth["flow"][mine]).max() < 1e-4
     assert np.isinf(truth["ttc"][mine]).all()
 
 
 def tracked(previous, picture, mask):
-    """Corners of a frame where the mask allows, followed back to the frame before and forth again."""
+    """Corners within a mask, tracked to the previous frame and back."""
     corners = cv2.goodFeaturesToTrack(picture, 300, 0.01, 8, mask=mask.astype(np.uint8) * 255)
     options = {"winSize": (25, 25), "maxLevel": 2, "criteria": (3, 30, 0.03)}
     back, _, _ = cv2.calcOpticalFlowPyrLK(picture, previous, corners, None, **options)
@@ -152,7 +152,7 @@ def tracked(previous, picture, mask):
 
 
 @pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("surface", ["ground", "bodies"])
+@pytest.mark.parametrize("surface", ["ground", "objects"])
 def test_lucas_kanade_on_two_frames_agrees_with_the_truth(name, surface):
     scene, curvature = SCENES[name]
     errors = []
@@ -181,7 +181,7 @@ def test_lucas_kanade_on_two_frames_agrees_with_the_truth(name, surface):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_lucas_kanade_chained_over_six_frames_agrees_with_the_truth(name):
-    """Followed from frame to frame, as the planner does; the truth is chained the same way."""
+    """Tracked from frame to frame, as in the planner; the truth is chained the same way."""
     scene, curvature = SCENES[name]
     _, ego, renderer = scene()
     pictures, flows = [], []

@@ -1,4 +1,4 @@
-"""Weathers: the presets hold CARLA's numbers, the factors mean what they say, and wrong files are told by key."""
+"""Weathers: CARLA's presets, physical meanings, and errors of invalid files."""
 
 import json
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ PERCENT = (
 )
 
 
-def test_the_presets_are_carlas_by_day_and_one_of_ours() -> None:
+def test_presets_are_carlas_plus_fog() -> None:
     assert set(weather.PRESETS) == {*CARLA, "FoggyNoon"}
     assert all(preset.name == name for name, preset in weather.PRESETS.items())
 
@@ -92,19 +92,19 @@ EDGES = [
 
 
 @pytest.mark.parametrize("edge", EDGES, ids=lambda edge: f"{edge.key}-{edge.bound:g}")
-def test_a_factor_is_taken_up_to_its_range_and_refused_beyond(edge: Edge, tmp_path: Path) -> None:
+def test_factor_is_accepted_within_its_range_only(edge: Edge, tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(f"{edge.key} = {edge.bound}\n")
     assert getattr(weather.load(str(path)), edge.key) == edge.bound
     path.write_text(f"{edge.key} = {edge.beyond}\n")
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as error:
         weather.load(str(path))
-    assert str(told.value) == f"{path}: {edge.key}: expected {edge.words}, got {edge.beyond}"
+    assert str(error.value) == f"{path}: {edge.key}: expected {edge.words}, got {edge.beyond}"
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf"])
 @pytest.mark.parametrize("key", [*RANGES, "streak_gain", "road_friction"])
-def test_what_is_no_number_is_refused(key: str, value: str, tmp_path: Path) -> None:
+def test_non_finite_factor_is_rejected(key: str, value: str, tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(f"{key} = {value}\n")
     with pytest.raises(InputError, match=f"{key}: expected "):
@@ -120,7 +120,7 @@ def test_what_is_no_number_is_refused(key: str, value: str, tmp_path: Path) -> N
         ('cloudiness = "60"', "cloudiness: expected a number, got '60'"),
     ],
 )
-def test_a_wrong_file_is_one_line_and_two_for_the_shell(
+def test_invalid_file_is_one_line_and_exit_code_2(
     text: str, sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "mine.toml"

@@ -1,8 +1,8 @@
-"""The mirror image on the wet road against the geometry of a mirror, and against the reflectance of water."""
+"""Reflections on the wet road against mirror geometry and the reflectance of water."""
 
 import numpy as np
 import pytest
-from highway_scenes import WIDTH_M, add_body, add_ego, straight_road
+from highway_scenes import WIDTH_M, add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
@@ -25,7 +25,7 @@ SKY, ROAD = 200, 40
 
 
 def wall(camera: Camera, ahead_m: float) -> tuple[View, Drawn]:
-    """An upright rectangle 2 m wide and 1.5 m high that faces the camera, as a thing of the frame."""
+    """An upright rectangle 2 m wide and 1.5 m high that faces the camera, as a drawn item."""
     view = View.at(camera, EGO, 0.0)
     x = view.centre[0] + ahead_m
     corners = np.array([[x, EGO[1] + side, up] for side, up in ((-1.0, 0.0), (-1.0, 1.5), (1.0, 1.5), (1.0, 0.0))])
@@ -49,7 +49,7 @@ def wet_road(camera: Camera, name: str) -> WetRoad:
     return WetRoad(camera, lane_shapes(straight_road()), atmosphere, 1)
 
 
-def test_reflectance_of_water_is_that_of_the_tables() -> None:
+def test_reflectance_matches_tables() -> None:
     depression = np.arctan2(1.4, [3.0, 5.0, 10.0, 20.0, 40.0])
     assert reflectance(np.sin(depression)) == pytest.approx([0.087, 0.200, 0.428, 0.648, 0.804], abs=1e-3)
     assert reflectance(np.array([1.0])) == pytest.approx([(0.333 / 2.333) ** 2])
@@ -68,7 +68,7 @@ def test_points_are_mirrored_about_the_road(camera: Camera) -> None:
     assert height == pytest.approx(world[:, 2], abs=1e-9)
 
 
-def test_what_faces_up_is_not_mirrored() -> None:
+def test_upward_faces_are_not_mirrored() -> None:
     view, upright = wall(Camera(), 10.0)
     roof = np.array([[30.0, 4.0, 1.0], [34.0, 4.0, 1.0], [34.0, 6.0, 1.0], [30.0, 6.0, 1.0]])
     normal = view.axes[:, 2]
@@ -82,9 +82,9 @@ def test_what_faces_up_is_not_mirrored() -> None:
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
 def test_a_wall_is_mirrored_down_to_its_mirrored_top(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vpf_sim.envs.camera.rain.wet_road.FILM_SLOPE_DEG", 0.0)  # flat water
-    view, thing = wall(camera, 12.0)
+    view, item = wall(camera, 12.0)
     frame = plain(camera)
-    wet_road(camera, "HardRainNoon").draw(frame, view, [thing])
+    wet_road(camera, "HardRainNoon").draw(frame, view, [item])
     column = frame[:, int(camera.cx_px), 0].astype(float)
     mirrored_top = view.pixels(view.camera_axes(np.array([view.centre[0] + 12.0, EGO[1], -1.5])))[1]
     foot = view.pixels(view.camera_axes(np.array([view.centre[0] + 12.0, EGO[1], 0.0])))[1]
@@ -93,7 +93,7 @@ def test_a_wall_is_mirrored_down_to_its_mirrored_top(camera: Camera, monkeypatch
     assert edge == pytest.approx(mirrored_top, abs=2.5)
 
 
-def test_level_of_the_mirrored_sky_is_fresnels() -> None:
+def test_reflected_sky_has_the_fresnel_level() -> None:
     camera = Camera()
     view, frame = View.at(camera, EGO, 0.0), plain(camera)
     wet_road(camera, "HardRainNoon").draw(frame, view, [])
@@ -105,7 +105,7 @@ def test_level_of_the_mirrored_sky_is_fresnels() -> None:
     assert np.all((covered > 0.8) & (covered < 1.03))  # the film of hard rain covers nine tenths of the road or more
 
 
-def test_grass_does_not_mirror() -> None:
+def test_grass_does_not_reflect() -> None:
     camera = Camera()
     frame = plain(camera)
     wet_road(camera, "HardRainNoon").draw(frame, View.at(camera, EGO, 0.0), [])
@@ -116,15 +116,15 @@ def test_grass_does_not_mirror() -> None:
     assert np.all(frame[row, int(edge_px) - 30 : int(edge_px) - 8] > ROAD + 20)
 
 
-def test_rough_film_smears_the_mirror_image_downward_and_keeps_its_foot_dark() -> None:
+def test_film_smears_reflections_downward_with_a_dark_foot() -> None:
     camera = Camera()
-    view, thing = wall(camera, 12.0)
+    view, item = wall(camera, 12.0)
     mirrored_top = camera.cy_px + camera.fy_px * (1.4 + 1.5) / 12.0
     foot = camera.cy_px + camera.fy_px * 1.4 / 12.0
     soft = {}
     for name in ("SoftRainNoon", "HardRainNoon"):
         frame, without = plain(camera), plain(camera)
-        wet_road(camera, name).draw(frame, view, [thing])
+        wet_road(camera, name).draw(frame, view, [item])
         wet_road(camera, name).draw(without, view, [])
         darker = (without.astype(float) - frame)[:, 300:340, 0].mean(axis=1)
         strongest = darker.max()
@@ -134,11 +134,11 @@ def test_rough_film_smears_the_mirror_image_downward_and_keeps_its_foot_dark() -
     assert soft["SoftRainNoon"] > soft["HardRainNoon"]
 
 
-def test_hidden_is_where_things_are_mirrored() -> None:
+def test_hidden_is_where_items_are_reflected() -> None:
     camera = Camera()
-    view, thing = wall(camera, 12.0)
+    view, item = wall(camera, 12.0)
     road = wet_road(camera, "HardRainNoon")
-    road.draw(plain(camera), view, [thing])
+    road.draw(plain(camera), view, [item])
     hidden = road.hidden()
     foot, tip = (camera.cy_px + camera.fy_px * (1.4 + up) / 12.0 for up in (0.0, 1.5))
     assert hidden.shape == (camera.height_px, camera.width_px)
@@ -151,26 +151,26 @@ def test_hidden_is_where_things_are_mirrored() -> None:
     assert not road.hidden().any()
 
 
-def test_dry_road_is_left_alone() -> None:
+def test_dry_road_has_no_reflections() -> None:
     camera = Camera()
-    view, thing = wall(camera, 12.0)
+    view, item = wall(camera, 12.0)
     frame = plain(camera)
     road = wet_road(camera, "ClearNoon")
-    road.draw(frame, view, [thing])
+    road.draw(frame, view, [item])
     assert np.array_equal(frame, plain(camera))
     assert not road.hidden().any()
 
 
-def test_still_water_stands_still() -> None:
+def test_reflections_without_rain_are_static() -> None:
     road = straight_road()
     ego = add_ego(road, [20.0, 5.0])
-    add_body(road, "car", [34.0, 7.0])
+    add_object(road, "car", [34.0, 7.0])
     renderer = Renderer(road, Rig(noise_sd=0.0), weather.load("WetNoon"), 1)
     assert np.array_equal(renderer.render(ego, 0.0), renderer.render(ego, 0.1))
 
 
 @pytest.mark.parametrize("camera", [Camera(cy_px=20.0, pitch_rad=0.3), Camera(cy_px=470.0, pitch_rad=-0.3)])
-def test_without_sky_or_without_road_nothing_is_mirrored(camera: Camera) -> None:
+def test_no_reflection_without_sky_or_road(camera: Camera) -> None:
     frame = np.full((camera.height_px, camera.width_px, 3), ROAD, np.uint8)
     road = wet_road(camera, "HardRainNoon")
     road.draw(frame, View.at(camera, EGO, 0.0), [])
@@ -178,12 +178,12 @@ def test_without_sky_or_without_road_nothing_is_mirrored(camera: Camera) -> None
     assert not road.hidden().any()
 
 
-def test_what_drops_shake_follows_within_frames() -> None:
+def test_rippled_reflection_is_updated_every_few_frames() -> None:
     camera = Camera()
-    (view, thing), frames = wall(camera, 12.0), [plain(camera) for _ in range(EVERY + 1)]
+    (view, item), frames = wall(camera, 12.0), [plain(camera) for _ in range(EVERY + 1)]
     road = wet_road(camera, "HardRainNoon")
     for k, frame in enumerate(frames):
-        road.draw(frame, view, [thing] if k == 0 else [])
+        road.draw(frame, view, [item] if k == 0 else [])
     foot = int(camera.cy_px + camera.fy_px * 1.4 / 12.0) + 3
     dark = [frame[foot, 310:330, 0].mean() < frame[foot, 400:420, 0].mean() - 20.0 for frame in frames]
     assert dark == [True] * EVERY + [False]

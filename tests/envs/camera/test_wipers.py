@@ -1,4 +1,4 @@
-"""The wiper: how it turns, what it passes over, and how its blade looks."""
+"""The wiper: motion, swept area and image of the blade."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def turning_point(blade: Wiper) -> float:
 
 
 @pytest.mark.parametrize("period_s", [FAST_WIPER_S, SLOW_WIPER_S, INTERVAL_WIPER_S])
-def test_the_blade_goes_there_and_back_as_a_sine_and_rests(period_s: float) -> None:
+def test_blade_angle_is_a_sine_followed_by_rest(period_s: float) -> None:
     blade = wiper(period_s)
     start, cycle_s = turning_point(blade), min(period_s, CYCLE_S)
     for share, angle in ((0.25, 0.5), (0.5, 1.0), (0.75, 0.5), (1.0, 0.0), (1.0 / 6.0, 0.25)):
@@ -36,13 +36,13 @@ def test_the_blade_goes_there_and_back_as_a_sine_and_rests(period_s: float) -> N
 
 
 @pytest.mark.parametrize(("period_s", "share"), [(FAST_WIPER_S, 0.2), (SLOW_WIPER_S, 0.2), (INTERVAL_WIPER_S, 0.07)])
-def test_the_blade_is_in_the_picture_a_fifth_of_a_cycle(period_s: float, share: float) -> None:
+def test_blade_is_visible_a_fifth_of_a_cycle(period_s: float, share: float) -> None:
     blade = wiper(period_s)
     present = [blade.blade(t) is not None for t in np.arange(0.0, 5.0 * period_s, 1.0 / 60.0)]
     assert np.mean(present) == pytest.approx(share, rel=0.25)
 
 
-def test_a_pass_sweeps_all_that_the_blade_reaches_and_nothing_else() -> None:
+def test_one_pass_sweeps_exactly_the_reach_of_the_blade() -> None:
     blade = wiper(SLOW_WIPER_S)
     swath = blade.swath(0.0, SLOW_WIPER_S)
     assert swath is not None
@@ -51,7 +51,7 @@ def test_a_pass_sweeps_all_that_the_blade_reaches_and_nothing_else() -> None:
     assert 0.9 < reached.mean() < 1.0  # a corner is out of its reach
 
 
-def test_the_swath_of_a_moment_lies_between_the_blade_then_and_now() -> None:
+def test_swath_lies_between_both_blade_angles() -> None:
     blade = wiper(SLOW_WIPER_S)
     start = turning_point(blade)
     early, late = start + 0.30, start + 0.36
@@ -67,7 +67,7 @@ def test_the_swath_of_a_moment_lies_between_the_blade_then_and_now() -> None:
         assert 0.2 < (swath.mask[::2, ::4][edge > 200] > 0).mean() < 0.8
 
 
-def test_a_swath_over_a_turning_point_holds_what_lies_up_to_it() -> None:
+def test_swath_over_a_turning_point_reaches_up_to_it() -> None:
     blade = wiper(SLOW_WIPER_S)
     top = turning_point(blade) + SLOW_WIPER_S / 2.0
     swath = blade.swath(top - 0.3, top + 0.1)
@@ -90,13 +90,13 @@ def test_the_blade_is_a_soft_dark_band() -> None:
     assert (frame == 200).mean() > 0.5
 
 
-def test_seeds_start_at_other_moments() -> None:
+def test_seeds_shift_the_wiper_phase() -> None:
     assert wiper(4.0, 1).angle(0.7) == wiper(4.0, 1).angle(0.7)
     starts = {round(turning_point(wiper(4.0, seed)), 2) for seed in range(5)}
     assert len(starts) == 5
 
 
-def test_a_blade_beside_the_picture_changes_nothing() -> None:
+def test_blade_outside_the_image_changes_nothing() -> None:
     frame = np.full((480, 640, 3), 90, np.uint8)
     paint_blade(frame, np.zeros((120, 160), np.uint8))
     assert np.all(frame == 90)

@@ -58,7 +58,7 @@ def frames(weather: weathers.Weather, looks: Callable[[int], bool]) -> Iterator[
         env.reset(seed=5)
         for step in range(1, STEPS):
             action = np.array([0.3 * np.sin(step / 9.0), 0.2 * np.sin(step / 25.0)])
-            observed, *_ = env.step(action, look=looks(step))
+            observed, *_ = env.step(action, with_frame=looks(step))
             assert ("image" in observed) == looks(step)
             if looks(step):
                 yield step, observed["image"]
@@ -79,7 +79,7 @@ def test_a_step_that_is_not_looked_at_tells_the_rest_the_same() -> None:
             env.reset(seed=1)
         for _ in range(4):
             observed, *told, info = seen.step(np.array([0.5, 0.1]))
-            other, *other_told, other_info = unseen.step(np.array([0.5, 0.1]), look=False)
+            other, *other_told, other_info = unseen.step(np.array([0.5, 0.1]), with_frame=False)
             assert told == other_told
             assert observed.keys() - other.keys() == {"image"}
             assert all(np.array_equal(observed[name], other[name]) for name in other)
@@ -101,7 +101,7 @@ def test_a_stale_frame_is_told_across_unseen_ones(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("vpf_sim.envs.camera.Renderer", Stuck)
     env = FourLane(straight(FAR), rig=SMALL)
     env.reset(seed=0)
-    statuses = [env.step(np.zeros(2), look=step == 5)[4]["status"] for step in range(6)]
+    statuses = [env.step(np.zeros(2), with_frame=step == 5)[4]["status"] for step in range(6)]
     assert statuses == ["running"] * 5 + ["invalid_frame"]
 
 

@@ -18,7 +18,7 @@ POINTS = np.array([[400.0, 300.0], [100.0, 50.0], [20.0, 460.0]])
 class Wall:
     """It fills the frame, DISTANCE_M before the camera whenever it is asked for."""
 
-    bodies: tuple[Any, ...] = ()
+    objects: tuple[Any, ...] = ()
     asked = 0
 
     def truth(self, names: tuple[str, ...]) -> dict[str, Any]:

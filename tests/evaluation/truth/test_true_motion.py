@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from highway_scenes import add_body, add_ego, bent_road, on_bend
+from highway_scenes import add_ego, add_object, bent_road, on_bend
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.evaluation.truth.true_motion import Shot, TrueMotion, at, carried, ttc_errors
@@ -19,7 +19,7 @@ def noted(poses: list[Floats], bodies: list[Any] | None = None) -> TrueMotion:
     motion = TrueMotion(CAMERA, len(poses) - 1)
     for k, pose in enumerate(poses):
         body = [] if bodies is None else [SimpleNamespace(position=bodies[k][:2], heading=bodies[k][2])]
-        renderer: Any = SimpleNamespace(bodies=body)
+        renderer: Any = SimpleNamespace(objects=body)
         motion.note(Shot(k, np.empty((0, 0, 3), np.uint8), pose, renderer))
     return motion
 
@@ -76,7 +76,7 @@ def test_a_carried_point_keeps_its_place_on_the_body() -> None:
 def test_one_frame_of_a_rendered_bend_agrees_with_the_truth() -> None:
     road = bent_road()
     ego = add_ego(road, *on_bend(2.0, 1.75))
-    add_body(road, "van", *on_bend(16.0, 3.5))
+    add_object(road, "van", *on_bend(16.0, 3.5))
     renderer = Renderer(road, Rig(noise_sd=0.0), weather.load("clear"), 4)
     motion = TrueMotion(CAMERA, 1)
     for k in range(2):

@@ -234,8 +234,8 @@ def test_what_stands_farther_aside_before_a_body_bounds_the_gap_with_it(side: fl
 
 def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:
     gains = load_gains("robust")
-    assert gains.hard_error_mps == HARD_MPS
-    assert (gtsmc.HARD_SHARE, gtsmc.HARD_LEAST_MPS) == (HARD_SHARE, HARD_LEAST_MPS)
+    assert gains.hard_braking_error_mps == HARD_MPS
+    assert (gtsmc.HARD_BRAKING_SHARE, gtsmc.HARD_BRAKING_MIN_MPS) == (HARD_SHARE, HARD_LEAST_MPS)
     assert CAR.full_brake_mps2 == FULL_MPS2
 
 

@@ -100,7 +100,7 @@ def roll_out(
                 tick()
                 looks = drivers.looks(driver)
                 action = np.array([command.throttle, command.steering])
-                observed, _, terminated, truncated, info = env.step(action, look=looks or watch is not None)
+                observed, _, terminated, truncated, info = env.step(action, with_frame=looks or watch is not None)
                 ended = terminated or truncated
             log.observe(read(observed), info, env, looked=False)
             status = info["status"]

@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import hypot, nan
 from typing import Any
 
-from vpf_sim.envs.rectangles import nearest, solid_bodies
+from vpf_sim.envs.rectangles import nearest, solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.sight import Sight
@@ -28,7 +28,7 @@ class StepLog:
         observation = _true(observation, info)
         ego, network = env.ego, env.road.network
         self._sight.observe(observation, env)
-        others, (_, near) = solid_bodies(ego), nearest(ego)
+        others, (_, near) = solid_objects(ego), nearest(ego)
         laterals_m = surroundings.corner_laterals(ego, network)
         in_lane = surroundings.is_in_lane(laterals_m, network)
         true_left_m, true_right_m = surroundings.true_edges(ego, network)

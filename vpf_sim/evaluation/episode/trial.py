@@ -51,7 +51,7 @@ def _drive(driver: Driver, where: str, text: str) -> None:
                 drivers.trace_of(driver)
                 look = drivers.looks(driver)
                 observed, _, terminated, truncated, _ = env.step(
-                    np.array([command.throttle, command.steering]), look=look
+                    np.array([command.throttle, command.steering]), with_frame=look
                 )
                 if terminated or truncated:
                     break

@@ -13,7 +13,7 @@ import numpy as np
 
 from vpf_sim import drivers, scenarios
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.frame_check import fault_of
+from vpf_sim.envs.frame_check import frame_fault
 from vpf_sim.evaluation.episode.episode import roll_out
 from vpf_sim.evaluation.machine.installation import BROKEN, Check
 from vpf_sim.evaluation.processes import pool
@@ -55,7 +55,7 @@ def checks() -> dict[str, Callable[[], Check]]:
 
 def frames(taken: Sequence[Image], shape: tuple[int, ...]) -> Check:
     """Frames of a car that moves are of the camera's shape, of more than one colour, and each unlike the last."""
-    faults = [fault_of(taken[0], shape), *(fault_of(now, shape, before) for before, now in pairwise(taken))]
+    faults = [frame_fault(taken[0], shape), *(frame_fault(now, shape, before) for before, now in pairwise(taken))]
     wrong = [f"frame {number} is {fault}" for number, fault in enumerate(faults) if fault]
     if wrong:
         return Check("frames", False, f"{wrong[0]} ({len(wrong)} of {len(taken)} frames are wrong)", BROKEN)

@@ -76,7 +76,7 @@ class _Drive:
         """Act and step; the frame, if the driver or `look` asks for it."""
         command = drivers.command_of(self._driver, read(self._observed))
         action = np.array([command.throttle, command.steering])
-        self._observed, _, *ends, _ = self._env.step(action, look=look or drivers.looks(self._driver))
+        self._observed, _, *ends, _ = self._env.step(action, with_frame=look or drivers.looks(self._driver))
         self.ended = any(ends)
         return self._observed.get("image")
 

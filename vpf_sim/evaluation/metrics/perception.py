@@ -3,12 +3,12 @@
 import numpy as np
 
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.scenarios.kinds import SIZES, BodyKind
+from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.types import Floats
 
 KINDS = tuple(SIZES)
 # From bumper to face, in clear weather, what a driver should know by then: all but the small and the flat at 15 m.
-DUE_M: dict[BodyKind, float] = {**dict.fromkeys(KINDS, 15.0), "cone": 10.0, "pallet": 6.0}
+DUE_M: dict[ObjectKind, float] = {**dict.fromkeys(KINDS, 15.0), "cone": 10.0, "pallet": 6.0}
 
 
 def foe(x_px: Floats, y_px: Floats, true_x_px: Floats, true_y_px: Floats) -> dict[str, object]:

@@ -110,7 +110,7 @@ def watch(
         observation = read(observed)
         show(row, [_perceived(name, driver, observation, row) for name, driver in perceivers.items()], info)
         looks = any(map(drivers.looks, perceivers.values()))
-        observed, _, _, _, info = world.step(command, look=looks)
+        observed, _, _, _, info = world.step(command, with_frame=looks)
 
 
 def _perceived(name: str, driver: Driver, observation: Observation, row: int) -> Perception:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from vpf_sim import scenarios
 from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
 from vpf_sim.scenarios import Scenario
-from vpf_sim.scenarios.parts import Body
+from vpf_sim.scenarios.parts import ObjectSpec
 
 SEED = 12
 SUN_HEADING_DEG = 215.0  # where the sun stands in every preset
@@ -21,7 +21,7 @@ class Pose:
     s_m: float
     lane: int = 2  # counted from the right
     speed_mps: float = 10.0
-    bodies: tuple[Body, ...] = ()
+    bodies: tuple[ObjectSpec, ...] = ()
     heading_deg: float | None = None  # of the road's start; None: the scenario's own
 
     def drive(self, lead_s: float, rate_hz: float) -> ScriptedDrive:
@@ -40,8 +40,10 @@ class Pose:
         return plain.model_copy(update={"road": road, "bodies": (*plain.bodies, *started)})
 
 
-def _body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> Body:
-    return Body.model_validate({"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps})
+def _body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> ObjectSpec:
+    return ObjectSpec.model_validate(
+        {"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps}
+    )
 
 
 POSES = (

@@ -6,10 +6,10 @@ from math import atan2, cos, pi
 
 import numpy as np
 
-from vpf_sim.envs.bodies import place_bodies
 from vpf_sim.envs.camera import Renderer, Rig, Weather
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.envs.road import build_road
+from vpf_sim.envs.road_objects import place_objects
 from vpf_sim.evaluation.truth.true_motion import Shot
 from vpf_sim.scenarios import Scenario
 from vpf_sim.seeding import stream
@@ -47,7 +47,7 @@ class ScriptedDrive:
     def shots(self, weather: Weather, seed: int, count: int) -> Iterator[Shot]:
         """The first `count` frames in a weather."""
         road = build_road(self.scenario, stream(seed, "road"))
-        place_bodies(road, self.scenario)
+        place_objects(road, self.scenario)
         renderer = Renderer(road, self.rig, weather, seed)
         carrier = Carrier()
         for k in range(count):

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from math import cos, nan
 from typing import Any, NamedTuple
 
-from vpf_sim.envs.rectangles import corners, seen_from
+from vpf_sim.envs.rectangles import corners, to_local
 from vpf_sim.evaluation.truth.objects import Report
 from vpf_sim.types import Obstacles
 
@@ -51,7 +51,7 @@ def true_extent(report: Report, reports: Iterable[Report], ego: Any) -> Extent:
 
 def near_end(body: Any, ego: Any) -> Extent:
     """The end of a body's box that is turned to the ego."""
-    front_left, front_right, rear_right, rear_left = seen_from(ego, corners(body))
+    front_left, front_right, rear_right, rear_left = to_local(ego, corners(body))
     runs_away = cos(body.heading - ego.heading) >= 0.0
     end = (rear_left, rear_right) if runs_away else (front_left, front_right)
     return Extent(min(x for x, _ in end), min(y for _, y in end), max(y for _, y in end))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import cos, hypot, nan, sin
 from typing import Any
 
-from vpf_sim.envs.rectangles import seen_from, solid_bodies
+from vpf_sim.envs.rectangles import solid_objects, to_local
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.types import Obstacles
 
@@ -49,7 +49,7 @@ class ObjectBook:
         `met_kind` is the body's place in KINDS, `met_confirmed_m` where it was first confirmed, nan if never. Of
         several that are met in one frame the others come in the next.
         """
-        bodies = solid_bodies(ego)
+        bodies = solid_objects(ego)
         self.reports = [self._judged(reported, *foot, ego, bodies) for foot in self._feet(reported, ego, network)]
         for report in self.reports:
             for body in (*report.owners, *report.passed):
@@ -114,7 +114,7 @@ def _passed(reported: Obstacles, index: int, ego: Any, bodies: list[Any]) -> lis
     face, left, right = (float(side[index]) for side in (reported.forward_m, reported.left_m, reported.right_m))
     passed = []
     for body in bodies:
-        ((_, aside),) = seen_from(ego, [tuple(body.position.tolist())])
+        ((_, aside),) = to_local(ego, [tuple(body.position.tolist())])
         if left <= aside <= right and _gap_m(body, _in_world(ego, face, aside)) <= FOOT_M:
             passed.append(body)
     return passed
@@ -134,5 +134,5 @@ def _ahead_m(ego: Any, body: Any) -> float:
 
 def _gap_m(body: Any, point: tuple[float, float]) -> float:
     """m from a point to a body's outline, 0 inside."""
-    ((along, right),) = seen_from(body, [point])
+    ((along, right),) = to_local(body, [point])
     return hypot(max(abs(along) - 0.5 * body.LENGTH, 0.0), max(abs(right) - 0.5 * body.WIDTH, 0.0))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim.envs.rectangles import corners, distance, seen_from
+from vpf_sim.envs.rectangles import corners, distance, to_local
 from vpf_sim.types import RoadEdges, VehicleModel
 
 BEFORE_M, AFTER_M = 25.0, 15.0  # the part of a route that counts as passing a body
@@ -66,7 +66,7 @@ def _half_shadow(body: Any, direction: float) -> float:
 
 def bearing_rad(ego: Any, body: Any) -> float:
     """Direction of a body's centre as seen from the ego's rear axle, off its heading; + is right."""
-    ((forward, right),) = seen_from(ego, [tuple(body.position.tolist())])
+    ((forward, right),) = to_local(ego, [tuple(body.position.tolist())])
     return atan2(right, forward + REAR_AXLE_M)
 
 

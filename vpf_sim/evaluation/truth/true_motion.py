@@ -48,7 +48,7 @@ class TrueMotion:
 
     def note(self, shot: Shot) -> None:
         """Remember a frame; every one in its order."""
-        bodies = [np.array([*body.position, body.heading], float) for body in shot.renderer.bodies]
+        bodies = [np.array([*body.position, body.heading], float) for body in shot.renderer.objects]
         self._instants.appendleft(Instant(View.at(self._camera, shot.pose[:2], shot.pose[2]), bodies))
 
     def errors_px(self, points_px: Floats, displacement_px: Floats, frames: NDArray[np.int64], truth: Truth) -> Floats:

@@ -12,7 +12,7 @@ from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
 from vpf_sim.evaluation.weather.judge import Judge, Score
 from vpf_sim.perception.egomotion.flow import grey
-from vpf_sim.scenarios.parts import Body
+from vpf_sim.scenarios.parts import ObjectSpec
 from vpf_sim.types import Image
 
 DRY = {"precipitation": 0.0, "precipitation_deposits": 0.0, "wetness": 0.0, "droplets": 0.0, "wiper_period_s": 0.0}
@@ -72,10 +72,10 @@ def drive(traffic: bool = True) -> ScriptedDrive:
     """Out of town04's first bend into its straight: past the second obstacle, others overtake, a truck stands ahead."""
     scenario = scenarios.load("town04").draw(0)
     lane_m = scenario.road.lane_offset_m(2)
-    bodies = [*scenario.bodies, Body(kind="truck", s_m=205.0, lane=2)]
+    bodies = [*scenario.bodies, ObjectSpec(kind="truck", s_m=205.0, lane=2)]
     if traffic:
-        bodies.append(Body(kind="car", s_m=150.0, lane=4, speed_mps=14.0))
-        bodies.append(Body(kind="van", s_m=128.0, lane=4, speed_mps=14.0))
+        bodies.append(ObjectSpec(kind="car", s_m=150.0, lane=4, speed_mps=14.0))
+        bodies.append(ObjectSpec(kind="van", s_m=128.0, lane=4, speed_mps=14.0))
     path = Path(152.0, 5.55, lambda s: lane_m - 1.9 + 1.9 * smooth_step(168.0, 182.0, s))
     return ScriptedDrive(scenario.model_copy(update={"bodies": tuple(bodies)}), path)
 

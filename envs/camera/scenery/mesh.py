@@ -1,6 +1,6 @@
-"""Solids made of flat convex faces, with flat details (windows, lights, plates) lying on them.
+"""Meshes of flat convex faces with flat details (windows, lights, plates) on them.
 
-Body axes: x forward, y right, z up from the road, origin under the middle of the body.
+Object axes: x forward, y right, z up from the road, origin under the object's middle.
 """
 
 from dataclasses import dataclass, field
@@ -15,23 +15,23 @@ Point = tuple[float, float, float]
 Colour = tuple[float, float, float]
 
 VERTICES = 12  # every face has this many; the last one is repeated
-WHOLE = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)]  # the outline of all of a panel
+WHOLE = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)]  # the outline of a whole panel
 UNIT: list[Point] = [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 1.0), (0.0, 0.0, 1.0)]
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """F faces in painter's order: what is drawn later covers what was drawn before."""
+    """F faces in painter's order: later faces cover earlier ones."""
 
     faces_m: Floats  # (F, VERTICES, 3)
     normals: Floats  # (F, 3) unit, outward
     colours: Floats  # (F, 3) RGB 0..255 in full light
-    lit: Bools  # (F,) whether the sun shades it; lamps shine by themselves
-    parts: NDArray[np.int64]  # (F,) which convex part it belongs to; the farthest part is drawn first
-    thickness_m: Floats  # (F,) extent across its longest side
-    from_m: Floats  # (F,) distance from which on it is drawn: coarse faces for what is far
-    until_m: Floats  # (F,) and up to which
-    centres_m: Floats  # (parts, 3) the middle of each part
+    lit: Bools  # (F,) whether light shades it; lamps are emissive
+    parts: NDArray[np.int64]  # (F,) index of the convex part; the farthest part is drawn first
+    thickness_m: Floats  # (F,) extent across the longest side
+    from_m: Floats  # (F,) nearest distance at which it is drawn: coarse faces for far objects
+    until_m: Floats  # (F,) largest distance
+    centres_m: Floats  # (parts, 3) centres of the parts
 
     @property
     def height_m(self) -> float:
@@ -39,38 +39,40 @@ class Mesh:
 
     @cached_property
     def reach_m(self) -> float:
-        """How far it reaches from its origin."""
+        """The largest distance of a vertex from the origin."""
         return float(np.linalg.norm(self.faces_m, axis=2).max())
 
 
 @dataclass(slots=True)
 class MeshBuilder:
-    """Collects faces. What they are in m is worked out for all of them at once, at the end: a road has thousands."""
+    """Collects faces and computes all vertices at once, in `build`: a road has thousands."""
 
     panels: list[list[Point]] = field(default_factory=list)
     outlines: list[list[tuple[float, float]]] = field(default_factory=list)
-    discs: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)  # by face: its points and its normal
+    discs: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)  # by face index: points and normal
     colours: list[Colour] = field(default_factory=list)
     lit: list[bool] = field(default_factory=list)
     parts: list[int] = field(default_factory=list)
     distances: list[tuple[float, float]] = field(default_factory=list)
     part: int = 0
-    drawn_m: tuple[float, float] = (0.0, np.inf)  # distances between which what follows is drawn
+    drawn_m: tuple[float, float] = (0.0, np.inf)  # distance range of the following faces
 
     def next_part(self) -> None:
-        """What follows is a part of its own."""
+        """Start a new convex part."""
         self.part += 1
 
     def detail(
         self, panel: list[Point], low: tuple[float, float], high: tuple[float, float], colour: Colour, lit: bool = True
     ) -> None:
-        """Add a rectangle that lies on a panel (bottom left, bottom right, top right, top left as seen from outside);
-        `low` and `high` are two of its corners as parts (right, up) of the panel."""
+        """Add a rectangle on a panel; `low` and `high` are opposite corners as shares (right, up) of it.
+
+        Panels are bottom left, bottom right, top right, top left, from outside.
+        """
         (u0, v0), (u1, v1) = low, high
         self.shape(panel, [(u0, v0), (u0, v1), (u1, v1), (u1, v0)], colour, lit)
 
     def shape(self, panel: list[Point], outline: list[tuple[float, float]], colour: Colour, lit: bool = True) -> None:
-        """Add a polygon that lies on a panel, given as parts (right, up) of it."""
+        """Add a polygon on a panel, given in shares (right, up) of it."""
         self.panels.append(panel)
         self.outlines.append(outline + outline[-1:] * (VERTICES - len(outline)))
         self.colours.append(colour)
@@ -79,11 +81,11 @@ class MeshBuilder:
         self.distances.append(self.drawn_m)
 
     def whole(self, panel: list[Point], colour: Colour, lit: bool = True) -> None:
-        """Add a panel itself."""
+        """Add a whole panel."""
         self.shape(panel, WHOLE, colour, lit)
 
     def disc(self, centre: Point, radius: float, side: int, colour: Colour) -> None:
-        """Add an upright disc that faces left (side -1) or right (+1)."""
+        """Add an upright disc facing left (side -1) or right (+1)."""
         angle = np.linspace(0.0, 2.0 * np.pi, VERTICES, endpoint=False)
         x, z = centre[0] + radius * np.cos(angle), np.maximum(0.0, centre[2] + radius * np.sin(angle))
         points = np.stack([x, np.full(VERTICES, centre[1]), z], axis=1)
@@ -110,8 +112,7 @@ class MeshBuilder:
 
 
 def _on_panels(panels: Floats, outlines: Floats) -> tuple[Floats, Floats]:
-    """(F, V, 3) points and (F, 3) unit normals of polygons on panels (F, 4, 3), whose outlines (F, V, 2) are given as
-    parts (right, up) of them."""
+    """(F, V, 3) points and (F, 3) unit normals of polygons with outlines (F, V, 2) on panels (F, 4, 3)."""
     bottom_left, bottom_right, top_right, top_left = (panels[:, None, i] for i in range(4))
     u, v = outlines[..., :1], outlines[..., 1:]
     points = (1 - v) * ((1 - u) * bottom_left + u * bottom_right) + v * ((1 - u) * top_left + u * top_right)
@@ -121,7 +122,7 @@ def _on_panels(panels: Floats, outlines: Floats) -> tuple[Floats, Floats]:
 
 
 def _thickness(faces: Floats) -> Floats:
-    """(F,) m, area of convex faces (F, V, 3) over their longest extent."""
+    """(F,) m, area over longest extent of convex faces (F, V, 3)."""
     spokes = faces - faces[:, :1]
     area = 0.5 * np.linalg.norm(np.cross(spokes[:, 1:-1], spokes[:, 2:]), axis=2).sum(axis=1)
     longest = np.linalg.norm(faces[:, :, None] - faces[:, None, :], axis=3).max(axis=(1, 2))
@@ -129,7 +130,7 @@ def _thickness(faces: Floats) -> Floats:
 
 
 def box(builder: MeshBuilder, low: Point, high: Point, colour: Colour) -> dict[str, list[Point]]:
-    """Add an upright box without its bottom; gives its panels by name, for details to lie on."""
+    """Add an upright box without its bottom and return its panels by name."""
     panels = box_panels(low, high)
     for panel in panels.values():
         builder.whole(panel, colour)
@@ -137,7 +138,7 @@ def box(builder: MeshBuilder, low: Point, high: Point, colour: Colour) -> dict[s
 
 
 def box_panels(low: Point, high: Point) -> dict[str, list[Point]]:
-    """The panels of a box: bottom left, bottom right, top right, top left as seen from outside."""
+    """The panels of a box by name: bottom left, bottom right, top right, top left, from outside."""
     (x0, y0, z0), (x1, y1, z1) = low, high
     return {
         "rear": [(x0, y0, z0), (x0, y1, z0), (x0, y1, z1), (x0, y0, z1)],

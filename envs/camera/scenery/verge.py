@@ -1,4 +1,4 @@
-"""Where posts, guard rails, signs, lamp posts and gantries stand: along the outer edges of a road, by a seed."""
+"""Placement of road furniture along the outer edges of a road, by a seed."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,21 +7,21 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vpf_sim.envs.camera.layout import Edge, LaneShape, outer_edges
-from vpf_sim.envs.camera.things.furniture import LAMP_POST, POST, gantry, rail
-from vpf_sim.envs.camera.things.roadside import Standing
-from vpf_sim.envs.camera.things.signs import SIGNS, chevron
+from vpf_sim.envs.camera.scenery.furniture import LAMP_POST, POST, gantry, rail
+from vpf_sim.envs.camera.scenery.roadside import Placement
+from vpf_sim.envs.camera.scenery.signs import SIGNS, chevron
 from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Bools, Floats
 
-STATION_M = 4.0  # edges are sampled that finely
+STATION_M = 4.0  # sampling of the edges
 POST_EVERY, POST_OFFSET_M = 6, 1.3  # stations
 RAIL_EVERY, RAIL_OFFSET_M = 3, 1.7
 SIGN_EVERY, SIGN_OFFSET_M = 16, 2.6
 LAMP_EVERY, LAMP_OFFSET_M = 10, 2.4
-LIT_SHARE = 0.5  # of the roads have lamp posts
+LIT_SHARE = 0.5  # share of roads with lamp posts
 GANTRY_EVERY, GANTRY_OFFSET_M = 60, 2.0
-WIDEST_M = 40.0  # no gantry spans more
-CHEVRON_EVERY, BEND_M = 8, 250.0  # bends of a smaller radius are marked
+WIDEST_M = 40.0  # widest gantry
+CHEVRON_EVERY, BEND_M = 8, 250.0  # bends of smaller radius have chevrons
 POST_RANGE_M, RAIL_RANGE_M, SIGN_RANGE_M, TALL_RANGE_M = 100.0, 110.0, 130.0, 200.0
 
 
@@ -32,11 +32,11 @@ class Side:
     points_m: Floats  # (n, 2)
     outward: Floats  # (n, 2) unit
     heading: Floats  # (n,) rad, of the lane beside it
-    to_right: bool  # whether outward is to the right of the lane
-    curvature: Floats  # (n,) 1/m, + bends to the right
+    to_right: bool  # whether outward is right of the lane
+    curvature: Floats  # (n,) 1/m, > 0 turns right
 
     def pose(self, index: int, offset_m: float, turn: float = 0.0) -> Floats:
-        """(x, y, heading) of what stands outside the edge and faces whoever comes along the lane."""
+        """Pose (x, y, heading) outside the edge, facing traffic in the lane."""
         return np.array([*(self.points_m[index] + offset_m * self.outward[index]), self.heading[index] + turn])
 
 
@@ -50,33 +50,33 @@ class Verge:
         self.sides = [_side(edge.points_m, edge.outward) for edge in map(_stations, outer_edges(shapes))]
 
     def clear(self, points: Floats, margin_m: float) -> Bools:
-        """Which points are at least `margin_m` away from every lane."""
+        """Which points are at least `margin_m` from every lane."""
         distance, _ = self._lanes.query(points)
         return np.asarray(distance > self._half + margin_m - 0.3)
 
-    def furnished(self, rng: np.random.Generator) -> list[Standing]:
-        """All that stands there."""
-        lit, things = rng.random() < LIT_SHARE, []
+    def furniture(self, rng: np.random.Generator) -> list[Placement]:
+        """All furniture of the road."""
+        lit, items = rng.random() < LIT_SHARE, []
         for side in self.sides:
             railed = _railed(len(side.points_m), rng)
-            things += [*self._posts(side, railed), *self._rails(side, railed), *self._signs(side, rng)]
+            items += [*self._posts(side, railed), *self._rails(side, railed), *self._signs(side, rng)]
             if lit and side.to_right:
-                things += self._lamps(side, int(rng.integers(LAMP_EVERY)))
+                items += self._lamps(side, int(rng.integers(LAMP_EVERY)))
             if side.to_right:
-                things += self._gantries(side, rng)
-        return things
+                items += self._gantries(side, rng)
+        return items
 
     def _every(self, side: Side, first: int, step: int, offset_m: float) -> Iterator[int]:
-        """Stations at which something may stand at an offset."""
+        """Stations with free ground at an offset."""
         free = self.clear(side.points_m + offset_m * side.outward, offset_m)
         return iter([i for i in range(first, len(side.points_m), step) if free[i]])
 
-    def _posts(self, side: Side, railed: Bools) -> Iterator[Standing]:
+    def _posts(self, side: Side, railed: Bools) -> Iterator[Placement]:
         for i in self._every(side, 0, POST_EVERY, POST_OFFSET_M):
             if not railed[i]:
                 yield POST, side.pose(i, POST_OFFSET_M), POST_RANGE_M
 
-    def _rails(self, side: Side, railed: Bools) -> Iterator[Standing]:
+    def _rails(self, side: Side, railed: Bools) -> Iterator[Placement]:
         places = side.points_m + RAIL_OFFSET_M * side.outward
         standing = railed & self.clear(places, RAIL_OFFSET_M)
         for i in range(0, len(places) - RAIL_EVERY, RAIL_EVERY):
@@ -86,7 +86,7 @@ class Verge:
                 pose = np.array([*(0.5 * (start + end)), np.arctan2(along[1], along[0])])
                 yield rail(round(float(np.hypot(*along)), 2)), pose, RAIL_RANGE_M
 
-    def _signs(self, side: Side, rng: np.random.Generator) -> Iterator[Standing]:
+    def _signs(self, side: Side, rng: np.random.Generator) -> Iterator[Placement]:
         for i in self._every(side, int(rng.integers(4, SIGN_EVERY)), SIGN_EVERY, SIGN_OFFSET_M):
             if side.to_right or rng.random() < 0.3:
                 yield SIGNS[int(rng.integers(len(SIGNS)))], side.pose(i, SIGN_OFFSET_M), SIGN_RANGE_M
@@ -95,13 +95,13 @@ class Verge:
             if abs(bends) > 1.0 / BEND_M and (bends < 0.0) == side.to_right and rng.random() < 0.3:
                 yield chevron(3, not side.to_right), side.pose(i, SIGN_OFFSET_M), SIGN_RANGE_M
 
-    def _lamps(self, side: Side, first: int) -> Iterator[Standing]:
+    def _lamps(self, side: Side, first: int) -> Iterator[Placement]:
         for i in self._every(side, first, LAMP_EVERY, LAMP_OFFSET_M):
             for mesh in LAMP_POST:
                 yield mesh, side.pose(i, LAMP_OFFSET_M), TALL_RANGE_M
 
-    def _gantries(self, side: Side, rng: np.random.Generator) -> Iterator[Standing]:
-        """Over the whole road, where the opposite edge lies straight across."""
+    def _gantries(self, side: Side, rng: np.random.Generator) -> Iterator[Placement]:
+        """Gantries over the whole road, where the opposite edge is straight across."""
         for i in range(int(rng.integers(10, GANTRY_EVERY)), len(side.points_m), GANTRY_EVERY):
             across = -side.outward[i]
             start = side.points_m[i] + GANTRY_OFFSET_M * side.outward[i]
@@ -117,7 +117,7 @@ class Verge:
                     yield mesh, pose, TALL_RANGE_M
 
     def _width(self, point: Floats, across: Floats) -> float | None:
-        """How far the opposite edge is straight across, m."""
+        """Distance of the opposite edge straight across, m; None without one."""
         for other in self.sides:
             relative = other.points_m - point
             along, aside = relative @ across, relative @ (-across[1], across[0])
@@ -127,7 +127,7 @@ class Verge:
         return None
 
     def _lanes_across(self, point: Floats, across: Floats, width: float) -> list[float]:
-        """How far across from an edge the middles of the lanes lie, m."""
+        """Distances of the lanes' middles across from an edge, m."""
         result = []
         for middle in self._middles:
             relative = middle - point
@@ -160,7 +160,7 @@ def _dense(shape: LaneShape) -> Floats:
 
 
 def _railed(count: int, rng: np.random.Generator) -> Bools:
-    """Which stations have a guard rail: stretches of 40 to 160 m, about a third of the way."""
+    """Which stations have a guard rail: stretches of 40 to 160 m, about a third of the road."""
     flags = np.zeros(count, bool)
     i = int(rng.integers(0, 40))
     while i < count:

@@ -1,6 +1,6 @@
-"""The sky as a panorama: its gradient, the glow about the sun, clouds.
+"""The sky dome as a panorama: gradient, glow around the sun, clouds.
 
-Clouds lie on a layer, sampled where the ray meets it, so that they get smaller and flatter towards the horizon.
+Clouds lie on a layer, so they get smaller and flatter towards the horizon.
 """
 
 from functools import lru_cache
@@ -18,27 +18,29 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image
 
 FEWEST_COLUMNS, MOST_COLUMNS = 256, 2048
-ZENITH_SLOPE = 1.2  # tangent of the elevation above which the sky keeps its colour
+ZENITH_SLOPE = 1.2  # tangent of the elevation above which the colour is constant
 LAYER_M = 1200.0  # height of the clouds
-TILE, TILE_HEIGHTS = 1024, 20.0  # texels of the field of clouds, and how many heights of the layer they span
-FLATTEST = 0.22  # added to the slope at which a ray meets the layer, as if the layer bent down with the Earth
+TILE, TILE_HEIGHTS = 1024, 20.0  # texels of the cloud field, and its size in heights of the layer
+FLATTEST = 0.22  # added to a ray's slope, like the Earth's curvature
 SOFTNESS = 0.6  # of a cloud's edge, in standard deviations of the field
-HAZE_SHARE = 0.25  # part of the extinction near the ground that there is on average up to the clouds
-GLOW_RAD, BLOOM_RAD = 0.4, radians(2.0)  # how far the sun's glow reaches, and its disc with the bloom of the lens
-NOON_SUN = 0.65  # factor of the sun at ClearNoon
-SUN_HAZE_M = 1000.0  # of air like that near the ground takes the sun's glow
+HAZE_SHARE = 0.25  # mean extinction up to the clouds over that at the ground
+GLOW_RAD, BLOOM_RAD = 0.4, radians(2.0)  # extent of the sun's glow, and of its disc with lens bloom
+NOON_SUN = 0.65  # sun factor at ClearNoon
+SUN_HAZE_M = 1000.0  # path at ground extinction that attenuates the glow
 
 
-def firmament(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.random.Generator) -> Image:
-    """(rows, columns, 3) RGB, about `per_rad` of both to 1: column i at the azimuth 2 pi i / columns, rows at even
-    tangents of the elevation from ZENITH_SLOPE down to 0."""
+def sky_dome(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.random.Generator) -> Image:
+    """(rows, columns, 3) RGB panorama with about `per_rad` columns per rad.
+
+    Column i is the azimuth 2 pi i / columns; rows are linear in the tangent of the elevation, from ZENITH_SLOPE to 0.
+    """
     columns = min(max(ceil(2.0 * np.pi * per_rad), FEWEST_COLUMNS), MOST_COLUMNS)
     rows = round(columns / (2.0 * np.pi) * ZENITH_SLOPE) + 1
     slope, azimuth = np.meshgrid(
         np.linspace(ZENITH_SLOPE, 0.0, rows), np.arange(columns) * (2.0 * np.pi / columns), indexing="ij"
     )
     angle = _angle_to_sun(light, slope, azimuth)
-    behind = (1.0 - light.cover) * np.exp(-SUN_HAZE_M * atmosphere.extinction_per_m)  # broken clouds glow, too
+    behind = (1.0 - light.cover) * np.exp(-SUN_HAZE_M * atmosphere.extinction_per_m)  # broken clouds glow too
     sun = min(max(float(light.direct.mean()) / NOON_SUN, float(behind)), 1.0)
     warm = 255.0 * light.direct / max(float(light.direct.max()), 1e-6)
     sky = _gradient(light, slope)
@@ -54,14 +56,14 @@ def firmament(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.rand
 
 
 def _angle_to_sun(light: Light, slope: Floats, azimuth: Floats) -> Floats:
-    """rad between directions and the sun."""
+    """rad, angle between directions and the sun."""
     scale = 1.0 / np.hypot(1.0, slope)
     cosine = (np.cos(azimuth) * light.sun[0] + np.sin(azimuth) * light.sun[1] + slope * light.sun[2]) * scale
     return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
 def _gradient(light: Light, slope: Floats) -> Floats:
-    """(..., 3) colour of the sky between the clouds."""
+    """(..., 3) colour of the clear sky."""
     share = (slope / ZENITH_SLOPE)[..., None] ** 0.7
     return np.asarray(light.horizon + (light.gap - light.horizon) * share)
 
@@ -69,10 +71,10 @@ def _gradient(light: Light, slope: Floats) -> Floats:
 def _clouds(
     light: Light, atmosphere: Atmosphere, slope: Floats, azimuth: Floats, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """How much of the sky clouds hide, 0 to 1, and their brightness about 1.
+    """Opacity of the clouds, 0 to 1, and their brightness about 1.
 
-    The threshold of a field of Gaussian noise sets the cover; thick parts are darker from below, and sides turned to
-    the sun brighter. The air takes the contrast of distant ones.
+    A threshold on Gaussian noise sets the cover. Thick parts are darker, sides towards the sun brighter, and haze
+    lowers the contrast of distant clouds.
     """
     heights = 1.0 / (slope + FLATTEST)
     x, y = heights * np.cos(azimuth), heights * np.sin(azimuth)
@@ -87,12 +89,12 @@ def _clouds(
     thick = np.clip(dense, 0.0, 4.0)
     broken = 4.0 * light.cover * (1.0 - light.cover)
     shade = -0.08 * thick - 0.04 * (field if light.cover > 0.9 else 0.0) + (0.02 + 0.10 * broken) * sunward
-    mean = -0.08 * min(max(-threshold, 0.0), 4.0)  # a covered sky keeps its brightness
+    mean = -0.08 * min(max(-threshold, 0.0), 4.0)  # keeps the mean brightness of an overcast sky
     return opacity * (0.15 + 0.85 * clear), 1.0 + (shade - mean) * (0.25 + 0.75 * clear)
 
 
 def _field(x: Floats, y: Floats, origin: Floats, heading: float) -> Floats:
-    """The field of clouds at points of the layer, in heights of it from the point overhead."""
+    """The cloud field at points of the layer, in layer heights from the zenith."""
     c, s = np.cos(heading), np.sin(heading)
     scale = TILE / TILE_HEIGHTS
     columns = np.mod((c * x - s * y + origin[0]) * scale, TILE).astype(np.float32)
@@ -102,5 +104,5 @@ def _field(x: Floats, y: Floats, origin: Floats, heading: float) -> Floats:
 
 @lru_cache(maxsize=1)
 def _tile() -> NDArray[np.float32]:
-    """(TILE, TILE) the field of clouds, the same in every episode: what a seed varies is where it lies."""
+    """(TILE, TILE) the cloud field, the same in every episode; a seed only places it."""
     return noise((TILE, TILE), stream(0, "clouds"), 6.0, 1.25).astype(np.float32)

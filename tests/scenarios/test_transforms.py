@@ -1,4 +1,4 @@
-"""Scenarios turned, moved and mirrored: every place of the road and of what stands on it goes along."""
+"""Rotated, translated and mirrored scenarios: all positions follow."""
 
 from math import radians
 
@@ -9,7 +9,7 @@ from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.geometry import rotation
 from vpf_sim.scenarios import Scenario
-from vpf_sim.scenarios.moved import mirrored, shifted, turned
+from vpf_sim.scenarios.transforms import mirrored, rotated, translated
 from vpf_sim.types import Floats
 
 ALONG = np.linspace(0.0, 150.0, 16)
@@ -20,23 +20,23 @@ def drawn(name: str, seed: int = 7) -> Scenario:
 
 
 def places(scenario: Scenario) -> Floats:
-    """(N, 2) m of both edges, of the ego and of the bodies."""
+    """(N, 2) m, points of both edges, the ego and the objects."""
     road, line = scenario.road, CentreLine(scenario.road)
     edges = [line.position(ALONG, side * road.half_width_m) for side in (1.0, -1.0)]
-    things = [scenario.ego, *scenario.bodies]
-    spots = [line.position_at(part.s_m, road.lane_offset_m(part.lane) + part.lateral_m) for part in things]
+    items = [scenario.ego, *scenario.bodies]
+    spots = [line.position_at(part.s_m, road.lane_offset_m(part.lane) + part.lateral_m) for part in items]
     return np.concatenate([*edges, np.array(spots)])
 
 
 @pytest.mark.parametrize("name", ["town04", "random", "curve-left"])
-def test_turned_and_moved_places_are_where_the_motion_takes_them(name: str) -> None:
+def test_rotated_and_translated_positions_follow_the_rigid_motion(name: str) -> None:
     scenario = drawn(name)
-    there = places(shifted(turned(scenario, 137.0), 600.0, -800.0))
+    there = places(translated(rotated(scenario, 137.0), 600.0, -800.0))
     assert there == pytest.approx(places(scenario) @ rotation(radians(137.0)).T + [600.0, -800.0], abs=1e-6)
 
 
 @pytest.mark.parametrize("name", ["town04", "random", "curve-left"])
-def test_in_the_mirror_left_is_right(name: str) -> None:
+def test_mirrored_scenario_swaps_left_and_right(name: str) -> None:
     scenario = drawn(name)
     count = 2 * len(ALONG)
     here, there = places(scenario), places(mirrored(scenario))
@@ -46,7 +46,7 @@ def test_in_the_mirror_left_is_right(name: str) -> None:
     assert mirrored(mirrored(scenario)) == scenario
 
 
-def test_what_varies_varies_the_other_way_in_the_mirror() -> None:
+def test_mirrored_intervals_change_sign() -> None:
     varied = scenarios.load("town04")
     assert isinstance(varied, Scenario)
     skewed = varied.model_copy(update={"vary": {"ego.lateral_m": (-0.1, 0.3), "bodies.s_m": (-1.0, 3.0)}})

@@ -1,12 +1,12 @@
-"""What each kind of body looks like: a mesh for its kind, its box and a seed."""
+"""Meshes of objects, by kind, size and seed."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-from vpf_sim.envs.camera.things.cars import CHROME, LAMP, PAINTS, RUBBER, UNDERSIDE, car, plate, shade, upright
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
-from vpf_sim.envs.camera.things.people import pedestrian
+from vpf_sim.envs.camera.scenery.cars import CHROME, LAMP, PAINTS, RUBBER, UNDERSIDE, car, plate, shade, upright
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
+from vpf_sim.envs.camera.scenery.people import pedestrian
 
 HEIGHTS_M = {"car": 1.5, "van": 2.3, "truck": 3.4, "cone": 0.75, "pallet": 0.15, "barrier": 1.0, "pedestrian": 1.75}
 
@@ -16,8 +16,8 @@ ORANGE: Colour = (232, 84, 26)
 WHITE: Colour = (236, 236, 232)
 
 
-def body_mesh(kind: str, size: tuple[float, float, float], rng: np.random.Generator) -> Mesh:
-    """The mesh of a body whose box is `size` (length, width, height) m; colours and style are the seed's."""
+def object_mesh(kind: str, size: tuple[float, float, float], rng: np.random.Generator) -> Mesh:
+    """The mesh of an object of `size` (length, width, height) m; the seed sets colours and style."""
     return MAKERS[kind](*size, rng)
 
 
@@ -170,7 +170,7 @@ def barrier(length: float, width: float, height: float, rng: np.random.Generator
 
 
 def _running_gear(b: MeshBuilder, length: float, width: float, radius: float) -> None:
-    """What is seen under a body from behind and from the front."""
+    """Underside and wheels as visible from behind and from the front."""
     half = 0.5 * width - 0.1
     for sign, name in ((-1.0, "rear"), (1.0, "front")):
         b.whole(upright(sign * (0.5 * length - 0.4), half, 0.16, 2.2 * radius, name), UNDERSIDE)

@@ -1,4 +1,4 @@
-"""Other verges, road surfaces and markings: what is asked for is what the picture shows."""
+"""Verges, road surfaces and markings as set by the scenario."""
 
 from contextlib import closing
 
@@ -7,7 +7,7 @@ import pytest
 from highway_env.road.lane import LineType
 
 from vpf_sim import scenarios
-from vpf_sim.envs.camera.ground.looks import SURFACES, VERGES, ramp
+from vpf_sim.envs.camera.ground.appearance import SURFACES, VERGES, ramp
 from vpf_sim.envs.camera.ground.palette import RAMP
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.road import Carriageway
@@ -43,11 +43,11 @@ def plain() -> Floats:
     return frame()
 
 
-def test_grass_on_asphalt_is_the_ramp_itself() -> None:
+def test_default_appearance_is_the_palette_ramp() -> None:
     assert np.array_equal(ramp("grass", "asphalt", worn=False), RAMP)
 
 
-def test_a_verge_need_not_be_green(plain: Floats) -> None:
+def test_verge_can_be_set(plain: Floats) -> None:
     red, green, blue = verge(plain)
     assert green > blue + 15.0
     for name in VERGES:
@@ -58,13 +58,13 @@ def test_a_verge_need_not_be_green(plain: Floats) -> None:
         assert road(picture) == pytest.approx(road(plain), abs=3.0)
 
 
-def test_a_road_need_not_be_grey_asphalt(plain: Floats) -> None:
+def test_road_surface_can_be_set(plain: Floats) -> None:
     concrete, dark = (road(frame(f'[road.look]\nsurface = "{name}"')) for name in SURFACES)
     assert concrete.mean() > road(plain).mean() + 30.0
     assert dark.mean() < road(plain).mean() - 30.0
 
 
-def test_worn_paint_stands_out_less(plain: Floats) -> None:
+def test_worn_paint_has_less_contrast(plain: Floats) -> None:
     worn = frame("[road.look]\nworn = true")
     below = slice(300, 460)
     stands_out = [np.percentile(one[below, :, 1], 99.7) - np.median(one[360:460, 260:380, 1]) for one in (plain, worn)]

@@ -1,10 +1,10 @@
-"""Traffic signs as meshes: discs, triangles, boards with lines of writing, and what hangs from gantries."""
+"""Meshes of traffic signs: discs, triangles, boards with text lines, gantry boards."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point, box
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box
 
 WHITE: Colour = (236, 236, 232)
 BLACK: Colour = (30, 30, 32)
@@ -14,8 +14,8 @@ GREEN: Colour = (18, 104, 66)
 YELLOW: Colour = (240, 200, 40)
 POLE: Colour = (132, 136, 140)
 BACK: Colour = (120, 124, 128)
-POLES_M = 30.0  # beyond, poles have no sides
-FAR_M = 45.0  # beyond, only the plain shape of a sign is drawn
+POLES_M = 30.0  # range of poles with sides
+FAR_M = 45.0  # range of a sign's details
 
 # The seven strokes of a digit: top, upper left, upper right, middle, lower left, lower right, bottom.
 STROKES = (
@@ -31,13 +31,13 @@ DIGITS = {0: "0124 56", 3: "02356", 5: "01356", 6: "013456", 7: "025", 8: "01234
 
 
 def ring(sides: int, radius: float, turn: float = 0.0) -> list[tuple[float, float]]:
-    """A regular polygon about the middle of a panel, in parts of it, clockwise."""
+    """A regular polygon around the middle of a panel, in shares of it, clockwise."""
     angle = turn - 2.0 * np.pi * np.arange(sides) / sides
     return [(0.5 + radius * float(np.cos(a)), 0.5 + radius * float(np.sin(a))) for a in angle]
 
 
 def fan(b: MeshBuilder, panel: list[Point], outline: Sequence[tuple[float, float]], colour: Colour) -> None:
-    """Add a convex polygon that lies on a panel as faces of at most four corners."""
+    """Add a convex polygon on a panel as faces of at most four corners."""
     for i in range(1, len(outline) - 1, 2):
         b.shape(panel, [outline[0], *outline[i : i + 3]], colour)
 
@@ -93,7 +93,7 @@ def warning() -> Mesh:
 
 
 def board(colour: Colour, width: float, height: float, low: float, lines: Sequence[tuple[float, float]]) -> Mesh:
-    """A board on two poles with a border and lines of writing, each from and to parts of its width."""
+    """A board on two poles with a border and text lines, given as (start, end) shares of the width."""
     b = MeshBuilder()
     for y in (-0.35 * width, 0.35 * width):
         _pole(b, low + 0.6 * height, y)
@@ -107,7 +107,7 @@ def board(colour: Colour, width: float, height: float, low: float, lines: Sequen
 
 
 def _writing(b: MeshBuilder, panel: list[Point], lines: Sequence[tuple[float, float]], colour: Colour) -> None:
-    """Lines of words, each a row of bars."""
+    """Text lines as rows of bars."""
     b.drawn_m, kept = (0.0, FAR_M), b.drawn_m
     step = 0.8 / len(lines)
     for i, (start, end) in enumerate(lines):

@@ -1,12 +1,11 @@
-"""Other grounds than grass and grey asphalt: the palette's ramp with other colours for verge, road and paint."""
+"""Colour ramps for other verges and road surfaces, and for worn paint."""
 
 import numpy as np
 
 from vpf_sim.envs.camera.ground.palette import RAMP
 from vpf_sim.types import Floats
 
-# Colours at noon, (red, green, blue), by the ramp's values: of the verge from its darkest to its brightest and the
-# gravel beside the road, and of the road.
+# Colours at noon, RGB, at the ramp's values: the verge from dark to bright and the gravel, then the road.
 VERGE_VALUES, ROAD_VALUES, PAINT_FROM = (0, 25, 45, 60, 80, 98, 124), (138, 150), 200
 VERGES: dict[str, list[tuple[int, int, int]]] = {
     "sand": [
@@ -38,11 +37,11 @@ VERGES: dict[str, list[tuple[int, int, int]]] = {
     ],
 }
 SURFACES = {"concrete": [(146, 144, 137), (162, 160, 152)], "dark": [(44, 45, 48), (56, 57, 60)]}
-WORN = 0.6  # of the difference between paint and road that traffic has taken
+WORN = 0.6  # loss of contrast of worn paint
 
 
 def ramp(verge: str, surface: str, worn: bool) -> Floats:
-    """(n, 4) value, red, green, blue, as `palette.RAMP`: "grass" on "asphalt" with fresh paint."""
+    """(n, 4) value, red, green, blue; `palette.RAMP` is grass and asphalt with fresh paint."""
     found = RAMP.copy()
     for values, colours in ((VERGE_VALUES, VERGES.get(verge)), (ROAD_VALUES, SURFACES.get(surface))):
         if colours is not None:

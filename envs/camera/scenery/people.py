@@ -1,11 +1,11 @@
-"""Standing people: rounded limbs, a coat, a head with hair."""
+"""Standing pedestrians: rounded limbs, a coat, a head with hair."""
 
 from itertools import pairwise
 
 import numpy as np
 
-from vpf_sim.envs.camera.things.cars import PAINTS, shade
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point, box
+from vpf_sim.envs.camera.scenery.cars import PAINTS, shade
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box
 
 SIDES = 10
 SHOE: Colour = (32, 28, 26)
@@ -16,7 +16,7 @@ Ring = tuple[float, float, float, float, float]  # height, middle x and y, radii
 
 
 def pedestrian(length: float, width: float, height: float, rng: np.random.Generator) -> Mesh:
-    """A standing person who fills its box from shoes to hair and from hand to hand."""
+    """A standing pedestrian that fills its box."""
     b = MeshBuilder()
     coat, trousers, skin = (colours[int(rng.integers(len(colours)))] for colours in (PAINTS, TROUSERS, SKINS))
     hair = shade(HAIR, float(rng.uniform(0.4, 1.6)))
@@ -97,7 +97,7 @@ def _head(b: MeshBuilder, length: float, width: float, height: float, skin: Colo
 
 
 def _limb(b: MeshBuilder, rings: list[Ring], colour: Colour) -> None:
-    """A closed hose through elliptic rings, from the lowest up."""
+    """A closed tube through elliptic rings, from the lowest up."""
     angle = 2.0 * np.pi * np.arange(SIDES + 1) / SIDES
     cosine, sine = np.cos(angle), np.sin(angle)
     for low, high in pairwise(rings):

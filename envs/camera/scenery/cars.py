@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point
 
 PAINTS: tuple[Colour, ...] = (
     (214, 216, 218),
@@ -23,7 +23,7 @@ UNDERSIDE: Colour = (14, 14, 15)
 GLASS: Colour = (34, 42, 50)
 SKY_IN_GLASS: Colour = (88, 104, 122)
 LAMP: Colour = (150, 14, 18)
-LAMP_BRIGHT: Colour = (222, 62, 50)  # shines by itself
+LAMP_BRIGHT: Colour = (222, 62, 50)  # emissive
 PLATE: Colour = (238, 238, 230)
 CHROME: Colour = (176, 178, 182)
 SILL_M = 0.24
@@ -31,14 +31,14 @@ SILL_M = 0.24
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """Where the cabin of a shape of car stands, as parts of the length from the middle, and how its sides lean in."""
+    """A car body style: place of the cabin, in lengths from the middle, and lean of its sides."""
 
     base_rear: float
     roof_rear: float
     roof_front: float
     base_front: float
     lean_m: float
-    belt: float  # height of the windows' lower edge, part of the height
+    belt: float  # height of the windows' lower edge over the car's height
 
 
 STYLES = (
@@ -50,7 +50,7 @@ STYLES = (
 
 
 def car(length: float, width: float, height: float, rng: np.random.Generator) -> Mesh:
-    """A car that fills its box; style and paint are the seed's."""
+    """A car that fills its box; the seed sets style and paint."""
     style = STYLES[int(rng.integers(len(STYLES)))]
     paint = PAINTS[int(rng.integers(len(PAINTS)))]
     builder = MeshBuilder()
@@ -76,7 +76,7 @@ def _underside(builder: MeshBuilder, length: float, width: float) -> None:
 
 
 def upright(x: float, half_width: float, low: float, high: float, name: str, x_top: float | None = None) -> list[Point]:
-    """A panel across the body that faces to its rear or front; it leans if its top lies at another x."""
+    """A panel across the vehicle that faces rear or front; it leans if its top is at another x."""
     left, right = (-half_width, half_width) if name == "rear" else (half_width, -half_width)
     top = x if x_top is None else x_top
     return [(x, left, low), (x, right, low), (top, right, high), (top, left, high)]

@@ -1,4 +1,4 @@
-"""Which of several bodies covers which."""
+"""Drawing order of objects by occlusion."""
 
 import numpy as np
 
@@ -6,9 +6,9 @@ from vpf_sim.types import Bools, Floats
 
 
 def far_to_near(corners: Floats, eye: Floats) -> list[int]:
-    """The order in which upright boxes with (n, 4, 2) footprints are drawn, as seen from `eye` (2,).
+    """Drawing order of upright boxes with (n, 4, 2) footprints, from the camera at `eye` (2,).
 
-    Of two footprints that do not overlap, an edge of one separates them; the one on the eye's side of it is in front.
+    An edge separates two disjoint footprints; the one on the camera's side of it is in front.
     """
     middles = corners.mean(axis=1)
     distance = np.hypot(*(middles - eye).T)
@@ -25,7 +25,7 @@ def far_to_near(corners: Floats, eye: Floats) -> list[int]:
 
 
 def _overlap(corners: Floats, middles: Floats) -> bool:
-    """Whether any two footprints, relative to the eye, share a direction of sight."""
+    """Whether any two footprints, relative to the camera, overlap in bearing."""
     across = corners[..., 1] * middles[:, None, 0] - corners[..., 0] * middles[:, None, 1]
     along = np.einsum("ncd,nd->nc", corners, middles)
     half = np.arctan2(np.abs(across), along).max(axis=1)
@@ -35,7 +35,7 @@ def _overlap(corners: Floats, middles: Floats) -> bool:
 
 
 def _in_front(corners: Floats, eye: Floats) -> Bools:
-    """(n, n) whether i covers j where both are seen, as far as an edge of either says so."""
+    """(n, n) whether i is in front of j by a separating edge of either."""
     edges = np.roll(corners, -1, axis=1) - corners
     normals = np.stack([edges[..., 1], -edges[..., 0]], axis=-1)
     inward = np.einsum("ned,nd->ne", normals, corners.mean(axis=1)) > np.einsum("ned,ned->ne", normals, corners)

@@ -1,4 +1,4 @@
-"""Painting of things: exact coverage, their order, their company, and how they come out of the air."""
+"""Painting of items: coverage, order, independence, haze."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -6,15 +6,15 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
-from highway_scenes import add_body, add_ego, straight_road
+from highway_scenes import add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Drawing, Sprite, drawing, paint
-from vpf_sim.envs.camera.things.bodies import body_mesh
-from vpf_sim.envs.camera.things.solid import FADED_IN_M, RANGE_M, SLIVER_PX, Solid
-from vpf_sim.envs.camera.veil import Veil
+from vpf_sim.envs.camera.scenery.object_meshes import object_mesh
+from vpf_sim.envs.camera.scenery.solid import FADED_IN_M, RANGE_M, SLIVER_PX, Solid
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
@@ -23,7 +23,7 @@ FIRST = np.zeros(1, np.int64)
 
 
 def rectangle(x0: float, y0: float, x1: float, y1: float, grey: float, depth_m: float = 10.0) -> Drawing:
-    """An upright face whose corners lie at these pixels' coordinates."""
+    """An upright face with its corners at these pixel coordinates."""
     camera = VIEW.camera
     corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     rays = np.column_stack([(corners - (camera.cx_px, camera.cy_px)) / camera.fx_px, np.ones(4)])
@@ -56,7 +56,7 @@ def test_the_brightness_of_an_edge_is_its_coverage(size: float, fine: int) -> No
     assert np.abs(np.mean(errors)) < 0.05
 
 
-def test_what_comes_later_covers_what_came_before_whatever_layers_they_share() -> None:
+def test_later_items_cover_earlier_ones_across_layers() -> None:
     frame = canvas()
     big, small = rectangle(50.0, 50.0, 400.0, 300.0, 90.0), rectangle(100.0, 100.0, 120.0, 120.0, 200.0)
     paint(frame, [small, big])
@@ -68,20 +68,20 @@ def test_what_comes_later_covers_what_came_before_whatever_layers_they_share() -
     assert frame[130, 130, 0] == 30
 
 
-def test_a_thing_looks_the_same_in_any_company() -> None:
-    things = [
+def test_item_is_drawn_the_same_with_and_without_others() -> None:
+    items = [
         rectangle(100.3, 100.2, 130.7, 122.1, 180.0),
         rectangle(140.1, 100.0, 420.0, 260.5, 120.0),
         rectangle(131.2, 150.0, 138.9, 152.3, 220.0),
     ]
     together, alone = canvas(), canvas()
-    paint(together, [*things])
-    for thing in things:
-        paint(alone, [thing])
+    paint(together, [*items])
+    for item in items:
+        paint(alone, [item])
     assert np.array_equal(together, alone)
 
 
-def test_what_nothing_covers_stays_as_it_was() -> None:
+def test_uncovered_pixels_do_not_change() -> None:
     rng = np.random.default_rng(1)
     frame = rng.integers(0, 256, (480, 640, 3)).astype(np.uint8)
     before = frame.copy()
@@ -92,7 +92,7 @@ def test_what_nothing_covers_stays_as_it_was() -> None:
     assert not changed.any()
 
 
-def test_faces_that_reach_behind_the_camera_are_cut() -> None:
+def test_faces_behind_the_camera_are_clipped() -> None:
     wall: Floats = np.array([[[-2.0, -1.0, -5.0], [-2.0, -1.0, 40.0], [-2.0, 1.4, 40.0], [-2.0, 1.4, -5.0]]])
     seen = drawing(VIEW, wall, [(10.0, 10.0, 10.0, 0.0)], lambda: np.array([[-0.5, 0.0, 0.0]]), FIRST)
     frame = canvas(200)
@@ -103,65 +103,65 @@ def test_faces_that_reach_behind_the_camera_are_cut() -> None:
 
 
 @pytest.mark.parametrize("kind", ["van", "barrier"])
-def test_what_is_kept_of_a_body_shows_as_if_it_were_looked_at_anew(kind: str) -> None:
+def test_cached_faces_of_an_object_match_fresh_ones(kind: str) -> None:
     clear = weather.load("clear")
     light = Light.of(clear)
-    veil = Veil(Camera(), Atmosphere.of(clear), light)
+    haze = Haze(Camera(), Atmosphere.of(clear), light)
     size = {"van": (5.0, 2.0, 2.3), "barrier": (0.5, 3.0, 1.0)}[kind]
-    kept, anew = (Solid(body_mesh(kind, size, np.random.default_rng(0)), light, veil) for _ in range(2))
-    looks, missed_px = [], []
+    kept, fresh = (Solid(object_mesh(kind, size, np.random.default_rng(0)), light, haze) for _ in range(2))
+    caches, missed_px = [], []
     for ahead in (np.linspace(80.0, 8.0, 30)[:, None] - 0.09 * np.arange(4)).ravel():
         view = View.at(Camera(), np.array([-ahead, 0.04 * ahead - 1.0]), 0.01 * np.sin(ahead))
-        anew._look = None
-        drawings = [solid.seen(view, np.array([0.0, 0.0, 0.7])) for solid in (kept, anew)]
+        fresh.cached = None
+        drawings = [solid.visible(view, np.array([0.0, 0.0, 0.7])) for solid in (kept, fresh)]
         frames = [canvas(), canvas()]
         for frame, drawn in zip(frames, drawings, strict=True):
             assert drawn is not None
             paint(frame, [drawn])
-        looks.append(kept._look)
+        caches.append(kept.cached)
         off = cv2.absdiff(*frames).max(axis=2)
         missed_px.append(off.sum() / 255.0 / np.ptp(drawn.polygons_px[..., 1]))
-    assert sum(now is not before for before, now in pairwise(looks)) < 0.7 * len(looks)
+    assert sum(now is not before for before, now in pairwise(caches)) < 0.7 * len(caches)
     assert 0.0 < max(missed_px) < SLIVER_PX
 
 
 def scene(distance_m: float, name: str = "clear") -> tuple[Image, Image]:
-    """What is seen of a road with a truck at a distance, and without it."""
+    """Frames of a road with a truck at a distance, and without it."""
     camera = replace(Camera(), fx_px=1500.0, fy_px=1500.0)
     frames = []
-    for bodies in (True, False):
+    for objects in (True, False):
         road = straight_road()
         ego = add_ego(road, [20.0, 7.0])
-        if bodies:
-            add_body(road, "truck", [20.0 + camera.forward_m + distance_m, 7.0])
+        if objects:
+            add_object(road, "truck", [20.0 + camera.forward_m + distance_m, 7.0])
         frames.append(Renderer(road, Rig(camera, noise_sd=0.0), weather.load(name), 1).render(ego, 0.0))
     return frames[0], frames[1]
 
 
 def contrast(distance_m: float, name: str = "clear") -> float:
-    """How strongly a truck at a distance stands out, grey levels."""
-    with_body, without = (frame.astype(float) for frame in scene(distance_m, name))
-    return float(np.percentile(np.abs(with_body - without).max(axis=2), 99.9))
+    """Contrast of a truck at a distance, grey levels."""
+    with_object, without = (frame.astype(float) for frame in scene(distance_m, name))
+    return float(np.percentile(np.abs(with_object - without).max(axis=2), 99.9))
 
 
-def test_bodies_come_out_of_the_air_by_and_by() -> None:
+def test_distant_objects_fade_in() -> None:
     far = [contrast(distance) for distance in (RANGE_M + 1.0, RANGE_M - 1.0, 0.5 * (RANGE_M + FADED_IN_M), FADED_IN_M)]
     assert far[0] == 0.0
     assert 0.0 < far[1] < 8.0
     assert 0.3 * far[3] < far[2] < 0.7 * far[3]
 
 
-def test_fog_takes_the_contrast_of_what_is_far() -> None:
+def test_fog_lowers_the_contrast_of_distant_objects() -> None:
     assert contrast(120.0, "FoggyNoon") < 0.5 * contrast(40.0, "FoggyNoon")
 
 
-def test_the_planes_of_faces_give_their_depth() -> None:
+def test_planes_of_faces_give_depth() -> None:
     road = straight_road()
     ego = add_ego(road, [20.0, 7.0])
-    body = add_body(road, "van", [40.0, 7.0])
+    obj = add_object(road, "van", [40.0, 7.0])
     renderer = Renderer(road, Rig(Camera(), noise_sd=0.0), weather.load("clear"), 1)
     renderer.render(ego, 0.0)
     depth = renderer.truth(("depth", "instance"))
-    mine = depth["instance"] == renderer.bodies.index(body) + 1
-    rear = body.position[0] - 0.5 * body.LENGTH - ego.position[0] - Camera().forward_m
+    mine = depth["instance"] == renderer.objects.index(obj) + 1
+    rear = obj.position[0] - 0.5 * obj.LENGTH - ego.position[0] - Camera().forward_m
     assert np.median(depth["depth"][mine]) == pytest.approx(rear, abs=0.05)

@@ -1,4 +1,4 @@
-"""What stands or drives on the road beside the ego car: one class a kind, as highway-env needs it for sizes."""
+"""Static obstacles and traffic actors on the road: one class per kind, since highway-env takes sizes from the class."""
 
 import math
 from collections.abc import Iterable
@@ -9,9 +9,9 @@ from highway_env.road.road import Road
 from highway_env.vehicle.kinematics import Vehicle
 from highway_env.vehicle.objects import Obstacle, RoadObject
 
-from vpf_sim.envs.rectangles import solid_bodies
+from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.scenarios import Scenario
-from vpf_sim.scenarios.kinds import MOVING, SIZES, BodyKind
+from vpf_sim.scenarios.kinds import MOVING, SIZES, ObjectKind
 from vpf_sim.types import Floats
 
 MAX_ACCELERATION_MPS2 = 1.5
@@ -20,13 +20,13 @@ FULL_BRAKING_MPS2 = 6.0
 TIME_GAP_S = 1.5
 STANDING_GAP_M = 2.0
 CLOSING_SCALE_MPS2 = 2.0 * math.sqrt(MAX_ACCELERATION_MPS2 * COMFORTABLE_BRAKING_MPS2)
-SIDE_GAP_M = 0.2  # a body that passes nearer than this counts as in the way
+SIDE_GAP_M = 0.2  # lateral gap below which an object ahead is a leader
 
 
-class Standing(Obstacle):  # type: ignore[misc]
-    """A body that does not move; it belongs in `road.objects`."""
+class StaticObstacle(Obstacle):  # type: ignore[misc]
+    """A static obstacle; it belongs in `road.objects`."""
 
-    kind: BodyKind
+    kind: ObjectKind
     HEIGHT: float
 
     def __init__(self, road: Road, place: tuple[float, float]) -> None:
@@ -35,15 +35,15 @@ class Standing(Obstacle):  # type: ignore[misc]
         super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]))
 
 
-class Traffic(Vehicle):  # type: ignore[misc]
-    """A body that keeps its place in its lane and its speed, unless something in its way is nearer than it likes.
+class Actor(Vehicle):  # type: ignore[misc]
+    """A traffic actor that keeps its lane position and its speed, and follows a leader by the Intelligent Driver Model.
 
-    Its acceleration is the Intelligent Driver Model's (Treiber, Hennecke, Helbing, Phys. Rev. E 62, 2000), with the gap
-    from bumper to bumper: a [1 - (v / v0)^4 - (s* / gap)^2], s* = s0 + v T + v dv / (2 sqrt(a b)). It never reverses.
-    It moves along the lane exactly, so contacts throw it nowhere and it cannot leave the road.
+    Treiber, Hennecke, Helbing, Phys. Rev. E 62, 2000, with the gap from bumper to bumper:
+    a [1 - (v / v0)^4 - (s* / gap)^2], s* = s0 + v T + v dv / (2 sqrt(a b)). It never reverses. It moves exactly along
+    the lane, so contacts do not displace it and it cannot leave the road.
     """
 
-    kind: BodyKind
+    kind: ObjectKind
     HEIGHT: float
     position: Floats  # (2,) m
     heading: float  # rad
@@ -56,7 +56,7 @@ class Traffic(Vehicle):  # type: ignore[misc]
         self.target_speed = speed
 
     def act(self, action: object = None) -> None:  # noqa: ARG002
-        """Decide on the acceleration; nobody else commands it."""
+        """Set the acceleration; the argument is ignored."""
         acceleration = 1.0 - (self.speed / self.target_speed) ** 4
         gap_m, leader = self._leader()
         if leader is not None:
@@ -67,10 +67,10 @@ class Traffic(Vehicle):  # type: ignore[misc]
         self.action = {"steering": 0.0, "acceleration": -FULL_BRAKING_MPS2 if self.crashed else acceleration}
 
     def _leader(self) -> tuple[float, RoadObject | None]:
-        """The nearest thing ahead in the way, and the gap to it from bumper to bumper along the road."""
+        """The gap, bumper to bumper, to the nearest object ahead in the actor's path, and that object."""
         nearest_m, leader = math.inf, None
         s, lateral = self.place
-        for other in solid_bodies(self):
+        for other in solid_objects(self):
             other_s, other_lateral = other.place
             side_m = abs(other_lateral - lateral) - (self.WIDTH + other.WIDTH) / 2.0
             gap_m = other_s - s - (self.LENGTH + other.LENGTH) / 2.0
@@ -79,7 +79,7 @@ class Traffic(Vehicle):  # type: ignore[misc]
         return nearest_m, leader
 
     def step(self, dt: float) -> None:
-        """Move on along the lane by dt seconds."""
+        """Move along the lane for dt seconds."""
         before_mps = self.speed
         self.speed = max(before_mps + self.action["acceleration"] * dt, 0.0)
         s, lateral = self.place
@@ -91,11 +91,11 @@ class Traffic(Vehicle):  # type: ignore[misc]
         self.impact = None
 
     def on_state_update(self) -> None:
-        """The lane never changes."""
+        """Nothing to update: the lane never changes."""
 
 
-def _classes(base: type[RoadObject], kinds: Iterable[BodyKind]) -> dict[BodyKind, type[Any]]:
-    """A subclass a kind: on an instance LENGTH and WIDTH would leave highway-env's `diagonal` stale."""
+def _class_by_kind(base: type[RoadObject], kinds: Iterable[ObjectKind]) -> dict[ObjectKind, type[Any]]:
+    """A subclass per kind: sizes set on an instance would leave highway-env's `diagonal` stale."""
     return {
         kind: type(
             f"{base.__name__}{kind.capitalize()}",
@@ -113,16 +113,17 @@ def _classes(base: type[RoadObject], kinds: Iterable[BodyKind]) -> dict[BodyKind
     }
 
 
-STANDING = _classes(Standing, SIZES)
-TRAFFIC = _classes(Traffic, MOVING)
-globals().update({one.__name__: one for one in (*STANDING.values(), *TRAFFIC.values())})  # where pickle looks
+STATIC_OBSTACLES = _class_by_kind(StaticObstacle, SIZES)
+ACTORS = _class_by_kind(Actor, MOVING)
+# pickle looks classes up by their name in the module
+globals().update({cls.__name__: cls for cls in (*STATIC_OBSTACLES.values(), *ACTORS.values())})
 
 
-def place_bodies(road: Road, scenario: Scenario) -> None:
-    """Put the bodies of a scenario on its road, along their lanes."""
-    for body in scenario.bodies:
-        place = (body.s_m, scenario.road.lane_offset_m(body.lane) + body.lateral_m)
-        if body.speed_mps > 0.0:
-            road.vehicles.append(TRAFFIC[body.kind](road, place, body.speed_mps))
+def place_objects(road: Road, scenario: Scenario) -> None:
+    """Put the objects of a scenario on its road, along their lanes."""
+    for obj in scenario.bodies:
+        place = (obj.s_m, scenario.road.lane_offset_m(obj.lane) + obj.lateral_m)
+        if obj.speed_mps > 0.0:
+            road.vehicles.append(ACTORS[obj.kind](road, place, obj.speed_mps))
         else:
-            road.objects.append(STANDING[body.kind](road, place))
+            road.objects.append(STATIC_OBSTACLES[obj.kind](road, place))

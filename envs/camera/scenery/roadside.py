@@ -1,4 +1,4 @@
-"""The faces of all that stands along a road, and those of them that are in view."""
+"""The faces of all road furniture, and their visible subset."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -7,123 +7,126 @@ from math import atan, tan
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Drawing, drawing, in_front, planes_of
-from vpf_sim.envs.camera.things.air import Air, contrasts
-from vpf_sim.envs.camera.things.mesh import Mesh
-from vpf_sim.envs.camera.veil import Veil
+from vpf_sim.envs.camera.scenery.aerial_perspective import AerialPerspective, contrasts
+from vpf_sim.envs.camera.scenery.mesh import Mesh
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Bools, Camera, Floats
 
 VERTICES = 4  # of every face
 VISIBLE_PX = 0.5  # faces thinner than this are not drawn
-CELL_M, SECTORS = 6.0, 36  # the same faces are looked at as long as the camera stays in a cell and heads for a sector
-FADING = 0.15  # the last part of its range, in which a thing fades out
+CELL_M, SECTORS = 6.0, 36  # candidates are kept while the camera stays in a cell and a heading sector
+FADING = 0.15  # last share of the range, in which an item fades
 FULL = 1.0 / FADING
-COARSE_M = 60.0  # faces that are drawn up to here cast shadows
-EDGE_ON = 0.05  # but for those that the sun's rays only graze
-STALE_M, STALE_RAD = 0.3, 0.02  # what the camera moves or turns at most before it looks again
-SURELY_M = NEAR_M + 2.0 * STALE_M  # what is nearer is left out, so that nothing comes behind the near plane
-LOWEST_SUN = 0.1  # sine of the altitude; lower suns cast no longer shadows
+COARSE_M = 60.0  # faces drawn at this distance cast shadows
+EDGE_ON = 0.05  # except faces at grazing sunlight
+STALE_M, STALE_RAD = 0.3, 0.02  # most motion and rotation of the camera before visibility is updated
+SURELY_M = NEAR_M + 2.0 * STALE_M  # nearer parts are clipped, so that nothing passes the near plane before the update
+LOWEST_SUN = 0.1  # lowest sine of the altitude for shadow lengths
 
-Standing = tuple[Mesh, Floats, float]  # its pose (x, y, heading), and the distance in m up to which it is drawn
+Placement = tuple[Mesh, Floats, float]  # mesh, pose (x, y, heading), drawing range m
 Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Things and their faces, in world axes; the faces of a thing lie together, in painter's order."""
+    """Items and their faces in world axes; an item's faces are consecutive, in painter's order."""
 
     middles_m: Floats  # (k, 2)
     radii_m: Floats  # (k,)
-    owner: Indices  # (F,) the thing that a face belongs to
+    owner: Indices  # (F,) index of the face's item
     faces_m: Floats  # (F, VERTICES, 3)
     normals: Floats  # (F, 3)
-    offsets_m: Floats  # (F,) of the faces' planes
-    colours: Floats  # (F, 4) contrasts in the light
-    from_m: Floats  # (F,) distances ahead of the thing between which the face is drawn
+    offsets_m: Floats  # (F,) plane offsets
+    colours: Floats  # (F, 4) contrasts, lit
+    from_m: Floats  # (F,) distance range of the face
     until_m: Floats  # (F,)
-    fading: Floats  # (F,) 1/m, how fast the thing's opacity falls with the distance, in the last part of its range
+    fading: Floats  # (F,) 1/m, slope of the opacity in the last share of the range
 
-    def only(self, things: Bools, faces: Bools) -> "Group":
-        """Some of the faces of some of the things."""
-        kept = np.flatnonzero(faces & things[self.owner])
-        owner = (np.cumsum(things) - 1)[self.owner[kept]]
+    def only(self, items: Bools, faces: Bools) -> "Group":
+        """The faces `faces` of the items `items`."""
+        kept = np.flatnonzero(faces & items[self.owner])
+        owner = (np.cumsum(items) - 1)[self.owner[kept]]
         arrays = (self.faces_m, self.normals, self.offsets_m, self.colours, self.from_m, self.until_m, self.fading)
-        return Group(self.middles_m[things], self.radii_m[things], owner, *(array[kept] for array in arrays))
+        return Group(self.middles_m[items], self.radii_m[items], owner, *(array[kept] for array in arrays))
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
-    """The faces in view from about one place, the farthest thing first: which they are and their colours stay for as
-    long as the camera is less than STALE_M and STALE_RAD off. Until then a face that comes into view is missed, which
-    is one seen edge-on, and colours are at most 1 % off."""
+class VisibleFaces:
+    """The visible faces near one view, the farthest item first.
+
+    They and their colours are reused until the camera is STALE_M or STALE_RAD away. Until then new faces, which are
+    edge-on, are missed, and colours are at most 1 % off."""
 
     view: View
-    faces_m: Floats  # (n, V, 3) world, of which nothing reaches behind the camera
+    faces_m: Floats  # (n, V, 3) world, clipped to before the camera
     normals: Floats  # (n, 3)
     offsets_m: Floats  # (n,)
     colours: list[list[float]]  # (n, 4)
-    firsts: Indices  # (k,) the first face of each thing
+    firsts: Indices  # (k,) the first face of each item
     depths_m: list[float]  # (k,)
 
-    def away(self, view: View) -> Floats | None:
-        """(n,) m, how far the camera is before the planes of the faces; None where it must look again."""
+    def plane_distances(self, view: View) -> Floats | None:
+        """(n,) m, distances of the camera from the faces' planes; None if visibility is stale."""
         x, y, _ = (view.centre - self.view.centre).tolist()
         if x * x + y * y > STALE_M**2 or abs(view.yaw_rad - self.view.yaw_rad) > STALE_RAD:
             return None
-        away = self.normals @ view.centre - self.offsets_m
-        return away if away.min(initial=1.0) > 1e-6 else None
+        distances = self.normals @ view.centre - self.offsets_m
+        return distances if distances.min(initial=1.0) > 1e-6 else None
 
 
 class Roadside:
-    """All that stands along one road, ready to be drawn."""
+    """The road furniture of one road."""
 
-    def __init__(self, camera: Camera, things: list[Standing], light: Light, veil: Veil) -> None:
-        self._slope = 0.5 * camera.width_px / camera.fx_px  # of the sides of what the camera sees
+    def __init__(self, camera: Camera, items: list[Placement], light: Light, haze: Haze) -> None:
+        self._slope = 0.5 * camera.width_px / camera.fx_px  # slope of the field of view's sides
         self._widest = tan(atan(self._slope) + STALE_RAD)
-        self._air = Air(light, veil)
-        self._all = self._near = _group(things, light, camera)
+        self._aerial_perspective = AerialPerspective(light, haze)
+        self._all = self._near = _group(items, light, camera)
         self._place: tuple[int, int, int] | None = None
-        self._look: Look | None = None
+        self.cached: VisibleFaces | None = None
 
-    def seen(self, view: View) -> tuple[Drawing | None, list[float]]:
-        """The faces in view, the farthest thing first, and the depth of each, m."""
-        look, away = self._looked_at(view)
-        if not len(look.depths_m):
+    def visible(self, view: View) -> tuple[Drawing | None, list[float]]:
+        """The visible faces, the farthest item first, and the depth of each item, m."""
+        visible, distances = self._current(view)
+        if not len(visible.depths_m):
             return None, []
-        moved_m = float(view.axes[2] @ (view.centre - look.view.centre))
-        planes = partial(planes_of, look.normals, away, view)
-        return drawing(view, look.faces_m, look.colours, planes, look.firsts), [far - moved_m for far in look.depths_m]
+        moved_m = float(view.axes[2] @ (view.centre - visible.view.centre))
+        planes = partial(planes_of, visible.normals, distances, view)
+        return drawing(view, visible.faces_m, visible.colours, planes, visible.firsts), [
+            far - moved_m for far in visible.depths_m
+        ]
 
-    def follow(self, view: View) -> None:
-        """Look again where it is time to."""
-        self._looked_at(view)
+    def update(self, view: View) -> None:
+        """Update visibility if it is stale."""
+        self._current(view)
 
-    def _looked_at(self, view: View) -> tuple[Look, Floats]:
-        """The faces in view, and (n,) m how far the camera is before their planes."""
-        look = self._look
-        if look is None or (away := look.away(view)) is None:
-            look = self._look = self._looked(view)
-            away = look.normals @ view.centre - look.offsets_m
-        return look, away
+    def _current(self, view: View) -> tuple[VisibleFaces, Floats]:
+        """The visible faces, and (n,) m, distances of the camera from their planes."""
+        visible = self.cached
+        if visible is None or (distances := visible.plane_distances(view)) is None:
+            visible = self.cached = self._find_visible(view)
+            distances = visible.normals @ view.centre - visible.offsets_m
+        return visible, distances
 
-    def _looked(self, view: View) -> Look:
-        """The faces in view from here and wherever the camera may go until it looks again."""
+    def _find_visible(self, view: View) -> VisibleFaces:
+        """The faces visible from the view and its surroundings."""
         group, axes, eye = self._close(view), view.axes, view.centre
         ahead = (group.middles_m @ axes[2, :2] - float(axes[2, :2] @ eye[:2])).take(group.owner)
-        away = group.normals @ eye - group.offsets_m
-        shown = ((away > 1e-6) & (ahead >= group.from_m) & (ahead < group.until_m)).nonzero()[0]
+        distances = group.normals @ eye - group.offsets_m
+        shown = ((distances > 1e-6) & (ahead >= group.from_m) & (ahead < group.until_m)).nonzero()[0]
         shown = shown[np.argsort(-ahead[shown], kind="stable")]
         points = view.camera_axes(group.faces_m.take(shown, axis=0))
         inside = self._may_show(points)
         shown, points = shown[inside], in_front(points[inside], SURELY_M)
         depth, owner = ahead[shown], group.owner[shown]
         firsts = np.diff(owner, prepend=-1).nonzero()[0]
-        colours = self._air.colours(
+        colours = self._aerial_perspective.colours(
             group.colours.take(shown, axis=0), depth, np.minimum(1.0, FULL - depth * group.fading[shown])
         )
-        return Look(
+        return VisibleFaces(
             view,
             points @ axes + eye,
             group.normals.take(shown, axis=0),
@@ -134,7 +137,7 @@ class Roadside:
         )
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
-        """(n, 2) m, outlines on the ground whose union lies in the shade of all that stands there."""
+        """(n, 2) m, shadow outlines on the ground."""
         group = self._all
         coarse = (group.until_m >= COARSE_M) & (np.abs(group.normals @ light.sun) > EDGE_ON)
         faces = group.faces_m[coarse]
@@ -142,15 +145,14 @@ class Roadside:
         return list(cast)
 
     def _may_show(self, points: Floats) -> Bools:
-        """Which faces (n, VERTICES, 3), in camera axes, are neither behind the near plane nor beside the picture, nor
-        come into it until the next look."""
+        """Which faces (n, VERTICES, 3) in camera axes may be visible until the next update."""
         right, depth = points[..., 0], points[..., 2]
         wide = self._widest * depth + 2.0 * STALE_M
         beside = (right > wide).all(axis=1) | (right < -wide).all(axis=1)
         return np.asarray(~beside & (depth.max(axis=1) > SURELY_M))
 
     def _close(self, view: View) -> Group:
-        """What may be in view from anywhere in the camera's cell, heading anywhere in its sector."""
+        """The candidates for any pose in the camera's cell and heading sector."""
         sector = int(np.floor(view.yaw_rad / (2.0 * np.pi) * SECTORS))
         x, y = (int(np.floor(place / CELL_M)) for place in view.centre[:2])
         if self._place != (x, y, sector):
@@ -161,23 +163,23 @@ class Roadside:
 
 
 def _may_be_seen(group: Group, middle: Floats, yaw: float, slope: float) -> Group:
-    """What may be in view from within a cell around `middle`, heading for a sector around `yaw`."""
+    """The items that may be visible from a cell around `middle` in a heading sector around `yaw`."""
     c, s = np.cos(yaw), np.sin(yaw)
     ahead, aside = ((group.middles_m - middle) @ np.array([[c, -s], [s, c]])).T
     spare = CELL_M + group.radii_m
     half = np.arctan(slope) + np.pi / SECTORS
-    things = (ahead > -spare) & (np.abs(aside) < np.tan(half) * (ahead + spare) + spare)
+    items = (ahead > -spare) & (np.abs(aside) < np.tan(half) * (ahead + spare) + spare)
     distance = np.hypot(ahead, aside)[group.owner]
     faces = (group.until_m > np.cos(half) * distance - CELL_M) & (group.from_m < distance + CELL_M)
-    return group.only(things, faces)
+    return group.only(items, faces)
 
 
-def _group(things: list[Standing], light: Light, camera: Camera) -> Group:
-    """Faces of meshes at their places."""
-    poses = np.array([pose for _, pose, _ in things]).reshape(-1, 3)
-    meshes = [mesh for mesh, _, _ in things]
+def _group(items: list[Placement], light: Light, camera: Camera) -> Group:
+    """All faces in world axes."""
+    poses = np.array([pose for _, pose, _ in items]).reshape(-1, 3)
+    meshes = [mesh for mesh, _, _ in items]
     counts = np.array([len(mesh.faces_m) for mesh in meshes], np.int64)
-    owner = np.repeat(np.arange(len(things)), counts)
+    owner = np.repeat(np.arange(len(items)), counts)
     c, s = np.cos(poses[owner, 2]), np.sin(poses[owner, 2])
     zero, one = np.zeros(len(owner)), np.ones(len(owner))
     turns = np.stack([c, -s, zero, s, c, zero, zero, zero, one], axis=1).reshape(-1, 3, 3)
@@ -191,7 +193,7 @@ def _group(things: list[Standing], light: Light, camera: Camera) -> Group:
     normals = np.einsum("fij,fj->fi", turns, joined("normals", 3))
     facing = np.maximum(0.0, normals @ light.sun)[:, None]
     shading = np.where(joined("lit")[:, None] > 0.0, light.sky + light.direct * facing, 1.0)
-    ranges_m = np.array([range_m for _, _, range_m in things], float)[owner]
+    ranges_m = np.array([range_m for _, _, range_m in items], float)[owner]
     thinnest = joined("thickness_m") * camera.fx_px / VISIBLE_PX
     return Group(
         middles_m=poses[:, :2],

@@ -1,23 +1,23 @@
-"""What stands along a road and never moves, as meshes: posts, guard rails, lamp posts, gantries.
+"""Meshes of road furniture: posts, guard rails, lamp posts, gantries.
 
-Their fronts face back along x, towards whoever drives up to them; every face has at most four corners.
+Fronts face -x, towards approaching drivers; every face has at most four corners.
 """
 
 from functools import lru_cache
 
-from vpf_sim.envs.camera.things.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
-from vpf_sim.envs.camera.things.signs import direction_board, lane_arrow
+from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
+from vpf_sim.envs.camera.scenery.signs import direction_board, lane_arrow
 
 STEEL: Colour = (158, 163, 168)
 DARK_STEEL: Colour = (112, 117, 122)
 WHITE: Colour = (232, 233, 230)
 BLACK: Colour = (34, 34, 36)
 ORANGE: Colour = (236, 150, 40)
-NEAR_M = 22.0  # up to here things are drawn with all their faces
-FAR_M = 60.0  # and gantries up to here
+NEAR_M = 22.0  # range of full detail
+FAR_M = 60.0  # range of full detail of gantries
 LAMP_HEIGHT_M, LAMP_ARM_M = 9.0, 1.8
-CLEARANCE_M = 5.6  # under a gantry's boards
-TRUSS_M = (6.3, 7.2)  # heights between which its beams lie
+CLEARANCE_M = 5.6  # clearance under a gantry's boards
+TRUSS_M = (6.3, 7.2)  # heights of its beams
 
 
 def shade_of(colour: Colour, factor: float) -> Colour:
@@ -42,7 +42,7 @@ def _post() -> Mesh:
 
 @lru_cache(maxsize=64)
 def rail(length: float) -> Mesh:
-    """A span of guard rail along x, its middle at the origin: a folded band on three posts, seen from both sides."""
+    """A span of guard rail along x, centred at the origin: a folded band on three posts, visible from both sides."""
     b = MeshBuilder()
     half = 0.5 * length
     for x in (-0.66 * half, 0.0, 0.66 * half):
@@ -84,7 +84,7 @@ def _lamp_mast() -> Mesh:
 
 
 def _lamp_arm() -> Mesh:
-    """The arm of a lamp post, to the left, over the road, with the lamp at its end."""
+    """The arm of a lamp post to the left, over the road, with the lamp."""
     b = MeshBuilder()
     top, arm = LAMP_HEIGHT_M, LAMP_ARM_M
     b.drawn_m = (2.0 * NEAR_M, 1e3)
@@ -110,9 +110,9 @@ def _mast(b: MeshBuilder, low_radius: float, high_radius: float, height: float, 
 
 @lru_cache(maxsize=64)
 def gantry(width: float, lane_middles_m: tuple[float, ...], seed: int) -> tuple[Mesh, ...]:
-    """A gantry over a road, its legs `width` m apart, with a board or a signal over each lane; y = 0 in its middle.
+    """The legs and the truss of a gantry over a road, with a board or a signal over each lane.
 
-    Its legs, and what they carry.
+    The legs are `width` m apart; y = 0 is in the middle.
     """
     legs = tuple(_gantry_leg(y) for y in (-0.5 * width, 0.5 * width))
     b = MeshBuilder()

@@ -1,4 +1,4 @@
-"""Pictures of trees and bushes, made from noise; drawn as upright pictures that face the camera."""
+"""Trees and bushes: billboards with images made from noise."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -8,34 +8,34 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.texture import noise
-from vpf_sim.envs.camera.veil import Veil
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
 ROWS, COLUMNS = 256, 192
 SHAPE = COLUMNS / ROWS
-MARGIN = 2  # empty pixels kept around what is not empty
-SMALLEST_ROWS = 8  # of a reduced picture, about
+MARGIN = 2  # transparent pixels around the image
+SMALLEST_ROWS = 8  # of the coarsest mip level, about
 NEAREST_M = 4.0
 SAMPLED = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
 NOTHING = (0, 0, 0, 255)
-RANGE_M = 100.0  # trees are drawn up to here
-HEIGHTS_SEEN = 30.0  # and to no more than this many of their kind's heights
-FADED_IN = 0.72  # part of their range at which they are there in full
-AIR_STEP_M = 0.5  # trees fade by steps of this much distance
-FADED_PICTURES = 512  # kept for when they are needed again
-UNVEILED = 0.97  # air that leaves more of a tree's contrast does not show
-NOON = 0.85  # the shading of a crown for which the pictures were mixed
-LOWEST_SUN = 0.1  # sine of the altitude; lower suns cast no longer shadows
+RANGE_M = 100.0  # drawing range
+HEIGHTS_SEEN = 30.0  # and at most this many heights of the kind
+FADED_IN = 0.72  # share of the range at which trees are opaque
+HAZE_STEP_M = 0.5  # distance step of haze and fading
+FADED_PICTURES = 512  # cached hazed images
+CLEAR_TRANSMISSION = 0.97  # haze with a higher transmission is left out
+NOON = 0.85  # shading of the crown in the images
+LOWEST_SUN = 0.1  # lowest sine of the altitude for shadow lengths
 SHADOW_SIDES = 10
 BARK = np.array([70.0, 60.0, 50.0])
-STEP_M = 12.0  # what the camera travels before all trees are looked at again
+STEP_M = 12.0  # travel of the camera before nearby trees are collected again
 Indices = NDArray[np.int64]
-Blob = tuple[float, float, float, float]  # centre x, y and radii, parts of the height; y from the top down
+Blob = tuple[float, float, float, float]  # centre x, y and radii, in heights; y from the top down
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +44,9 @@ class Kind:
 
     height_m: float
     crown: tuple[Blob, ...]
-    stems: tuple[tuple[float, float], ...]  # (x, half width) of each, parts of the height
-    hue: tuple[float, float, float]  # RGB of a leaf in full light
-    gaps: float  # how ragged the crown is
+    stems: tuple[tuple[float, float], ...]  # (x, half width) of each, in heights
+    hue: tuple[float, float, float]  # RGB of a lit leaf
+    gaps: float  # raggedness of the crown
 
 
 KINDS = (
@@ -92,18 +92,18 @@ RANGES_M = tuple(min(RANGE_M, HEIGHTS_SEEN * kind.height_m) for kind in KINDS)
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """What is not empty of the picture of a tree; lengths are parts of the tree's height."""
+    """The cropped image of a tree; lengths are in heights of the tree."""
 
     left: float  # from the foot
     top: float  # from the foot, negative
     width: float
     height: float
-    levels: tuple[Image, ...]  # (h, w, 4) colours times opacity, what is seen through; reduced by 2 more each
+    levels: tuple[Image, ...]  # (h, w, 4) premultiplied colours and transparency; mip levels
 
 
 @lru_cache(maxsize=VARIANTS)
 def tree_picture(variant: int) -> Picture:
-    """The picture of a tree in the light for which it was mixed."""
+    """The image of a tree in its reference light."""
     rng, kind = stream(0, f"tree {variant}"), KINDS[variant]
     y, x = np.mgrid[0:ROWS, 0:COLUMNS] / float(ROWS)
     coarse, ragged, leaves = (
@@ -113,7 +113,7 @@ def tree_picture(variant: int) -> Picture:
     depth = edges.max(axis=0)
     alpha = np.clip((depth + kind.gaps * (0.5 * coarse + 0.3 * ragged + 0.2 * leaves) - 0.04) * 11.0, 0.0, 1.0)
     alpha *= np.clip((0.99 - y) * 40.0, 0.0, 1.0)
-    # each lump of leaves is bright above and dark below, as the light from the sky falls
+    # skylight: each lump of leaves is bright above and dark below
     lump = np.take_along_axis(_heights(kind, y), edges.argmax(axis=0)[None], axis=0)[0]
     bulge = 0.72 - 0.42 * lump - 0.25 * (x - 0.37) - 0.25 * np.clip(y - 0.4, 0.0, 1.0)
     bulge = np.clip(bulge + 0.16 * coarse + 0.2 * ragged + 0.16 * leaves, 0.16, 1.45)
@@ -131,7 +131,7 @@ def tree_picture(variant: int) -> Picture:
 
 
 def _cropped(picture: Image) -> Picture:
-    """The part of a picture (ROWS, COLUMNS, 4) that is not empty, in all its sizes."""
+    """An image (ROWS, COLUMNS, 4) cropped to its content, with mip levels."""
     rows, columns = (np.flatnonzero((picture[..., 3] < 255).any(axis=axis)) for axis in (1, 0))
     x0, x1 = max(int(columns[0]) - MARGIN, 0), int(columns[-1]) + 1 + MARGIN
     y0, y1 = max(int(rows[0]) - MARGIN, 0), int(rows[-1]) + 1 + MARGIN
@@ -153,16 +153,16 @@ class Trees:
 
 
 def _heights(kind: Kind, y: Floats) -> Floats:
-    """(blobs, ...) where rows lie in each lump of a crown: -1 at its top, +1 at its bottom."""
+    """(blobs, ...) vertical position of rows in each lump of a crown: -1 top, +1 bottom."""
     return np.array([(y - by) / ry for _, by, _, ry in kind.crown])
 
 
 @dataclass(frozen=True, slots=True)
 class _Near:
-    """Trees, and where their pictures lie from their feet."""
+    """Trees near the camera, with their images' offsets from the feet."""
 
     variants: Indices
-    ranges_m: Floats  # (n,) up to which they are drawn
+    ranges_m: Floats  # (n,) drawing ranges
     feet_m: Floats  # (2, n) world
     left_m: Floats  # (n,)
     top_m: Floats
@@ -177,9 +177,9 @@ class _Near:
 
 
 class TreeStand:
-    """The trees of a road in one light, seen through one air."""
+    """The trees of a road in one light and haze."""
 
-    def __init__(self, camera: Camera, trees: Trees, light: Light, veil: Veil) -> None:
+    def __init__(self, camera: Camera, trees: Trees, light: Light, haze: Haze) -> None:
         tint = (light.sky + 0.5 * light.direct) / NOON
         scale = np.diag([*tint, 1.0])
         pictures = [tree_picture(variant) for variant in range(VARIANTS)]
@@ -191,26 +191,26 @@ class TreeStand:
         for variant, shape in enumerate(shapes):
             self._sizes[:, variant, : len(shape)] = np.array(shape).T
         self._limits = np.array([[camera.width_px], [camera.height_px]], float)
-        self._airs = [_airs(range_m, light, veil) for range_m in RANGES_M]
-        self._faded: dict[tuple[int, int, int], Image] = {}  # pictures through the air, the oldest first
+        self._haze_transforms = [_haze_transforms(range_m, light, haze) for range_m in RANGES_M]
+        self._hazed_pictures: dict[tuple[int, int, int], Image] = {}  # hazed images, the oldest first
         self._trees = trees
         frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
         self._frames_m = frames[trees.variants] * trees.heights_m[:, None]
-        self._slope = 0.5 * camera.width_px / camera.fx_px  # of the sides of what the camera sees
+        self._slope = 0.5 * camera.width_px / camera.fx_px  # slope of the field of view's sides
         self._middle = np.full(2, np.inf)
         self._near = _Near.of(trees, self._frames_m, np.empty(0, np.int64))
 
-    def seen(self, view: View) -> list[Sprite]:
-        """The trees in view, the farthest first."""
+    def visible(self, view: View) -> list[Sprite]:
+        """The visible trees, the farthest first."""
         variants, depth, corner, size = self._in_view(view)
         first = np.maximum(np.floor(corner), 0.0)
         extent = np.minimum(np.ceil(corner + size), self._limits) - first
         levels = np.floor(np.log2(self._rows[variants] / size[1])).clip(0, self._coarsest[variants]).astype(np.int64)
-        fine = self._sizes[:, variants, levels] / size  # pixels of the picture to one of the frame
+        fine = self._sizes[:, variants, levels] / size  # image pixels per frame pixel
         sources = np.zeros((len(depth), 2, 3))
         sources[:, 0, 0], sources[:, 1, 1] = fine
         sources[:, :, 2] = ((first - corner + 0.5) * fine - 0.5).T
-        kinds = np.array((variants, levels, depth / AIR_STEP_M), np.int64).T.tolist()
+        kinds = np.array((variants, levels, depth / HAZE_STEP_M), np.int64).T.tolist()
         places = np.concatenate((first, extent)).astype(np.int64).T.tolist()
         return [
             Sprite(x, y, self._sampled(kind, source, (columns, rows)), far)
@@ -219,9 +219,8 @@ class TreeStand:
         ]
 
     def _in_view(self, view: View) -> tuple[Indices, Floats, Floats, Floats]:
-        """Variants (n,) and depths (n,) of the trees in view, the farthest first, and corner (2, n) and size (2, n) px
-        of their pictures in the frame."""
-        camera, near = view.camera, self._close(view.centre[:2])
+        """Variants (n,), depths (n,), corners (2, n) px and sizes (2, n) px of the visible trees."""
+        camera, near = view.camera, self._near_trees(view.centre[:2])
         right, down, depth = view.axes[:, :2] @ near.feet_m - (view.axes @ view.centre)[:, None]
         left = right + near.left_m
         wide = self._slope * depth
@@ -235,7 +234,7 @@ class TreeStand:
         return near.variants[index], depth, np.add(place[:2], middle), place[2:]
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
-        """(n, 2) m, outlines on the ground of the shades of all stems and lumps of leaves."""
+        """(n, 2) m, shadow outlines of all stems and lumps of leaves."""
         lean = light.sun[:2] / max(float(light.sun[2]), LOWEST_SUN)
         across = np.array([-lean[1], lean[0]]) / max(float(np.hypot(*lean)), 1e-9)
         circle = 2.0 * np.pi * np.arange(SHADOW_SIDES) / SHADOW_SIDES
@@ -254,8 +253,8 @@ class TreeStand:
                 result.append(np.array([low - wide, low + wide, high + wide, high - wide]))
         return result
 
-    def _close(self, eye: Floats) -> "_Near":
-        """The trees that may be in view from anywhere near; looked for anew when the camera has moved on."""
+    def _near_trees(self, eye: Floats) -> "_Near":
+        """The trees that may be visible near a position, updated as the camera moves."""
         if not np.hypot(*(eye - self._middle).tolist()) < STEP_M:
             reach_m = RANGE_M * np.hypot(1.0, self._slope) + STEP_M + self._trees.heights_m
             close = np.hypot(*(self._trees.feet_m - eye).T) < reach_m
@@ -263,36 +262,38 @@ class TreeStand:
         return self._near
 
     def _sampled(self, kind: list[int], source: Floats, size: tuple[int, int]) -> Image:
-        """(rows, columns, 4) a picture (variant, level, step of the air), seen at the places of the `source` (2, 3)."""
-        picture = self._through_air(*kind)
+        """(rows, columns, 4) the image of `kind` (variant, level, haze step), sampled by the affine `source` (2, 3)."""
+        picture = self._hazed(*kind)
         return np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
 
-    def _through_air(self, variant: int, level: int, step: int) -> Image:
-        """(h, w, 4) a picture as it is seen from a distance, kept for when it is needed again."""
+    def _hazed(self, variant: int, level: int, step: int) -> Image:
+        """(h, w, 4) an image with the haze of a distance step, cached."""
         key = (variant, level, step)
-        if key not in self._faded:
-            if len(self._faded) == FADED_PICTURES:
-                del self._faded[next(iter(self._faded))]
-            picture, air = self._levels[variant][level], self._airs[variant][step]
-            self._faded[key] = picture if air is None else np.asarray(cv2.transform(picture, air), np.uint8)
-        return self._faded[key]
+        if key not in self._hazed_pictures:
+            if len(self._hazed_pictures) == FADED_PICTURES:
+                del self._hazed_pictures[next(iter(self._hazed_pictures))]
+            picture, transform = self._levels[variant][level], self._haze_transforms[variant][step]
+            self._hazed_pictures[key] = (
+                picture if transform is None else np.asarray(cv2.transform(picture, transform), np.uint8)
+            )
+        return self._hazed_pictures[key]
 
 
-def _airs(range_m: float, light: Light, veil: Veil) -> list[Floats | None]:
-    """(4, 5) what the air and the distance make of a picture, affine in its channels, by steps; None where nothing.
+def _haze_transforms(range_m: float, light: Light, haze: Haze) -> list[Floats | None]:
+    """(4, 5) affine channel transforms for haze and fading, by distance step; None for identity.
 
-    Of a pixel that covers a and lets 1 - a through, with colour a c, the air leaves t; the tree's opacity is o: it
-    shows o (t a c + (1 - t) a h) with the horizon's colour h, and lets 1 - o a through.
+    A pixel of coverage a and premultiplied colour a c, at transmission t and tree opacity o, becomes
+    o (t a c + (1 - t) a h), with the horizon's colour h, and the transparency 1 - o a.
     """
-    depths_m: Floats = (np.arange(ceil(range_m / AIR_STEP_M), dtype=np.float64) + 0.5) * AIR_STEP_M
-    left = veil.transmission(depths_m)
+    depths_m: Floats = (np.arange(ceil(range_m / HAZE_STEP_M), dtype=np.float64) + 0.5) * HAZE_STEP_M
+    left = haze.transmission(depths_m)
     opacity = np.clip((range_m - depths_m) / (range_m * (1.0 - FADED_IN)), 0.0, 1.0)
-    veiled = (opacity * (1.0 - left))[:, None] * light.horizon
+    airlight = (opacity * (1.0 - left))[:, None] * light.horizon
     matrices = np.zeros((len(depths_m), 4, 5))
     for channel in range(3):
         matrices[:, channel, channel] = opacity * left
     matrices[:, 3, 3] = opacity
-    matrices[:, :3, 3], matrices[:, :3, 4] = -veiled / 255.0, veiled
+    matrices[:, :3, 3], matrices[:, :3, 4] = -airlight / 255.0, airlight
     matrices[:, 3, 4] = 255.0 * (1.0 - opacity)
-    shows = (left < UNVEILED) | (opacity < 1.0)
+    shows = (left < CLEAR_TRANSMISSION) | (opacity < 1.0)
     return [matrix if shown else None for matrix, shown in zip(matrices, shows.tolist(), strict=True)]

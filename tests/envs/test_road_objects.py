@@ -1,4 +1,4 @@
-"""Bodies: sizes by kind, their places on the road, and traffic that keeps lane, speed and distance."""
+"""Objects on the road: sizes by kind, placement, and traffic that keeps lane, speed and distance."""
 
 from math import hypot
 
@@ -7,8 +7,8 @@ import pytest
 from highway_env.road.road import Road
 
 from vpf_sim import scenarios
-from vpf_sim.envs.bodies import STANDING, TRAFFIC, place_bodies
 from vpf_sim.envs.road import build_road
+from vpf_sim.envs.road_objects import ACTORS, STATIC_OBSTACLES, place_objects
 from vpf_sim.scenarios import SIZES, Scenario
 
 BEND = """
@@ -20,15 +20,15 @@ s_m = 300.0
 """
 
 
-def body(**keys: object) -> str:
+def object_table(**keys: object) -> str:
     lines = "\n".join(f"{key} = {value!r}" for key, value in keys.items())
     return f"\n[[bodies]]\n{lines}\n"
 
 
-def populated(*bodies: str) -> tuple[Scenario, Road]:
-    scenario = scenarios.parse(BEND + "".join(bodies), "bend.toml")
+def populated(*objects: str) -> tuple[Scenario, Road]:
+    scenario = scenarios.parse(BEND + "".join(objects), "bend.toml")
     road = build_road(scenario, np.random.default_rng(0))
-    place_bodies(road, scenario)
+    place_objects(road, scenario)
     return scenario, road
 
 
@@ -38,27 +38,27 @@ def run(road: Road, seconds: float) -> None:
         road.step(1.0 / 60.0)
 
 
-@pytest.mark.parametrize("classes", [STANDING, TRAFFIC])
-def test_each_kind_is_a_class_of_its_own_size(classes: dict[str, type]) -> None:
+@pytest.mark.parametrize("classes", [STATIC_OBSTACLES, ACTORS])
+def test_each_kind_has_a_class_with_its_size(classes: dict[str, type]) -> None:
     for kind, made in classes.items():
         size = SIZES[kind]
         assert (made.LENGTH, made.WIDTH, made.HEIGHT, made.kind) == (*size, kind)
 
 
-def test_every_kind_stands_where_the_file_says_along_its_lane() -> None:
-    bodies = [body(kind=kind, s_m=20.0 + 10.0 * i, lane=3, lateral_m=-0.25) for i, kind in enumerate(SIZES)]
-    scenario, road = populated(*bodies)
-    assert [thing.kind for thing in road.objects] == list(SIZES)
+def test_every_kind_is_placed_along_its_lane() -> None:
+    objects = [object_table(kind=kind, s_m=20.0 + 10.0 * i, lane=3, lateral_m=-0.25) for i, kind in enumerate(SIZES)]
+    scenario, road = populated(*objects)
+    assert [obj.kind for obj in road.objects] == list(SIZES)
     assert road.vehicles == []
-    for planned, thing in zip(scenario.bodies, road.objects, strict=True):
+    for planned, obj in zip(scenario.bodies, road.objects, strict=True):
         lane = road.network.get_lane(("start", "end", 1))
-        assert lane.local_coordinates(thing.position) == pytest.approx((planned.s_m, -0.25), abs=1e-9)
-        assert thing.heading == pytest.approx(planned.s_m / 80.0)
-        assert thing.diagonal == pytest.approx(hypot(*SIZES[planned.kind][:2]))
+        assert lane.local_coordinates(obj.position) == pytest.approx((planned.s_m, -0.25), abs=1e-9)
+        assert obj.heading == pytest.approx(planned.s_m / 80.0)
+        assert obj.diagonal == pytest.approx(hypot(*SIZES[planned.kind][:2]))
 
 
-def test_traffic_keeps_its_speed_and_its_lane_in_a_bend() -> None:
-    _, road = populated(body(kind="car", s_m=20.0, lane=1, lateral_m=0.3, speed_mps=8.0))
+def test_actor_keeps_speed_and_lane_in_a_bend() -> None:
+    _, road = populated(object_table(kind="car", s_m=20.0, lane=1, lateral_m=0.3, speed_mps=8.0))
     (car,) = road.vehicles
     start = car.position
     run(road, 10.0)
@@ -70,9 +70,10 @@ def test_traffic_keeps_its_speed_and_its_lane_in_a_bend() -> None:
     assert hypot(*(car.position - start)) == pytest.approx(2.0 * radius * np.sin(turn / 2.0), rel=1e-9)
 
 
-def test_traffic_stops_behind_a_standing_body_and_never_reverses() -> None:
+def test_actor_stops_behind_a_static_obstacle_without_reversing() -> None:
     _, road = populated(
-        body(kind="car", s_m=20.0, lane=2, speed_mps=8.0), body(kind="barrier", s_m=120.0, lane=2, lateral_m=0.5)
+        object_table(kind="car", s_m=20.0, lane=2, speed_mps=8.0),
+        object_table(kind="barrier", s_m=120.0, lane=2, lateral_m=0.5),
     )
     (car,) = road.vehicles
     speeds = []
@@ -86,11 +87,11 @@ def test_traffic_stops_behind_a_standing_body_and_never_reverses() -> None:
     assert not car.crashed
 
 
-def test_traffic_follows_a_slower_leader_at_its_speed_and_passes_what_stands_beside() -> None:
+def test_actor_follows_a_slower_leader_and_passes_objects_beside() -> None:
     _, road = populated(
-        body(kind="van", s_m=30.0, lane=2, speed_mps=8.0),
-        body(kind="truck", s_m=60.0, lane=2, speed_mps=4.0),
-        body(kind="car", s_m=90.0, lane=1),
+        object_table(kind="van", s_m=30.0, lane=2, speed_mps=8.0),
+        object_table(kind="truck", s_m=60.0, lane=2, speed_mps=4.0),
+        object_table(kind="car", s_m=90.0, lane=1),
     )
     van, truck = road.vehicles
     run(road, 40.0)
@@ -104,8 +105,8 @@ def test_traffic_follows_a_slower_leader_at_its_speed_and_passes_what_stands_bes
     assert not truck.crashed
 
 
-def test_traffic_that_is_hit_brakes_to_a_stand() -> None:
-    _, road = populated(body(kind="car", s_m=20.0, lane=1, speed_mps=6.0))
+def test_crashed_actor_brakes_to_standstill() -> None:
+    _, road = populated(object_table(kind="car", s_m=20.0, lane=1, speed_mps=6.0))
     (car,) = road.vehicles
     car.crashed = True
     run(road, 1.1)

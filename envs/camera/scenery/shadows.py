@@ -1,4 +1,4 @@
-"""Shadows of bodies on the road: the sun's, and the dark band right under the body."""
+"""Shadows of objects on the road: the sun's, and the dark contact shadow."""
 
 import cv2
 import numpy as np
@@ -10,33 +10,33 @@ from vpf_sim.geometry import is_same
 from vpf_sim.types import Floats, Image
 
 RANGE_M, FADED_IN_M = 75.0, 45.0
-FULLNESS = 0.85  # a body's shadow is that of a box of this part of its height
-NO_SUN = 0.97  # a shadow that leaves more of the road's brightness does not show
+FULLNESS = 0.85  # height of the shadow-casting box over the object's
+NO_SUN = 0.97  # shadows with more remaining brightness are left out
 FINE, SHIFT = 2, 4
 
 
 class Shadow:
-    """The shadow of one body, and its outlines on the road for as long as it keeps its pose."""
+    """The shadow of one object; its outlines are cached by pose."""
 
     def __init__(self, size: tuple[float, float, float], light: Light) -> None:
         self._size = size
-        self._fall_m: Floats | None = None  # (2,) from the outline of the body's top to its shadow
-        self._left = [light.contact]  # of the road's brightness, in each outline
+        self._fall_m: Floats | None = None  # (2,) offset of the top's shadow
+        self._brightness = [light.contact]  # remaining brightness in each outline
         if light.shadow < NO_SUN:
             self._fall_m = -light.sun[:2] / max(light.sun[2], 0.05) * FULLNESS * size[2]
-            self._left = [light.shadow, light.contact]
+            self._brightness = [light.shadow, light.contact]
         self._pose: Floats = np.full(3, np.nan)
         self._outlines: Floats = np.empty((0, 4, 3))
 
     def paint(self, frame: Image, view: View, pose: Floats) -> None:
-        """Darken the ground where the body at a pose (x, y, heading) keeps the light off."""
+        """Darken the ground under an object at a pose (x, y, heading)."""
         distance = float(np.hypot(*(pose[:2] - view.centre[:2]).tolist()))
         if distance > RANGE_M:
             return
         if not is_same(pose, self._pose):
             self._pose, self._outlines = pose, self._cast(pose)
         full = min(1.0, (RANGE_M - distance) / (RANGE_M - FADED_IN_M))
-        values = [255.0 - full * 255.0 * (1.0 - share) for share in self._left]
+        values = [255.0 - full * 255.0 * (1.0 - share) for share in self._brightness]
         points = view.camera_axes(self._outlines)
         if points[..., 2].min() <= NEAR_M:
             shown = np.flatnonzero((points[..., 2] > NEAR_M).any(axis=1))
@@ -45,7 +45,7 @@ class Shadow:
             _darken(frame, view.pixels(points), values)
 
     def _cast(self, pose: Floats) -> Floats:
-        """(n, V, 3) outlines on the road, the lightest first; the last corner of the shorter is repeated."""
+        """(n, V, 3) outlines on the road, the lightest first; padded by their last corner."""
         length, width, _ = self._size
         outlines = [footprint(pose, 0.97 * length, 0.9 * width)]
         if self._fall_m is not None:
@@ -60,7 +60,7 @@ class Shadow:
 
 
 def _darken(frame: Image, polygons: Floats, values: list[float]) -> None:
-    """Multiply the picture within polygons (n, V, 2) by values of 255, each where it lies over those before it."""
+    """Multiply the image within polygons (n, V, 2) by values of 255; later polygons override."""
     box = _box(polygons.reshape(-1, 2), frame.shape)
     if box is None:
         return
@@ -76,7 +76,7 @@ def _darken(frame: Image, polygons: Floats, values: list[float]) -> None:
 
 
 def _box(points: Floats, shape: tuple[int, ...]) -> Box | None:
-    """The pixels that a blurred polygon with these corners may touch, within the picture; None if there are none."""
+    """Bounding box of a blurred polygon, clipped to the image; None if empty."""
     (left, top), (right, bottom) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
     x0, y0 = max(int(left) - 2, 0), max(int(top) - 2, 0)
     x1, y1 = min(int(right) + 4, shape[1]), min(int(bottom) + 4, shape[0])

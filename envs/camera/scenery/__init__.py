@@ -1,0 +1,1 @@
+"""Everything that rises from the ground: objects, road furniture, trees."""

@@ -1,1 +1,0 @@
-"""What stands up from the ground: bodies, furniture of the road, trees."""
