@@ -63,8 +63,8 @@ class Source:
             return plausible.within_limits(values, name, where, self.notes, refuses=kind == "recorded")
         if kind != "recorded":
             return values
-        places_m = plausible.reachable(self.times_s, values[:, :2], where, self.notes)
-        return np.column_stack([places_m, values[:, 2:]])
+        positions_m = plausible.reachable(self.times_s, values[:, :2], where, self.notes)
+        return np.column_stack([positions_m, values[:, 2:]])
 
     def put(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> None:
         """Store a signal and its origin, with impossible values removed; nothing if no value is known."""
@@ -131,8 +131,8 @@ def recording(source: Source) -> Recording:
     _commands(source)
     if "poses" not in source.signals:
         speed, rate = source.signals["speed_mps"], source.signals["yaw_rate_radps"]
-        way = derived.travelled(source.times_s, speed, rate, source.camera_ahead_m)
-        source.derive("poses", way, "from speed and yaw rate: dead reckoning", "speed_mps", "yaw_rate_radps")
+        path = derived.travelled(source.times_s, speed, rate, source.camera_ahead_m)
+        source.derive("poses", path, "from speed and yaw rate: dead reckoning", "speed_mps", "yaw_rate_radps")
     recorded = {name for name, origin in source.origins.items() if origin.kind == "recorded"}
     if "poses" in recorded and source.heading_recorded:
         recorded.add("heading")
@@ -199,14 +199,14 @@ def _height_by_lanes(source: Source) -> float:
 def _describe_mounting(source: Source, own: calibrate.FlowCalibration) -> None:
     origin = source.origins.get("camera", Origin("recorded"))
     named = (("down", own.pitch), ("right", own.yaw))
-    parts = [origin.how, *(_angle_text(way, one) for way, one in named)]
+    parts = [origin.how, *(_angle_text(side, one) for side, one in named)]
     source.origins["camera"] = Origin(origin.kind, "; ".join(part for part in parts if part))
 
 
-def _angle_text(way: str, found: Angle) -> str:
+def _angle_text(side: str, found: Angle) -> str:
     value, half = np.degrees([found.rad, found.half_width_rad])
-    interval = f"{value - half:.1f} to {value + half:.1f} deg {way} by {found.seconds:.1f} s of straight road"
-    return f"looks {interval}" if found.is_used else f"assumed to look 0 deg {way}: the images give {interval}"
+    interval = f"{value - half:.1f} to {value + half:.1f} deg {side} by {found.seconds:.1f} s of straight road"
+    return f"looks {interval}" if found.is_used else f"assumed to look 0 deg {side}: the images give {interval}"
 
 
 def _motion_from_flow(source: Source, own: calibrate.FlowCalibration) -> None:

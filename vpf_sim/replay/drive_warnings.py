@@ -35,7 +35,7 @@ def collect(
     """
     found = [_lens(recording), _mounting(recording), _speed(recording, lane_widths_m)]
     found += [_share("flow", record["perception"]["foe"]["share"], "the last prediction is held")]
-    found += [_share("lane", record["perception"]["road_found_share"], "course and speed are kept, unscored")]
+    found += [_share("lane", record["perception"]["road_found_share"], "course and speed are held, not scored")]
     found += [ARTEFACTS[name] for name in fixed_points.found()]
     return [warning for warning in found if warning is not None]
 

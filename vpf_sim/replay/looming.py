@@ -91,13 +91,13 @@ class LoomingTracker:
         height, width = image.shape
         left, right = (int(np.clip(edge, 0, width)) for edge in (box[0], box[2]))
         top, bottom = (int(np.clip(edge, 0, height)) for edge in (box[1], box[3]))
-        wanted = CORNERS - len(self._age)
-        if wanted <= 0 or right - left < WINDOW_PX or bottom - top < WINDOW_PX:
+        missing = CORNERS - len(self._age)
+        if missing <= 0 or right - left < WINDOW_PX or bottom - top < WINDOW_PX:
             return
         mask = np.full((bottom - top, right - left), 255, np.uint8)
         for x, y in self._trail[0]:
             cv2.circle(mask, (int(x) - left, int(y) - top), int(APART_PX), 0, -1)
-        found = cv2.goodFeaturesToTrack(image[top:bottom, left:right], wanted, QUALITY, APART_PX, mask=mask)
+        found = cv2.goodFeaturesToTrack(image[top:bottom, left:right], missing, QUALITY, APART_PX, mask=mask)
         if found is None:
             return
         corners = found.reshape(-1, 2) + np.array([left, top], np.float32)

@@ -68,21 +68,21 @@ class ModelVehicle:
         commands = []
         for i in range(count):
             recorded_yaw = float(interval.before[2]) + i * turned_rad
-            wanted = _later(reference, i * step_s)
-            commands.append(self._command(wanted, at, recorded_yaw + self.turn_rad, distance_m / step_s))
+            target = _later(reference, i * step_s)
+            commands.append(self._command(target, at, recorded_yaw + self.turn_rad, distance_m / step_s))
             self._move(commands[-1], distance_m, turned_rad, step_s)
         throttle, steering = np.mean([(command.throttle, command.steering) for command in commands], axis=0)
         return Command(float(throttle), float(steering))
 
-    def _command(self, wanted: Reference, at: Observation, yaw_rad: float, recorded_mps: float) -> Command:
+    def _command(self, target: Reference, at: Observation, yaw_rad: float, recorded_mps: float) -> Command:
         """Steering at the recorded speed, which moves it along; throttle at its own speed."""
 
         def observed(speed_mps: float) -> Observation:
             turn = speed_mps * sin(self._slip_rad()) / self._vehicle.l_r_m
             return Observation(at.image, at.time_s, at.x_m, at.y_m, wrap_angle(yaw_rad), speed_mps, turn, at.goal_m)
 
-        steering = self._lateral.command(observed(recorded_mps), wanted).steering
-        return Command(self._longitudinal.command(observed(self.speed_mps), wanted).throttle, steering)
+        steering = self._lateral.command(observed(recorded_mps), target).steering
+        return Command(self._longitudinal.command(observed(self.speed_mps), target).throttle, steering)
 
     def _slip_rad(self) -> float:
         vehicle = self._vehicle

@@ -73,11 +73,11 @@ class Location:
 
     source: str  # path of the file
     column: str
-    places: Sequence[int] | None = None  # in the file; None: from 0
+    positions: Sequence[int] | None = None  # in the file; None: from 0
     unit: str = "row"  # of the positions
 
     def at(self, index: int) -> str:
-        return f"{self.unit} {index if self.places is None else self.places[index]}"
+        return f"{self.unit} {index if self.positions is None else self.positions[index]}"
 
     def __str__(self) -> str:
         return f"{self.source.rsplit('/', 1)[-1]}: {self.column}"
@@ -119,18 +119,18 @@ def check_key(name: str, value: float | None, limit: str = "") -> None:
         raise ValueError(f"{name}: expected {allowed.lowest:g} to {allowed.highest:g}, got {value:g}{hint}")
 
 
-def reachable(times_s: Floats, places_m: Floats, where: Location, notes: list[str]) -> Floats:
+def reachable(times_s: Floats, positions_m: Floats, where: Location, notes: list[str]) -> Floats:
     """(N, 2) positions, nan where no car can get in time; InputError if that is half of them."""
-    known = np.isfinite(places_m).all(axis=1) & np.isfinite(times_s)
-    possible = known & (np.abs(places_m) <= LIMITS["x_m"].highest).all(axis=1)
-    near = _connected(times_s, places_m, np.flatnonzero(possible))
+    known = np.isfinite(positions_m).all(axis=1) & np.isfinite(times_s)
+    possible = known & (np.abs(positions_m) <= LIMITS["x_m"].highest).all(axis=1)
+    near = _connected(times_s, positions_m, np.flatnonzero(possible))
     unreachable = known & ~near
-    result = np.where(near[:, None], places_m, np.nan)
+    result = np.where(near[:, None], positions_m, np.nan)
     if not unreachable.any() or not near.any():
         return result
     first, count = int(np.argmax(unreachable)), int(np.count_nonzero(unreachable))
     last = np.flatnonzero(near)[np.argmin(np.abs(np.flatnonzero(near) - first))]
-    off_km = float(np.hypot(*(places_m[first] - places_m[last]))) / 1e3
+    off_km = float(np.hypot(*(positions_m[first] - positions_m[last]))) / 1e3
     fault = f"{off_km:.3g} km from {where.at(int(last))} within {abs(times_s[first] - times_s[last]):.3g} s"
     if count > 0.5 * np.count_nonzero(known):
         raise InputError(
@@ -143,13 +143,13 @@ def reachable(times_s: Floats, places_m: Floats, where: Location, notes: list[st
     return result
 
 
-def _connected(times_s: Floats, places_m: Floats, known: NDArray[np.intp]) -> Bools:
+def _connected(times_s: Floats, positions_m: Floats, known: NDArray[np.intp]) -> Bools:
     """Which (N,) positions are connected: the longest run without a jump and all reachable from it."""
     result = np.zeros(len(times_s), np.bool_)
     result[known] = True
 
     def is_jump(one: int, other: int) -> bool:
-        far_m = float(np.hypot(*(places_m[other] - places_m[one])))
+        far_m = float(np.hypot(*(positions_m[other] - positions_m[one])))
         return far_m > LIMITS["speed_mps"].highest * abs(float(times_s[other] - times_s[one])) + JUMP_M
 
     order = [int(index) for index in known]

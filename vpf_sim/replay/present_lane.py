@@ -44,7 +44,7 @@ def present_lane(road: RoadEdges, found: bool) -> RoadEdges:
 
 
 def road_in_vehicle_frame(road: RoadEdges, right_m: float, turn_rad: float) -> RoadEdges:
-    """The edges from a vehicle `right_m` right of the pose and turned by `turn_rad`."""
+    """The edges from a vehicle `right_m` right of the pose and rotated by `turn_rad`."""
     return replace(
         road,
         left_m=road.left_m - right_m,
@@ -55,7 +55,7 @@ def road_in_vehicle_frame(road: RoadEdges, right_m: float, turn_rad: float) -> R
 
 
 def obstacles_in_vehicle_frame(obstacles: Obstacles, right_m: float, turn_rad: float) -> Obstacles:
-    """The obstacles from a vehicle `right_m` right of the pose and turned by `turn_rad`.
+    """The obstacles from a vehicle `right_m` right of the pose and rotated by `turn_rad`.
 
     Their faces stay perpendicular to its axis.
     """

@@ -86,8 +86,8 @@ def _support(ballots: Floats, at_rest: bool) -> Floats:
         return np.where(GRID_MPS < 0.5 * LEAST_SPEED_MPS, 0.0, np.log(UNLIKELY_REST))
     if not len(ballots):
         return np.zeros(len(GRID_MPS))
-    _, place, weight = ballots.T
-    near = (np.log(np.maximum(GRID_MPS, 0.5 * LEAST_SPEED_MPS))[:, None] - np.log(place)) / WIDTH
+    _, voted_mps, weight = ballots.T
+    near = (np.log(np.maximum(GRID_MPS, 0.5 * LEAST_SPEED_MPS))[:, None] - np.log(voted_mps)) / WIDTH
     density = np.exp(-0.5 * near**2) @ weight / weight.sum()
     count: Floats = min(1.0, len(ballots) / LEAST_DENSE) * np.log(CLUTTER + (1.0 - CLUTTER) * density)
     return count
@@ -118,20 +118,20 @@ def _path(support: Floats) -> Integers:
     return path
 
 
-def _allow_jump(value: Floats, origin: Integers, place: int, worth: float) -> None:
-    """Replace values below `worth` by a jump from `place`."""
+def _allow_jump(value: Floats, origin: Integers, index: int, worth: float) -> None:
+    """Replace values below `worth` by a jump from the grid `index`."""
     less = value < worth
-    value[less], origin[less] = worth, place
+    value[less], origin[less] = worth, index
 
 
 def _mean(ballots: Floats, about_mps: float) -> float:
     """m/s, mean of the votes near a speed; that speed without votes."""
-    _, place, weight = ballots.T
-    near = weight * np.exp(-0.5 * (np.log(max(about_mps, 0.5 * LEAST_SPEED_MPS) / place) / WIDTH) ** 2)
+    _, voted_mps, weight = ballots.T
+    near = weight * np.exp(-0.5 * (np.log(max(about_mps, 0.5 * LEAST_SPEED_MPS) / voted_mps) / WIDTH) ** 2)
     total = float(near.sum())
     if not total > 0.01 * float(weight.sum()):
         return about_mps
-    return float(np.exp(np.sum(near * np.log(place)) / total))
+    return float(np.exp(np.sum(near * np.log(voted_mps)) / total))
 
 
 def _smoothed(values: Floats, weight: Floats) -> Floats:
