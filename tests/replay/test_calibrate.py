@@ -67,7 +67,7 @@ def test_speed_and_yaw_rate_follow_from_the_images(straight: list[Frame]) -> Non
 
 
 def test_bend_with_recorded_yaw_rate_gives_the_mounting(bend: list[Frame]) -> None:
-    """Where the flow comes from is yaw_rate apart from the turn of the picture."""
+    """The direction of travel is separated from the rotation of the image."""
     own = estimated(bend, np.full(FRAMES, SPEED_MPS), np.full(FRAMES, 0.25))
     assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
     assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.01)

@@ -1,4 +1,4 @@
-"""What a reader is found_warnings to doubt of a replayed drive."""
+"""Warnings about the reliability of a replayed drive."""
 
 from typing import Any
 

@@ -46,7 +46,7 @@ def place(stored: Path, tmp_path: Path) -> Path:
     return tmp_path / "place"
 
 
-def another_film(folder: Path) -> None:
+def another_video(folder: Path) -> None:
     layouts.video(folder / "cam" / "drive.mp4", [layouts.picture(k + 1) for k in range(layouts.FRAMES)])
 
 
@@ -62,7 +62,7 @@ def edited(name: str, old: str, new: str) -> Callable[[Path], None]:
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (another_film, "the drive 'my drive' changed: drive.mp4"),
+        (another_video, "the drive 'my drive' changed: drive.mp4"),
         (edited("drive.toml", "wheelbase_m = 2.6", "wheelbase_m = 2.9"), "the drive 'my drive' changed: drive.toml"),
         (edited("signals.csv", ",x\n", ",y\n"), "the drive 'my drive' changed: signals.csv"),
     ],

@@ -65,7 +65,7 @@ UNUSUAL = [standing_start, *(pytest.param(drive, marks=pytest.mark.slow) for dri
 
 
 def replayed(drive: Drive, folder: Path, capsys: pytest.CaptureFixture[str], known: slice = slice(None)) -> Any:
-    """Record and frames of a drive whose speed is rows_known at some of its frames."""
+    """Record and frames of a drive with a speed at some of its frames."""
     images, speed, rate_hz = drive
     folder.mkdir()
     layouts.video(folder / "drive.mp4", images, rate_hz)

@@ -54,10 +54,7 @@ class Source:
     bridged: dict[str, Bools] = field(default_factory=dict)  # (N,) by signal, where it is interpolated over a gap
 
     def checked(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> Floats:
-        """Values (M,) or (M, 3) with impossible ones replaced by nan.
-
-        They may be at times of their own or at the frames' times.
-        """
+        """Values (M,) or (M, 3) at any times, with impossible ones replaced by nan."""
         where = plausible.Location(self.name, f"{name} ({how})")
         if values.ndim == 1:
             return plausible.within_limits(values, name, where, self.notes, refuses=kind == "recorded")
@@ -74,10 +71,7 @@ class Source:
             self.origins[name] = Origin(kind, how)
 
     def derive(self, name: str, values: Floats, how: str, *inputs: str, within_s: float = 0.0) -> None:
-        """Store a signal computed from others, each value from theirs within `within_s`.
-
-        It counts as bridged where an input is.
-        """
+        """Store a signal computed from others within `within_s`; it is bridged where an input is."""
         self.put(name, values, how, "derived")
         if name in self.signals:
             image_flow = Origin("recorded", "the flow of the images")
@@ -101,10 +95,7 @@ def assumed_lens(width_px: int, height_px: int, field_of_view_rad: float = FIELD
 
 
 def recording(source: Source) -> Recording:
-    """The recording with all signals that are known or follow.
-
-    Raises InputError where there is neither a speed nor images to derive it from.
-    """
+    """The recording with all signals that are known or follow; InputError without any speed."""
     origin = source.origins.get("times_s")
     source.notes += plausible.frame_times(source.times_s, source.name, origin.how if origin else "")
     if not source.no_images:
@@ -328,10 +319,7 @@ def _check_sees_road(source: Source, lens: Lens, mounting: Mounting) -> None:
 
 
 def _truth(source: Source, camera: Camera) -> Floats | None:
-    """(N, 2) px, true focus of expansion in rectified frames; row k + 1 is the motion from k to k + 1.
-
-    It is in the axes halfway between the two frames.
-    """
+    """(N, 2) px, true focus of expansion in rectified frames, in the axes halfway from the frame before."""
     if source.directions_m is None or source.mounting is None:
         return None
     straight = rotation(replace(source.mounting, yaw_rad=0.0, roll_rad=0.0)).T @ rotation(source.mounting)

@@ -29,10 +29,7 @@ ARTEFACTS: dict[Artefact, DriveWarning] = {
 def collect(
     recording: Recording, record: dict[str, Any], fixed_points: CameraFixedPoints, lane_widths_m: Sequence[float]
 ) -> list[DriveWarning]:
-    """All warnings for a drive.
-
-    They come from its record, points that move with the camera, and the widths of detected lanes.
-    """
+    """All warnings for a drive, by its record, camera-fixed points and lane widths."""
     found = [_lens(recording), _mounting(recording), _speed(recording, lane_widths_m)]
     found += [_share("flow", record["perception"]["foe"]["share"], "the last prediction is held")]
     found += [_share("lane", record["perception"]["road_found_share"], "course and speed are held, not scored")]

@@ -135,10 +135,7 @@ def _decoded(content: bytes) -> NDArray[Any] | None:
 
 
 def _cut_off(content: bytes) -> bool:
-    """Whether the end of the image is missing, which decoders fill with grey.
-
-    Bytes after the end are allowed.
-    """
+    """Whether the end of the image is missing, which decoders fill with grey; bytes after it are allowed."""
     if content.startswith(JPEG):
         return END_OF_IMAGE not in content[max(0, content.rfind(LAST_SCAN)) :]
     return content.startswith(PNG) and LAST_CHUNK not in content

@@ -23,10 +23,7 @@ def has_obstacle_in_corridor(perception: Perception) -> bool:
 
 
 def persistent(detected: Floats, rate_hz: float) -> Floats:
-    """(N,) 1 where an obstacle was detected in half of the frames within PERSISTENCE_S, else 0.
-
-    It is nan for a driver without perception.
-    """
+    """(N,) 1 where half of the frames within PERSISTENCE_S have a detection, else 0; nan without perception."""
     if not np.isfinite(detected).any():
         return np.full(len(detected), nan)
     half = round(0.5 * PERSISTENCE_S * rate_hz)

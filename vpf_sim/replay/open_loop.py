@@ -186,10 +186,7 @@ def _hold_if_uncertain(decision: Decision, last: Decision, speed_mps: float) -> 
 
 
 def _images(recording: Recording, clock: Clock, faults: list[str]) -> Iterator[tuple[int, Image | None, float]]:
-    """Frame numbers, images (None for a gap) and the times, s, at which they were taken.
-
-    A recording without images yields empty ones.
-    """
+    """Frame numbers, images (None for a gap, empty without images), and their times, s."""
     if recording.no_images:
         yield from ((k, NO_IMAGE, float(recording.times_s[k])) for k in range(len(recording)))
         return

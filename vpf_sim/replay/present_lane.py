@@ -55,10 +55,7 @@ def road_in_vehicle_frame(road: RoadEdges, right_m: float, turn_rad: float) -> R
 
 
 def obstacles_in_vehicle_frame(obstacles: Obstacles, right_m: float, turn_rad: float) -> Obstacles:
-    """The obstacles from a vehicle `right_m` right of the pose and rotated by `turn_rad`.
-
-    Their faces stay perpendicular to its axis.
-    """
+    """The obstacles from the same vehicle; their faces stay perpendicular to its axis."""
 
     def turned(forward: Floats, right: Floats) -> tuple[Floats, Floats]:
         cosine, sine = np.cos(turn_rad), np.sin(turn_rad)

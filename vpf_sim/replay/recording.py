@@ -27,10 +27,7 @@ class Origin:
 
     @classmethod
     def derived_from(cls, how: str, inputs: "Mapping[str, Origin]") -> "Origin":
-        """Origin of a signal computed from others: assumed if one of them is, else derived.
-
-        Assumed scales of camera and clock are no signals; `how` names them.
-        """
+        """Origin of a signal computed from others: assumed if one of them is, else derived."""
         guessed = [name for name, origin in inputs.items() if origin.kind == "assumed"]
         assumed = "".join(f"; {name} is assumed" for name in guessed)
         every = frozenset(inputs).union(*(origin.inputs for origin in inputs.values()))
