@@ -96,9 +96,8 @@ def _support(ballots: Floats, at_rest: bool) -> Floats:
 def _path(support: Floats) -> Integers:
     """(K,) grid indices of the likeliest path through K knots (K, S), within the limits of a car."""
     gains = np.arange(-int(MOST_LOSS_MPS2 * KNOT_S / STEP_MPS), int(MOST_GAIN_MPS2 * KNOT_S / STEP_MPS) + 1)
-    unlikely = (
-        0.5 * (gains * STEP_MPS / (USUAL_MPS2 * KNOT_S)) ** 2 * KNOT_S / WINDOW_S
-    )  # for a window, since knots share its votes
+    # The cost is that of a window, since knots share its votes.
+    unlikely = 0.5 * (gains * STEP_MPS / (USUAL_MPS2 * KNOT_S)) ** 2 * KNOT_S / WINDOW_S
     size, reach = support.shape[1], int(max(-gains[0], gains[-1]))
     came = np.zeros(support.shape, np.int64)
     best = support[0]
