@@ -1,7 +1,7 @@
-"""The commands of the docs, page by page: each one is understood, and all run from top to bottom as they are printed.
+"""Each command in the docs parses, and those of a page run from top to bottom as printed.
 
-The reader's part is played here: the film, the second drive and the driver that a page asks for are made, and files
-that a page shows are written where it says.
+The test plays the reader: it makes the video, the second drive and the driver that a page needs, and writes the files
+that a page shows.
 """
 
 import os
@@ -85,8 +85,8 @@ def test_drive_toml_as_printed_is_one() -> None:
             assert drive.signals.columns
 
 
-def film(path: Path) -> None:
-    """Two seconds and a half of a drive straight ahead."""
+def record_video(path: Path) -> None:
+    """Write 2.5 s of straight driving."""
     images, _ = rendered.shots(float("inf"), 2, 0.0, None, rendered.FRAMES)
     path.parent.mkdir(parents=True)
     layouts.video(path, list(images), rendered.RATE_HZ)
@@ -123,8 +123,8 @@ def wait_for_scheduler() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_runs_from_top_to_bottom_as_printed(page: str, tmp_path: Path) -> None:
-    film(tmp_path / "my_drive" / "drive.mp4")
-    film(tmp_path / "home_to_work" / "drive.mp4")
+    record_video(tmp_path / "my_drive" / "drive.mp4")
+    record_video(tmp_path / "home_to_work" / "drive.mp4")
     (tmp_path / "my_package").mkdir()
     (tmp_path / "my_package" / "driver.py").write_text(DRIVER)
     shutil.copy(DOCS / "rules.toml", tmp_path)

@@ -1,4 +1,4 @@
-"""A camera of unknown mounting finds it on a drawn street, and speed and turn where none is recorded."""
+"""Estimates of mounting, speed and yaw rate on a drawn street."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -21,7 +21,7 @@ TIMES_S = np.arange(FRAMES) / RATE_HZ
 
 
 def drive(yaw_rate_radps: float) -> list[Frame]:
-    """What the camera sees of the street on an arc; it lies where the car's axle is."""
+    """Frames of the street on an arc, from a camera at the car's axle."""
     frames = []
     place, yaw = np.zeros(3), 0.0
     for k in range(FRAMES):
@@ -44,72 +44,74 @@ def bend() -> list[Frame]:
     return drive(0.25)
 
 
-def looked(frames: list[Frame], speed_mps: Floats | None, yaw_rate_radps: Floats | None) -> calibrate.OwnWay:
+def estimated(
+    frames: list[Frame], speed_mps: Floats | None, yaw_rate_radps: Floats | None
+) -> calibrate.FlowCalibration:
     camera, _ = rectify.rectified(LENS, Mounting(height_m=street.CAMERA_HEIGHT_M))
-    return calibrate.look(iter(frames), camera, TIMES_S, speed_mps, yaw_rate_radps)
+    return calibrate.estimate(iter(frames), camera, TIMES_S, speed_mps, yaw_rate_radps)
 
 
-def test_the_mounting_is_found_with_and_without_recorded_motion(straight: list[Frame]) -> None:
-    for told in (None, np.zeros(FRAMES)):
-        own = looked(straight, None if told is None else told + SPEED_MPS, told)
-        assert own.looks > 10
+def test_mounting_is_estimated_with_and_without_recorded_motion(straight: list[Frame]) -> None:
+    for yaw_rate in (None, np.zeros(FRAMES)):
+        own = estimated(straight, None if yaw_rate is None else yaw_rate + SPEED_MPS, yaw_rate)
+        assert own.observations > 10
         assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.006)
         assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.006)
         assert own.mounting.height_m == street.CAMERA_HEIGHT_M
 
 
-def test_speed_and_turn_are_told_by_the_pictures(straight: list[Frame]) -> None:
-    own = looked(straight, None, None)
+def test_speed_and_yaw_rate_follow_from_the_images(straight: list[Frame]) -> None:
+    own = estimated(straight, None, None)
     assert np.nanmedian(own.speed_mps) == pytest.approx(SPEED_MPS, rel=0.08)
     assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.0, abs=0.01)
 
 
-def test_a_bend_tells_the_mounting_where_the_turn_was_recorded(bend: list[Frame]) -> None:
-    """Where the flow comes from is told apart from the turn of the picture."""
-    own = looked(bend, np.full(FRAMES, SPEED_MPS), np.full(FRAMES, 0.25))
+def test_bend_with_recorded_yaw_rate_gives_the_mounting(bend: list[Frame]) -> None:
+    """The direction of travel is separated from the rotation of the image."""
+    own = estimated(bend, np.full(FRAMES, SPEED_MPS), np.full(FRAMES, 0.25))
     assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
     assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=0.01)
     assert np.nanmedian(own.yaw_rate_radps) == pytest.approx(0.25, abs=0.02)
 
 
-def test_a_short_bend_of_unknown_turn_tells_no_yaw(bend: list[Frame]) -> None:
-    """A turn and a direction to the side look much the same: no straight way, no yaw."""
-    own = looked(bend, np.full(FRAMES, SPEED_MPS), None)
+def test_short_bend_without_yaw_rate_gives_no_yaw(bend: list[Frame]) -> None:
+    """A turn looks like a sideways direction, so without straight road there is no yaw."""
+    own = estimated(bend, np.full(FRAMES, SPEED_MPS), None)
     assert not own.yaw.is_used
     assert own.mounting.yaw_rad == 0.0
     assert own.yaw.seconds == 0.0
     assert own.mounting.pitch_rad == pytest.approx(0.06, abs=0.01)
 
 
-def test_the_interval_holds_the_mounting(straight: list[Frame]) -> None:
-    own = looked(straight, None, None)
+def test_interval_contains_the_mounting(straight: list[Frame]) -> None:
+    own = estimated(straight, None, None)
     assert own.pitch.is_used
     assert own.yaw.is_used
     assert abs(own.pitch.rad - 0.06) < own.pitch.half_width_rad
     assert abs(own.yaw.rad + 0.05) < own.yaw.half_width_rad
 
 
-def test_a_camera_before_the_axle_moves_outward_in_a_bend(bend: list[Frame]) -> None:
-    """The same pictures, of a camera that is taken to sit 2 m before it: then it must look that much to the inside."""
+def test_camera_ahead_of_axle_moves_outward_in_a_bend(bend: list[Frame]) -> None:
+    """For a camera assumed 2 m before the axle, the same images mean a yaw to the inside."""
     camera, _ = rectify.rectified(LENS, Mounting(height_m=street.CAMERA_HEIGHT_M))
     motion = (np.full(FRAMES, SPEED_MPS), np.full(FRAMES, 0.25))
-    there, before = (calibrate.look(iter(bend), camera, TIMES_S, *motion, ahead_m) for ahead_m in (0.0, 2.0))
+    there, before = (calibrate.estimate(iter(bend), camera, TIMES_S, *motion, ahead_m) for ahead_m in (0.0, 2.0))
     assert before.mounting.yaw_rad - there.mounting.yaw_rad == pytest.approx(2.0 * 0.25 / SPEED_MPS, abs=0.005)
 
 
-def test_gaps_and_a_car_that_stands_are_left_out(straight: list[Frame]) -> None:
+def test_gaps_and_standstill_are_ignored(straight: list[Frame]) -> None:
     def with_gaps() -> Iterator[Frame]:
         return (replace(frame, image=None) if frame.index % 7 == 3 else frame for frame in straight)
 
     camera, _ = rectify.rectified(LENS, Mounting())
-    own = calibrate.look(with_gaps(), camera, TIMES_S, np.full(FRAMES, SPEED_MPS), np.zeros(FRAMES))
-    assert own.looks > 10
-    standing = calibrate.look(iter(straight), camera, TIMES_S, np.zeros(FRAMES), np.zeros(FRAMES))
-    assert standing.looks == 0
+    own = calibrate.estimate(with_gaps(), camera, TIMES_S, np.full(FRAMES, SPEED_MPS), np.zeros(FRAMES))
+    assert own.observations > 10
+    standing = calibrate.estimate(iter(straight), camera, TIMES_S, np.zeros(FRAMES), np.zeros(FRAMES))
+    assert standing.observations == 0
 
 
-def test_a_car_that_stops_is_told_to_stand(straight: list[Frame]) -> None:
-    """Where no road comes nearer there is no speed to interpolate."""
+def test_stopped_car_has_zero_speed(straight: list[Frame]) -> None:
+    """Without road flow there is no speed to interpolate."""
     noise = stream(0, "noise of a camera that stands")
     stays = [
         Frame(FRAMES + k, np.clip(straight[-1].image + noise.normal(0.0, 1.0, (240, 400, 1)), 0, 255).astype(np.uint8))
@@ -118,7 +120,7 @@ def test_a_car_that_stops_is_told_to_stand(straight: list[Frame]) -> None:
     ]
     times = np.arange(FRAMES + 20) / RATE_HZ
     camera, _ = rectify.rectified(LENS, Mounting(height_m=street.CAMERA_HEIGHT_M))
-    own = calibrate.look(iter([*straight, *stays]), camera, times, None, None)
+    own = calibrate.estimate(iter([*straight, *stays]), camera, times, None, None)
     assert np.nanmedian(own.speed_mps[:FRAMES]) == pytest.approx(SPEED_MPS, rel=0.08)
     assert own.speed_mps[-12:] == pytest.approx(np.zeros(12))
     assert own.yaw_rate_radps[-12:] == pytest.approx(np.zeros(12))

@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
-from vpf_sim.replay import derived, places, series
+from vpf_sim.replay import derived, gps, series
 from vpf_sim.types import VehicleModel
 
 RANDOM_GAPS = np.cumsum(np.tile([0.03, 0.05, 0.04, 0.033, 0.067], 30))
 
 
-def test_a_slope_is_exact_for_a_steady_acceleration_whatever_the_times() -> None:
+def test_slope_is_exact_for_constant_acceleration_at_uneven_times() -> None:
     speed = 3.0 + 0.7 * RANDOM_GAPS + 0.2 * RANDOM_GAPS**2
     assert derived.slope(RANDOM_GAPS, speed)[20:-20] == pytest.approx((0.7 + 0.4 * RANDOM_GAPS)[20:-20], abs=5e-3)
     assert derived.slope(RANDOM_GAPS, speed) == pytest.approx(0.7 + 0.4 * RANDOM_GAPS, abs=0.02)
     assert derived.slope(np.array([0.0, 0.1]), np.array([1.0, 1.2])) == pytest.approx([2.0, 2.0])
 
 
-def test_a_circle_to_the_right_is_driven_to_the_right() -> None:
-    """Speed and yaw rate to poses and back; the camera ahead of the axle goes round on a larger circle."""
+def test_right_circle_has_positive_yaw_rate() -> None:
+    """Speed and yaw rate to poses and back; the camera ahead of the axle is on a larger circle."""
     speed, rate = np.full(150, 10.0), np.full(150, 0.25)
     poses = derived.travelled(RANDOM_GAPS, speed, rate)
     turned = 0.25 * (RANDOM_GAPS - RANDOM_GAPS[0])
@@ -31,14 +31,14 @@ def test_a_circle_to_the_right_is_driven_to_the_right() -> None:
     assert radius == pytest.approx(np.full(150, np.hypot(40.0, 1.5)), abs=1e-3)
 
 
-def test_steering_is_the_inverse_of_the_bicycle() -> None:
+def test_steering_inverts_the_bicycle_model() -> None:
     angle = np.radians([-30.0, -2.0, 0.0, 5.0, 40.0])
     rate = 8.0 * np.tan(angle) / 2.7
     assert derived.steering(np.full(5, 8.0), rate, 2.7) == pytest.approx(angle)
     assert np.isnan(derived.steering(np.array([0.0, 0.9]), np.array([0.0, 0.1]), 2.7)).all()
 
 
-def test_throttle_and_brake_have_scales_of_their_own() -> None:
+def test_throttle_and_brake_have_their_own_scales() -> None:
     assert derived.throttle(np.array([3.0, 1.5, 0.0, -3.0, -9.0])) == pytest.approx([1.0, 0.5, 0.0, -0.5, -1.0])
     assert derived.throttle(np.array([1.0]), VehicleModel(full_throttle_mps2=2.0)) == pytest.approx([0.5])
 
@@ -54,19 +54,19 @@ def test_signals_are_interpolated_but_not_over_gaps() -> None:
     assert np.isnan(series.at(asked, times, np.full(5, np.nan))).all()
 
 
-def test_the_course_turns_right_from_north_and_stays_while_the_car_stands() -> None:
+def test_course_is_clockwise_from_north_and_held_at_standstill() -> None:
     times = np.arange(0.0, 20.0, 0.1)
-    along = np.clip(times - 5.0, 0.0, 10.0) * 4.0  # stands, drives, stands
+    along = np.clip(times - 5.0, 0.0, 10.0) * 4.0  # standstill, drive, standstill
     flat = np.stack([along * np.cos(0.6), along * np.sin(0.6)], axis=1)  # north, east
-    course = places.course(times, flat)
+    course = gps.course(times, flat)
     assert course == pytest.approx(np.full(len(times), 0.6), abs=1e-6)
-    way = places.way(flat, course)
+    way = gps.poses(flat, course)
     assert way[-1] == pytest.approx([40.0, 0.0, 0.0], abs=1e-6)
-    assert places.way(flat, np.zeros(len(times)))[-1, 1] > 0.0  # east of north is to the right
+    assert gps.poses(flat, np.zeros(len(times)))[-1, 1] > 0.0  # east of north is to the right
 
 
-def test_a_degree_north_is_111_km() -> None:
-    flat = places.north_east(np.array([0.0, 1.0]), np.array([8.0, 8.0]))
+def test_one_degree_north_is_111_km() -> None:
+    flat = gps.north_east(np.array([0.0, 1.0]), np.array([8.0, 8.0]))
     assert flat[1, 0] == pytest.approx(111_320.0, rel=1e-3)
-    flat = places.north_east(np.array([60.0, 60.0]), np.array([8.0, 9.0]))
+    flat = gps.north_east(np.array([60.0, 60.0]), np.array([8.0, 9.0]))
     assert flat[1] == pytest.approx([0.0, 55_660.0], rel=1e-3)

@@ -1,4 +1,4 @@
-"""The recorded drives of the shared folder: their pictures measured, and laid out as streets of ours."""
+"""The recorded drives of the shared folder: image statistics, and rendered copies of their streets."""
 
 import os
 from pathlib import Path
@@ -26,20 +26,20 @@ KNOWN = {
 
 
 def greys(recording: Recording) -> list[Image]:
-    """Its frames, as they are measured."""
+    """The measured frames of a drive."""
     return [scaled_grey(frame.image) for frame in recording.frames() if frame.image is not None]
 
 
 @needs_drives
 @pytest.mark.parametrize("name", ["kitti_vo_seq1", "radiate_fog"])
-def test_the_numbers_of_a_drive_are_those_measured_before(name: str) -> None:
+def test_drive_statistics_match_earlier_measurements(name: str) -> None:
     seen = measure(greys(readers.read(DRIVES / name)), every=8)
     for key, ratio in seen.ratio(FrameStatistics(*KNOWN[name])).items():
         assert ratio == pytest.approx(1.0, abs=0.3), key
 
 
 @pytest.mark.parametrize("name", lookalike.STREETS)
-def test_a_street_is_laid_out_from_where_the_drive_starts(name: str) -> None:
+def test_street_starts_at_the_start_of_the_drive(name: str) -> None:
     street = lookalike.STREETS[name]
     scenario = street.scenario()
     assert name in KNOWN
@@ -48,13 +48,13 @@ def test_a_street_is_laid_out_from_where_the_drive_starts(name: str) -> None:
     assert drive.path.offset_m(0.0) == scenario.road.lane_offset_m(street.lane)
 
 
-def test_frames_of_an_odd_width_are_rendered_without_their_last_column() -> None:
+def test_odd_width_frames_lose_their_last_column() -> None:
     drive = lookalike.STREETS["carnd_highway"].drive(Camera(width_px=161, height_px=91), 25.0, 25.0)
     (shot,) = drive.shots(lookalike.STREETS["carnd_highway"].sky(), 0, 1)
     assert shot.image.shape == (91, 160, 3)
 
 
-def test_a_drive_along_a_street_keeps_its_speed() -> None:
+def test_drive_along_a_street_keeps_its_speed() -> None:
     street = lookalike.STREETS["carnd_highway"]
     drive = street.drive(Camera(), 25.0, 25.0)
     places = np.array([shot.pose[:2] for shot in drive.shots(street.sky(), 0, 3)])

@@ -1,4 +1,4 @@
-"""Tables whose paths are those of the machine that recorded: the pictures lie beside the table."""
+"""Tables with paths of the recording machine; the images are beside the table."""
 
 import shutil
 from collections.abc import Callable
@@ -33,35 +33,35 @@ def table(names: list[str], column: str) -> str:
 
 
 @pytest.mark.parametrize("written", WRITTEN)
-def test_paths_are_resolved_beside_the_table(written: str, tmp_path: Path) -> None:
+def test_paths_are_resolved_relative_to_the_table(written: str, tmp_path: Path) -> None:
     paths = [f"center/{stamp}.jpg" for stamp in STAMPS]
     layouts.pictures(tmp_path / "center", [Path(path).name for path in paths])
-    found = foreign_paths.all_beside(tmp_path, [WRITTEN[written](path) for path in paths], [".jpg"])
+    found = foreign_paths.resolve_all(tmp_path, [WRITTEN[written](path) for path in paths], [".jpg"])
     assert [file.resolve() for file in found] == [(tmp_path / path).resolve() for path in paths]
 
 
-def test_a_picture_in_another_folder_is_found_by_its_name_if_there_is_only_one(tmp_path: Path) -> None:
+def test_image_in_another_folder_is_found_by_unique_name(tmp_path: Path) -> None:
     layouts.pictures(tmp_path / "moved" / "here", ["1.jpg", "2.jpg"])
     layouts.pictures(tmp_path / "copies", ["2.jpg"])
-    found = foreign_paths.all_beside(tmp_path, ["/home/other/center/1.jpg", "/home/other/center/2.jpg"], [".jpg"])
+    found = foreign_paths.resolve_all(tmp_path, ["/home/other/center/1.jpg", "/home/other/center/2.jpg"], [".jpg"])
     assert found == [tmp_path / "moved/here/1.jpg", tmp_path / "center/2.jpg"]
 
 
 @pytest.mark.parametrize("path", ["", "/", "\\", "..", "../..", "C:", "\x00", "a" * 300, "x/../../../etc/hostname"])
-def test_no_path_of_a_table_is_a_fault(path: str, tmp_path: Path) -> None:
-    foreign_paths.beside(tmp_path, path)
-    assert foreign_paths.all_beside(tmp_path, [path], [".jpg"])
+def test_odd_paths_in_a_table_do_not_raise(path: str, tmp_path: Path) -> None:
+    foreign_paths.resolve(tmp_path, path)
+    assert foreign_paths.resolve_all(tmp_path, [path], [".jpg"])
 
 
-def test_missing_pictures_of_another_machine_are_told_and_the_signals_read(tmp_path: Path) -> None:
+def test_missing_images_are_reported_and_signals_read(tmp_path: Path) -> None:
     names = [f"/home/other/center/{stamp}.jpg" for stamp in STAMPS]
     (tmp_path / "interpolated.csv").write_text(table(names, "filename").replace(",lat,long", ",a,b"))
     recording = readers.read(tmp_path)
-    assert f"6 of 6 pictures are missing, the first is center/{STAMPS[0]}.jpg" in recording.no_images
+    assert f"6 of 6 images are missing, the first is center/{STAMPS[0]}.jpg" in recording.no_images
     assert recording.speed_mps == pytest.approx(np.full(6, 8.0))
 
 
-def test_pictures_of_a_general_table_go_by_their_names(tmp_path: Path) -> None:
+def test_images_of_a_general_table_match_by_file_name(tmp_path: Path) -> None:
     names = [f"f{k}.png" for k in range(6)]
     layouts.pictures(tmp_path / "frames", names)
     (tmp_path / "drive.toml").write_text(
@@ -76,7 +76,7 @@ def test_pictures_of_a_general_table_go_by_their_names(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"expected one row for f3\.png, found lines 5 and 8"):
         readers.read(tmp_path)
     (tmp_path / "signals.csv").write_text(text + "\nC:\\data\\frames\\f6.png,0.3,14,0.0")
-    assert "signals.csv: 1 of 7 pictures are missing, the first is f6.png" in readers.read(tmp_path).notes
+    assert "signals.csv: 1 of 7 images are missing, the first is f6.png" in readers.read(tmp_path).notes
     shutil.rmtree(tmp_path / "frames")
-    with pytest.raises(InputError, match="expected a video or a folder of pictures, found no"):
+    with pytest.raises(InputError, match="expected a video or a folder of images, found no"):
         readers.read(tmp_path)

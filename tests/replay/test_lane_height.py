@@ -1,4 +1,4 @@
-"""How high a camera hangs, by the lanes of a road that we rendered."""
+"""Camera height by the lanes of a rendered road."""
 
 from dataclasses import replace
 
@@ -14,21 +14,21 @@ CONFIG = RoadEdgeConfig()
 
 
 @pytest.mark.parametrize("believed_m", [1.0, 2.0])
-def test_lanes_tell_the_height_whatever_was_believed(believed_m: float) -> None:
+def test_height_by_lanes_is_independent_of_the_assumed_height(believed_m: float) -> None:
     recording = rendered.recording(100.0)
     camera = replace(recording.camera, height_m=believed_m)
     found = lane_height.height_m(recording.frames(), camera, recording.times_s, CONFIG)
     assert found == pytest.approx(rendered.CAMERA.height_m, rel=0.03)
 
 
-def test_a_picture_without_lanes_tells_nothing() -> None:
+def test_image_without_lanes_gives_no_height() -> None:
     recording = rendered.recording(np.inf)
     noise = np.random.default_rng(1).integers(0, 255, (480, 640, 3)).astype(np.uint8)
     grain = [Frame(k, np.roll(noise, 7 * k, axis=1)) for k in range(len(recording))]
     assert lane_height.height_m(iter(grain), recording.camera, recording.times_s, CONFIG) is None
 
 
-def test_neither_does_a_drive_of_gaps() -> None:
+def test_drive_of_gaps_gives_no_height() -> None:
     recording = rendered.recording(np.inf)
     gaps = iter([Frame(k, None, "lost") for k in range(len(recording))])
     assert lane_height.height_m(gaps, recording.camera, recording.times_s, CONFIG) is None

@@ -1,4 +1,4 @@
-"""A picture of a body that grows by a known rate."""
+"""Images of an object with a known expansion rate."""
 
 from math import inf, isnan
 
@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.replay.looming import Box, Contact, GrowthConfig, GrowthTracker
+from vpf_sim.replay.looming import Box, Contact, LoomingConfig, LoomingTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
@@ -20,24 +20,24 @@ def texture(name: str) -> Image:
 
 
 def frame(distance_m: float, aside_px: float, foreign: float = 0.0) -> tuple[Image, Box]:
-    """(320, 480) a square body, sharp at any distance, before a grey wall; in part of it stands a still picture."""
+    """(320, 480) a square object, sharp at any distance, on grey; part of it is a still reflection."""
     size = FOCAL * WIDTH_M / distance_m
     left, top = 240.0 + aside_px - 0.5 * size, 160.0 - 0.5 * size
     matrix = np.array([[size / 240.0, 0.0, left], [0.0, size / 240.0, top]])
-    picture = cv2.warpAffine(texture("body"), matrix, (480, 320), flags=cv2.INTER_AREA, borderValue=100.0)
+    drawn = cv2.warpAffine(texture("body"), matrix, (480, 320), flags=cv2.INTER_AREA, borderValue=100.0)
     rows = int(foreign * size)
     if rows:
         y, x = int(top) + 8, int(left) + 8
         width = int(size) - 16
-        picture[y : y + rows, x : x + width] = texture("pane")[:rows, :width]
+        drawn[y : y + rows, x : x + width] = texture("pane")[:rows, :width]
     noise = stream(int(1000 * distance_m), "noise").normal(0.0, 1.0, (320, 480))
-    seen = np.clip(picture.astype(float) + noise, 0, 255).astype(np.uint8)
-    return seen, (left, top, left + size, top + size)
+    noisy = np.clip(drawn.astype(float) + noise, 0, 255).astype(np.uint8)
+    return noisy, (left, top, left + size, top + size)
 
 
 def drive(closing_mps: float, frames: int = 16, foreign: float = 0.0, drift_px: float = 0.0) -> tuple[Contact, float]:
     """The last contact, and the distance then."""
-    tracker = GrowthTracker(GrowthConfig(), RATE_HZ)
+    tracker = LoomingTracker(LoomingConfig(), RATE_HZ)
     for k in range(frames):
         distance = 8.0 - closing_mps * k / RATE_HZ
         contact = tracker.update(*frame(distance, drift_px * k, foreign))
@@ -46,27 +46,27 @@ def drive(closing_mps: float, frames: int = 16, foreign: float = 0.0, drift_px: 
 
 @pytest.mark.parametrize("closing_mps", [0.5, 1.0, 4.0])
 @pytest.mark.parametrize("drift_px", [0.0, 1.3])
-def test_the_time_is_distance_over_closing_speed(closing_mps: float, drift_px: float) -> None:
+def test_ttc_is_distance_over_closing_speed(closing_mps: float, drift_px: float) -> None:
     contact, distance = drive(closing_mps, drift_px=drift_px)
     assert contact.ttc_s == pytest.approx(distance / closing_mps, rel=0.12)
     assert contact.points >= 20
 
 
-def test_what_shines_in_a_pane_does_not_mislead() -> None:
+def test_reflections_are_outliers() -> None:
     contact, distance = drive(1.0, foreign=0.3)
     assert contact.ttc_s == pytest.approx(distance, rel=0.15)
 
 
 @pytest.mark.parametrize("closing_mps", [0.0, -1.0])
-def test_what_keeps_its_distance_or_leaves_is_no_alarm(closing_mps: float) -> None:
+def test_constant_or_growing_distance_has_infinite_ttc(closing_mps: float) -> None:
     contact, _ = drive(closing_mps)
     assert contact.ttc_s == inf
-    assert contact.growth_per_s < 0.02
+    assert contact.expansion_rate_per_s < 0.02
 
 
-def test_too_little_is_not_known() -> None:
+def test_too_few_points_have_unknown_ttc() -> None:
     assert isnan(drive(1.0, frames=3)[0].ttc_s)
-    tracker = GrowthTracker(GrowthConfig(), RATE_HZ)
+    tracker = LoomingTracker(LoomingConfig(), RATE_HZ)
     plain = np.full((320, 480), 90, np.uint8)
     for _ in range(12):
         contact = tracker.update(plain, (100.0, 100.0, 300.0, 200.0))
@@ -74,6 +74,6 @@ def test_too_little_is_not_known() -> None:
     assert isnan(tracker.update(plain, None).ttc_s)
 
 
-def test_nonsense_is_refused() -> None:
+def test_invalid_config_is_refused() -> None:
     with pytest.raises(ValueError, match="baseline_s"):
-        GrowthConfig(baseline_s=0.0)
+        LoomingConfig(baseline_s=0.0)

@@ -1,4 +1,4 @@
-"""A driver on recordings that we rendered: what it predicts, against what is known."""
+"""Predictions of a driver on rendered recordings, against the truth."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,13 +16,13 @@ from vpf_sim.replay.recording import ABSENT, Frame, Recording
 from vpf_sim.seeding import stream
 from vpf_sim.types import VehicleModel
 
-STEADY = 16  # frame from which on the model vehicle has found into a bend
+SETTLED = 16  # frame from which the model vehicle is settled in a bend
 BEND_M = 100.0
-KNOWN = float(np.arctan(VehicleModel().wheelbase_m / BEND_M) / VehicleModel().steering_limit_rad)  # 0.039
+TRUE_STEERING = float(np.arctan(VehicleModel().wheelbase_m / BEND_M) / VehicleModel().steering_limit_rad)  # 0.039
 
 
 def replayed(recording: Recording, out: Path, driver: str = "vpf") -> tuple[dict[str, Any], FrameTable]:
-    record, _ = open_loop.run(recording, driver, out, filmed=False)
+    record, _ = open_loop.run(recording, driver, out, with_video=False)
     return record, frame_table.read(out / "frames" / "rendered.parquet")
 
 
@@ -32,28 +32,30 @@ def bend(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Fram
     return replayed(rendered.recording(BEND_M), tmp_path_factory.mktemp("bend"))
 
 
-def test_the_steering_of_a_bend_is_predicted(bend: tuple[dict[str, Any], FrameTable]) -> None:
+def test_steering_in_a_right_bend_is_predicted(bend: tuple[dict[str, Any], FrameTable]) -> None:
     _, table = bend
-    assert np.mean(table.road_found[STEADY:]) > 0.9
-    assert np.median(table.steering[STEADY:]) == pytest.approx(KNOWN, abs=0.008)
-    assert np.abs(table.throttle).max() < 0.02  # at the speed it began with
+    assert np.mean(table.road_found[SETTLED:]) > 0.9
+    assert np.median(table.steering[SETTLED:]) == pytest.approx(TRUE_STEERING, abs=0.008)
+    assert np.abs(table.throttle).max() < 0.02  # at its initial speed
 
 
-def test_so_is_that_of_a_bend_to_the_left(tmp_path: Path) -> None:
+def test_steering_in_a_left_bend_is_predicted(tmp_path: Path) -> None:
     _, table = replayed(rendered.recording(-BEND_M), tmp_path)
-    assert np.median(table.steering[STEADY:]) == pytest.approx(-KNOWN, abs=0.008)
+    assert np.median(table.steering[SETTLED:]) == pytest.approx(-TRUE_STEERING, abs=0.008)
 
 
-def test_the_lane_that_is_driven_in_is_the_one_to_keep_to(tmp_path: Path) -> None:
-    """Not the second from the right, which the driver prefers. The human drives 0.5 m right of the middle: the model
-    vehicle steers there and then straight on, where the driver alone would go on steering."""
+def test_driven_lane_is_the_lane_to_keep(tmp_path: Path) -> None:
+    """The driven lane is not the second from the right, which the driver prefers.
+
+    The human drives 0.5 m right of the middle. The model vehicle corrects that and then drives straight on.
+    """
     _, table = replayed(rendered.recording(np.inf, lane=3, right_m=0.5, frames=60), tmp_path)
     assert table.steering.min() < -0.005
     assert np.abs(table.steering).max() < 0.05
     assert np.abs(table.steering[-4:]).max() < 0.005
 
 
-def test_the_scores_stand_beside_those_of_touching_nothing(bend: tuple[dict[str, Any], FrameTable]) -> None:
+def test_scores_have_idle_scores_beside_them(bend: tuple[dict[str, Any], FrameTable]) -> None:
     record, _ = bend
     scores = record["accuracy"]
     assert scores["steering"]["range"] > scores["idle"]["steering"]["range"] > 0.97
@@ -68,7 +70,7 @@ def test_the_scores_stand_beside_those_of_touching_nothing(bend: tuple[dict[str,
     assert record["signal_checks"]["yaw_rate"]["gain"] == pytest.approx(1.0, abs=1e-3)
 
 
-def test_what_the_flow_says_of_the_own_motion_is_right(bend: tuple[dict[str, Any], FrameTable]) -> None:
+def test_ego_motion_by_flow_is_correct(bend: tuple[dict[str, Any], FrameTable]) -> None:
     record, _ = bend
     seen = record["perception"]
     assert seen["speed_scale"]["median"] == pytest.approx(1.0, abs=0.05)
@@ -78,14 +80,14 @@ def test_what_the_flow_says_of_the_own_motion_is_right(bend: tuple[dict[str, Any
         assert max(record[key].values()) < 2.0, key
 
 
-def test_a_car_in_the_lane_is_a_part_with_obstacles(tmp_path: Path) -> None:
+def test_car_in_the_lane_makes_a_part_with_obstacles(tmp_path: Path) -> None:
     _, table = replayed(rendered.recording(np.inf, body_s_m=48.0), tmp_path)
-    assert table.obstacle_seen[:3].max() == 0.0
-    assert table.obstacle_seen[-10:].mean() > 0.8
+    assert table.obstacle_detected[:3].max() == 0.0
+    assert table.obstacle_detected[-10:].mean() > 0.8
     assert np.abs(table.steering[-10:]).max() > 0.02 or table.throttle[-10:].min() < 0.0, "it must do something"
 
 
-def test_labels_go_before_the_own_detection(tmp_path: Path) -> None:
+def test_labels_override_own_detection(tmp_path: Path) -> None:
     labels = np.zeros(rendered.FRAMES)
     labels[10:30] = 1.0
     record, _ = replayed(rendered.recording(np.inf, obstacle=labels), tmp_path, "neutral")
@@ -94,7 +96,7 @@ def test_labels_go_before_the_own_detection(tmp_path: Path) -> None:
     assert record["accuracy"]["frames"] == {"whole": 36, "clear_of_obstacles": 16, "with_obstacles": 20}
 
 
-def test_gaps_hold_the_prediction_and_are_told(bend: tuple[dict[str, Any], FrameTable], tmp_path: Path) -> None:
+def test_gaps_hold_the_prediction_and_are_noted(bend: tuple[dict[str, Any], FrameTable], tmp_path: Path) -> None:
     whole = rendered.recording(BEND_M)
     missing = (24, 25, 26)
     gaps = replace(
@@ -107,10 +109,10 @@ def test_gaps_hold_the_prediction_and_are_told(bend: tuple[dict[str, Any], Frame
     assert table.steering[:24].tolist() == bend[1].steering[:24].tolist()
     assert table.steering[24] == table.steering[23]
     assert np.isnan(table.foe_x_px[25])
-    assert np.abs(table.steering[27:] - bend[1].steering[27:]).max() < 0.02  # what the gap alone does
+    assert np.abs(table.steering[27:] - bend[1].steering[27:]).max() < 0.02  # effect of the gap alone
 
 
-def test_a_covered_glass_holds_the_prediction_and_says_so(tmp_path: Path) -> None:
+def test_covered_lens_holds_the_prediction_and_is_noted(tmp_path: Path) -> None:
     drive, dark = rendered.recording(BEND_M), range(20, 24)
 
     def frames() -> Iterator[Frame]:
@@ -126,24 +128,24 @@ def test_a_covered_glass_holds_the_prediction_and_says_so(tmp_path: Path) -> Non
     assert np.isnan(table.foe_x_px[list(dark)]).all()
 
 
-def test_without_a_lane_course_and_speed_are_kept_and_nothing_is_scored(tmp_path: Path) -> None:
-    """A road without a line, textured so that the flow is as good as ever."""
+def test_frames_without_lane_hold_course_and_speed_unscored(tmp_path: Path) -> None:
+    """A road without lines, with texture for the flow."""
     grain = stream(0, "asphalt").integers(60, 160, (480, 640, 1))
     soft = cv2.GaussianBlur(grain.astype(np.float32), (0, 0), 2.0)[..., None]
-    pictures = [np.roll(soft, 3 * k, axis=0).repeat(3, axis=2).astype(np.uint8) for k in range(20)]
+    images = [np.roll(soft, 3 * k, axis=0).repeat(3, axis=2).astype(np.uint8) for k in range(20)]
     whole = rendered.recording(BEND_M, frames=20)
     record, table = replayed(
-        replace(whole, frames=lambda: (Frame(k, image) for k, image in enumerate(pictures))), tmp_path
+        replace(whole, frames=lambda: (Frame(k, image) for k, image in enumerate(images))), tmp_path
     )
     assert record["perception"]["road_found_share"] == 0.0
     assert np.abs(table.throttle).max() < 0.02
     assert record["restarts"] == 0
     found = record["accuracy"]
     assert (found["throttle"], found["steering"], found["frames"]["whole"]) == (None, None, 0)
-    assert "lane" in [what for what, _ in record["doubts"]]
+    assert "lane" in [what for what, _ in record["warnings"]]
 
 
-def test_without_a_road_it_says_so_and_goes_straight_ahead(tmp_path: Path) -> None:
+def test_without_road_the_driver_goes_straight(tmp_path: Path) -> None:
     whole = rendered.recording(np.inf)
     grey = replace(
         whole,
@@ -155,8 +157,8 @@ def test_without_a_road_it_says_so_and_goes_straight_ahead(tmp_path: Path) -> No
     assert record["perception"]["foe"]["share"] == 0.0
 
 
-def test_without_poses_the_goal_is_ahead(tmp_path: Path) -> None:
+def test_goal_without_poses_is_ahead(tmp_path: Path) -> None:
     known = rendered.recording(np.inf)
     lost = replace(known, origins={**known.origins, "poses": ABSENT})
     record, _ = replayed(lost, tmp_path, "neutral")
-    assert record["goal"] == "100 m ahead on the present course at the start of each segment"
+    assert record["goal"] == "100 m ahead on the course at the start of each segment"

@@ -1,4 +1,4 @@
-"""Each layout of recordings, read to our axes and units: the same drive, written as each source writes it."""
+"""The same drive in each layout is read to our axes and units."""
 
 import dataclasses
 import json
@@ -24,18 +24,18 @@ LAYOUTS: dict[str, Callable[[Path], Path]] = {
     "comma2k19 segment": layouts.comma2k19,
     "RADIATE": layouts.radiate,
     "Udacity challenge 2": layouts.udacity,
-    "video or pictures with drive.toml": layouts.general,
+    "video or images with drive.toml": layouts.general,
 }
-# Of the car in each layout, from the steering to the yaw rate; and which signals it records.
+# Wheelbase for the bicycle model in each layout, and its recorded signals.
 WHEELBASES_M = {"KITTI odometry": 2.71, "KITTI raw": 2.71, "comma2k19 segment": 2.65, "RADIATE": 2.7}
-WHEELBASES_M |= {"Udacity challenge 2": 2.85, "video or pictures with drive.toml": 2.6}
+WHEELBASES_M |= {"Udacity challenge 2": 2.85, "video or images with drive.toml": 2.6}
 RECORDED = {
     "KITTI odometry": {"poses", "times_s", "camera"},
     "KITTI raw": {"poses", "times_s", "speed_mps", "yaw_rate_radps", "camera"},
     "comma2k19 segment": {"poses", "times_s", "speed_mps", "steering_rad"},
     "RADIATE": {"poses", "times_s", "speed_mps", "yaw_rate_radps", "camera"},
     "Udacity challenge 2": {"poses", "times_s", "speed_mps", "steering_rad"},
-    "video or pictures with drive.toml": {"times_s", "speed_mps", "yaw_rate_radps", "steering_rad", "camera"},
+    "video or images with drive.toml": {"times_s", "speed_mps", "yaw_rate_radps", "steering_rad", "camera"},
 }
 
 
@@ -46,18 +46,18 @@ def recording(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
     return result
 
 
-def test_times_speed_and_turn_are_those_driven(recording: Recording) -> None:
+def test_times_speed_and_yaw_rate_match_the_drive(recording: Recording) -> None:
     known = layouts.truth()
-    inside = slice(3, -3)  # where a course or a slope is derived, its window is whole there
+    inside = slice(3, -3)  # frames with a complete window for slopes
     assert len(recording) == layouts.FRAMES
     assert recording.times_s == pytest.approx(known.times_s, abs=1e-6)
     assert recording.speed_mps[inside] == pytest.approx(known.speed_mps[inside], rel=2e-3)
-    if recording.layout == "Udacity challenge 2":  # by the flow of pictures that show nothing: no truth to hold it to
+    if recording.layout == "Udacity challenge 2":  # the flow of blank images has no truth
         return
     assert recording.yaw_rate_radps[inside] == pytest.approx(known.yaw_rate_radps[inside], rel=0.02)  # + is right
 
 
-def test_the_way_bends_to_the_right(recording: Recording) -> None:
+def test_path_bends_to_the_right(recording: Recording) -> None:
     known = layouts.truth()
     if recording.origins["poses"].kind == "recorded":
         assert recording.poses[:, :2] == pytest.approx(known.poses[:, :2], abs=0.1)
@@ -67,7 +67,7 @@ def test_the_way_bends_to_the_right(recording: Recording) -> None:
     assert turned[5:-5] == pytest.approx(known.poses[5:-5, 2], abs=0.06)
 
 
-def test_commands_follow_from_the_motion_by_physics(recording: Recording) -> None:
+def test_commands_follow_from_motion_by_physics(recording: Recording) -> None:
     """tan(steering) = wheelbase x yaw rate / speed, recorded or derived; 0.9 m/s2 is 30 % of full throttle."""
     known = layouts.truth()
     angle = np.arctan(WHEELBASES_M[recording.layout] * known.yaw_rate_radps / known.speed_mps)
@@ -75,15 +75,15 @@ def test_commands_follow_from_the_motion_by_physics(recording: Recording) -> Non
     assert recording.throttle[3:-3] == pytest.approx(np.full(layouts.FRAMES - 6, 0.3), abs=0.01)
 
 
-def test_every_signal_says_where_it_comes_from(recording: Recording) -> None:
-    told = {name for name, origin in recording.origins.items() if origin.kind == "recorded"}
-    assert told - {"lead_gap_m"} == RECORDED[recording.layout]
+def test_every_signal_has_an_origin(recording: Recording) -> None:
+    recorded = {name for name, origin in recording.origins.items() if origin.kind == "recorded"}
+    assert recorded - {"lead_gap_m"} == RECORDED[recording.layout]
     for name in ("speed_mps", "yaw_rate_radps", "steering_rad", "throttle", "poses", "camera"):
         assert recording.origins[name].how, name
     assert "throttle" in recording.derived
 
 
-def test_frames_come_one_by_one_as_the_camera_describes_them(recording: Recording) -> None:
+def test_frames_match_the_camera(recording: Recording) -> None:
     frames = list(recording.frames())
     assert [frame.index for frame in frames] == list(range(layouts.FRAMES))
     assert not [frame.fault for frame in frames if frame.image is None]
@@ -91,13 +91,13 @@ def test_frames_come_one_by_one_as_the_camera_describes_them(recording: Recordin
     assert shapes == {(recording.camera.height_px, recording.camera.width_px, 3)}
 
 
-def test_kitti_raw_has_its_mounting_and_its_labels(tmp_path: Path) -> None:
+def test_kitti_raw_has_mounting_and_labels(tmp_path: Path) -> None:
     folder = layouts.kitti_raw(tmp_path / "day")
     layouts.tracklets(folder, ahead_m=20.0, left_m=1.0, first_frame=4, count=6)
     recording = readers.read(folder)
     assert recording.camera.pitch_rad == pytest.approx(0.02, abs=1e-6)
     assert recording.camera.fx_px == 80.0
-    horizon = recording.camera.cy_px - 80.0 * np.tan(0.02)  # the truth of the focus of expansion, by places and angles
+    horizon = recording.camera.cy_px - 80.0 * np.tan(0.02)  # true focus of expansion by positions and angles
     assert recording.foe_px[1:] == pytest.approx(np.tile([48.5, horizon], (layouts.FRAMES - 1, 1)), abs=0.1)
     assert np.flatnonzero(recording.obstacle).tolist() == [4, 5, 6, 7, 8, 9]
     assert recording.lead_gap_m[4:10] == pytest.approx(np.full(6, 18.0))
@@ -105,7 +105,7 @@ def test_kitti_raw_has_its_mounting_and_its_labels(tmp_path: Path) -> None:
     assert not readers.read(folder).obstacle.any()
 
 
-def test_kitti_raw_takes_the_lens_out_of_pictures_that_are_not_rectified(tmp_path: Path) -> None:
+def test_kitti_raw_undistorts_images_that_are_not_rectified(tmp_path: Path) -> None:
     folder = layouts.kitti_raw(tmp_path / "day")
     names = [f"{k:010d}.png" for k in range(layouts.FRAMES)]
     layouts.pictures(folder / "image_02" / "data", names, 100, 70)
@@ -116,9 +116,9 @@ def test_kitti_raw_takes_the_lens_out_of_pictures_that_are_not_rectified(tmp_pat
         readers.read(folder)
 
 
-def test_comma2k19_sees_the_body_ahead_and_the_way_of_its_camera(tmp_path: Path) -> None:
+def test_comma2k19_has_lead_gap_and_camera_path(tmp_path: Path) -> None:
     folder = layouts.comma2k19(tmp_path / "40", with_video=False)
-    recording = readers.read(tmp_path)  # the route's folder with its only segment
+    recording = readers.read(tmp_path)  # the route's folder with a single segment
     assert recording.name == "40"
     assert recording.lead_gap_m == pytest.approx(np.full(layouts.FRAMES, 30.0))  # not the one 3.5 m to the left
     assert recording.camera.pitch_rad == pytest.approx(0.03, abs=1e-3)
@@ -135,26 +135,26 @@ def test_comma2k19_sees_the_body_ahead_and_the_way_of_its_camera(tmp_path: Path)
     assert readers.read(folder).steering_rad == pytest.approx(steering * 16.88 / 15.38)
 
 
-def test_radiate_says_when_its_unit_has_another_clock(tmp_path: Path) -> None:
-    """Its pictures are too few to tell the speed by, so the drive is refused, with the reason."""
+def test_radiate_notes_an_inertial_unit_with_another_clock(tmp_path: Path) -> None:
+    """With too few images for a speed, the drive is refused with the reason."""
     with pytest.raises(InputError, match=r"its clock is 64\.0 s off the camera's: not used"):
         readers.read(layouts.radiate(tmp_path / "fog_6_0", clock_off_s=64.0))
 
 
-def test_radiate_leaves_out_what_runs_back_and_reads_labels(tmp_path: Path) -> None:
+def test_radiate_removes_backward_times_and_reads_labels(tmp_path: Path) -> None:
     folder = layouts.radiate(tmp_path / "rain_4_0")
     lines = (folder / "zed_left.txt").read_text().splitlines()
     lines[10] = f"Frame: 000011 Time: {layouts.CLOCK_S + 0.1:.9f}"
     (folder / "zed_left.txt").write_text("\n".join(lines))
     layouts.radar_labels(folder, ahead_m=15.0, right_m=0.5, frames=6)
     recording = readers.read(folder)
-    assert "zed_left.txt: 1 frames whose time runs back are left out" in recording.notes
+    assert "zed_left.txt: 1 frames are removed, since their times run backward" in recording.notes
     assert len(recording) == layouts.FRAMES - 1
     assert recording.obstacle.tolist() == [float(time > 0.875) for time in recording.times_s]
     assert np.nanmedian(recording.lead_gap_m) == pytest.approx(15.0, abs=0.1)
 
 
-def test_udacitys_final_test_is_read_by_the_numbers_of_its_frames(tmp_path: Path) -> None:
+def test_udacity_final_test_is_read_by_frame_id(tmp_path: Path) -> None:
     folder = layouts.udacity(tmp_path / "test")
     rows = [line.split(",") for line in (folder / "interpolated.csv").read_text().splitlines() if "center_" in line]
     (folder / "interpolated.csv").unlink()
@@ -166,8 +166,8 @@ def test_udacitys_final_test_is_read_by_the_numbers_of_its_frames(tmp_path: Path
     assert recording.origins["speed_mps"].how.startswith("from the road's flow")
 
 
-def test_pictures_and_a_table_of_them_are_read_by_their_names(tmp_path: Path) -> None:
-    """Signals by GPS places, x to the right of the table's order, the pictures numbered without zeros."""
+def test_images_and_their_table_match_by_name(tmp_path: Path) -> None:
+    """Rows and images are matched by name although their orders differ."""
     known = layouts.truth()
     names = [f"shot_{k}.jpg" for k in range(layouts.FRAMES)]
     layouts.pictures(tmp_path / "images", names)
@@ -188,7 +188,7 @@ def test_pictures_and_a_table_of_them_are_read_by_their_names(tmp_path: Path) ->
     assert "60 deg across and 1.4 m above the road assumed" in recording.origins["camera"].how
 
 
-def test_a_gap_in_a_signal_is_bridged_and_told_and_labels_stay_unknown(tmp_path: Path) -> None:
+def test_signal_gap_is_bridged_with_a_note_and_labels_stay_unknown(tmp_path: Path) -> None:
     folder = layouts.general(tmp_path / "drive")
     rows = (folder / "signals.csv").read_text().splitlines()
     for k in range(20, 50):  # 1.2 s
@@ -202,7 +202,7 @@ def test_a_gap_in_a_signal_is_bridged_and_told_and_labels_stay_unknown(tmp_path:
     assert np.isfinite(recording.steering_rad[[0, -1]]).all()
 
 
-def test_the_camera_file_of_radiate_is_read(tmp_path: Path) -> None:
+def test_radiate_camera_file_is_read(tmp_path: Path) -> None:
     folder = layouts.radiate(tmp_path / "fog_6_0")
     values = {"fx": 300.5, "fy": 3.01e2, "cx": 330.0, "cy": 190.0, "k1": -0.1, "k2": 0.02, "k3": 0, "p1": 0, "p2": 0}
     rows = [
@@ -229,7 +229,7 @@ DRIVES = Path(SHARED or "") / "drives"
         ("radiate_fog", "RADIATE", 25),
     ],
 )
-def test_the_shared_drives_are_read(name: str, layout: str, frames: int) -> None:
+def test_shared_drives_are_read(name: str, layout: str, frames: int) -> None:
     recording = readers.read(DRIVES / name)
     assert (recording.layout, len(recording)) == (layout, frames)
     assert np.isfinite(recording.speed_mps).all()
@@ -237,7 +237,7 @@ def test_the_shared_drives_are_read(name: str, layout: str, frames: int) -> None
 
 
 @needs_drives
-def test_the_lead_car_is_at_the_lidars_distance_and_the_camera_as_its_calibration_has_it() -> None:
+def test_lead_gap_matches_lidar_and_camera_matches_calibration() -> None:
     recording = readers.read(DRIVES / "kitti_raw_leadcar")
     assert recording.lead_gap_m[0] == pytest.approx(8.085 - 0.272, abs=1e-3)
     assert recording.obstacle.all()
@@ -245,7 +245,7 @@ def test_the_lead_car_is_at_the_lidars_distance_and_the_camera_as_its_calibratio
 
 
 def understeer(recording: Recording) -> tuple[float, float]:
-    """Wheelbase that speed x steering / yaw rate amounts to, m, and the correlation; an offset of the wheel is free."""
+    """Wheelbase, m, by speed x steering / yaw rate with a free steering offset, and the correlation."""
     around = np.ones(41) / 41.0
     turn = np.convolve(recording.yaw_rate_radps, around, "same")[60:-60]
     bent = np.convolve(recording.speed_mps * recording.steering_rad, around, "same")[60:-60]
@@ -257,11 +257,11 @@ def understeer(recording: Recording) -> tuple[float, float]:
 @needs_drives
 @pytest.mark.parametrize(("name", "wheelbase_m"), [("comma2k19_example", 2.65), ("udacity_hmb1", 2.85)])
 def test_signals_agree_with_physics(name: str, wheelbase_m: float) -> None:
-    """Speed x curvature = yaw rate: right is right, and the wheelbase is the car's, and the understeer's share."""
+    """Signs agree, and the wheelbase is the car's plus its understeer."""
     recording = readers.read(DRIVES / name)
     seen_m, correlation = understeer(recording)
     assert correlation > 0.85
-    # A car understeers: L + K v^2 with K = 0.002 to 0.005 s2/m; the road's bank and the wheel's play add to it.
+    # A car understeers: L + K v^2 with K = 0.002 to 0.005 s2/m, plus road bank and steering play.
     assert wheelbase_m < seen_m < wheelbase_m + 0.008 * float(np.mean(recording.speed_mps**2))
     along = np.hypot(*np.diff(recording.poses[::20, :2], axis=0).T).sum()
     assert along == pytest.approx(np.trapezoid(recording.speed_mps, recording.times_s), rel=0.02)
@@ -277,19 +277,19 @@ def _course(recording: Recording) -> np.ndarray[tuple[int], np.dtype[np.float64]
 
 
 @needs_drives
-def test_a_bare_video_is_calibrated_on_the_way() -> None:
+def test_bare_video_is_calibrated() -> None:
     recording = readers.read(DRIVES / "carnd_highway")
     horizon = recording.camera.cy_px - recording.camera.fy_px * np.tan(recording.camera.pitch_rad)
     assert horizon == pytest.approx(306.0, abs=8.0)  # where the lane's lines meet
     assert np.median(recording.speed_mps) == pytest.approx(
         25.3 * recording.camera.height_m / 1.18, rel=0.2
-    )  # by its marks
+    )  # by its lane markings
     assert recording.origins["camera"].kind == "assumed"
     assert "field of view 60 deg across" in recording.origins["camera"].how
 
 
-def test_the_page_on_recordings_names_every_key_and_column(tmp_path: Path) -> None:
-    """Its drive.toml is read as it stands, and has every key that there is."""
+def test_recordings_page_names_every_key_and_column(tmp_path: Path) -> None:
+    """The page's drive.toml is valid and has every key."""
     page = (Path(__file__).parents[2] / "docs" / "recordings.md").read_text()
     example = page.split("```toml")[1].split("```")[0]
     table = tomllib.loads(example)
@@ -307,8 +307,8 @@ def test_the_page_on_recordings_names_every_key_and_column(tmp_path: Path) -> No
     for column in general_signals.KNOWN:
         assert f"`{column}`" in page, column
     for reader in readers.READERS:
-        assert reader.LAYOUT in page or reader.LAYOUT == "video or pictures with drive.toml"
+        assert reader.LAYOUT in page or reader.LAYOUT == "video or images with drive.toml"
 
 
-def test_json_of_origins_is_plain(recording: Recording) -> None:
+def test_origins_serialise_to_plain_json(recording: Recording) -> None:
     assert json.dumps({name: str(origin) for name, origin in recording.origins.items()})

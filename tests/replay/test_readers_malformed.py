@@ -1,4 +1,4 @@
-"""Recordings with something wrong: one clear line, or a gap that is told; made from valid ones by one change each."""
+"""Valid recordings with one defect each: one clear line, or a gap with a note."""
 
 import shutil
 from collections.abc import Callable
@@ -33,7 +33,7 @@ def valid(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def copied(valid: Path, name: str, tmp_path: Path) -> Path:
-    """The drive's own folder in a copy that may be broken."""
+    """The drive's folder in a copy that may be changed."""
     shutil.copytree(valid / name, tmp_path / name)
     inside = {"kitti_raw": "2011_09_26_drive_0001_sync", "kitti_odometry": "sequences/03"}
     return tmp_path / name / inside.get(name, ".")
@@ -158,7 +158,7 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (swap("drive.toml", "[camera]", "[camera]\nfield_of_view_deg = 60"), "expected one of them, got both"),
         (
             swap("drive.toml", "[camera]", "[camera]\ncx_px = 640"),
-            "expected the camera's axis within its picture of 96 x 64",
+            "expected the camera's axis within its image of 96 x 64",
         ),
         (swap("drive.toml", "pitch_deg = 2.0", "pitch_deg = -40"), "that sees the road, got the horizon at row 99 of"),
         (swap("drive.toml", "yaw_deg = 0.0", ""), "pitch_deg, yaw_deg: expected both or neither"),
@@ -169,7 +169,7 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (swap("drive.toml", "schema = 1", 'schema = 1\nframes = "b.mp4"'), "frames: expected a video or a folder"),
         (swap("drive.toml", "schema = 1", "schema = 1\nrate_hz = 0"), "rate_hz: expected 0.2 to 1000, got 0"),
         (drop("signals.csv"), "signals.csv: expected signals, found no file"),
-        (drop("drive.mp4"), "frames is left out: expected one video or folder of pictures, found none"),
+        (drop("drive.mp4"), "frames is not set: expected one video or folder of images, found none"),
         (shorter("drive.mp4"), "drive.mp4: expected a video, cannot be opened: Invalid data"),
         (swap("signals.csv", "time_s,", "clock,"), "signals.csv: expected a column 'time_s', found clock"),
         (
@@ -189,7 +189,9 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
 @pytest.mark.parametrize(
     ("name", "change", "sentence"), [(name, *fault) for name, faults in FAULTS.items() for fault in faults]
 )
-def test_a_fault_is_one_clear_line(name: str, change: Change, sentence: str, valid: Path, tmp_path: Path) -> None:
+def test_malformed_input_is_one_clear_line(
+    name: str, change: Change, sentence: str, valid: Path, tmp_path: Path
+) -> None:
     folder = copied(valid, name, tmp_path)
     change(folder)
     with pytest.raises(InputError) as caught:
@@ -201,19 +203,19 @@ def test_a_fault_is_one_clear_line(name: str, change: Change, sentence: str, val
 @pytest.mark.parametrize(
     ("name", "change", "note"),
     [
-        ("radiate", drop("zed_left/000009.png"), "zed_left/: 1 of 24 pictures are missing"),
+        ("radiate", drop("zed_left/000009.png"), "zed_left/: 1 of 24 images are missing"),
         (
             "comma2k19",
             lambda folder: shutil.rmtree(folder / "processed_log" / "CAN" / "radar"),
-            "no radar, which would",
+            "no radar to identify",
         ),
         ("general", swap("signals.csv", "yaw_rate_degps", "yaw_rate_rpm"), "signals.csv: not used: yaw_rate_rpm, note"),
         ("general", empty_column("signals.csv", 3), "without a value: yaw_rate_degps"),
         ("general", in_milliseconds("signals.csv"), "signals.csv: a row every 40 s, interpolated: milliseconds?"),
-        ("general", row("signals.csv", 30, "1.16,nan,nan,nan,x"), ""),  # short: bridged like any two samples
+        ("general", row("signals.csv", 30, "1.16,nan,nan,nan,x"), ""),  # a short gap is interpolated
     ],
 )
-def test_a_gap_is_told_and_the_rest_is_read(name: str, change: Change, note: str, valid: Path, tmp_path: Path) -> None:
+def test_gap_has_a_note_and_the_rest_is_read(name: str, change: Change, note: str, valid: Path, tmp_path: Path) -> None:
     folder = copied(valid, name, tmp_path)
     change(folder)
     recording = readers.read(folder)
@@ -222,15 +224,15 @@ def test_a_gap_is_told_and_the_rest_is_read(name: str, change: Change, note: str
     assert np.isfinite(recording.poses).all()
 
 
-def test_a_picture_that_is_cut_off_is_a_gap(valid: Path, tmp_path: Path) -> None:
+def test_truncated_image_is_a_gap(valid: Path, tmp_path: Path) -> None:
     folder = copied(valid, "kitti_raw", tmp_path)
     shorter("image_02/data/0000000005.png")(folder)
     frames = list(readers.read(folder).frames())
     assert [frame.index for frame in frames if frame.image is None] == [5]
-    assert frames[5].fault == "0000000005.png: the file is cut off"
+    assert frames[5].fault == "0000000005.png: the file is truncated"
 
 
-def test_a_jpeg_is_whole_whatever_the_camera_writes_behind_it(tmp_path: Path) -> None:
+def test_jpeg_with_trailing_bytes_is_complete(tmp_path: Path) -> None:
     layouts.pictures(tmp_path, ["shot 2.JPG", "shot 10.JPG", "shot 1.JPG"])
     files = image_files.listed(tmp_path)
     assert [file.name for file in files] == ["shot 1.JPG", "shot 2.JPG", "shot 10.JPG"]
@@ -239,55 +241,57 @@ def test_a_jpeg_is_whole_whatever_the_camera_writes_behind_it(tmp_path: Path) ->
     files[1].write_bytes(files[1].read_bytes()[:-600])
     assert image_files.size(image_files.listed(tmp_path), tmp_path) == (96, 64)
     frames = list(image_files.frames(files, (96, 64)))
-    assert [frame.fault for frame in frames] == ["", "shot 2.JPG: the file is cut off", ""]
+    assert [frame.fault for frame in frames] == ["", "shot 2.JPG: the file is truncated", ""]
 
 
-def test_a_picture_that_comes_twice_while_the_car_moves_is_a_gap(valid: Path, tmp_path: Path) -> None:
+def test_repeated_image_of_a_moving_car_is_a_gap(valid: Path, tmp_path: Path) -> None:
     folder = copied(valid, "kitti_raw", tmp_path)
     pictures = folder / "image_02" / "data"
     shutil.copy(pictures / "0000000006.png", pictures / "0000000007.png")
     frames = list(readers.read(folder).frames())
     assert [frame.index for frame in frames if frame.image is None] == [7]
-    assert frames[7].fault == "the picture of the frame before once more"
-    for file in (folder / "oxts" / "data").iterdir():  # the same while it stands is how the world looks
+    assert frames[7].fault == "repeats the image before"
+    for file in (folder / "oxts" / "data").iterdir():  # at standstill equal images are normal
         values = file.read_text().split()
         values[8] = "0.0"
         file.write_text(" ".join(values))
     assert all(frame.image is not None for frame in readers.read(folder).frames())
 
 
-def test_pictures_that_show_nothing_tell_no_speed(valid: Path, tmp_path: Path) -> None:
+def test_blank_images_give_no_speed(valid: Path, tmp_path: Path) -> None:
     folder = copied(valid, "general", tmp_path)
     layouts.video(folder / "drive.mp4", [np.full((64, 96, 3), 90 + k, np.uint8) for k in range(24)])
     (folder / "drive.toml").write_text(
         "schema = 1\nframes = 'drive.mp4'\n[signals]\nfile = 'empty.csv'\n[camera]\nheight_m = 1.4\n"
     )
     (folder / "empty.csv").write_text("time_s,speed_mps\n0,nan\n1,nan\n")
-    with pytest.raises(InputError, match="general: expected a speed, or poses or pictures of a road to tell it from"):
+    with pytest.raises(InputError, match="general: expected a speed, or poses or images of a road to derive it from"):
         readers.read(folder)
     (folder / "empty.csv").write_text("time_s,speed_mps\n0,8\n3,8\n")
     recording = readers.read(folder)
     assert not recording.yaw_rate_radps.any()
-    assert str(recording.origins["yaw_rate_radps"]) == "assumed: none: nothing tells the turn"
+    assert str(recording.origins["yaw_rate_radps"]) == "assumed: none: no signal yields it"
 
 
-def test_a_missing_picture_of_udacity_leaves_the_signals(valid: Path, tmp_path: Path) -> None:
+def test_missing_udacity_image_leaves_the_signals(valid: Path, tmp_path: Path) -> None:
     folder = copied(valid, "udacity", tmp_path)
     sorted((folder / "center").iterdir())[3].unlink()
     recording = readers.read(folder)
-    assert "1 of 24 pictures are missing, the first is center/15748597723" in recording.no_images
+    assert "1 of 24 images are missing, the first is center/15748597723" in recording.no_images
     assert np.isfinite(recording.steering_rad).all()
 
 
-def test_a_folder_of_no_layout_says_what_it_found_and_what_there_is(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="found nothing; expected one of video or pictures with drive"):
+def test_unknown_layout_lists_found_and_expected_files(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="found nothing; expected one of video or images with drive"):
         readers.read(tmp_path)
     (tmp_path / "note.txt").write_text("mine")
     with pytest.raises(InputError, match=r"found note\.txt; expected one of .*comma2k19 segment: video\.hevc"):
         readers.read(tmp_path)
 
 
-def test_the_command_says_it_in_one_line_too(valid: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_prints_malformed_input_in_one_line(
+    valid: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = copied(valid, "general", tmp_path)
     (folder / "signals.csv").unlink()
     assert cli.run(["replay", str(folder), "--driver", "neutral", "--out", str(tmp_path / "out")]) == 2

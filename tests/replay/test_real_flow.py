@@ -1,4 +1,4 @@
-"""Flow, focus of expansion and time to contact on the recorded drives, where these are at hand."""
+"""Flow, focus of expansion and time to contact on the recorded drives, if available."""
 
 import os
 from itertools import pairwise
@@ -11,7 +11,7 @@ from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
 from vpf_sim.replay import readers
-from vpf_sim.replay.obstacles_ahead import LeadBody, closing_mps
+from vpf_sim.replay.obstacles_ahead import LeadVehicle, closing_mps
 from vpf_sim.replay.recording import Recording
 from vpf_sim.seeding import stream
 from vpf_sim.types import Expansion
@@ -37,8 +37,8 @@ def foci(drive: Recording) -> list[Expansion]:
     return seen[1:]
 
 
-def test_the_focus_agrees_with_the_poses_but_for_what_these_are_off() -> None:
-    """Two pixels; and the poses' frame is turned against the camera's: apart from that, one in the later half."""
+def test_foe_agrees_with_the_poses_within_their_error() -> None:
+    """Within two pixels; without the rotation between pose and camera axes, one in the later half."""
     drive = recording("kitti_vo_seq1")
     error = np.array([[foe.x_px, foe.y_px] for foe in foci(drive)]) - drive.foe_px[1:]
     x, y = np.nanmedian(np.abs(error), axis=0)
@@ -47,19 +47,19 @@ def test_the_focus_agrees_with_the_poses_but_for_what_these_are_off() -> None:
     assert np.nanmedian(np.abs(error[30:] - offset), axis=0).max() < 1.2
 
 
-def test_a_wet_lens_in_fog_leaves_a_focus() -> None:
+def test_wet_lens_in_fog_leaves_a_foe() -> None:
     seen = foci(recording("radiate_fog"))
     assert np.mean([foe.confidence > 0.0 for foe in seen]) >= 0.9
     place = np.array([[foe.x_px, foe.y_px] for foe in seen if foe.confidence > 0.0])
-    # Its mounting cannot be told from so short a way, so no pitch is taken out: 12 px with one that six frames told.
+    # The drive is too short for a mounting, so the pitch is 0; a pitch from six frames would give 12 px.
     assert np.subtract(*np.quantile(place, [0.75, 0.25], axis=0)).max() <= 14.0
     dry = foci(recording("kitti_vo_seq1"))
     assert np.median([foe.confidence for foe in seen]) < 0.5 * np.median([foe.confidence for foe in dry])
 
 
-def test_the_time_to_the_lead_car_is_the_lidar_s() -> None:
+def test_ttc_of_lead_vehicle_matches_lidar() -> None:
     drive = recording("kitti_raw_leadcar")
-    lead, closing = LeadBody(drive.camera, drive.rate_hz), closing_mps(drive.lead_gap_m, drive.times_s)
+    lead, closing = LeadVehicle(drive.camera, drive.rate_hz), closing_mps(drive.lead_gap_m, drive.times_s)
     images = [frame.image for frame in drive.frames()]
     ratio = []
     for image, gap_m, speed in zip(images, drive.lead_gap_m, closing, strict=True):
@@ -72,12 +72,12 @@ def test_the_time_to_the_lead_car_is_the_lidar_s() -> None:
     assert np.median(np.abs(np.array(ratio) - 1.0)) < 0.1
 
 
-def test_what_stands_before_a_standing_car_is_no_alarm() -> None:
-    """The first frame of the drive over and over, with the noise of a sensor."""
+def test_standing_vehicle_ahead_of_standing_car_is_no_alarm() -> None:
+    """The first frame of the drive repeated with sensor noise."""
     drive, random = recording("kitti_raw_leadcar"), stream(0, "standing")
     image = next(drive.frames()).image
     assert image is not None
-    still, lead = grey(image).astype(float), LeadBody(drive.camera, drive.rate_hz)
+    still, lead = grey(image).astype(float), LeadVehicle(drive.camera, drive.rate_hz)
     times = []
     for _ in range(20):
         noisy = np.clip(still + random.normal(0.0, 2.0, still.shape), 0.0, 255.0).astype(np.uint8)

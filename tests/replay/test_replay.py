@@ -1,4 +1,4 @@
-"""Recorded drives: a generated street whose motion is known, the shared recording, and drives that are broken."""
+"""Recorded drives: a generated street of known motion, the shared recording, and broken drives."""
 
 import json
 import os
@@ -25,7 +25,7 @@ FRAMES = 14
 
 @pytest.fixture(scope="module")
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A bend, by a camera that looks down a little and nods; one pose fewer than images."""
+    """A bend, by a camera with pitch and pitching; one pose fewer than images."""
     folder = tmp_path_factory.mktemp("drives") / "bend"
     street.write(folder, street.poses(FRAMES - 1, SPEED_MPS, YAW_RATE, 0.03, 0.002), FRAMES)
     return folder
@@ -41,7 +41,7 @@ def copy(drive: Path, tmp_path: Path) -> Path:
     return folder
 
 
-def test_the_recording_has_the_motion_that_was_driven(drive: Path) -> None:
+def test_recording_has_the_driven_motion(drive: Path) -> None:
     recording = readers.read(drive)
     assert (recording.name, len(recording), recording.rate_hz) == ("bend", FRAMES, pytest.approx(10.0))
     assert recording.speed_mps == pytest.approx(np.full(FRAMES, SPEED_MPS), rel=1e-3)
@@ -56,7 +56,7 @@ def test_the_recording_has_the_motion_that_was_driven(drive: Path) -> None:
     assert sum(1 for _ in recording.frames()) == FRAMES
 
 
-def test_the_truth_is_the_direction_of_motion_at_the_frame(drive: Path) -> None:
+def test_true_foe_is_the_direction_of_motion(drive: Path) -> None:
     recording = readers.read(drive)
     # Steady turning: at each frame the camera moves along its own vertical plane, up by the mounting pitch.
     assert np.nanmax(np.abs(recording.foe_px[:, 0] - street.CENTRE[0])) < 0.1
@@ -65,14 +65,14 @@ def test_the_truth_is_the_direction_of_motion_at_the_frame(drive: Path) -> None:
     assert np.isfinite(recording.foe_px[1:-1]).all()
 
 
-def test_a_drive_is_replayed_with_its_error_table_and_video(drive: Path, tmp_path: Path) -> None:
+def test_replay_writes_error_table_and_video(drive: Path, tmp_path: Path) -> None:
     entry, _ = open_loop.run(readers.read(drive), "vpf", tmp_path)
     assert entry["frames"] == FRAMES
     assert set(entry["accuracy"]) >= {"throttle", "steering"}  # against those derived from the poses
     assert {"throttle", "steering_rad"} <= set(entry["derived"])
     assert "speed_mps" in entry["derived"]
     for axis in ("x", "y"):
-        # Half the turn of an interval would be 3.7 px, a whole one 7.5 px.
+        # Half the rotation of an interval would be 3.7 px, all of it 7.5 px.
         assert entry["foe_median_error_px"][axis] < 2.5
         assert entry["foe_median_error_own_derotation_px"][axis] < 5.0
     table = frame_table.read(tmp_path / "frames" / "bend.parquet")
@@ -82,13 +82,13 @@ def test_a_drive_is_replayed_with_its_error_table_and_video(drive: Path, tmp_pat
         assert sum(1 for _ in video.decode(video=0)) == FRAMES
 
 
-def test_a_baseline_on_a_route_follows_the_way_that_was_driven(drive: Path, tmp_path: Path) -> None:
+def test_route_baseline_follows_the_driven_path(drive: Path, tmp_path: Path) -> None:
     entry, _ = open_loop.run(readers.read(drive), "pid", tmp_path)
-    assert entry["foe_median_error_px"] is None  # it looks at nothing
+    assert entry["foe_median_error_px"] is None  # it uses no images
     assert np.median(frame_table.read(tmp_path / "frames" / "bend.parquet").steering) > 0.0  # the bend goes right
 
 
-def test_the_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code = cli.run(["replay", str(drive), str(drive), "--driver", "neutral", "--out", str(tmp_path / "out"), "--json"])
     assert code == 0
     answer = json.loads(capsys.readouterr().out)
@@ -99,7 +99,7 @@ def test_the_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys:
 
 
 class Clumsy:
-    """A driver that gives up on its third frame."""
+    """A driver that raises on its third frame."""
 
     privileged = "none"
 
@@ -113,7 +113,7 @@ class Clumsy:
         return Command(0.0, 0.0)
 
 
-def test_what_a_driver_did_before_it_failed_is_kept_and_the_other_drives_go_on(
+def test_failing_driver_keeps_earlier_frames_and_other_drives(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     driver, out = f"{__name__}:Clumsy", tmp_path / "out"
@@ -123,7 +123,8 @@ def test_what_a_driver_did_before_it_failed_is_kept_and_the_other_drives_go_on(
     line = next(k for k, text in enumerate(Path(__file__).read_text().splitlines(), 1) if 'RuntimeError("no' in text)
     where = f"{__name__}:{line} in act"
     of_both = [
-        f"vpf-sim: {name}: error: frame 2 of {FRAMES}, at {where}: RuntimeError: no idea; the frames before are kept"
+        f"vpf-sim: {name}: error: frame 2 of {FRAMES}, at {where}: RuntimeError: no idea; "
+        "the frames before it are stored"
         for name in ("bend", "bend-2")
     ]
     assert said.err.splitlines() == of_both
@@ -141,13 +142,13 @@ def test_what_a_driver_did_before_it_failed_is_kept_and_the_other_drives_go_on(
 
 
 class Hopeless(Clumsy):
-    """A driver that gives up at once."""
+    """A driver that raises at once."""
 
     def act(self, observation: Observation) -> Command:  # noqa: ARG002
         raise SystemExit(0)
 
 
-def test_a_driver_that_fails_at_once_leaves_an_empty_drive(
+def test_driver_that_fails_at_once_leaves_an_empty_drive(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     driver = f"{__name__}:Hopeless"
@@ -158,13 +159,13 @@ def test_a_driver_that_fails_at_once_leaves_an_empty_drive(
     assert (record["frames"], record["error"]["what"], record["accuracy"]) == (0, "SystemExit: 0", None)
 
 
-def test_the_way_goes_on_where_the_last_pose_is_missing() -> None:
+def test_path_continues_past_a_missing_last_pose() -> None:
     known = street.poses(5, SPEED_MPS, YAW_RATE, 0.0, 0.0)
     longer = camera_motion.extended(known, 6)
     assert longer[5] == pytest.approx(street.poses(6, SPEED_MPS, YAW_RATE, 0.0, 0.0)[5], abs=1e-9)
 
 
-def test_a_camera_that_stands_has_no_focus_of_expansion() -> None:
+def test_standing_camera_has_no_foe() -> None:
     standing: Floats = np.array([[0.0, 0.0, 0.001], [0.0, 0.0, -1.0], [0.1, 0.0, 1.0]])
     foe = camera_motion.expansion(Camera(), standing)
     assert np.isnan(foe[:2]).all()
@@ -223,7 +224,7 @@ TIMES_BACK = "\n".join(str(0.1 * k if k != 7 else 0.3) for k in range(FRAMES))
         ),
     ],
 )
-def test_a_broken_drive_is_one_clear_line(
+def test_broken_drive_is_one_clear_line(
     copy: Path,
     break_it: Break,
     sentence: str,
@@ -237,12 +238,10 @@ def test_a_broken_drive_is_one_clear_line(
     assert said.out == ""
     assert sentence in said.err
     assert said.err.count("\n") == 1
-    assert not list(tmp_path.glob("out/*/*")), "no half of a table or film is left behind"
+    assert not list(tmp_path.glob("out/*/*")), "no partial table or video is left behind"
 
 
-def test_no_folder_and_a_full_folder_are_refused(
-    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_missing_and_full_folders_are_refused(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(InputError, match="nowhere: expected the folder of a drive, found nothing"):
         readers.read(tmp_path / "nowhere")
     (tmp_path / "note.txt").write_text("mine")
@@ -257,7 +256,7 @@ def shared_drive() -> Recording:
     return readers.read(Path(os.environ["VPF_SIM_SHARED"]) / "drives" / "kitti_vo_seq1")
 
 
-def test_the_shared_drive_agrees_with_its_labels(shared_drive: Recording) -> None:
+def test_shared_drive_agrees_with_its_labels(shared_drive: Recording) -> None:
     folder = Path(os.environ["VPF_SIM_SHARED"]) / "drives" / "kitti_vo_seq1"
     labels = np.genfromtxt(folder / "labels.csv", delimiter=",", names=True)
     poses = np.loadtxt(folder / "poses.txt").reshape(-1, 3, 4)
@@ -265,13 +264,13 @@ def test_the_shared_drive_agrees_with_its_labels(shared_drive: Recording) -> Non
     moved = np.array([a[:, :3].T @ (b[:, 3] - a[:, 3]) for a, b in pairwise(poses)])
     label = np.stack([labels["foe_x_px"], labels["foe_y_px"]], axis=1)[: len(moved)]
     assert np.abs(camera_motion.expansion(shared_drive.camera, moved) - label).max() < 1e-3
-    # Row k of the labels is in the axes of frame k; ours is seen at k + 1, in axes half a turn on.
+    # Row k of the labels is in the axes of frame k; ours is at k + 1 in the axes halfway between.
     half_turn_px = 707.0912 * 0.5 * np.diff(shared_drive.poses[:, 2])
     assert np.abs(shared_drive.foe_px[1:, 0] - (label[:, 0] - half_turn_px)).max() < 0.2
     assert shared_drive.speed_mps[:50] == pytest.approx(labels["speed_mps"], abs=0.15)
 
 
-def test_the_shared_drive_has_its_focus_of_expansion(shared_drive: Recording, tmp_path: Path) -> None:
+def test_shared_drive_has_its_foe(shared_drive: Recording, tmp_path: Path) -> None:
     entry, _ = open_loop.run(shared_drive, "vpf", tmp_path)
     assert entry["foe_median_error_px"]["x"] <= 3.0
     assert entry["foe_median_error_px"]["y"] <= 3.5

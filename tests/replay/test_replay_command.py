@@ -1,4 +1,4 @@
-"""`vpf-sim replay` on recordings of one's own: folder, table, page, and what is told when something is missing."""
+"""`vpf-sim replay` on your own recordings: folder, table, page, and messages about missing data."""
 
 import json
 from pathlib import Path
@@ -18,7 +18,7 @@ BEND_M = 100.0
 
 @pytest.fixture(scope="module")
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A bend to the right, in the layout for everyone."""
+    """A bend to the right, in the general layout."""
     folder = tmp_path_factory.mktemp("drives") / "bend"
     rendered.write(folder, BEND_M)
     return folder
@@ -37,7 +37,7 @@ def summary(run: Path) -> dict[str, Any]:
     return found
 
 
-def test_the_recorded_commands_are_those_of_the_table(run: Path) -> None:
+def test_recorded_commands_match_the_signal_table(run: Path) -> None:
     table = frame_table.read(run / "frames" / "bend.parquet")
     known = rendered.recording(BEND_M)
     assert table.recorded_steering == pytest.approx(known.steering_rad / 0.6981317, abs=1e-6)
@@ -45,7 +45,7 @@ def test_the_recorded_commands_are_those_of_the_table(run: Path) -> None:
     assert table.steering[-1] == pytest.approx(0.039, abs=0.01)
 
 
-def test_the_paper_stands_beside_its_weather_and_nowhere_else(run: Path) -> None:
+def test_paper_cells_stand_beside_their_weather_only(run: Path) -> None:
     rows = {(row["weather"], row["part"]): row for row in summary(run)["rows"]}
     ours = rows["light rain", "clear_of_obstacles"]
     assert ours["drives"] == ["bend"]
@@ -60,7 +60,7 @@ def test_the_paper_stands_beside_its_weather_and_nowhere_else(run: Path) -> None
     assert len(rows) == 6
 
 
-def test_the_folder_holds_records_timing_film_and_page(run: Path) -> None:
+def test_folder_has_records_timing_video_and_page(run: Path) -> None:
     manifest = json.loads((run / "manifest.json").read_text())
     assert manifest["command"] == "replay"
     assert manifest["plan"]["driver"] == "vpf"
@@ -70,11 +70,11 @@ def test_the_folder_holds_records_timing_film_and_page(run: Path) -> None:
     assert (run / "videos" / "bend.mp4").stat().st_size > 10_000
     page = (run / "report.html").read_text()
     assert "no recording" in page
-    assert page.count("<figcaption>") == 6  # the film, throttle, steering, focus of expansion in x and y, speed
+    assert page.count("<figcaption>") == 6  # the video, throttle, steering, focus of expansion in x and y, speed
     assert "data:video/mp4;base64," in page
 
 
-def test_what_is_there_is_not_done_again(drive: Path, run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_resume_skips_finished_drives(drive: Path, run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["replay", str(drive), "--out", str(run)]) == 2
     assert "choose another, or --resume what is there" in capsys.readouterr().err
     assert cli.run(["replay", str(drive), "--driver", "neutral", "--out", str(run), "--resume"]) == 2
@@ -87,13 +87,13 @@ def test_what_is_there_is_not_done_again(drive: Path, run: Path, capsys: pytest.
     assert (run / "replays.jsonl").read_bytes() == before
 
 
-def test_two_runs_have_the_same_records(drive: Path, run: Path, tmp_path: Path) -> None:
+def test_two_runs_have_equal_records(drive: Path, run: Path, tmp_path: Path) -> None:
     assert cli.run(["replay", str(drive), "--out", str(tmp_path / "again"), "--no-video"]) == 0
     assert (tmp_path / "again" / "replays.jsonl").read_bytes() == (run / "replays.jsonl").read_bytes()
     assert not (tmp_path / "again" / "videos").exists()
 
 
-def test_a_drive_that_cannot_be_read_does_not_stop_the_others(
+def test_unreadable_drive_does_not_stop_the_others(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "empty").mkdir()
@@ -106,15 +106,13 @@ def test_a_drive_that_cannot_be_read_does_not_stop_the_others(
     assert [entry["name"] for entry in json.loads(said.out)["drives"]] == ["bend"]
 
 
-def test_water_of_ours_stands_in_a_row_of_its_own(
-    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_simulated_water_has_its_own_row(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     command = ["replay", str(drive), "--driver", "neutral", "--no-video", "--out", str(out), "--json"]
     assert cli.run([*command, "--water", "HardRainNoon"]) == 0
     answer = json.loads(capsys.readouterr().out)
     filled = [row for row in answer["rows"] if row["frames"]]
-    assert [(row["weather"], row["added"]) for row in filled] == [("light rain", "water of HardRainNoon, ours")]
+    assert [(row["weather"], row["added"]) for row in filled] == [("light rain", "simulated water of HardRainNoon")]
     assert filled[0]["paper"] is None
     empty = [row for row in answer["rows"] if row["weather"] == "light rain" and row["paper"]]
     assert [row["drives"] for row in empty] == [[], []]
@@ -122,7 +120,7 @@ def test_water_of_ours_stands_in_a_row_of_its_own(
     assert "--water: expected a weather with droplets > 0, got 'ClearNoon' with 0" in capsys.readouterr().err
 
 
-def test_the_water_is_on_the_pictures() -> None:
+def test_simulated_water_changes_the_images() -> None:
     dry = rendered.recording(BEND_M)
     wet = added_water.with_water(dry, weathers.load("HardRainNoon"))
     pairs = [(a.image, b.image) for a, b in zip(dry.frames(), wet.frames(), strict=True)][:10]
@@ -131,7 +129,7 @@ def test_the_water_is_on_the_pictures() -> None:
 
 
 class Weary:
-    """A driver that is stopped from outside on its second drive."""
+    """A driver that is interrupted on its second drive."""
 
     privileged = "none"
     drives = 0
@@ -145,7 +143,9 @@ class Weary:
         return Command(0.0, 0.0)
 
 
-def test_what_stopped_it_tells_the_way_back(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_interruption_prints_the_resume_command(
+    drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     driver, out = f"{__name__}:Weary", tmp_path / "out"
     assert cli.run(["replay", str(drive), str(drive), "--driver", driver, "--no-video", "--out", str(out)]) == 130
     said = capsys.readouterr().err.splitlines()

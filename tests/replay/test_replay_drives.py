@@ -10,7 +10,7 @@ import pytest
 
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.replay import open_loop, readers
-from vpf_sim.replay.obstacles_ahead import LeadBody
+from vpf_sim.replay.obstacles_ahead import LeadVehicle
 from vpf_sim.replay.real_table import rows
 from vpf_sim.replay.scores import ALARM_S
 from vpf_sim.seeding import stream
@@ -29,11 +29,11 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @cache
 def record(name: str, out: Path) -> dict[str, Any]:
-    found, _ = open_loop.run(readers.read(Path(SHARED or "") / "drives" / name), "vpf", out, filmed=False)
+    found, _ = open_loop.run(readers.read(Path(SHARED or "") / "drives" / name), "vpf", out, with_video=False)
     return found
 
 
-def test_a_highway_of_which_nothing_is_told_has_its_lane(out: Path) -> None:
+def test_lane_is_found_on_a_highway_without_metadata(out: Path) -> None:
     found = record("carnd_highway", out)
     assert found["origins"]["camera"]["kind"] == "assumed"
     assert 1.1 < found["camera"]["height_m"] < 1.3  # by lanes of 3.5 m; 1.18 m by marks of 3.66 m
@@ -42,7 +42,7 @@ def test_a_highway_of_which_nothing_is_told_has_its_lane(out: Path) -> None:
     assert found["accuracy"]["steering"]["mae"] < 0.01
 
 
-def test_a_street_without_lines_reaches_from_kerb_to_kerb(out: Path) -> None:
+def test_street_without_lines_spans_kerb_to_kerb(out: Path) -> None:
     found = record("kitti_vo_seq1", out)
     assert found["perception"]["road_found_share"] > 0.7
     assert found["accuracy"]["steering"]["mae"] < 0.02
@@ -51,31 +51,29 @@ def test_a_street_without_lines_reaches_from_kerb_to_kerb(out: Path) -> None:
     assert found["perception"]["speed_scale"]["median"] == pytest.approx(1.0, abs=0.1)
 
 
-def test_a_lead_car_is_an_obstacle_with_a_time_to_contact(out: Path) -> None:
+def test_lead_vehicle_is_an_obstacle_with_ttc(out: Path) -> None:
     found = record("kitti_raw_leadcar", out)
     assert found["obstacles_by"] == "label"
     assert found["perception"]["ttc"]["median_error"] < 0.25
     assert found["perception"]["ttc"]["within_25_percent"] > 0.9
 
 
-def test_a_lead_car_behind_which_one_stands_gives_no_alarm() -> None:
-    """The drive ends at half a metre a second; its last picture is held, with a sensor's noise and a flickering sun."""
+def test_standing_behind_a_lead_vehicle_is_no_alarm() -> None:
+    """The drive ends at half a metre a second; its last image is repeated with sensor noise and flicker."""
     drive = readers.read(Path(SHARED or "") / "drives" / "kitti_raw_leadcar")
-    pictures = [grey(frame.image).astype(float) for frame in drive.frames() if frame.image is not None]
+    images = [grey(frame.image).astype(float) for frame in drive.frames() if frame.image is not None]
     noise = stream(1, "standing")
-    standing = [pictures[-1] + noise.normal(0.0, 3.0, pictures[-1].shape) + noise.normal(0.0, 2.0) for _ in range(30)]
-    lead = LeadBody(drive.camera, drive.rate_hz)
+    standing = [images[-1] + noise.normal(0.0, 3.0, images[-1].shape) + noise.normal(0.0, 2.0) for _ in range(30)]
+    lead = LeadVehicle(drive.camera, drive.rate_hz)
     gaps = drive.lead_gap_m[np.isfinite(drive.lead_gap_m)]
-    shown = [np.clip(picture, 0.0, 255.0).astype(np.uint8) for picture in (*pictures[-10:], *standing)]
-    told = [
-        lead.ttc_s(picture, float(gap)) for picture, gap in zip(shown, [*gaps[-10:], *[gaps[-1]] * 30], strict=True)
-    ]
-    assert min(told[5:10]) < 20.0  # it nears the car
-    assert all(ttc > ALARM_S for ttc in told[10:])
-    assert all(np.isinf(ttc) for ttc in told[16:])  # once the baseline has passed
+    shown = [np.clip(image, 0.0, 255.0).astype(np.uint8) for image in (*images[-10:], *standing)]
+    times_s = [lead.ttc_s(image, float(gap)) for image, gap in zip(shown, [*gaps[-10:], *[gaps[-1]] * 30], strict=True)]
+    assert min(times_s[5:10]) < 20.0  # it nears the car
+    assert all(ttc > ALARM_S for ttc in times_s[10:])
+    assert all(np.isinf(ttc) for ttc in times_s[16:])  # once the baseline has passed
 
 
-def test_in_fog_it_has_a_focus_of_expansion(out: Path) -> None:
+def test_foe_is_found_in_fog(out: Path) -> None:
     found = record("radiate_fog", out)
     assert found["weather"] == "fog"
     assert found["perception"]["foe"]["share"] >= 0.9
@@ -83,7 +81,7 @@ def test_in_fog_it_has_a_focus_of_expansion(out: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["comma2k19_example", "udacity_hmb1"])
-def test_signals_without_pictures_are_checked(name: str, out: Path) -> None:
+def test_signals_without_images_are_checked(name: str, out: Path) -> None:
     found = record(name, out)
     assert not found["driven"]
     assert found["accuracy"] is None
@@ -92,6 +90,6 @@ def test_signals_without_pictures_are_checked(name: str, out: Path) -> None:
     assert found["signal_checks"]["yaw_rate"]["correlation"] > 0.7
 
 
-def test_none_of_them_stands_in_a_cell_of_the_paper(out: Path) -> None:
+def test_no_shared_drive_is_in_a_paper_cell(out: Path) -> None:
     drives = ("carnd_highway", "kitti_vo_seq1", "kitti_raw_leadcar", "radiate_fog")
     assert all(row["frames"] == 0 for row in rows([record(name, out) for name in drives]) if row["paper"])

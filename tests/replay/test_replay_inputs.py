@@ -1,4 +1,4 @@
-"""A replay is gone on with only if its inputs say the same; and a drive may be called anything."""
+"""A replay resumes only with equal inputs; drives may have any name."""
 
 import json
 import shutil
@@ -39,14 +39,14 @@ def replay(folder: Path, driver: str, *more: str) -> int:
 
 @pytest.fixture
 def place(stored: Path, tmp_path: Path) -> Path:
-    """A copy of all that, in which something may change; the manifest says where the drive is."""
+    """A copy of all that, that may be changed; the manifest has the path of the drive."""
     shutil.copytree(stored, tmp_path / "place")
     manifest = tmp_path / "place" / "run" / "manifest.json"
     manifest.write_text(manifest.read_text().replace(str(stored), str(tmp_path / "place")))
     return tmp_path / "place"
 
 
-def another_film(folder: Path) -> None:
+def another_video(folder: Path) -> None:
     layouts.video(folder / "cam" / "drive.mp4", [layouts.picture(k + 1) for k in range(layouts.FRAMES)])
 
 
@@ -60,15 +60,15 @@ def edited(name: str, old: str, new: str) -> Callable[[Path], None]:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reason"),
     [
-        (another_film, "the drive 'my drive' changed: drive.mp4"),
+        (another_video, "the drive 'my drive' changed: drive.mp4"),
         (edited("drive.toml", "wheelbase_m = 2.6", "wheelbase_m = 2.9"), "the drive 'my drive' changed: drive.toml"),
         (edited("signals.csv", ",x\n", ",y\n"), "the drive 'my drive' changed: signals.csv"),
     ],
 )
-def test_another_film_table_or_file_of_the_drive_is_refused_and_nothing_is_lost(
-    change: Callable[[Path], None], told: str, place: Path, capsys: pytest.CaptureFixture[str]
+def test_resume_refuses_changed_files_and_keeps_the_folder(
+    change: Callable[[Path], None], reason: str, place: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = place / "run"
     before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
@@ -76,19 +76,19 @@ def test_another_film_table_or_file_of_the_drive_is_refused_and_nothing_is_lost(
     for more in ([], ["--mixed"]):
         assert replay(place, "neutral", "--out", str(run), "--resume", *more) == 2
         said = capsys.readouterr().err
-        assert said.startswith(f"vpf-sim: {run}: --resume: {told}")
+        assert said.startswith(f"vpf-sim: {run}: --resume: {reason}")
         assert said.endswith("; start a new run\n")
         assert said.count("\n") == 1
     assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
 
 
-def test_what_is_the_same_is_gone_on_with(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_resume_accepts_unchanged_inputs(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (place / "cam" / "unrelated notes").write_text("mine")
     assert replay(place, "neutral", "--out", str(place / "run"), "--resume", "--json") == 0
     assert [drive["name"] for drive in json.loads(capsys.readouterr().out)["drives"]] == ["my drive"]
 
 
-def test_a_driver_of_ones_own_is_compared_by_what_it_is(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_resume_compares_the_code_of_a_custom_driver(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert inputs.hashes({}, "test_replay_inputs:Mine", None)["drivers"].keys() == {"test_replay_inputs:Mine"}
     driver = f"vpf@{place / 'own.toml'}"
     assert replay(place, driver, "--out", str(place / "second")) == 0
@@ -98,7 +98,7 @@ def test_a_driver_of_ones_own_is_compared_by_what_it_is(place: Path, capsys: pyt
     assert f"--resume: drivers changed: {driver}: was " in capsys.readouterr().err
 
 
-def test_the_water_is_compared_by_what_its_file_says(tmp_path: Path) -> None:
+def test_resume_compares_the_content_of_the_weather_file(tmp_path: Path) -> None:
     wet = tmp_path / "wet.toml"
     hashes = []
     for droplets in (30, 40):
@@ -109,20 +109,20 @@ def test_the_water_is_compared_by_what_its_file_says(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_another_picture_is_another_drive_in_each_layout(layout: str, tmp_path: Path) -> None:
+def test_changed_image_changes_the_hash_in_each_layout(layout: str, tmp_path: Path) -> None:
     folder = LAYOUTS[layout](tmp_path)
     before = inputs.of_recording(readers.read(folder))
     files = [path for path in sorted(tmp_path.rglob("*")) if path.suffix in (".png", ".jpg", ".mp4", ".hevc")]
     for one in files:
         one.write_bytes(one.read_bytes() + b"\0")
     after = inputs.of_recording(readers.read(folder))
-    name = files[0].name if files[0].suffix in (".mp4", ".hevc") else "pictures"
+    name = files[0].name if files[0].suffix in (".mp4", ".hevc") else "images"
     assert inputs.changed(before, after, ("read", "derived")) == name
 
 
 @pytest.fixture(scope="module")
 def many(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """Drives of odd names in their drive.toml, two of the same, two that differ in case; and their replay."""
+    """Drives with odd names in drive.toml, two equal ones, two that differ in case; and their replay."""
     folder = tmp_path_factory.mktemp("many")
     for k, name in enumerate([*ODD_NAMES, "same", "same", "Same", "same-2"]):
         drive = layouts.general(folder / f"d{k:02d}")
@@ -135,7 +135,7 @@ def many(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return folder, run
 
 
-def test_names_in_drive_toml_stay_in_the_folder_and_the_record_keeps_them(many: tuple[Path, Path]) -> None:
+def test_names_in_drive_toml_cannot_leave_the_folder(many: tuple[Path, Path]) -> None:
     folder, run = many
     records = [json.loads(line) for line in (run / "replays.jsonl").read_text().splitlines()]
     names = [record["name"] for record in records]
@@ -148,6 +148,6 @@ def test_names_in_drive_toml_stay_in_the_folder_and_the_record_keeps_them(many: 
     assert not Path("/tmp/vpf_sim_outside.parquet").exists()
 
 
-def test_two_drives_of_a_name_are_told_apart(many: tuple[Path, Path]) -> None:
+def test_two_drives_of_one_name_get_different_files(many: tuple[Path, Path]) -> None:
     records = [json.loads(line) for line in (many[1] / "replays.jsonl").read_text().splitlines()]
     assert [record["name"] for record in records[-4:]] == ["same", "same-2", "Same-3", "same-2-2"]

@@ -1,4 +1,4 @@
-"""The parts of a replay that need no pictures: segments, the model vehicle, the present lane, the table, the checks."""
+"""Parts of a replay without images: segments, model vehicle, present lane, table, checks."""
 
 from dataclasses import replace
 from math import atan, inf, sin, tan
@@ -11,7 +11,7 @@ from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.replay import obstacles_ahead, real_table, scores
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
-from vpf_sim.replay.present_lane import bodies_seen_from, is_found, present_lane, seen_from
+from vpf_sim.replay.present_lane import is_found, obstacles_in_vehicle_frame, present_lane, road_in_vehicle_frame
 from vpf_sim.replay.recording import Frame, Origin, Recording
 from vpf_sim.replay.segments import segments
 from vpf_sim.types import Camera, Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
@@ -20,7 +20,7 @@ VEHICLE = VehicleModel()
 
 
 def recording(seconds: float, rate_hz: float = 10.0, **changes: Any) -> Recording:
-    """Straight ahead at 10 m/s, without pictures."""
+    """Straight ahead at 10 m/s, without images."""
     times = np.arange(round(seconds * rate_hz)) / rate_hz
     poses = np.stack([10.0 * times, 0.0 * times, 0.0 * times], axis=1)
     names = ("poses", "speed_mps", "yaw_rate_radps", "steering_rad", "throttle")
@@ -45,7 +45,7 @@ def test_segments_are_equal_parts_of_at_most_twenty_seconds() -> None:
     assert found[1].goal_m == pytest.approx((333.0, 0.0))
 
 
-def test_without_poses_the_goal_is_a_hundred_metres_ahead() -> None:
+def test_goal_without_poses_is_a_hundred_metres_ahead() -> None:
     drive = recording(10.0)
     turned = replace(drive.origins["poses"], kind="absent")
     found = segments(replace(drive, origins={**drive.origins, "poses": turned}))
@@ -57,8 +57,8 @@ def observed(yaw_rad: float, speed_mps: float) -> Observation:
 
 
 @pytest.mark.parametrize(("rate_hz", "speed_mps"), [(10.0, 25.0), (25.0, 8.0)])
-def test_the_model_vehicle_takes_the_steering_of_the_bend_that_is_asked_for(rate_hz: float, speed_mps: float) -> None:
-    """At camera rates at which the controller itself would swing."""
+def test_model_vehicle_steers_the_requested_bend(rate_hz: float, speed_mps: float) -> None:
+    """Camera rates at which the controller alone would oscillate."""
     radius = 80.0
     model, rate = ModelVehicle(load_gains("robust"), VEHICLE, rate_hz), speed_mps / radius
     model.restart(speed_mps)
@@ -75,18 +75,18 @@ def test_the_model_vehicle_takes_the_steering_of_the_bend_that_is_asked_for(rate
     assert [command.throttle for command in said] == pytest.approx([0.0] * len(said))
 
 
-def test_the_model_vehicle_has_a_speed_of_its_own() -> None:
+def test_model_vehicle_has_its_own_speed() -> None:
     model = ModelVehicle(load_gains("robust"), VEHICLE, 10.0)
     model.restart(10.0)
-    still = Interval(np.zeros(3), np.zeros(3), 0.1)  # the recorded car stands
+    still = Interval(np.zeros(3), np.zeros(3), 0.1)  # the recorded car at standstill
     for _ in range(30):
         model.drive(Reference(0.0, 8.0, 0.0), observed(0.0, 0.0), still)
     assert model.speed_mps == pytest.approx(8.0, abs=0.2)
     assert model.right_m == 0.0
 
 
-def test_while_the_recorded_car_stands_the_wheels_stay() -> None:
-    """The controller asks for throttle; nobody carries it out along the recording."""
+def test_wheels_are_held_while_the_recorded_car_stands() -> None:
+    """The throttle command has no effect on the recording."""
     model = ModelVehicle(load_gains("robust"), VEHICLE, 20.0)
     model.restart(0.0)
     still = Interval(np.zeros(3), np.zeros(3), 0.05)
@@ -94,7 +94,7 @@ def test_while_the_recorded_car_stands_the_wheels_stay() -> None:
     assert [command.steering for command in said] == [0.0] * 40
 
 
-def test_the_model_vehicle_begins_anew_at_the_speed_that_is_recorded_there() -> None:
+def test_model_vehicle_restarts_at_the_recorded_speed() -> None:
     model = ModelVehicle(load_gains("robust"), VEHICLE, 20.0)
     for speed_mps in (2.0, 12.0):
         model.restart(speed_mps)
@@ -106,7 +106,7 @@ def test_the_model_vehicle_begins_anew_at_the_speed_that_is_recorded_there() -> 
 ROAD = RoadEdges(-8.0, 6.0, 0.02, 0.0, 0.05, 0.9, 4.5, 3.5, 0.9)
 
 
-def test_the_present_lane_is_the_one_nearest_to_the_car() -> None:
+def test_present_lane_is_nearest_to_the_car() -> None:
     lane = present_lane(ROAD, found=True)
     assert lane.lane_m == pytest.approx(1.0)
     assert (lane.left_m, lane.right_m, lane.heading_rad) == (-8.0, 6.0, 0.02)
@@ -114,32 +114,32 @@ def test_the_present_lane_is_the_one_nearest_to_the_car() -> None:
     assert beyond.right_m == pytest.approx(2.75), "what is driven on is road"
 
 
-def test_where_no_lane_is_found_it_lies_straight_ahead() -> None:
+def test_missing_lane_lies_straight_ahead() -> None:
     lane = present_lane(ROAD, found=False)
     assert (lane.lane_m, lane.heading_rad, lane.curvature_per_m, lane.confidence) == (0.0, 0.0, 0.0, 0.0)
     assert (lane.left_m, lane.right_m) == (-7.0, 7.0)
 
 
-def test_an_edge_that_is_not_believed_is_not_kept() -> None:
-    """A left edge right of the car would lead the model car to the right, again and again."""
+def test_unreliable_edge_is_not_kept() -> None:
+    """A left edge to the right of the car would pull the model car to the right repeatedly."""
     beside = replace(ROAD, left_m=1.9, right_m=15.9, lane_m=-0.5)
     lane = present_lane(beside, found=False)
     assert (lane.left_m, lane.right_m) == (-7.0, 7.0)
 
 
-def test_a_lane_is_not_believed_if_the_car_would_rush_across_it() -> None:
+def test_lane_is_rejected_at_high_lateral_speed() -> None:
     assert is_found(ROAD, 20.0)
     assert not is_found(replace(ROAD, heading_rad=0.1), 20.0)
     assert not is_found(replace(ROAD, lane_confidence=0.4), 20.0)
 
 
-def test_a_bend_is_not_believed_that_no_car_drives_so_fast() -> None:
+def test_lane_is_rejected_at_high_lateral_acceleration() -> None:
     bend = replace(ROAD, curvature_per_m=0.03)
     assert is_found(bend, 10.0)
     assert not is_found(bend, 25.0)
 
 
-def test_standing_behind_a_car_its_outline_is_no_bend() -> None:
+def test_outline_of_a_car_ahead_is_no_bend_at_standstill() -> None:
     assert not is_found(replace(ROAD, curvature_per_m=-0.03), 0.0)
     assert is_found(ROAD, 0.0)
 
@@ -160,14 +160,14 @@ def test_frames_without_a_lane_are_not_scored() -> None:
     assert (nowhere["steering"], nowhere["frames"]["whole"]) == (None, 0)
 
 
-def test_road_and_bodies_are_seen_from_the_model_vehicle() -> None:
-    road = seen_from(ROAD, 1.5, 0.05)
+def test_road_and_obstacles_are_in_the_model_vehicle_frame() -> None:
+    road = road_in_vehicle_frame(ROAD, 1.5, 0.05)
     assert (road.lane_m, road.left_m, road.heading_rad) == (3.0, -9.5, pytest.approx(-0.03))
     one = np.array([20.0])
-    bodies = Obstacles(one, np.array([0.5]), np.array([2.5]), one, one, np.array([1]))
-    seen = bodies_seen_from(bodies, 1.5, 0.05)
-    assert 0.5 * (seen.left_m + seen.right_m) == pytest.approx([-20.0 * sin(0.05)])
-    assert seen.right_m - seen.left_m == pytest.approx([2.0])
+    obstacles = Obstacles(one, np.array([0.5]), np.array([2.5]), one, one, np.array([1]))
+    moved = obstacles_in_vehicle_frame(obstacles, 1.5, 0.05)
+    assert 0.5 * (moved.left_m + moved.right_m) == pytest.approx([-20.0 * sin(0.05)])
+    assert moved.right_m - moved.left_m == pytest.approx([2.0])
 
 
 def record(name: str, weather: str, throttle: str = "recorded", added: str | None = None, mae: float = 0.1) -> Any:
@@ -197,39 +197,39 @@ def filled(records: list[Any]) -> list[dict[str, Any]]:
     return [row for row in real_table.rows(records) if row["frames"]]
 
 
-def test_drives_count_by_their_frames() -> None:
+def test_drives_are_weighted_by_their_frames() -> None:
     (row,) = filled([record("a", "Overcast"), record("b", "cloudy", mae=0.3)])
     assert (row["weather"], row["drives"], row["frames"], row["unseen"]) == ("cloudy", ["a", "b"], 40, 20)
     assert row["accuracy"]["throttle"]["mae"] == pytest.approx((10 * 0.1 + 30 * 0.3) / 40)
     assert row["paper"] == {"throttle": 0.6943, "steering": 0.6492}
 
 
-def test_derived_and_added_stand_in_rows_of_their_own() -> None:
-    mixed = [record("a", "rain"), record("b", "rain", "derived"), record("c", "rain", added="water of ours")]
+def test_derived_and_simulated_signals_have_their_own_rows() -> None:
+    mixed = [record("a", "rain"), record("b", "rain", "derived"), record("c", "rain", added="simulated water")]
     found = {(row["signals"]["throttle"], row["added"]): row for row in filled(mixed)}
-    assert set(found) == {("recorded", None), ("derived", None), ("recorded", "water of ours")}
-    assert found["recorded", "water of ours"]["paper"] is None
+    assert set(found) == {("recorded", None), ("derived", None), ("recorded", "simulated water")}
+    assert found["recorded", "simulated water"]["paper"] is None
 
 
-def test_the_papers_empty_cells_stay() -> None:
+def test_paper_cells_without_a_drive_remain() -> None:
     cells = [(row["weather"], row["part"]) for row in real_table.rows([record("a", "sunny")]) if row["paper"]]
     assert cells == list(real_table.PAPER)
 
 
-def test_a_body_flickers_into_no_part() -> None:
-    seen: Floats = np.zeros(40)
-    seen[10] = 1.0
-    seen[20:30] = 1.0
-    assert np.flatnonzero(obstacles_ahead.lasting(seen, 10.0)).tolist() == list(range(20, 30))
+def test_flickering_detection_starts_no_part() -> None:
+    detected: Floats = np.zeros(40)
+    detected[10] = 1.0
+    detected[20:30] = 1.0
+    assert np.flatnonzero(obstacles_ahead.persistent(detected, 10.0)).tolist() == list(range(20, 30))
 
 
-def test_a_drive_shorter_than_what_lasts_is_one_part_too() -> None:
+def test_drive_shorter_than_persistence_is_one_part() -> None:
     for count in (2, 20, 24, 25, 26):
-        assert obstacles_ahead.lasting(np.ones(count), 25.0).tolist() == [1.0] * count
-        assert obstacles_ahead.lasting(np.zeros(count), 25.0).tolist() == [0.0] * count
+        assert obstacles_ahead.persistent(np.ones(count), 25.0).tolist() == [1.0] * count
+        assert obstacles_ahead.persistent(np.zeros(count), 25.0).tolist() == [0.0] * count
 
 
-def test_a_gap_closes_at_its_slope() -> None:
+def test_closing_speed_is_the_slope_of_the_gap() -> None:
     times = np.arange(20) / 10.0
     gap = 12.0 - 2.0 * times
     closing = obstacles_ahead.closing_mps(gap, times)
@@ -238,7 +238,7 @@ def test_a_gap_closes_at_its_slope() -> None:
     assert obstacles_ahead.true_ttc_s(gap, -closing)[0] == inf
 
 
-def test_the_time_to_contact_is_scored_where_the_gap_closes() -> None:
+def test_ttc_is_scored_where_the_gap_closes() -> None:
     rows = [FrameRow(k, k / 10.0, 0, 1.0, 5.0, 0.0, 0.0, 0.0, 0.0, 12.0 - 0.2 * k) for k in range(20)]
     table = FrameTable.of(rows)
     true = table.lead_gap_m / 2.0
@@ -248,10 +248,10 @@ def test_the_time_to_contact_is_scored_where_the_gap_closes() -> None:
     assert found["median_error"] == pytest.approx(0.3)
 
 
-def test_a_turned_sign_of_the_steering_shows() -> None:
+def test_inverted_steering_sign_gives_negative_gain() -> None:
     rate = 0.1 * np.sin(np.arange(100) / 10.0)
     drive = recording(10.0)
-    told = np.arctan(VEHICLE.wheelbase_m * rate / drive.speed_mps)
+    steering = np.arctan(VEHICLE.wheelbase_m * rate / drive.speed_mps)
     for sign in (1.0, -1.0):
-        checked = scores.signal_checks(replace(drive, yaw_rate_radps=rate, steering_rad=sign * told))
+        checked = scores.signal_checks(replace(drive, yaw_rate_radps=rate, steering_rad=sign * steering))
         assert checked["yaw_rate"]["gain"] == pytest.approx(sign)

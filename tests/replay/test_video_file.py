@@ -16,15 +16,15 @@ FRAMES = 18
 
 
 def shade(index: int) -> Image:
-    """A frame that tells its number by its brightness, brighter above than below."""
+    """A frame whose brightness encodes its number, brighter above than below."""
     image = np.full((64, 96, 3), 20 + 12 * index, np.uint8)
     image[32:] //= 2
     return image
 
 
 @pytest.fixture(scope="module")
-def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("films") / "even.mp4"
+def video_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("videos") / "even.mp4"
     layouts.video(path, [shade(k) for k in range(FRAMES)])
     return path
 
@@ -36,14 +36,14 @@ def numbers(video: video_file.Video) -> list[int | None]:
     return [None if frame.image is None else round((float(frame.image[:16].mean()) - 20.0) / 12.0) for frame in frames]
 
 
-def test_a_plain_video_has_its_frames_and_times(film: Path) -> None:
-    video = video_file.read(film)
+def test_plain_video_has_its_frames_and_times(video_path: Path) -> None:
+    video = video_file.read(video_path)
     assert (video.width_px, video.height_px, video.notes) == (96, 64, ())
     assert video.times_s == pytest.approx(np.arange(FRAMES) / 10.0)
     assert numbers(video) == list(range(FRAMES))
 
 
-def test_frames_keep_the_times_they_were_taken_at(tmp_path: Path) -> None:
+def test_frames_keep_their_own_times(tmp_path: Path) -> None:
     """A phone's rate varies and it drops frames."""
     stamps = [0, 33, 67, 100, 300, 340, 353, 400]
     layouts.video(tmp_path / "phone.mp4", [shade(k) for k in range(8)], stamps=stamps)
@@ -52,10 +52,10 @@ def test_frames_keep_the_times_they_were_taken_at(tmp_path: Path) -> None:
     assert numbers(video) == list(range(8))
 
 
-def test_a_stream_without_times_takes_those_recorded_beside_it(tmp_path: Path) -> None:
+def test_stream_without_times_uses_recorded_times(tmp_path: Path) -> None:
     path = tmp_path / "video.hevc"
     layouts.video(path, [shade(k) for k in range(8)])
-    with pytest.raises(InputError, match=r"video\.hevc: expected a video that knows when its frames were taken"):
+    with pytest.raises(InputError, match=r"video\.hevc: expected a video with times of its frames"):
         video_file.read(path)
     times = 5.0 + 0.05 * np.arange(6)
     video = video_file.read(path, times)
@@ -64,8 +64,8 @@ def test_a_stream_without_times_takes_those_recorded_beside_it(tmp_path: Path) -
     assert numbers(video) == list(range(6))
 
 
-def test_a_video_that_is_cut_off_goes_as_far_as_it_goes_and_says_so(tmp_path: Path) -> None:
-    """With the index in front the rest can be read."""
+def test_truncated_video_is_read_to_its_end_with_a_note(tmp_path: Path) -> None:
+    """With the index in front, the remaining frames can be read."""
     whole, cut = tmp_path / "whole.mp4", tmp_path / "cut.mp4"
     with av.open(str(whole), "w", options={"movflags": "+faststart"}) as container:
         stream = container.add_stream("libx264", rate=10, options={"g": "3", "crf": "10"})
@@ -78,11 +78,11 @@ def test_a_video_that_is_cut_off_goes_as_far_as_it_goes_and_says_so(tmp_path: Pa
     video = video_file.read(cut)
     frames = list(video.frames())
     assert 5 < len(frames) < FRAMES
-    assert any("cut off" in note and f"of {FRAMES} frames are there" in note for note in video.notes)
+    assert any("truncated" in note and f"of {FRAMES} frames are there" in note for note in video.notes)
     assert sum(frame.image is not None for frame in frames) >= len(frames) - 2
 
 
-def test_damage_in_the_middle_is_a_gap_and_the_rest_is_there(tmp_path: Path) -> None:
+def test_damage_in_the_middle_is_a_gap(tmp_path: Path) -> None:
     path = tmp_path / "damaged.mp4"
     layouts.video(path, [layouts.picture(k) for k in range(FRAMES)])
     content = bytearray(path.read_bytes())
@@ -93,14 +93,14 @@ def test_damage_in_the_middle_is_a_gap_and_the_rest_is_there(tmp_path: Path) -> 
     frames = list(video_file.read(path).frames())
     assert [frame.index for frame in frames] == list(range(FRAMES))
     gaps = [frame for frame in frames if frame.image is None]
-    assert 1 <= len(gaps) <= 7  # to the next frame that is coded on its own
+    assert 1 <= len(gaps) <= 7  # to the next key frame
     assert gaps[0].fault == f"frame {gaps[0].index} of the video cannot be decoded"
     assert frames[0].image is not None
     assert frames[-1].image is not None
 
 
-def test_pictures_of_another_size_are_gaps_that_say_so(tmp_path: Path) -> None:
-    """Two streams in one file, as some recorders go on after a change of their settings."""
+def test_frames_of_another_size_are_gaps(tmp_path: Path) -> None:
+    """Two streams in one file, as some recorders write after a change of settings."""
     parts = [tmp_path / "large.hevc", tmp_path / "small.hevc"]
     layouts.video(parts[0], [shade(k) for k in range(8)])
     layouts.video(parts[1], [np.ascontiguousarray(shade(k)[:48, :80]) for k in range(8, 12)])
@@ -111,8 +111,8 @@ def test_pictures_of_another_size_are_gaps_that_say_so(tmp_path: Path) -> None:
     assert frames[8].fault == "frame 8 of the video has 80 x 48 px, unlike the first"
 
 
-def test_a_phone_that_was_mounted_upside_down_is_turned(film: Path, tmp_path: Path) -> None:
-    content = bytearray(film.read_bytes())
+def test_upside_down_video_is_rotated(video_path: Path, tmp_path: Path) -> None:
+    content = bytearray(video_path.read_bytes())
     matrix = content.index(b"tkhd") + 44  # of the track's header, ISO 14496-12, 8.3.2
     for place in (matrix, matrix + 16):
         content[place : place + 4] = (0xFFFF0000).to_bytes(4, "big")
@@ -122,9 +122,9 @@ def test_a_phone_that_was_mounted_upside_down_is_turned(film: Path, tmp_path: Pa
     assert float(frame.image[:16].mean()) < float(frame.image[-16:].mean())
 
 
-def turned(film: Path, matrix: tuple[int, ...], path: Path) -> Path:
-    """The film with the upper left of its track's matrix, ISO 14496-12, 8.3.2, in 16.16 fixed point."""
-    content = bytearray(film.read_bytes())
+def turned(video_path: Path, matrix: tuple[int, ...], path: Path) -> Path:
+    """The video with the upper left of its track's matrix, ISO 14496-12, 8.3.2, in 16.16 fixed point."""
+    content = bytearray(video_path.read_bytes())
     place = content.index(b"tkhd") + 44
     for k, value in zip((0, 4, 12, 16), matrix, strict=True):
         content[place + k : place + k + 4] = (value * 0x10000 & 0xFFFFFFFF).to_bytes(4, "big")
@@ -133,11 +133,11 @@ def turned(film: Path, matrix: tuple[int, ...], path: Path) -> Path:
 
 
 @pytest.mark.parametrize(("matrix", "brighter"), [((0, 1, -1, 0), np.s_[:, -16:]), ((0, -1, 1, 0), np.s_[:, :16])])
-def test_a_film_taken_upright_is_shown_upright(
-    matrix: tuple[int, ...], brighter: tuple[slice, slice], film: Path, tmp_path: Path
+def test_portrait_video_is_upright(
+    matrix: tuple[int, ...], brighter: tuple[slice, slice], video_path: Path, tmp_path: Path
 ) -> None:
-    """By the standard (x, y) goes to (a x + c y, b x + d y): the top of what is stored goes to a side."""
-    video = video_file.read(turned(film, matrix, tmp_path / "upright.mp4"))
+    """The standard maps (x, y) to (a x + c y, b x + d y), so the stored top becomes a side."""
+    video = video_file.read(turned(video_path, matrix, tmp_path / "upright.mp4"))
     assert (video.width_px, video.height_px) == (64, 96)
     image = next(video.frames()).image
     assert image is not None
@@ -162,25 +162,25 @@ def several(path: Path, *streams: tuple[int, int, int]) -> None:
 
 @pytest.mark.parametrize("still", [(48, 32), (192, 128)])
 @pytest.mark.parametrize("first", [True, False])
-def test_a_still_picture_beside_the_film_is_not_the_film(still: tuple[int, int], first: bool, tmp_path: Path) -> None:
-    """A thumbnail or a cover, before the film or behind it, may be larger than the film."""
+def test_still_image_stream_is_ignored(still: tuple[int, int], first: bool, tmp_path: Path) -> None:
+    """A thumbnail or cover, before or after the video, may be larger than it."""
     streams = [(*still, 1), (96, 64, 8)]
-    several(tmp_path / "film.mp4", *(streams if first else streams[::-1]))
-    video = video_file.read(tmp_path / "film.mp4")
+    several(tmp_path / "drive.mp4", *(streams if first else streams[::-1]))
+    video = video_file.read(tmp_path / "drive.mp4")
     assert (video.width_px, video.height_px, video.notes) == (96, 64, ())
     assert numbers(video) == list(range(8))
 
 
-def test_of_two_films_the_larger_is_used_and_that_is_told(tmp_path: Path) -> None:
-    several(tmp_path / "film.mp4", (48, 32, 8), (96, 64, 8))
-    video = video_file.read(tmp_path / "film.mp4")
+def test_larger_of_two_streams_is_used_with_a_note(tmp_path: Path) -> None:
+    several(tmp_path / "drive.mp4", (48, 32, 8), (96, 64, 8))
+    video = video_file.read(tmp_path / "drive.mp4")
     assert (video.width_px, video.height_px) == (96, 64)
-    assert video.notes == ("film.mp4: 2 videos in it, the one of 96 x 64 px is used",)
+    assert video.notes == ("drive.mp4: 2 video streams; the one of 96 x 64 px is used",)
     assert numbers(video) == list(range(8))
 
 
-def test_what_an_edit_list_hides_is_not_there(tmp_path: Path) -> None:
-    """A film that was trimmed without coding it anew starts with frames that only its decoder needs."""
+def test_edit_list_hides_frames(tmp_path: Path) -> None:
+    """A video trimmed without encoding starts with frames that only its decoder needs."""
     whole, trimmed = tmp_path / "whole.mp4", tmp_path / "trimmed.mp4"
     with av.open(str(whole), "w") as container:
         stream = container.add_stream("libx264", rate=10, options={"crf": "10", "bf": "0", "g": "30"})
@@ -204,9 +204,9 @@ def test_what_an_edit_list_hides_is_not_there(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("pixel", "size"), [(Fraction(4, 3), (128, 64)), (Fraction(2, 3), (96, 96))])
-def test_pixels_that_are_not_square_are_made_square(pixel: Fraction, size: tuple[int, int], tmp_path: Path) -> None:
+def test_non_square_pixels_are_stretched(pixel: Fraction, size: tuple[int, int], tmp_path: Path) -> None:
     """No pixel is lost: the frame gets wider, or higher."""
-    path = tmp_path / "film.mp4"
+    path = tmp_path / "drive.mp4"
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=10, options={"crf": "10"})
         stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
@@ -218,7 +218,7 @@ def test_pixels_that_are_not_square_are_made_square(pixel: Fraction, size: tuple
         container.mux(stream.encode())
     video = video_file.read(path)
     assert (video.width_px, video.height_px) == size
-    assert f"film.mp4: its pixels are {pixel.numerator}:{pixel.denominator}, no squares" in video.notes[0]
+    assert f"drive.mp4: its pixels are not square ({pixel.numerator}:{pixel.denominator})" in video.notes[0]
     image = next(video.frames()).image
     assert image is not None
     assert image.shape == (size[1], size[0], 3)
@@ -227,7 +227,7 @@ def test_pixels_that_are_not_square_are_made_square(pixel: Fraction, size: tuple
 
 
 class Pipe:
-    """A file that only goes forward, as a stream over a network does."""
+    """A file that cannot seek, like a network stream."""
 
     def __init__(self) -> None:
         self.content = b""
@@ -238,8 +238,8 @@ class Pipe:
 
 
 @pytest.mark.parametrize("ending", ["mkv", "ts"])
-def test_a_film_that_does_not_say_how_long_it_is_is_read_to_its_end(ending: str, tmp_path: Path) -> None:
-    """Such as one that was streamed while it was taken: nobody went back to write its length."""
+def test_video_without_duration_is_read_to_its_end(ending: str, tmp_path: Path) -> None:
+    """As in streamed videos, whose length is never written."""
     pipe = Pipe()
     with av.open(pipe, "w", format={"mkv": "matroska", "ts": "mpegts"}[ending]) as container:
         stream = container.add_stream("libx264", rate=10, options={"crf": "10", "bf": "0"})
@@ -247,7 +247,7 @@ def test_a_film_that_does_not_say_how_long_it_is_is_read_to_its_end(ending: str,
         for k in range(FRAMES):
             container.mux(stream.encode(av.VideoFrame.from_ndarray(shade(k), format="rgb24")))
         container.mux(stream.encode())
-    path = tmp_path / f"film.{ending}"
+    path = tmp_path / f"video_path.{ending}"
     path.write_bytes(pipe.content)
     video = video_file.read(path)
     assert video.times_s == pytest.approx(np.arange(FRAMES) / 10.0, abs=1e-3)
@@ -255,7 +255,7 @@ def test_a_film_that_does_not_say_how_long_it_is_is_read_to_its_end(ending: str,
 
 
 @pytest.mark.parametrize("ending", ["h264", "264", "hevc"])
-def test_a_bare_stream_says_what_works_and_that_works(ending: str, tmp_path: Path) -> None:
+def test_bare_stream_error_names_a_working_remedy(ending: str, tmp_path: Path) -> None:
     path = tmp_path / f"drive.{ending}"
     if ending == "hevc":
         layouts.video(path, [shade(k) for k in range(8)])
@@ -266,18 +266,18 @@ def test_a_bare_stream_says_what_works_and_that_works(ending: str, tmp_path: Pat
             for k in range(8):
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(shade(k), format="rgb24")))
             container.mux(stream.encode())
-    with pytest.raises(InputError, match=r"say rate_hz in drive\.toml, or put it into a file that has them: ffmpeg"):
+    with pytest.raises(InputError, match=r"set rate_hz in drive\.toml, or convert it: ffmpeg"):
         video_file.read(path)
     video = video_file.read(path, rate_hz=20.0)
     assert video.times_s == pytest.approx(np.arange(8) / 20.0)
     assert numbers(video) == list(range(8))
 
 
-def test_a_film_of_any_ending_is_taken_and_another_file_is_told_what_works(film: Path, tmp_path: Path) -> None:
+def test_video_of_any_suffix_is_read_and_other_files_refused(video_path: Path, tmp_path: Path) -> None:
     odd = tmp_path / "clip.dashcam"
-    odd.write_bytes(film.read_bytes())
+    odd.write_bytes(video_path.read_bytes())
     assert len(video_file.read(odd).times_s) == FRAMES
-    (tmp_path / "notes.txt").write_text("a text is no film\n" * 20)
+    (tmp_path / "notes.txt").write_text("a text is no video\n" * 20)
     with pytest.raises(InputError, match=r"notes\.txt: expected the folder of a drive, or a video such as \.mp4"):
         readers.read(tmp_path / "notes.txt")
 
@@ -290,7 +290,7 @@ def test_a_film_of_any_ending_is_taken_and_another_file_is_told_what_works(film:
         (None, "expected a video, cannot be opened: No such file"),
     ],
 )
-def test_what_is_no_video_is_one_clear_line(content: bytes | None, sentence: str, tmp_path: Path) -> None:
+def test_non_video_is_one_clear_line(content: bytes | None, sentence: str, tmp_path: Path) -> None:
     path = tmp_path / "drive.mp4"
     if content is not None:
         path.write_bytes(content)
@@ -300,9 +300,9 @@ def test_what_is_no_video_is_one_clear_line(content: bytes | None, sentence: str
     assert "\n" not in str(caught.value)
 
 
-def test_a_recording_that_was_not_finished_is_one_clear_line(film: Path, tmp_path: Path) -> None:
+def test_unfinished_recording_is_one_clear_line(video_path: Path, tmp_path: Path) -> None:
     """The index of an .mp4 is written last."""
-    content = film.read_bytes()
+    content = video_path.read_bytes()
     (tmp_path / "drive.mp4").write_bytes(content[: content.index(b"moov") - 4])
     with pytest.raises(InputError, match=r"drive\.mp4: expected a video, cannot be opened: Invalid data"):
         video_file.read(tmp_path / "drive.mp4")

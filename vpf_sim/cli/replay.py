@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vpf_sim.cli.options import DriverOption, JsonOption, MixedOption, OutOption, ResumeOption, print_json
-from vpf_sim.cli.options import prints_on_stderr as drivers_speak
+from vpf_sim.cli.options import prints_on_stderr as driver_output_on_stderr
 from vpf_sim.cli.progress import say
 from vpf_sim.cli.tables import in_one_line
 from vpf_sim.errors import InputError
@@ -21,19 +21,21 @@ if TYPE_CHECKING:
 
 DrivesArgument = Annotated[
     list[Path],
-    typer.Argument(metavar="DRIVE", help="Folders of recordings, or videos; docs/recordings.md tells the layouts."),
+    typer.Argument(metavar="DRIVE", help="Folders of recordings, or videos; docs/recordings.md lists the layouts."),
 ]
 
 
 WaterOption = Annotated[
     str | None,
-    typer.Option("--water", metavar="WEATHER", help="Put the water of a weather on the glass; told as ours."),
+    typer.Option("--water", metavar="WEATHER", help="Add simulated water of a weather to the windscreen."),
 ]
 FaultsOption = Annotated[
     str | None,
-    typer.Option("--faults", metavar="SCENARIO", help="Let sensors fail as in that scenario; told as ours."),
+    typer.Option("--faults", metavar="SCENARIO", help="Add simulated sensor faults of a scenario."),
 ]
-VideoOption = Annotated[bool, typer.Option("--video/--no-video", help="Film each drive, with what the driver saw.")]
+VideoOption = Annotated[
+    bool, typer.Option("--video/--no-video", help="Write a video of each drive with the driver's view.")
+]
 
 
 def replay(
@@ -47,7 +49,7 @@ def replay(
     video: VideoOption = True,
     json: JsonOption = False,
 ) -> None:
-    """Run a driver over recorded drives, open loop: its commands beside the human's, what it sees beside the truth.
+    """Run a driver on recorded drives in open loop and score it against the human and the ground truth.
 
     Exit code 1 on an error of the driver, 2 on a recording that cannot be used; the others are still done.
     """
@@ -58,48 +60,48 @@ def replay(
     from vpf_sim.replay.replay_folder import ReplayFolder
 
     limit_opencv()
-    with drivers_speak():
+    with driver_output_on_stderr():
         drivers.create(driver)
     recordings, refused = _read(drive)
     if water is not None:
-        recordings = _wet(recordings, water)
+        recordings = _with_water(recordings, water)
     plan: dict[str, object] = {
         "driver": driver,
         "water": water,
         "drives": {name: str(at) for name, (at, _) in recordings.items()},
     }
     if faults is not None:
-        recordings = _failing(recordings, faults)
-        plan["faults"] = _said(faults)
-    asked = {
+        recordings = _with_faults(recordings, faults)
+        plan["faults"] = _fault_settings(faults)
+    inputs_and_plan = {
         "plan": plan,
         **inputs.hashes({name: recording for name, (_, recording) in recordings.items()}, driver, water),
     }
-    folder = ReplayFolder(out or run_folder.new_path("replay"), asked, resume, mixed)
+    folder = ReplayFolder(out or run_folder.new_path("replay"), inputs_and_plan, resume, mixed)
     try:
         code = max(refused, _replay_all(folder, driver, [recording for _, recording in recordings.values()], video))
         summary = folder.summarize()
-        if folder.done or code != 2:  # a wrong input alone has no answer
-            _answer(folder, summary, json)
+        if folder.done or code != 2:  # nothing to report if no drive could be used
+            _report(folder, summary, json)
     except (KeyboardInterrupt, OSError):
         say(f"stopped with {len(folder.done)} of {len(recordings)} drives stored")
-        say(f"go on with: {_way_back(drive, driver, water, faults, video, mixed, folder.path)}")
+        say(f"go on with: {_resume_command(drive, driver, water, faults, video, mixed, folder.path)}")
         raise
     finally:
         folder.close()
     raise typer.Exit(code)
 
 
-def _way_back(
+def _resume_command(
     drives: list[Path], driver: str, water: str | None, faults: str | None, video: bool, mixed: bool, folder: Path
 ) -> str:
-    """The command that goes on with the replay."""
+    """The command that resumes the replay."""
     options = {"driver": driver, "water": water, "faults": faults, "no_video": not video}
     return command("replay", *drives, **options, out=folder, resume=True, mixed=mixed)
 
 
 def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
-    """The recordings by name, and 2 if one cannot be read: it is told, and fatal only if there is no other."""
+    """The recordings by name, and 2 if one cannot be read: fatal only if there is no other."""
     from vpf_sim.replay import readers
 
     found: list[tuple[Path, Recording]] = []
@@ -112,11 +114,11 @@ def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
     if not found:
         raise InputError("\n".join(str(fault) for fault in faults))
     for fault in faults:
-        _tell_fault(str(fault))
-    return _named_apart(found), 2 if faults else 0
+        _print_fault(str(fault))
+    return _with_unique_names(found), 2 if faults else 0
 
 
-def _wet(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict[str, tuple[Path, Recording]]":
+def _with_water(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict[str, tuple[Path, Recording]]":
     from vpf_sim.envs.camera import weather as weathers
     from vpf_sim.replay.added_water import with_water
 
@@ -124,7 +126,7 @@ def _wet(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict
     return {name: (path, with_water(recording, loaded)) for name, (path, recording) in recordings.items()}
 
 
-def _failing(recordings: "dict[str, tuple[Path, Recording]]", scenario: str) -> "dict[str, tuple[Path, Recording]]":
+def _with_faults(recordings: "dict[str, tuple[Path, Recording]]", scenario: str) -> "dict[str, tuple[Path, Recording]]":
     from vpf_sim import scenarios
     from vpf_sim.replay.added_faults import with_faults
 
@@ -132,15 +134,15 @@ def _failing(recordings: "dict[str, tuple[Path, Recording]]", scenario: str) -> 
     return {name: (path, with_faults(recording, faults)) for name, (path, recording) in recordings.items()}
 
 
-def _said(scenario: str) -> dict[str, object]:
-    """What a scenario says of sensors that fail."""
+def _fault_settings(scenario: str) -> dict[str, object]:
+    """The sensor faults of a scenario, for the manifest."""
     from vpf_sim import scenarios
 
     return scenarios.load(scenario).ego.sensor_faults.model_dump()
 
 
-def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":
-    """Drives of the same name get a number, so that each has files of its own, also where case makes no difference."""
+def _with_unique_names(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":
+    """Give drives of the same name a number, also where they differ only by case."""
     taken: set[str] = set()
     result = {}
     for path, recording in found:
@@ -152,13 +154,13 @@ def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path
 
 
 def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording]", video: bool) -> int:
-    """One drive after the other, but for those that are there with the film that is asked for; the worst exit code."""
-    from vpf_sim.replay.run_files import film_file
+    """Replay each drive that lacks a record or its video; the worst exit code."""
+    from vpf_sim.replay.run_files import video_path
 
     code = 0
     for recording in recordings:
-        lacks_film = video and not recording.no_images and not film_file(folder.path, recording.name).exists()
-        if recording.name not in folder.done or lacks_film:
+        lacks_video = video and not recording.no_images and not video_path(folder.path, recording.name).exists()
+        if recording.name not in folder.done or lacks_video:
             code = max(code, _replay_one(folder, driver, recording, video))
     return max(code, *(int(record["error"] is not None) for record in folder.records()), 0)
 
@@ -168,32 +170,32 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
     from vpf_sim.replay import driver_error, open_loop
 
     try:
-        with drivers_speak(), process_state.kept():
-            record, _ = open_loop.run(recording, driver, folder.path, _tell(recording.name), video, folder.add)
+        with driver_output_on_stderr(), process_state.kept():
+            record, _ = open_loop.run(recording, driver, folder.path, _progress(recording.name), video, folder.add)
     except InputError as error:
-        _tell_fault(str(error))
+        _print_fault(str(error))
         return 2
     except OSError:
         raise
-    except Exception as error:  # the driver's own; the other drives are still worth their time
-        _tell_fault(f"{recording.name}: error: at {driver_error.place(error)}: {driver_error.what(error)}")
+    except Exception as error:  # the driver's own; go on with the other drives
+        _print_fault(f"{recording.name}: error: at {driver_error.place(error)}: {driver_error.what(error)}")
         return 1
     if (fault := record["error"]) is not None:
-        said = f"frame {fault['frame']} of {len(recording)}, at {fault['place']}: {fault['what']}"
-        _tell_fault(f"{recording.name}: error: {said}; the frames before are kept")
+        where = f"frame {fault['frame']} of {len(recording)}, at {fault['place']}: {fault['what']}"
+        _print_fault(f"{recording.name}: error: {where}; the frames before it are stored")
         return 1
     if not record["driven"]:
-        _tell_fault(recording.no_images)
+        _print_fault(recording.no_images)
         return 2
     return 0
 
 
-def _tell_fault(words: str) -> None:
+def _print_fault(words: str) -> None:
     print(f"vpf-sim: {in_one_line(words)}", file=sys.stderr)
 
 
-def _tell(name: str) -> Any:
-    def tell(done: int, total: int) -> None:
+def _progress(name: str) -> Any:
+    def show(done: int, total: int) -> None:
         if sys.stderr.isatty():
             print(
                 f"\r{in_one_line(name)}: {done}/{total} frames",
@@ -202,10 +204,10 @@ def _tell(name: str) -> Any:
                 flush=True,
             )
 
-    return tell
+    return show
 
 
-def _answer(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> None:
+def _report(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> None:
     from vpf_sim.cli import replay_tables
     from vpf_sim.replay import page
     from vpf_sim.replay.tables import tables
@@ -216,4 +218,4 @@ def _answer(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> N
         print_json({"out": str(folder.path), "report": str(path), "drives": records, "timing": timing, **summary})
     else:
         replay_tables.print_all(tables(records, timing, summary))
-        print(f"\nplots and films: {path}\nframes and records: {folder.path}")
+        print(f"\nplots and videos: {path}\nframes and records: {folder.path}")

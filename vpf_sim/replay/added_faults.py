@@ -1,4 +1,4 @@
-"""Sensor faults in a recording that was made without: ours, and told so wherever the drive is named."""
+"""Simulated sensor faults added to a recording, marked in its origins."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,10 +12,10 @@ from vpf_sim.scenarios.parts import SensorFaults
 
 
 def with_faults(recording: Recording, faults: SensorFaults, seed: int = 0) -> Recording:
-    """The recording as sensors that fail would have made it; all else as it was."""
+    """The recording with these sensor faults in its frames and signals."""
     if not (faults.affect_camera or faults.affect_signals):
         raise InputError("--faults: expected a scenario with a fault in [ego.sensor_faults], got none")
-    added = Origin("derived", "sensor faults, ours")
+    added = Origin("derived", "simulated sensor faults")
     failing = _with_signal_faults(_with_camera_faults(recording, faults, seed), faults, seed)
     return replace(failing, origins={**failing.origins, "sensor_faults": added})
 
@@ -40,11 +40,13 @@ def _with_signal_faults(recording: Recording, faults: SensorFaults, seed: int) -
     if not faults.affect_signals:
         return recording
     signals = SignalFaults(faults, seed)
-    start_s, read = float(recording.times_s[0]), np.zeros((len(recording), 5))
-    read[:, SPEED], read[:, YAW_RATE] = recording.speed_mps, recording.yaw_rate_radps
-    told = np.array([signals.read(row, time_s - start_s) for row, time_s in zip(read, recording.times_s, strict=True)])
+    start_s, true = float(recording.times_s[0]), np.zeros((len(recording), 5))
+    true[:, SPEED], true[:, YAW_RATE] = recording.speed_mps, recording.yaw_rate_radps
+    measured = np.array(
+        [signals.read(row, time_s - start_s) for row, time_s in zip(true, recording.times_s, strict=True)]
+    )
     names = [] if faults.speed_stuck_after_s is None else ["speed_mps"]
     names += ["yaw_rate_radps"] if faults.yaw_rate_spike_share > 0.0 else []
-    spoilt = Origin("derived", "with a fault of the sensor, ours")
-    origins = {**recording.origins, **dict.fromkeys(names, spoilt)}
-    return replace(recording, speed_mps=told[:, SPEED], yaw_rate_radps=told[:, YAW_RATE], origins=origins)
+    faulty = Origin("derived", "with a simulated sensor fault")
+    origins = {**recording.origins, **dict.fromkeys(names, faulty)}
+    return replace(recording, speed_mps=measured[:, SPEED], yaw_rate_radps=measured[:, YAW_RATE], origins=origins)

@@ -1,4 +1,4 @@
-"""Water on the glass of a recording that was made in dry weather: ours, and told so wherever the drive is named."""
+"""Simulated water on the windscreen of a dry recording, marked in its origins."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,7 +13,7 @@ from vpf_sim.replay.recording import Frame, Origin, Recording
 
 
 def with_water(recording: Recording, weather: Weather, seed: int = 0) -> Recording:
-    """The recording seen through the droplets, the film and the wiper of a weather; all else as it was."""
+    """The recording seen through a weather's drops, water film and wiper."""
     if weather.droplets <= 0.0:
         raise InputError(
             f"--water: expected a weather with droplets > 0, got '{weather.name}' with {weather.droplets:g}"
@@ -28,10 +28,10 @@ def with_water(recording: Recording, weather: Weather, seed: int = 0) -> Recordi
                 continue
             pose, time_s = recording.poses[frame.index], float(recording.times_s[frame.index])
             now = Snapshot(View.at(recording.camera, pose[:2], float(pose[2])), time_s, [], {})
-            seen = frame.image.copy()
-            glass.draw(seen, now, before or now)
+            wet = frame.image.copy()
+            glass.draw(wet, now, before or now)
             before = now
-            yield replace(frame, image=seen)
+            yield replace(frame, image=wet)
 
-    added = Origin("derived", f"water of {weather.name}, ours")
+    added = Origin("derived", f"simulated water of {weather.name}")
     return replace(recording, frames=frames, origins={**recording.origins, "weather": added})

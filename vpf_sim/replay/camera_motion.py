@@ -1,6 +1,6 @@
-"""What camera poses say: the way of the vehicle, and the focus of expansion that a camera with these poses must see.
+"""Vehicle path and true focus of expansion from camera poses.
 
-Camera axes are KITTI's and OpenCV's (x right, y down, z forward); ours are X forward, Y right. The flip is here alone.
+Camera axes are KITTI's and OpenCV's (x right, y down, z forward), ours X forward, Y right. Only this module converts.
 """
 
 from itertools import pairwise
@@ -11,7 +11,7 @@ import numpy as np
 from vpf_sim.geometry import unwrapped
 from vpf_sim.types import Camera, Floats
 
-LEAST_MOTION_M = 0.05  # between two frames, below which the direction of motion is noise
+LEAST_MOTION_M = 0.05  # between two frames; below this the direction is noise
 
 
 def planar(poses: Floats) -> Floats:
@@ -22,14 +22,14 @@ def planar(poses: Floats) -> Floats:
 
 
 def directions(poses: Floats) -> Floats:
-    """(N - 1, 3) m, the camera's motion from frame k to k + 1, in the axes half way between.
+    """(N - 1, 3) m, camera motion from frame k to k + 1 in the axes halfway between.
 
-    For a camera that turns steadily this is the direction in which it moves at either frame, in that frame's own axes.
+    At a steady turn this is also the direction of motion at either frame in its own axes.
     """
     result = []
     for before, after in pairwise(poses):
         moved = before[:, :3].T @ (after[:, 3] - before[:, 3])  # in the axes of k
-        turn = before[:, :3].T @ after[:, :3]  # takes axes of k + 1 to those of k
+        turn = before[:, :3].T @ after[:, :3]  # from the axes of k + 1 to those of k
         if not np.isfinite(turn).all():
             result.append(np.full(3, np.nan))
             continue
@@ -39,7 +39,10 @@ def directions(poses: Floats) -> Floats:
 
 
 def expansion(camera: Camera, directions_m: Floats) -> Floats:
-    """(N, 2) px, the image of each direction (N, 3) in camera axes; nan where the camera hardly moved or moved back."""
+    """(N, 2) px, focus of expansion for directions (N, 3) in camera axes.
+
+    It is nan where the camera hardly moved or moved backward.
+    """
     right, down, depth = directions_m.T
     with np.errstate(divide="ignore", invalid="ignore"):
         x, y = camera.cx_px + camera.fx_px * right / depth, camera.cy_px + camera.fy_px * down / depth
@@ -48,13 +51,13 @@ def expansion(camera: Camera, directions_m: Floats) -> Floats:
 
 
 def mounted_pitch(directions_m: Floats) -> float:
-    """rad, + down: how far below the direction of travel the camera looks on the whole drive; 0 if it never moves."""
+    """rad, + down: mean pitch against the direction of travel; 0 for a camera that never moves."""
     total = directions_m[np.linalg.norm(directions_m, axis=1) > LEAST_MOTION_M].sum(axis=0)
     return float(np.arctan2(-total[1], total[2])) if total[2] > 0.0 else 0.0
 
 
 def extended(poses: Floats, count: int) -> Floats:
-    """(count, 3, 4): as many poses as frames; the last motion goes on."""
+    """(count, 3, 4) poses, the last motion continued up to the number of frames."""
     result = list(poses)
     while len(result) < count:
         before, last = (np.vstack([pose, [0.0, 0.0, 0.0, 1.0]]) for pose in result[-2:])

@@ -1,4 +1,4 @@
-"""Signals that follow from others by physics. Axes: X forward, Y right, yaw clockwise."""
+"""Signals derived from others by physics. Axes: X forward, Y right, yaw clockwise."""
 
 import numpy as np
 
@@ -7,18 +7,18 @@ from vpf_sim.replay import series
 from vpf_sim.replay.plausible import LIMITS
 from vpf_sim.types import Bools, Floats, VehicleModel
 
-LEAST_SPEED_MPS = 1.0  # below which a curvature is noise
-SLOPE_WINDOW_S = 0.5  # over which an acceleration is taken
+LEAST_SPEED_MPS = 1.0  # below this a curvature is noise
+SLOPE_WINDOW_S = 0.5  # for accelerations
 PERIODS = (None, None, 2.0 * np.pi)  # of x, y, yaw
 FASTEST_MPS = LIMITS["speed_mps"].highest
-END_WINDOW_S = 1.0  # over which the motion is taken that goes on at an end without poses
+END_WINDOW_S = 1.0  # for the motion that continues at the ends
 
 
 def slope(times_s: Floats, values: Floats, window_s: float = SLOPE_WINDOW_S) -> Floats:
-    """(N,) derivative of values (N,): the least-squares line over a window about each time, at least three samples.
+    """(N,) derivative of values (N,) by a least-squares line over a window of at least three samples.
 
-    For evenly spaced times this is the filter of Savitzky and Golay, Anal. Chem. 36, 1964, of degree 1. A line has the
-    slope of the middle of its samples; at the ends, where that is not the time asked for, it is moved on linearly.
+    For evenly spaced times this is the filter of Savitzky and Golay, Anal. Chem. 36, 1964, of degree 1. At the ends
+    the slope of the line is extrapolated linearly to the time.
     """
     first = np.searchsorted(times_s, times_s - 0.5 * window_s - 1e-9)
     last = np.searchsorted(times_s, times_s + 0.5 * window_s + 1e-9)
@@ -36,39 +36,45 @@ def slope(times_s: Floats, values: Floats, window_s: float = SLOPE_WINDOW_S) -> 
 
 
 def _change(times_s: Floats, values: Floats) -> Floats:
-    """(N,) derivative by the neighbours; 0 between equal times."""
+    """(N,) derivative by neighbouring values; 0 between equal times."""
     step = np.gradient(times_s) if len(times_s) > 1 else np.zeros(1)
     change = np.gradient(values) if len(values) > 1 else np.zeros(1)
     return np.asarray(np.divide(change, step, out=np.zeros_like(change), where=step > 1e-9))
 
 
 def from_start(poses: Floats) -> Floats:
-    """(N, 3) poses as seen from the first."""
+    """(N, 3) poses relative to the first."""
     relative = vehicle_from_world(poses[:, :2], poses[0])
     return np.column_stack([relative, poses[:, 2] - poses[0, 2]])
 
 
 def poses_at(times_s: Floats, sampled_s: Floats, poses: Floats) -> Floats:
-    """(N, 3) the poses (M, 3) at other times; nan in gaps. At the ends, as far as a gap, the motion goes on."""
+    """(N, 3) poses (M, 3) interpolated at other times; nan in gaps.
+
+    Beyond the ends the motion continues for the length of a gap.
+    """
     known = np.asarray(np.isfinite(poses).all(axis=1))
     parts = zip(np.where(known[:, None], poses, np.nan).T, PERIODS, strict=True)
-    laid = np.stack([series.at(times_s, sampled_s, part, period) for part, period in parts], axis=1)
-    return _moving_on(laid, times_s, sampled_s[known], poses[known])
+    result = np.stack([series.at(times_s, sampled_s, part, period) for part, period in parts], axis=1)
+    return _extrapolated(result, times_s, sampled_s[known], poses[known])
 
 
 def bridged(times_s: Floats, poses: Floats) -> tuple[Floats, Bools]:
-    """The poses (N, 3) without gaps, and which were bridged: in straight lines; at the ends the motion goes on."""
+    """The poses (N, 3) with gaps interpolated, and which (N,) were gaps.
+
+    At the ends the motion continues.
+    """
     missing: Bools = np.asarray(~np.isfinite(poses).all(axis=1))
     if not missing.any() or missing.all():
         return poses, missing
     known_s, known = times_s[~missing], poses[~missing]
     parts = zip(np.where(missing[:, None], np.nan, poses).T, PERIODS, strict=True)
     result = np.stack([series.filled(times_s, part, period)[0] for part, period in parts], axis=1)
-    return _moving_on(result, times_s, known_s, known), missing
+    return _extrapolated(result, times_s, known_s, known), missing
 
 
-def _moving_on(poses: Floats, times_s: Floats, known_s: Floats, known: Floats) -> Floats:
-    """Poses (N, 3) that hold the first and last known (M, 3) beyond them, moved on as it moved there."""
+def _extrapolated(poses: Floats, times_s: Floats, known_s: Floats, known: Floats) -> Floats:
+    """Poses (N, 3) that move on beyond the first and last known (M, 3)."""
     if len(known) < 2:
         return poses
     for axis in (0, 1):
@@ -93,7 +99,10 @@ def yaw_rate(times_s: Floats, poses: Floats) -> Floats:
 
 
 def travelled(times_s: Floats, speed_mps: Floats, yaw_rate_radps: Floats, ahead_m: float = 0.0) -> Floats:
-    """(N, 3) poses, from the origin along X: the rear axle goes where the vehicle heads, the camera is ahead of it."""
+    """(N, 3) camera poses by dead reckoning from the origin along X.
+
+    The rear axle moves along the heading; the camera is `ahead_m` before it.
+    """
     step_s = np.diff(times_s)
     turned = np.concatenate([[0.0], np.cumsum(0.5 * (yaw_rate_radps[1:] + yaw_rate_radps[:-1]) * step_s)])
     step_m = 0.5 * (speed_mps[1:] + speed_mps[:-1]) * step_s

@@ -1,4 +1,4 @@
-"""drive.toml: what someone tells of a recording of their own. docs/recordings.md explains each key."""
+"""Settings in drive.toml for a recording of your own; docs/recordings.md explains each key."""
 
 from pathlib import Path
 from typing import Literal
@@ -9,7 +9,7 @@ from vpf_sim.replay import plausible
 from vpf_sim.replay.assemble import CAMERA_AHEAD_M, WHEELBASE_M
 
 LONGEST_NAME = 200
-Sided = Literal["steering", "yaw_rate", "yaw", "y"]
+LeftPositive = Literal["steering", "yaw_rate", "yaw", "y"]
 
 
 @settings
@@ -33,16 +33,16 @@ class CameraKeys:
         if self.fx_px is not None and self.field_of_view_deg is not None:
             raise ValueError("fx_px, field_of_view_deg: expected one of them, got both")
         for name in ("field_of_view_deg", "height_m", "pitch_deg", "yaw_deg", "roll_deg", "ahead_of_rear_axle_m"):
-            plausible.key(name, getattr(self, name))
+            plausible.check_key(name, getattr(self, name))
         for name, limit in {
             "fx_px": "focal_px",
             "fy_px": "focal_px",
             "cx_px": "centre_px",
             "cy_px": "centre_px",
         }.items():
-            plausible.key(name, getattr(self, name), limit)
+            plausible.check_key(name, getattr(self, name), limit)
         for coefficient in self.distortion:
-            plausible.key("distortion", coefficient)
+            plausible.check_key("distortion", coefficient)
         if self.model == "fisheye" and len(self.distortion) != 4:
             raise ValueError(f"distortion: expected the 4 numbers of a fisheye, got {len(self.distortion)}")
         if self.model == "pinhole" and len(self.distortion) not in (0, 1, 2, 4, 5, 8):
@@ -54,27 +54,27 @@ class CameraKeys:
 
 @settings
 class VehicleKeys:
-    """The recorded car; its full scales stay those of the driver's model."""
+    """The recorded car; full throttle and brake are those of the driver's model."""
 
     wheelbase_m: float = setting("between the axles", default=WHEELBASE_M)
     steering_ratio: float | None = setting("steering wheel over road wheels", default=None)
 
     def __post_init__(self) -> None:
-        plausible.key("wheelbase_m", self.wheelbase_m)
-        plausible.key("steering_ratio", self.steering_ratio)
+        plausible.check_key("wheelbase_m", self.wheelbase_m)
+        plausible.check_key("steering_ratio", self.steering_ratio)
 
 
 @settings
 class SignalKeys:
-    """The table of signals. `columns` says how those are called whose names are not ours."""
+    """The table of signals; `columns` maps our names to the names in the table."""
 
     file: str = setting("the table", default="signals.csv")
     offset_s: float = setting("added to the table's times: the first frame is at 0", default=0.0)
-    left_is_positive: tuple[Sided, ...] = setting("signals that grow to the left", default=())
+    left_is_positive: tuple[LeftPositive, ...] = setting("signals that grow to the left", default=())
     columns: dict[str, str] = setting("our name and the table's name", default_factory=dict)
 
     def __post_init__(self) -> None:
-        plausible.key("offset_s", self.offset_s)
+        plausible.check_key("offset_s", self.offset_s)
         _check_letters(self.file, *self.columns, *self.columns.values())
 
 
@@ -94,12 +94,12 @@ class DriveFile:
 
     def __post_init__(self) -> None:
         _check_letters(self.frames, self.name, self.weather)
-        plausible.key("rate_hz", self.rate_hz)
-        plausible.key("speed_mps", self.speed_mps, "speed_mps_held")
+        plausible.check_key("rate_hz", self.rate_hz)
+        plausible.check_key("speed_mps", self.speed_mps, "speed_mps_held")
 
 
 def _check_letters(*texts: str) -> None:
-    """Names stand in messages and tables, in a line each."""
+    """Refuse names that do not fit in one line of a message or table."""
     for text in texts:
         if not text.isprintable() or len(text) > LONGEST_NAME:
             raise ValueError(f"expected names of at most {LONGEST_NAME} printable letters, got {text[:40]!r}")

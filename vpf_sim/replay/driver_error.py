@@ -1,4 +1,4 @@
-"""A driver that raises on a recording: what there is of its drive is kept, and the record says where it ended."""
+"""A driver that raises on a recording: the frames before it are kept, the record says where it ended."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,13 +16,13 @@ class DriverError(Exception):
         super().__init__(f"frame {frame}, at {place(error)}: {what(error)}")
 
     def entry(self) -> dict[str, Any]:
-        """The record's `error`."""
+        """The `error` of the drive's record."""
         return {"frame": self.frame, "place": place(self.error), "what": what(self.error)}
 
 
 @contextmanager
 def at_frame(frame: int) -> Iterator[None]:
-    """Whatever is raised within, but a user's mistake, is the driver's fault at that frame."""
+    """Turn exceptions other than InputError into a DriverError at this frame."""
     try:
         yield
     except InputError:
@@ -32,7 +32,7 @@ def at_frame(frame: int) -> Iterator[None]:
 
 
 def place(error: BaseException) -> str:
-    """Module, line and function in which an exception arose."""
+    """Module, line and function where an exception was raised."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
@@ -43,5 +43,5 @@ def place(error: BaseException) -> str:
 
 
 def what(error: BaseException) -> str:
-    """An exception in one line."""
+    """The exception in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())

@@ -1,4 +1,4 @@
-"""The frame table: what was recorded, predicted and seen at each frame of a replayed drive; scores are made from it."""
+"""The frame table: recorded, predicted and perceived values at each frame of a replayed drive."""
 
 from math import nan
 from pathlib import Path
@@ -11,12 +11,12 @@ from vpf_sim.types import Floats
 
 
 class FrameRow(NamedTuple):
-    """One frame. nan where something is unknown, 1 and 0 for yes and no; what is seen comes from the frame alone."""
+    """One frame; nan where unknown, 1 and 0 for yes and no."""
 
     frame: float
     time_s: float
-    segment: float  # counted from 0
-    image: float  # 0: a gap, nothing was seen and the last prediction holds
+    segment: float  # from 0
+    image: float  # 0: a gap, the last prediction is held
     speed_mps: float
     yaw_rate_radps: float
     recorded_throttle: float
@@ -27,23 +27,23 @@ class FrameRow(NamedTuple):
     steering: float = nan
     road_found: float = nan
     road_confidence: float = nan
-    obstacle_seen: float = nan  # a body that the driver believes to stand in the way
-    bodies: float = nan
-    foe_x_px: float = nan  # the recorded rotation removed; nan where it is not to be used
+    obstacle_detected: float = nan  # an obstacle in the corridor ahead
+    obstacles: float = nan
+    foe_x_px: float = nan  # recorded rotation removed; nan where unusable
     foe_y_px: float = nan
     foe_confidence: float = nan
-    held: float = nan  # the flow was not to be trusted, so the last prediction holds
-    own_foe_x_px: float = nan  # told of no rotation
+    held: float = nan  # the flow was unreliable, the last prediction is held
+    own_foe_x_px: float = nan  # without recorded rotation
     own_foe_y_px: float = nan
     true_foe_x_px: float = nan
     true_foe_y_px: float = nan
     flow_yaw_rate_radps: float = nan  # from the flow alone
-    flow_speed_mps: float = nan  # by the flow of the road ahead and the camera's height above it
-    ttc_s: float = nan  # to the body ahead where `lead_gap_m` has it; inf where its image does not grow
+    flow_speed_mps: float = nan  # by the road's flow and the camera's height
+    ttc_s: float = nan  # to the lead vehicle; inf without looming
 
 
 class FrameTable:
-    """The rows as an array (N, columns); `table.steering` is the (N,) column so called."""
+    """The rows as an array (N, columns); `table.steering` is the column (N,) of that name."""
 
     def __init__(self, rows: Floats) -> None:
         self.rows = rows
@@ -59,7 +59,7 @@ class FrameTable:
         return column
 
     def replaced(self, name: str, values: Floats) -> "FrameTable":
-        """The same table with other values (N,) in a column."""
+        """The table with other values (N,) in a column."""
         rows = self.rows.copy()
         rows[:, FrameRow._fields.index(name)] = values
         return FrameTable(rows)
@@ -69,10 +69,10 @@ class FrameTable:
 
 
 def write(table: FrameTable, path: Path) -> None:
-    """A Parquet file, whole or not at all."""
+    """Write a Parquet file, complete or not at all."""
     parquet.write(table.rows, FrameRow._fields, path)
 
 
 def read(path: Path) -> FrameTable:
-    """The table that `write` stored; InputError where there is none of this version's."""
+    """The stored table; InputError where there is none of this version."""
     return FrameTable(parquet.read(path, FrameRow._fields, "the frames of a replayed drive", "frame"))

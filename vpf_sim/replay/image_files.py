@@ -1,4 +1,4 @@
-"""Pictures in files, one a frame: in the order of their numbers, of one size, decoded when they are asked for."""
+"""Images in files, one a frame: ordered by number, of one size, decoded on demand."""
 
 import re
 import struct
@@ -19,15 +19,15 @@ from vpf_sim.types import Image
 SUFFIXES = (".png", ".jpg", ".jpeg")
 PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8"
 LAST_SCAN, END_OF_IMAGE, LAST_CHUNK = b"\xff\xda", b"\xff\xd9", b"IEND"
-HEAD_BYTES = 1 << 16  # in which the size of a JPEG stands, behind its thumbnail
-PNG_DEPTH, DEEP = 24, b"\x10"  # where a PNG says how many bits a level has, and that these are 16
-DEPTHS = (8, 10, 12, 14, 16)  # bits of cameras, which programs put into 16
-LOOKED_AT = 5  # of a drive's pictures, for their depth
-MOST_MISSING = 2  # times as many numbers as pictures: more are no count of pictures
+HEAD_BYTES = 1 << 16  # that hold the size of a JPEG, after its thumbnail
+PNG_DEPTH, DEEP = 24, b"\x10"  # position of the bit depth in a PNG; 16 bits
+DEPTHS = (8, 10, 12, 14, 16)  # bits that cameras use of 16
+SAMPLED = 5  # images per drive, for the bit depth
+MOST_MISSING = 2  # times as many numbers as images: above this they do not count images
 
 
 def listed(folder: Path) -> list[Path]:
-    """The pictures of a folder, frame_2 before frame_10."""
+    """The images in a folder, frame_2 before frame_10."""
     files = [path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and not path.name.startswith(".")]
     return sorted(files, key=lambda path: [int(part) if part.isdecimal() else part for part in _parts(path.name)])
 
@@ -37,9 +37,9 @@ def _parts(name: str) -> list[str]:
 
 
 def steps(files: Sequence[Path]) -> NDArray[np.intp]:
-    """(N,) the place of each picture by the number in its name: more than one from the last where some are missing.
+    """(N,) position of each image by the number in its name; a step over one is a gap.
 
-    Names without one number, or whose numbers are no count of pictures, tell nothing: then no picture is missing.
+    If the names do not hold one counting number each, no image is missing.
     """
     even = np.arange(len(files))
     stems = [_parts(file.stem) for file in files]
@@ -52,7 +52,7 @@ def steps(files: Sequence[Path]) -> NDArray[np.intp]:
     counts = Counter(after - before for before, after in pairwise(numbers))
     if 0 in counts:
         twice = next(k for k, (before, after) in enumerate(pairwise(numbers)) if before == after)
-        raise InputError(f"{files[twice + 1]}: expected one picture of this number, found {files[twice].name}, too")
+        raise InputError(f"{files[twice + 1]}: expected one image of this number, found also {files[twice].name}")
     usual = counts.most_common(1)[0][0]
     if any(step % usual for step in counts) or (numbers[-1] - numbers[0]) // usual > MOST_MISSING * len(numbers):
         return even
@@ -60,7 +60,7 @@ def steps(files: Sequence[Path]) -> NDArray[np.intp]:
 
 
 def with_gaps(files: Sequence[Path]) -> tuple[list[Path | None], list[str]]:
-    """The pictures with None for each that is missing by the numbers in their names, and what is to be told of it."""
+    """The images, None for each missing number, and a note about them."""
     places = steps(files).tolist()
     slots: list[Path | None] = [None] * (places[-1] + 1)
     for place, file in zip(places, files, strict=True):
@@ -70,11 +70,11 @@ def with_gaps(files: Sequence[Path]) -> tuple[list[Path | None], list[str]]:
     first = next(k for k, (before, after) in enumerate(pairwise(places)) if after > before + 1)
     between = f"{files[first].name} and {files[first + 1].name}"
     missing = len(slots) - len(files)
-    return slots, [f"{missing} of {len(slots)} pictures are missing by their numbers, the first between {between}"]
+    return slots, [f"{missing} of {len(slots)} images are missing by their numbers, the first between {between}"]
 
 
 def size(files: Sequence[Path], folder: Path) -> tuple[int, int]:
-    """(width, height) px of all these files of a folder, which must be readable and alike; at least two of them."""
+    """(width, height) px of all the files, at least two; InputError where one differs or is unreadable."""
     if len(files) < 2:
         raise InputError(f"{folder}: expected two images or more, found {len(files)}")
     first = _size(files[0])
@@ -82,21 +82,21 @@ def size(files: Sequence[Path], folder: Path) -> tuple[int, int]:
         if (other := _size(file)) != first:
             expected, actual = (f"{width} x {height}" for width, height in (first, other))
             raise InputError(f"{file}: expected an image of {expected} px like the first, got {actual}")
-    shown = decode(files[0].read_bytes())  # turned, if the camera says so
+    shown = decode(files[0].read_bytes())  # rotated as the camera says
     return first if shown is None else (shown.shape[1], shown.shape[0])
 
 
 def frames(files: Sequence[Path | None], expected: tuple[int, int]) -> Iterator[Frame]:
-    """Each file's picture; None, or one that is cut off, damaged or of another (width, height), is a gap."""
+    """Each file's image; a missing, truncated, damaged or differently sized one is a gap."""
     bits = used_bits([file for file in files if file is not None])
     for index, file in enumerate(files):
         if file is None:
-            yield Frame(index, None, f"picture {index} is missing")
+            yield Frame(index, None, f"image {index} is missing")
             continue
         content = file.read_bytes()
         image = None if _cut_off(content) else decode(content, bits)
         if image is None:
-            fault = f"{file.name}: the file is cut off" if _cut_off(content) else f"{file.name}: does not decode"
+            fault = f"{file.name}: the file is truncated" if _cut_off(content) else f"{file.name}: does not decode"
             yield Frame(index, None, fault)
         elif image.shape[1::-1] != expected:
             yield Frame(index, None, f"{file.name}: {image.shape[1]} x {image.shape[0]} px, unlike the others")
@@ -105,8 +105,8 @@ def frames(files: Sequence[Path | None], expected: tuple[int, int]) -> Iterator[
 
 
 def used_bits(files: Sequence[Path]) -> int:
-    """How many bits the levels of pictures of 16 bits use, by some of them; 16 where there are none."""
-    some = [file.read_bytes() for file in files[:: max(1, len(files) // LOOKED_AT)]]
+    """Number of bits that 16-bit images use, by a sample of them; 16 if there are none."""
+    some = [file.read_bytes() for file in files[:: max(1, len(files) // SAMPLED)]]
     deep = [
         _decoded(content) for content in some if content.startswith(PNG) and content[PNG_DEPTH : PNG_DEPTH + 1] == DEEP
     ]
@@ -115,7 +115,7 @@ def used_bits(files: Sequence[Path]) -> int:
 
 
 def decode(content: bytes, bits: int = 16) -> Image | None:
-    """(H, W, 3) RGB, of 8 bits; None if it is none. Levels of a picture of 16 bits may use fewer `bits`."""
+    """(H, W, 3) RGB of 8 bits, None if it is no image. 16-bit images may use fewer `bits`."""
     decoded = _decoded(content)
     if decoded is None:
         return None
@@ -125,17 +125,17 @@ def decode(content: bytes, bits: int = 16) -> Image | None:
 
 
 def _decoded(content: bytes) -> NDArray[Any] | None:
-    """(H, W, 3) BGR, of 8 or 16 bits; None if it is none."""
+    """(H, W, 3) BGR of 8 or 16 bits; None if it is no image."""
     if not content:
         return None
     try:
         return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
-    except cv2.error:  # it claims to be larger than OpenCV takes
+    except cv2.error:  # its claimed size is too large for OpenCV
         return None
 
 
 def _cut_off(content: bytes) -> bool:
-    """Whether the end of the picture is missing: decoders fill it with grey and say nothing. Cameras may write more."""
+    """Whether the end of the image is missing, which decoders fill with grey; bytes after it are allowed."""
     if content.startswith(JPEG):
         return END_OF_IMAGE not in content[max(0, content.rfind(LAST_SCAN)) :]
     return content.startswith(PNG) and LAST_CHUNK not in content

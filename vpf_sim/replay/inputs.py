@@ -1,4 +1,4 @@
-"""What the record of a replayed drive is made from, as hashes: whether a folder may be gone on with."""
+"""Hashes of the inputs of a replayed drive, to decide whether a folder can be resumed."""
 
 from collections.abc import Iterable, Mapping
 from hashlib import file_digest, sha256
@@ -13,7 +13,7 @@ Hashes = dict[str, dict[str, str]]
 
 
 def hashes(recordings: Mapping[str, Recording], driver: str, water: str | None) -> dict[str, dict[str, Any]]:
-    """Of the recordings by the names of the drives, of the weather of the water, and of a driver's own code."""
+    """Hashes of the recordings by name, of the water's weather, and of a driver's own code."""
     from vpf_sim.envs.camera import weather
 
     code = own_code(driver)
@@ -25,7 +25,7 @@ def hashes(recordings: Mapping[str, Recording], driver: str, water: str | None) 
 
 
 def of_recording(recording: Recording) -> Hashes:
-    """What was `read`: its files and the signals in them; and what was `derived` from that."""
+    """Hashes of what was `read` (files and their signals) and of what was `derived` from it."""
     signals = {name: _signal(recording, name) for name in SIGNALS if name != "camera"}
     derived = {name for name in signals if recording.origins[name].kind != "recorded"}
     read = {name: value for name, value in signals.items() if name not in derived}
@@ -36,7 +36,7 @@ def of_recording(recording: Recording) -> Hashes:
 
 
 def changed(before: Mapping[str, Any], after: Mapping[str, Any], kinds: Iterable[str]) -> str:
-    """The names of what differs, in a line: "drive.mp4, speed_mps"; empty where nothing does."""
+    """Names of what differs, as "drive.mp4, speed_mps"; empty if nothing does."""
     names = []
     for kind in kinds:
         old, new = before.get(kind, {}), after.get(kind, {})
@@ -49,16 +49,16 @@ def _signal(recording: Recording, name: str) -> str:
 
 
 def _files(files: Iterable[Path | None]) -> dict[str, str]:
-    """Of each file by its name, and of all pictures together."""
+    """Hash of each file by name, and one of all images together."""
     found: dict[str, str] = {}
-    pictures = sha256()
+    images = sha256()
     for path in files:
         if path is None or not path.is_file():
             continue
         content = _of_file(path)
         if path.suffix.lower() in image_files.SUFFIXES:
-            pictures.update(f"{path.name} {content}\n".encode("utf-8", "surrogateescape"))
-            found["pictures"] = pictures.hexdigest()
+            images.update(f"{path.name} {content}\n".encode("utf-8", "surrogateescape"))
+            found["images"] = images.hexdigest()
         else:
             found[path.name] = content
     return found

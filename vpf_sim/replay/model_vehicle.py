@@ -1,9 +1,9 @@
-"""The vehicle that a driver steers in open loop: a bicycle that starts with the recording and then goes its own way.
+"""The model vehicle that a driver steers in open loop: a kinematic bicycle.
 
-Nobody does what the driver says, so its steering, an integrator in the loop, would run into its limit. As in the paper
-("the initial speed for the vehicle model is set according to the information provided by the dataset") a model carries
-it out: it begins each segment at the recorded place and speed. It stays abreast of the camera: across the recorded path
-it moves as its steering says, over the distance that the recording covers; its speed is its own.
+Nobody carries out the driver's commands on a recording, so its steering integrator would reach its limit. As in the
+paper ("the initial speed for the vehicle model is set according to the information provided by the dataset"), a model
+carries them out. It starts each segment at the recorded position and speed and stays abreast of the camera: its
+lateral motion follows its steering over the recorded distance, its speed is its own.
 """
 
 from dataclasses import dataclass, replace
@@ -15,13 +15,16 @@ from vpf_sim.controllers.gtsmc import Gains, Gtsmc
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Floats, Observation, Reference, VehicleModel
 
-LEAST_RATE_HZ = 60.0  # of the controller, the rate that it was designed for; cameras may be slower
-FURTHEST_M, FURTHEST_RAD = 3.5, 0.35  # from the recorded path, beyond which the picture is no longer the model's
+LEAST_RATE_HZ = 60.0  # of the controller, its design rate; cameras may be slower
+MOST_OFFSET_M, MOST_HEADING_ERROR_RAD = (
+    3.5,
+    0.35,
+)  # from the recorded path; beyond it the image no longer fits
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """What the recording does from one frame to the next: poses (3,) x, y, yaw at both, and its length."""
+    """The recorded poses (3,) x, y, yaw at two consecutive frames, and the time between them."""
 
     before: Floats
     after: Floats
@@ -29,35 +32,35 @@ class Interval:
 
 
 class ModelVehicle:
-    """A kinematic bicycle (METHOD A16) and the controller that drives it, seen from the recorded path."""
+    """A kinematic bicycle (METHOD A16) and its controller, relative to the recorded path."""
 
     def __init__(self, gains: Gains, vehicle: VehicleModel, rate_hz: float) -> None:
         self._vehicle = vehicle
         self._rate_hz = rate_hz * ceil(LEAST_RATE_HZ / rate_hz)
-        gains = replace(gains, speed_filter_hz=0.0)  # both speeds are exact, and one is not its throttle's doing
+        gains = replace(gains, speed_filter_hz=0.0)  # both speeds are exact, and its throttle affects only one
         self._lateral = Gtsmc(gains, vehicle, self._rate_hz)
         self._longitudinal = Gtsmc(gains, vehicle, self._rate_hz)
         self.restart(0.0)
 
     def restart(self, speed_mps: float) -> None:
-        """Back to the recorded place, at this speed; the wheels stay as they are."""
-        self.right_m = 0.0  # of the recorded place
+        """Return to the recorded position at this speed; the steering angle stays."""
+        self.right_m = 0.0  # of the recorded position
         self.turn_rad = 0.0  # its yaw minus the recorded
         self.speed_mps = speed_mps
 
     @property
     def is_far(self) -> bool:
-        """Whether it has left the surroundings that the camera shows it from."""
-        return abs(self.right_m) > FURTHEST_M or abs(self.turn_rad) > FURTHEST_RAD
+        """Whether it has left the surroundings that the camera shows."""
+        return abs(self.right_m) > MOST_OFFSET_M or abs(self.turn_rad) > MOST_HEADING_ERROR_RAD
 
     def pose(self, recorded: Floats) -> Floats:
-        """(3,) where it is while the recording is at a pose (3,)."""
+        """(3,) its pose while the recording is at a pose (3,)."""
         x, y, yaw = recorded
         place = np.array([x - self.right_m * sin(yaw), y + self.right_m * cos(yaw)])
         return np.array([*place, wrap_angle(yaw + self.turn_rad)])
 
     def drive(self, reference: Reference, at: Observation, interval: Interval) -> Command:
-        """Follow a reference, given for the observation `at`, until the next frame: the mean of the commands."""
+        """Mean command until the next frame while following a reference given for `at`."""
         count = max(1, round(interval.seconds * self._rate_hz))
         step_s = interval.seconds / count
         distance_m = float(np.hypot(*(interval.after - interval.before)[:2])) / count
@@ -65,21 +68,21 @@ class ModelVehicle:
         commands = []
         for i in range(count):
             recorded_yaw = float(interval.before[2]) + i * turned_rad
-            wanted = _later(reference, i * step_s)
-            commands.append(self._command(wanted, at, recorded_yaw + self.turn_rad, distance_m / step_s))
+            target = _later(reference, i * step_s)
+            commands.append(self._command(target, at, recorded_yaw + self.turn_rad, distance_m / step_s))
             self._move(commands[-1], distance_m, turned_rad, step_s)
         throttle, steering = np.mean([(command.throttle, command.steering) for command in commands], axis=0)
         return Command(float(throttle), float(steering))
 
-    def _command(self, wanted: Reference, at: Observation, yaw_rad: float, pace_mps: float) -> Command:
-        """Steering at the recording's pace, along which it moves; throttle at its own speed."""
+    def _command(self, target: Reference, at: Observation, yaw_rad: float, recorded_mps: float) -> Command:
+        """Steering at the recorded speed, which moves it along; throttle at its own speed."""
 
-        def seen(speed_mps: float) -> Observation:
+        def observed(speed_mps: float) -> Observation:
             turn = speed_mps * sin(self._slip_rad()) / self._vehicle.l_r_m
             return Observation(at.image, at.time_s, at.x_m, at.y_m, wrap_angle(yaw_rad), speed_mps, turn, at.goal_m)
 
-        steering = self._lateral.command(seen(pace_mps), wanted).steering
-        return Command(self._longitudinal.command(seen(self.speed_mps), wanted).throttle, steering)
+        steering = self._lateral.command(observed(recorded_mps), target).steering
+        return Command(self._longitudinal.command(observed(self.speed_mps), target).throttle, steering)
 
     def _slip_rad(self) -> float:
         vehicle = self._vehicle
@@ -94,7 +97,7 @@ class ModelVehicle:
 
 
 def _later(reference: Reference, seconds: float) -> Reference:
-    """The reference a while after its frame: its heading goes on at the rate it has."""
+    """The reference some seconds after its frame, its heading continued at its rate."""
     rate = reference.heading_rate_radps
     if rate is None:
         return reference

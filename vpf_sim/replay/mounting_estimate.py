@@ -1,8 +1,8 @@
-"""How the camera looks, from where it saw the car go: a prior, the sightings, an interval, and whether to use it.
+"""Estimates a mounting angle from observed directions of travel: prior, observations, interval.
 
-Sightings of one stretch of road share their errors: of the turn, of the bodies in view, of the road's crown. So their
-number counts by the time that they cover. A sighting in a bend tells the yaw only where the turn was measured: in the
-flow, a turn and a direction to the side look much the same.
+Observations on one stretch of road share errors of turn, scene and road crown, so their number counts by the time
+that they cover. In a bend they give the yaw only if the yaw rate was recorded: in the flow, a turn looks like a
+sideways direction.
 """
 
 from dataclasses import dataclass
@@ -11,18 +11,18 @@ import numpy as np
 
 from vpf_sim.types import Camera, Floats
 
-PRIOR_SD_RAD = (0.07, 0.05)  # pitch and yaw of cameras that people mount: 4 and 3 deg
-CORRELATED_S = 0.3  # sightings so near to each other say the same
-PERSISTENT_SD_RAD = 0.002  # of what all sightings of a drive share, that no number of them removes
-LEAST_S, LEAST_M = 1.0, 10.0  # of way, without which nothing is used
-WIDEST_RAD = 0.0175  # half of the interval (95 %), beyond which nothing is used: 1 deg
+PRIOR_SD_RAD = (0.07, 0.05)  # of pitch and yaw in usual mountings: 4 and 3 deg
+CORRELATED_S = 0.3  # observations within this time are not independent
+PERSISTENT_SD_RAD = 0.002  # error that all observations of a drive share
+LEAST_S, LEAST_M = 1.0, 10.0  # of driving, below which no angle is used
+WIDEST_RAD = 0.0175  # half width of the 95 % interval, above which no angle is used: 1 deg
 IN_95_PERCENT = 1.96
-NORMAL = 1.48 / 2.0  # standard deviation of a normal distribution over its quartiles' range
+NORMAL = 1.48 / 2.0  # standard deviation over interquartile range, normal distribution
 
 
 @dataclass(frozen=True, slots=True)
 class Angle:
-    """One angle of the mounting, rad, its interval at 95 %, and on how much way it rests."""
+    """One mounting angle, rad, with its 95 % interval and the driving that supports it."""
 
     sd_rad: float
     rad: float = 0.0
@@ -35,7 +35,7 @@ class Angle:
 
     @property
     def is_used(self) -> bool:
-        """Whether it is known well enough to turn the picture by it."""
+        """Whether it is certain enough to rotate the image by it."""
         return self.half_width_rad <= WIDEST_RAD and self.seconds >= LEAST_S and self.metres >= LEAST_M
 
     @property
@@ -43,22 +43,22 @@ class Angle:
         return self.rad if self.is_used else 0.0
 
 
-def angle(seen_rad: Floats, sd_rad: Floats, prior_sd_rad: float, seconds: float, metres: float) -> Angle:
-    """The angle by M sightings (M,), each with its own standard deviation (M,), of so much way.
+def angle(observed_rad: Floats, sd_rad: Floats, prior_sd_rad: float, seconds: float, metres: float) -> Angle:
+    """Posterior of an angle from M observations (M,) with standard deviations (M,).
 
-    The posterior of a normal prior about straight ahead. The sightings' median errs by what they scatter and by what
-    the fit of each says of itself, over the root of the number of independent ones.
+    The prior is normal about straight ahead. The error of the observations' median follows from their scatter and
+    their own standard deviations, divided by the root of the number of independent ones.
     """
-    if not len(seen_rad):
+    if not len(observed_rad):
         return Angle(prior_sd_rad)
-    independent = min(float(len(seen_rad)), max(1.0, seconds / CORRELATED_S))
-    scatter = NORMAL * float(np.subtract(*np.percentile(seen_rad, [75, 25])))
+    independent = min(float(len(observed_rad)), max(1.0, seconds / CORRELATED_S))
+    scatter = NORMAL * float(np.subtract(*np.percentile(observed_rad, [75, 25])))
     variance = (1.25**2 * scatter**2 + float(np.median(sd_rad)) ** 2) / independent + PERSISTENT_SD_RAD**2
     share = prior_sd_rad**2 / (prior_sd_rad**2 + variance)
-    return Angle(float(np.sqrt(share * variance)), share * float(np.median(seen_rad)), seconds, metres)
+    return Angle(float(np.sqrt(share * variance)), share * float(np.median(observed_rad)), seconds, metres)
 
 
-def angles_seen(camera: Camera, foe_px: Floats) -> tuple[Floats, Floats]:
-    """(M,) pitch and (M,) yaw, rad, of cameras that see the car go there (M, 2)."""
+def observed_angles(camera: Camera, foe_px: Floats) -> tuple[Floats, Floats]:
+    """(M,) pitch and (M,) yaw, rad, of cameras that see these directions of travel (M, 2) px."""
     right, down = (foe_px - [camera.cx_px, camera.cy_px]).T / np.array([[camera.fx_px], [camera.fy_px]])
     return np.arctan(-down), -np.arctan(right * np.cos(np.arctan(down)))

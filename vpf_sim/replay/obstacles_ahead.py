@@ -1,61 +1,61 @@
-"""Bodies in the way, as the driver sees them, and the time to contact with the one that the lidar has."""
+"""Obstacles in the driver's corridor, and the time to contact with the lead vehicle."""
 
 from math import inf, nan
 
 import numpy as np
 
 from vpf_sim.geometry import project
-from vpf_sim.replay.looming import GrowthConfig, GrowthTracker
+from vpf_sim.replay.looming import LoomingConfig, LoomingTracker
 from vpf_sim.types import Camera, Floats, Image, Perception
 
-REACH_M = 25.0  # of a body that counts, from the pose
-HALF_CORRIDOR_M = 1.5  # about the way along the lane: half a car and the clearance that the driver keeps
-LASTING_S = 1.0  # a part with obstacles shows one in half of the frames about it
-HALF_BODY_M, LOW_M, HIGH_M = 0.8, 0.3, 1.3  # of the body ahead: where its image is looked at
+REACH_M = 25.0  # of the corridor, from the pose
+HALF_CORRIDOR_M = 1.5  # half a car and the clearance that the driver keeps
+PERSISTENCE_S = 1.0  # window in which half of the frames must have a detection
+HALF_WIDTH_M, LOW_M, HIGH_M = 0.8, 0.3, 1.3  # of the lead vehicle, for its box in the image
 
 
-def is_in_the_way(seen: Perception) -> bool:
-    """Whether a body is believed to stand in the corridor along the lane, at most REACH_M ahead."""
-    bodies, road = seen.obstacles, seen.road
-    way = bodies.forward_m * np.sin(road.heading_rad) + 0.5 * road.curvature_per_m * bodies.forward_m**2
-    beside = np.maximum(bodies.left_m - way, way - bodies.right_m)
-    return bool(np.any((bodies.forward_m > 0.0) & (bodies.forward_m < REACH_M) & (beside < HALF_CORRIDOR_M)))
+def has_obstacle_in_corridor(perception: Perception) -> bool:
+    """Whether an obstacle stands in the corridor along the lane, at most REACH_M ahead."""
+    obstacles, road = perception.obstacles, perception.road
+    lane_m = obstacles.forward_m * np.sin(road.heading_rad) + 0.5 * road.curvature_per_m * obstacles.forward_m**2
+    beside = np.maximum(obstacles.left_m - lane_m, lane_m - obstacles.right_m)
+    return bool(np.any((obstacles.forward_m > 0.0) & (obstacles.forward_m < REACH_M) & (beside < HALF_CORRIDOR_M)))
 
 
-def lasting(seen: Floats, rate_hz: float) -> Floats:
-    """(N,) 1 where a body was seen in half of the frames of the LASTING_S about it, else 0; nan where nothing looks."""
-    if not np.isfinite(seen).any():
-        return np.full(len(seen), nan)
-    half = round(0.5 * LASTING_S * rate_hz)
-    known = np.isfinite(seen)
-    share = _sums(np.where(known, seen, 0.0), half) / np.maximum(_sums(known.astype(float), half), 1.0)
+def persistent(detected: Floats, rate_hz: float) -> Floats:
+    """(N,) 1 where half of the frames within PERSISTENCE_S have a detection, else 0; nan without perception."""
+    if not np.isfinite(detected).any():
+        return np.full(len(detected), nan)
+    half = round(0.5 * PERSISTENCE_S * rate_hz)
+    known = np.isfinite(detected)
+    share = _sums(np.where(known, detected, 0.0), half) / np.maximum(_sums(known.astype(float), half), 1.0)
     return (share >= 0.5).astype(float)
 
 
 def _sums(values: Floats, half: int) -> Floats:
-    """(N,) sums over the `half` values before and after each, of a drive that may be shorter."""
+    """(N,) sums over the `half` values before and after each; the drive may be shorter."""
     return np.convolve(values, np.ones(2 * half + 1))[half : half + len(values)]
 
 
-class LeadBody:
-    """The body straight ahead, of which the lidar has the gap: that says where to look, the picture how it grows."""
+class LeadVehicle:
+    """Looming of the lead vehicle; the recorded gap says where in the image it is."""
 
     def __init__(self, camera: Camera, rate_hz: float) -> None:
         self._camera = camera
-        self._growth = GrowthTracker(GrowthConfig(), rate_hz)
+        self._expansion_rate = LoomingTracker(LoomingConfig(), rate_hz)
 
     def ttc_s(self, image: Image, gap_m: float) -> float:
-        """s, at the grey (H, W) frame; inf where the body's image does not grow, nan where too little is seen of it."""
+        """s, at the grey (H, W) frame; inf without looming, nan with too few points."""
         if not np.isfinite(gap_m) or gap_m <= 0.0:
-            return self._growth.update(image, None).ttc_s
+            return self._expansion_rate.update(image, None).ttc_s
         forward = self._camera.forward_m + gap_m
-        corners = np.array([(forward, -HALF_BODY_M, LOW_M), (forward, HALF_BODY_M, HIGH_M)])
+        corners = np.array([(forward, -HALF_WIDTH_M, LOW_M), (forward, HALF_WIDTH_M, HIGH_M)])
         (left, bottom), (right, top) = project(self._camera, corners)
-        return self._growth.update(image, (left, top, right, bottom)).ttc_s
+        return self._expansion_rate.update(image, (left, top, right, bottom)).ttc_s
 
 
 def closing_mps(gap_m: Floats, times_s: Floats, window_s: float = 1.0) -> Floats:
-    """(N,) m/s at which a gap closes, by a straight line through the half second before and after; nan without one."""
+    """(N,) m/s, closing speed by a line fit over the half second before and after; nan without one."""
     result = np.full(len(gap_m), nan)
     known = np.isfinite(gap_m)
     for k in np.flatnonzero(known):
@@ -66,6 +66,6 @@ def closing_mps(gap_m: Floats, times_s: Floats, window_s: float = 1.0) -> Floats
 
 
 def true_ttc_s(gap_m: Floats, closing: Floats) -> Floats:
-    """(N,) s; inf where the gap does not close, nan where it is unknown."""
+    """(N,) s; inf where the gap does not close, nan where unknown."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(np.isfinite(closing), np.where(closing > 0.0, gap_m / closing, inf), nan)

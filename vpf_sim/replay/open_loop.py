@@ -1,4 +1,4 @@
-"""A driver on a recorded drive: it sees the frames and says what it would do, and nobody does it."""
+"""Runs a driver over a recorded drive in open loop: its commands are recorded, not carried out."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -17,21 +17,21 @@ from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
 from vpf_sim.planning import variant
-from vpf_sim.replay import doubts, driver_error, frame_table, glass_points, road_speed, scores
+from vpf_sim.replay import camera_fixed_points, drive_warnings, driver_error, frame_table, road_speed, scores
+from vpf_sim.replay.drive_video import DriveVideo
 from vpf_sim.replay.driver_error import DriverError
-from vpf_sim.replay.film import Film
+from vpf_sim.replay.flow_derotation import EgoMotion, FlowDerotation
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.model_vehicle import Interval
-from vpf_sim.replay.obstacles_ahead import LeadBody, is_in_the_way
-from vpf_sim.replay.own_derotation import OwnDerotation, OwnMotion
-from vpf_sim.replay.pilot import Decision, Pilot, pilot
+from vpf_sim.replay.obstacles_ahead import LeadVehicle, has_obstacle_in_corridor
+from vpf_sim.replay.open_loop_driver import Decision, OpenLoopDriver, open_loop_driver
 from vpf_sim.replay.recording import Recording
-from vpf_sim.replay.run_files import film_file, table_file
-from vpf_sim.replay.segments import Segment, goal_words, route, segments
+from vpf_sim.replay.run_files import table_path, video_path
+from vpf_sim.replay.segments import Segment, goal_text, route, segments
 from vpf_sim.types import Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
-OWN_VARIANT = "robust"  # whose flow serves for what is told of no rotation
-LEAST_SPEED_MPS = 2.0  # of a car whose flow must show where it goes
+OWN_VARIANT = "robust"  # its flow is used without recorded rotation
+LEAST_SPEED_MPS = 2.0  # above this the flow must show a direction
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
 
 Progress = Callable[[int, int], None]
@@ -40,14 +40,14 @@ Store = Callable[[dict[str, Any], dict[str, Any]], None]
 
 @dataclass(slots=True)
 class Clock:
-    """What a clock measured, ms a frame: of CPU time, so that a busy machine tells the same."""
+    """Measured CPU times, ms a frame, so that the load of the machine does not matter."""
 
     driver_ms: list[float] = field(default_factory=list)
     reading_ms: list[float] = field(default_factory=list)
     began_s: float = field(default_factory=perf_counter)
 
     def entry(self, recording: Recording) -> dict[str, Any]:
-        """The drive's line of timing.jsonl; real_time is how often faster than the recording the driver is."""
+        """The drive's line of timing.jsonl; real_time is recording time over computing time."""
         period_ms = 1e3 / recording.rate_hz
         driver, reading = (float(np.mean(times)) if times else nan for times in (self.driver_ms, self.reading_ms))
         worst = float(np.percentile(self.driver_ms, 95.0)) if self.driver_ms else nan
@@ -63,18 +63,18 @@ class Clock:
 
 
 @dataclass(slots=True)
-class Gathered:
-    """What is found frame by frame and told of the whole drive."""
+class Accumulated:
+    """Values collected frame by frame for the whole drive."""
 
-    riding: glass_points.RidingPoints
+    fixed_points: camera_fixed_points.CameraFixedPoints
     rows: list[FrameRow] = field(default_factory=list)
     error: DriverError | None = None  # that ended the drive
     speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
-    lane_widths_m: list[float] = field(default_factory=list)  # where a lane was found
-    faults: list[str] = field(default_factory=list)  # why pictures are missing
+    lane_widths_m: list[float] = field(default_factory=list)  # with a lane
+    faults: list[str] = field(default_factory=list)  # why images are missing
 
     def notes(self) -> list[str]:
-        """Why there are gaps, in a line."""
+        """Why there are gaps, in one line."""
         if not self.faults:
             return []
         more = len(self.faults) - 1
@@ -86,108 +86,107 @@ def run(
     driver_name: str,
     out: Path,
     progress: Progress = lambda *_: None,
-    filmed: bool = True,
+    with_video: bool = True,
     store: Store = lambda *_: None,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Drive along; write frames/NAME.parquet and videos/NAME.mp4 into `out`; the drive's record and its timing.
+    """Drive along a recording and return the drive's record and its timing.
 
-    Both are given to `store`, too, before the film is finished: a disk without room for the film costs the film alone.
-    Where pictures are missing that the driver needs, only the signals are stored and checked. Where the driver fails,
-    the record is of the frames before, and says so.
+    Writes frames/NAME.parquet and videos/NAME.mp4 into `out`. `store` gets record and timing before the video is
+    finished, so a full disk costs only the video. If the images that a driver needs are missing, only the signals are
+    stored and checked. If the driver fails, the record has the frames before and the error.
     """
     driver = drivers.create(driver_name)
-    asked = pilot(driver, _setup(recording, driver))
+    replayed = open_loop_driver(driver, _setup(recording, driver))
     clock = Clock()
     with ExitStack() as stack:
-        film = None
-        if filmed and not recording.no_images:
-            film = stack.enter_context(
-                Film(film_file(out, recording.name), recording.camera, recording.rate_hz, _human(recording))
+        video = None
+        if with_video and not recording.no_images:
+            video = stack.enter_context(
+                DriveVideo(video_path(out, recording.name), recording.camera, recording.rate_hz, _human(recording))
             )
         can_drive = not recording.no_images or not drivers.sees(driver)
-        gathered = Gathered(glass_points.RidingPoints(recording.camera))
+        accumulated = Accumulated(camera_fixed_points.CameraFixedPoints(recording.camera))
         try:
-            for row in _rows(recording, asked if can_drive else None, film, clock, gathered, progress):
-                gathered.rows.append(row)
+            for row in _rows(recording, replayed if can_drive else None, video, clock, accumulated, progress):
+                accumulated.rows.append(row)
         except DriverError as error:
-            gathered.error = error
-        table = FrameTable.of(gathered.rows)
-        table = table.replaced("flow_speed_mps", road_speed.speed(table.time_s, gathered.speed_votes))
-        frame_table.write(table, table_file(out, recording.name))
-        record = _record(recording, driver_name, asked, table)
-        record["notes"] += gathered.notes()
-        record["error"] = gathered.error.entry() if gathered.error else None
-        record["doubts"] = doubts.lines(recording, record, gathered.riding, gathered.lane_widths_m)
+            accumulated.error = error
+        table = FrameTable.of(accumulated.rows)
+        table = table.replaced("flow_speed_mps", road_speed.speed(table.time_s, accumulated.speed_votes))
+        frame_table.write(table, table_path(out, recording.name))
+        record = _record(recording, driver_name, replayed, table)
+        record["notes"] += accumulated.notes()
+        record["error"] = accumulated.error.entry() if accumulated.error else None
+        record["warnings"] = drive_warnings.collect(
+            recording, record, accumulated.fixed_points, accumulated.lane_widths_m
+        )
         timing = clock.entry(recording)
         store(record, timing)
     return record, timing
 
 
 def _human(recording: Recording) -> dict[str, str]:
-    """How to name the commands beside the driver's: those that were not recorded are told apart."""
+    """Labels for the recorded commands; those that are not recorded say so."""
     kinds = {"throttle": recording.origins["throttle"].kind, "steering": recording.origins["steering_rad"].kind}
     return {name: "human" if kind == "recorded" else f"human ({kind})" for name, kind in kinds.items()}
 
 
 def _rows(
     recording: Recording,
-    asked: Pilot | None,
-    film: Film | None,
+    driver: OpenLoopDriver | None,
+    video: DriveVideo | None,
     clock: Clock,
-    gathered: Gathered,
+    accumulated: Accumulated,
     progress: Progress,
 ) -> Iterator[FrameRow]:
-    """One a frame; nobody is asked where pictures are missing that the driver needs."""
+    """One row a frame; without a driver only the recorded columns."""
     parts = iter(segments(recording))
-    own = OwnDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz)
-    lead = LeadBody(recording.camera, recording.rate_hz)
+    ego = FlowDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz)
+    lead = LeadVehicle(recording.camera, recording.rate_hz)
     segment, number, moved_m = Segment(0, 0, (0.0, 0.0), 0.0), -1, 0.0
-    last = Decision(Command(0.0, 0.0) if asked else Command(nan, nan))
-    for k, image, taken_s in _images(recording, clock, gathered.faults):
+    last = Decision(Command(0.0, 0.0) if driver else Command(nan, nan))
+    for k, image, taken_s in _images(recording, clock, accumulated.faults):
         if k == segment.stop:
             segment, number = next(parts), number + 1
-            if asked is not None:
+            if driver is not None:
                 with driver_error.at_frame(k):
-                    asked.begin(segment)
+                    driver.begin(segment)
         moved_m += _step_m(recording, k)
         row = _recorded(recording, k, number)
-        if image is not None and asked is not None:
+        if image is not None and driver is not None:
             began = thread_time()
             with driver_error.at_frame(k):
-                decision = asked.decide(_observation(recording, k, image, taken_s, segment), _interval(recording, k))
+                decision = driver.decide(_observation(recording, k, image, taken_s, segment), _interval(recording, k))
             clock.driver_ms.append(1e3 * (thread_time() - began))
-            last = _unless_doubtful(decision, last, row.speed_mps)
-            row = row._replace(image=1.0, **_seen(last))
+            last = _hold_if_uncertain(decision, last, row.speed_mps)
+            row = row._replace(image=1.0, **_perception_columns(last))
             if decision.road_found and decision.plan is not None:
-                gathered.lane_widths_m.append(decision.plan.perception.road.lane_width_m)
+                accumulated.lane_widths_m.append(decision.plan.perception.road.lane_width_m)
             if image.size:
-                picture = grey(image)
-                row = row._replace(ttc_s=lead.ttc_s(picture, row.lead_gap_m))
-                motion = own.update(picture, moved_m)
-                gathered.speed_votes.append((row.time_s, motion.speed_votes))
+                grey_image = grey(image)
+                row = row._replace(ttc_s=lead.ttc_s(grey_image, row.lead_gap_m))
+                motion = ego.update(grey_image, moved_m)
+                accumulated.speed_votes.append((row.time_s, motion.speed_votes))
                 if row.speed_mps > LEAST_SPEED_MPS:
-                    gathered.riding.add(motion.flow)
-                row, moved_m = row._replace(**_own(motion)), 0.0
+                    accumulated.fixed_points.add(motion.flow)
+                row, moved_m = row._replace(**_ego_columns(motion)), 0.0
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
-        if film is not None:
-            film.write(image, last, row)
+        if video is not None:
+            video.write(image, last, row)
         progress(k + 1, len(recording))
         yield row
 
 
-def _unless_doubtful(decision: Decision, last: Decision, speed_mps: float) -> Decision:
-    """The decision with the last command, where the car moves and the flow is not to be trusted."""
+def _hold_if_uncertain(decision: Decision, last: Decision, speed_mps: float) -> Decision:
+    """The decision, with the last command where the car moves and the flow is unreliable."""
     if decision.plan is None or last.plan is None or not speed_mps > LEAST_SPEED_MPS:
-        return decision  # at the first frame nothing has moved yet
-    doubtful = decision.plan.perception.expansion.confidence < LEAST_CONFIDENCE
-    return replace(decision, command=last.command, is_held=True) if doubtful else decision
+        return decision  # there is no flow at the first frame
+    uncertain = decision.plan.perception.expansion.confidence < LEAST_CONFIDENCE
+    return replace(decision, command=last.command, is_held=True) if uncertain else decision
 
 
 def _images(recording: Recording, clock: Clock, faults: list[str]) -> Iterator[tuple[int, Image | None, float]]:
-    """Every frame with its number and when it was taken, s; None for a gap.
-
-    Where the recording has no pictures at all, frames have none.
-    """
+    """Frame numbers, images (None for a gap, empty without images), and their times, s."""
     if recording.no_images:
         yield from ((k, NO_IMAGE, float(recording.times_s[k])) for k in range(len(recording)))
         return
@@ -203,9 +202,9 @@ def _images(recording: Recording, clock: Clock, faults: list[str]) -> Iterator[t
 
 
 def _setup(recording: Recording, driver: Driver) -> DriverSetup:
-    """The goal is that of the last segment, the speed to keep that of the start, as in the paper."""
+    """Driver setup with the goal of the last segment and the initial speed, as in the paper."""
     if driver.privileged == "world":
-        raise InputError(f"{recording.name}: the driver asks for the world, a recording has none")
+        raise InputError(f"{recording.name}: the driver needs the world, which a recording does not have")
     parts = segments(recording)
     return DriverSetup(
         camera=recording.camera,
@@ -226,7 +225,7 @@ def _observation(recording: Recording, k: int, image: Image, taken_s: float, seg
         x_m=x,
         y_m=y,
         yaw_rad=yaw,
-        speed_mps=max(float(recording.speed_mps[k]), 0.0),  # no driver here knows of reverse
+        speed_mps=max(float(recording.speed_mps[k]), 0.0),  # drivers do not support reverse
         yaw_rate_radps=float(recording.yaw_rate_radps[k]),
         goal_m=segment.goal_m,
         frame_time_s=taken_s,
@@ -234,7 +233,7 @@ def _observation(recording: Recording, k: int, image: Image, taken_s: float, seg
 
 
 def _interval(recording: Recording, k: int) -> Interval:
-    """To the next frame; the last is taken to go on as the one before it."""
+    """Motion to the next frame; the last frame repeats the motion before it."""
     before, after = (k, k + 1) if k + 1 < len(recording) else (k - 1, k)
     poses, times = recording.poses, recording.times_s
     return Interval(poses[before], poses[after], float(times[after] - times[before]))
@@ -261,25 +260,25 @@ def _recorded(recording: Recording, k: int, segment: int) -> FrameRow:
     )
 
 
-def _seen(decision: Decision) -> dict[str, float]:
-    """The columns of what a driver shows of its perception."""
+def _perception_columns(decision: Decision) -> dict[str, float]:
+    """The columns of a driver's perception."""
     if decision.plan is None:
         return {}
-    seen = decision.plan.perception
-    usable = seen.expansion.confidence > 0.0
+    perceived = decision.plan.perception
+    usable = perceived.expansion.confidence > 0.0
     return {
         "road_found": nan if decision.road_found is None else float(decision.road_found),
-        "road_confidence": seen.road.lane_confidence,
-        "obstacle_seen": float(is_in_the_way(seen)),
-        "bodies": len(seen.obstacles),
-        "foe_x_px": seen.expansion.x_px if usable else nan,
-        "foe_y_px": seen.expansion.y_px if usable else nan,
-        "foe_confidence": seen.expansion.confidence,
+        "road_confidence": perceived.road.lane_confidence,
+        "obstacle_detected": float(has_obstacle_in_corridor(perceived)),
+        "obstacles": len(perceived.obstacles),
+        "foe_x_px": perceived.expansion.x_px if usable else nan,
+        "foe_y_px": perceived.expansion.y_px if usable else nan,
+        "foe_confidence": perceived.expansion.confidence,
         "held": float(decision.is_held),
     }
 
 
-def _own(motion: OwnMotion) -> dict[str, float]:
+def _ego_columns(motion: EgoMotion) -> dict[str, float]:
     usable = motion.expansion.confidence > 0.0
     return {
         "own_foe_x_px": motion.expansion.x_px if usable else nan,
@@ -289,13 +288,13 @@ def _own(motion: OwnMotion) -> dict[str, float]:
 
 
 def _added(recording: Recording) -> str | None:
-    """What was added to what the sensors told; such a drive stands in no recorded cell."""
+    """What was simulated on top of the recording, if anything."""
     origins = [recording.origins[name] for name in ("weather", "sensor_faults") if name in recording.origins]
     return "; ".join(origin.how for origin in origins if origin.kind != "recorded") or None
 
 
-def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTable) -> dict[str, Any]:
-    """All that is told of a drive; a function of the recording, the driver and the code."""
+def _record(recording: Recording, driver_name: str, replayed: OpenLoopDriver, table: FrameTable) -> dict[str, Any]:
+    """The drive's record, a function of recording, driver and code."""
     camera = recording.camera
     labelled = bool(np.isfinite(recording.obstacle).any())
     return {
@@ -316,19 +315,23 @@ def _record(recording: Recording, driver_name: str, asked: Pilot, table: FrameTa
         "signal_checks": scores.signal_checks(recording),
         "derived": list(recording.derived),
         "origins": {name: {"kind": origin.kind, "how": origin.how} for name, origin in recording.origins.items()},
-        "obstacles_by": "label" if labelled else "own detection" if np.isfinite(table.obstacle_seen).any() else None,
-        "goal": goal_words(recording),
-        "protocol": asked.protocol,
+        "obstacles_by": "label"
+        if labelled
+        else "own detection"
+        if np.isfinite(table.obstacle_detected).any()
+        else None,
+        "goal": goal_text(recording),
+        "protocol": replayed.protocol,
         "segments": int(table.segment.max(initial=-1.0)) + 1,
-        "restarts": asked.restarts,
+        "restarts": replayed.restarts,
         "camera": {
             "width_px": camera.width_px,
             "height_px": camera.height_px,
             "focal_px": scores.rounded(camera.fx_px),
             "height_m": scores.rounded(camera.height_m),
         },
-        "mounting": doubts.mounting(recording) or None,
-        "notes": [*recording.notes, *scores.doubts(table, recording)],
+        "mounting": drive_warnings.mounting(recording) or None,
+        "notes": [*recording.notes, *scores.notes(table, recording)],
         "driven": bool(np.isfinite(table.throttle).any()),
         "no_images": recording.no_images or None,
     }

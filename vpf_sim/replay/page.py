@@ -1,4 +1,4 @@
-"""The page of a replay: tables, plots and films in one HTML file that opens offline."""
+"""The HTML page of a replay: tables, plots and videos; it opens offline."""
 
 from base64 import b64encode
 from dataclasses import dataclass
@@ -12,17 +12,17 @@ from markupsafe import Markup
 from vpf_sim.files import write_text
 from vpf_sim.replay import frame_table
 from vpf_sim.replay.plots import OURS, THEIRS, plots
-from vpf_sim.replay.run_files import film_file, table_file
+from vpf_sim.replay.run_files import table_path, video_path
 from vpf_sim.replay.tables import tables
 from vpf_sim.report.chart import legend_key
 
 NAME = "report.html"
-MOST_INSIDE_BYTES = 4_000_000  # of a film that lies inside the page; larger ones stay beside it
+MOST_INSIDE_BYTES = 4_000_000  # of an embedded video; larger ones are linked
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """One drive's part of the page."""
+    """One drive's section of the page."""
 
     name: str
     video: str  # a data URI, a path beside the page, or empty
@@ -31,7 +31,7 @@ class Drive:
 
 
 def write(folder: Path, records: list[dict[str, Any]], timing: dict[str, Any], summary: dict[str, Any]) -> Path:
-    """The page of what is in a replay's folder."""
+    """Write the page of a replay folder and return its path."""
     drives = [_drive(folder, record) for record in records]
     driver = records[0]["driver"] if records else ""
     text = _render(driver=driver, tables=tables(records, timing, summary), drives=drives, ours=OURS, theirs=THEIRS)
@@ -41,13 +41,13 @@ def write(folder: Path, records: list[dict[str, Any]], timing: dict[str, Any], s
 
 def _drive(folder: Path, record: dict[str, Any]) -> Drive:
     name, kinds = record["name"], {signal: origin["kind"] for signal, origin in record["origins"].items()}
-    film = film_file(folder, name)
-    drawn = plots(frame_table.read(table_file(folder, name)), kinds)
-    if not film.exists():
+    video = video_path(folder, name)
+    drawn = plots(frame_table.read(table_path(folder, name)), kinds)
+    if not video.exists():
         return Drive(name, "", False, drawn)
-    if film.stat().st_size > MOST_INSIDE_BYTES:
-        return Drive(name, film.relative_to(folder).as_posix(), True, drawn)
-    inside = b64encode(film.read_bytes()).decode("ascii")
+    if video.stat().st_size > MOST_INSIDE_BYTES:
+        return Drive(name, video.relative_to(folder).as_posix(), True, drawn)
+    inside = b64encode(video.read_bytes()).decode("ascii")
     return Drive(name, f"data:video/mp4;base64,{inside}", False, drawn)
 
 

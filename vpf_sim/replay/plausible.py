@@ -1,8 +1,7 @@
-"""What the recording of a road vehicle can hold: the limits of every value, and what becomes of one beyond them.
+"""Limits of every recorded value, and how values outside them are handled.
 
-A few impossible values are faults of a logger: they become gaps, and a note says so. Many of them mean that a column
-is not what its name says, mostly that it has another unit: that is an InputError. `agreement` holds the signals that
-are possible one by one against each other.
+A few impossible values are logger faults: they become gaps with a note. Many mean that a column is something else
+than its name says, usually in another unit: that is an InputError. `consistency` compares signals with each other.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,7 +17,7 @@ from vpf_sim.types import Bools, Floats, Image
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """What a value can be, and what one beyond it often is."""
+    """Range of a value, and the likely cause of one outside it."""
 
     lowest: float
     highest: float
@@ -42,7 +41,7 @@ LIMITS = {
     "longitude_deg": Limit(-360.0, 360.0),
     "obstacle": Limit(0.0, 1.0),
     "lead_gap_m": Limit(-5.0, 1000.0),
-    "clock_s": Limit(-1e11, 1e11, "milliseconds or less?"),  # since 1970, too
+    "clock_s": Limit(-1e11, 1e11, "milliseconds or less?"),  # also since 1970
     # Keys of drive.toml.
     "rate_hz": Limit(0.2, 1000.0),
     "speed_mps_held": Limit(0.0, 100.0, "another unit?"),
@@ -59,97 +58,98 @@ LIMITS = {
     "steering_ratio": Limit(1.0, 100.0),
     "offset_s": Limit(-1e11, 1e11),
 }
-MANY = 0.2  # of the values: more than this beyond the limits is no fault of a logger
-JUMP_M = 20.0  # by which a receiver may correct itself
-FRAME_INTERVAL_S, SELDOM_S = Limit(1e-3, 5.0), 0.5  # the median's; flow cannot be followed over more
+MANY = 0.2  # share of impossible values, above which the column is wrong
+JUMP_M = 20.0  # allowed correction of a receiver
+FRAME_INTERVAL_S, SELDOM_S = Limit(1e-3, 5.0), 0.5  # of the median; flow cannot be tracked over more
 LONGEST_S = 1e6  # of a drive
 CLOCKS = {1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
-DARK, BRIGHT, BLANK = 24, 231, 4  # grey levels: of the brightest, the darkest part of a picture, and between them
+DARK, BRIGHT, BLANK = 24, 231, 4  # grey levels of black, white and uniform images
 PARTS = (1.0, 99.0)  # percentiles
 
 
 @dataclass(frozen=True, slots=True)
-class Where:
-    """How messages call a sequence of values, and the place of each."""
+class Location:
+    """How messages name a sequence of values and the position of each."""
 
-    source: str  # the file, with its path
+    source: str  # path of the file
     column: str
-    places: Sequence[int] | None = None  # in the file; None: counted from 0
-    unit: str = "row"  # of the places
+    positions: Sequence[int] | None = None  # in the file; None: from 0
+    unit: str = "row"  # of the positions
 
     def at(self, index: int) -> str:
-        return f"{self.unit} {index if self.places is None else self.places[index]}"
+        return f"{self.unit} {index if self.positions is None else self.positions[index]}"
 
     def __str__(self) -> str:
         return f"{self.source.rsplit('/', 1)[-1]}: {self.column}"
 
 
-def kept(
-    values: Floats, signal: str, where: Where, notes: list[str], scale: float = 1.0, refuses: bool = True
+def within_limits(
+    values: Floats, signal: str, where: Location, notes: list[str], scale: float = 1.0, refuses: bool = True
 ) -> Floats:
-    """(N,) the values, nan where no car can have them; `scale` is their unit in that of the signal's limits.
+    """(N,) values, nan where impossible; `scale` converts their unit to that of the limits.
 
-    Raises InputError where many are impossible, unless only told so.
+    Raises InputError if many are impossible and `refuses` is set.
     """
     limit = LIMITS[signal]
     lowest, highest = limit.lowest / abs(scale), limit.highest / abs(scale)
-    told = ~np.isnan(values)
-    impossible = told & ~((values >= lowest - 1e-9) & (values <= highest + 1e-9))
+    known = ~np.isnan(values)
+    impossible = known & ~((values >= lowest - 1e-9) & (values <= highest + 1e-9))
     if not impossible.any():
         return values
     first, count = int(np.argmax(impossible)), int(np.count_nonzero(impossible))
     expected = f"{lowest:.6g} to {highest:.6g}"
-    if refuses and count > MANY * np.count_nonzero(told):
+    if refuses and count > MANY * np.count_nonzero(known):
         hint = f": {limit.hint}" if limit.hint else ""
         raise InputError(
             f"{where.source}: {where.at(first)}: {where.column}: expected {expected}, got {values[first]:.6g}"
-            f", and {count} of {np.count_nonzero(told)} values like it{hint}"
+            f", and {count} of {np.count_nonzero(known)} such values{hint}"
         )
     notes.append(
-        f"{where}: {count} of {np.count_nonzero(told)} values left out: expected {expected}, "
+        f"{where}: {count} of {np.count_nonzero(known)} values removed: expected {expected}, "
         f"got {values[first]:.6g} in {where.at(first)}"
     )
     return np.where(impossible, np.nan, values)
 
 
-def key(name: str, value: float | None, limit: str = "") -> None:
-    """Refuse a number of drive.toml that cannot be, by ValueError; one that is left out is none."""
-    known = LIMITS[limit or name]
-    if value is not None and not known.lowest <= value <= known.highest:
-        hint = f": {known.hint}" if known.hint and isfinite(value) else ""
-        raise ValueError(f"{name}: expected {known.lowest:g} to {known.highest:g}, got {value:g}{hint}")
+def check_key(name: str, value: float | None, limit: str = "") -> None:
+    """Raise ValueError for an impossible number in drive.toml; None passes."""
+    allowed = LIMITS[limit or name]
+    if value is not None and not allowed.lowest <= value <= allowed.highest:
+        hint = f": {allowed.hint}" if allowed.hint and isfinite(value) else ""
+        raise ValueError(f"{name}: expected {allowed.lowest:g} to {allowed.highest:g}, got {value:g}{hint}")
 
 
-def reached(times_s: Floats, places_m: Floats, where: Where, notes: list[str]) -> Floats:
-    """(N, 2) the places, nan where no car can have come from the others in time; InputError where that is half."""
-    known = np.isfinite(places_m).all(axis=1) & np.isfinite(times_s)
-    possible = known & (np.abs(places_m) <= LIMITS["x_m"].highest).all(axis=1)
-    near = _connected(times_s, places_m, np.flatnonzero(possible))
-    astray = known & ~near
-    result = np.where(near[:, None], places_m, np.nan)
-    if not astray.any() or not near.any():
+def reachable(times_s: Floats, positions_m: Floats, where: Location, notes: list[str]) -> Floats:
+    """(N, 2) positions, nan where no car can get in time; InputError if that is half of them."""
+    known = np.isfinite(positions_m).all(axis=1) & np.isfinite(times_s)
+    possible = known & (np.abs(positions_m) <= LIMITS["x_m"].highest).all(axis=1)
+    near = _connected(times_s, positions_m, np.flatnonzero(possible))
+    unreachable = known & ~near
+    result = np.where(near[:, None], positions_m, np.nan)
+    if not unreachable.any() or not near.any():
         return result
-    first, count = int(np.argmax(astray)), int(np.count_nonzero(astray))
+    first, count = int(np.argmax(unreachable)), int(np.count_nonzero(unreachable))
     last = np.flatnonzero(near)[np.argmin(np.abs(np.flatnonzero(near) - first))]
-    off_km = float(np.hypot(*(places_m[first] - places_m[last]))) / 1e3
+    off_km = float(np.hypot(*(positions_m[first] - positions_m[last]))) / 1e3
     fault = f"{off_km:.3g} km from {where.at(int(last))} within {abs(times_s[first] - times_s[last]):.3g} s"
     if count > 0.5 * np.count_nonzero(known):
         raise InputError(
-            f"{where.source}: {where.at(first)}: {where.column}: expected a place that a car reaches, got one {fault}"
+            f"{where.source}: {where.at(first)}: {where.column}: "
+            f"expected a position that a car can reach, got one {fault}"
         )
     notes.append(
-        f"{where}: {count} of {np.count_nonzero(known)} places left out, the first in {where.at(first)}: {fault}"
+        f"{where}: {count} of {np.count_nonzero(known)} positions removed, the first in {where.at(first)}: {fault}"
     )
     return result
 
 
-def _connected(times_s: Floats, places_m: Floats, known: NDArray[np.intp]) -> Bools:
-    """Which (N,) places a car can have driven through: the longest run without a jump, and all that it reaches."""
+def _connected(times_s: Floats, positions_m: Floats, known: NDArray[np.intp]) -> Bools:
+    """Which (N,) positions are connected: the longest run without a jump and all reachable from it."""
     result = np.zeros(len(times_s), np.bool_)
     result[known] = True
 
     def is_jump(one: int, other: int) -> bool:
-        far_m = float(np.hypot(*(places_m[other] - places_m[one])))
+        far_m = float(np.hypot(*(positions_m[other] - positions_m[one])))
         return far_m > LIMITS["speed_mps"].highest * abs(float(times_s[other] - times_s[one])) + JUMP_M
 
     order = [int(index) for index in known]
@@ -168,7 +168,7 @@ def _connected(times_s: Floats, places_m: Floats, known: NDArray[np.intp]) -> Bo
 
 
 def frame_times(times_s: Floats, source: str, how: str = "") -> list[str]:
-    """What is to be told of the frames' times (N,); InputError where they cannot be."""
+    """Notes on the frames' times (N,); InputError where they are impossible."""
     where = f"{source}: times of the frames ({how})" if how else f"{source}: times of the frames"
     if len(times_s) < 2:
         raise InputError(f"{where}: expected two frames or more, got {len(times_s)}")
@@ -184,28 +184,28 @@ def frame_times(times_s: Floats, source: str, how: str = "") -> list[str]:
         )
     if times_s[-1] - times_s[0] > LONGEST_S:
         raise InputError(f"{where}: expected at most {LONGEST_S:g} s in all, got {times_s[-1] - times_s[0]:g} s")
-    return [f"a frame every {usual:g} s: too seldom for the flow to be followed"] if usual > SELDOM_S else []
+    return [f"a frame every {usual:g} s: too rare for tracking the flow"] if usual > SELDOM_S else []
 
 
 def clock(step_s: float) -> str:
-    """A guess at the unit in which a step between times is a usual one."""
+    """A guess at the unit of a time step."""
     likely = [name for scale, name in CLOCKS.items() if 0.005 <= step_s * scale <= SELDOM_S]
     return f": {likely[0]}?" if likely else ""
 
 
 def brightness(images: Iterable[Image]) -> list[str]:
-    """What is to be told of how bright the first pictures (H, W, 3) are."""
+    """Notes on the brightness of the first images (H, W, 3)."""
     levels = [np.percentile(image[::4, ::4, 1], PARTS) for image in images]
     if not levels:
         return []
     darkest, brightest = np.median(levels, axis=0)
     if brightest < DARK:
-        return [f"the first pictures are nearly black: grey levels up to {brightest:.0f} of 255"]
+        return [f"the first images are nearly black: grey levels up to {brightest:.0f} of 255"]
     if darkest > BRIGHT:
-        return [f"the first pictures are nearly white: grey levels from {darkest:.0f} of 255"]
+        return [f"the first images are nearly white: grey levels from {darkest:.0f} of 255"]
     return []
 
 
 def is_blank(grey: Image) -> bool:
-    """Whether a picture (H, W) is all of one brightness: nothing is to be seen in it."""
+    """Whether an image (H, W) is of one brightness."""
     return int(grey.max()) - int(grey.min()) <= BLANK

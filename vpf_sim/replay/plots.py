@@ -1,4 +1,4 @@
-"""The plots of a replayed drive: commands beside the human's, the focus of expansion and the time to contact."""
+"""The plots of a replayed drive: commands, focus of expansion, time to contact, speed."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,7 @@ LEAST_COMMAND, LEAST_FOE_PX, MOST_TTC_S = 0.1, 10.0, 20.0
 
 
 def plots(table: FrameTable, kinds: Mapping[str, str]) -> list[tuple[str, Markup]]:
-    """Caption and drawing of each that has something to show; `kinds` are those of the recording's signals."""
+    """Caption and drawing of each plot with data; `kinds` are those of the recording's signals."""
     drawn = [
         _command(table, "throttle", kinds["throttle"]),
         _command(table, "steering", kinds["steering_rad"]),
@@ -30,33 +30,33 @@ def plots(table: FrameTable, kinds: Mapping[str, str]) -> list[tuple[str, Markup
 
 def _command(table: FrameTable, name: str, kind: str) -> tuple[str, Markup] | None:
     series = [(getattr(table, name), OURS), (getattr(table, f"recorded_{name}"), THEIRS)]
-    told = "" if kind == "recorded" else f" ({kind})"
-    return _chart(table, series, name, LEAST_COMMAND, f"{name}: predicted, and the human's{told}")
+    origin = "" if kind == "recorded" else f" ({kind})"
+    return _chart(table, series, name, LEAST_COMMAND, f"{name}: predicted, and the human's{origin}")
 
 
 def _foe(table: FrameTable, axis: str) -> tuple[str, Markup] | None:
-    """Errors where the truth is known, or else the place itself."""
-    seen, own, true = (getattr(table, f"{which}foe_{axis}_px") for which in ("", "own_", "true_"))
-    if np.isfinite(seen - true).any() or np.isfinite(own - true).any():
-        caption = f"focus of expansion, error in {axis}: recorded rotation removed, and told of no rotation"
-        return _chart(table, [(seen - true, OURS), (own - true, THEIRS)], f"error {axis}, px", LEAST_FOE_PX, caption)
-    caption = f"focus of expansion, {axis}: recorded rotation removed, and told of no rotation"
-    return _chart(table, [(seen, OURS), (own, THEIRS)], f"{axis}, px", LEAST_FOE_PX, caption)
+    """The error where the truth is known, else the position."""
+    found, own, true = (getattr(table, f"{which}foe_{axis}_px") for which in ("", "own_", "true_"))
+    if np.isfinite(found - true).any() or np.isfinite(own - true).any():
+        caption = f"focus of expansion, error in {axis}: with and without recorded rotation"
+        return _chart(table, [(found - true, OURS), (own - true, THEIRS)], f"error {axis}, px", LEAST_FOE_PX, caption)
+    caption = f"focus of expansion, {axis}: with and without recorded rotation"
+    return _chart(table, [(found, OURS), (own, THEIRS)], f"{axis}, px", LEAST_FOE_PX, caption)
 
 
 def _ttc(table: FrameTable) -> tuple[str, Markup] | None:
-    """Capped: what is far is far."""
+    """Time to contact, capped at MOST_TTC_S."""
     if not np.isfinite(table.lead_gap_m).any():
         return None
     true = true_ttc_s(table.lead_gap_m, closing_mps(table.lead_gap_m, table.time_s))
     series = [(np.minimum(table.ttc_s, MOST_TTC_S), OURS), (np.minimum(true, MOST_TTC_S), THEIRS)]
-    caption = f"time to contact with the body ahead: seen, and by the recorded gap; {MOST_TTC_S:g} s is far"
+    caption = f"time to contact with the lead vehicle: by looming, and by the recorded gap; capped at {MOST_TTC_S:g} s"
     return _chart(table, series, "TTC, s", MOST_TTC_S, caption)
 
 
 def _speed(table: FrameTable) -> tuple[str, Markup] | None:
     series = [(table.flow_speed_mps, OURS), (table.speed_mps, THEIRS)]
-    return _chart(table, series, "speed, m/s", 4.0, "speed: by the flow of the road, and of the recording")
+    return _chart(table, series, "speed, m/s", 4.0, "speed: by the road's flow, and recorded")
 
 
 def _chart(

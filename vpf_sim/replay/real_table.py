@@ -1,7 +1,7 @@
-"""The paper's table of real images, and ours beside it: recorded drives by weather, with and without obstacles.
+"""The paper's table of real images beside ours: recorded drives by weather and obstacles.
 
-The paper's accuracy has no definition in print (METHOD A19), and its drives, their camera and their road are not told.
-So its cells stand in columns of their own, never in the place of one of ours.
+The paper does not define its accuracy (METHOD A19) nor describe its drives, camera and road. So its cells have
+columns of their own.
 """
 
 from collections.abc import Iterable, Sequence
@@ -20,23 +20,23 @@ PAPER: dict[tuple[str, str], dict[str, float]] = {
 }
 WEATHERS = ("cloudy", "light rain", "rain")
 SAME = {"overcast": "cloudy", "drizzle": "light rain", "heavy rain": "rain", "hard rain": "rain", "rainy": "rain"}
-UNTOLD = "not told"
+UNKNOWN_WEATHER = "unknown"
 KEYS = ("range", "span", "tolerance", "mae")
-UNDIVIDED = "not divided"  # part of drives in which nobody told obstacles from none
+UNDIVIDED = "not divided"  # drives without labels or detection of obstacles
 Row = dict[str, Any]
 
 
 def weather_of(name: str) -> str:
-    """The paper's word for a weather where it has one."""
+    """The paper's word for a weather, if it has one."""
     plain = " ".join(name.lower().replace("_", " ").split())
-    return SAME.get(plain, plain) or UNTOLD
+    return SAME.get(plain, plain) or UNKNOWN_WEATHER
 
 
 def rows(records: Sequence[dict[str, Any]]) -> list[Row]:
-    """One a weather, a part and a kind of signals, the paper's weathers first; cells without a drive have no frames.
+    """One row for each weather, part and kind of signals, the paper's weathers first.
 
-    Drives count by their frames. Those to whose frames weather was added have rows of their own, beside no paper; those
-    that an error of the driver ended early have none.
+    Drives are weighted by their frames. Drives with simulated weather have rows of their own without the paper's
+    cells. Drives that ended in an error of the driver are left out.
     """
     found: list[Row] = []
     scored = [record for record in records if record["accuracy"] is not None and record["error"] is None]
@@ -51,7 +51,7 @@ def rows(records: Sequence[dict[str, Any]]) -> list[Row]:
 
 
 def _group(record: dict[str, Any]) -> tuple[str, str, str, str]:
-    """Weather, what was added to it, and whether throttle and steering were recorded."""
+    """Weather, what was simulated, and the origins of throttle and steering."""
     kinds = (record["origins"][name]["kind"] for name in ("throttle", "steering_rad"))
     throttle, steering = kinds
     return weather_of(record["weather"]), record["added"] or "", throttle, steering
@@ -88,7 +88,7 @@ def _row(group: tuple[str, str, str, str], part: str, drives: Sequence[dict[str,
 
 
 def _count(record: dict[str, Any], which: str, part: str) -> int:
-    """`frames` of a part, or those of them that are `unseen`."""
+    """`frames` of a part, or the `unseen` ones of them."""
     frames: dict[str, int] = record["accuracy"][which]
     return frames["whole"] if part == UNDIVIDED else frames[part]
 
@@ -96,7 +96,7 @@ def _count(record: dict[str, Any], which: str, part: str) -> int:
 def _pooled(
     records: Iterable[dict[str, Any]], weights: Sequence[int], part: str, name: str, idle: bool
 ) -> dict[str, float | None] | None:
-    """Means over the drives that have the signal, weighted by their frames."""
+    """Means over the drives with the signal, weighted by frames."""
     scored = [(_scores(record, part, name, idle), weight) for record, weight in zip(records, weights, strict=True)]
     present = [(scores, weight) for scores, weight in scored if scores is not None]
     if not present:
@@ -116,7 +116,7 @@ def _scores(record: dict[str, Any], part: str, name: str, idle: bool) -> dict[st
 
 
 DIFFERENCES = (
-    "The paper tells neither how its accuracy is defined nor its signals' unit; range, span and tolerance are ours.",
-    "The paper's drives, camera, frame rate, road and number of frames are not told; ours are named in the rows.",
-    "Steering is the road wheels' angle / 40 deg, throttle the acceleration / 3 m/s2, brake / 6 m/s2, all cut at 1.",
+    "The paper defines neither its accuracy nor its signals' units; range, span and tolerance are ours.",
+    "The paper does not describe its drives, camera, frame rate, road or number of frames; our rows name ours.",
+    "Steering is the road wheels' angle / 40 deg, throttle the acceleration / 3 m/s2, brake / 6 m/s2, limited to 1.",
 )

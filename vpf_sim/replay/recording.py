@@ -1,6 +1,6 @@
-"""A recorded drive, whatever its layout: frames, times, camera, motion, commands, and what is known of the truth.
+"""A recorded drive of any layout: frames, times, camera, motion, commands and ground truth.
 
-Axes of the vehicle: X forward, Y right, yaw clockwise. Every reader turns its source's signs and units into these.
+Vehicle axes: X forward, Y right, yaw clockwise. Every reader converts its signs and units to these.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -14,7 +14,7 @@ from vpf_sim.replay.mounting_estimate import Angle
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 Kind = Literal["recorded", "derived", "assumed", "absent"]
-PICTURES = "pictures"  # the name of their flow among the inputs of a signal
+IMAGES = "images"  # name of the flow among the inputs of a signal
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,23 +22,20 @@ class Origin:
     """Where a signal comes from."""
 
     kind: Kind
-    how: str = ""  # from which file and column, from what it is computed, or what is taken for granted
-    inputs: frozenset[str] = frozenset()  # all that it follows from, near and far: signals' names, or PICTURES
+    how: str = ""  # file and column, computation, or assumption
+    inputs: frozenset[str] = frozenset()  # all direct and indirect inputs: signals' names, or IMAGES
 
     @classmethod
-    def following(cls, how: str, inputs: "Mapping[str, Origin]") -> "Origin":
-        """That of a signal computed from others: derived, or assumed if one of them is.
-
-        The scales of a measurement, camera and clock, are no signals: `how` says what of them is assumed.
-        """
+    def derived_from(cls, how: str, inputs: "Mapping[str, Origin]") -> "Origin":
+        """Origin of a signal computed from others: assumed if one of them is, else derived."""
         guessed = [name for name, origin in inputs.items() if origin.kind == "assumed"]
-        told = "".join(f"; {name} is assumed" for name in guessed)
+        assumed = "".join(f"; {name} is assumed" for name in guessed)
         every = frozenset(inputs).union(*(origin.inputs for origin in inputs.values()))
-        return cls("assumed" if guessed else "derived", how + told, every)
+        return cls("assumed" if guessed else "derived", how + assumed, every)
 
     @property
     def is_known(self) -> bool:
-        """Whether there is a signal, and nothing in it is assumed: others may be held against it."""
+        """Whether the signal can serve as a reference: nothing in it is assumed."""
         return self.kind in ("recorded", "derived")
 
     def __str__(self) -> str:
@@ -50,20 +47,20 @@ ABSENT = Origin("absent")
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """The picture number `index` of a recording, or why there is none: the drive goes on after a gap."""
+    """Image number `index` of a recording, or the reason for a gap."""
 
     index: int
     image: Image | None  # (H, W, 3) RGB
     fault: str = ""  # one line; empty where there is an image
-    time_s: float | None = None  # when the picture was taken; None: at the time of its number
+    time_s: float | None = None  # when the image was taken; None: at its frame time
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """N frames and what is known at each; nan where a signal is unknown. `origins` has an entry for every signal.
+    """N frames and the signals at each, nan where unknown; `origins` has an entry for every signal.
 
-    The pose is the camera's place, with the heading of the vehicle. Frames are as `camera` describes them: whatever
-    else the lens or the mounting did (tangential distortion, yaw, roll) is removed from them.
+    The pose is the position of the camera with the heading of the vehicle. `camera` describes the frames; other
+    effects of lens and mounting (tangential distortion, yaw, roll) are removed from them.
     """
 
     name: str
@@ -73,20 +70,20 @@ class Recording:
     poses: Floats  # (N, 3) x m, y m, yaw rad
     speed_mps: Floats  # (N,)
     yaw_rate_radps: Floats  # (N,) + turns right
-    frames: Callable[[], Iterator[Frame]]  # from the first, decoded as they are asked for; N of them, gaps included
+    frames: Callable[[], Iterator[Frame]]  # N of them, gaps included, decoded on demand
     origins: Mapping[str, Origin]  # by the names of the signals, and "camera"
-    foe_px: Floats = field(default_factory=lambda: np.empty(0))  # (N, 2) truth, of the motion from the frame before,
-    # in the axes half way between, in undistorted pixels
+    foe_px: Floats = field(default_factory=lambda: np.empty(0))  # (N, 2) truth for the motion from the frame before,
+    # in the axes halfway between, undistorted
     steering_rad: Floats = field(default_factory=lambda: np.empty(0))  # (N,) of the road wheels, + is right
     throttle: Floats = field(default_factory=lambda: np.empty(0))  # (N,) -1 .. 1, negative brakes
-    obstacle: Floats = field(default_factory=lambda: np.empty(0))  # (N,) 1 where labelled as in the way, else 0
-    lead_gap_m: Floats = field(default_factory=lambda: np.empty(0))  # (N,) from the camera to the body ahead
-    weather: str = ""  # as the recording names it; empty where it does not
+    obstacle: Floats = field(default_factory=lambda: np.empty(0))  # (N,) 1 where labelled as blocked, else 0
+    lead_gap_m: Floats = field(default_factory=lambda: np.empty(0))  # (N,) from the camera to the lead vehicle
+    weather: str = ""  # as recorded; empty if not
     notes: tuple[str, ...] = ()  # gaps and assumptions, a line each
-    mounting_found: Mapping[str, Angle] = field(default_factory=dict)  # "pitch", "yaw" of a camera found on the way
-    no_images: str = ""  # why there are none, and what can be done; then `frames` raises it as an InputError
-    files: tuple[Path | None, ...] = ()  # its pictures, and others of which it is a function; some may be missing
-    bridged: Mapping[str, Bools] = field(default_factory=dict)  # (N,) where a signal was filled in over a gap
+    mounting_found: Mapping[str, Angle] = field(default_factory=dict)  # estimated "pitch" and "yaw"
+    no_images: str = ""  # reason and remedy; `frames` raises it as an InputError
+    files: tuple[Path | None, ...] = ()  # images and other files it is read from; some may be missing
+    bridged: Mapping[str, Bools] = field(default_factory=dict)  # (N,) where a signal is interpolated over a gap
 
     def __post_init__(self) -> None:
         for name in ("steering_rad", "throttle", "obstacle", "lead_gap_m"):
@@ -94,25 +91,25 @@ class Recording:
                 object.__setattr__(self, name, np.full(len(self.times_s), np.nan))
         if not len(self.foe_px):
             object.__setattr__(self, "foe_px", np.full((len(self.times_s), 2), np.nan))
-        unsaid = {name: ABSENT for name in SIGNALS if name not in self.origins}
-        object.__setattr__(self, "origins", {**self.origins, **unsaid})
+        missing = {name: ABSENT for name in SIGNALS if name not in self.origins}
+        object.__setattr__(self, "origins", {**self.origins, **missing})
 
     def __len__(self) -> int:
         return len(self.times_s)
 
     def known(self, name: str) -> Bools:
-        """(N,) frames at which a signal is recorded, or follows from what is: neither assumed nor bridged."""
+        """(N,) frames where a signal is neither assumed nor bridged."""
         there = np.full(len(self), self.origins[name].is_known)
         return there & ~self.bridged[name] if name in self.bridged else there
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second, by the median of the intervals."""
+        """Frames a second, by the median interval."""
         return 1.0 / float(np.median(np.diff(self.times_s)))
 
     @property
     def derived(self) -> tuple[str, ...]:
-        """The signals that were not recorded but computed or assumed."""
+        """The signals that were not recorded."""
         return tuple(name for name, origin in self.origins.items() if origin.kind in ("derived", "assumed"))
 
 
@@ -131,13 +128,13 @@ SIGNALS = (
 
 
 class Reader(Protocol):
-    """One layout of recordings; a module of `vpf_sim.replay.readers` is one."""
+    """One layout of recordings; the modules of `vpf_sim.replay.readers` are readers."""
 
-    LAYOUT: str  # its name
-    EXPECTED: str  # the files it is known by
+    LAYOUT: str  # name
+    EXPECTED: str  # files that identify it
 
     def recognises(self, folder: Path) -> bool:
-        """Whether the content of the folder is of this layout, complete or not."""
+        """Whether the folder has this layout, complete or not."""
 
     def read(self, folder: Path) -> Recording:
-        """The recording; what is wrong with it is an InputError of one line."""
+        """The recording; InputError of one line where it is wrong."""

@@ -1,4 +1,4 @@
-"""From the camera as it was mounted to the one that perception knows: pinhole or radial, looking straight ahead.
+"""Rectifies frames for perception: pinhole or radial lens, looking straight ahead.
 
 Mounting: yaw + looks right, pitch + looks down, roll + clockwise as seen from behind the camera.
 """
@@ -15,16 +15,16 @@ from vpf_sim.errors import InputError
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, Floats, Image
 
-WIDEST_PX = 1300  # a wider picture is reduced: tracking takes time by the pixel
-WIDEST_TANGENT = 1.5  # of the angle from the axis that the rectified picture shows of a fisheye's
-LEAST_PX = 15.0  # of a picture in which anything is seen
-MARGIN_PX = 2.0  # of the rectified picture's edge, for the inverse of the lens is iterative
-SLIGHT_RAD = 5e-4  # of yaw and roll: not worth a look-up
+WIDEST_PX = 1300  # wider images are reduced, since tracking time grows with pixels
+WIDEST_TANGENT = 1.5  # of the largest angle from the axis that a fisheye's image keeps
+LEAST_PX = 15.0  # least size of a usable image
+MARGIN_PX = 2.0  # at the edge, since the inverse of the lens is iterative
+SLIGHT_RAD = 5e-4  # of yaw and roll: not worth a remap
 
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """A calibrated camera; the distortion's coefficients are OpenCV's, in its order (k1 k2 p1 p2 k3 ...)."""
+    """A calibrated camera; distortion coefficients are OpenCV's, in its order (k1 k2 p1 p2 k3 ...)."""
 
     width_px: int
     height_px: int
@@ -37,18 +37,18 @@ class Lens:
 
     @property
     def matrix(self) -> Floats:
-        """(3, 3)."""
+        """(3, 3) camera matrix."""
         return np.array([[self.fx_px, 0.0, self.cx_px], [0.0, self.fy_px, self.cy_px], [0.0, 0.0, 1.0]])
 
     @property
     def coefficients(self) -> Floats:
-        """(4 or more,) as OpenCV takes them."""
+        """(4 or more,) distortion coefficients for OpenCV."""
         return np.array([*self.distortion, *[0.0] * (4 - len(self.distortion))])
 
 
 @dataclass(frozen=True, slots=True)
 class Mounting:
-    """How the camera sits on the car."""
+    """The orientation and height of the camera on the car."""
 
     pitch_rad: float = 0.0
     yaw_rad: float = 0.0
@@ -57,12 +57,12 @@ class Mounting:
 
 
 def reduction(width_px: int) -> int:
-    """By how much, a whole number, pictures of this width are reduced."""
+    """The whole number by which images of this width are reduced."""
     return ceil(width_px / WIDEST_PX)
 
 
 def reduced(lens: Lens, by: int) -> Lens:
-    """The lens of pictures that are `by` times smaller; pixel centres stay where they are in the scene."""
+    """The lens of images that are `by` times smaller; pixel centres keep their direction."""
     return replace(
         lens,
         width_px=lens.width_px // by,
@@ -75,49 +75,49 @@ def reduced(lens: Lens, by: int) -> Lens:
 
 
 def rotation(mounting: Mounting) -> Floats:
-    """(3, 3) from the camera's axes (x right, y down, z forward) to those of the vehicle (right, down, forward)."""
+    """(3, 3) from camera axes (x right, y down, z forward) to vehicle axes (right, down, forward)."""
     turns = (_about(1, mounting.yaw_rad), _about(0, -mounting.pitch_rad), _about(2, mounting.roll_rad))
     return turns[0] @ turns[1] @ turns[2]
 
 
-def mounting_of(camera_to_vehicle: Floats, height_m: float) -> Mounting:
-    """The angles of a (3, 3) rotation, the inverse of `rotation`."""
+def mounting_from_rotation(camera_to_vehicle: Floats, height_m: float) -> Mounting:
+    """Mounting angles of a (3, 3) rotation, the inverse of `rotation`."""
     axis = camera_to_vehicle[:, 2]
     pitch, yaw = float(np.arcsin(axis[1])), float(np.arctan2(axis[0], axis[2]))
     level = _about(0, pitch) @ _about(1, -yaw) @ camera_to_vehicle
     return Mounting(pitch, yaw, float(np.arctan2(level[1, 0], level[0, 0])), height_m)
 
 
-def mounting_seeing(direction: Floats, height_m: float) -> Mounting:
-    """The mounting, without roll, of a camera that sees the vehicle go in this direction (3,) of its own axes."""
+def mounting_from_direction(direction: Floats, height_m: float) -> Mounting:
+    """Mounting without roll of a camera that moves in this direction (3,) of its own axes."""
     right, down, depth = direction / np.linalg.norm(direction)
     return Mounting(float(np.arctan2(-down, depth)), float(-np.arcsin(right)), 0.0, height_m)
 
 
 def rectified(lens: Lens, mounting: Mounting) -> tuple[Camera, Callable[[Image], Image]]:
-    """The camera of the frames as handed on, and what makes them of those recorded.
+    """The camera of the rectified frames, and the function that rectifies an image.
 
-    Radial distortion of two coefficients stays, perception takes it out of its points. All else, and a camera that does
-    not look straight ahead, costs a look-up a frame; of the turned picture that part is kept which was seen.
+    Radial distortion of two coefficients stays, since perception removes it from its points. Other distortion, and a
+    camera that does not look straight ahead, need a remap of each frame, cropped to what was visible.
     """
     by = reduction(lens.width_px)
     lens = reduced(lens, by)
-    if _plain(lens, mounting):
+    if _needs_no_remap(lens, mounting):
         radial = (*lens.distortion, 0.0, 0.0)[:2]
-        return _camera(lens, mounting, radial), lambda image: _smaller(image, by, lens)
+        return _camera(lens, mounting, radial), lambda image: _shrunk(image, by, lens)
     straight = rotation(replace(mounting, yaw_rad=0.0, roll_rad=0.0)).T @ rotation(mounting)
     view = _view(lens, straight)
-    maps = _look_up(lens, straight, view)
-    return _camera(view, mounting, (0.0, 0.0)), lambda image: _warped(_smaller(image, by, lens), maps)
+    maps = _remap_tables(lens, straight, view)
+    return _camera(view, mounting, (0.0, 0.0)), lambda image: _warped(_shrunk(image, by, lens), maps)
 
 
-def rectified_frames(frames: Iterator[Frame], handed_on: Callable[[Image], Image]) -> Iterator[Frame]:
-    """The frames as perception is to see them."""
+def rectified_frames(frames: Iterator[Frame], rectify_image: Callable[[Image], Image]) -> Iterator[Frame]:
+    """The frames, rectified for perception."""
     for frame in frames:
-        yield frame if frame.image is None else replace(frame, image=handed_on(frame.image))
+        yield frame if frame.image is None else replace(frame, image=rectify_image(frame.image))
 
 
-def _plain(lens: Lens, mounting: Mounting) -> bool:
+def _needs_no_remap(lens: Lens, mounting: Mounting) -> bool:
     straight = abs(mounting.yaw_rad) < SLIGHT_RAD and abs(mounting.roll_rad) < SLIGHT_RAD
     return straight and lens.model == "pinhole" and not any(lens.distortion[2:])
 
@@ -139,11 +139,11 @@ def _camera(lens: Lens, mounting: Mounting, radial: tuple[float, ...]) -> Camera
 
 
 def _view(lens: Lens, straight: Floats) -> Lens:
-    """The pinhole whose picture lies inside of what was seen: the largest rectangle within the edge's image."""
+    """The pinhole of the largest rectangle that was visible everywhere."""
     width, height = lens.width_px - 1.0, lens.height_px - 1.0
     along = np.linspace(0.0, 1.0, 33)
     sides = [
-        _seen(lens, straight, np.stack([x * width + 0.0 * along, y * height + 0.0 * along], axis=1))
+        _rectified_points(lens, straight, np.stack([x * width + 0.0 * along, y * height + 0.0 * along], axis=1))
         for x, y in ((0.0, along), (1.0, along), (along, 0.0), (along, 1.0))
     ]
     reach = WIDEST_TANGENT * lens.fx_px
@@ -153,14 +153,16 @@ def _view(lens: Lens, straight: Floats) -> Lens:
     left, top = np.ceil(np.maximum(np.maximum(first, centre - reach), 0.0 - whole)).tolist()
     right, bottom = np.floor(np.minimum(np.minimum(last, centre + reach), 2.0 * whole)).tolist()
     if not (right - left >= LEAST_PX and bottom - top >= LEAST_PX):
-        seen = f"{right - left + 1:g} x {bottom - top + 1:g} px"
-        raise InputError(f"expected a lens and a mounting that see straight ahead, got {seen} of that: check [camera]")
+        visible = f"{right - left + 1:g} x {bottom - top + 1:g} px"
+        raise InputError(
+            f"expected a lens and a mounting that show what is straight ahead, got {visible}: check [camera]"
+        )
     size = (int(right - left) + 1, int(bottom - top) + 1)
     return Lens(*size, lens.fx_px, lens.fy_px, lens.cx_px - left, lens.cy_px - top)
 
 
-def _seen(lens: Lens, straight: Floats, pixels: Floats) -> Floats:
-    """(N, 2) px of the straight pinhole, of the same focal length and centre, where pixels (N, 2) of the frame lie."""
+def _rectified_points(lens: Lens, straight: Floats, pixels: Floats) -> Floats:
+    """(N, 2) px in the straight pinhole, of equal focal length and centre, for pixels (N, 2) of the frame."""
     points = pixels.reshape(-1, 1, 2)
     if lens.model == "fisheye":
         found = cv2.fisheye.undistortPoints(points, lens.matrix, lens.coefficients, R=straight, P=lens.matrix)
@@ -169,7 +171,7 @@ def _seen(lens: Lens, straight: Floats, pixels: Floats) -> Floats:
     return np.asarray(found, float).reshape(-1, 2)
 
 
-def _look_up(lens: Lens, straight: Floats, view: Lens) -> tuple[Image, Image]:
+def _remap_tables(lens: Lens, straight: Floats, view: Lens) -> tuple[Image, Image]:
     size = (view.width_px, view.height_px)
     make = cv2.fisheye.initUndistortRectifyMap if lens.model == "fisheye" else cv2.initUndistortRectifyMap
     first, second = make(lens.matrix, lens.coefficients, straight, view.matrix, size, cv2.CV_16SC2)
@@ -180,7 +182,7 @@ def _warped(image: Image, maps: tuple[Image, Image]) -> Image:
     return cv2.remap(image, *maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
 
 
-def _smaller(image: Image, by: int, lens: Lens) -> Image:
+def _shrunk(image: Image, by: int, lens: Lens) -> Image:
     if by == 1:
         return image
     even = image[: lens.height_px * by, : lens.width_px * by]

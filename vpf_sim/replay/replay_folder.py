@@ -1,4 +1,4 @@
-"""The folder of a replay: manifest, a record and a timing line a drive, tables of frames, films, and the summary."""
+"""A replay's folder: manifest, records, timing, frame tables, videos and summary."""
 
 import json
 from pathlib import Path
@@ -15,7 +15,7 @@ MANIFEST, RECORDS, TIMING, SUMMARY = "manifest.json", "replays.jsonl", "timing.j
 
 
 class ReplayFolder:
-    """An open folder. `done` holds the names of the drives that it has a record of."""
+    """An open folder; `done` holds the names of the drives with a record."""
 
     def __init__(
         self,
@@ -24,11 +24,13 @@ class ReplayFolder:
         resume: bool = False,
         mixed: bool = False,
     ):
-        """`asked_for` is the plan, and the hashes of what it is made from (`inputs.hashes`); with `resume` it goes on
-        with what is there."""
+        """Create the folder, or continue with `resume`.
+
+        `asked_for` is the plan and the hashes of its inputs (`inputs.hashes`).
+        """
         self.path = path
-        self._mark: str | None = None  # the fingerprint's digest, where records are made on another than the manifest's
-        asked = {
+        self._digest: str | None = None  # the fingerprint's digest, if it differs from the manifest's
+        requested = {
             "schema": 1,
             "command": "replay",
             "fingerprint": fingerprint(),
@@ -37,32 +39,32 @@ class ReplayFolder:
         new = not resume or not (path / MANIFEST).exists()
         if new:
             self._make()
-        elif self._continue(asked, mixed):
-            self._mark = digest(asked["fingerprint"])
-        self._records = JsonLines(path / RECORDS)  # from here on the folder is locked
+        elif self._continue(requested, mixed):
+            self._digest = digest(requested["fingerprint"])
+        self._records = JsonLines(path / RECORDS)  # this locks the folder
         self._timing = JsonLines(path / TIMING)
         if new:
-            self._write_json(MANIFEST, asked)
+            self._write_json(MANIFEST, requested)
         self.done = {record["name"] for record in self.records()}
 
     def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
-        """Store a finished drive; one that was driven again, for its film, has its record already."""
+        """Store a finished drive, unless it has a record already."""
         if record["name"] in self.done:
             return
         self._timing.append(timing)
-        self._records.append({**record, "fingerprint": self._mark} if self._mark else record)
+        self._records.append({**record, "fingerprint": self._digest} if self._digest else record)
         self.done.add(record["name"])
 
     def records(self) -> list[dict[str, Any]]:
-        """All records, in the order of their names."""
+        """All records, ordered by name."""
         return sorted(read_lines(self.path / RECORDS), key=lambda record: str(record["name"]))
 
     def timing(self) -> dict[str, dict[str, Any]]:
-        """What a clock measured, by the names of the drives."""
+        """Timing by name of the drive."""
         return {str(line["name"]): line for line in read_lines(self.path / TIMING)}
 
     def summarize(self) -> dict[str, Any]:
-        """Write and give the summary: a function of the records."""
+        """Write and return the summary, a function of the records."""
         summary = {"rows": rows(self.records()), "differences": list(DIFFERENCES)}
         self._write_json(SUMMARY, summary)
         return summary
@@ -81,29 +83,29 @@ class ReplayFolder:
             raise InputError(f"{self.path}: expected an empty or new folder for --out, {remedy}")
         self.path.mkdir(parents=True, exist_ok=True)
 
-    def _continue(self, asked: dict[str, Any], mixed: bool) -> bool:
-        """Check that the same is asked; whether the fingerprint is another, which only `mixed` allows."""
+    def _continue(self, requested: dict[str, Any], mixed: bool) -> bool:
+        """Check that the plan is the same; True if the fingerprint differs, which needs `mixed`."""
         try:
             stored = json.loads((self.path / MANIFEST).read_text("utf-8"))
         except ValueError:
             raise InputError(f"{self.path / MANIFEST}: expected JSON, got something else") from None
-        same_code = stored.get("fingerprint") == asked["fingerprint"]
+        same_code = stored.get("fingerprint") == requested["fingerprint"]
         for key in ("command", "plan", "weathers", "drivers"):
-            if stored.get(key) != asked[key]:
-                what = change(stored.get(key), asked[key])
+            if stored.get(key) != requested[key]:
+                what = change(stored.get(key), requested[key])
                 raise InputError(f"{self.path}: --resume: {key} changed: {what}; start a new run")
-        for name, recording in asked["recordings"].items():
-            kinds = ("read", "derived") if same_code else ("read",)  # other code may derive other bits
+        for name, recording in requested["recordings"].items():
+            kinds = ("read", "derived") if same_code else ("read",)  # other code may derive other values
             before = stored.get("recordings", {}).get(name, {})
             if what := inputs.changed(before, recording, kinds):
                 raise InputError(f"{self.path}: --resume: the drive '{name}' changed: {what}; start a new run")
         if same_code:
             return False
         if not mixed:
-            what = change(stored.get("fingerprint"), asked["fingerprint"])
+            what = change(stored.get("fingerprint"), requested["fingerprint"])
             raise InputError(f"{self.path}: --resume: fingerprint changed: {what}; --mixed accepts it")
         return True
 
     def _write_json(self, name: str, value: dict[str, Any]) -> None:
-        """Whole or not at all, keys sorted."""
+        """Complete or not at all, keys sorted."""
         write_json(self.path / name, value)

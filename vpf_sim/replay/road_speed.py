@@ -1,8 +1,7 @@
-"""The speed by how fast the road comes nearer, as far as the camera's height above it is known.
+"""Estimates the speed from the flow of the road and the height of the camera.
 
-Points that may lie on the road vote. The speed is the path over the whole drive that most votes support among those a
-car can drive: it changes by no more than its engine and its brakes allow (Viterbi 1967). A window in which points agree
-on something else, or on nothing, makes no jump.
+Points that may lie on the road vote. The speed is the path over the drive with most votes, within what engine and
+brakes allow (Viterbi 1967). So a window with outliers, or without agreement, causes no jump.
 """
 
 from dataclasses import replace
@@ -15,29 +14,29 @@ from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.replay.rectify import Mounting
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers
 
-NEAR_M, FAR_M, HALF_M = 3.0, 25.0, 4.0  # of the road that is looked at, from the camera
-ASTRAY_M = 0.3  # a point of the road does not move across by more in a window
+NEAR_M, FAR_M, HALF_M = 3.0, 25.0, 4.0  # used part of the road, from the camera
+MOST_LATERAL_M = 0.3  # of a road point in a window
 LEAST_FLOW_PX, LEAST_SPEED_MPS, MOST_SPEED_MPS = 1.0, 1.0, 70.0
-WINDOW_S = 0.6  # whose points vote together
+WINDOW_S = 0.6  # of votes that are counted together
 LEAST_VOTES = 5
-BRIDGED_S = 0.6  # from a window with as many, to which the path is believed
+BRIDGED_S = 0.6  # from a window with enough votes, over which the path holds
 WIDTH = 0.1  # of the kernel, of the speed's logarithm
-KNOT_S = 0.2  # between the places of the path
+KNOT_S = 0.2  # between the knots of the path
 STEP_MPS = 0.2
 GRID_MPS = np.arange(0.0, MOST_SPEED_MPS, STEP_MPS)
-MOST_GAIN_MPS2, MOST_LOSS_MPS2 = 5.0, 9.0  # of a car's speed: a strong engine, an emergency brake
+MOST_GAIN_MPS2, MOST_LOSS_MPS2 = 5.0, 9.0  # limits of a strong engine, of emergency braking
 USUAL_MPS2 = 3.0  # standard deviation of an acceleration
-CLUTTER = 0.05  # of the density of votes: windows without road agree on anything
-DOUBTED_REST = 0.01  # likelihood of a car that moves while its picture stands
-JUMP, REST_JUMP = 20.0, 12.0  # log likelihood that a cut in the film costs, and one to a car that stands or from it
-LEAST_DENSE = 30.0  # votes that count in full
+CLUTTER = 0.05  # floor of the density, for windows without road
+UNLIKELY_REST = 0.01  # likelihood of a moving car whose image stands
+JUMP, REST_JUMP = 20.0, 12.0  # cost in log likelihood of a cut in the video, and of one to or from a standing car
+LEAST_DENSE = 30.0  # votes for full weight
 SMOOTH_S = 0.4  # changes shorter than this are noise
 
 
 def votes(flow: Flow, camera: Camera, mounting: Mounting) -> Floats:
-    """(M, 2) m/s and weight, of each point that could lie on the road; its turn must be known to the flow's poses.
+    """(M, 2) m/s and weight of each point that may lie on the road; the flow's poses must have the rotation.
 
-    A point at Z before and Z' now, both by the flat road, says (Z - Z') / gap; its error grows with Z^2.
+    A point at Z before and Z' now, both on a flat road, gives (Z - Z') / gap; its error grows with Z^2.
     """
     straight = replace(
         camera, cx_px=camera.cx_px - camera.fx_px * np.tan(mounting.yaw_rad), pitch_rad=mounting.pitch_rad
@@ -47,57 +46,58 @@ def votes(flow: Flow, camera: Camera, mounting: Mounting) -> Floats:
     ahead = now[:, 0] - straight.forward_m
     with np.errstate(invalid="ignore"):
         road = (ahead > NEAR_M) & (ahead < FAR_M) & (np.abs(now[:, 1]) < HALF_M)
-        road &= np.abs(now[:, 1] - past[:, 1]) < ASTRAY_M
+        road &= np.abs(now[:, 1] - past[:, 1]) < MOST_LATERAL_M
     road &= (np.hypot(*shift.T) > LEAST_FLOW_PX) & (flow.gap_s > 0.0)
     speed = (past[road, 0] - now[road, 0]) / flow.gap_s[road]
     return np.stack([speed, flow.gap_s[road] / ahead[road] ** 2], axis=1)
 
 
-def speed(times_s: Floats, voted: list[tuple[float, Floats]], stands: Bools | None = None) -> Floats:
-    """(N,) m/s that the votes support over the drive; 0 where the car `stands` (N,); nan where too few vote.
+def speed(times_s: Floats, voted: list[tuple[float, Floats]], standing: Bools | None = None) -> Floats:
+    """(N,) m/s with most votes; 0 where the car is `standing` (N,), nan with too few votes.
 
-    Points that slide along a line of the road stay behind and agree on nothing, so densities count, not medians.
+    Densities count, not medians: points that slide along a line of the road lag behind and do not agree.
     """
     if not len(times_s):
         return np.empty(0)
     result = np.full(len(times_s), np.nan)
-    still = np.zeros(len(times_s), np.bool_) if stands is None else stands
+    is_standing = np.zeros(len(times_s), np.bool_) if standing is None else standing
     parts = [(time, part[(part[:, 0] > LEAST_SPEED_MPS) & (part[:, 0] < MOST_SPEED_MPS)]) for time, part in voted]
     ballots = np.concatenate([np.empty((0, 3)), *[np.column_stack([np.full(len(p), t), p]) for t, p in parts]])
     knots = np.arange(times_s[0], times_s[-1] + KNOT_S, KNOT_S)
     first, last = (np.searchsorted(ballots[:, 0], knots + side * 0.5 * WINDOW_S) for side in (-1.0, 1.0))
     known = last - first >= LEAST_VOTES
-    rests = np.interp(knots, times_s, still.astype(float)) > 0.5
-    if (known | rests).any():
-        path = _path(np.stack([_support(ballots[a:b], rest) for a, b, rest in zip(first, last, rests, strict=True)]))
-        rests &= GRID_MPS[path] < 0.5 * LEAST_SPEED_MPS
+    at_rest = np.interp(knots, times_s, is_standing.astype(float)) > 0.5
+    if (known | at_rest).any():
+        path = _path(np.stack([_support(ballots[a:b], rest) for a, b, rest in zip(first, last, at_rest, strict=True)]))
+        at_rest &= GRID_MPS[path] < 0.5 * LEAST_SPEED_MPS
         refined = np.array([_mean(ballots[a:b], GRID_MPS[i]) for a, b, i in zip(first, last, path, strict=True)])
-        smooth = _smoothed(np.where(rests, 0.0, refined), np.where(known | rests, 1.0, 1e-3))
-        smooth = np.where(rests, 0.0, np.maximum(smooth, 0.0))
-        sure = knots[known | rests]
+        smooth = _smoothed(np.where(at_rest, 0.0, refined), np.where(known | at_rest, 1.0, 1e-3))
+        smooth = np.where(at_rest, 0.0, np.maximum(smooth, 0.0))
+        sure = knots[known | at_rest]
         after = np.clip(np.searchsorted(sure, times_s), 1, len(sure) - 1) if len(sure) > 1 else np.zeros(1, np.intp)
         away = np.minimum(np.abs(times_s - sure[after]), np.abs(times_s - sure[after - 1]))
         result = np.where(away <= BRIDGED_S, np.interp(times_s, knots, smooth), np.nan)
     return result
 
 
-def _support(ballots: Floats, rests: bool) -> Floats:
-    """(S,) log likelihood of each speed of the grid by votes (M, 3) of time, speed and weight."""
-    if rests:
-        return np.where(GRID_MPS < 0.5 * LEAST_SPEED_MPS, 0.0, np.log(DOUBTED_REST))
+def _support(ballots: Floats, at_rest: bool) -> Floats:
+    """(S,) log likelihood of each speed of the grid, by votes (M, 3) of time, speed and weight."""
+    if at_rest:
+        return np.where(GRID_MPS < 0.5 * LEAST_SPEED_MPS, 0.0, np.log(UNLIKELY_REST))
     if not len(ballots):
         return np.zeros(len(GRID_MPS))
-    _, place, weight = ballots.T
-    near = (np.log(np.maximum(GRID_MPS, 0.5 * LEAST_SPEED_MPS))[:, None] - np.log(place)) / WIDTH
+    _, voted_mps, weight = ballots.T
+    near = (np.log(np.maximum(GRID_MPS, 0.5 * LEAST_SPEED_MPS))[:, None] - np.log(voted_mps)) / WIDTH
     density = np.exp(-0.5 * near**2) @ weight / weight.sum()
     count: Floats = min(1.0, len(ballots) / LEAST_DENSE) * np.log(CLUTTER + (1.0 - CLUTTER) * density)
     return count
 
 
 def _path(support: Floats) -> Integers:
-    """(K,) places on the grid of the likeliest path through K knots (K, S), within what a car can do."""
+    """(K,) grid indices of the likeliest path through K knots (K, S), within the limits of a car."""
     gains = np.arange(-int(MOST_LOSS_MPS2 * KNOT_S / STEP_MPS), int(MOST_GAIN_MPS2 * KNOT_S / STEP_MPS) + 1)
-    unlikely = 0.5 * (gains * STEP_MPS / (USUAL_MPS2 * KNOT_S)) ** 2 * KNOT_S / WINDOW_S  # of a window: knots repeat it
+    # The cost is that of a window, since knots share its votes.
+    unlikely = 0.5 * (gains * STEP_MPS / (USUAL_MPS2 * KNOT_S)) ** 2 * KNOT_S / WINDOW_S
     size, reach = support.shape[1], int(max(-gains[0], gains[-1]))
     came = np.zeros(support.shape, np.int64)
     best = support[0]
@@ -106,9 +106,9 @@ def _path(support: Floats) -> Integers:
         options = np.stack([padded[reach - gain : reach - gain + size] for gain in gains]) - unlikely[:, None]
         chosen = options.argmax(axis=0)
         value, origin = options[chosen, np.arange(size)], np.arange(size) - gains[chosen]
-        _cut(value, origin, int(best.argmax()), float(best.max()) - JUMP)
-        _cut(value, origin, 0, float(best[0]) - REST_JUMP)
-        _cut(value[:1], origin[:1], int(best.argmax()), float(best.max()) - REST_JUMP)
+        _allow_jump(value, origin, int(best.argmax()), float(best.max()) - JUMP)
+        _allow_jump(value, origin, 0, float(best[0]) - REST_JUMP)
+        _allow_jump(value[:1], origin[:1], int(best.argmax()), float(best.max()) - REST_JUMP)
         came[k], best = origin, value + support[k]
     path = np.zeros(len(support), np.int64)
     path[-1] = int(best.argmax())
@@ -117,28 +117,28 @@ def _path(support: Floats) -> Integers:
     return path
 
 
-def _cut(value: Floats, origin: Integers, place: int, worth: float) -> None:
-    """Let all that is worth less come from a place by a jump."""
+def _allow_jump(value: Floats, origin: Integers, index: int, worth: float) -> None:
+    """Replace values below `worth` by a jump from the grid `index`."""
     less = value < worth
-    value[less], origin[less] = worth, place
+    value[less], origin[less] = worth, index
 
 
 def _mean(ballots: Floats, about_mps: float) -> float:
-    """m/s, the mean of the votes near a speed; that speed where none is."""
-    _, place, weight = ballots.T
-    near = weight * np.exp(-0.5 * (np.log(max(about_mps, 0.5 * LEAST_SPEED_MPS) / place) / WIDTH) ** 2)
+    """m/s, mean of the votes near a speed; that speed without votes."""
+    _, voted_mps, weight = ballots.T
+    near = weight * np.exp(-0.5 * (np.log(max(about_mps, 0.5 * LEAST_SPEED_MPS) / voted_mps) / WIDTH) ** 2)
     total = float(near.sum())
     if not total > 0.01 * float(weight.sum()):
         return about_mps
-    return float(np.exp(np.sum(near * np.log(place)) / total))
+    return float(np.exp(np.sum(near * np.log(voted_mps)) / total))
 
 
 def _smoothed(values: Floats, weight: Floats) -> Floats:
-    """(K,) the series with the least change of slope that stays near values (K,) (Whittaker 1923)."""
+    """(K,) series with the least change of slope near values (K,) (Whittaker 1923)."""
     if len(values) < 3:
         return values
     second, inner = np.array([1.0, -2.0, 1.0]), len(values) - 2
-    bands = np.zeros((3, len(values)))  # the lower ones of the sum of outer products of second differences
+    bands = np.zeros((3, len(values)))  # lower bands of the sum of outer products
     for apart in range(3):
         for i in range(3 - apart):
             bands[apart, i : i + inner] += (SMOOTH_S / KNOT_S) ** 4 * second[i] * second[i + apart]

@@ -1,4 +1,4 @@
-"""Where the files of a drive lie in the folder of a replay; the name of the drive is anyone's text."""
+"""Paths of a drive's files in the folder of a replay."""
 
 from pathlib import Path
 
@@ -7,11 +7,11 @@ from vpf_sim.files import file_name
 FRAMES, VIDEOS = "frames", "videos"
 
 
-def table_file(folder: Path, drive: str) -> Path:
+def table_path(folder: Path, drive: str) -> Path:
     """The table of a drive's frames."""
     return folder / FRAMES / f"{file_name(drive)}.parquet"
 
 
-def film_file(folder: Path, drive: str) -> Path:
-    """The film of a drive."""
+def video_path(folder: Path, drive: str) -> Path:
+    """The video of a drive."""
     return folder / VIDEOS / f"{file_name(drive)}.mp4"

@@ -1,4 +1,4 @@
-"""How right a driver was on a recording: its commands beside the human's, and what it saw beside the truth."""
+"""Scores of a replayed driver: commands beside the human's, perception against ground truth."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,36 +7,37 @@ import numpy as np
 
 from vpf_sim.evaluation.metrics.accuracy import Accuracy, accuracy
 from vpf_sim.replay.frame_table import FrameTable
-from vpf_sim.replay.obstacles_ahead import closing_mps, lasting, true_ttc_s
-from vpf_sim.replay.recording import PICTURES, Origin, Recording
+from vpf_sim.replay.obstacles_ahead import closing_mps, persistent, true_ttc_s
+from vpf_sim.replay.recording import IMAGES, Origin, Recording
 from vpf_sim.types import Bools, Floats
 
 PARTS = ("clear_of_obstacles", "with_obstacles")
 SIGNALS = ("throttle", "steering")
-NAMES = {"throttle": "throttle", "steering": "steering_rad"}  # theirs in a recording
-LEAST_CLOSING_MPS = 0.5  # of a gap whose time to contact is compared
-STANDING_MPS = 0.3  # of the car and of the gap: nothing approaches
-LEAST_SPEED_MPS = 2.0  # of a speed that is compared
-ALARM_S = 4.0  # a time to contact that calls for the brake
-LEAST_SPAN = 0.005  # of a signal that moved; of one that did not the span says nothing
+NAMES = {"throttle": "throttle", "steering": "steering_rad"}  # their names in a recording
+LEAST_CLOSING_MPS = 0.5  # least closing speed for comparing the time to contact
+STANDING_MPS = 0.3  # of car and gap: nothing approaches
+LEAST_SPEED_MPS = 2.0  # least speed for comparing it
+ALARM_S = 4.0  # time to contact that calls for braking
+LEAST_SPAN = 0.005  # least span of a signal for the span accuracy
 DIGITS = 6  # of stored scores
 
 
 def accuracies(table: FrameTable, recording: Recording) -> dict[str, Any] | None:
-    """Of throttle and steering, whole and in parts with and without obstacles; None where nobody drove.
+    """Accuracy of throttle and steering, overall and with and without obstacles; None if not driven.
 
-    Frames in which no lane was found are not scored: there the driver decided nothing. A signal that is assumed, or
-    follows from one that is, has no score. Beside the driver's stands `idle`, the accuracy of touching nothing: what of
-    it is the road's and not the driver's; `frames`, how many of each part are scored; and `unseen`, in how many of
-    these the driver did not see.
+    Frames without a lane are not scored, nor is an assumed signal or one that follows from it. `idle` is the accuracy
+    of zero commands, `frames` the number of scored frames of each part, `unseen` those of them without a new image or
+    command.
     """
     recorded = {"throttle": table.recorded_throttle, "steering": table.recorded_steering}
     driven = {name: np.isfinite(getattr(table, name)) for name in SIGNALS}
     if not any(there.any() for there in driven.values()):
         return None
-    told = {name: np.isfinite(values) & recording.origins[NAMES[name]].is_known for name, values in recorded.items()}
-    decided = _decided(table)
-    known = {name: told[name] & driven[name] & decided for name in SIGNALS}
+    recorded_known = {
+        name: np.isfinite(values) & recording.origins[NAMES[name]].is_known for name, values in recorded.items()
+    }
+    has_lane = _has_lane(table)
+    known = {name: recorded_known[name] & driven[name] & has_lane for name in SIGNALS}
     parts, blind = part_masks(table, recording.rate_hz), unseen(table)
 
     def scores(mask: Bools | None, idle: bool) -> dict[str, Accuracy | None]:
@@ -50,15 +51,17 @@ def accuracies(table: FrameTable, recording: Recording) -> dict[str, Any] | None
     return {
         **scores(whole, False),
         **{part: scores(parts[part], False) for part in PARTS},
-        "frames": {name: None if mask is None else int((mask & decided).sum()) for name, mask in masks.items()},
-        "unseen": {name: None if mask is None else int((mask & decided & blind).sum()) for name, mask in masks.items()},
+        "frames": {name: None if mask is None else int((mask & has_lane).sum()) for name, mask in masks.items()},
+        "unseen": {
+            name: None if mask is None else int((mask & has_lane & blind).sum()) for name, mask in masks.items()
+        },
         "idle": {**scores(whole, True), **{part: scores(parts[part], True) for part in PARTS}},
         "lane": {name: _steering_beside_idle(scores, mask) for name, mask in _lane_masks(table).items()},
     }
 
 
-def doubts(table: FrameTable, recording: Recording) -> list[str]:
-    """What a reader of the scores must know of them, a line each."""
+def notes(table: FrameTable, recording: Recording) -> list[str]:
+    """Notes that a reader of the scores needs, one line each."""
     if not np.isfinite(table.throttle).any():
         return []
     lines: list[str] = []
@@ -68,32 +71,32 @@ def doubts(table: FrameTable, recording: Recording) -> list[str]:
         if not origin.is_known:
             lines.append(f"{name}: not scored, the human's is {origin.kind}")
         elif known < count:
-            lines.append(f"{name}: scored in {known} of {count} frames, elsewhere the human's is not known")
-    blind = int((unseen(table) & _decided(table)).sum())
-    if blind:
-        lines.append(f"{blind} of {count} frames are scored unseen: there was no picture, or the last command held")
+            lines.append(f"{name}: scored in {known} of {count} frames; elsewhere the human's is unknown")
+    count_unseen = int((unseen(table) & _has_lane(table)).sum())
+    if count_unseen:
+        lines.append(f"{count_unseen} of {count} scored frames are unseen: no image, or the last command held")
     return lines
 
 
 def unseen(table: FrameTable) -> Bools:
-    """(N,) frames at which the driver's command is not by what it saw: the last one holds, or there is no picture."""
+    """(N,) frames without an image, or with the last command held."""
     return np.asarray((table.image == 0.0) | (table.held == 1.0))
 
 
-def _decided(table: FrameTable) -> Bools:
-    """(N,) all but the frames in which no lane was found; of a driver that looks for none, all."""
+def _has_lane(table: FrameTable) -> Bools:
+    """(N,) frames with a lane; all frames for a driver without lane detection."""
     return np.asarray(table.road_found != 0.0)
 
 
 def _lane_masks(table: FrameTable) -> dict[str, Bools]:
-    """Frames in which a lane was found, and in which none was; both empty for a driver that looks for none."""
+    """Frames with and without a lane; both empty for a driver without lane detection."""
     return {"found": table.road_found == 1.0, "not_found": table.road_found == 0.0}
 
 
 def _steering_beside_idle(
     scores: Callable[[Bools | None, bool], dict[str, Accuracy | None]], mask: Bools
 ) -> dict[str, Any]:
-    """Both are None where no lane was found."""
+    """Steering scores in the frames of a mask; None where it is empty."""
     return {
         "frames": int(mask.sum()),
         "steering": scores(mask, False)["steering"],
@@ -102,9 +105,9 @@ def _steering_beside_idle(
 
 
 def part_masks(table: FrameTable, rate_hz: float) -> dict[str, Bools | None]:
-    """Which frames are in which part: by the labels where there are any, or else by the driver's own detection."""
+    """Frames of each part, by labels if there are any, else by the driver's detection."""
     labelled = np.isfinite(table.obstacle_labelled).any()
-    flags = table.obstacle_labelled if labelled else lasting(table.obstacle_seen, rate_hz)
+    flags = table.obstacle_labelled if labelled else persistent(table.obstacle_detected, rate_hz)
     if not np.isfinite(flags).any():
         return dict.fromkeys(PARTS)
     return {PARTS[0]: flags == 0.0, PARTS[1]: flags == 1.0}
@@ -119,7 +122,7 @@ def _accuracy(table: FrameTable, name: str, recorded: Floats, mask: Bools, idle:
 
 
 def perception(table: FrameTable, recording: Recording) -> dict[str, Any]:
-    """What the flow says of the own motion and of the body ahead, beside the truth where the recording has it."""
+    """Perception scores against the ground truth that the recording has."""
     rate, speed = (_measured(recording, name)[: len(table)] for name in ("yaw_rate_radps", "speed_mps"))
     return {
         "foe": foe(table),
@@ -131,28 +134,28 @@ def perception(table: FrameTable, recording: Recording) -> dict[str, Any]:
 
 
 def _measured(recording: Recording, name: str) -> Bools:
-    """(N,) where a signal comes from elsewhere than the pictures' own flow, which it could not judge."""
-    return recording.known(name) & (PICTURES not in recording.origins[name].inputs)
+    """(N,) where a signal does not come from the flow that it would judge."""
+    return recording.known(name) & (IMAGES not in recording.origins[name].inputs)
 
 
 def foe(table: FrameTable) -> dict[str, Any]:
-    """How often it was there, of the frames after the first that moved, and how far it spread: quartiles' range, px."""
-    looked = (table.image == 1.0) & (table.frame > 0.0) & (table.speed_mps > STANDING_MPS)
-    given = looked & np.isfinite(table.foe_x_px)
+    """Share of frames with a focus of expansion after the first while moving, and its interquartile range, px."""
+    eligible = (table.image == 1.0) & (table.frame > 0.0) & (table.speed_mps > STANDING_MPS)
+    given = eligible & np.isfinite(table.foe_x_px)
     spread = {axis: _range(values[given]) for axis, values in (("x", table.foe_x_px), ("y", table.foe_y_px))}
     return {
-        "share": rounded(float(given.sum() / looked.sum())) if looked.any() and table_sees(table) else None,
+        "share": rounded(float(given.sum() / eligible.sum())) if eligible.any() and table_sees(table) else None,
         "interquartile_range_px": spread if given.any() else None,
     }
 
 
 def table_sees(table: FrameTable) -> bool:
-    """Whether a driver told of a focus of expansion, wherever it was."""
+    """Whether the driver reports a focus of expansion at all."""
     return bool(np.isfinite(table.foe_confidence).any())
 
 
 def foe_error(table: FrameTable, which: str) -> dict[str, float] | None:
-    """px, medians of the absolute errors in x and y of `foe` or `own_foe`; None without a frame that has both."""
+    """px, median absolute errors in x and y of `foe` or `own_foe`; None without ground truth."""
     pairs = (("x", "true_foe_x_px"), ("y", "true_foe_y_px"))
     errors = {axis: getattr(table, f"{which}_{axis}_px") - getattr(table, truth) for axis, truth in pairs}
     medians = {axis: _median(np.abs(values)) for axis, values in errors.items()}
@@ -162,10 +165,10 @@ def foe_error(table: FrameTable, which: str) -> dict[str, float] | None:
 
 
 def time_to_contact(table: FrameTable) -> dict[str, Any] | None:
-    """Against the gap to the body ahead; None where the recording has none.
+    """Errors against the gap to the lead vehicle; None if it is not recorded.
 
-    median_error: |TTC - true| / true where the gap closes by more than 0.5 m/s, over the frames that have a TTC;
-    within_25_percent and seen: their shares. false_alarms: the share of frames with less than 4 s while both stand.
+    median_error: |TTC - true| / true where the gap closes faster than 0.5 m/s, over frames with a TTC;
+    within_25_percent and seen: their shares. false_alarms: share of frames below 4 s while both stand.
     """
     if not np.isfinite(table.lead_gap_m).any():
         return None
@@ -186,25 +189,25 @@ def time_to_contact(table: FrameTable) -> dict[str, Any] | None:
 
 
 def signal_checks(recording: Recording) -> dict[str, Any]:
-    """Whether signals that were measured apart agree, by physics: yaw rate = v tan(delta) / L, a wheelbase of 2.7 m.
+    """Whether independent signals agree by physics: yaw rate = v tan(delta) / L, L = 2.7 m.
 
-    gain is the slope through 0 of the yaw rate over v tan(delta) / L: 1 where ratio, wheelbase and signs are right and
-    no tyre slips, < 0 where a sign is wrong. A car that understeers turns by 1 / (1 + (v / v_c)^2) of it, with a
-    characteristic speed v_c of some 25 m/s (Rajamani, Vehicle Dynamics and Control, 2012, ch. 3).
+    gain is the slope through 0 of the yaw rate over v tan(delta) / L: 1 for a correct ratio, wheelbase and sign
+    without slip, negative for a wrong sign. An understeering car has 1 / (1 + (v / v_c)^2), with a characteristic
+    speed v_c of about 25 m/s (Rajamani, Vehicle Dynamics and Control, 2012, ch. 3).
     """
     kinds = {name: recording.origins[name] for name in ("speed_mps", "yaw_rate_radps", "steering_rad", "throttle")}
     result: dict[str, Any] = {"origins": {name: str(origin) for name, origin in kinds.items()}}
     bent = recording.speed_mps * np.tan(recording.steering_rad) / WHEELBASE_M
     known = np.isfinite(bent) & recording.known("speed_mps") & recording.known("yaw_rate_radps")
-    if not _are_apart(kinds) or np.count_nonzero(known) < 3 or np.ptp(bent[known]) <= 0.0:
+    if not _are_independent(kinds) or np.count_nonzero(known) < 3 or np.ptp(bent[known]) <= 0.0:
         return {**result, "yaw_rate": None}
     x, y = bent[known], recording.yaw_rate_radps[known]
     correlation = float(np.corrcoef(x, y)[0, 1]) if np.ptp(y) > 0.0 else None
     return {**result, "yaw_rate": {"gain": rounded(float(x @ y / (x @ x))), "correlation": rounded(correlation)}}
 
 
-def _are_apart(origins: dict[str, Origin]) -> bool:
-    """Whether steering and yaw rate were measured each by itself."""
+def _are_independent(origins: dict[str, Origin]) -> bool:
+    """Whether steering and yaw rate were measured independently."""
     return origins["steering_rad"].kind == "recorded" and "steering_rad" not in origins["yaw_rate_radps"].inputs
 
 
@@ -212,7 +215,7 @@ WHEELBASE_M = 2.7
 
 
 def rounded(value: float | None) -> float | None:
-    """With DIGITS decimals; None for what is not finite."""
+    """Rounded to DIGITS decimals; None if not finite."""
     return None if value is None or not np.isfinite(value) else round(value, DIGITS) + 0.0
 
 
@@ -237,6 +240,6 @@ def _ratio(table: FrameTable) -> Floats:
 
 
 def _spread(values: Floats) -> dict[str, float | None] | None:
-    """Median and quartiles' range."""
+    """Median and interquartile range."""
     finite = values[np.isfinite(values)]
     return {"median": rounded(_median(finite)), "interquartile_range": _range(finite)} if len(finite) else None

@@ -1,6 +1,6 @@
-"""The segments of a recording: where the model vehicle begins anew, and where each is bound for.
+"""Segments of a recording: start of the model vehicle and goal of each.
 
-As in the paper, the goal of a segment is its last pose and the speed to keep is the recorded speed at its start.
+As in the paper, the goal is the last pose of the segment, and the speed to keep is the recorded one at its start.
 """
 
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Floats
 
 LONGEST_S = 20.0
-AHEAD_M = 100.0  # of the goal, on the present course, where no poses are known
-BEYOND_M = 40.0  # of route behind the last pose
+AHEAD_M = 100.0  # to the goal on the current course, without poses
+BEYOND_M = 40.0  # of route past the last pose
 GOAL_POSE = "the last pose of each segment"
-GOAL_AHEAD = f"{AHEAD_M:g} m ahead on the present course at the start of each segment"
+GOAL_AHEAD = f"{AHEAD_M:g} m ahead on the course at the start of each segment"
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Segment:
 
 
 def segments(recording: Recording) -> list[Segment]:
-    """Equal parts of at most LONGEST_S; where a label says that obstacles begin or end, a part ends too."""
+    """Equal parts of at most LONGEST_S; a part also ends where an obstacle label changes."""
     labels = recording.obstacle
     same = (labels[1:] == labels[:-1]) | (np.isnan(labels[1:]) & np.isnan(labels[:-1]))
     changes = [0, *(np.flatnonzero(~same) + 1).tolist(), len(recording)]
@@ -43,17 +43,17 @@ def segments(recording: Recording) -> list[Segment]:
 
 
 def has_poses(recording: Recording) -> bool:
-    """Whether the recording says where it went, be it by way of speed and yaw rate."""
+    """Whether the poses are recorded or derived."""
     return recording.origins["poses"].is_known
 
 
-def goal_words(recording: Recording) -> str:
+def goal_text(recording: Recording) -> str:
     """What the goals are, for the table."""
     return GOAL_POSE if has_poses(recording) else GOAL_AHEAD
 
 
 def route(poses: Floats) -> Floats:
-    """(M, 2) m, 1 m apart, along the way that was driven and straight on."""
+    """(M, 2) m, points 1 m apart along the driven path and straight on."""
     heading = poses[-1, 2]
     beyond = poses[-1, :2] + BEYOND_M * np.array([np.cos(heading), np.sin(heading)])
     points = np.vstack([poses[:, :2], beyond])
@@ -70,5 +70,5 @@ def _goal(recording: Recording, first: int, stop: int) -> tuple[float, float]:
 
 
 def _speed(recording: Recording, first: int) -> float:
-    """m/s; a car that rolls back is to stand."""
+    """m/s; 0 for a car that rolls back."""
     return max(float(recording.speed_mps[first]), 0.0)

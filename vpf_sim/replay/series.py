@@ -1,4 +1,4 @@
-"""Columns of numbers over time, laid onto the times of the frames; what is missing is told."""
+"""Numeric columns over time, interpolated at the frames' times."""
 
 import csv
 import re
@@ -11,17 +11,17 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import unwrapped
-from vpf_sim.replay.plausible import LIMITS, Where, kept
+from vpf_sim.replay.plausible import LIMITS, Location, within_limits
 from vpf_sim.types import Bools, Floats
 
-LONGEST_GAP_S = 0.5  # over which a signal is interpolated
-MOST_LISTED, LONGEST_LISTED = 8, 40  # columns, and letters of each, in a message
+LONGEST_GAP_S = 0.5  # longest gap that is interpolated
+MOST_LISTED, LONGEST_LISTED = 8, 40  # columns and letters of each in a message
 SHARED_NAME = re.compile(r"^(.*) \(column \d+\)$")
 DECIMAL_COMMA = re.compile(r"^([+-]?\d*),(\d+)$")
 
 
 def numbers(file: Path, what: str) -> list[list[float]]:
-    """The rows of finite numbers of a text file; a leading key such as "P0:" is left out, empty lines are skipped."""
+    """Rows of finite numbers in a text file, without keys such as "P0:" and empty lines."""
     rows = []
     for number, line in enumerate(lines(file, what), 1):
         try:
@@ -36,12 +36,12 @@ def numbers(file: Path, what: str) -> list[list[float]]:
 
 
 def lines(file: Path, what: str) -> list[str]:
-    """The lines of a text file; `what` is what it should hold."""
+    """The lines of a text file; `what` names the expected content."""
     try:
         return file.read_text("utf-8-sig").splitlines()
     except FileNotFoundError:
         raise InputError(f"{file}: expected {what}, found no file") from None
-    except (OSError, ValueError) as error:  # ValueError: bytes that are no text, or a name that no file can have
+    except (OSError, ValueError) as error:  # ValueError: not text, or an impossible file name
         raise InputError(f"{file}: expected {what}, cannot be read: {str(error)[:200]}") from None
 
 
@@ -51,14 +51,14 @@ class Table:
 
     file: Path
     cells: dict[str, list[str]]
-    lines: list[int]  # of the rows in the file
+    lines: list[int]  # line of each row in the file
 
     def __contains__(self, name: object) -> bool:
         return name in self.cells
 
-    def where(self, name: str) -> Where:
-        """How messages call a column's values."""
-        return Where(str(self.file), name, self.lines, "line")
+    def where(self, name: str) -> Location:
+        """Location of a column's values for messages."""
+        return Location(str(self.file), name, self.lines, "line")
 
     def texts(self, name: str) -> list[str]:
         """The cells of a column."""
@@ -67,19 +67,19 @@ class Table:
         return self.cells[name]
 
     def numbers(self, name: str) -> Floats:
-        """(M,) the numbers of a column, nan where a cell is empty or says nan."""
+        """(M,) numbers of a column, nan for empty cells and "nan"."""
         return np.array([self._number(name, row, cell) for row, cell in enumerate(self.texts(name))])
 
     def signal(self, name: str, signal: str, notes: list[str], scale: float = 1.0) -> Floats:
-        """(M,) a column's numbers times `scale`, in the signal's unit; what cannot be is left out and told."""
-        return scale * kept(self.numbers(name), signal, self.where(name), notes, scale)
+        """(M,) a column's numbers times `scale`, in the signal's unit, without impossible values."""
+        return scale * within_limits(self.numbers(name), signal, self.where(name), notes, scale)
 
     def times(self, name: str) -> Floats:
-        """(M,) a column of times, each after the one before."""
+        """(M,) a column of ascending times."""
         return ascending(self.where(name), self.signal(name, "clock_s", []))
 
     def chosen(self, rows: Sequence[int]) -> "Table":
-        """Some of the rows, in this order."""
+        """These rows, in this order."""
         cells = {name: [column[row] for row in rows] for name, column in self.cells.items()}
         return Table(self.file, cells, [self.lines[row] for row in rows])
 
@@ -92,7 +92,7 @@ class Table:
 
 
 def table(file: Path, what: str) -> Table:
-    """The table in a CSV file; semicolons and tabs may stand between cells, and then commas within numbers."""
+    """The table in a CSV file; with semicolons or tabs between cells, decimal commas are allowed."""
     text = lines(file, what)
     delimiter = max(",;\t", key=text[0].count) if text else ","
     reader = csv.reader(text, delimiter=delimiter, skipinitialspace=True)
@@ -106,29 +106,29 @@ def table(file: Path, what: str) -> Table:
         raise InputError(f"{file}: expected {what} as a CSV table, got: {error}") from None
     if len(rows) < 2:
         raise InputError(f"{file}: expected {what}: a header and rows, found {len(rows)} line(s)")
-    header, *body = [[_printable(name) for name in rows[0]], *rows[1:]]
-    for place, row in zip(places[1:], body, strict=True):
+    header, *data = [[_printable(name) for name in rows[0]], *rows[1:]]
+    for place, row in zip(places[1:], data, strict=True):
         if len(row) != len(header):
             raise InputError(f"{file}: line {place}: expected {len(header)} cells, got {len(row)}")
     if delimiter != ",":
-        body = [[DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in row] for row in body]
-    return Table(file, _by_name(header, list(zip(*body, strict=True))), places[1:])
+        data = [[DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in row] for row in data]
+    return Table(file, _by_name(header, list(zip(*data, strict=True))), places[1:])
 
 
 def listed(names: Collection[str]) -> str:
-    """Names of columns in a line, however many they are."""
+    """Names of columns in one line."""
     first = [name[:LONGEST_LISTED] for name in islice(names, MOST_LISTED)]
     more = len(names) - len(first)
     return ", ".join(first) + (f" and {more} more" if more > 0 else "")
 
 
 def _printable(name: str) -> str:
-    """A name that messages can show in a line."""
+    """The name with unprintable letters replaced."""
     return "".join(letter if letter.isprintable() else "?" for letter in name)
 
 
 def _by_name(header: list[str], columns: list[tuple[str, ...]]) -> dict[str, list[str]]:
-    """The columns by name. Those of one name that differ are told apart by their number, for either may be meant."""
+    """Columns by name; different ones of the same name get their number."""
     result: dict[str, list[str]] = {}
     for number, (name, cells) in enumerate(zip(header, columns, strict=True), 1):
         alike = all(cells == other for other_name, other in zip(header, columns, strict=True) if other_name == name)
@@ -137,13 +137,13 @@ def _by_name(header: list[str], columns: list[tuple[str, ...]]) -> dict[str, lis
 
 
 def shared_name(name: str) -> str | None:
-    """The name that a column shares with others that differ; None if the name is its own."""
+    """The name that a column shares with different ones; None if it is unique."""
     found = SHARED_NAME.match(name)
     return found[1] if found else None
 
 
-def ascending(where: Where, times_s: Floats) -> Floats:
-    """The times, if each is after the one before."""
+def ascending(where: Location, times_s: Floats) -> Floats:
+    """The times, if ascending; else InputError."""
     wrong = np.flatnonzero(~(np.diff(times_s) > 0.0) | ~np.isfinite(np.diff(times_s)))
     if len(wrong):
         i = int(wrong[0])
@@ -155,12 +155,12 @@ def ascending(where: Where, times_s: Floats) -> Floats:
 
 
 def array(file: Path, what: str, width: int = 1) -> Floats:
-    """(M, width or more) the array of a .npy file, whatever its suffix; (M,) is one column."""
+    """(M, width or more) array of a .npy file with any suffix; (M,) is one column."""
     try:
         values = np.asarray(np.load(file, allow_pickle=False), np.float64)
     except FileNotFoundError:
         raise InputError(f"{file}: expected {what}, found no file") from None
-    except Exception as error:  # whatever numpy says of a damaged file: there is no list of it
+    except Exception as error:  # numpy raises many kinds on damaged files
         reason = str(error).split("\n")[0][:120]
         raise InputError(f"{file}: expected {what} as a .npy array, cannot be read: {reason}") from None
     columns = values[:, None] if values.ndim == 1 else values
@@ -170,9 +170,9 @@ def array(file: Path, what: str, width: int = 1) -> Floats:
 
 
 def at(times_s: Floats, sampled_s: Floats, values: Floats, period: float | None = None) -> Floats:
-    """(N,) values (M,) by linear interpolation at times (N,); nan in gaps and beyond the ends by more than a gap.
+    """(N,) values (M,) linearly interpolated at times (N,); nan in gaps and beyond the ends.
 
-    Angles have a `period`, and are interpolated on the shorter way round; the result goes on over the seam.
+    Angles have a `period` and are interpolated the shorter way round; the result is continuous.
     """
     known = np.isfinite(values) & (np.abs(sampled_s) <= LIMITS["clock_s"].highest)
     sampled_s, values = sampled_s[known], values[known]
@@ -185,13 +185,13 @@ def at(times_s: Floats, sampled_s: Floats, values: Floats, period: float | None 
     right = sampled_s[np.clip(after, 0, len(values) - 1)]
     inside = (after > 0) & (after < len(values))
     far = np.where(inside, right - left, np.minimum(np.abs(times_s - left), np.abs(times_s - right)))
-    # Gaps are those of a signal that is sampled more often; one sampled rarely is interpolated all the same.
+    # A signal that is always sampled rarely has no gaps.
     usual_s = float(np.median(np.diff(sampled_s))) if len(values) > 1 else 0.0
     return np.where(far <= max(LONGEST_GAP_S, 1.5 * usual_s) + 1e-9, np.interp(times_s, sampled_s, values), np.nan)
 
 
 def filled(times_s: Floats, values: Floats, period: float | None = None) -> tuple[Floats, Bools]:
-    """The values (N,) with their gaps bridged in a straight line, and which were; angles have a `period`."""
+    """The values (N,) with gaps interpolated, and which were gaps; angles have a `period`."""
     missing = ~np.isfinite(values)
     if missing.any() and not missing.all():
         known = values[~missing] if period is None else unwrapped(values[~missing], period)

@@ -1,4 +1,4 @@
-"""The tables of a replay, in words, for the terminal and for the page."""
+"""The tables of a replay as text, for the terminal and the page."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,12 +9,22 @@ from vpf_sim.report.cells import worded
 
 PART_NAMES = {PARTS[0]: "no obstacles", PARTS[1]: "with obstacles", "not divided": "not divided"}
 NOTHING = "no recording"
-TOLD = ("camera", "times_s", "poses", "speed_mps", "yaw_rate_radps", "steering_rad", "throttle", "obstacle", "foe_px")
+ORIGIN_SIGNALS = (
+    "camera",
+    "times_s",
+    "poses",
+    "speed_mps",
+    "yaw_rate_radps",
+    "steering_rad",
+    "throttle",
+    "obstacle",
+    "foe_px",
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns of words; the first `words` name the row, the others are numbers."""
+    """Columns of text; the first `words` columns name the row, the others are numbers."""
 
     title: str
     header: tuple[str, ...]
@@ -26,7 +36,7 @@ class Table:
 def tables(
     records: Sequence[dict[str, Any]], timing: Mapping[str, dict[str, Any]], summary: dict[str, Any]
 ) -> list[Table]:
-    """All of them, those without a row left out."""
+    """All tables with rows."""
     found = [
         real_images(summary["rows"], summary["differences"]),
         drives(records),
@@ -36,20 +46,20 @@ def tables(
         perception(records),
         compute(records, timing),
         mountings(records),
-        doubts(records),
+        warnings(records),
     ]
     return [table for table in found if table.rows]
 
 
 def real_images(rows: Sequence[dict[str, Any]], differences: Sequence[str]) -> Table:
-    """Commands beside the human's, and the paper's cells beside them."""
+    """Commands beside the human's and the paper's cells."""
     names = ("weather", "part", "signals", "drives")
     scores = ("range", "span", "tol.", "mae", "idle")
     of_both = [f"{signal} {score}" for signal in ("a", "δ") for score in scores]
     notes = (
         "a is throttle, δ steering; range, span and tol. (tolerance) are accuracies in %, mae the mean |difference|; "
-        "idle is the range accuracy of touching nothing: what of it is the road's and not the driver's; unseen is the "
-        "share of scored frames without a picture or with the last command held. What is assumed is not scored.",
+        "idle is the range accuracy of zero commands, which shows the share of the road; unseen is the "
+        "share of scored frames without an image or with the last command held. Assumed signals are not scored.",
         *differences,
     )
     header = (*names, "frames", "unseen %", *of_both, "paper a", "paper δ")
@@ -71,7 +81,7 @@ def _score(row: dict[str, Any]) -> tuple[str, ...]:
 
 
 def drives(records: Sequence[dict[str, Any]]) -> Table:
-    """What each drive is, and how it was driven."""
+    """The drives and how they were driven."""
     header = (
         "drive",
         "layout",
@@ -95,7 +105,7 @@ def drives(records: Sequence[dict[str, Any]]) -> Table:
 
 def _error(error: dict[str, Any]) -> str:
     """Why a drive ended early."""
-    return f"the driver failed at frame {error['frame']}, at {error['place']}: {error['what']}; in no row of the scores"
+    return f"the driver failed at frame {error['frame']}, at {error['place']}: {error['what']}; not scored"
 
 
 def _drive(record: dict[str, Any]) -> tuple[str, ...]:
@@ -103,9 +113,9 @@ def _drive(record: dict[str, Any]) -> tuple[str, ...]:
     return (
         record["name"],
         record["layout"],
-        record["weather"] or "not told",
+        record["weather"] or "unknown",
         f"{camera['width_px']} x {camera['height_px']}, {record['rate_hz']:.3g} Hz",
-        record["obstacles_by"] or "nobody",
+        record["obstacles_by"] or "none",
         str(record["frames"]),
         str(record["gaps"]),
         str(record["segments"]),
@@ -115,36 +125,36 @@ def _drive(record: dict[str, Any]) -> tuple[str, ...]:
 
 
 def origins(records: Sequence[dict[str, Any]]) -> Table:
-    """Where each signal comes from."""
+    """The origin of each signal."""
     rows = [
         (record["name"], name, record["origins"][name]["kind"], record["origins"][name]["how"])
         for record in records
-        for name in TOLD
+        for name in ORIGIN_SIGNALS
     ]
-    return Table("What is recorded and what is not", ("drive", "signal", "is", "how"), tuple(rows), 4)
+    return Table("Origin of the signals", ("drive", "signal", "origin", "how"), tuple(rows), 4)
 
 
 def mountings(records: Sequence[dict[str, Any]]) -> Table:
-    """How cameras look whose mounting was found on the way."""
-    header = ("drive", "angle", "used", "deg", "from", "to", "straight way s")
+    """Estimated camera mountings."""
+    header = ("drive", "angle", "used", "deg", "from", "to", "straight s")
     keys = ("deg", "from_deg", "to_deg", "straight_s")
     rows = [
         (record["name"], name, "yes" if one["used"] else "no", *(worded(one[key], 1) for key in keys))
         for record in records
         for name, one in (record.get("mounting") or {}).items()
     ]
-    note = "from and to: the interval at 95 %. An angle that is not used is taken to be 0."
-    return Table("The camera's mounting, found on the way", header, tuple(rows), 3, (note,))
+    note = "from and to: the interval at 95 %. An angle that is not used is assumed to be 0."
+    return Table("Estimated camera mounting", header, tuple(rows), 3, (note,))
 
 
-def doubts(records: Sequence[dict[str, Any]]) -> Table:
-    """What a reader should doubt, a line for each thing."""
-    rows = [(record["name"], what, why) for record in records for what, why in record.get("doubts", [])]
-    return Table("What to doubt", ("drive", "what", "why"), tuple(rows), 3)
+def warnings(records: Sequence[dict[str, Any]]) -> Table:
+    """Warnings, one line each."""
+    rows = [(record["name"], what, why) for record in records for what, why in record.get("warnings", [])]
+    return Table("Warnings", ("drive", "what", "why"), tuple(rows), 3)
 
 
 def lanes(records: Sequence[dict[str, Any]]) -> Table:
-    """The steering where a lane was found, and where none was."""
+    """Steering with and without a lane."""
     header = ("drive", "lane", "frames", "δ range", "δ span", "δ mae", "idle mae")
     rows = [
         _lane(record["name"], words, record["accuracy"]["lane"][key])
@@ -152,7 +162,7 @@ def lanes(records: Sequence[dict[str, Any]]) -> Table:
         if record["accuracy"] and record["perception"]["road_found_share"] is not None
         for key, words in (("found", "found"), ("not_found", "not found"))
     ]
-    note = "Where no lane is found the model car keeps course and speed; these frames are not scored."
+    note = "Without a lane the model car holds course and speed; these frames are not scored."
     return Table("Steering with and without a lane", header, tuple(row for row in rows if row[2] != "0"), 2, (note,))
 
 
@@ -163,46 +173,46 @@ def _lane(name: str, words: str, part: dict[str, Any]) -> tuple[str, ...]:
 
 
 def checks(records: Sequence[dict[str, Any]]) -> Table:
-    """Signals that were measured apart, held against physics."""
+    """Independent signals checked by physics."""
     checked = [(record["name"], record["signal_checks"]["yaw_rate"]) for record in records]
     rows = [(name, worded(one["gain"], 3), worded(one["correlation"], 3)) for name, one in checked if one]
     note = (
-        "gain: of the yaw rate over v tan(δ) / 2.7 m. 1 where ratio, wheelbase and signs are right and no tyre slips, "
-        "negative where a sign is wrong; a car that understeers has about a half at 25 m/s."
+        "gain: slope of the yaw rate over v tan(δ) / 2.7 m; 1 for correct ratio, wheelbase and sign without slip, "
+        "negative for a wrong sign, about 0.5 for an understeering car at 25 m/s."
     )
-    return Table("Signals beside physics", ("drive", "gain", "correlation"), tuple(rows), notes=(note,))
+    return Table("Signals checked by physics", ("drive", "gain", "correlation"), tuple(rows), notes=(note,))
 
 
 def perception(records: Sequence[dict[str, Any]]) -> Table:
-    """What was seen beside the truth."""
-    foe = ("FOE x px", "FOE y px", "own x px", "own y px", "FOE there %", "spread x px", "spread y px")
+    """Perception against ground truth."""
+    foe = ("FOE x px", "FOE y px", "own x px", "own y px", "FOE found %", "spread x px", "spread y px")
     header = ("drive", *foe, "yaw rate rad/s", "speed scale", "TTC error %", "within 25 %", "false alarms %")
     notes = (
-        "FOE: median error of the focus of expansion, the recorded rotation removed; own: told of no rotation; "
-        "spread: quartiles' range; yaw rate: median error of the flow's; speed scale: by the road's flow / told; "
-        "TTC: to the body ahead, where its gap closes by over 0.5 m/s; false alarms: less than 4 s while both stand.",
+        "FOE: median error of the focus of expansion, recorded rotation removed; own: without recorded rotation; "
+        "spread: interquartile range; yaw rate: median error by the flow; speed scale: by the road's flow / recorded; "
+        "TTC: to the lead vehicle where the gap closes faster than 0.5 m/s; false alarms: below 4 s while both stand.",
     )
-    driven = tuple(_seen(record) for record in records if record["driven"])
-    return Table("Perception beside the truth", header, driven, notes=notes)
+    driven = tuple(_perception_row(record) for record in records if record["driven"])
+    return Table("Perception against ground truth", header, driven, notes=notes)
 
 
-def _seen(record: dict[str, Any]) -> tuple[str, ...]:
-    seen = record["perception"]
+def _perception_row(record: dict[str, Any]) -> tuple[str, ...]:
+    scores = record["perception"]
     errors = [record[key] or {} for key in ("foe_median_error_px", "foe_median_error_own_derotation_px")]
-    spread, ttc = seen["foe"]["interquartile_range_px"] or {}, seen["ttc"] or {}
+    spread, ttc = scores["foe"]["interquartile_range_px"] or {}, scores["ttc"] or {}
     return (
         record["name"],
         *(worded(error.get(axis), 1) for error in errors for axis in ("x", "y")),
-        worded(seen["foe"]["share"], 1, True),
+        worded(scores["foe"]["share"], 1, True),
         *(worded(spread.get(axis), 1) for axis in ("x", "y")),
-        worded(seen["yaw_rate_median_error_radps"], 4),
-        worded((seen["speed_scale"] or {}).get("median"), 2),
+        worded(scores["yaw_rate_median_error_radps"], 4),
+        worded((scores["speed_scale"] or {}).get("median"), 2),
         *(worded(ttc.get(key), 1, True) for key in ("median_error", "within_25_percent", "false_alarms")),
     )
 
 
 def compute(records: Sequence[dict[str, Any]], timing: Mapping[str, dict[str, Any]]) -> Table:
-    """Time on one core."""
+    """Computing time on one core."""
     header = ("drive", "driver", "driver 95 %", "reading", "period", "times real time")
     keys = ("driver_ms", "driver_p95_ms", "reading_ms", "period_ms", "real_time")
     there = [record["name"] for record in records if record["driven"] and record["name"] in timing]

@@ -1,6 +1,7 @@
-"""A video as frames with their own times: variable rates, damaged parts and ends that are missing are told.
+"""Reads a video as frames with their own times, as players show them.
 
-Frames are as players show them: of the main stream, without what an edit list hides, upright, with square pixels.
+That is the main stream, upright, with square pixels and edit lists applied. Variable rates, damage and missing ends
+are handled and noted.
 """
 
 from collections.abc import Callable, Iterator
@@ -24,43 +25,43 @@ if TYPE_CHECKING:
     Packet = AnyPacket[VideoStream]
 
 CONTAINERS = (".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v", ".ts", ".mts", ".m2ts", ".mpg", ".mpeg", ".3gp", ".wmv")
-BARE = (".hevc", ".h264", ".h265", ".264", ".265")  # coded pictures alone, without times
+BARE = (".hevc", ".h264", ".h265", ".264", ".265")  # raw streams without times
 SUFFIXES = CONTAINERS + BARE
 TURNS = {90: cv2.ROTATE_90_COUNTERCLOCKWISE, 180: cv2.ROTATE_180, 270: cv2.ROTATE_90_CLOCKWISE}
-MOST_STRETCHED = 4  # times wider or higher than a square: a pixel beyond that is a mistake of the file
+MOST_STRETCHED = 4  # largest plausible pixel aspect ratio
 NO_TIMES = (
-    "expected a video that knows when its frames were taken, found none of their times: "
-    "say rate_hz in drive.toml, or put it into a file that has them: ffmpeg -framerate RATE -i FILE -c copy drive.mp4"
+    "expected a video with times of its frames, found none: "
+    "set rate_hz in drive.toml, or convert it: ffmpeg -framerate RATE -i FILE -c copy drive.mp4"
 )
 
 
 @dataclass(frozen=True, slots=True)
 class Video:
-    """What a video's index says; nothing is decoded but its first frame."""
+    """A video's index; only its first frame is decoded."""
 
     path: Path
-    stream: int  # among the video streams of the file
+    stream: int  # index of the video stream
     width_px: int
     height_px: int
-    stamps: tuple[int, ...]  # of the N frames, in the order of the picture, ascending; empty where it has none
+    stamps: tuple[int, ...]  # of the N frames, ascending; empty if it has none
     times_s: Floats  # (N,) from the first frame
     notes: tuple[str, ...]
 
     def frames(self) -> Iterator[Frame]:
-        """N frames; those that are damaged or missing are gaps."""
+        """N frames; damaged or missing ones are gaps."""
         place = {stamp: index for index, stamp in enumerate(self.stamps)}
         expected = 0
         for stamp, image in _decoded(self.path, self.stream):
             index = place.get(stamp, expected) if stamp is not None and place else expected
             if index < expected or index >= len(self.times_s):
-                continue  # a stamp for the second time, or a frame that the index does not know
+                continue  # a repeated stamp, or a frame that is not in the index
             yield from (_gap(missing) for missing in range(expected, index))
             yield self._frame(index, image)
             expected = index + 1
         yield from (_gap(missing) for missing in range(expected, len(self.times_s)))
 
     def _frame(self, index: int, image: Image | None) -> Frame:
-        """A picture of the first one's size; another is a gap."""
+        """The frame, a gap if its size differs from the first one's."""
         if image is None:
             return _gap(index)
         height, width = image.shape[:2]
@@ -74,8 +75,10 @@ def _gap(index: int) -> Frame:
 
 
 def read(path: Path, times_s: Floats | None = None, rate_hz: float | None = None) -> Video:
-    """The video's index. `times_s` (N,) are those recorded beside it, or its frames were taken at `rate_hz`: for a
-    stream that has no times of its own, or wrong ones."""
+    """The video's index.
+
+    `times_s` (N,) or `rate_hz` replace missing or wrong times of the stream.
+    """
     try:
         index = _index(path)
     except (av.error.FFmpegError, OSError) as error:
@@ -102,56 +105,56 @@ def read(path: Path, times_s: Floats | None = None, rate_hz: float | None = None
 
 @dataclass(slots=True)
 class _Index:
-    """What the packets of a stream of pictures say."""
+    """Index of a video stream by its packets."""
 
-    stream: int  # among the video streams
-    size_px: tuple[int, int]  # as it is stored
+    stream: int  # index of the video stream
+    size_px: tuple[int, int]  # as stored
     pixel: Fraction  # width / height
     base_s: float
-    claimed: int  # how many frames there should be; 0 where nothing says so
-    stamps: list[int] = field(default_factory=list)  # of the packets that are shown
-    packets: int = 0  # that are shown
-    hidden: int = 0  # by an edit list: a decoder needs them
-    others: int = 0  # further streams of two pictures or more
+    claimed: int  # number of frames by the header; 0 if unknown
+    stamps: list[int] = field(default_factory=list)  # of the shown packets
+    packets: int = 0  # shown
+    hidden: int = 0  # by an edit list; the decoder needs them
+    others: int = 0  # further streams of two frames or more
 
     def notes(self) -> list[str]:
-        """What a reader should know of the film, a line each."""
+        """Notes on the video, one line each."""
         notes = []
         there, known = self.packets + self.hidden, len(set(self.stamps))
         if there < self.claimed:
-            notes.append(f"cut off: {there} of {self.claimed} frames are there")
+            notes.append(f"truncated: {there} of {self.claimed} frames are there")
         if 0 < known < self.packets:
-            notes.append(f"{self.packets - known} frames with the time of another or none are left out")
+            notes.append(f"{self.packets - known} frames with a repeated or missing time are removed")
         if self.others:
             width, height = self.size_px
-            notes.append(f"{self.others + 1} videos in it, the one of {width} x {height} px is used")
+            notes.append(f"{self.others + 1} video streams; the one of {width} x {height} px is used")
         if self.pixel != 1:
             ratio = f"{self.pixel.numerator}:{self.pixel.denominator}"
-            notes.append(f"its pixels are {ratio}, no squares: frames are stretched to what players show")
+            notes.append(f"its pixels are not square ({ratio}): frames are stretched as players do")
         return notes
 
 
 def _index(path: Path) -> _Index:
-    """Of the stream that shows most: a still picture (a thumbnail, a cover) is none."""
+    """Index of the stream with the largest images; still images (thumbnails, covers) are ignored."""
     with av.open(str(path)) as container:
         streams = container.streams.video
-        if not streams or container.format.name == "tty":  # which takes any text for a film
-            raise InputError(f"{path}: expected a video, found no picture in it")
+        if not streams or container.format.name == "tty":  # this format accepts any text
+            raise InputError(f"{path}: expected a video, found no images in it")
         found = [
             _Index(k, (one.width, one.height), _pixel(one), float(one.time_base or 0), one.frames)
             for k, one in enumerate(streams)
         ]
-        place = {one.index: index for one, index in zip(streams, found, strict=True)}
+        by_stream = {one.index: index for one, index in zip(streams, found, strict=True)}
         for packet in _packets(container, *streams):
-            index = place[packet.stream_index]
+            index = by_stream[packet.stream_index]
             index.hidden += packet.is_discard
             index.packets += not packet.is_discard
             if packet.pts is not None and not packet.is_discard:
                 index.stamps.append(packet.pts)
-    films = [index for index in found if index.packets > 1] or found
-    best = max(films, key=lambda index: index.size_px[0] * index.size_px[1])
-    best.others = len(films) - 1
-    if best.packets + best.hidden < best.claimed:  # the file is cut off, or an edit list leaves out whole groups
+    videos = [index for index in found if index.packets > 1] or found
+    best = max(videos, key=lambda index: index.size_px[0] * index.size_px[1])
+    best.others = len(videos) - 1
+    if best.packets + best.hidden < best.claimed:  # truncated, or an edit list hides whole groups
         with av.open(str(path), options={"ignore_editlist": "1"}) as container:
             packets = sum(1 for _ in _packets(container, container.streams.video[best.stream]))
         best.hidden = max(best.hidden, packets - best.packets)
@@ -159,7 +162,7 @@ def _index(path: Path) -> _Index:
 
 
 def _pixel(stream: "VideoStream") -> Fraction:
-    """Width / height of a pixel; 1 where nothing, or nothing that can be, says so."""
+    """Width / height of a pixel; 1 where missing or implausible."""
     ratio = Fraction(stream.sample_aspect_ratio or 1)
     return ratio if 1 / MOST_STRETCHED <= ratio <= MOST_STRETCHED else Fraction(1)
 
@@ -177,7 +180,7 @@ def _packets(container: av.container.InputContainer, *streams: "VideoStream") ->
 
 
 def _decoded(path: Path, number: int) -> Iterator[tuple[int | None, Image | None]]:
-    """(stamp, (H, W, 3) RGB) in the order of the picture; no image where the decoder says that it is damaged."""
+    """(stamp, (H, W, 3) RGB) in display order; no image where the decoder reports damage."""
     with av.open(str(path)) as container:
         stream = container.streams.video[number]
         stream.codec_context.thread_count = 1
@@ -192,23 +195,23 @@ def _decoded(path: Path, number: int) -> Iterator[tuple[int | None, Image | None
 
 
 def _with_end(container: av.container.InputContainer, stream: "VideoStream") -> "Iterator[Packet | None]":
-    """The packets, then what makes the decoder give what it still holds."""
+    """The packets, then the flush that empties the decoder."""
     yield from _packets(container, stream)
     yield None
 
 
 def _shown(stream: "VideoStream") -> Callable[[av.VideoFrame], Image]:
-    """What makes a picture of a frame, as players show it: stretched to square pixels, then turned."""
+    """A function from a frame to its image as players show it: square pixels, then upright."""
     pixel = _pixel(stream)
 
     def image(frame: av.VideoFrame) -> Image:
-        picture = frame.to_ndarray(format="rgb24").astype(np.uint8, copy=False)
+        shown = frame.to_ndarray(format="rgb24").astype(np.uint8, copy=False)
         if pixel != 1:
             one = Fraction(1)
             width, height = round(frame.width * max(pixel, one)), round(frame.height / min(pixel, one))
-            picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.uint8, copy=False)
+            shown = cv2.resize(shown, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.uint8, copy=False)
         turn = TURNS.get(frame.rotation % 360)
-        return picture if turn is None else cv2.rotate(picture, turn).astype(np.uint8, copy=False)
+        return shown if turn is None else cv2.rotate(shown, turn).astype(np.uint8, copy=False)
 
     return image
 

@@ -9,7 +9,7 @@ from road_picture import RoadPicture
 
 from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
 from vpf_sim.replay import lane_height
-from vpf_sim.replay.pilot import ANY_ROAD
+from vpf_sim.replay.open_loop_driver import ANY_ROAD
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, RoadEdges
 

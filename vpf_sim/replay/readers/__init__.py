@@ -1,4 +1,4 @@
-"""The layouts in which recordings come, and which one a folder has."""
+"""Readers of recordings, and the choice of one for a folder."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -8,14 +8,14 @@ from vpf_sim.replay import video_file
 from vpf_sim.replay.readers import comma2k19, general, kitti_odometry, kitti_raw, lidar_labels, radiate, udacity
 from vpf_sim.replay.recording import Reader, Recording
 
-# The first that recognises a folder reads it: the plainest layouts come last.
+# The first that recognises a folder reads it; the simplest layouts come last.
 READERS: tuple[Reader, ...] = (general, comma2k19, kitti_raw, radiate, udacity, lidar_labels, kitti_odometry)
 
 
 def read(folder: Path | str) -> Recording:
-    """The recording in `folder`, its layout told by its content; what is wrong with it is an InputError of one line.
+    """The recording in `folder`; InputError of one line where it is wrong.
 
-    A video, or a folder with nothing else in it, is read too: then all about the camera is assumed or found on the way.
+    A video, or a folder with nothing else, is read too; its camera is assumed or estimated.
     """
     folder = Path(folder)
     if folder.is_file():
@@ -31,12 +31,12 @@ def read(folder: Path | str) -> Recording:
         return replace(general.read_video(videos[0]), name=folder.resolve().name)
     found = ", ".join(sorted(path.name for path in folder.iterdir())[:8]) or "nothing"
     expected = "; or ".join(f"{reader.LAYOUT}: {reader.EXPECTED}" for reader in READERS)
-    film = f"or one video that ends in {' '.join(video_file.CONTAINERS)}"
-    raise InputError(f"{folder}: found {found}; expected one of {expected}; {film}")
+    video = f"or one video that ends in {' '.join(video_file.CONTAINERS)}"
+    raise InputError(f"{folder}: found {found}; expected one of {expected}; {video}")
 
 
 def _check_is_video(file: Path) -> None:
-    """Any file that holds a film will do; of another one the message says what works."""
+    """Refuse files that are no video, with what is expected."""
     if file.suffix.lower() in video_file.SUFFIXES:
         return
     try:

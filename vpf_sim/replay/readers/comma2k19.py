@@ -13,18 +13,18 @@ from vpf_sim.errors import InputError
 from vpf_sim.geometry import mounting_in_words
 from vpf_sim.replay import assemble, camera_motion, plausible, series, video_file
 from vpf_sim.replay.recording import Origin, Recording
-from vpf_sim.replay.rectify import Lens, mounting_seeing
+from vpf_sim.replay.rectify import Lens, mounting_from_direction
 from vpf_sim.types import Floats
 
 LAYOUT = "comma2k19 segment"
 EXPECTED = "video.hevc, processed_log/, global_pose/"
-LENS = Lens(1164, 874, 910.0, 910.0, 582.0, 437.0)  # of the EON, by the project's own transformations
-HEIGHT_M = 1.22  # of the EON above the road, likewise
-# Steering wheel over road wheel, and wheelbase, of the two cars as in openpilot; the radar's addresses tell which.
+LENS = Lens(1164, 874, 910.0, 910.0, 582.0, 437.0)  # of the EON, by comma's transformations
+HEIGHT_M = 1.22  # of the EON above the road, by comma's transformations
+# Steering wheel over road wheel, and wheelbase, of the two cars as in openpilot; the radar's addresses identify it.
 CARS = {"Toyota RAV4": (16.88, 2.65), "Honda Civic": (15.38, 2.70)}
 HONDA_FIRST_ADDRESS = 0x400
-EARTH_M = 6.367e6  # from its middle, within 0.2 %
-ACROSS_M, RADAR_GAP_S = 1.5, 0.2  # a body that is so near to our course is ahead of us; a radar's cycle and more
+EARTH_M = 6.367e6  # radius, within 0.2 %
+ACROSS_M, RADAR_GAP_S = 1.5, 0.2  # half width of the corridor; longer than a radar's cycle
 RIGHT_DOWN_FORWARD = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # of [forward, right, down]
 
 
@@ -62,6 +62,7 @@ def _segments(folder: Path) -> list[Path]:
 
 
 def _only_segment(folder: Path) -> Path:
+    """"""
     segments = _segments(folder)
     if len(segments) > 1:
         names = ", ".join(path.name for path in segments[:8])
@@ -70,7 +71,7 @@ def _only_segment(folder: Path) -> Path:
 
 
 def _named(folder: Path, name: str) -> Path:
-    """The array's file, with or without .npy: the archives have none, copies often do."""
+    """The array's file, with or without .npy: archives have none, copies often do."""
     return folder / f"{name}.npy" if (folder / f"{name}.npy").exists() else folder / name
 
 
@@ -79,7 +80,7 @@ def _pose_array(folder: Path, name: str, width: int) -> Floats:
 
 
 def _with_video(folder: Path, stamps: Floats) -> tuple[assemble.Source, Floats]:
-    """What there is to look at, and the frames' times on the device's clock."""
+    """The source, and the frames' times on the device's clock."""
     path = folder / "video.hevc"
     name = folder.resolve().name
     if path.exists():
@@ -89,8 +90,8 @@ def _with_video(folder: Path, stamps: Floats) -> tuple[assemble.Source, Floats]:
     else:
         lens, notes = LENS, []
         missing = (
-            f"{folder}: no pictures: video.hevc is missing, get it from the data set's chunks; "
-            f"the signals of {len(stamps)} frames are there, so the recording can be listed and plotted, not driven"
+            f"{folder}: no images: video.hevc is missing, get it from the data set's chunks; "
+            f"the signals of {len(stamps)} frames are there to be checked and plotted"
         )
         frames = lambda: iter(())  # noqa: E731
     source = assemble.Source(
@@ -110,15 +111,13 @@ def _lens(path: Path, video: video_file.Video) -> Lens:
 
 
 def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velocity_mps: Floats) -> None:
-    """Way, mounting and the truth of the focus of expansion."""
+    """Store poses, mounting and the true focus of expansion."""
     with np.errstate(over="ignore", invalid="ignore"):
         far_m, length, speed = (np.linalg.norm(part, axis=1) for part in (position_m, quaternion, velocity_mps))
     on_earth = (np.abs(far_m / EARTH_M - 1.0) < 0.02) & (np.abs(length - 1.0) < 0.1)
     known = on_earth & (speed <= plausible.LIMITS["speed_mps"].highest)
     if not known.all():
-        source.notes.append(
-            f"global_pose: {np.count_nonzero(~known)} of {len(known)} poses left out: no place on earth"
-        )
+        source.notes.append(f"global_pose: {np.count_nonzero(~known)} of {len(known)} poses removed: not on earth")
     if not known.any():
         return
     turn = _matrices(np.where(known[:, None], quaternion, np.nan)) @ RIGHT_DOWN_FORWARD.T  # from the camera to ECEF
@@ -130,15 +129,15 @@ def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velo
     moved = np.einsum("nji,nj->ni", turn, np.where(known[:, None], velocity_mps, np.nan))  # in the camera's axes
     total = moved[known & (speed > 1.0)].sum(axis=0)
     if not np.linalg.norm(total):
-        return  # it stood: the pictures may tell
-    source.mounting = mounting_seeing(total, HEIGHT_M)
+        return  # it stood: the images may give the mounting
+    source.mounting = mounting_from_direction(total, HEIGHT_M)
     pitch, yaw = np.degrees([source.mounting.pitch_rad, source.mounting.yaw_rad])
-    said = f"{mounting_in_words(pitch, yaw)}, by the poses"
-    source.origins["camera"] = Origin("assumed", f"f = 910 px, centre and height 1.22 m of the EON; {said}")
-    way = camera_motion.planar(poses)
-    way[:, 2] -= source.mounting.yaw_rad
-    source.put("poses", way, "global_pose")
-    source.put("yaw_rate_radps", np.gradient(way[:, 2], source.times_s), "from global_pose", "derived")
+    angles = f"{mounting_in_words(pitch, yaw)}, by the poses"
+    source.origins["camera"] = Origin("assumed", f"f = 910 px, centre and height 1.22 m of the EON; {angles}")
+    path = camera_motion.planar(poses)
+    path[:, 2] -= source.mounting.yaw_rad
+    source.put("poses", path, "global_pose")
+    source.put("yaw_rate_radps", np.gradient(path[:, 2], source.times_s), "from global_pose", "derived")
     source.directions_m = camera_motion.directions(poses)
 
 
@@ -154,7 +153,7 @@ def _matrices(quaternion: Floats) -> Floats:
 
 
 def _level(position_m: Floats) -> Floats:
-    """(3, 3) from ECEF to east, down, north at a place; down by the ellipsoid of WGS84."""
+    """(3, 3) from ECEF to east, down, north at a position; down by the WGS84 ellipsoid."""
     up = position_m / np.array([6378137.0, 6378137.0, 6356752.3142]) ** 2
     up = up / np.linalg.norm(up)
     east = np.cross([0.0, 0.0, 1.0], up)
@@ -165,8 +164,10 @@ def _level(position_m: Floats) -> Floats:
 def _signal(
     source: assemble.Source, log: Path, signal: str, names: tuple[str, ...], stamps: Floats, scale: float = 1.0
 ) -> Floats | None:
-    """(N,) at the frames' times, in our unit; None where it was not recorded. The archives' names differ from the
-    README's."""
+    """(N,) at the frames' times, in our unit; None if not recorded.
+
+    The archives and the README use different names.
+    """
     for name in names:
         if (log / name).is_dir():
             sampled, values = _logged(log / name, 1)
@@ -186,9 +187,9 @@ def _logged(folder: Path, width: int) -> tuple[Floats, Floats]:
 
 
 def _radar(source: assemble.Source, log: Path, stamps: Floats) -> str:
-    """The gap to the nearest body on our course, and which car's radar this is."""
+    """Store the gap to the nearest object ahead, and return which car this radar is from."""
     if not (log / "radar").is_dir():
-        source.notes.append("no radar, which would tell the car: taken to be a Toyota RAV4")
+        source.notes.append("no radar to identify the car: assumed to be a Toyota RAV4")
         return "Toyota RAV4"
     sampled, values = _logged(log / "radar", 6)
     rows = (np.abs(values[:, 1]) < ACROSS_M) & (values[:, 0] > 0.0)
@@ -197,5 +198,5 @@ def _radar(source: assemble.Source, log: Path, stamps: Floats) -> str:
     close = np.abs(stamps[nearest] - sampled[rows]) < RADAR_GAP_S
     np.minimum.at(gap, nearest[close], values[rows, 0][close])
     gap = np.where(np.isinf(gap), np.nan, gap)
-    source.put("lead_gap_m", gap, f"radar, nearest body within {ACROSS_M:g} m of straight ahead, from the bumper")
+    source.put("lead_gap_m", gap, f"radar, nearest object within {ACROSS_M:g} m of straight ahead, from the bumper")
     return "Honda Civic" if np.median(values[:, 5]) >= HONDA_FIRST_ADDRESS else "Toyota RAV4"

@@ -1,4 +1,4 @@
-"""Reader of anyone's recording: a video or a folder of pictures, drive.toml, and a table (docs/recordings.md)."""
+"""Reader of your own recording: video or images, drive.toml, table of signals (docs/recordings.md)."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -15,21 +15,21 @@ from vpf_sim.replay.recording import Frame, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting
 from vpf_sim.types import Floats
 
-LAYOUT = "video or pictures with drive.toml"
-EXPECTED = "drive.toml and a video or a folder of pictures, signals.csv beside them if there is one"
+LAYOUT = "video or images with drive.toml"
+EXPECTED = "drive.toml and a video or a folder of images, optionally signals.csv"
 FILE = "drive.toml"
 FOLDERS = ("image", "images", "frames")
 
 
 @dataclass(frozen=True, slots=True)
-class _Pictures:
-    """What there is to look at, before it is looked at."""
+class _FrameSource:
+    """The frames of a recording before they are decoded."""
 
     size: tuple[int, int]
     times_s: Floats
-    how: Origin  # the times are known
+    how: Origin  # origin of the times
     frames: Callable[[], Iterator[Frame]]
-    names: tuple[str, ...]  # of the pictures; none of a video
+    names: tuple[str, ...]  # of the images; empty for a video
     notes: tuple[str, ...]
     files: Sequence[Path | None]
 
@@ -41,93 +41,93 @@ def recognises(folder: Path) -> bool:
 def read(folder: Path) -> Recording:
     """The recording that drive.toml describes."""
     drive = drive_file.load(folder / FILE)
-    return _recording(folder, drive, _pictures(folder, drive))
+    return _recording(folder, drive, _find_frames(folder, drive))
 
 
 def read_video(path: Path) -> Recording:
-    """A video of which nothing else is known."""
+    """A video without further data."""
     drive = DriveFile(schema=1, frames=path.name)
-    return replace(_recording(path.parent, drive, _video(path, drive)), name=path.stem)
+    return replace(_recording(path.parent, drive, _from_video(path, drive)), name=path.stem)
 
 
-def _recording(folder: Path, drive: DriveFile, pictures: _Pictures) -> Recording:
+def _recording(folder: Path, drive: DriveFile, source_frames: _FrameSource) -> Recording:
     keys, signals = drive.camera, drive.signals or SignalKeys()
-    table = foreign_paths.beside(folder, signals.file)
+    table = foreign_paths.resolve(folder, signals.file)
     source = assemble.Source(
         name=drive.name or folder.resolve().name,
         layout=LAYOUT,
-        times_s=pictures.times_s,
-        frames=pictures.frames,
-        lens=_lens(keys, pictures.size),
+        times_s=source_frames.times_s,
+        frames=source_frames.frames,
+        lens=_lens(keys, source_frames.size),
         mounting=_mounting(keys),
         height_m=keys.height_m or assemble.HEIGHT_M,
         height_assumed=keys.height_m is None,
         wheelbase_m=drive.vehicle.wheelbase_m,
         camera_ahead_m=keys.ahead_of_rear_axle_m,
         weather=drive.weather,
-        notes=list(pictures.notes),
-        files=[*pictures.files, *(path for path in (folder / FILE, table) if path.is_file())],
+        notes=list(source_frames.notes),
+        files=[*source_frames.files, *(path for path in (folder / FILE, table) if path.is_file())],
     )
     source.origins["camera"] = _camera_origin(keys, source.lens)
-    source.origins["times_s"] = pictures.how
+    source.origins["times_s"] = source_frames.how
     if drive.signals is not None or table.exists():
-        general_signals.put(source, table, signals, drive.vehicle, pictures.names)
+        general_signals.put(source, table, signals, drive.vehicle, source_frames.names)
     if drive.speed_mps is not None and "speed_mps" not in source.signals:
         held = np.full(len(source.times_s), drive.speed_mps)
-        source.put("speed_mps", held, f"{FILE}: speed_mps, held throughout", "assumed")
+        source.put("speed_mps", held, f"{FILE}: speed_mps, constant", "assumed")
     return assemble.recording(source)
 
 
-def _pictures(folder: Path, drive: DriveFile) -> _Pictures:
+def _find_frames(folder: Path, drive: DriveFile) -> _FrameSource:
     if drive.frames:
-        path = foreign_paths.beside(folder, drive.frames)
+        path = foreign_paths.resolve(folder, drive.frames)
         if path.is_dir():
-            return _images(path, drive, folder)
+            return _from_images(path, drive, folder)
         if not path.exists():
-            raise InputError(f"{folder / FILE}: frames: expected a video or a folder of pictures, found no '{path}'")
-        return _video(path, drive)
+            raise InputError(f"{folder / FILE}: frames: expected a video or a folder of images, found no '{path}'")
+        return _from_video(path, drive)
     videos = sorted(path for path in folder.iterdir() if path.suffix.lower() in video_file.SUFFIXES)
-    places = [folder / name for name in FOLDERS if (folder / name).is_dir()]
-    found = [path.name for path in [*videos, *places]]
+    folders = [folder / name for name in FOLDERS if (folder / name).is_dir()]
+    found = [path.name for path in [*videos, *folders]]
     if len(found) != 1:
         listed = ", ".join(found) or "none"
-        raise InputError(
-            f"{folder / FILE}: frames is left out: expected one video or folder of pictures, found {listed}"
-        )
-    return _images(places[0], drive, folder) if places else _video(videos[0], drive)
+        raise InputError(f"{folder / FILE}: frames is not set: expected one video or folder of images, found {listed}")
+    return _from_images(folders[0], drive, folder) if folders else _from_video(videos[0], drive)
 
 
-def _images(folder: Path, drive: DriveFile, place: Path) -> _Pictures:
-    """The pictures of a folder; `place` is that of drive.toml."""
+def _from_images(folder: Path, drive: DriveFile, drive_folder: Path) -> _FrameSource:
+    """The images of a folder; `drive_folder` is that of drive.toml."""
     there = image_files.listed(folder)
     files: list[Path | None] = [*there]
     size = image_files.size(there, folder)
     notes: list[str] = []
     if (bits := image_files.used_bits(there)) < 16:
-        notes.append(f"{folder.name}/: pictures of 16 bits whose levels use {bits}")
+        notes.append(f"{folder.name}/: 16-bit images that use {bits} bits")
     names = tuple(file.name for file in there)
-    times = general_signals.frame_times(place, drive.signals or SignalKeys(), names, notes)
-    how = Origin("recorded", "the table's rows of the pictures")
+    times = general_signals.frame_times(drive_folder, drive.signals or SignalKeys(), names, notes)
+    how = Origin("recorded", "the table's rows of the images")
     if times is None:
         if drive.rate_hz is None:
             wanted = "expected rate_hz, or a table with 'file' and 'time_s'"
-            raise InputError(f"{place / FILE}: pictures have no times: {wanted}")
+            raise InputError(f"{drive_folder / FILE}: images have no times: {wanted}")
         files, missing = image_files.with_gaps(there)
         notes += [f"{folder.name}/: {note}" for note in missing]
         names = tuple(file.name if file else "" for file in files)
         times, how = np.arange(len(files)) / drive.rate_hz, Origin("recorded", f"{FILE}: rate_hz")
-    return _Pictures(size, times - times[0], how, lambda: image_files.frames(files, size), names, tuple(notes), files)
+    return _FrameSource(
+        size, times - times[0], how, lambda: image_files.frames(files, size), names, tuple(notes), files
+    )
 
 
-def _video(path: Path, drive: DriveFile) -> _Pictures:
+def _from_video(path: Path, drive: DriveFile) -> _FrameSource:
     video = video_file.read(path, rate_hz=drive.rate_hz)
     how = Origin("recorded", f"{path.name}" if drive.rate_hz is None else f"{FILE}: rate_hz")
-    return _Pictures((video.width_px, video.height_px), video.times_s, how, video.frames, (), video.notes, (path,))
+    return _FrameSource((video.width_px, video.height_px), video.times_s, how, video.frames, (), video.notes, (path,))
 
 
 def _lens(keys: CameraKeys, size: tuple[int, int]) -> Lens:
     width, height = size
-    if keys.field_of_view_deg is None:  # along the longer side: a phone that is held upright has the same lens
+    if keys.field_of_view_deg is None:  # along the longer side: an upright phone has the same lens
         across = 2.0 * float(np.arctan(width / max(size) * np.tan(0.5 * assemble.FIELD_OF_VIEW_RAD)))
     else:
         across = float(np.radians(keys.field_of_view_deg))
@@ -145,7 +145,7 @@ def _lens(keys: CameraKeys, size: tuple[int, int]) -> Lens:
 
 
 def _mounting(keys: CameraKeys) -> Mounting | None:
-    """None: to be found on the way."""
+    """None: to be estimated."""
     if keys.pitch_deg is None or keys.yaw_deg is None:
         return None
     degrees = (keys.pitch_deg, keys.yaw_deg, keys.roll_deg or 0.0)
@@ -154,10 +154,10 @@ def _mounting(keys: CameraKeys) -> Mounting | None:
 
 
 def _camera_origin(keys: CameraKeys, lens: Lens) -> Origin:
-    """What of the camera was told and what is taken for granted."""
+    """What is set and what is assumed about the camera."""
     assumed = []
     if keys.fx_px is None and keys.field_of_view_deg is None:
-        side = "across" if lens.width_px >= lens.height_px else "from top to bottom"
+        side = "across" if lens.width_px >= lens.height_px else "vertically"
         assumed.append(f"field of view {np.degrees(assemble.FIELD_OF_VIEW_RAD):.0f} deg {side}")
     if keys.height_m is None:
         assumed.append(f"{assemble.HEIGHT_M:g} m above the road")

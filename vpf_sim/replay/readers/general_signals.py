@@ -1,4 +1,4 @@
-"""The table of signals beside anyone's recording: columns with units in their names, laid onto the frames' times."""
+"""The table of signals beside your own recording, interpolated at the frames' times."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, derived, foreign_paths, places, plausible, series
+from vpf_sim.replay import assemble, derived, foreign_paths, gps, plausible, series
 from vpf_sim.replay.drive_file import SignalKeys, VehicleKeys
 from vpf_sim.types import Floats
 
 TIME, FILE = "time_s", "file"
 DEGREES = float(np.pi / 180.0)
-# By signal: the columns that may hold it, and what their unit is in ours.
+# Columns that may hold each signal, with their unit in ours.
 SPEED = {"speed_mps": 1.0, "speed_kmh": 1.0 / 3.6, "speed_mph": 0.44704}
 YAW_RATE = {"yaw_rate_radps": 1.0, "yaw_rate_degps": DEGREES}
 WHEEL = {"steering_wheel_rad": 1.0, "steering_wheel_deg": DEGREES}
@@ -26,22 +26,21 @@ LATITUDE, LONGITUDE = {"latitude_deg": 1.0}, {"longitude_deg": 1.0}
 PLAIN = (*OBSTACLE, *GAP, *X, *Y, *LATITUDE, *LONGITUDE)
 KNOWN = (*SPEED, *YAW_RATE, *WHEEL, *STEERING, *ACCELERATION, *THROTTLE, *BRAKE, *YAW, *PLAIN, TIME, FILE)
 
-RARE_S = 2.0  # between rows; a logger is faster, unless its clock counts milliseconds
+RARE_S = 2.0  # between rows; slower suggests milliseconds
 
 
 class Signals:
-    """The columns under our names, in our units and signs, at their own times or at those of the frames."""
+    """The columns under our names, units and signs, at their own times or the frames' times."""
 
     def __init__(self, file: Path, keys: SignalKeys, times_s: Floats, names: tuple[str, ...], notes: list[str]) -> None:
-        """`names` are those of the N pictures, "" of one that is missing; none of a video."""
+        """`names` are those of the N images, "" for a missing one; empty for a video."""
         self.file = file
         self.table = named(file, keys)
         self._left = keys.left_is_positive
         self._frames_s = times_s
         self._notes = notes
-        self._told: set[str] = set()
         if names and FILE in self.table:
-            rows = picture_rows(self.table)
+            rows = image_rows(self.table)
             self._missing = np.array([not name for name in names])
             self.table = self.table.chosen([_row(self.table, rows, name) if name else 0 for name in names])
             self.sampled_s = times_s
@@ -51,7 +50,7 @@ class Signals:
             self._check_overlap()
 
     def samples(self, units: dict[str, float], signal: str, sided: str = "") -> tuple[Floats, str] | None:
-        """(M,) at the table's own times, and the column's name; None if there is no such column."""
+        """(M,) at the table's own times, and the column's name; None without such a column."""
         found = [name for name in units if name in self.table]
         if len(found) > 1:
             raise InputError(f"{self.file}: expected one of the columns {', '.join(units)}, found {', '.join(found)}")
@@ -61,15 +60,15 @@ class Signals:
         return np.where(self._missing, np.nan, -values if sided in self._left else values), found[0]
 
     def take(self, units: dict[str, float], signal: str, sided: str = "") -> tuple[Floats, str] | None:
-        """(N,) at the frames' times, and the column's name; None if there is no such column."""
+        """(N,) at the frames' times, and the column's name; None without such a column."""
         found = self.samples(units, signal, sided)
         return None if found is None else (series.at(self._frames_s, self.sampled_s, found[0]), found[1])
 
-    def where(self, name: str) -> plausible.Where:
+    def where(self, name: str) -> plausible.Location:
         return self.table.where(name)
 
     def _check_overlap(self) -> None:
-        """A table of which no row is near a frame has another clock: that is no gap, but a mistake."""
+        """Refuse a table without a row near any frame: it has another clock."""
         first, last = float(self.sampled_s[0]), float(self.sampled_s[-1])
         end = float(self._frames_s[-1])
         if last < -series.LONGEST_GAP_S or first > end + series.LONGEST_GAP_S:
@@ -79,11 +78,11 @@ class Signals:
             )
 
     def unused(self) -> list[str]:
-        """What of the table serves for nothing: columns that are not known, as with another unit, and empty ones."""
+        """Notes on unknown and empty columns, and on rare rows."""
         unknown = [name for name in self.table.cells if name and name not in KNOWN]
         empty = [name for name in self.table.cells if name in KNOWN and name != FILE and not self._has_values(name)]
-        told = [("not used", unknown), ("without a value", empty)]
-        notes = [f"{self.file.name}: {what}: {series.listed(names)}" for what, names in told if names]
+        lists = [("not used", unknown), ("without a value", empty)]
+        notes = [f"{self.file.name}: {what}: {series.listed(names)}" for what, names in lists if names]
         if self.sampled_s is not self._frames_s and len(self.sampled_s) > 1:
             step_s = float(np.median(np.diff(self.sampled_s)))
             if step_s > RARE_S:
@@ -95,7 +94,7 @@ class Signals:
 
 
 def named(file: Path, keys: SignalKeys) -> series.Table:
-    """The table's columns under our names; others are left alone."""
+    """The table with columns renamed to ours."""
     table = series.table(file, "signals")
     for ours, theirs in keys.columns.items():
         if ours not in KNOWN:
@@ -111,8 +110,8 @@ def named(file: Path, keys: SignalKeys) -> series.Table:
     return replace(table, cells=dict(zip(result, table.cells.values(), strict=True)))
 
 
-def picture_rows(table: series.Table) -> dict[str, int]:
-    """The row of each picture, by its name alone: folders are those of the machine that recorded it."""
+def image_rows(table: series.Table) -> dict[str, int]:
+    """The row of each image by its file name; folders are those of the recording machine."""
     rows: dict[str, int] = {}
     for row, cell in enumerate(table.texts(FILE)):
         name = foreign_paths.name_of(cell)
@@ -125,27 +124,27 @@ def picture_rows(table: series.Table) -> dict[str, int]:
 
 def _row(table: series.Table, rows: dict[str, int], name: str) -> int:
     if name not in rows:
-        raise InputError(f"{table.file}: expected a row for each picture, found none for {name}")
+        raise InputError(f"{table.file}: expected a row for each image, found none for {name}")
     return rows[name]
 
 
 def frame_times(folder: Path, keys: SignalKeys, names: tuple[str, ...], notes: list[str]) -> Floats | None:
-    """(N,) s, the times of pictures by the table's rows of their names; None if it has none."""
-    file = foreign_paths.beside(folder, keys.file)
+    """(N,) s, times of the images by the table's rows; None if it has none."""
+    file = foreign_paths.resolve(folder, keys.file)
     if not file.exists():
         return None
     table = named(file, keys)
     if TIME not in table or FILE not in table:
         return None
-    rows = picture_rows(table)
+    rows = image_rows(table)
     absent = [name for name in rows if name and name not in names]
     if absent:
-        notes.append(f"{file.name}: {len(absent)} of {len(rows)} pictures are missing, the first is {absent[0]}")
+        notes.append(f"{file.name}: {len(absent)} of {len(rows)} images are missing, the first is {absent[0]}")
     return table.chosen([_row(table, rows, name) for name in names]).times(TIME)
 
 
 def put(source: assemble.Source, file: Path, keys: SignalKeys, vehicle: VehicleKeys, names: tuple[str, ...]) -> None:
-    """Every signal that the table has."""
+    """Store every signal of the table."""
     signals = Signals(file, keys, source.times_s, names, source.notes)
     for signal, units, sided in (
         ("speed_mps", SPEED, ""),
@@ -174,7 +173,7 @@ def _wheel(source: assemble.Source, signals: Signals, vehicle: VehicleKeys) -> N
 
 
 def _pedals(source: assemble.Source, signals: Signals) -> None:
-    """An acceleration comes first: pedals hold a speed too, and the driver's command is an acceleration."""
+    """Store the throttle; an acceleration has priority, since the command is an acceleration."""
     acceleration = signals.take(ACCELERATION, "acceleration_mps2")
     throttle, brake = (signals.take(units, "pedal") for units in (THROTTLE, BRAKE))
     name = signals.file.name
@@ -182,29 +181,29 @@ def _pedals(source: assemble.Source, signals: Signals) -> None:
         how = f"{name} {acceleration[1]}; full throttle 3 m/s2, full brake 6 m/s2"
         source.put("throttle", derived.throttle(acceleration[0]), how)
     elif throttle is not None:
-        pedals = throttle[0] if brake is None else throttle[0] - brake[0]
+        command = throttle[0] if brake is None else throttle[0] - brake[0]
         used = throttle[1] if brake is None else f"{throttle[1]} less {brake[1]}"
-        source.put("throttle", np.clip(pedals, -1.0, 1.0), f"{name} {used}")
+        source.put("throttle", np.clip(command, -1.0, 1.0), f"{name} {used}")
 
 
 def _poses(source: assemble.Source, signals: Signals) -> None:
-    """By x, y, yaw, or by latitude and longitude with the course for a heading."""
+    """Store poses by x, y, yaw, or by latitude and longitude with the course as heading."""
     x, y, yaw = signals.samples(X, "x_m"), signals.samples(Y, "y_m", "y"), signals.samples(YAW, "yaw_rad", "yaw")
     if x is not None and y is not None:
         where = signals.where("x_m")
-        flat = plausible.reached(signals.sampled_s, np.stack([x[0], y[0]], axis=1), where, source.notes)
+        flat = plausible.reachable(signals.sampled_s, np.stack([x[0], y[0]], axis=1), where, source.notes)
         how = f"{signals.file.name} x_m, y_m"
         source.heading_recorded = yaw is not None
-        course = places.course(signals.sampled_s, flat) if yaw is None else yaw[0]
-        way = np.column_stack([flat, course])
-        how += "; heading by the course" if yaw is None else ""
+        course = gps.course(signals.sampled_s, flat) if yaw is None else yaw[0]
+        path = np.column_stack([flat, course])
+        how += "; course as heading" if yaw is None else ""
     else:
-        place = [signals.samples(LATITUDE, "latitude_deg"), signals.samples(LONGITUDE, "longitude_deg")]
-        if place[0] is None or place[1] is None:
+        position = [signals.samples(LATITUDE, "latitude_deg"), signals.samples(LONGITUDE, "longitude_deg")]
+        if position[0] is None or position[1] is None:
             return
         where = signals.where("latitude_deg")
-        flat = places.fixes(signals.sampled_s, place[0][0], place[1][0], where, source.notes)
-        way = places.way(flat, places.course(signals.sampled_s, flat))
+        flat = gps.fixes(signals.sampled_s, position[0][0], position[1][0], where, source.notes)
+        path = gps.poses(flat, gps.course(signals.sampled_s, flat))
         source.heading_recorded = False
-        how = f"{signals.file.name} latitude_deg, longitude_deg; heading by the course"
-    source.put("poses", derived.poses_at(source.times_s, signals.sampled_s, way), how)
+        how = f"{signals.file.name} latitude_deg, longitude_deg; course as heading"
+    source.put("poses", derived.poses_at(source.times_s, signals.sampled_s, path), how)

@@ -1,7 +1,7 @@
 """Reader of a sequence of KITTI's odometry benchmark (Geiger, Lenz and Urtasun, CVPR 2012; readme of its kit).
 
 sequences/<n>/: image_0 (grey) or image_2 (colour), calib.txt, times.txt; poses/<n>.txt, or poses.txt beside the images.
-Poses are camera to world, x right, y down, z forward; `camera_motion` turns them to our axes. Images are rectified.
+Poses are camera to world, x right, y down, z forward; `camera_motion` converts them to our axes. Images are rectified.
 """
 
 from pathlib import Path
@@ -10,7 +10,7 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.replay import assemble, camera_motion, image_files, plausible, series
-from vpf_sim.replay.plausible import Where
+from vpf_sim.replay.plausible import Location
 from vpf_sim.replay.readers.kitti_raw import CAMERA_AHEAD_M, HEIGHT_M, WHEELBASE_M
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting
@@ -18,7 +18,7 @@ from vpf_sim.types import Floats
 
 LAYOUT = "KITTI odometry"
 EXPECTED = "image_0/ (or image_2/, image/), calib.txt, poses.txt (or ../../poses/<n>.txt), times.txt"
-# Folders of images that are looked for, and which projection of calib.txt is theirs.
+# Folders of images, and the row of their projection in calib.txt.
 IMAGE_FOLDERS = {"image": 0, "image_0": 0, "image_1": 1, "image_2": 2, "image_3": 3}
 RATE_HZ = 10.0  # of the cameras
 
@@ -28,7 +28,7 @@ def recognises(folder: Path) -> bool:
 
 
 def read(folder: Path) -> Recording:
-    """The sequence; steering, throttle and brake are derived, none were recorded."""
+    """The sequence; steering, throttle and brake are derived."""
     files, row = _images(folder)
     size = image_files.size(files, files[0].parent)
     lens = _lens(folder / "calib.txt", row, size)
@@ -49,17 +49,17 @@ def read(folder: Path) -> Recording:
         directions_m=directions,
     )
     source.origins["camera"] = Origin(
-        "recorded", "calib.txt; pitch by the poses; 1.65 m above the road, of KITTI's car"
+        "recorded", "calib.txt; pitch by the poses; 1.65 m above the road, as on KITTI's car"
     )
     source.origins["times_s"] = times_origin
     source.put("poses", camera_motion.planar(camera_motion.extended(camera_to_world, len(files))), poses_file.name)
     if len(camera_to_world) < len(files):
-        source.notes.append(f"{poses_file.name}: the last image has no pose: the motion before goes on")
+        source.notes.append(f"{poses_file.name}: the last image has no pose: the motion continues")
     return assemble.recording(source)
 
 
 def _images(folder: Path) -> tuple[list[Path], int]:
-    """The drive's images in their order, and which projection is theirs."""
+    """Images of the drive in order, and the row of their projection."""
     for name, row in IMAGE_FOLDERS.items():
         if (folder / name).is_dir() and (files := image_files.listed(folder / name)):
             return files, row
@@ -68,7 +68,7 @@ def _images(folder: Path) -> tuple[list[Path], int]:
 
 
 def _lens(file: Path, row: int, size: tuple[int, int]) -> Lens:
-    """The pinhole of projection P<row>, 12 numbers; the first one where there are fewer."""
+    """The pinhole of projection P<row>, or the first one if there are fewer."""
     wanted = "projections of 12 numbers, P0: first"
     projections = [values for values in series.numbers(file, wanted) if len(values) == 12]
     if not projections:
@@ -87,7 +87,7 @@ def _poses_file(folder: Path) -> Path:
 
 
 def _poses(file: Path, images: int) -> Floats:
-    """(M, 3, 4) camera to world, one a image; the last image may lack its own."""
+    """(M, 3, 4) camera to world, one for each image; the last one may be missing."""
     rows = series.numbers(file, "a pose of 12 numbers for each image")
     for number, values in enumerate(rows, 1):
         if len(values) != 12:
@@ -96,7 +96,7 @@ def _poses(file: Path, images: int) -> Floats:
         raise InputError(f"{file}: expected {images} rows for {images} images (or {images - 1}), got {len(rows)}")
     poses = np.reshape(rows, (-1, 3, 4))
     if np.abs(poses[:, :, 3]).max() > plausible.LIMITS["x_m"].highest:
-        raise InputError(f"{file}: expected places up to {plausible.LIMITS['x_m'].highest:g} m, got farther ones")
+        raise InputError(f"{file}: expected positions up to {plausible.LIMITS['x_m'].highest:g} m, got larger ones")
     turned = np.clip(poses[:, :, :3], -2.0, 2.0)
     if np.abs(turned @ turned.transpose(0, 2, 1) - np.eye(3)).max() > 1e-2 or np.linalg.det(turned).min() < 0.0:
         raise InputError(f"{file}: expected camera-to-world rotations in the first three columns, got other matrices")
@@ -111,6 +111,6 @@ def _times(file: Path, files: list[Path]) -> tuple[Floats, Origin]:
     times = np.array([values[0] for values in series.numbers(file, "the time of each image")])
     if len(times) != images:
         raise InputError(f"{file}: expected {images} rows for {images} images, got {len(times)}")
-    return series.ascending(Where(str(file), "time", range(1, images + 1), "line"), times), Origin(
+    return series.ascending(Location(str(file), "time", range(1, images + 1), "line"), times), Origin(
         "recorded", "times.txt"
     )

@@ -15,22 +15,22 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.replay import assemble, camera_motion, derived, image_files, series
-from vpf_sim.replay.plausible import Where
+from vpf_sim.replay.plausible import Location
 from vpf_sim.replay.readers import oxts
 from vpf_sim.replay.recording import Origin, Recording
-from vpf_sim.replay.rectify import Lens, mounting_of
+from vpf_sim.replay.rectify import Lens, mounting_from_rotation
 from vpf_sim.types import Floats
 
 LAYOUT = "KITTI raw"
 EXPECTED = "image_02/data/, oxts/data/, and calib_cam_to_cam.txt there or one folder up"
-# Of the calibration's rows, by their keys without the number of the camera.
+# Shapes of the calibration's rows, by key without the camera's number.
 SHAPES = {"S": (2,), "K": (3, 3), "D": (5,), "S_rect": (2,), "R_rect": (3, 3), "P_rect": (3, 4), "R": (3, 3), "T": (3,)}
 CAMERAS = ("image_02", "image_00", "image_03", "image_01")
 HEIGHT_M = 1.65  # of the cameras above the road
 WHEELBASE_M = 2.71  # Volkswagen Passat B6
 CAMERA_AHEAD_M = 1.68  # of the rear axle
 FORWARD_LEFT_UP = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])  # to right, down, forward
-ACROSS_M, REACH_M = 1.8, 40.0  # what is nearer than this to our course is in the way
+ACROSS_M, REACH_M = 1.8, 40.0  # corridor in which an object is in the way
 
 
 def recognises(folder: Path) -> bool:
@@ -41,12 +41,12 @@ def read(folder: Path) -> Recording:
     """A `_sync` or `_extract` drive; the calibration lies in it or one folder up."""
     camera = next((name for name in CAMERAS if (folder / name / "data").is_dir()), None)
     if camera is None:
-        raise InputError(f"{folder}: expected pictures in one of {', '.join(f'{name}/data/' for name in CAMERAS)}")
+        raise InputError(f"{folder}: expected images in one of {', '.join(f'{name}/data/' for name in CAMERAS)}")
     files = image_files.listed(folder / camera / "data")
     size = image_files.size(files, folder / camera / "data")
     clock_s = _stamps(folder / camera / "timestamps.txt", len(files))
     lens, rectify_turn = _lens(folder, camera[-2:], size)
-    seat = _seat(folder, rectify_turn)
+    camera_pose = _camera_pose(folder, rectify_turn)
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,
@@ -54,20 +54,22 @@ def read(folder: Path) -> Recording:
         frames=lambda: image_files.frames(files, size),
         files=files,
         lens=lens,
-        mounting=None if seat is None else mounting_of(FORWARD_LEFT_UP @ seat.unit_to_camera.T, HEIGHT_M),
+        mounting=None
+        if camera_pose is None
+        else mounting_from_rotation(FORWARD_LEFT_UP @ camera_pose.unit_to_camera.T, HEIGHT_M),
         height_m=HEIGHT_M,
         wheelbase_m=WHEELBASE_M,
         camera_ahead_m=CAMERA_AHEAD_M,
     )
-    source.origins["camera"] = Origin("recorded", "calib_cam_to_cam.txt; 1.65 m above the road, of KITTI's car")
+    source.origins["camera"] = Origin("recorded", "calib_cam_to_cam.txt; 1.65 m above the road, as on KITTI's car")
     source.origins["times_s"] = Origin("recorded", f"{camera}/timestamps.txt")
-    _motion(source, folder / "oxts", clock_s, seat)
+    _motion(source, folder / "oxts", clock_s, camera_pose)
     _labels(source, folder / "tracklet_labels.xml")
     return assemble.recording(source)
 
 
 def _stamps(file: Path, count: int) -> Floats:
-    """(N,) s since 1970, UTC; written to the nanosecond."""
+    """(N,) s since 1970, UTC, from times in nanoseconds."""
     rows = [line for line in series.lines(file, "the time of each frame") if line.strip()]
     if len(rows) != count:
         raise InputError(f"{file}: expected {count} rows for {count} files, got {len(rows)}")
@@ -80,11 +82,11 @@ def _stamps(file: Path, count: int) -> Floats:
             raise InputError(
                 f"{file}: line {number}: expected a time like 2011-09-26 13:02:25.594360375, got {row[:40]!r}"
             ) from None
-    return series.ascending(Where(str(file), "time", range(1, count + 1), "line"), np.array(times))
+    return series.ascending(Location(str(file), "time", range(1, count + 1), "line"), np.array(times))
 
 
 def _calibration(folder: Path, name: str) -> dict[str, Floats] | None:
-    """The arrays of a calibration file by key; None if there is no such file."""
+    """The arrays of a calibration file by key; None without such a file."""
     file = next((place / name for place in (folder, folder.resolve().parent) if (place / name).exists()), None)
     if file is None:
         return None
@@ -109,7 +111,7 @@ def _calibration(folder: Path, name: str) -> dict[str, Floats] | None:
 
 
 def _lens(folder: Path, number: str, size: tuple[int, int]) -> tuple[Lens, Floats]:
-    """The camera of pictures of this size, rectified or not, and (3, 3) what rectification turned it by."""
+    """The lens for images of this size, and (3, 3) the rotation by rectification."""
     values = _calibration(folder, "calib_cam_to_cam.txt")
     if values is None:
         raise InputError(f"{folder}: expected calib_cam_to_cam.txt in it or one folder up, found none")
@@ -132,25 +134,28 @@ def _pinhole(size: tuple[int, int], matrix: Floats, distortion: tuple[float, ...
 
 
 @dataclass(frozen=True, slots=True)
-class _Seat:
-    """Where the camera sits on the unit: (3, 3) from the unit's axes to its own, and (3,) m forward, left, up."""
+class _CameraPose:
+    """Pose of the camera on the unit: rotation (3, 3) to its axes, position (3,) m forward, left, up."""
 
     unit_to_camera: Floats
-    place: Floats
+    position_m: Floats
 
 
-def _seat(folder: Path, rectify_turn: Floats) -> _Seat | None:
+def _camera_pose(folder: Path, rectify_turn: Floats) -> _CameraPose | None:
     """By the chain unit to lidar to camera; None where a link is missing."""
     lidar, unit = (_calibration(folder, f"calib_{name}.txt") for name in ("velo_to_cam", "imu_to_velo"))
     if lidar is None or unit is None or not {"R", "T"} <= lidar.keys() & unit.keys():
         return None
     lidar_to_camera, unit_to_lidar = lidar["R"], unit["R"]
-    place = -unit_to_lidar.T @ (lidar_to_camera.T @ lidar["T"] + unit["T"])
-    return _Seat(rectify_turn @ lidar_to_camera @ unit_to_lidar, place)
+    position_m = -unit_to_lidar.T @ (lidar_to_camera.T @ lidar["T"] + unit["T"])
+    return _CameraPose(rectify_turn @ lidar_to_camera @ unit_to_lidar, position_m)
 
 
-def _motion(source: assemble.Source, folder: Path, clock_s: Floats, seat: _Seat | None) -> None:
-    """Speed, yaw rate, acceleration and way by the unit; an `_extract` drive has it ten times as often as pictures."""
+def _motion(source: assemble.Source, folder: Path, clock_s: Floats, camera_pose: _CameraPose | None) -> None:
+    """Store speed, yaw rate, acceleration and poses of the GPS and inertial unit.
+
+    An `_extract` drive has ten times as many records as images.
+    """
     if not folder.is_dir():
         source.notes.append("no oxts/: no motion was recorded")
         return
@@ -160,30 +165,30 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats, seat: _Seat 
     rate = source.checked("yaw_rate_radps", -rows[:, oxts.UP_RADPS], "oxts wu")
     acceleration = source.checked("acceleration_mps2", rows[:, oxts.FORWARD_MPS2], "oxts af")
     source.put("speed_mps", series.at(clock_s, sampled, speed), "oxts vf")
-    source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "oxts wu, its sign turned")
+    source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "oxts wu, sign inverted")
     if np.isfinite(acceleration).any():
         source.acceleration_mps2 = series.filled(clock_s, series.at(clock_s, sampled, acceleration))[0]
     rows[:, oxts.ATTITUDE] = np.stack([source.checked("yaw_rad", rows[:, k], "oxts") for k in oxts.ATTITUDE], axis=1)
     rows[:, oxts.ALTITUDE] = source.checked("altitude_m", rows[:, oxts.ALTITUDE], "oxts alt")
     flat = oxts.fixes(rows, sampled, folder, source.notes)
-    way = oxts.way(rows, flat, np.zeros(3) if seat is None else seat.place)
-    source.put("poses", derived.poses_at(clock_s, sampled, way), "oxts lat, lon, yaw")
-    if seat is not None and len(rows) == len(clock_s):  # one record was chosen for each picture
-        poses = oxts.camera_to_world(rows, flat, seat.place, seat.unit_to_camera)
+    path = oxts.path(rows, flat, np.zeros(3) if camera_pose is None else camera_pose.position_m)
+    source.put("poses", derived.poses_at(clock_s, sampled, path), "oxts lat, lon, yaw")
+    if camera_pose is not None and len(rows) == len(clock_s):  # one record for each image
+        poses = oxts.camera_to_world(rows, flat, camera_pose.position_m, camera_pose.unit_to_camera)
         source.directions_m = camera_motion.directions(poses)
 
 
 def _labels(source: assemble.Source, file: Path) -> None:
-    """Which frames have a labelled body in the way, and the gap to the nearest; places are the lidar's, left is +."""
+    """Store which frames are blocked by a labelled object, and the gap; lidar axes, left is +."""
     if not file.exists():
         return
     count = len(source.times_s)
     gap = np.full(count, np.inf)
     try:
         root = ElementTree.parse(file).getroot()
-        for body in root.iterfind("./tracklets/item"):
-            length, first = float(body.findtext("l", "0")), int(body.findtext("first_frame", "0"))
-            for step, pose in enumerate(body.iterfind("./poses/item")):
+        for item in root.iterfind("./tracklets/item"):
+            length, first = float(item.findtext("l", "0")), int(item.findtext("first_frame", "0"))
+            for step, pose in enumerate(item.iterfind("./poses/item")):
                 ahead, left = (float(pose.findtext(key, "nan")) for key in ("tx", "ty"))
                 if 0 <= first + step < count and 0.0 < ahead < REACH_M and abs(left) < ACROSS_M:
                     gap[first + step] = min(gap[first + step], ahead - 0.5 * length)

@@ -13,7 +13,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.replay import assemble, image_files, series
 from vpf_sim.replay.readers import kitti_raw
 from vpf_sim.replay.recording import Origin, Recording
-from vpf_sim.replay.rectify import Lens, Mounting, mounting_of
+from vpf_sim.replay.rectify import Lens, Mounting, mounting_from_rotation
 from vpf_sim.types import Floats
 
 LAYOUT = "KITTI raw with lidar odometry"
@@ -27,7 +27,7 @@ def recognises(folder: Path) -> bool:
 
 def read(folder: Path) -> Recording:
     if not (folder / "image").is_dir():
-        raise InputError(f"{folder}: expected pictures in image/, found no such folder")
+        raise InputError(f"{folder}: expected images in image/, found no such folder")
     files, file = image_files.listed(folder / "image"), folder / LABELS
     size = image_files.size(files, folder / "image")
     table = series.table(file, "a row for each frame")
@@ -49,7 +49,7 @@ def read(folder: Path) -> Recording:
         wheelbase_m=kitti_raw.WHEELBASE_M,
         camera_ahead_m=kitti_raw.CAMERA_AHEAD_M,
     )
-    source.origins["camera"] = Origin("recorded", "K.txt, velo_to_rectcam_4x4.txt; 1.65 m high, of KITTI's car")
+    source.origins["camera"] = Origin("recorded", "K.txt, velo_to_rectcam_4x4.txt; 1.65 m high, as on KITTI's car")
     source.origins["times_s"] = Origin("recorded", f"{LABELS} t_s")
     for name, column in (("speed_mps", "speed_smooth_mps"), ("yaw_rate_radps", "yaw_rate_cam_y_rads")):
         source.put(name, table.signal(column, name, source.notes), "lidar odometry", "derived")
@@ -58,7 +58,7 @@ def read(folder: Path) -> Recording:
 
 
 def _matrix(file: Path, size: int) -> Floats:
-    """(size, size)."""
+    """(size, size) matrix in a text file."""
     rows = series.numbers(file, f"a matrix of {size} x {size}")
     if len(rows) != size or any(len(row) != size for row in rows):
         raise InputError(f"{file}: expected {size} rows of {size} numbers, got {len(rows)} rows")
@@ -66,14 +66,14 @@ def _matrix(file: Path, size: int) -> Floats:
 
 
 def _mounting(file: Path) -> Mounting | None:
-    """By the lidar's axes, taken to be those of the car; None without the file."""
+    """By the lidar's axes, assumed to be the car's; None without the file."""
     if not file.exists():
         return None
-    return mounting_of(kitti_raw.FORWARD_LEFT_UP @ _matrix(file, 4)[:3, :3].T, kitti_raw.HEIGHT_M)
+    return mounting_from_rotation(kitti_raw.FORWARD_LEFT_UP @ _matrix(file, 4)[:3, :3].T, kitti_raw.HEIGHT_M)
 
 
 def _lead(source: assemble.Source, folder: Path) -> None:
-    """The gap to the car ahead, from the camera."""
+    """Store the gap to the lead vehicle, from the camera."""
     file = folder / "lead_vehicle_lidar.csv"
     if not file.exists():
         return

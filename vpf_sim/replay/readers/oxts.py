@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import places, series
-from vpf_sim.replay.plausible import Where
+from vpf_sim.replay import gps, series
+from vpf_sim.replay.plausible import Location
 from vpf_sim.types import Floats
 
 FIELDS = 30
-RECEPTION = 5  # of them, the last, are about the reception; some drives lack them
+RECEPTION = 5  # last fields, about reception; some drives lack them
 ATTITUDE = [3, 4, 5]
 LATITUDE, LONGITUDE, ALTITUDE, ROLL, PITCH, YAW, FORWARD_MPS, FORWARD_MPS2, UP_RADPS = 0, 1, 2, 3, 4, 5, 8, 14, 22
 
@@ -37,13 +37,13 @@ def _row(file: Path) -> list[float]:
 
 
 def fixes(rows: Floats, times_s: Floats, folder: Path, notes: list[str]) -> Floats:
-    """(M, 2) m north and east of the first fix; nan where there was none."""
-    return places.fixes(times_s, rows[:, LATITUDE], rows[:, LONGITUDE], Where(str(folder), "lat, lon"), notes)
+    """(M, 2) m north and east of the first fix; nan without a fix."""
+    return gps.fixes(times_s, rows[:, LATITUDE], rows[:, LONGITUDE], Location(str(folder), "lat, lon"), notes)
 
 
-def way(rows: Floats, flat: Floats, place: Floats) -> Floats:
-    """(M, 3) poses of a place (3,) on the unit's axes, which is at `flat` (M, 2)."""
-    result = places.way(flat, 0.5 * np.pi - rows[:, YAW])
+def path(rows: Floats, flat: Floats, place: Floats) -> Floats:
+    """(M, 3) poses of a position (3,) on the unit, which is at `flat` (M, 2)."""
+    result = gps.poses(flat, 0.5 * np.pi - rows[:, YAW])
     cosine, sine, ahead, right = np.cos(result[:, 2]), np.sin(result[:, 2]), place[0], -place[1]
     result[:, 0] += cosine * ahead - sine * right
     result[:, 1] += sine * ahead + cosine * right
@@ -51,7 +51,7 @@ def way(rows: Floats, flat: Floats, place: Floats) -> Floats:
 
 
 def camera_to_world(rows: Floats, flat: Floats, place: Floats, unit_to_camera: Floats) -> Floats:
-    """(M, 3, 4) poses of the camera at a place (3,) on the unit, in a world of east, north, up.
+    """(M, 3, 4) camera poses in a world of east, north, up; the camera is at `place` (3,) on the unit.
 
     The unit's attitude is yaw about up, then pitch about left, then roll about forward, as in the kit.
     """

@@ -1,9 +1,9 @@
 """Reader of a sequence of RADIATE (Sheeny et al., ICRA 2021; README of marcelsheeny/radiate_sdk).
 
 zed_left/*.png and zed_left.txt ("Frame: 000001 Time: 1574859772.428"), GPS_IMU_Twist/*.txt and its times, meta.json
-with the weather, annotations/annotations.json: boxes on the radar's pictures. GPS_IMU_Twist has latitude and longitude
-in line 1 and in the last two the velocity (north, east, down; m/s) and the turn (rad/s; about down, + right), as its
-own places confirm. The camera is that of the development kit, calib.yaml replaces it. Also an excerpt: image/,
+with the weather, annotations/annotations.json: boxes on the radar's images. GPS_IMU_Twist has latitude and longitude
+in line 1, and in the last two the velocity (north, east, down; m/s) and the yaw rate (rad/s; about down, + right). Its
+own positions confirm this. The camera is that of the development kit, calib.yaml replaces it. Also an excerpt: image/,
 calib.yaml and labels.csv (t_unix, speed_mps_lidar, yaw_rate_rads_lidar).
 """
 
@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, derived, image_files, places, series
-from vpf_sim.replay.plausible import Where
+from vpf_sim.replay import assemble, derived, gps, image_files, series
+from vpf_sim.replay.plausible import Location
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens
 from vpf_sim.types import Bools, Floats
@@ -35,7 +35,7 @@ LEFT_CAMERA = {  # of the development kit, config/default-calib.yaml
     "p2": 0.0,
 }
 SIZE = (672, 376)
-HEIGHT_M = 1.6  # of the camera above the road, about: it is not recorded
+HEIGHT_M = 1.6  # of the camera above the road, approximate
 RADAR_CENTRE_PX, RADAR_M_PER_PX = 576.0, 0.17361
 ACROSS_M, REACH_M = 1.8, 40.0
 WEATHERS = {"fog": "fog", "rain": "rain", "snow": "snow", "night": "night", "motorway": "overcast"}
@@ -49,7 +49,7 @@ def recognises(folder: Path) -> bool:
 
 
 def _has_unix_times(file: Path) -> bool:
-    """Whether it is the table of an excerpt."""
+    """Whether the file is the table of an excerpt."""
     return file.exists() and "t_unix" in file.open(encoding="utf-8", errors="replace").readline()
 
 
@@ -84,24 +84,26 @@ def read(folder: Path) -> Recording:
 
 
 def _listed(folder: Path) -> tuple[list[Path], Floats, list[str]]:
-    """The frames of zed_left.txt that have a picture, in the order of their times."""
+    """The frames of zed_left.txt with an image, in order of time."""
     numbers, clock_s = _stamps(folder / "zed_left.txt")
     files = [folder / "zed_left" / f"{number:06d}.png" for number in numbers]
     there = np.array([file.exists() for file in files])
     if not there.any():
-        raise InputError(f"{folder}: expected pictures zed_left/{numbers[0]:06d}.png and so on, found none")
+        raise InputError(f"{folder}: expected images zed_left/{numbers[0]:06d}.png and so on, found none")
     after = _after(clock_s) & there
     notes = []
     if not there.all():
-        notes.append(f"zed_left/: {np.count_nonzero(~there)} of {len(there)} pictures are missing")
+        notes.append(f"zed_left/: {np.count_nonzero(~there)} of {len(there)} images are missing")
     if np.count_nonzero(there & ~after):
-        notes.append(f"zed_left.txt: {np.count_nonzero(there & ~after)} frames whose time runs back are left out")
+        notes.append(
+            f"zed_left.txt: {np.count_nonzero(there & ~after)} frames are removed, since their times run backward"
+        )
     return [file for file, used in zip(files, after, strict=True) if used], clock_s[after], notes
 
 
 def _excerpt(folder: Path) -> tuple[list[Path], Floats, list[str]]:
     if not (folder / "image").is_dir():
-        raise InputError(f"{folder}: expected pictures in zed_left/ or image/, found neither")
+        raise InputError(f"{folder}: expected images in zed_left/ or image/, found neither")
     files, file = image_files.listed(folder / "image"), folder / "labels.csv"
     clock_s = series.table(file, "a row for each frame").times("t_unix")
     if len(files) != len(clock_s):
@@ -110,7 +112,7 @@ def _excerpt(folder: Path) -> tuple[list[Path], Floats, list[str]]:
 
 
 def _stamps(file: Path) -> tuple[list[int], Floats]:
-    """Numbers and times, s, of the frames of a sensor."""
+    """Numbers and times, s, of a sensor's frames."""
     numbers, times = [], []
     for row, line in enumerate(series.lines(file, "the time of each frame"), 1):
         found = re.fullmatch(STAMP, line)
@@ -125,13 +127,13 @@ def _stamps(file: Path) -> tuple[list[int], Floats]:
 
 
 def _after(times_s: Floats) -> Bools:
-    """Which (N,) times are later than all before them: the recorder dropped zeros of some fractions."""
+    """Which (N,) times exceed all before them: the recorder dropped zeros of some fractions."""
     latest = np.maximum.accumulate(times_s)
     return np.concatenate([[True], times_s[1:] > latest[:-1]])
 
 
 def _lens(file: Path, size: tuple[int, int]) -> Lens:
-    """The left camera, by the file if there is one."""
+    """The left camera, by calib.yaml if there is one."""
     value = dict(LEFT_CAMERA)
     expected = SIZE
     if file.exists():
@@ -155,7 +157,7 @@ def _lens(file: Path, size: tuple[int, int]) -> Lens:
 
 
 def _weather(folder: Path) -> str:
-    """By meta.json, else by the sequence's name: fog_6_0."""
+    """By meta.json, else by the sequence's name such as fog_6_0."""
     kind = folder.resolve().name.removeprefix("tiny_").removeprefix("radiate_").partition("_")[0]
     if (folder / "meta.json").exists():
         meta = _json(folder / "meta.json")
@@ -171,11 +173,11 @@ def _json(file: Path) -> Any:
     except ValueError as error:
         raise InputError(f"{file}: expected JSON, got: {error}") from None
     except RecursionError:
-        raise InputError(f"{file}: expected JSON, got brackets within brackets without end") from None
+        raise InputError(f"{file}: expected JSON, got too deeply nested brackets") from None
 
 
 def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
-    """Speed, yaw rate and way by GPS and inertial unit, where its clock runs with the camera's."""
+    """Store speed, yaw rate and poses of GPS and inertial unit, if its clock fits the camera's."""
     if not (folder / "GPS_IMU_Twist.txt").exists():
         source.notes.append("no GPS_IMU_Twist.txt: no motion was recorded")
         return
@@ -193,13 +195,13 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
     rate = source.checked("yaw_rate_radps", rows[:, 4], "GPS_IMU_Twist")
     source.put("speed_mps", series.at(clock_s, sampled, speed), "GPS_IMU_Twist velocity")
     source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "GPS_IMU_Twist angular velocity about down")
-    flat = places.fixes(sampled, rows[:, 0], rows[:, 1], Where(str(folder), "GPS_IMU_Twist"), source.notes)
-    way = places.way(flat, places.course(sampled, flat))
-    source.put("poses", derived.poses_at(clock_s, sampled, way), "GPS_IMU_Twist places")
+    flat = gps.fixes(sampled, rows[:, 0], rows[:, 1], Location(str(folder), "GPS_IMU_Twist"), source.notes)
+    path = gps.poses(flat, gps.course(sampled, flat))
+    source.put("poses", derived.poses_at(clock_s, sampled, path), "GPS_IMU_Twist positions")
 
 
 def _twist(file: Path) -> tuple[float, float, float, float, float]:
-    """Latitude, longitude, velocity north and east, turn about down."""
+    """Latitude, longitude, velocity north and east, yaw rate about down."""
     lines = [line for line in series.lines(file, "RADIATE's GPS_IMU_Twist") if line.strip()]
     try:
         place, velocity, turn = ([float(cell) for cell in lines[i].split(",")] for i in (0, VELOCITY_LINE, TURN_LINE))
@@ -209,15 +211,15 @@ def _twist(file: Path) -> tuple[float, float, float, float, float]:
 
 
 def _labels(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
-    """Which frames have a labelled body in the way, by the radar's picture next in time."""
+    """Store which frames are blocked by a labelled object, by the nearest radar image in time."""
     file, times_file = folder / "annotations" / "annotations.json", folder / "Navtech_Cartesian.txt"
     if not file.exists() or not times_file.exists():
         return
     numbers, radar_s = _stamps(times_file)
     gap = np.full(max(numbers), np.inf)  # by the radar's frame, 1 is the first
     try:
-        for body in _json(file):
-            for index, box in enumerate(body["bboxes"][: len(gap)]):
+        for item in _json(file):
+            for index, box in enumerate(item["bboxes"][: len(gap)]):
                 if box:
                     gap[index] = min(gap[index], _ahead(*box["position"]))
     except (KeyError, TypeError, ValueError):
@@ -230,7 +232,7 @@ def _labels(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
 
 
 def _ahead(x_px: float, y_px: float, width_px: float, height_px: float) -> float:
-    """m from the radar to the near side of a box in the way; inf elsewhere. Up in the picture is ahead."""
+    """m from the radar to the near side of a box in the corridor, else inf; up in the image is ahead."""
     across = (x_px + 0.5 * width_px - RADAR_CENTRE_PX) * RADAR_M_PER_PX
     near = (RADAR_CENTRE_PX - y_px - height_px) * RADAR_M_PER_PX
     return near if abs(across) < ACROSS_M and 0.0 < near < REACH_M else np.inf

@@ -1,4 +1,4 @@
-"""Angles across their seam: north, 180 degrees of longitude, half a turn; in every layout that records them."""
+"""Angles across their seam (north, 180 degrees of longitude, half a turn) in every layout."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ import pytest
 import recorded_layouts as layouts
 
 from vpf_sim.geometry import unwrapped
-from vpf_sim.replay import places, readers, series
+from vpf_sim.replay import gps, readers, series
 from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Floats
 
@@ -15,7 +15,7 @@ DRIVE = "schema = 1\nrate_hz = 20.0\n[camera]\nheight_m = 1.4\npitch_deg = 0.0\n
 
 
 def recorded(folder: Path, columns: dict[str, Floats], drive: str = DRIVE, frames: int = 100) -> Recording:
-    """A drive of pictures, 20 a second, with a table."""
+    """A drive of images at 20 Hz with a signal table."""
     layouts.pictures(folder / "frames", [f"{k:03d}.png" for k in range(frames)])
     rows = [
         ",".join(columns),
@@ -27,13 +27,13 @@ def recorded(folder: Path, columns: dict[str, Floats], drive: str = DRIVE, frame
 
 
 def turning_right(seam_deg: float, lowest_deg: float) -> tuple[Floats, dict[str, Floats]]:
-    """A table of 5 Hz: a heading that grows by 2 deg/s and passes the seam at 2.5 s, counted from `lowest_deg`."""
+    """A 5 Hz table with a heading that grows by 2 deg/s and crosses the seam at 2.5 s, from `lowest_deg`."""
     time = np.arange(0.0, 5.1, 0.2)
     heading = np.radians(seam_deg - 5.0 + 2.0 * time)
     steps = 0.2 * 8.0 * np.stack([np.cos(heading), np.sin(heading)])
     x, y = np.cumsum(steps, axis=1)
-    told = (np.degrees(heading) - lowest_deg) % 360.0 + lowest_deg
-    return heading, {"time_s": time, "speed_mps": np.full(len(time), 8.0), "x_m": x, "y_m": y, "yaw_deg": told}
+    recorded_deg = (np.degrees(heading) - lowest_deg) % 360.0 + lowest_deg
+    return heading, {"time_s": time, "speed_mps": np.full(len(time), 8.0), "x_m": x, "y_m": y, "yaw_deg": recorded_deg}
 
 
 @pytest.mark.parametrize(("seam_deg", "lowest_deg"), [(360.0, 0.0), (180.0, -180.0), (0.0, -360.0), (90.0, -270.0)])
@@ -49,7 +49,7 @@ def test_yaw_is_interpolated_across_its_seam(seam_deg: float, lowest_deg: float,
     assert np.degrees(recording.yaw_rate_radps) == pytest.approx(np.full(100, 2.0), abs=1e-6)
 
 
-def test_a_gap_in_the_heading_is_bridged_the_shorter_way(tmp_path: Path) -> None:
+def test_heading_gap_is_interpolated_the_shorter_way(tmp_path: Path) -> None:
     _, columns = turning_right(360.0, 0.0)
     columns["yaw_deg"][8:18] = np.nan  # 2 s about north
     recording = recorded(tmp_path, columns)
@@ -57,9 +57,9 @@ def test_a_gap_in_the_heading_is_bridged_the_shorter_way(tmp_path: Path) -> None
     assert any(note.startswith("pose: ") for note in recording.notes)
 
 
-def test_a_drive_across_180_degrees_of_longitude_is_one_way(tmp_path: Path) -> None:
+def test_drive_across_180_degrees_longitude_is_continuous(tmp_path: Path) -> None:
     time = np.arange(0.0, 5.1, 0.2)
-    degrees = 8.0 * (time - 2.5) / (places.EARTH_RADIUS_M * np.pi / 180.0)  # east along the equator's parallel
+    degrees = 8.0 * (time - 2.5) / (gps.EARTH_RADIUS_M * np.pi / 180.0)  # east along the equator's parallel
     longitude = (180.0 + degrees + 180.0) % 360.0 - 180.0
     recording = recorded(
         tmp_path, {"time_s": time, "latitude_deg": np.full(len(time), 1e-4), "longitude_deg": longitude}
@@ -69,15 +69,15 @@ def test_a_drive_across_180_degrees_of_longitude_is_one_way(tmp_path: Path) -> N
 
 
 SEAMS = [(-1.0, 8.4), (179.0, 8.4), (89.0, 8.4), (80.0, 179.99995)]  # course and longitude at the start, deg
-ASKED = [(layout, *seam) for layout in ("kitti_raw", "comma2k19") for seam in SEAMS]
-ASKED += [(layout, *SEAMS[-1]) for layout in ("radiate", "udacity")]  # whose pictures are looked at, which takes long
+CASES = [(layout, *seam) for layout in ("kitti_raw", "comma2k19") for seam in SEAMS]
+CASES += [(layout, *SEAMS[-1]) for layout in ("radiate", "udacity")]  # once, since their images are processed
 
 
-@pytest.mark.parametrize(("layout", "course_deg", "longitude_deg"), ASKED)
-def test_every_layout_is_read_alike_wherever_it_heads(
+@pytest.mark.parametrize(("layout", "course_deg", "longitude_deg"), CASES)
+def test_every_layout_is_independent_of_the_initial_heading(
     layout: str, course_deg: float, longitude_deg: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The same way, begun on a heading shortly before a seam, or shortly before the 180th meridian."""
+    """The same path, started shortly before a seam of the heading or the 180th meridian."""
     monkeypatch.setattr(layouts, "COURSE_RAD", np.radians(course_deg))
     monkeypatch.setattr(layouts, "LONGITUDE_DEG", longitude_deg)
     write = {"comma2k19": lambda folder: layouts.comma2k19(folder, with_video=False)}
@@ -88,13 +88,13 @@ def test_every_layout_is_read_alike_wherever_it_heads(
     assert turned[5:-5] == pytest.approx(known.poses[5:-5, 2], abs=0.06)
 
 
-def test_an_angle_is_interpolated_and_filled_the_shorter_way() -> None:
+def test_angle_is_interpolated_and_filled_the_shorter_way() -> None:
     times, angles = np.array([0.0, 1.0, 2.0]), np.array([350.0, np.nan, 20.0])
     assert series.at(np.array([0.5, 1.5]), times[[0, 2]], angles[[0, 2]], 360.0) == pytest.approx([357.5, 372.5])
     assert series.filled(times, angles, 360.0)[0] == pytest.approx([350.0, 365.0, 380.0])
 
 
-def test_unknown_angles_hide_no_turn_of_those_after_them() -> None:
+def test_unknown_angles_do_not_hide_later_turns() -> None:
     found = unwrapped([3.0, np.nan, -3.0, 3.1])
     assert np.isnan(found[1])
     assert np.abs(np.diff(found[[0, 2, 3]])).max() < np.pi

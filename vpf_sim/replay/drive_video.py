@@ -1,4 +1,4 @@
-"""The film of a replayed drive: what the driver saw and wanted, and below it its commands beside the recorded ones."""
+"""The video of a replayed drive: the driver's view, and its commands beside the recorded ones."""
 
 from collections import deque
 from pathlib import Path
@@ -8,24 +8,24 @@ from typing import Self
 import numpy as np
 
 from vpf_sim.replay.frame_table import FrameRow
-from vpf_sim.replay.pilot import Decision
+from vpf_sim.replay.open_loop_driver import Decision
 from vpf_sim.report import overlay
 from vpf_sim.report.canvas import Canvas
 from vpf_sim.report.signals import LINE, PAPER, PID, RULE, SOFT, write
 from vpf_sim.report.video import Writer
 from vpf_sim.types import Camera, Floats, Image
 
-STRIP_PX = 84  # height of the strip of commands
+STRIP_PX = 84  # height of the plots of commands
 SHOWN_S = 10.0
 FIELD = (32, 37, 44)
-LEAST = 0.25  # of an axis of commands, to both sides
+LEAST = 0.25  # half range of the plots
 
 
-class Film:
-    """Writes one frame after the other, as an .mp4 that browsers play."""
+class DriveVideo:
+    """Writes frames to an .mp4 that browsers play."""
 
     def __init__(self, path: Path, camera: Camera, rate_hz: float, human: dict[str, str]) -> None:
-        """`human` says how to name the recorded throttle and steering."""
+        """`human` has the labels of the recorded throttle and steering."""
         self._camera = camera
         self._human = human
         self._size = (camera.width_px - camera.width_px % 2, camera.height_px + STRIP_PX)
@@ -34,27 +34,27 @@ class Film:
         self._writer = Writer(path, self._size, rate_hz)
 
     def write(self, image: Image | None, decision: Decision, row: FrameRow) -> None:
-        """A frame with what was made of it; a gap is an empty picture that says so."""
+        """Add a frame with its overlay; a gap is an empty image with a text."""
         self._past.append(row)
         if image is None:
-            picture = self._blank.copy()
-            self._say(picture, "no frame: the last prediction holds")
+            shown = self._blank.copy()
+            self._write_text(shown, "no frame: last prediction held")
         elif decision.plan is None:
-            picture = image.copy()
+            shown = image.copy()
         else:
-            picture = overlay.draw(image, decision.plan, self._camera)
+            shown = overlay.draw(image, decision.plan, self._camera)
             if decision.is_held:
-                self._say(picture, "flow not to be trusted: the last prediction holds")
+                self._write_text(shown, "flow unreliable: last prediction held")
             elif decision.road_found is False:
-                self._say(picture, "no lane found: course and speed kept, not scored")
-        self._writer.write(np.vstack([picture, self._strip(picture.shape[1])]))
+                self._write_text(shown, "no lane found: course and speed held, not scored")
+        self._writer.write(np.vstack([shown, self._strip(shown.shape[1])]))
 
-    def _say(self, picture: Image, words: str) -> None:
-        canvas = Canvas(picture, self._camera)
+    def _write_text(self, shown: Image, words: str) -> None:
+        canvas = Canvas(shown, self._camera)
         canvas.text(words, 12 * canvas.unit, 64 * canvas.unit, size=0.42)
 
     def _strip(self, width_px: int) -> Image:
-        """(STRIP_PX, width, 3) the last seconds of throttle and steering: predicted, and recorded where known."""
+        """(STRIP_PX, width, 3) recent throttle and steering, predicted and recorded."""
         canvas = Canvas(np.full((STRIP_PX, width_px, 3), PAPER, np.uint8), Camera(width_px, STRIP_PX))
         half = width_px // 2
         for left, name in ((8, "throttle"), (half + 8, "steering")):

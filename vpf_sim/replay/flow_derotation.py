@@ -1,4 +1,4 @@
-"""What the flow says about the camera's own motion when nothing about its rotation is recorded."""
+"""The camera's own motion by the flow alone, without recorded rotation."""
 
 from dataclasses import dataclass, replace
 from math import nan
@@ -15,25 +15,25 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
 
 PASSES = 3
-PROBE_RAD = 1e-3  # a small turn, for the derivative of the flow by it
+PROBE_RAD = 1e-3  # small rotation for the derivative of the flow
 
 
 @dataclass(frozen=True, slots=True)
-class OwnMotion:
-    """By the flow of one frame."""
+class EgoMotion:
+    """Ego motion by the flow of one frame."""
 
     expansion: Expansion
     yaw_rate_radps: float  # + turns right; nan without flow
     flow: Flow
-    speed_votes: Floats  # (M, 2) m/s and weight, of the points that may lie on the road (`road_speed`)
+    speed_votes: Floats  # (M, 2) m/s and weight of points that may lie on the road (`road_speed`)
 
 
-class OwnDerotation:
-    """Flow and focus of expansion of a variant, told of no turn at all.
+class FlowDerotation:
+    """Flow and focus of expansion of a variant, without recorded rotation.
 
-    A turn and a motion to the side look much the same in the flow, but a car hardly moves to its side. So the turn is
-    first taken to be the one that lets most of the flow leave the image of straight ahead; then the focus of expansion
-    is fitted with what is left of the turn, which has the same room as the pitch.
+    In the flow, a turn looks like sideways motion, but a car hardly moves sideways. So first the yaw rate is taken
+    with which most of the flow leaves the image of straight ahead. Then the focus of expansion is fitted with the
+    remaining rotation, as free as the pitch.
     """
 
     def __init__(self, camera: Camera, variant: Variant, rate_hz: float) -> None:
@@ -44,24 +44,24 @@ class OwnDerotation:
         self._random = stream(0, "focus of expansion without rotation")
         self._mounting = Mounting(height_m=camera.height_m, pitch_rad=camera.pitch_rad)
         self._along_m = 0.0
-        self._seen: Expansion | None = None
+        self._expansion: Expansion | None = None
 
-    def update(self, grey: Image, moved_m: float) -> OwnMotion:
-        """At a grey (H, W) frame, `moved_m` on from the last, as the odometer has it."""
+    def update(self, grey: Image, moved_m: float) -> EgoMotion:
+        """Ego motion at a grey (H, W) frame, `moved_m` after the last one by the odometer."""
         self._along_m += moved_m
         flow = self._tracker.update(grey, np.array([self._along_m, 0.0, 0.0]))
-        scene = flow.chosen(np.flatnonzero(~flow.stuck))  # what rides along with the camera tells of no turn
+        scene = flow.chosen(np.flatnonzero(~flow.stuck))  # camera-fixed points carry no rotation
         rate = yaw_rate(scene, self._camera) if len(scene) else nan
         straightened = turning(flow, rate if len(scene) else 0.0)
-        seen = expansion.estimate(straightened, self._camera, self._config, self._random, self._seen)
-        self._seen = seen
-        return OwnMotion(seen, rate, flow, road_speed.votes(straightened, self._camera, self._mounting))
+        found = expansion.estimate(straightened, self._camera, self._config, self._random, self._expansion)
+        self._expansion = found
+        return EgoMotion(found, rate, flow, road_speed.votes(straightened, self._camera, self._mounting))
 
 
 def yaw_rate(flow: Flow, camera: Camera) -> float:
-    """rad/s, + right: the turn of a camera that moves straight ahead, by the weighted median over the points.
+    """rad/s, + right: weighted median yaw rate of a camera that moves straight ahead.
 
-    Each point's flow across the direction away from straight ahead, by how much a turn would change it.
+    Each point's flow perpendicular to the direction from straight ahead, over its change by a yaw rate.
     """
     ahead = np.array([camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)])
     away = flow.points_px - ahead
@@ -75,7 +75,7 @@ def yaw_rate(flow: Flow, camera: Camera) -> float:
 
 
 def turning(flow: Flow, rate_radps: float) -> Flow:
-    """The flow as seen by a vehicle that turned at this rate."""
+    """The flow with the poses of a vehicle that turns at this rate."""
     past = flow.past_pose.copy()
     past[:, 2] = flow.pose[2] - rate_radps * flow.gap_s
     return replace(flow, past_pose=past)

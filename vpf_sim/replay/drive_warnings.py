@@ -1,0 +1,99 @@
+"""Warnings about the reliability of a replay, one line each with its size."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from vpf_sim.replay.camera_fixed_points import Artefact, CameraFixedPoints
+from vpf_sim.replay.mounting_estimate import Angle
+from vpf_sim.replay.recording import Recording
+from vpf_sim.replay.scores import rounded
+
+CERTAIN_RAD = 0.009  # half width of an interval that needs no warning: half a degree
+MOST_MISSING_SHARE = 0.05  # share of frames without flow or lane that needs a warning
+LANE_WIDTHS_M, MOUNTING_HEIGHTS_M = (3.0, 4.0), (1.0, 2.2)  # usual ranges
+ASSUMED_HEIGHT = "m above the road assumed"  # wording of the camera's origin
+BY_LANES = "above the road by its lanes"
+ASSUMED_LENS = "field of view"
+
+DriveWarning = tuple[str, str]  # (what, why)
+
+ARTEFACTS: dict[Artefact, DriveWarning] = {
+    "bonnet": ("bonnet", "it covers the lower edge of the image and may reflect the scene: point the camera higher"),
+    "overlay": ("overlay", "a text, a logo or a mark on the windscreen stays in place"),
+    "glass": ("reflections", "points stay in place while the car moves: water, dirt or a reflection on the windscreen"),
+}
+
+
+def collect(
+    recording: Recording, record: dict[str, Any], fixed_points: CameraFixedPoints, lane_widths_m: Sequence[float]
+) -> list[DriveWarning]:
+    """All warnings for a drive, by its record, camera-fixed points and lane widths."""
+    found = [_lens(recording), _mounting(recording), _speed(recording, lane_widths_m)]
+    found += [_share("flow", record["perception"]["foe"]["share"], "the last prediction is held")]
+    found += [_share("lane", record["perception"]["road_found_share"], "course and speed are held, not scored")]
+    found += [ARTEFACTS[name] for name in fixed_points.found()]
+    return [warning for warning in found if warning is not None]
+
+
+def mounting(recording: Recording) -> dict[str, Any]:
+    """The estimated angles, deg, with 95 % intervals."""
+    return {name: _interval_deg(found) for name, found in recording.mounting_found.items()}
+
+
+def _interval_deg(found: Angle) -> dict[str, Any]:
+    value, half = np.degrees([found.rad, found.half_width_rad])
+    ends = {"deg": value, "from_deg": value - half, "to_deg": value + half, "straight_s": found.seconds}
+    return {"used": found.is_used, **{key: rounded(float(end)) for key, end in ends.items()}}
+
+
+def _lens(recording: Recording) -> DriveWarning | None:
+    if ASSUMED_LENS not in recording.origins["camera"].how:
+        return None
+    return "field of view", "60 deg across, assumed: distances, speed and angles depend on it; give fx_px"
+
+
+def _mounting(recording: Recording) -> DriveWarning | None:
+    uncertain = {
+        name: found
+        for name, found in recording.mounting_found.items()
+        if not found.is_used or found.half_width_rad > CERTAIN_RAD
+    }
+    if not uncertain:
+        return None
+    words = ", ".join(f"{name} {_interval(found)}" for name, found in uncertain.items())
+    return "mounting", f"{words}: drive straight for longer, or give pitch_deg and yaw_deg"
+
+
+def _interval(found: Angle) -> str:
+    low, high = np.degrees([found.rad - found.half_width_rad, found.rad + found.half_width_rad])
+    return f"{low:.1f} to {high:.1f} deg ({'used' if found.is_used else 'not used, 0 assumed'})"
+
+
+def _speed(recording: Recording, lane_widths_m: Sequence[float]) -> DriveWarning | None:
+    """Scale error of a speed by the flow: that of the camera's height, checked by the lane width."""
+    speed, camera = recording.origins["speed_mps"], recording.origins["camera"]
+    if "flow" not in speed.how:
+        return None
+    height, width = recording.camera.height_m, 3.5
+    if BY_LANES in camera.how:
+        why, scale = "lanes are 3 to 4 m wide", np.array(LANE_WIDTHS_M) / width
+    elif ASSUMED_HEIGHT in camera.how:
+        why, scale = (
+            f"the camera may be {MOUNTING_HEIGHTS_M[0]:g} to {MOUNTING_HEIGHTS_M[1]:g} m high",
+            np.array(MOUNTING_HEIGHTS_M) / height,
+        )
+    else:
+        return "speed", "from the road's flow, as exact as the camera's height and focal length"
+    lanes_m = float(np.median(lane_widths_m)) if len(lane_widths_m) else width
+    if not LANE_WIDTHS_M[0] <= lanes_m <= LANE_WIDTHS_M[1]:
+        why += f", and lanes come out {lanes_m:.1f} m wide"
+    times = f"{scale[0]:.2f} to {scale[1]:.2f} times the stated value"
+    return "speed", f"from the road's flow, {times}, since {why}: give height_m, or a table with the speed"
+
+
+def _share(what: str, found: float | None, then: str) -> DriveWarning | None:
+    if found is None or 1.0 - found < MOST_MISSING_SHARE:
+        return None
+    return what, f"none in {100.0 * (1.0 - found):.0f} % of the frames: then {then}"

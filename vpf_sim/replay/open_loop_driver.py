@@ -1,0 +1,149 @@
+"""Drivers on recordings: field drivers steer a model vehicle, others get the recorded state."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from vpf_sim import drivers
+from vpf_sim.controllers.gtsmc import Gains
+from vpf_sim.drivers import FieldDriver
+from vpf_sim.planning.planner import Planner, way
+from vpf_sim.planning.variant import Variant
+from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
+from vpf_sim.replay.present_lane import is_found, obstacles_in_vehicle_frame, present_lane, road_in_vehicle_frame
+from vpf_sim.replay.segments import Segment
+from vpf_sim.types import Command, Driver, DriverSetup, Force, Observation, Perception, Plan, Reference, RoadEdges
+
+MODEL = "a model vehicle carries out the commands, from the recorded position and speed at the start of each segment"
+RECORDED = "evaluated at each recorded state"
+# For unknown roads: ramps have lanes of 4.5 to 6 m, and a drive leads from one road to the next.
+ANY_ROAD: dict[str, Any] = {"widest_lane_m": 6.5, "unlikely_per_m": 0.2, "keeps_width": False}
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """A driver's decision at a frame; `road_found` is None for drivers without lane detection."""
+
+    command: Command
+    plan: Plan | None = None  # in the axes of the recorded car, for the overlay
+    road_found: bool | None = None  # False: course and speed are held, not scored
+    is_held: bool = False  # the last command, since the flow is unreliable
+
+
+class OpenLoopDriver(Protocol):
+    """A driver on a recording."""
+
+    protocol: str  # how it is evaluated, for the tables
+    restarts: int  # of the model vehicle within segments, after it left the camera's view
+
+    def begin(self, segment: Segment) -> None: ...
+
+    def decide(self, observation: Observation, interval: Interval) -> Decision: ...
+
+
+def open_loop_driver(driver: Driver, setup: DriverSetup) -> OpenLoopDriver:
+    """The open-loop form of a driver."""
+    if isinstance(driver, FieldDriver):
+        return ModelVehicleDriver(setup, driver.variant, driver.gains)
+    return RecordedStateDriver(setup, driver)
+
+
+class RecordedStateDriver:
+    """Any driver, given each frame with the state recorded there."""
+
+    protocol = RECORDED
+
+    def __init__(self, setup: DriverSetup, driver: Driver) -> None:
+        self._driver = driver
+        self.restarts = 0
+        driver.reset(setup)
+
+    def begin(self, segment: Segment) -> None:
+        """Nothing: the goal and speed of the setup hold for the whole recording."""
+
+    def decide(self, observation: Observation, interval: Interval) -> Decision:  # noqa: ARG002
+        command = drivers.command_of(self._driver, observation)
+        return Decision(command, drivers.trace_of(self._driver))
+
+
+class ModelVehicleDriver:
+    """A variant of the field: it perceives from the recorded car and steers the model vehicle."""
+
+    protocol = MODEL
+
+    def __init__(self, setup: DriverSetup, variant: Variant, gains: Gains) -> None:
+        self._setup = setup
+        self._variant = variant
+        self._perception = Planner(setup, replace(variant, road_edges=replace(variant.road_edges, **ANY_ROAD)))
+        self._way = way(setup, variant)
+        self._lane: RoadEdges | None = None
+        self._model = ModelVehicle(gains, setup.vehicle, setup.rate_hz)
+        self.restarts = 0
+
+    def begin(self, segment: Segment) -> None:
+        self._setup = replace(self._setup, goal_m=segment.goal_m, speed_reference_mps=segment.speed_mps)
+        self._way = way(self._setup, self._variant)
+        self._model.restart(segment.speed_mps)
+
+    def decide(self, observation: Observation, interval: Interval) -> Decision:
+        perception = self._perception.perceive(observation)
+        if self._perception.has_missed:
+            perception = replace(perception, expansion=replace(perception.expansion, confidence=0.0))
+        found = is_found(perception.road, observation.speed_mps)
+        lane = present_lane(perception.road, found)
+        self._restart_in_new_lane(lane)
+        plan = (
+            self._planned(self._seen_from_model(perception, lane), observation)
+            if found
+            else self._hold_course(perception, observation)
+        )
+        command = self._model.drive(plan.reference, observation, interval)
+        if self._model.is_far:
+            self.restarts += 1
+            self._model.restart(self._model.speed_mps)
+        return Decision(command, self._in_recorded_axes(plan, replace(perception, road=lane)), found)
+
+    def _planned(self, from_model: Perception, observation: Observation) -> Plan:
+        force, reference, extra = self._way.step(from_model, self._at_model(observation))
+        return Plan(from_model, force, self._perception.unless_blind(reference, observation), extra)
+
+    def _hold_course(self, perception: Perception, observation: Observation) -> Plan:
+        """Hold course and speed, since without a lane there is no basis for a decision.
+
+        The course is that of the recorded car: a straight one would leave the camera's view in every bend.
+        """
+        none = np.zeros(2)
+        course = Reference(observation.yaw_rad, self._model.speed_mps, observation.yaw_rate_radps)
+        return Plan(perception, Force(none, none, none, none), course)
+
+    def _restart_in_new_lane(self, lane: RoadEdges) -> None:
+        """Restart the planner where the followed lane changes."""
+        last, self._lane = self._lane, lane
+        if last is None:
+            return
+        found = (last.confidence > 0.0) != (lane.confidence > 0.0)
+        if found or abs(lane.lane_m - last.lane_m) > 0.5 * lane.lane_width_m:
+            self._way = way(self._setup, self._variant)
+
+    def _seen_from_model(self, perception: Perception, lane: RoadEdges) -> Perception:
+        right, turn = self._model.right_m, self._model.turn_rad
+        return replace(
+            perception,
+            road=road_in_vehicle_frame(lane, right, turn),
+            obstacles=obstacles_in_vehicle_frame(perception.obstacles, right, turn),
+        )
+
+    def _at_model(self, observation: Observation) -> Observation:
+        recorded = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
+        x, y, yaw = (float(value) for value in self._model.pose(recorded))
+        return replace(observation, x_m=x, y_m=y, yaw_rad=yaw)
+
+    def _in_recorded_axes(self, plan: Plan, perception: Perception) -> Plan:
+        """The plan in the axes of the recorded car: its lane and its path."""
+        half, middle = 0.5 * perception.road.lane_width_m, perception.road.lane_m
+        road = replace(perception.road, left_m=middle - half, right_m=middle + half)
+        extra = dict(plan.extra)
+        if "lane" in extra:
+            extra["lane"] = replace(extra["lane"], y_m=-middle)
+        return Plan(replace(perception, road=road), plan.force, plan.reference, extra)
