@@ -8,6 +8,7 @@ from vpf_sim.envs.frame_check import InvalidFrame, frame_fault
 from vpf_sim.envs.rectangles import corners, free_ahead
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.scenarios import Scenario
+from vpf_sim.timing import timed
 from vpf_sim.types import Image
 
 Status = Literal["running", "success", "collision", "off_road", "timeout", "stuck", "invalid_frame"]
@@ -46,6 +47,7 @@ class Ending:
     def status_at_reset(self) -> Status:
         return "running" if self.invalid_frame is None else "invalid_frame"
 
+    @timed("ending")
     def status(self, ego: Ego, frame: Image | None) -> Status:
         """The status after one more step; call it once per step."""
         self._steps += 1

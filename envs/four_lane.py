@@ -30,6 +30,7 @@ from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.scenarios import RandomScenario, Scenario
 from vpf_sim.seeding import stream
+from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image, VehicleModel
 
 RATES_HZ = (60.0, 20.0)
@@ -123,6 +124,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self._show()
         return self._observation(), self._info(self._ending.status_at_reset)
 
+    @timed("world")
     def step(
         self, action: NDArray[np.float32], *, with_frame: bool = True
     ) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
@@ -149,6 +151,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         """The camera of the episode, for access to ground truth; None with `frames=False`."""
         return self._renderer
 
+    @timed("physics")
     def advance(self, command: Floats) -> None:
         """The physics of a step, without a frame: throttle and steering for one tick."""
         self.ego.act(self._controls(command))
@@ -212,6 +215,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         end = {"success": 5.0, "collision": -5.0, "off_road": -5.0}.get(status, 0.0)
         return (self._route_m - before_m) / 10.0 - 0.01 * float(change @ change) + end
 
+    @timed("observation")
     def _observation(self) -> EnvObservation:
         measured = self._signal_faults.read(self._sensors.read(self._state()), self._steps / self.rate_hz)
         return {
@@ -233,6 +237,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         yaw_rate = min(max(ego.yaw_rate_radps, -YAW_RATE_LIMIT_RADPS), YAW_RATE_LIMIT_RADPS)
         return np.array([*ego.position.tolist(), -wrap_angle(-ego.heading), ego.speed, yaw_rate])
 
+    @timed("info")
     def _info(self, status: Status) -> dict[str, Any]:
         return {
             "status": status,

@@ -23,6 +23,8 @@ LEAVES = {
     "files",
     "shell",
     "process_state",
+    "pipeline",
+    "timing",
 }
 MAY_IMPORT = {
     **dict.fromkeys(LEAVES, LEAVES),

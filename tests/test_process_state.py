@@ -35,7 +35,7 @@ from vpf_sim.types import Command
 
 
 class Restless:
-    privileged, sees = "none", False
+    privileged, uses_images = "none", False
 
     def reset(self, setup):
         os.chdir("elsewhere")

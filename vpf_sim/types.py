@@ -7,10 +7,9 @@ in OpenCV's convention: the centre of the first pixel is (0, 0). The pose of the
 the centre of its body. N is a number of image points, K a number of obstacles.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from math import inf, isnan, nan, radians, tan
-from typing import Any, Generic, Literal, Protocol, Self, TypeVar, cast
+from typing import Any, Generic, Literal, NamedTuple, Protocol, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,18 +155,31 @@ class Command:
 
 
 class Driver(Protocol):
-    """What is under test.
-
-    One that also declares `sees = False` looks at no frame, and is shown none. One that looks at some of them has
-    `looks`, which tells after each `act` whether it looks at the next: those that it does not need not be drawn. One
-    whose perception can be measured alone has `perceive`, which gives the `Perception` that `act` would go by.
-    """
+    """What is under test. A subclass inherits the defaults; a class of its own needs `privileged`, `reset`, `act`."""
 
     privileged: Privilege
+    uses_images: bool = True  # False: no frame is drawn for it
 
-    def reset(self, setup: DriverSetup) -> None: ...
+    @property
+    def needs_next_frame(self) -> bool:
+        """Whether it uses the next frame, asked after each `act`: a frame that it does not use need not be drawn."""
+        return True
 
-    def act(self, observation: Observation) -> Command: ...
+    def reset(self, setup: DriverSetup) -> None:
+        """Begin an episode."""
+        ...
+
+    def act(self, observation: Observation) -> Command:
+        """The command at one step."""
+        ...
+
+    def perceive(self, observation: Observation) -> "Perception | None":  # noqa: ARG002
+        """What `act` would perceive, without planning; None: its perception is the one of its plan."""
+        return None
+
+    def trace(self) -> "Plan | None":
+        """The plan of the last step, for overlays and scores; None: it shows none."""
+        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -302,39 +314,50 @@ class RoadEdges:
     lane_confidence: float = 0.0  # that the own lane's lines are where they are told, whichever are the edges: 0 .. 1
 
 
-@dataclass(frozen=True, slots=True)
-class PaperFeatures:
-    """What the paper's fields ask of the points of the flow: which stand out, and when they are reached."""
-
-    obstacle_map: ObstacleMap
-    ttc_s: Floats  # (N,) time to contact of each point; inf where unknown
-
-
-@dataclass(frozen=True, slots=True)
-class Perception:
-    """All that the planner knows at one frame. Flow, expansion and salience are of the last one that was looked at."""
-
-    flow: Flow
-    expansion: Expansion
-    salience: Callable[[], PaperFeatures]  # worked out when it is asked for: a field of bodies does without
-    obstacles: Obstacles
-    road: RoadEdges
-    pose: Floats  # (3,) x m, y m, yaw rad of the vehicle
-    low_sensing_range_m: tuple[float, float] = (
-        np.inf,
-        np.inf,
-    )  # to where a low body would be suspected: now, with a good view
-    tentative: Obstacles | None = None  # low things that were seen too seldom yet to be told as bodies
+class PointFeatures(Protocol):
+    """What the paper's fields ask of the points of the flow."""
 
     @property
     def obstacle_map(self) -> ObstacleMap:
         """The paper's O_t."""
-        return self.salience().obstacle_map
+        ...
 
     @property
     def ttc_s(self) -> Floats:
         """(N,) time to contact of each point; inf where unknown."""
-        return self.salience().ttc_s
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class KnownFeatures:
+    """Point features with given values."""
+
+    obstacle_map: ObstacleMap
+    ttc_s: Floats
+
+
+class LowObstacleRange(NamedTuple):
+    """m ahead of the pose up to which a low obstacle would be tentative: at this moment, and with a good view."""
+
+    now_m: float = inf
+    best_m: float = inf
+
+
+UNLIMITED = LowObstacleRange()
+
+
+@dataclass(frozen=True, slots=True)
+class Perception:
+    """What a driver perceives at one step; flow, expansion and features are of the last frame that was processed."""
+
+    flow: Flow
+    expansion: Expansion
+    features: PointFeatures
+    obstacles: Obstacles
+    road: RoadEdges
+    pose: Floats  # (3,) x m, y m, yaw rad of the vehicle
+    low_range_m: LowObstacleRange = UNLIMITED
+    tentative: Obstacles | None = None  # low obstacles that are not confirmed yet
 
 
 @dataclass(frozen=True, slots=True)

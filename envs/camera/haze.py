@@ -7,6 +7,7 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.sky.hills import HILLS
+from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image
 
 LEAST_LEVELS = 1.0  # smaller changes are left out
@@ -38,6 +39,7 @@ class Haze:
         """Transmission t at depths, 0 to 1, in the same shape."""
         return np.asarray(np.exp(-self._extinction_per_m * depth_m))
 
+    @timed("render.haze")
     def ground(self, frame: Image) -> None:
         """Apply haze to the rows of the ground, in place."""
         if len(self._transmission):

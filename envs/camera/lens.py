@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import distort, undistort
+from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image
 
 WIDEST = 2.0  # tangent of the largest angle from the axis, 63 deg
@@ -49,6 +50,7 @@ class Lens:
         """(..., 2) px in the distorted image for the pinhole's pixels."""
         return distort(self._camera, pixels + self._corner_px)
 
+    @timed("render.lens")
     def distorted(self, frame: Image) -> Image:
         """(H, W, 3) the pinhole's image through the lens."""
         if not self.is_distorted:

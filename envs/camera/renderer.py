@@ -24,6 +24,7 @@ from vpf_sim.envs.camera.sky.sky import Sky
 from vpf_sim.envs.camera.truth import Drawn, Moment, truth
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
+from vpf_sim.timing import timed
 from vpf_sim.types import Floats, Image
 
 
@@ -68,6 +69,7 @@ class Renderer:
         """The objects: `truth`'s instance i + 1 is objects[i]."""
         return [] if self._now is None else self._now.objects
 
+    @timed("render")
     def render(self, ego: Carrier, time_s: float) -> Image:
         """(H, W, 3) RGB, a fresh array: the frame of the camera on `ego` at its present pose."""
         now, before = self._advance(ego, time_s)
@@ -79,6 +81,7 @@ class Renderer:
         self._sensor.expose(frame)
         return frame
 
+    @timed("skip")
     def skip(self, ego: Carrier, time_s: float) -> None:
         """Skip a frame; later frames are the same to the last bit.
 

@@ -11,6 +11,7 @@ from vpf_sim.envs.camera.light import GAMMA
 from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.seeding import stream
+from vpf_sim.timing import timed
 from vpf_sim.types import Image
 
 STRIPS = 4  # image strips with their own part of the noise bank: a small bank fits the CPU cache
@@ -33,6 +34,7 @@ class Sensor:
         sd = noise_of(weather) if rig.noise_sd is None else rig.noise_sd
         self._layers = _bank(*self._size, sd) if sd > 0.0 else None
 
+    @timed("render.sensor")
     def expose(self, frame: Image) -> None:
         """Apply blur, exposure and the next frame's noise, in place."""
         if self._blur_px > 0.0:

@@ -17,7 +17,7 @@ DRIVERS = """from vpf_sim.types import Command
 
 
 class Good:
-    privileged, sees = "none", False
+    privileged, uses_images = "none", False
 
     def reset(self, setup): pass
 

@@ -63,9 +63,9 @@ def test_the_registry_and_its_descriptions() -> None:
 
 
 def test_only_the_fields_drivers_look_at_the_frames(module: str) -> None:
-    seeing = [name for name in drivers.names() if drivers.sees(drivers.create(name))]
+    seeing = [name for name in drivers.names() if drivers.uses_images(drivers.create(name))]
     assert seeing == ["vpf", "vpf-paper", "vpf-literal"]
-    assert drivers.sees(drivers.create(f"{module}:Own")), "who does not say is shown them"
+    assert drivers.uses_images(drivers.create(f"{module}:Own")), "who does not say is shown them"
 
 
 def test_naming_the_drivers_loads_none_of_them() -> None:

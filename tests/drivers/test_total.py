@@ -21,9 +21,9 @@ from vpf_sim.planning.lane.frame import NOTHING, Lane
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference import LaneReference
-from vpf_sim.planning.planner import way
+from vpf_sim.planning.planner import create_planner
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
-from vpf_sim.types import Command, DriverSetup, Floats, Observation, Obstacles, Reference, RoadEdges
+from vpf_sim.types import Command, DriverSetup, Floats, LowObstacleRange, Observation, Obstacles, Reference, RoadEdges
 
 FEW = settings(max_examples=50, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=1000)
@@ -37,7 +37,7 @@ def assert_command(command: Command) -> None:
 
 def plan_and_follow(drive: scenes.Drive) -> None:
     """The planner in its frames, and the controller that follows it."""
-    plans = way(drive.setup, drive.configuration)
+    plans = create_planner(drive.setup, drive.configuration)
     controller = Gtsmc(load_gains(drive.configuration.gains), drive.setup.vehicle, drive.setup.rate_hz)
     for perception, observation in drive.frames():
         force, reference, _ = plans.step(perception, observation)
@@ -81,9 +81,9 @@ def test_a_drive_that_begins_standing_has_a_reference(variant: str) -> None:
     none = np.empty(0)
     nobody = Obstacles(none, none, none, none, none, np.empty(0, np.int64))
     seen = ideal.perception(RoadEdges(-5.0, 5.0, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5), nobody)
-    plans = way(setup, scenes.load(variant))
+    plans = create_planner(setup, scenes.load(variant))
     observation = Observation(scenes.NO_IMAGE, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (50.0, 0.0))
-    _, reference, _ = plans.step(replace(seen, low_sensing_range_m=(10.0, 20.0)), observation)
+    _, reference, _ = plans.step(replace(seen, low_range_m=LowObstacleRange(10.0, 20.0)), observation)
     assert (reference.heading_rad, reference.speed_mps) == (pytest.approx(0.0, abs=0.01), 0.0)
 
 

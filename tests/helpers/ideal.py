@@ -8,7 +8,7 @@ import numpy as np
 from bicycle import Bicycle
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
-from vpf_sim.types import Expansion, Floats, Flow, ObstacleMap, Obstacles, PaperFeatures, Perception, RoadEdges
+from vpf_sim.types import Expansion, Floats, Flow, KnownFeatures, ObstacleMap, Obstacles, Perception, RoadEdges
 
 HALF_ROAD_M = 7.0
 LANE_M = 1.75  # the preferred lane's middle, right of the carriageway's
@@ -91,7 +91,7 @@ def perception(road: RoadEdges, obstacles: Obstacles) -> Perception:
     flow = Flow(pairs, pairs, none, poses, np.zeros(3), whole, pairs, poses, whole, np.empty((0, 2, 2)))
     expansion = Expansion(319.5, 239.5, np.eye(2), np.empty(0, np.bool_), 1.0)
     plane = ObstacleMap(np.empty(0, np.bool_), np.zeros((60, 80)), np.zeros((2, 60, 80)), 8)
-    return Perception(flow, expansion, lambda: PaperFeatures(plane, none), obstacles, road, flow.pose)
+    return Perception(flow, expansion, KnownFeatures(plane, none), obstacles, road, flow.pose)
 
 
 def clearance(car: Bicycle, corners: Floats) -> float:

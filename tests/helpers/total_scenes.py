@@ -15,10 +15,10 @@ from vpf_sim.types import (
     Expansion,
     Floats,
     Flow,
+    KnownFeatures,
     Observation,
     ObstacleMap,
     Obstacles,
-    PaperFeatures,
     Perception,
     RoadEdges,
     VehicleModel,
@@ -96,7 +96,7 @@ def perceptions(draw: st.DrawFn, pose: Floats) -> Perception:
     sight = draw(st.one_of(st.just((np.inf, np.inf)), st.tuples(near(0.0, 40.0), near(0.0, 40.0))))
     tentative = draw(st.one_of(st.none(), bodies()))
     road, told = draw(roads()), draw(bodies())
-    return Perception(flow(points, pose), foe, lambda: PaperFeatures(seen, ttc), told, road, pose, sight, tentative)
+    return Perception(flow(points, pose), foe, KnownFeatures(seen, ttc), told, road, pose, sight, tentative)
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,16 @@
 """What is coloured stands out from grey: against luma + R - B without saturation on the way, then on a drawn road."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from plated_road import CAMERA, PLATE_M, frame
 
+from vpf_sim.drivers.paper_pipeline import FrameTrackers
+from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.planning import variant
-from vpf_sim.planning.planner import Planner
 from vpf_sim.seeding import stream
 from vpf_sim.types import DriverSetup, Observation, RoadEdges, VehicleModel
 
@@ -54,12 +57,13 @@ def test_the_driver_tells_a_plate_as_bright_as_the_road_by_its_colour(
 ) -> None:
     """Where the plate is grey as well nothing shows it but its edges, from nearer by."""
     setup = DriverSetup(CAMERA, VehicleModel(), LOOKS_HZ, SPEED_MPS, (200.0, 0.0), 5)
-    planner = Planner(setup, variant.load("robust"))
-    planner._road = Straight()  # type: ignore[assignment]
+    robust = variant.load("robust")
+    trackers = replace(FrameTrackers.create(setup, robust, LOOKS_HZ), road=Straight())  # type: ignore[arg-type]
+    perceiver = Perceiver(setup, robust, trackers)
     for step, forward in enumerate(np.arange(10.0, 22.0, SPEED_MPS / LOOKS_HZ).tolist()):
         image = np.stack([frame(forward, HEIGHT_M, plate_level=level) for level in colour], axis=-1)
         observation = Observation(image, step / LOOKS_HZ, forward, 0.0, 0.0, SPEED_MPS, 0.0, (200.0, 0.0))
-        told = planner.perceive(observation).obstacles
+        told = perceiver.perceive(observation).obstacles
     assert len(told) == bodies
     if bodies:
         assert told.forward_m[0] + forward == pytest.approx(PLATE_M[0, 0], abs=1.1)

@@ -15,9 +15,9 @@ from vpf_sim.types import (
     Floats,
     Flow,
     Force,
+    KnownFeatures,
     ObstacleMap,
     Obstacles,
-    PaperFeatures,
     Perception,
     Plan,
     Reference,
@@ -44,8 +44,8 @@ def plan(camera: Camera, points: Floats | None = None, bodies: float | None = No
     expansion = Expansion(camera.cx_px, camera.cy_px, np.eye(2), np.ones(count, np.bool_), 0.9)
     road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 0.95, 0.0, 3.5)
     obstacle_map = ObstacleMap(np.zeros(count, np.bool_), grid, np.zeros((2, *grid.shape)), 8)
-    salience = PaperFeatures(obstacle_map, np.full(count, 1.0))
-    perception = Perception(flow, expansion, lambda: salience, body, road, flow.pose)
+    salience = KnownFeatures(obstacle_map, np.full(count, 1.0))
+    perception = Perception(flow, expansion, salience, body, road, flow.pose)
     none = np.zeros(2)
     force = Force(np.array([1.0, 0.0]), none, none, np.array([1.0, 0.0]))
     return Plan(perception, force, Reference(0.2, 5.5), {"lane": SimpleNamespace(y_m=0.0)})

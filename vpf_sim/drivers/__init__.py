@@ -6,7 +6,7 @@ Naming the drivers loads none of them: planners and controllers are imported whe
 from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
 from vpf_sim.drivers.potential_field import FieldDriver
-from vpf_sim.drivers.protocol import command_of, looks, perception_of, sees, trace_of
+from vpf_sim.drivers.protocol import command_of, needs_next_frame, perception_of, trace_of, uses_images
 from vpf_sim.drivers.registry import FIELD, Description, create, describe, description, names
 from vpf_sim.drivers.route_followers import RouteDriver
 
@@ -21,9 +21,9 @@ __all__ = [
     "create",
     "describe",
     "description",
-    "looks",
     "names",
+    "needs_next_frame",
     "perception_of",
-    "sees",
     "trace_of",
+    "uses_images",
 ]

@@ -1,14 +1,14 @@
 """The baseline that is given the whole world: highway-env's own driver."""
 
 from vpf_sim.errors import InputError
-from vpf_sim.types import Command, DriverSetup, Observation, Plan, Privilege
+from vpf_sim.types import Command, Driver, DriverSetup, Observation, Privilege
 
 
-class IdmDriver:
+class IdmDriver(Driver):
     """highway-env's own driver. It is told all that is on the road, and needs no camera."""
 
     privileged: Privilege = "world"
-    sees = False
+    uses_images = False
 
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.controllers.idm import Idm, load_gains
@@ -19,7 +19,3 @@ class IdmDriver:
 
     def act(self, observation: Observation) -> Command:
         return self._controller.command(observation)
-
-    def trace(self) -> Plan | None:
-        """No plan of ours."""
-        return None

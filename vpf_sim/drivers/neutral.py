@@ -1,13 +1,13 @@
 """The trivial baseline: no throttle and no steering."""
 
-from vpf_sim.types import Command, DriverSetup, Observation, Plan, Privilege
+from vpf_sim.types import Command, Driver, DriverSetup, Observation, Privilege
 
 
-class NeutralDriver:
+class NeutralDriver(Driver):
     """Touches nothing: the trivial driver."""
 
     privileged: Privilege = "none"
-    sees = False
+    uses_images = False
 
     def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002
         from vpf_sim.controllers.neutral import Neutral
@@ -16,7 +16,3 @@ class NeutralDriver:
 
     def act(self, observation: Observation) -> Command:  # noqa: ARG002
         return self._controller.command()
-
-    def trace(self) -> Plan | None:
-        """No plan either."""
-        return None

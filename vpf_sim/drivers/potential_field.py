@@ -3,14 +3,15 @@
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
-from vpf_sim.types import Command, DriverSetup, Observation, Perception, Plan, Privilege
+from vpf_sim.timing import call
+from vpf_sim.types import Command, Driver, DriverSetup, Observation, Perception, Plan, Privilege
 
 if TYPE_CHECKING:
     from vpf_sim.controllers.gtsmc import Gains
     from vpf_sim.planning.variant import Variant
 
 
-class FieldDriver:
+class FieldDriver(Driver):
     """The Visual Potential Field planner in a variant by name or file, with the sliding mode controller it names."""
 
     privileged: Privilege = "none"
@@ -27,11 +28,13 @@ class FieldDriver:
 
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.controllers.gtsmc import Gtsmc
+        from vpf_sim.drivers.perceiver import Perceiver
         from vpf_sim.perception.egomotion.odometry import Odometry
         from vpf_sim.perception.plausible import Plausibility
-        from vpf_sim.planning.planner import Planner
+        from vpf_sim.planning.planner import create_planner
 
-        self._planner = Planner(setup, self._variant)
+        self._perceiver = Perceiver(setup, self._variant)
+        self._planner = create_planner(setup, self._variant)
         self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
         self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
         self._plausibility = Plausibility(setup.vehicle)
@@ -39,24 +42,30 @@ class FieldDriver:
 
     def act(self, observation: Observation) -> Command:
         observation = self._measured(observation)
-        plan = self._planner.step(observation)
-        command = self._controller.command(observation, plan.reference)
+        perception = self._perceiver.perceive(observation)
+        plan = call("plan", self._plan_step, perception, observation)
+        command = call("control", self._controller.command, observation, plan.reference)
         self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
         return command
 
     def perceive(self, observation: Observation) -> Perception:
         """What `act` would perceive, without planning or steering; one of the two is called each step."""
-        return self._planner.perceive(self._measured(observation))
+        return self._perceiver.perceive(self._measured(observation))
 
     def _measured(self, observation: Observation) -> Observation:
         """The observation with readings that can be, and with the pose that the odometry makes of it."""
         observation = self._plausibility.update(observation)
         return observation if self._odometry is None else self._odometry.update(observation)
 
+    def _plan_step(self, perception: Perception, observation: Observation) -> Plan:
+        """Fields, heading and speed reference; without new frames, a stop."""
+        force, reference, extra = self._planner.step(perception, observation)
+        return Plan(perception, force, self._perceiver.stop_when_blind(reference, observation), extra)
+
     @property
-    def looks(self) -> bool:
-        """Whether it looks at the next frame."""
-        return self._planner.looks
+    def needs_next_frame(self) -> bool:
+        """Whether it processes the next frame."""
+        return self._perceiver.needs_next_frame
 
     def trace(self) -> Plan | None:
         """The plan of the last step, for overlays and scores."""

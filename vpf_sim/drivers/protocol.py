@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from vpf_sim.timing import timed
 from vpf_sim.types import Command, Driver, Observation, Perception, Plan
 
 
+@timed("driver")
 def command_of(driver: Driver, observation: Observation) -> Command:
     """What a driver does, within the limits; anything but a command of finite numbers is the driver's fault."""
     command = driver.act(observation)
@@ -17,14 +19,14 @@ def command_of(driver: Driver, observation: Observation) -> Command:
     return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
 
 
-def sees(driver: Driver) -> bool:
-    """Whether a driver looks at the frames: all do but those that say `sees = False`."""
-    return bool(getattr(driver, "sees", True))
+def uses_images(driver: Driver) -> bool:
+    """Whether frames are drawn for a driver: for all but those that declare `uses_images = False`."""
+    return bool(getattr(driver, "uses_images", True))
 
 
-def looks(driver: Driver) -> bool:
-    """Whether a driver that acted looks at the next frame: one that sees does, but where it says `looks = False`."""
-    return sees(driver) and bool(getattr(driver, "looks", True))
+def needs_next_frame(driver: Driver) -> bool:
+    """Whether a driver that acted uses the next frame."""
+    return uses_images(driver) and bool(getattr(driver, "needs_next_frame", True))
 
 
 def trace_of(driver: Driver) -> Plan | None:
@@ -35,14 +37,11 @@ def trace_of(driver: Driver) -> Plan | None:
 
 
 def perception_of(driver: Driver, observation: Observation) -> Perception | None:
-    """What a driver perceives at a frame, by its `perceive` if it has one, else by the plan that it makes.
-
-    None if it shows neither.
-    """
+    """What a driver perceives: by its `perceive`, else by the plan that it makes; None if it shows neither."""
     perceive = getattr(driver, "perceive", None)
-    if perceive is not None:
-        seen = perceive(observation)
-        return seen if isinstance(seen, Perception) else None
+    perception = perceive(observation) if perceive is not None else None
+    if isinstance(perception, Perception):
+        return perception
     command_of(driver, observation)
     plan = trace_of(driver)
     return None if plan is None else plan.perception

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 
 from vpf_sim.errors import InputError
-from vpf_sim.types import Command, DriverSetup, Floats, Observation, Plan, Privilege
+from vpf_sim.types import Command, Driver, DriverSetup, Floats, Observation, Privilege
 
 
-class RouteDriver:
+class RouteDriver(Driver):
     """A controller that follows the route at the reference speed. It knows no obstacles."""
 
     privileged: Privilege = "route"
-    sees = False
+    uses_images = False
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -22,10 +22,6 @@ class RouteDriver:
 
     def act(self, observation: Observation) -> Command:
         return self._follow(observation)
-
-    def trace(self) -> Plan | None:
-        """A baseline makes no plan."""
-        return None
 
 
 def _pid(setup: DriverSetup, route: Floats) -> Callable[[Observation], Command]:

@@ -48,10 +48,21 @@ class ControllerConfig:
 
 
 @settings
+class FrameConfig:
+    """What is done about frames that are late or missing."""
+
+    remembered_s: float = setting("own motion that is kept, for frames that arrive late", gt=0.0)
+    longest_gap_s: float = setting("between two frames, over which points are still followed", gt=0.0)
+    blind_s: float = setting("without a new frame, after which the car brakes to a stop", gt=0.0)
+    latest_share: float = setting("of a period, the largest delay that the flow allows for", ge=0.0, le=1.0)
+
+
+@settings
 class Variant:
     """One section a stage. The way through the field is the paper's `paper_planner` or `lane_planner`, never both."""
 
     gains: str = setting("of the controller, a set [gtsmc.NAME] of controllers/gains.toml")
+    frames: FrameConfig = setting("late and missing frames")
     flow: FlowConfig
     focus_of_expansion: ExpansionConfig
     time_to_contact: ContactConfig

@@ -104,7 +104,7 @@ def run(
             video = stack.enter_context(
                 DriveVideo(video_path(out, recording.name), recording.camera, recording.rate_hz, _human(recording))
             )
-        can_drive = not recording.no_images or not drivers.sees(driver)
+        can_drive = not recording.no_images or not drivers.uses_images(driver)
         accumulated = Accumulated(camera_fixed_points.CameraFixedPoints(recording.camera))
         try:
             for row in _rows(recording, replayed if can_drive else None, video, clock, accumulated, progress):

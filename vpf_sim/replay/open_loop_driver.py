@@ -8,7 +8,8 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
 from vpf_sim.drivers import FieldDriver
-from vpf_sim.planning.planner import Planner, way
+from vpf_sim.drivers.perceiver import Perceiver
+from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
 from vpf_sim.replay.present_lane import is_found, obstacles_in_vehicle_frame, present_lane, road_in_vehicle_frame
@@ -75,20 +76,20 @@ class ModelVehicleDriver:
     def __init__(self, setup: DriverSetup, variant: Variant, gains: Gains) -> None:
         self._setup = setup
         self._variant = variant
-        self._perception = Planner(setup, replace(variant, road_edges=replace(variant.road_edges, **ANY_ROAD)))
-        self._way = way(setup, variant)
+        self._perceiver = Perceiver(setup, replace(variant, road_edges=replace(variant.road_edges, **ANY_ROAD)))
+        self._planner = create_planner(setup, variant)
         self._lane: RoadEdges | None = None
         self._model = ModelVehicle(gains, setup.vehicle, setup.rate_hz)
         self.restarts = 0
 
     def begin(self, segment: Segment) -> None:
         self._setup = replace(self._setup, goal_m=segment.goal_m, speed_reference_mps=segment.speed_mps)
-        self._way = way(self._setup, self._variant)
+        self._planner = create_planner(self._setup, self._variant)
         self._model.restart(segment.speed_mps)
 
     def decide(self, observation: Observation, interval: Interval) -> Decision:
-        perception = self._perception.perceive(observation)
-        if self._perception.has_missed:
+        perception = self._perceiver.perceive(observation)
+        if self._perceiver.has_missed:
             perception = replace(perception, expansion=replace(perception.expansion, confidence=0.0))
         found = is_found(perception.road, observation.speed_mps)
         lane = present_lane(perception.road, found)
@@ -105,8 +106,8 @@ class ModelVehicleDriver:
         return Decision(command, self._in_recorded_axes(plan, replace(perception, road=lane)), found)
 
     def _planned(self, from_model: Perception, observation: Observation) -> Plan:
-        force, reference, extra = self._way.step(from_model, self._at_model(observation))
-        return Plan(from_model, force, self._perception.unless_blind(reference, observation), extra)
+        force, reference, extra = self._planner.step(from_model, self._at_model(observation))
+        return Plan(from_model, force, self._perceiver.stop_when_blind(reference, observation), extra)
 
     def _hold_course(self, perception: Perception, observation: Observation) -> Plan:
         """Hold course and speed, since without a lane there is no basis for a decision.
@@ -124,7 +125,7 @@ class ModelVehicleDriver:
             return
         found = (last.confidence > 0.0) != (lane.confidence > 0.0)
         if found or abs(lane.lane_m - last.lane_m) > 0.5 * lane.lane_width_m:
-            self._way = way(self._setup, self._variant)
+            self._planner = create_planner(self._setup, self._variant)
 
     def _seen_from_model(self, perception: Perception, lane: RoadEdges) -> Perception:
         right, turn = self._model.right_m, self._model.turn_rad

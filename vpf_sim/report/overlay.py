@@ -53,7 +53,7 @@ def road_line(road: RoadEdges, right_m: Floats | float, along_m: Floats) -> Floa
 
 def _map_tint(canvas: Canvas, perception: Perception) -> None:
     """Where points stand out from the road, the picture turns a little red."""
-    plane = perception.obstacle_map.plane
+    plane = perception.features.obstacle_map.plane
     if not np.any(plane):
         return
     height, width = canvas.frame.shape[:2]
@@ -107,7 +107,7 @@ def ttc_colour(ttc_s: float) -> Colour:
 def _flow(canvas: Canvas, perception: Perception) -> None:
     """Each point's way over its window, coloured by its time to contact."""
     flow = perception.flow
-    step = np.digitize(perception.ttc_s, TTC_STEPS_S)
+    step = np.digitize(perception.features.ttc_s, TTC_STEPS_S)
     for i, colour in enumerate([*(ttc_colour(float(ttc)) for ttc in TTC_STEPS_S), UNKNOWN]):
         chosen = flow.points_px[step == i]
         past = distort(canvas.camera, chosen - flow.displacement_px[step == i])

@@ -114,7 +114,7 @@ def flow(found: Mapping[tuple[str, str], Along]) -> bytes:
             continue
         seen = moment.plan.perception
         points, moved = seen.flow.points_px, seen.flow.displacement_px
-        marked = seen.obstacle_map.on_obstacle
+        marked = seen.features.obstacle_map.on_obstacle
         axes[0, column].set_title(f"{NAMES[weather]}: flow over 0.1 s, obstacle points in red", fontsize=10)
         axes[0, column].imshow(moment.image)
         for chosen, colour in ((~marked, "#facc15"), (marked, "#ef4444")):
@@ -124,7 +124,7 @@ def flow(found: Mapping[tuple[str, str], Along]) -> bytes:
             )  # fmt: skip
         axes[0, column].plot(seen.expansion.x_px, seen.expansion.y_px, "c+", markersize=12, markeredgewidth=2)
         axes[1, column].set_title("obstacle map O", fontsize=10)
-        axes[1, column].imshow(seen.obstacle_map.plane, cmap="gray", vmin=0.0, vmax=1.0)
+        axes[1, column].imshow(seen.features.obstacle_map.plane, cmap="gray", vmin=0.0, vmax=1.0)
     return _png(figure)
 
 

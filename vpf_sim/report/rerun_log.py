@@ -83,9 +83,12 @@ class RerunLog:
         rr, seen = self._rr, plan.perception
         now = distort(self._camera, seen.flow.points_px)
         past = distort(self._camera, seen.flow.points_px - seen.flow.displacement_px)
-        colours = [ttc_colour(float(ttc)) for ttc in seen.ttc_s]
+        colours = [ttc_colour(float(ttc)) for ttc in seen.features.ttc_s]
         self._log("camera/flow", rr.Arrows2D(origins=past, vectors=now - past, colors=colours))
-        self._log("camera/obstacle_map", rr.Points2D(now[seen.obstacle_map.on_obstacle], colors=[OBSTACLE], radii=3.0))
+        self._log(
+            "camera/obstacle_map",
+            rr.Points2D(now[seen.features.obstacle_map.on_obstacle], colors=[OBSTACLE], radii=3.0),
+        )
         foe = np.array([[seen.expansion.x_px, seen.expansion.y_px]])
         self._log("camera/foe", rr.Points2D(foe[np.isfinite(foe).all(axis=1)], radii=6.0))
 

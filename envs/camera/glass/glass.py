@@ -13,6 +13,7 @@ from vpf_sim.envs.camera.glass.wipers import Wiper, paint_blade
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.envs.camera.weather import Weather
+from vpf_sim.timing import timed
 from vpf_sim.types import Bools, Camera, Image
 
 TICK_S = 0.05  # period of the water simulation and of the refracted image
@@ -42,6 +43,7 @@ class Glass:
             self._film = Film(planes.shape, self.wiper, TICK_S, seed)
             self._refraction = Refraction(planes, light)
 
+    @timed("render.glass")
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw the water and the blade over the frame, in place."""
         due = self.is_due(now.time_s)

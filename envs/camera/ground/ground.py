@@ -19,6 +19,7 @@ from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.view import View
 from vpf_sim.scenarios.parts import RoadAppearance
+from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image
 
 GRAINY_M = (10.0, 30.0)  # texel lengths at which grain starts to fade, and has faded
@@ -57,6 +58,7 @@ class Ground:
         for patch in reversed(self._patches):
             painted |= patch.update(view, may_defer=painted)
 
+    @timed("render.ground")
     def draw(self, view: View, frame: Image) -> None:
         """Draw the ground into the frame."""
         if not self._levels:

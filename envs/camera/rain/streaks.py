@@ -10,6 +10,7 @@ from vpf_sim.envs.camera.light import GAMMA, Light
 from vpf_sim.envs.camera.rain.shower import CELLS, CLASS_MM, NEAREST_M, Shower, Singles, fall_speed_mps, shower
 from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.seeding import stream
+from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image
 
 EXPOSURE_S, LONGEST_EXPOSURE_S = 0.002, 0.008  # with the sun at 45 deg, and the longest
@@ -61,6 +62,7 @@ class Streaks:
         self._is_dry = atmosphere.rain_mmph <= 0.0 or gain <= 0.0 or self.brightness <= DARKEST
         self._showers: dict[tuple[int, ...], Shower] = {}
 
+    @timed("render.streaks")
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw the drops of this frame, in place."""
         if not self._is_dry:

@@ -24,6 +24,7 @@ from vpf_sim.envs.camera.rain.puddles import Puddles, covered_table, road_table,
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
+from vpf_sim.timing import timed
 from vpf_sim.types import Bools, Camera, Image
 
 Bytes = NDArray[np.uint8]
@@ -98,6 +99,7 @@ class WetRoad:
         self._dimming, self._added = np.empty((*size, 3), np.uint8), np.empty((*size, 3), np.uint8)
         self._left = np.empty(size, np.uint8)
 
+    @timed("render.wet_road")
     def draw(self, frame: Image, view: View, drawn: list[Drawn]) -> None:
         """Draw the reflections of the sky and of `drawn`, in place."""
         if self._is_dry:

@@ -18,6 +18,7 @@ from vpf_sim.envs.camera.scenery.static_scenery import StaticScenery
 from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
+from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image
 
 SHADOW_REACH = 4.0  # longest shadows, in heights
@@ -53,6 +54,7 @@ class Scene:
         self._drawing_order = DrawingOrder()
         self._order: list[int] = []
 
+    @timed("render.visible")
     def visible(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
         """All visible items, projected, the farthest first."""
         trees = self._scenery.visible_trees(now.view)
@@ -81,10 +83,12 @@ class Scene:
             obj = now.objects[i]
             self._shape(obj).solid.update(now.view, now.poses[obj])
 
+    @timed("render.scene")
     def paint(self, frame: Image, drawn: list[Drawn]) -> None:
         """Draw items over the image, in their order."""
         paint(frame, [item.drawing for item in drawn])
 
+    @timed("render.shadows")
     def paint_shadows(self, frame: Image, now: Snapshot) -> None:
         """Draw the shadows of the objects found by `visible`."""
         for i in self._order:

@@ -11,6 +11,7 @@ from vpf_sim.envs.camera.sky.hills import hills, hills_show, outlines
 from vpf_sim.envs.camera.sky.sky_dome import ZENITH_SLOPE, sky_dome
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
+from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image
 
 COARSE = 4  # the sky is smooth: drawn on every fourth pixel
@@ -42,6 +43,7 @@ class Sky:
             )
             self._sky = Cylinder(sky, ZENITH_SLOPE, *_directions(camera, columns, rows), 32)
 
+    @timed("render.sky")
     def draw(self, view: View, frame: Image) -> None:
         """Draw the sky into the frame."""
         if self._sky is not None:

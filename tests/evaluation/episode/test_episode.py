@@ -78,7 +78,7 @@ def test_the_hash_of_the_frames_is_that_of_all_their_bytes_in_order() -> None:
 
 
 class Blind(Constant):
-    sees = False
+    uses_images = False
 
 
 def test_the_hash_of_the_frames_is_none_for_who_is_shown_none() -> None:
@@ -89,7 +89,7 @@ class EachThird(Constant):
     """It looks at one frame of three."""
 
     @property
-    def looks(self) -> bool:
+    def needs_next_frame(self) -> bool:
         return len(self.seen) % 3 == 0
 
 

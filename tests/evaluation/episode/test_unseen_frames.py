@@ -122,7 +122,7 @@ def test_a_field_driver_says_at_which_frames_it_looks(driver: str) -> None:
                 command, plan = drivers.command_of(tested, observation), drivers.trace_of(tested)
                 assert plan is not None
                 found.append((command, plan.perception.flow.points_px.tobytes()))
-                looks = drivers.looks(tested)
+                looks = drivers.needs_next_frame(tested)
                 looked += looks
                 observed, *_ = env.step(np.zeros(2))
         return found, looked

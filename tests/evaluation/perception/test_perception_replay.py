@@ -107,7 +107,7 @@ class EachFourth:
         return self.seen
 
     @property
-    def looks(self) -> bool:
+    def needs_next_frame(self) -> bool:
         return len(self.shown) % 4 == 0
 
     seen: Perception

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from road_picture import RoadPicture
 
+from vpf_sim.drivers.paper_pipeline import FrameTrackers
+from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import project
 from vpf_sim.perception.egomotion.camera_pitch import PitchConfig, PitchEstimator
 from vpf_sim.perception.egomotion.mount_pitch import MountPitch, MountPitchConfig
 from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
 from vpf_sim.perception.road.model import lines, seen_lines
-from vpf_sim.planning.planner import Planner
 from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Expansion, Floats, Flow, Observation, RoadEdges, VehicleModel
@@ -152,13 +153,15 @@ def test_the_flow_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
 
 def test_the_planner_takes_it_out_of_what_it_sees() -> None:
     picture = RoadPicture(askew(0.6))
-    planner = Planner(DriverSetup(CAMERA, VehicleModel(), 60.0, SPEED_MPS, (200.0, 0.0), 1), load("robust"))
-    for i in range(10):
-        pose = picture.pose(i * SPEED_MPS / 60.0, 1.3, 0.0)
+    setup, robust = DriverSetup(CAMERA, VehicleModel(), 20.0, SPEED_MPS, (200.0, 0.0), 1), load("robust")
+    trackers = FrameTrackers.create(setup, robust, 20.0)
+    perceiver = Perceiver(setup, robust, trackers)
+    for i in range(4):
+        pose = picture.pose(i * SPEED_MPS / 20.0, 1.3, 0.0)
         x, y, yaw = pose.tolist()
-        seen = planner.perceive(Observation(picture.draw(pose, i), i / 60.0, x, y, yaw, SPEED_MPS, 0.0, (200.0, 0.0)))
-    assert planner._pitch_estimator is not None
-    assert np.degrees(planner._pitch_estimator.mounted_rad) == pytest.approx(0.6, abs=0.05)
+        seen = perceiver.perceive(Observation(picture.draw(pose, i), i / 20.0, x, y, yaw, SPEED_MPS, 0.0, (200.0, 0.0)))
+    assert trackers.pitch is not None
+    assert np.degrees(trackers.pitch.mounted_rad) == pytest.approx(0.6, abs=0.05)
     assert seen.road.right_m == pytest.approx(5.7, abs=0.06)
     assert len(seen.obstacles) == 0
 

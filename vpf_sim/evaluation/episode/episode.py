@@ -15,12 +15,11 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.hashing import FrameHasher
 from vpf_sim.evaluation.episode.log import StepLog
 from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
-from vpf_sim.evaluation.episode.stages import IN_EPISODES
-from vpf_sim.evaluation.episode.stopwatch import Stopwatch
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import records
 from vpf_sim.evaluation.outcome import Outcome
 from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.timing import Stopwatch
 from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
 
 Watcher = Callable[[Image, Plan | None], None]
@@ -50,11 +49,11 @@ def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | No
 def _run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None) -> EpisodeResult:
     started_s, stopwatch = perf_counter(), Stopwatch()
     tested = drivers.create(driver)
-    truth, frames = (("foe",), True) if drivers.sees(tested) else ((), watch is not None)
+    truth, frames = (("foe",), True) if drivers.uses_images(tested) else ((), watch is not None)
 
     with closing(FourLane(scenario, weather, truth=truth, frames=frames)) as env:
         job = Job(scenario, weather, driver, seed)
-        with stopwatch.watching(IN_EPISODES):
+        with stopwatch.running():
             outcome = roll_out(env, tested, drivers.create("pid"), seed, watch, stopwatch.end_step)
         wall_s = perf_counter() - started_s
         if len(outcome.steps):
@@ -80,7 +79,7 @@ def roll_out(
 
     `tick` is called once a step.
     """
-    traceback, looks = None, drivers.sees(driver)
+    traceback, looks = None, drivers.uses_images(driver)
     with FrameHasher() as frames:
         log = StepLog()
         try:
@@ -98,7 +97,7 @@ def roll_out(
                 if watch is not None:
                     watch(observation.image, plan)
                 tick()
-                looks = drivers.looks(driver)
+                looks = drivers.needs_next_frame(driver)
                 action = np.array([command.throttle, command.steering])
                 observed, _, terminated, truncated, info = env.step(action, with_frame=looks or watch is not None)
                 ended = terminated or truncated

@@ -8,6 +8,7 @@ from vpf_sim.envs.rectangles import nearest, solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.sight import Sight
+from vpf_sim.timing import timed
 from vpf_sim.types import Command, Observation, Perception, Plan
 
 NOWHERE_PX = (nan, nan)  # the focus of expansion of a car that stands
@@ -20,6 +21,7 @@ class StepLog:
         self._steps: list[Step] = []
         self._sight = Sight()
 
+    @timed("log")
     def observe(self, observation: Observation, info: dict[str, Any], env: Any, looked: bool) -> None:
         """A new row with the state, which sensors that err do not tell, and what the harness measures of the world.
 

@@ -40,7 +40,7 @@ def check(name: str) -> Driver:
 
 def _drive(driver: Driver, where: str, text: str) -> None:
     """Up to the goal, or for MOST_FRAMES."""
-    with closing(FourLane(scenarios.parse(text, "trial.toml"), frames=drivers.sees(driver))) as env:
+    with closing(FourLane(scenarios.parse(text, "trial.toml"), frames=drivers.uses_images(driver))) as env:
         observed, _ = env.reset(seed=0)
         place = "reset"
         try:
@@ -49,7 +49,7 @@ def _drive(driver: Driver, where: str, text: str) -> None:
                 place = f"frame {frame}"
                 command = drivers.command_of(driver, read(observed))
                 drivers.trace_of(driver)
-                look = drivers.looks(driver)
+                look = drivers.needs_next_frame(driver)
                 observed, _, terminated, truncated, _ = env.step(
                     np.array([command.throttle, command.steering]), with_frame=look
                 )

@@ -12,13 +12,13 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.episode.stages import STAGES
-from vpf_sim.evaluation.episode.stopwatch import WINDOW_STEPS, Stopwatch
 from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.perception.egomotion.flow import grey
+from vpf_sim.timing import WINDOW_STEPS, Stopwatch
 from vpf_sim.types import Image
 
 WARM_UP_STEPS = 30
+WHOLE = ("step", "world", "driver")  # these are made of the other stages
 PAIRS = 6  # of frames that follow each other, on which the yardstick is timed after each WINDOW_STEPS
 
 
@@ -36,7 +36,7 @@ def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
     """
     limit_opencv()
     watch, yardstick = Stopwatch(), Stopwatch()
-    with closing(FourLane(scenario, weather)) as env, watch.watching(STAGES):
+    with closing(FourLane(scenario, weather)) as env, watch.running():
         drive = _Drive(env)
         for number in range(WINDOW_STEPS * ceil(steps / WINDOW_STEPS)):
             if drive.ended:
@@ -76,7 +76,7 @@ class _Drive:
         """Act and step; the frame, if the driver or `look` asks for it."""
         command = drivers.command_of(self._driver, read(self._observed))
         action = np.array([command.throttle, command.steering])
-        self._observed, _, *ends, _ = self._env.step(action, with_frame=look or drivers.looks(self._driver))
+        self._observed, _, *ends, _ = self._env.step(action, with_frame=look or drivers.needs_next_frame(self._driver))
         self.ended = any(ends)
         return self._observed.get("image")
 
@@ -99,14 +99,14 @@ def _yardstick(before: Image, now: Image) -> None:
 
 
 def _report(watch: Stopwatch, yardstick: Stopwatch) -> dict[str, Any]:
-    names = (*STAGES, "hash")
     a_step, once = watch.typical_ms(), watch.medians_ms()
+    names = [name for name in a_step if name not in WHOLE]
     step_ms, yardstick_ms = a_step["step"], yardstick.typical_ms(PAIRS)["yardstick"]
     return {
         "step_ms": step_ms,
         "yardstick_ms": yardstick_ms,
         "step_ratio": step_ms / yardstick_ms,
         "camera_ratio": once["render"] / yardstick_ms,
-        "stages_ms": {name: a_step[name] for name in names if name in a_step},
-        "once_ms": {name: once[name] for name in names if name in once},
+        "stages_ms": {name: a_step[name] for name in names},
+        "once_ms": {name: once[name] for name in names},
     }

@@ -43,7 +43,7 @@ Judged = tuple[StoredDrive, list[Judgement]]
 def replay(drives: Iterable[StoredDrive], names: Sequence[str], workers: int) -> Iterator[Judged]:
     """Each drive as each of the drivers of these names perceives it, in the order in which they are ready."""
     for name in names:
-        if not drivers.sees(drivers.create(name)):
+        if not drivers.uses_images(drivers.create(name)):
             raise InputError(f"driver '{name}': expected one that perceives, got one that looks at no frame")
     longest_first = sorted(drives, key=lambda drive: -drive.record["steps"])
     for done in pool.run(partial(judge, tuple(names)), longest_first, workers):
@@ -109,7 +109,7 @@ def watch(
             break
         observation = read(observed)
         show(row, [_perceived(name, driver, observation, row) for name, driver in perceivers.items()], info)
-        looks = any(map(drivers.looks, perceivers.values()))
+        looks = any(map(drivers.needs_next_frame, perceivers.values()))
         observed, _, _, _, info = world.step(command, with_frame=looks)
 
 

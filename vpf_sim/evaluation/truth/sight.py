@@ -47,7 +47,7 @@ class Sight:
         if self._motion is None or not self._due or not looked:
             return found
         self._due = False
-        return found | self._judged(seen.flow, seen.ttc_s, self._motion)
+        return found | self._judged(seen.flow, seen.features.ttc_s, self._motion)
 
     @property
     def _every(self) -> int:

@@ -72,9 +72,7 @@ class LanePlanner:
         """The reference, slowed by what is suspected on the way to a goal aside and by what cannot be seen."""
         allowed = inf
         if self._sight is not None:
-            allowed = speed_within_clear_distance(
-                perception.low_sensing_range_m, self._speed_mps, self._sight, self._vehicle
-            )
+            allowed = speed_within_clear_distance(perception.low_range_m, self._speed_mps, self._sight, self._vehicle)
             allowed = min(allowed, self._on_road(perception.road, speed_mps))
         if self._tentative_limit is not None and perception.tentative is not None:
             tentative = place(perception.tentative, lane)

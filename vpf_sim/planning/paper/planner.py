@@ -39,7 +39,7 @@ class PaperPlanner:
         lane = locate(perception.road)
         target = target_field.force(x, y, yaw, observation.goal_m, lane, config.target_field)
         obstacle = obstacle_field.force(
-            perception.obstacle_map, perception.ttc_s, self._setup.camera, config.obstacle_field
+            perception.features.obstacle_map, perception.features.ttc_s, self._setup.camera, config.obstacle_field
         )
         bend = self._bend.update(perception.expansion.x_px)
         right_m, left_m = road_field.edges(lane, perception.road.lane_width_m, config.road_field)

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.drivers.paper_pipeline import FrameTrackers
+from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.geometry import project, rotation, vehicle_from_world, wrap_angle
 from vpf_sim.perception.paper import obstacle_map as obstacles
 from vpf_sim.planning import variant
-from vpf_sim.planning.planner import Planner
+from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Command, DriverSetup, Floats, Flow, Image, Observation, Plan, RoadEdges, VehicleModel
@@ -120,8 +122,8 @@ class Replayed:
 
     pitch, is_swept = None, False
 
-    def __init__(self, records: list[object]) -> None:
-        self._records = iter(records)
+    def __init__(self, records: list[object], rate_hz: float) -> None:
+        self._records, self.rate_hz = iter(records), rate_hz
 
     def update(self, *_: object, **__: object) -> object:
         return next(self._records)
@@ -138,19 +140,25 @@ def drive(configuration: Variant, moved: Moved, goal_m: Floats) -> list[tuple[Pl
     scene = Scene()
     gx, gy, _ = moved.pose(np.array([*goal_m, 0.0]))
     goal = (float(gx), float(gy))
-    planner = Planner(DriverSetup(CAMERA, CAR, RATE_HZ, SPEED_MPS, goal, 5), configuration)
+    setup = DriverSetup(CAMERA, CAR, RATE_HZ, SPEED_MPS, goal, 5)
     frames = range(1, FRAMES)
-    every = planner._every
-    planner._flow = Replayed([moved.flow(scene.flow(k, every)) for k in frames[::every]])  # type: ignore[assignment]
-    planner._road = Replayed([moved.edges(scene.edges(k)) for k in frames])  # type: ignore[assignment]
+    every = round(RATE_HZ / Perceiver(setup, configuration).frame_rate_hz)
+    trackers = replace(
+        FrameTrackers.create(setup, configuration, RATE_HZ / every),
+        flow=Replayed([moved.flow(scene.flow(k, every)) for k in frames[::every]], RATE_HZ / every),  # type: ignore[arg-type]
+        road=Replayed([moved.edges(scene.edges(k)) for k in frames], RATE_HZ),  # type: ignore[arg-type]
+    )
+    perceiver = Perceiver(setup, configuration, trackers, Passes())  # type: ignore[arg-type]
+    planner = create_planner(setup, configuration)
     hands = Gtsmc(load_gains("robust"), CAR, RATE_HZ)
-    planner._gate = Passes()  # type: ignore[assignment]
     blank: Image = np.zeros((CAMERA.height_px, CAMERA.width_px, 3), np.uint8)
     steps = []
     for frame in frames:
         x, y, yaw = moved.pose(scene.pose(frame)).tolist()
         observation = Observation(blank, frame / RATE_HZ, x, y, wrap_angle(yaw), SPEED_MPS, 0.0, goal)
-        plan = planner.step(observation)
+        perception = perceiver.perceive(observation)
+        force, reference, extra = planner.step(perception, observation)
+        plan = Plan(perception, force, perceiver.stop_when_blind(reference, observation), extra)
         steps.append((plan, hands.command(observation, plan.reference)))
     return steps
 
@@ -158,7 +166,7 @@ def drive(configuration: Variant, moved: Moved, goal_m: Floats) -> list[tuple[Pl
 @pytest.mark.parametrize(("rate_hz", "every"), [(60.0, 3), (50.0, 2), (30.0, 1), (29.97, 1), (20.0, 1), (10.0, 1)])
 def test_no_fewer_frames_are_looked_at_than_asked(rate_hz: float, every: int) -> None:
     setup = DriverSetup(CAMERA, CAR, rate_hz, SPEED_MPS, (200.0, 0.0), 5)
-    assert Planner(setup, variant.load("robust"))._every == every
+    assert Perceiver(setup, variant.load("robust")).frame_rate_hz == pytest.approx(rate_hz / every)
 
 
 GOAL = np.array([200.0, 10.0])
@@ -219,5 +227,9 @@ def test_the_obstacle_map_is_worked_out_once_where_it_is_asked_for(monkeypatch: 
     monkeypatch.setattr(obstacles, "detect", lambda *given: asked.append(0) or detect(*given))
     seen = [plan.perception for plan, _ in drive(variant.load("robust"), STILL, GOAL)]
     assert not asked, "the valley goes by bodies"
-    assert seen[-1].obstacle_map.on_obstacle.shape == seen[-1].ttc_s.shape == seen[-1].flow.points_px.shape[:1]
+    assert (
+        seen[-1].features.obstacle_map.on_obstacle.shape
+        == seen[-1].features.ttc_s.shape
+        == seen[-1].flow.points_px.shape[:1]
+    )
     assert len(asked) == 1

@@ -1,0 +1,63 @@
+"""What the stages of a pipeline hand on: one record, filled while a frame is processed."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
+from vpf_sim.perception.egomotion.triangulation import Triangulation
+from vpf_sim.perception.obstacles.extent import none
+from vpf_sim.types import (
+    UNLIMITED,
+    Bools,
+    Expansion,
+    Floats,
+    Flow,
+    Image,
+    Integers,
+    LowObstacleRange,
+    Observation,
+    Obstacles,
+    PointFeatures,
+    RoadEdges,
+)
+
+
+@dataclass(slots=True)
+class FrameState:
+    """Inputs of a frame, results of its stages, and feedback, which the next frame reads.
+
+    Before a frame, the last frame's `obstacles` are moved to its axes.
+    """
+
+    # Inputs
+    observation: Observation = field(init=False)  # of the moment at which the frame was taken
+    pose: Floats = field(init=False)  # (3,) x m, y m, yaw rad of the vehicle then
+    gap_s: float = field(init=False)  # since the frame before
+    late: float = field(init=False)  # share of a period by which the frame was taken after its turn
+
+    # Egomotion
+    grey: Image = field(init=False)  # (H, W)
+    flow: Flow = field(init=False)
+    derotated: Derotated = field(init=False)
+    foe: Expansion | None = None  # feedback: prior of the next frame's
+    steady_flow: Flow = field(init=False)  # without the camera's pitch
+    pitch_change_rad: float = 0.0  # + looks farther down than in the last frame
+
+    # Road
+    road: RoadEdges = field(init=False)
+    road_pitch: tuple[float, float] | None = None  # rad and its standard deviation, from the road's lines
+
+    # Obstacles
+    contrast: Image | None = None  # (H, W) with colour contrast and without pitch; None beneath the wiper
+    moving: Obstacles | None = None  # moving obstacles before this frame's measurement
+    points: Triangulation = field(init=False)
+    on_moving: Bools | None = None  # (N,) points of the flow on moving obstacles
+    detected: Obstacles = field(init=False)  # before close-range verification
+    obstacles: Obstacles = field(default_factory=none)  # feedback: they hide the road in the next frame
+    rejected: Integers = field(default_factory=lambda: np.empty(0, np.int64))  # identities that verification removed
+    tentative: Obstacles | None = None
+    low_range_m: LowObstacleRange = UNLIMITED
+
+    # The paper's fields
+    features: PointFeatures = field(init=False)

@@ -1,0 +1,163 @@
+"""The robust pipeline: as the paper's to the road, then obstacles that stand, lie low and move, tracked over frames."""
+
+from functools import partial
+
+import numpy as np
+
+from vpf_sim.drivers.frame_state import FrameState
+from vpf_sim.drivers.paper_pipeline import FEEDBACK, INPUTS, CommonStages, FrameTrackers
+from vpf_sim.perception.contrast import contrast
+from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
+from vpf_sim.perception.egomotion.triangulation import Triangulation
+from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier
+from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
+from vpf_sim.perception.obstacles.point_hypotheses import among
+from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
+from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
+from vpf_sim.pipeline import Pipeline, stage
+from vpf_sim.planning.variant import Variant
+from vpf_sim.types import (
+    Bools,
+    Camera,
+    DriverSetup,
+    Floats,
+    Flow,
+    Image,
+    Integers,
+    LowObstacleRange,
+    Observation,
+    Obstacles,
+    RoadEdges,
+)
+
+
+def robust_pipeline(
+    setup: DriverSetup, variant: Variant, trackers: FrameTrackers, config: StaticObstacleConfig
+) -> Pipeline[FrameState]:
+    """The stages from a frame to obstacles and road.
+
+    `obstacles` of the last frame hide the road in this one; what verification rejects hides nothing in the next.
+    """
+    common = CommonStages(setup, variant, trackers)
+    its = ObstacleStages(setup, variant, trackers, config)
+    stages = [
+        *common.egomotion(),
+        stage("keyframe", its.remember_frame, "grey"),
+        common.road(),
+        stage("contrast", its.contrast_image, "observation grey pose", "contrast"),
+        stage("moving_prediction", its.predict_moving, "pose observation", "moving"),
+        stage("planar_parallax", its.compare_road, "contrast pose road moving observation"),
+        stage("triangulation", its.triangulate, "steady_flow", "points"),
+        stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
+        stage("track_refinement", its.refine, "flow steady_flow points road", "points"),
+        stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
+        stage("all_obstacles", its.join_moving, "steady_flow observation detected", "detected"),
+        stage("close_range_verification", its.verify, "contrast pose detected observation", "obstacles rejected"),
+        stage("rejection", its.reject, "rejected"),
+        stage("sensing_range", its.sensing_range, "observation pose", "low_range_m tentative"),
+        common.point_features(),
+        common.mount_pitch(),
+    ]
+    return Pipeline(FrameState, stages, INPUTS, FEEDBACK)
+
+
+class ObstacleStages:
+    """The stages that find and track obstacles."""
+
+    def __init__(
+        self, setup: DriverSetup, variant: Variant, trackers: FrameTrackers, config: StaticObstacleConfig
+    ) -> None:
+        camera, rate_hz = setup.camera, trackers.flow.rate_hz
+        self._trackers, self._speed_reference_mps = trackers, setup.speed_reference_mps
+        self._static = StaticObstacleTracker(camera, config, rate_hz)
+        self._moving = (
+            MovingObstacleTracker(camera, variant.moving_obstacles, rate_hz) if variant.moving_obstacles else None
+        )
+        verification = variant.close_range_verification
+        self._verifier = CloseRangeVerifier(camera, verification) if verification else None
+        self._keyframes = _keyframes(camera, variant, config, rate_hz)
+
+    def remember_frame(self, grey: Image) -> None:
+        """Keep the frame, for points that are compared with their first observation."""
+        if self._keyframes is not None:
+            self._keyframes.note(grey)
+
+    def contrast_image(self, observation: Observation, grey: Image, pose: Floats) -> Image | None:
+        """The image in which the road is compared, without the camera's pitch; None beneath the wiper.
+
+        Where nobody compares this frame, the grey image will do.
+        """
+        if self._trackers.flow.is_swept:
+            return None
+        verifier = self._verifier
+        if not self._static.looks and (verifier is None or not verifier.looks(pose, observation.speed_mps)):
+            return grey
+        view, pitch = contrast(observation.image, grey), self._trackers.pitch
+        return view if pitch is None else pitch.frame(view)
+
+    def predict_moving(self, pose: Floats, observation: Observation) -> Obstacles | None:
+        """Moving obstacles where the road is compared: no road is expected there."""
+        if self._moving is None or not self._static.looks:
+            return None
+        return self._moving.moving(pose, observation.speed_mps)
+
+    def compare_road(
+        self, image: Image | None, pose: Floats, road: RoadEdges, moving: Obstacles | None, observation: Observation
+    ) -> None:
+        """Compare the road ahead with how it looked before, for low obstacles."""
+        self._static.look(image, pose, road, moving, observation.speed_mps)
+
+    def triangulate(self, steady: Flow) -> Triangulation:
+        """The points of the flow, as if all of them stood still."""
+        return self._static.triangulate(steady)
+
+    def track_moving(
+        self, steady: Flow, points: Triangulation, road: RoadEdges, observation: Observation
+    ) -> Bools | None:
+        """(N,) points of the flow on moving obstacles."""
+        if self._moving is None:
+            return None
+        return self._moving.update(steady, points, road, observation.speed_mps, observation.time_s)
+
+    def refine(self, flow: Flow, steady: Flow, points: Triangulation, road: RoadEdges) -> Triangulation:
+        """The points, those above the road matched again with the frame of their first observation."""
+        if self._keyframes is None:
+            return points
+        return self._static.refined(steady, points, road, partial(self._keyframes.aside_px, flow))
+
+    def track_static(
+        self, steady: Flow, road: RoadEdges, observation: Observation, points: Triangulation, on_moving: Bools | None
+    ) -> Obstacles:
+        """Static obstacles after this frame."""
+        return self._static.update(steady, road, observation.speed_mps, observation.time_s, points, on_moving)
+
+    def join_moving(self, steady: Flow, observation: Observation, static: Obstacles) -> Obstacles:
+        """Static and moving obstacles, and those of the collision alarm."""
+        if self._moving is None or not self._moving.reports:
+            return static
+        return self._moving.obstacles(steady.pose, observation.speed_mps, static)
+
+    def verify(
+        self, image: Image | None, pose: Floats, detected: Obstacles, observation: Observation
+    ) -> tuple[Obstacles, Integers]:
+        """The obstacles without those in whose place the road is seen from near, and the identities of these."""
+        if self._verifier is None:
+            return detected, np.empty(0, np.int64)
+        verified = self._verifier.update(image, pose, detected, observation.speed_mps, self._static.is_verified)
+        return verified, detected.identity[~among(detected.identity, verified.identity)]
+
+    def reject(self, identity: Integers) -> None:
+        """Rejected obstacles hide nothing of the road in the next frame."""
+        self._static.refute(identity)
+
+    def sensing_range(self, observation: Observation, pose: Floats) -> tuple[LowObstacleRange, Obstacles]:
+        """How far low obstacles are detected, and the tentative ones."""
+        now_m, best_m = self._static.low_sensing_range_m(observation.speed_mps, self._speed_reference_mps)
+        return LowObstacleRange(now_m, best_m), self._static.tentative(pose)
+
+
+def _keyframes(camera: Camera, variant: Variant, config: StaticObstacleConfig, rate_hz: float) -> KeyframeBuffer | None:
+    """The frames of first observations, where points are compared with them."""
+    if variant.flow.keyframe_s is None:
+        return None
+    return KeyframeBuffer(camera, config.window_px, round(2.0 * variant.flow.keyframe_s * rate_hz))
