@@ -39,6 +39,7 @@ class ChainName(StrEnum):
     robust = "robust"
     paper = "paper"
     without = "without"
+    mechanisms = "mechanisms"
 
 
 ChainOption = Annotated[
@@ -46,7 +47,7 @@ ChainOption = Annotated[
     typer.Option(
         "--chain",
         help="robust: from vpf@full-frame to vpf; paper: from vpf-literal to vpf-paper; "
-        "without: vpf-paper without one of its repairs.",
+        "without: vpf-paper without one of its repairs; mechanisms: vpf without one of its mechanisms.",
     ),
 ]
 
@@ -102,7 +103,7 @@ def print_steps(rows: list[Row], seeds: str) -> None:
     """The steps, then what each changes against the one before."""
     from vpf_sim.cli.tables import number, print_table, within
 
-    apart = any(row["driver"].startswith("vpf@without-") for row in rows)
+    apart = any(row["driver"].startswith(("vpf@without-", "vpf@no-")) for row in rows)
     how = "One change is taken back at a time" if apart else "Each step keeps the changes of those before it"
     print(f"Seeds {seeds}. {how}:\n")
     for step, change in {row["driver"]: row["changes"] for row in rows}.items():

@@ -26,12 +26,12 @@ from vpf_sim.perception.paper.time_to_contact import ContactConfig
 from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
 from vpf_sim.planning.lane.planner import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
-from vpf_sim.planning.variants import repair_steps
+from vpf_sim.planning.variants import knockouts, repair_steps
 from vpf_sim.planning.variants.ablation_steps import steps
 
 PACKAGE = "vpf_sim.planning.variants"
 BASE = "robust"
-Chain = Literal["robust", "paper", "without"]
+Chain = Literal["robust", "paper", "without", "mechanisms"]
 
 
 @settings
@@ -63,21 +63,27 @@ class Variant:
 
     gains: str = setting("of the controller, a set [gtsmc.NAME] of controllers/gains.toml")
     frames: FrameConfig = setting("late and missing frames")
-    flow: FlowConfig
-    focus_of_expansion: ExpansionConfig
-    time_to_contact: ContactConfig
-    obstacle_map: ObstacleMapConfig
-    road_edges: RoadEdgeConfig
-    odometry: OdometryConfig | None = None  # without it, the pose is smooth
-    camera_pitch: PitchConfig | None = None  # without it, the car does not pitch
-    static_obstacles: StaticObstacleConfig | None = None  # without it, no bodies: only the obstacle map
-    close_range_verification: VerificationConfig | None = (
-        None  # without it, the car stands for good before what is not there
+    flow: FlowConfig = setting("sparse optical flow")
+    focus_of_expansion: ExpansionConfig = setting("focus of expansion")
+    time_to_contact: ContactConfig = setting("time to contact")
+    obstacle_map: ObstacleMapConfig = setting("obstacle map")
+    road_edges: RoadEdgeConfig = setting("edges and lanes of the road")
+    odometry: OdometryConfig | None = setting("rough poses are smoothed by speed and yaw rate", default=None)
+    camera_pitch: PitchConfig | None = setting(
+        "the car's pitching and the camera's mounting are taken out of flow and frames", default=None
     )
-    moving_obstacles: MovingObstacleConfig | None = None  # without it, all bodies stand
-    controller: ControllerConfig | None = None
-    paper_planner: PaperPlannerConfig | None = None
-    lane_planner: LanePlannerConfig | None = None
+    static_obstacles: StaticObstacleConfig | None = setting(
+        "obstacles that stand; without it there is only the obstacle map", default=None
+    )
+    close_range_verification: VerificationConfig | None = setting(
+        "at walking speed, obstacles in whose place the road is seen are rejected", default=None
+    )
+    moving_obstacles: MovingObstacleConfig | None = setting(
+        "obstacles that move are told from those that stand", default=None
+    )
+    controller: ControllerConfig | None = setting("changes of the gains", default=None)
+    paper_planner: PaperPlannerConfig | None = setting("the paper's fields in the image", default=None)
+    lane_planner: LanePlannerConfig | None = setting("lateral cost, path and speed in the lane", default=None)
 
     def __post_init__(self) -> None:
         if (self.paper_planner is None) == (self.lane_planner is None):
@@ -109,7 +115,8 @@ def load(name: str) -> Variant:
 def ablation(chain: Chain = "robust") -> dict[str, str]:
     """What each step of a chain changes, by its name, in order.
 
-    `robust`: from `full-frame` to `robust`; `paper`: from `literal` to `paper`; `without`: `paper` without one repair.
+    `robust`: from `full-frame` to `robust`; `paper`: from `literal` to `paper`; `without`: `paper` without one repair;
+    `mechanisms`: `robust` without one mechanism.
     """
     return {name: summary for name, (summary, _) in _steps(chain).items()}
 
@@ -132,6 +139,8 @@ def table(name: str) -> dict[str, Any]:
 def _steps(chain: Chain) -> dict[str, tuple[str, dict[str, Any]]]:
     if chain == "robust":
         return steps(table("full-frame"), table("robust"))
+    if chain == "mechanisms":
+        return knockouts.knockouts(Variant, table("robust"))
     make = repair_steps.made if chain == "paper" else repair_steps.taken_back
     return make(table("literal"), table("paper"))
 

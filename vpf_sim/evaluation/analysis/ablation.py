@@ -17,11 +17,16 @@ from vpf_sim.evaluation.analysis.statistics import (
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.planning.variant import Chain
+from vpf_sim.planning.variants.knockouts import NO
 from vpf_sim.planning.variants.repair_steps import WITHOUT
 
 BETWEEN = "vpf@"
-FIRST = {"robust": "vpf@full-frame", "paper": "vpf-literal", "without": "vpf-paper"}
-SCENARIOS = {"robust": ("town04-clean", "town04", "random")}  # otherwise those of the paper's table
+FIRST = {"robust": "vpf@full-frame", "paper": "vpf-literal", "without": "vpf-paper", "mechanisms": "vpf"}
+APART = ("without", "mechanisms")  # each step is compared with the first
+SCENARIOS = {
+    "robust": ("town04-clean", "town04", "random"),
+    "mechanisms": ("random",),
+}  # otherwise those of the paper's table
 WEATHERS = {"robust": ("clear",)}
 SEEDS = "1000:1010"
 OF_SUCCESSES = ("path_mse_m2", "min_clearance_m")
@@ -40,7 +45,7 @@ def changes(chain: Chain = "robust") -> dict[str, str]:
 
     first = FIRST[chain]
     steps = {f"{BETWEEN}{name}": summary for name, summary in variant.ablation(chain).items()}
-    if chain != "without":
+    if chain not in APART:
         _, summary = steps.popitem()
         steps["vpf" if chain == "robust" else "vpf-paper"] = summary
     return {first: drivers.description(first).summary, **steps}
@@ -56,7 +61,7 @@ def plan(seeds: str | None, scenarios: Sequence[str], weathers: Sequence[str], c
 def table(jobs: Iterable[Job], records: Iterable[Record], timing: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """`{"rows": [...]}`: each step's scores in each scenario and weather, and their differences to the step before.
 
-    Where one repair is taken back, the difference is to the variant with all of them.
+    Where one repair or mechanism is left out, the difference is to the variant with all of them.
     Success is over the planned seeds; path MSE and clearance over the successful episodes, or, of two steps, over the
     seeds at which both succeeded; the others over all that were driven. Comfort is that of a successful and comfortable
     episode among all planned. `driver_ms`, what a clock measured, is the time of the driver in a step.
@@ -74,7 +79,7 @@ def _rows(cell: tuple[str, str], steps: Mapping[str, Mapping[int, Record | None]
     told = {driver: summary for chain in get_args(Chain) for driver, summary in changes(chain).items()}
     order, rows = [*steps], []
     for before, step in zip([None, *order], order, strict=False):
-        if before is not None and step.startswith(f"{BETWEEN}{WITHOUT}"):
+        if before is not None and step.startswith((f"{BETWEEN}{WITHOUT}", f"{BETWEEN}{NO}")):
             before = order[0]
         scores = _scores([*steps[step].values()])
         change = None if before is None else _differences(steps[step], steps[before])
