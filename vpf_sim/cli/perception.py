@@ -59,7 +59,8 @@ def perception(
 def _fixed_set(workers: int | None) -> Path:
     """The folder with the poses of the fixed set, which are driven now if they are not there yet."""
     from vpf_sim.cli.progress import say
-    from vpf_sim.cli.running import Means, fill
+    from vpf_sim.cli.run_options import RunOptions
+    from vpf_sim.cli.running import fill
     from vpf_sim.evaluation.perception import poses
     from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_records
 
@@ -69,7 +70,7 @@ def _fixed_set(workers: int | None) -> Path:
     if begun and {record["id"] for record in read_records(folder)} >= {job.id for job in plan.jobs()}:
         return folder
     say(f"driving the {len(plan.jobs())} drives whose poses are used, once: {folder}")
-    return fill("sweep", plan, Means(folder, resume=begun, mixed=begun, workers=workers))
+    return fill("sweep", plan, RunOptions(out=folder, resume=begun, mixed=begun, workers=workers))
 
 
 def _differences(table: dict[str, Any], before: Any, name: Path | None) -> list[dict[str, Any]]:

@@ -45,7 +45,8 @@ def readings(
     json: JsonOption = False,
 ) -> None:
     """Search what the paper does not print: readings drive its four cells on development seeds, the best drive more."""
-    from vpf_sim.cli.running import Means, fill
+    from vpf_sim.cli.run_options import RunOptions
+    from vpf_sim.cli.running import fill
     from vpf_sim.errors import InputError
     from vpf_sim.evaluation.readings.outcome import by_choice
     from vpf_sim.evaluation.readings.search import Asked, Tpe, finals, search
@@ -59,13 +60,14 @@ def readings(
         return
     asked = Asked(readings, seeds=seeds or "0:1", finalists=finalists, final_seeds=final_seeds, seed=seed)
     optimiser = Tpe(space, asked.seed, known())
-    Means(out, resume).check()
+    RunOptions(out=out, resume=resume).check()
     if out is not None and out.exists() and not resume:
         raise InputError(f"{out}: expected a new folder, or --resume to go on with the search in it")
     folder = out or new_path("readings")
 
     def drive(plan: "Plan", path: Path) -> "Sequence[Record]":
-        return read_records(fill("readings", plan, Means(path, path.exists(), False, workers, timeout, cluster)))
+        run = RunOptions(workers=workers, timeout=timeout, cluster=cluster, out=path, resume=path.exists())
+        return read_records(fill("readings", plan, run))
 
     tried = search(asked, folder, drive, optimiser)
     best = finals(asked, tried, folder, drive)

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, print_rows
+from vpf_sim.cli.run_options import RunOptions
 from vpf_sim.cli.running import plan_of
 from vpf_sim.evaluation.analysis import benchmark
 from vpf_sim.evaluation.analysis.benchmark import with_paper
@@ -147,6 +148,6 @@ def test_a_run_that_goes_on_drives_what_it_was_made_for(
             "command": "benchmark",
         }
         (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    plan = plan_of(tmp_path, resume, asked, lambda: benchmark.plan("0:1", ["pid"]))
+    plan = plan_of(RunOptions(out=tmp_path, resume=resume), asked, lambda: benchmark.plan("0:1", ["pid"]))
     assert plan.seeds == seeds
-    assert plan_of(None, resume, asked, lambda: plan) is plan, "there is no folder to go on with"
+    assert plan_of(RunOptions(resume=resume), asked, lambda: plan) is plan, "there is no folder to go on with"
