@@ -18,7 +18,7 @@ import numpy as np
 
 from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.evaluation.processes.threads import limit_opencv
-from vpf_sim.evaluation.rendering import lookalike
+from vpf_sim.evaluation.rendering import reference_streets
 from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics, measure, scaled_grey
 from vpf_sim.replay import readers
 from vpf_sim.replay.recording import Recording
@@ -32,7 +32,7 @@ def compare(name: str, recording: Recording, seeds: list[int], out: Path | None)
     """The rows real, rendered and ratio of one drive."""
     real = [frame.image for frame in recording.frames() if frame.image is not None]
     theirs = statistics(real)
-    street = lookalike.STREETS[name]
+    street = reference_streets.STREETS[name]
     drive = street.drive(recording.camera, recording.rate_hz, float(np.median(recording.speed_mps)))
     parts = []
     for seed in seeds:
@@ -71,14 +71,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     shared = os.environ.get("VPF_SIM_SHARED", "../shared")
     parser.add_argument("--drives", type=Path, default=Path(shared) / "drives", help="folder of the drives")
-    parser.add_argument("--only", nargs="*", choices=list(lookalike.STREETS), help="drives; all by default")
+    parser.add_argument("--only", nargs="*", choices=list(reference_streets.STREETS), help="drives; all by default")
     parser.add_argument("--out", type=Path, help="folder for pictures side by side")
     parser.add_argument("--json", type=Path, help="also write the table to this file")
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     arguments = parser.parse_args()
     limit_opencv()
     rows: list[dict[str, Any]] = []
-    for name in arguments.only or lookalike.STREETS:
+    for name in arguments.only or reference_streets.STREETS:
         new = compare(name, readers.read(arguments.drives / name), arguments.seeds, arguments.out)
         print(text_table(new, header=not rows), flush=True)
         rows.extend(new)

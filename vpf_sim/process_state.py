@@ -48,7 +48,7 @@ class Settings:
 
 
 @contextmanager
-def kept() -> Iterator[None]:
+def preserved() -> Iterator[None]:
     """Whatever is done inside: the settings, the environment's variables and the global random numbers of Python and
     numpy are as before behind it."""
     settings, variables = Settings.now(), dict(os.environ)
@@ -64,7 +64,7 @@ def kept() -> Iterator[None]:
         np.random.set_state(numbers)  # noqa: NPY002
 
 
-class InItsOwnPlace:
+class Isolated:
     """An object of the user's own with settings of its own: what its code changes of them, it finds again, and nobody
     else does."""
 

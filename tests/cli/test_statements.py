@@ -8,7 +8,7 @@ import pytest
 from vpf_sim.cli import run
 from vpf_sim.cli.tables import measure
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.episode import trial
+from vpf_sim.evaluation.episode import driver_check
 from vpf_sim.evaluation.sweeps import cluster
 from vpf_sim.geometry import mounting_in_words
 
@@ -59,7 +59,7 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 )
 def test_a_driver_that_cannot_drive_is_no_good_one(name: str, said: str, module: str) -> None:
     with pytest.raises(InputError, match=f"^driver '{module}:{name}': without obstacles: {said}") as caught:
-        trial.check(f"{module}:{name}")
+        driver_check.check(f"{module}:{name}")
     assert "\n" not in str(caught.value)
 
 

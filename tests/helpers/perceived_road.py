@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.envs.road import Carriageway
-from vpf_sim.evaluation.perception.judgement import Judge, Judgement
+from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.scenarios.kinds import SIZES, BodyKind
 from vpf_sim.scenarios.parts import Road
@@ -77,14 +77,14 @@ def drive(
     weather: str = "clear",
     seed: int = 0,
     driver: str = "made-up",
-) -> Judgement:
+) -> DriveEvaluation:
     """The judgement of a drive of `length_m` along the lane's middle; `see` is asked at (x m, s) of each frame."""
     straight = Road.model_validate({"start_m": [0.0, 0.0], "segments": [{"kind": "line", "length_m": 400.0}]})
     road: Any = SimpleNamespace(network=Carriageway(straight), vehicles=[], objects=[])
     things = [_thing(body, road) for body in bodies]
     road.objects += things
     rows = round(length_m / SPEED_MPS * RATE_HZ) + 1
-    judge = Judge(rows)
+    judge = PerceptionScorer(rows)
     for row in range(rows - 1):
         seconds = row / RATE_HZ
         for thing, body in zip(things, bodies, strict=True):
@@ -97,8 +97,8 @@ def drive(
         judge.judge(row, _perception(see(x_m, seconds)), world, {"lane_offset_m": 0.0, "foe": FOE_PX})
     steps = StepTable.of([Step(row / RATE_HZ, *[0.0] * 7, np.inf) for row in range(rows)])
     name = f"road.{weather}.pid.{seed}"
-    table, reports = steps.replaced(judge.columns), judge.reports_table()
-    return Judgement(name, "road", weather, seed, driver, "same", table, judge.lane_error_m, reports)
+    table, detections = steps.replaced(judge.columns), judge.detections_table()
+    return DriveEvaluation(name, "road", weather, seed, driver, "same", table, judge.lane_error_m, detections)
 
 
 class Thing(SimpleNamespace):

@@ -10,11 +10,11 @@ from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_bodies
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.report import commands, dots, paths
+from vpf_sim.report import commands, interval_chart, paths
 from vpf_sim.report.chart import Axis, Plot, plain, reach, thinned, ticks
-from vpf_sim.report.dots import Dot, Mark
+from vpf_sim.report.interval_chart import Dot, Mark
 from vpf_sim.report.paths import Track
-from vpf_sim.report.places import Place, places
+from vpf_sim.report.road_layout import RoadLayout, layouts
 from vpf_sim.types import Floats
 
 
@@ -83,13 +83,13 @@ def test_an_axis_has_room_about_its_values() -> None:
 
 @pytest.mark.parametrize(("scenario", "seed"), [("town04", 1003), ("slalom", 5), ("traffic", 2), ("random", 1001)])
 def test_bodies_are_drawn_where_the_world_has_them(scenario: str, seed: int) -> None:
-    place = places(scenario, [seed])[seed]
+    layout = layouts(scenario, [seed])[seed]
     with closing(FourLane(scenario)) as world:
         world.reset(seed=seed)
-        standing = [body for body in solid_bodies(world.ego) if body.speed == 0.0]
-        assert len(place.standing) == len(standing)
-        assert place.route.length_m == world.route_length_m
-        for body, drawn in zip(standing, place.standing, strict=True):
+        obstacles = [body for body in solid_bodies(world.ego) if body.speed == 0.0]
+        assert len(layout.static_obstacles) == len(obstacles)
+        assert layout.route.length_m == world.route_length_m
+        for body, drawn in zip(obstacles, layout.static_obstacles, strict=True):
             assert drawn.centre_m == pytest.approx(tuple(body.position))
             assert np.ptp(drawn.route_m) == pytest.approx(body.LENGTH)
             assert np.ptp(drawn.offset_m) == pytest.approx(body.WIDTH)
@@ -98,19 +98,19 @@ def test_bodies_are_drawn_where_the_world_has_them(scenario: str, seed: int) -> 
 
 
 def test_zooms_look_at_each_row_of_bodies_as_one_meets_them() -> None:
-    place = places("town04", [1000])[1000]
-    met = [body.s_m for body in place.standing]
-    assert [s_m for s_m, _ in paths.zooms([place])] == pytest.approx(sorted(met))
-    empty = places("town04-clean", [1000])[1000]
+    layout = layouts("town04", [1000])[1000]
+    met = [body.s_m for body in layout.static_obstacles]
+    assert [s_m for s_m, _ in paths.zooms([layout])] == pytest.approx(sorted(met))
+    empty = layouts("town04-clean", [1000])[1000]
     assert [what for _, what in paths.zooms([empty])] == ["the start", "the middle of the way"]
 
 
-def drive(place: Place, offset_m: float) -> StepTable:
+def drive(layout: RoadLayout, offset_m: float) -> StepTable:
     """Along the lane at a constant offset, 1 m a step."""
-    scenario = place.scenario
+    scenario = layout.scenario
     s = np.arange(scenario.ego.s_m, scenario.goal.s_m, 1.0)
-    world = place.centre.position(s, place.route.offset_m + offset_m)
-    heading = place.centre.heading(s)
+    world = layout.centre.position(s, layout.route.offset_m + offset_m)
+    heading = layout.centre.heading(s)
     rows = [
         Step(
             k / 60.0,
@@ -118,7 +118,7 @@ def drive(place: Place, offset_m: float) -> StepTable:
             heading[k],
             5.5,
             0.0,
-            place.route.progress(s[k]),
+            layout.route.progress(s[k]),
             offset_m,
             1.0,
             throttle=0.1,
@@ -130,9 +130,9 @@ def drive(place: Place, offset_m: float) -> StepTable:
 
 
 def test_a_path_is_drawn_over_the_road_at_its_offset() -> None:
-    found = places("town04-clean", [7, 8])
-    place = found[7]
-    track = Track(7, "d0", False, drive(place, 0.75))
+    found = layouts("town04-clean", [7, 8])
+    layout = found[7]
+    track = Track(7, "d0", False, drive(layout, 0.75))
     svgs = {chart.caption: str(chart.svg) for chart in paths.charts(found, [track], "a test")}
     assert len(svgs) == 4
     (zoomed,) = (svg for caption, svg in svgs.items() if caption.startswith("Zoom 2"))
@@ -148,8 +148,8 @@ def test_a_path_is_drawn_over_the_road_at_its_offset() -> None:
 
 
 def test_where_each_seed_has_its_own_road_the_map_is_of_one() -> None:
-    found = places("random", [1, 2])
-    tracks = [Track(seed, "d0", True, drive(place, 0.0)) for seed, place in found.items()]
+    found = layouts("random", [1, 2])
+    tracks = [Track(seed, "d0", True, drive(layout, 0.0)) for seed, layout in found.items()]
     captions = [chart.caption for chart in paths.charts(found, tracks, "a test")]
     assert all("seed 1 (each seed has its own road)" in caption for caption in captions if "Offset" not in caption)
     charts = paths.charts(found, tracks, "a test")
@@ -158,8 +158,8 @@ def test_where_each_seed_has_its_own_road_the_map_is_of_one() -> None:
 
 
 def test_commands_stand_beside_the_pids() -> None:
-    place = Place(scenarios.load("straight").draw(1))
-    table = drive(place, 0.0)
+    layout = RoadLayout(scenarios.load("straight").draw(1))
+    table = drive(layout, 0.0)
     svg = str(commands.charts("vpf", "straight.clear.vpf.1", "d0", table).steering)
     assert len(paths_of(svg, "command d0")) == 1
     assert paths_of(svg, "shadow") == [], "nothing is drawn of what is not known"
@@ -171,7 +171,7 @@ def test_dots_have_whiskers_and_what_is_far_out_has_an_arrow() -> None:
         Dot("town04", "vpf", 1, "d0", 0.6, None),
         Dot("town04", "pid", 0, "d1", 9.3, None, grey=True),
     ]
-    svg = str(dots.chart(found, [Mark("town04", 0, 0.74)], "path MSE", None))
+    svg = str(interval_chart.chart(found, [Mark("town04", 0, 0.74)], "path MSE", None))
     (whisker,) = paths_of(svg, "whisker d0")
     (paper,) = paths_of(svg, "paper")
     (dot,) = re.findall(r'<circle class="mark d0" cx="([\d.]+)"', svg)

@@ -19,11 +19,11 @@ from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
-from vpf_sim.report import episode_view, from_above, redraw
-from vpf_sim.report.from_above import Body, Scene
+from vpf_sim.report import episode_view, redraw, top_view
 from vpf_sim.report.redraw import Redrawing, redrawing
 from vpf_sim.report.signals import Strips, signals_of
 from vpf_sim.report.stored_run import open_run
+from vpf_sim.report.top_view import Body, Scene
 from vpf_sim.types import Command, DriverSetup, Observation
 from vpf_sim.types import Plan as DrivingPlan
 
@@ -73,7 +73,7 @@ def change(run: Path, name: str, row: int, **values: float) -> None:
 
 
 def test_the_frames_and_plans_are_those_of_the_run(driven: Path, name: str, seen: list[DrivingPlan | None]) -> None:
-    drawn = redrawing(open_run(driven), name, think=True)
+    drawn = redrawing(open_run(driven), name, replan=True)
     moments = list(drawn.moments())
     assert drawn.remarks == [], "the hash of the frames is the record's, and the driver decides the same"
     assert (drawn.rate_hz, len(moments)) == (60.0, len(drawn.table) + 1)
@@ -90,7 +90,7 @@ def test_the_frames_and_plans_are_those_of_the_run(driven: Path, name: str, seen
 
 def test_the_car_is_drawn_where_the_steps_say(run: Path, name: str) -> None:
     change(run, name, 20, y_m=0.5)
-    drawn = redrawing(open_run(run), name, think=False)
+    drawn = redrawing(open_run(run), name, replan=False)
     assert len(list(drawn.moments())) == len(drawn.table) + 1
     frames, moved = drawn.remarks
     assert frames.startswith("the frames are not the run's own to the bit")
@@ -99,7 +99,7 @@ def test_the_car_is_drawn_where_the_steps_say(run: Path, name: str) -> None:
 
 def test_another_decision_of_the_driver_is_told_with_its_frame(run: Path, name: str) -> None:
     change(run, name, 30, throttle=-0.01)
-    drawn = redrawing(open_run(run), name, think=True)
+    drawn = redrawing(open_run(run), name, replan=True)
     assert list(drawn.moments())
     assert "from frame 30 on the driver decides otherwise than in the run" in drawn.remarks
 
@@ -125,7 +125,7 @@ def test_a_driver_that_broke_down_is_drawn_to_its_end(monkeypatch: pytest.Monkey
     monkeypatch.setattr(redraw.drivers, "create", lambda name: Crashing() if name == "crashing" else create(name))
     result = episode.run(scenario, "clear", "crashing", 3)
     assert result.record["status"] == "error"
-    drawn = Redrawing(result.record, result.steps, think=True)
+    drawn = Redrawing(result.record, result.steps, replan=True)
     assert [moment.index for moment in drawn.moments()] == list(range(6))
     assert drawn.remarks == [], "the frame on which it broke down was taken, too"
 
@@ -146,7 +146,7 @@ def test_an_episode_becomes_a_film_at_true_speed(driven: Path, name: str, tmp_pa
 
 
 def test_without_overlay_the_camera_is_as_it_was(driven: Path, name: str) -> None:
-    plain, drawn = (redrawing(open_run(driven), name, think) for think in (False, True))
+    plain, drawn = (redrawing(open_run(driven), name, replan) for replan in (False, True))
     wanted = 12
     pictures = [next(episode_view.frames(each, lambda row: row == wanted))[1] for each in (plain, drawn)]
     raw = next(moment.image for moment in plain.moments() if moment.index == wanted)
@@ -201,13 +201,13 @@ def test_from_above_the_road_ahead_is_up_and_the_right_is_right() -> None:
     scene = Scene(lines, lines[0], (0.0, 500.0))
     bodies = (Body(-4.0, 30.0, np.pi / 2.0, 5.0, 2.0, "car"),)
     pose = np.array([0.0, 0.0, np.pi / 2.0])
-    image = from_above.draw(scene, bodies, np.zeros((1, 2)), pose, None, 320, 480)
-    scale = 480.0 / (from_above.AHEAD_M + from_above.BEHIND_M)
-    row, column = (from_above.AHEAD_M - 30.0) * scale, 160.0 + 4.0 * scale
-    assert tuple(image[round(row), round(column)]) == from_above.BODY
-    assert tuple(image[round(from_above.AHEAD_M * scale), 160]) == from_above.EGO
-    assert tuple(image[round(row), round(160.0 - 4.0 * scale)]) == from_above.ASPHALT
-    assert tuple(image[round(row), round(160.0 + 9.0 * scale)]) == from_above.MEADOW
+    image = top_view.draw(scene, bodies, np.zeros((1, 2)), pose, None, 320, 480)
+    scale = 480.0 / (top_view.AHEAD_M + top_view.BEHIND_M)
+    row, column = (top_view.AHEAD_M - 30.0) * scale, 160.0 + 4.0 * scale
+    assert tuple(image[round(row), round(column)]) == top_view.BODY
+    assert tuple(image[round(top_view.AHEAD_M * scale), 160]) == top_view.EGO
+    assert tuple(image[round(row), round(160.0 - 4.0 * scale)]) == top_view.ASPHALT
+    assert tuple(image[round(row), round(160.0 + 9.0 * scale)]) == top_view.MEADOW
 
 
 def test_the_scene_is_the_worlds(driven: Path, name: str) -> None:

@@ -34,10 +34,10 @@ def show(name: str) -> None:
 def validate(driver: str) -> None:
     """Load a driver of your own, "package.module:Class", and let it drive for some frames, without and with an
     obstacle; exit code 2 and one line if it fails."""
-    from vpf_sim.evaluation.episode import trial
+    from vpf_sim.evaluation.episode import driver_check
     from vpf_sim.evaluation.processes.threads import limit_opencv
 
     limit_opencv()
     with prints_on_stderr():
-        privileged = trial.check(driver).privileged
+        privileged = driver_check.check(driver).privileged
     print(f"{driver}: a good driver, privileged: {privileged}")

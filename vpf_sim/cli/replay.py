@@ -168,7 +168,7 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
     from vpf_sim.replay import driver_error, open_loop
 
     try:
-        with drivers_speak(), process_state.kept():
+        with drivers_speak(), process_state.preserved():
             record, _ = open_loop.run(recording, driver, folder.path, _tell(recording.name), video, folder.add)
     except InputError as error:
         _tell_fault(str(error))

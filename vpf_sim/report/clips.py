@@ -54,7 +54,7 @@ def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> lis
 
 def make(run: StoredRun, record: Record) -> Clip:
     """Live through the episode again and film its end."""
-    drawn = redrawing(run, record["id"], think=True)
+    drawn = redrawing(run, record["id"], replan=True)
     last = len(drawn.table)
     first, stride = max(0, last - round(LENGTH_S * drawn.rate_hz)), max(1, round(drawn.rate_hz / RATE_HZ))
     size = tuple(round(SCALE * side / 2) * 2 for side in episode_view.size_px(drawn.camera))

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from vpf_sim.report import from_above, overlay
+from vpf_sim.report import overlay, top_view
 from vpf_sim.report.canvas import INK, Canvas
 from vpf_sim.report.redraw import Moment, Redrawing
 from vpf_sim.report.signals import PAPER, SOFT, Strips, write
@@ -43,7 +43,7 @@ def _compose(drawn: Redrawing, moment: Moment, strips: Strips) -> Image:
     trail = table.positions_m[: row + 1]
     width, height = size_px(camera)
     side = width - camera.width_px
-    above = from_above.draw(drawn.scene, moment.bodies, trail, pose, moment.plan, side, camera.height_px)
+    above = top_view.draw(drawn.scene, moment.bodies, trail, pose, moment.plan, side, camera.height_px)
     frame = np.empty((height, width, 3), np.uint8)
     frame[:TITLE_PX] = PAPER
     frame[TITLE_PX : TITLE_PX + camera.height_px, : camera.width_px] = picture

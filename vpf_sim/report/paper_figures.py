@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vpf_sim.evaluation.analysis.reproduction import CELLS, Drive
-from vpf_sim.report.places import Place, Standing
 from vpf_sim.report.redraw import Moment, Redrawing
+from vpf_sim.report.road_layout import RoadLayout, StaticObstacle
 from vpf_sim.types import Floats
 
 matplotlib.use("agg")  # no display
@@ -46,19 +46,19 @@ def look_along(drawing: Redrawing, first_face_m: float) -> Along:
     return Along(np.array(route), {name: stacked[:, i] for i, name in enumerate(FORCES)}, moment)
 
 
-def paths(drives: Sequence[Drive], places: Mapping[tuple[str, int], Place]) -> bytes:
+def paths(drives: Sequence[Drive], layouts: Mapping[tuple[str, int], RoadLayout]) -> bytes:
     """PNG: the paths in the four conditions, the whole way and close by, as in the paper's figures."""
     figure = Figure(figsize=(11.0, 13.0), layout="constrained")
     axes = figure.subplots(len(CELLS), 2, squeeze=False)
     for (scenario, weather), (whole, near) in zip(CELLS, axes, strict=True):
         here = [drive for drive in drives if (drive.scenario, drive.weather) == (scenario, weather)]
-        place = next((places[scenario, int(drive.record["seed"])] for drive in here), None)
-        if place is None:
+        layout = next((layouts[scenario, int(drive.record["seed"])] for drive in here), None)
+        if layout is None:
             continue
-        bodies = place.standing
-        middle = _middle(place, bodies)
+        bodies = layout.static_obstacles
+        middle = _middle(layout, bodies)
         for axis in (whole, near):
-            _road(axis, place, bodies)
+            _road(axis, layout, bodies)
             for drive in here:
                 axis.plot(drive.table.x_m, drive.table.y_m, color=OWN, linewidth=1.1, alpha=0.8)
             axis.set_aspect("equal")
@@ -128,20 +128,20 @@ def flow(found: Mapping[tuple[str, str], Along]) -> bytes:
     return _png(figure)
 
 
-def _road(axis: Axes, place: Place, bodies: Sequence[Standing]) -> None:
-    for line in place.lane_lines_m:
+def _road(axis: Axes, layout: RoadLayout, bodies: Sequence[StaticObstacle]) -> None:
+    for line in layout.lane_lines_m:
         axis.plot(line[:, 0], line[:, 1], color=EDGE, linewidth=0.8)
-    route = place.route_line_m
+    route = layout.route_line_m
     axis.plot(route[:, 0], route[:, 1], color=PLANNED, linestyle="--", linewidth=1.0)
     for body in bodies:
         axis.fill(body.corners_m[:, 0], body.corners_m[:, 1], color=BODY)
 
 
-def _middle(place: Place, bodies: Sequence[Standing]) -> tuple[float, float]:
+def _middle(layout: RoadLayout, bodies: Sequence[StaticObstacle]) -> tuple[float, float]:
     """Where to look closely: the first obstacle, or the middle of the way."""
     if bodies:
         return min(bodies, key=lambda body: body.s_m).centre_m
-    route = place.route_line_m
+    route = layout.route_line_m
     x, y = route[len(route) // 2].tolist()
     return x, y
 

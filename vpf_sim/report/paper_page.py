@@ -15,8 +15,8 @@ from vpf_sim.evaluation.analysis.reproduction import CELLS, REFERENCE_DRIVER, Dr
 from vpf_sim.evaluation.job import Job
 from vpf_sim.files import write_bytes, write_text
 from vpf_sim.report import paper_figures
-from vpf_sim.report.places import places
 from vpf_sim.report.redraw import Redrawing
+from vpf_sim.report.road_layout import layouts
 from vpf_sim.report.stored_run import StoredRun
 
 JSON, PAGE = "paper.json", "paper.html"
@@ -24,7 +24,7 @@ NO_OBSTACLE_M = 40.0  # along the route, where to take the picture on a road wit
 
 
 def drives_of(run: StoredRun, driver: str) -> list[Drive]:
-    """The episodes of a driver, each with the PID's episode without obstacles on the same seed: the planned trajectory."""
+    """The episodes of a driver, each with the PID's on the same seed without obstacles: the planned trajectory."""
     found = []
     for record in run.records.values():
         table = run.steps(record["id"])
@@ -68,16 +68,16 @@ def _figures(drives: list[Drive]) -> dict[str, bytes]:
         for scenario, _ in CELLS
     }
     where = {
-        (scenario, seed): place for scenario, some in seeds.items() for seed, place in places(scenario, some).items()
+        (scenario, seed): layout for scenario, some in seeds.items() for seed, layout in layouts(scenario, some).items()
     }
     found = {}
     for cell in CELLS:
         here = [drive for drive in drives if (drive.scenario, drive.weather) == cell]
         shown = min(here, key=lambda drive: (not drive.succeeded, drive.record["seed"]), default=None)
         if shown is not None:
-            bodies = where[cell[0], int(shown.record["seed"])].standing
+            bodies = where[cell[0], int(shown.record["seed"])].static_obstacles
             face_m = min((body.route_m[0] for body in bodies), default=NO_OBSTACLE_M)
-            drawing = Redrawing(dict(shown.record), shown.table, think=True)
+            drawing = Redrawing(dict(shown.record), shown.table, replan=True)
             found[cell] = paper_figures.look_along(drawing, face_m)
     return {
         "paths": paper_figures.paths(drives, where),

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.report.chart import Axis, Plot, reach, thinned
-from vpf_sim.report.places import Place, Standing
+from vpf_sim.report.road_layout import RoadLayout, StaticObstacle
 from vpf_sim.types import Floats
 
 WIDTH, TALLEST = 420.0, 330.0
@@ -34,18 +34,18 @@ class Chart:
     svg: Markup
 
 
-def charts(places: Mapping[int, Place], tracks: Sequence[Track], title: str) -> list[Chart]:
+def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: str) -> list[Chart]:
     """The charts of one scenario in one weather. Where each seed has a road of its own, the maps show the first's."""
-    first = places[min(places)]
-    alike = {seed: place for seed, place in places.items() if place.scenario.road == first.scenario.road}
-    one_road = len(alike) == len(places)
-    shown = alike if one_road else {min(places): first}
+    first = layouts[min(layouts)]
+    alike = {seed: layout for seed, layout in layouts.items() if layout.scenario.road == first.scenario.road}
+    one_road = len(alike) == len(layouts)
+    shown = alike if one_road else {min(layouts): first}
     here = [track for track in tracks if track.seed in shown]
-    which = "" if one_road else f", seed {min(places)} (each seed has its own road)"
-    standing = [body for place in places.values() for body in place.standing] if one_road else []
+    which = "" if one_road else f", seed {min(layouts)} (each seed has its own road)"
+    obstacles = [body for layout in layouts.values() for body in layout.static_obstacles] if one_road else []
     maps = [
         Chart(f"The whole way{which}; world axes, m.", overview(first, list(shown.values()), here, title)),
-        Chart(_offset_caption(places, one_road), offsets(places, standing, tracks, title)),
+        Chart(_offset_caption(layouts, one_road), offsets(layouts, obstacles, tracks, title)),
     ]
     for number, (s_m, what) in enumerate(zooms(list(shown.values()))[:MOST_ZOOMS], start=1):
         caption = f"Zoom {number}: {what}{which}; driving to the right, to scale."
@@ -53,9 +53,9 @@ def charts(places: Mapping[int, Place], tracks: Sequence[Track], title: str) -> 
     return maps
 
 
-def overview(place: Place, places: Sequence[Place], tracks: Sequence[Track], title: str) -> Markup:
+def overview(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Track], title: str) -> Markup:
     """The carriageway and all paths in world axes: x to the right, y down, as the axes of the world lie."""
-    line = np.concatenate(place.lane_lines_m)
+    line = np.concatenate(layout.lane_lines_m)
     low, high = line.min(axis=0) - 6.0, line.max(axis=0) + 6.0
     margins = (40.0, 8.0, 8.0, 30.0)
     inner = WIDTH - margins[0] - margins[1]
@@ -70,19 +70,19 @@ def overview(place: Place, places: Sequence[Place], tracks: Sequence[Track], tit
         margins,
     )
     plot.grid()
-    _road(plot, place, np.asarray)
-    _bodies(plot, places, np.asarray)
+    _road(plot, layout, np.asarray)
+    _bodies(plot, layouts, np.asarray)
     for track in tracks:
         points = _sampled(track.table, 2.0 * EVERY_M)
         plot.line(points[:, 0], points[:, 1], f"path {track.style}")
-    _ends(plot, place)
+    _ends(plot, layout)
     return plot.svg(f"{title}: paths over the road, whole way")
 
 
-def zooms(places: Sequence[Place]) -> list[tuple[float, str]]:
+def zooms(layouts: Sequence[RoadLayout]) -> list[tuple[float, str]]:
     """(s along the carriageway, what is there): rows of bodies as one meets them, or else the middle of the way."""
-    ego, goal = places[0].scenario.ego, places[0].scenario.goal
-    spots = sorted(body.s_m for body in places[0].standing)
+    ego, goal = layouts[0].scenario.ego, layouts[0].scenario.goal
+    spots = sorted(body.s_m for body in layouts[0].static_obstacles)
     if ego.s_m > goal.s_m:
         spots.reverse()
     rows: list[float] = []
@@ -96,10 +96,10 @@ def zooms(places: Sequence[Place]) -> list[tuple[float, str]]:
     return [(s_m, names[number] if number < len(names) else "") for number, s_m in enumerate(rows)]
 
 
-def zoom(place: Place, places: Sequence[Place], tracks: Sequence[Track], s_m: float, title: str) -> Markup:
+def zoom(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Track], s_m: float, title: str) -> Markup:
     """Part of the road, turned so that driving goes to the right."""
-    centre = np.array(place.centre.position_at(s_m, 0.0))
-    heading = place.centre.heading_at(s_m)
+    centre = np.array(layout.centre.position_at(s_m, 0.0))
+    heading = layout.centre.heading_at(s_m)
     along, right = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
     turn = np.stack([along, right], axis=1)
     half = 0.5 * ZOOM_M
@@ -110,8 +110,8 @@ def zoom(place: Place, places: Sequence[Place], tracks: Sequence[Track], s_m: fl
         turned: Floats = (points_m - centre) @ turn
         return turned
 
-    _road(plot, place, local)
-    _bodies(plot, places, local)
+    _road(plot, layout, local)
+    _bodies(plot, layouts, local)
     for track in tracks:
         points = local(_sampled(track.table, EVERY_M / 2.0))
         near = np.abs(points[:, 0]) < half + 4.0
@@ -121,25 +121,27 @@ def zoom(place: Place, places: Sequence[Place], tracks: Sequence[Track], s_m: fl
     return plot.svg(f"{title}: paths over the road, zoom at {s_m:.0f} m of the carriageway")
 
 
-def offsets(places: Mapping[int, Place], standing: Sequence[Standing], tracks: Sequence[Track], title: str) -> Markup:
+def offsets(
+    layouts: Mapping[int, RoadLayout], obstacles: Sequence[StaticObstacle], tracks: Sequence[Track], title: str
+) -> Markup:
     """The offset from the lane's centre over the distance driven; left is up, as the driver sees it.
 
     Edges are drawn where all places have them.
     """
-    left, right = _sides(standing, tracks)
+    left, right = _sides(obstacles, tracks)
     plot = Plot(
         WIDTH,
         200.0,
-        Axis(0.0, max(place.route.length_m for place in places.values()), "distance, m"),
+        Axis(0.0, max(layout.route.length_m for layout in layouts.values()), "distance, m"),
         Axis(right, left, "m right of the lane's centre"),
     )
     plot.grid()
     length = plot.x.high
-    for edge in set.intersection(*(set(place.edges_m) for place in places.values())):
+    for edge in set.intersection(*(set(layout.edges_m) for layout in layouts.values())):
         if left < edge < right:
             plot.line(np.array([0.0, length]), np.array([edge, edge]), "edge")
     plot.line(np.array([0.0, length]), np.zeros(2), "centre")
-    for body in standing:
+    for body in obstacles:
         x, y = np.array(body.route_m)[[0, 1, 1, 0]], np.array(body.offset_m)[[0, 0, 1, 1]]
         plot.line(x, np.clip(y, left, right), "body", closed=True)
     for track in tracks:
@@ -150,19 +152,19 @@ def offsets(places: Mapping[int, Place], standing: Sequence[Standing], tracks: S
     return plot.svg(f"{title}: offset from the lane's centre over distance")
 
 
-def _sides(standing: Sequence[Standing], tracks: Sequence[Track]) -> tuple[float, float]:
+def _sides(obstacles: Sequence[StaticObstacle], tracks: Sequence[Track]) -> tuple[float, float]:
     """The least and the greatest offset to show: all of bodies and of good drives; of others what lies between."""
     found = [track.table.lane_offset_m for track in tracks if track.good] or [np.zeros(1)]
-    bodies = [side for body in standing for side in body.offset_m]
+    bodies = [side for body in obstacles for side in body.offset_m]
     left, right = reach([0.0, *bodies, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
     return max(left, -12.0), min(right, 12.0)
 
 
-def _offset_caption(places: Mapping[int, Place], one_road: bool) -> str:
+def _offset_caption(layouts: Mapping[int, RoadLayout], one_road: bool) -> str:
     caption = "Offset from the lane's centre over distance, across the road enlarged; × is where an episode failed."
     if not one_road:
         return f"{caption} Each seed has its own road and obstacles, which are not drawn."
-    return f"{caption} Moving cars are not drawn." if max(place.moving for place in places.values()) else caption
+    return f"{caption} Moving cars are not drawn." if max(layout.moving for layout in layouts.values()) else caption
 
 
 def _sampled(table: StepTable, every_m: float) -> Floats:
@@ -174,27 +176,27 @@ def _sampled(table: StepTable, every_m: float) -> Floats:
     return np.stack([np.interp(wanted, driven, points[:, axis]) for axis in (0, 1)], axis=1)
 
 
-def _road(plot: Plot, place: Place, local: Turn) -> None:
-    lines = [local(line) for line in place.lane_lines_m]
+def _road(plot: Plot, layout: RoadLayout, local: Turn) -> None:
+    lines = [local(line) for line in layout.lane_lines_m]
     whole = np.concatenate([lines[0], lines[-1][::-1]])
     plot.line(whole[:, 0], whole[:, 1], "asphalt", closed=True)
     for line in lines[1:-1]:
         plot.line(line[:, 0], line[:, 1], "dash")
     for line in (lines[0], lines[-1]):
         plot.line(line[:, 0], line[:, 1], "edge")
-    route = local(place.route_line_m)
+    route = local(layout.route_line_m)
     plot.line(route[:, 0], route[:, 1], "centre")
 
 
-def _bodies(plot: Plot, places: Sequence[Place], local: Turn) -> None:
-    for place in places:
-        for body in place.standing:
+def _bodies(plot: Plot, layouts: Sequence[RoadLayout], local: Turn) -> None:
+    for layout in layouts:
+        for body in layout.static_obstacles:
             corners = local(body.corners_m)
             plot.line(corners[:, 0], corners[:, 1], "body", closed=True)
 
 
-def _ends(plot: Plot, place: Place) -> None:
-    start, goal = place.route_line_m[0], place.route_line_m[-1]
+def _ends(plot: Plot, layout: RoadLayout) -> None:
+    start, goal = layout.route_line_m[0], layout.route_line_m[-1]
     plot.dot(start[0], start[1], "start")
     plot.dot(goal[0], goal[1], "goal")
     for words, (x, y) in (("start", start), ("goal", goal)):

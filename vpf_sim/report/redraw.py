@@ -18,10 +18,10 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_bodies
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.episode.on_rails import SAME, OnRails, rate_of
+from vpf_sim.evaluation.episode.pose_playback import SAME, PosePlayback, rate_of
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.report.from_above import Body, Scene
 from vpf_sim.report.stored_run import Record, StoredRun
+from vpf_sim.report.top_view import Body, Scene
 from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
 
 BEYOND_M = 60.0  # of the road's ends that is drawn
@@ -44,7 +44,7 @@ class Redrawing:
 
     record: Record
     table: StepTable
-    think: bool  # whether the driver is asked again
+    replan: bool  # whether the driver is asked again
     remarks: list[str] = field(default_factory=list)
     camera: Camera = field(init=False)
     scene: Scene = field(init=False)
@@ -61,34 +61,36 @@ class Redrawing:
         digest = sha256()
         with closing(self._world()) as world:
             observed, _ = world.reset(seed=self.record["seed"])
-            thinker = _Thinker(self.record["driver"], world, self.table, self.record["seed"]) if self.think else None
+            replanner = (
+                _Replanner(self.record["driver"], world, self.table, self.record["seed"]) if self.replan else None
+            )
             for index in range(len(self.table) + 1):
                 observation = read(observed)
                 bodies = tuple(body_of(body) for body in solid_bodies(world.ego))
                 if self.table.looked[index]:
                     digest.update(np.ascontiguousarray(observation.image).data)
-                plan = thinker.plan(index, observation) if thinker else None
+                plan = replanner.plan(index, observation) if replanner else None
                 yield Moment(index, observation.image, plan, bodies)
                 if index < len(self.table):
                     observed = world.step(np.array([self.table.throttle[index], self.table.steering[index]]))[0]
         same = self.record.get("frames_sha256") in (None, digest.hexdigest())  # None: its driver looked at no frame
-        self._remark(same, world.moved_m, thinker)
+        self._remark(same, world.moved_m, replanner)
 
-    def _world(self) -> OnRails:
-        return OnRails(self.record["scenario"], self.record["weather"], self.table)
+    def _world(self) -> PosePlayback:
+        return PosePlayback(self.record["scenario"], self.record["weather"], self.table)
 
-    def _remark(self, same: bool, moved_m: float, thinker: "_Thinker | None") -> None:
+    def _remark(self, same: bool, moved_m: float, replanner: "_Replanner | None") -> None:
         if not same:
             self.remarks.append(
                 "the frames are not the run's own to the bit: another version of the code or the machine"
             )
         if moved_m > SAME:
             self.remarks.append(f"the car would now be up to {moved_m:.2f} m elsewhere: it is drawn where it was")
-        if thinker is not None:
-            self.remarks += thinker.remarks
+        if replanner is not None:
+            self.remarks += replanner.remarks
 
 
-class _Thinker:
+class _Replanner:
     """The driver, asked again what it makes of each frame."""
 
     def __init__(self, name: str, world: Any, table: StepTable, seed: int) -> None:
@@ -114,13 +116,13 @@ class _Thinker:
         return drivers.trace_of(self._driver)
 
 
-def redrawing(run: StoredRun, episode_id: str, think: bool) -> Redrawing:
+def redrawing(run: StoredRun, episode_id: str, replan: bool) -> Redrawing:
     """The episode of a run folder that has this id."""
     record = run.record(episode_id)
     table = run.steps(episode_id)
     if table is None:
         raise InputError(f"{episode_id}: expected an episode with steps, got one that never began ({record['status']})")
-    return Redrawing(record, table, think)
+    return Redrawing(record, table, replan)
 
 
 def scene_of(world: FourLane) -> Scene:

@@ -14,7 +14,7 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.run_folder import read_manifest, read_records
-from vpf_sim.evaluation.sweeps.shapes import Summary, Timing, checked
+from vpf_sim.evaluation.sweeps.schema import Summary, Timing, checked
 from vpf_sim.shell import command
 
 Record = dict[str, Any]

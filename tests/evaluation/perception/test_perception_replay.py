@@ -13,9 +13,9 @@ from vpf_sim import cli, drivers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
-from vpf_sim.evaluation.episode.on_rails import OnRails
+from vpf_sim.evaluation.episode.pose_playback import PosePlayback
 from vpf_sim.evaluation.perception import poses, replay, scores, store
-from vpf_sim.evaluation.perception.judgement import JUDGED, Judgement
+from vpf_sim.evaluation.perception.scorer import SCORED_COLUMNS, DriveEvaluation
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
@@ -59,7 +59,7 @@ def drive(run: Path) -> replay.StoredDrive:
 
 
 @pytest.fixture(scope="module")
-def judged(drive: replay.StoredDrive) -> Judgement:
+def judged(drive: replay.StoredDrive) -> DriveEvaluation:
     (judged,) = replay.judge(("vpf",), drive)
     return judged
 
@@ -77,15 +77,15 @@ def test_the_driver_that_made_the_run_perceives_what_it_perceived_then(
     drive: replay.StoredDrive, plans: list[DrivingPlan]
 ) -> None:
     table, again = drive.steps(), list[Perception]()
-    with closing(OnRails(drive.record["scenario"], "rain", table, truth=("foe",))) as world:
+    with closing(PosePlayback(drive.record["scenario"], "rain", table, truth=("foe",))) as world:
         replay.watch(world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen))
     assert len(again) == len(plans) == len(table) > 50
     assert all(same(seen, plan.perception) for seen, plan in zip(again, plans, strict=True))
     assert world.moved_m == 0.0
 
 
-def test_it_is_scored_as_in_the_run(drive: replay.StoredDrive, judged: Judgement) -> None:
-    for name in JUDGED:
+def test_it_is_scored_as_in_the_run(drive: replay.StoredDrive, judged: DriveEvaluation) -> None:
+    for name in SCORED_COLUMNS:
         assert np.array_equal(getattr(judged.table, name)[:-1], getattr(drive.steps(), name)[:-1], equal_nan=True), name
     assert judged.remarks == ()
 
@@ -182,7 +182,7 @@ def test_a_car_that_would_be_elsewhere_is_put_where_it_was(drive: replay.StoredD
 
 
 def test_the_command_scores_stores_and_compares(
-    run: Path, drive: replay.StoredDrive, judged: Judgement, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    run: Path, drive: replay.StoredDrive, judged: DriveEvaluation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before, out = tmp_path / "before.json", tmp_path / "new" / "table.json"
     store.write(before, scores.table([judged]))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.evaluation.weather import weather_effect
-from vpf_sim.evaluation.weather.judge import Score
+from vpf_sim.evaluation.weather.scorer import Score
 from vpf_sim.evaluation.weather.weather_effect import Factor
 
 FACTORS = {factor.name: factor for factor in weather_effect.factors()}

@@ -40,7 +40,7 @@ def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | No
     Where nobody watches, only the frames that the driver looks at are drawn; the drive is the same. What the driver
     changes of the process is put back.
     """
-    with process_state.kept():
+    with process_state.preserved():
         result = _run(scenario, weather, driver, seed, watch)
     # A world's objects hold each other: left until the collector comes by, the last few worlds would scatter the heap.
     gc.collect()

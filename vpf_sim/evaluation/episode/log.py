@@ -7,7 +7,7 @@ from typing import Any
 from vpf_sim.envs.rectangles import nearest, solid_bodies
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
-from vpf_sim.evaluation.truth.sight import Sight
+from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
 from vpf_sim.types import Command, Observation, Perception, Plan
 
 NOWHERE_PX = (nan, nan)  # the focus of expansion of a car that stands
@@ -18,7 +18,7 @@ class StepLog:
 
     def __init__(self) -> None:
         self._steps: list[Step] = []
-        self._sight = Sight()
+        self._sight = PerceptionErrors()
 
     def observe(self, observation: Observation, info: dict[str, Any], env: Any, looked: bool) -> None:
         """A new row with the state, which sensors that err do not tell, and what the harness measures of the world.

@@ -11,7 +11,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.gate.rules import Score
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.run_folder import read_manifest, stored_plan
-from vpf_sim.evaluation.sweeps.shapes import checked
+from vpf_sim.evaluation.sweeps.schema import checked
 
 FAULTS = ("error", "invalid_frame")  # these episodes were not driven to an end
 

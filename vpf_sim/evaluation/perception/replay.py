@@ -17,8 +17,8 @@ from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.episode.on_rails import SAME, OnRails
-from vpf_sim.evaluation.perception.judgement import Judge, Judgement
+from vpf_sim.evaluation.episode.pose_playback import SAME, PosePlayback
+from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Driver, Observation, Perception
@@ -37,10 +37,10 @@ class StoredDrive(NamedTuple):
         return steps.read(self.folder / "steps" / f"{self.record['id']}.parquet")
 
 
-Judged = tuple[StoredDrive, list[Judgement]]
+Evaluated = tuple[StoredDrive, list[DriveEvaluation]]
 
 
-def replay(drives: Iterable[StoredDrive], names: Sequence[str], workers: int) -> Iterator[Judged]:
+def replay(drives: Iterable[StoredDrive], names: Sequence[str], workers: int) -> Iterator[Evaluated]:
     """Each drive as each of the drivers of these names perceives it, in the order in which they are ready."""
     for name in names:
         if not drivers.sees(drivers.create(name)):
@@ -52,7 +52,7 @@ def replay(drives: Iterable[StoredDrive], names: Sequence[str], workers: int) ->
         yield done.task, done.result
 
 
-def judge(names: Sequence[str], drive: StoredDrive) -> list[Judgement]:
+def judge(names: Sequence[str], drive: StoredDrive) -> list[DriveEvaluation]:
     """One drive as each of some drivers perceives it; all of them see the same frames."""
     try:
         return _judge(names, drive)
@@ -60,11 +60,11 @@ def judge(names: Sequence[str], drive: StoredDrive) -> list[Judgement]:
         gc.collect()  # a world's objects hold each other
 
 
-def _judge(names: Sequence[str], drive: StoredDrive) -> list[Judgement]:
+def _judge(names: Sequence[str], drive: StoredDrive) -> list[DriveEvaluation]:
     record, table = drive.record, drive.steps()
-    judges = [Judge(len(table.rows)) for _ in names]
+    judges = [PerceptionScorer(len(table.rows)) for _ in names]
     perceivers = [drivers.create(name) for name in names]
-    with closing(OnRails(record["scenario"], record["weather"], table, truth=("foe",))) as world:
+    with closing(PosePlayback(record["scenario"], record["weather"], table, truth=("foe",))) as world:
 
         def show(row: int, seen: Sequence[Perception], info: dict[str, Any]) -> None:
             for each, perception in zip(judges, seen, strict=True):
@@ -75,13 +75,13 @@ def _judge(names: Sequence[str], drive: StoredDrive) -> list[Judgement]:
     far = (f"the car would now be up to {moved_m:.2f} m elsewhere: it was put where it was",) if moved_m > SAME else ()
     identity = (record["id"], record["scenario"], record["weather"], record["seed"])
     return [
-        Judgement(
+        DriveEvaluation(
             *identity,
             name,
             record["states_sha256"],
             table.replaced(each.columns),
             each.lane_error_m,
-            each.reports_table(),
+            each.detections_table(),
             far,
         )
         for name, each in zip(names, judges, strict=True)
@@ -89,7 +89,7 @@ def _judge(names: Sequence[str], drive: StoredDrive) -> list[Judgement]:
 
 
 def watch(
-    world: OnRails,
+    world: PosePlayback,
     table: StepTable,
     seed: int,
     perceivers: dict[str, Driver],

@@ -14,37 +14,37 @@ from vpf_sim.evaluation.analysis.statistics import share_interval
 from vpf_sim.evaluation.analysis.summary import interval
 from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.metrics.perception import DUE_M, KINDS
-from vpf_sim.evaluation.perception.judgement import Judgement
+from vpf_sim.evaluation.perception.scorer import DriveEvaluation
 from vpf_sim.types import Bools, Floats, Integers
 
 ALL = "all"  # stands for all weathers
 BANDS_M = (0.0, 6.0, 10.0, 15.0, 25.0, np.inf)  # from the bumper; three of them are due distances
-OF_REPORTS = {  # errors of the right reports, by their column
+OF_DETECTIONS = {  # errors of the right reports, by their column
     "distance_error_m": "distance_m",
     "left_error_m": "left_m",
     "right_error_m": "right_m",
     "speed_error_mps": "speed_mps",
 }
 OF_FRAMES = ("edge_error_m", "lane_error_m", "foe_error_px")
-ERRORS = (*OF_REPORTS, *OF_FRAMES)
+ERRORS = (*OF_DETECTIONS, *OF_FRAMES)
 SHARES = ("recall", "precision")
 RATE = "false_positives_per_minute"
 
 Row = dict[str, Any]
 
 
-def record(judgement: Judgement) -> Row:
+def record(evaluation: DriveEvaluation) -> Row:
     """The figures of one drive, with the bodies that were met in it."""
-    confirmed_m, kinds = _met([judgement])
+    confirmed_m, kinds = _met([evaluation])
     bodies = [{"kind": KINDS[k], "first_confirmed_m": _number(m)} for k, m in zip(kinds, confirmed_m, strict=True)]
-    named = {key: getattr(judgement, key) for key in ("drive", "scenario", "weather", "seed", "driver")}
-    told = {"states_sha256": judgement.states_sha256, "remarks": list(judgement.remarks)}
-    return {**named, **figures([judgement]), "bodies": bodies, **told}
+    named = {key: getattr(evaluation, key) for key in ("drive", "scenario", "weather", "seed", "driver")}
+    told = {"states_sha256": evaluation.states_sha256, "remarks": list(evaluation.remarks)}
+    return {**named, **figures([evaluation]), "bodies": bodies, **told}
 
 
-def table(judgements: Iterable[Judgement]) -> dict[str, Any]:
+def table(evaluations: Iterable[DriveEvaluation]) -> dict[str, Any]:
     """`records`, one a drive and driver; `rows`, one a cell; `totals`, one a weather, and of all, by kind and band."""
-    found = sorted(judgements, key=lambda one: (one.driver, one.drive))
+    found = sorted(evaluations, key=lambda one: (one.driver, one.drive))
     weathers = [*dict.fromkeys(one.weather for one in found)]
     totals = [
         _group(found, driver=driver, weather=weather)
@@ -59,7 +59,7 @@ def table(judgements: Iterable[Judgement]) -> dict[str, Any]:
     return {"records": [record(one) for one in found], "rows": rows, "totals": totals}
 
 
-def figures(found: Sequence[Judgement]) -> Row:
+def figures(found: Sequence[DriveEvaluation]) -> Row:
     """The figures of some drives of one driver, with the 95 % intervals of recall, precision and false positives."""
     confirmed_m, kinds = _met(found)
     known = confirmed_m >= _due_m(kinds)
@@ -78,7 +78,7 @@ def figures(found: Sequence[Judgement]) -> Row:
             "precision": interval(precision),
             RATE: interval(rates),
         },
-        **_report_errors([(one, np.ones(len(one.reports), np.bool_)) for one in found]),
+        **_detection_errors([(one, np.ones(len(one.detections), np.bool_)) for one in found]),
         **_frame_errors(found),
     }
 
@@ -93,11 +93,11 @@ def spread(error: Floats) -> Row | None:
     return {"median": median, "p95": p95, "bias": float(np.median(error)), "count": len(error)}
 
 
-def _figures_of(found: Sequence[Judgement], *cell: str) -> Row:
+def _figures_of(found: Sequence[DriveEvaluation], *cell: str) -> Row:
     return figures([one for one in found if (one.scenario, one.weather, one.driver) == cell])
 
 
-def _group(found: Sequence[Judgement], driver: str, weather: str) -> Row:
+def _group(found: Sequence[DriveEvaluation], driver: str, weather: str) -> Row:
     """A driver in a weather, whatever the scenario."""
     chosen = [one for one in found if one.driver == driver and weather in (one.weather, ALL)]
     kinds = {kind: row for kind in KINDS if (row := _of_kind(chosen, kind)) is not None}
@@ -105,17 +105,17 @@ def _group(found: Sequence[Judgement], driver: str, weather: str) -> Row:
     return {"weather": weather, "driver": driver, **figures(chosen), "by_kind": kinds, "by_distance": bands}
 
 
-def _of_kind(found: Sequence[Judgement], kind: Any) -> Row | None:
+def _of_kind(found: Sequence[DriveEvaluation], kind: Any) -> Row | None:
     """What was met of a kind, and how far right reports of it are off; None if there is nothing of it."""
     confirmed_m, kinds = _met(found)
     of_kind, number = confirmed_m[kinds == KINDS.index(kind)], float(KINDS.index(kind))
-    errors = _report_errors([(one, one.of("kind") == number) for one in found])
+    errors = _detection_errors([(one, one.of("kind") == number) for one in found])
     if not len(of_kind) and errors["distance_error_m"] is None:
         return None
     return {"due_m": DUE_M[kind], **_recall_at(of_kind, DUE_M[kind]), "first_confirmed_m": _median(of_kind), **errors}
 
 
-def _of_band(found: Sequence[Judgement], low_m: float, high_m: float) -> Row:
+def _of_band(found: Sequence[DriveEvaluation], low_m: float, high_m: float) -> Row:
     """Reports at a distance; recall is the share of the bodies met that were confirmed at `low_m` or before."""
     inside = [(one, (one.of("ahead_m") >= low_m) & (one.of("ahead_m") < high_m)) for one in found]
     right = [float(np.mean(one.of("is_right")[rows])) for one, rows in inside if rows.any()]
@@ -127,7 +127,7 @@ def _of_band(found: Sequence[Judgement], low_m: float, high_m: float) -> Row:
         **_recall_at(confirmed_m, low_m),
         "precision": fmean(right) if right else None,
         RATE: fmean(rates),
-        **_report_errors(inside),
+        **_detection_errors(inside),
     }
 
 
@@ -138,7 +138,7 @@ def _recall_at(confirmed_m: Floats, distance_m: float) -> Row:
     return {"bodies_met": count, "recall": known / count if count else None, "intervals": {"recall": ends}}
 
 
-def _met(found: Sequence[Judgement]) -> tuple[Floats, Integers]:
+def _met(found: Sequence[DriveEvaluation]) -> tuple[Floats, Integers]:
     """(B,) m at which each body that was met had first been confirmed, nan if never, and the place of its kind."""
     met = [np.isfinite(one.table.met_kind) for one in found]
     confirmed = [one.table.met_confirmed_m[rows] for one, rows in zip(found, met, strict=True)]
@@ -150,31 +150,31 @@ def _due_m(kinds: Integers) -> Floats:
     return np.array([DUE_M[KINDS[kind]] for kind in kinds], float)
 
 
-def _objects(one: Judgement) -> Row:
+def _objects(one: DriveEvaluation) -> Row:
     found = perception.objects(one.table)
     assert found is not None, "every frame was judged"
     return found
 
 
-def _precision(one: Judgement) -> float | None:
+def _precision(one: DriveEvaluation) -> float | None:
     value: float | None = _objects(one)["precision"]
     return value
 
 
-def _rate(one: Judgement) -> float:
+def _rate(one: DriveEvaluation) -> float:
     value: float = _objects(one)["wrong_per_minute"]
     return value
 
 
-def _report_errors(found: Sequence[tuple[Judgement, Bools]]) -> Row:
+def _detection_errors(found: Sequence[tuple[DriveEvaluation, Bools]]) -> Row:
     """Of the right ones among some reports of each drive."""
     return {
         key: spread(np.concatenate([np.empty(0), *(one.of(column)[rows] for one, rows in found)]))
-        for key, column in OF_REPORTS.items()
+        for key, column in OF_DETECTIONS.items()
     }
 
 
-def _frame_errors(found: Sequence[Judgement]) -> Row:
+def _frame_errors(found: Sequence[DriveEvaluation]) -> Row:
     """Of edges, own lane and focus of expansion, with the share of the frames in which each was told."""
     tables = [one.table for one in found]
 

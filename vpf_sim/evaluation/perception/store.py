@@ -7,14 +7,14 @@ from typing import Any
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint
 from vpf_sim.evaluation.sweeps.run_folder import write_json
-from vpf_sim.evaluation.sweeps.shapes import Number, Numbers, Shape, checked
+from vpf_sim.evaluation.sweeps.schema import Number, Numbers, Schema, checked
 from vpf_sim.shell import command
 
 NAME = "perception.json"
 SCHEMA = 1
 
 
-class Figures(Shape):
+class Figures(Schema):
     """What is compared and held to rules."""
 
     recall: Number
@@ -29,7 +29,7 @@ class Figures(Shape):
     foe_error_px: Numbers | None
 
 
-class Body(Shape):
+class Body(Schema):
     kind: str
     first_confirmed_m: Number
 
@@ -54,7 +54,7 @@ class Row(Figures):
     driver: str
 
 
-class Table(Shape):
+class Table(Schema):
     records: list[Record]
     rows: list[Row]
 

@@ -14,7 +14,7 @@ from vpf_sim.evaluation.metrics.records import failed
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
-from vpf_sim.evaluation.sweeps.shapes import Manifest, Record, checked
+from vpf_sim.evaluation.sweeps.schema import Manifest, Record, checked
 from vpf_sim.files import DRAFT, write_text
 
 MANIFEST = "manifest.json"

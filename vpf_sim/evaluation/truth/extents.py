@@ -9,7 +9,7 @@ from math import cos, nan
 from typing import Any, NamedTuple
 
 from vpf_sim.envs.rectangles import corners, seen_from
-from vpf_sim.evaluation.truth.objects import Report
+from vpf_sim.evaluation.truth.detections import Detection
 from vpf_sim.types import Obstacles
 
 
@@ -30,9 +30,9 @@ class ExtentErrors(NamedTuple):
     speed_mps: float  # nan where the body stands and is reported so
 
 
-def errors(report: Report, reports: Iterable[Report], reported: Obstacles, ego: Any) -> ExtentErrors:
+def errors(detection: Detection, detections: Iterable[Detection], reported: Obstacles, ego: Any) -> ExtentErrors:
     """Of a right report; `reports` are all of its frame."""
-    k, true, body = report.index, true_extent(report, reports, ego), report.owners[0]
+    k, true, body = detection.index, true_extent(detection, detections, ego), detection.owners[0]
     speed_mps, seen_mps = float(body.speed), float(reported.speed_mps[k])
     return ExtentErrors(
         float(reported.forward_m[k]) - true.forward_m,
@@ -42,10 +42,10 @@ def errors(report: Report, reports: Iterable[Report], reported: Obstacles, ego: 
     )
 
 
-def true_extent(report: Report, reports: Iterable[Report], ego: Any) -> Extent:
+def true_extent(detection: Detection, detections: Iterable[Detection], ego: Any) -> Extent:
     """Of the body nearest to the report's foot, with those of its row that no other report is nearest to."""
-    taken = {id(other.owners[0]) for other in reports if other.owners}
-    bodies = [report.owners[0], *(body for body in report.passed if id(body) not in taken)]
+    taken = {id(other.owners[0]) for other in detections if other.owners}
+    bodies = [detection.owners[0], *(body for body in detection.passed if id(body) not in taken)]
     return _union([near_end(body, ego) for body in bodies])
 
 

@@ -10,7 +10,7 @@ from vpf_sim import scenarios
 from vpf_sim.envs.camera import Weather
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
-from vpf_sim.evaluation.weather.judge import Judge, Score
+from vpf_sim.evaluation.weather.scorer import Score, TrackingScorer
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.scenarios.parts import Body
 from vpf_sim.types import Image
@@ -91,9 +91,9 @@ def measure(factor: Factor, seed: int, seconds: float, every: int) -> Score:
     course = drive(factor.traffic)
     if factor.noise_sd is not None:
         course = replace(course, rig=replace(course.rig, noise_sd=factor.noise_sd))
-    judge = Judge(course.rig.camera, course.rate_hz, seed)
+    scorer = TrackingScorer(course.rig.camera, course.rate_hz, seed)
     count = round(seconds * course.rate_hz) + 1
     without = _greys(factor.without, factor.traffic, seed, count)
     for shot in course.shots(factor.weather, seed, count):
-        judge.see(shot, without[shot.index], judged=shot.index % every == 0)
-    return judge.score()
+        scorer.add_frame(shot, without[shot.index], judged=shot.index % every == 0)
+    return scorer.score()

@@ -15,7 +15,7 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.things.things import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
-from vpf_sim.evaluation.weather.glass_removal import GlassMask, Restoration
+from vpf_sim.evaluation.weather.windscreen_removal import Restoration, WindscreenMask
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
@@ -105,7 +105,7 @@ class _Pictures:
 def measure(drive: Drive, weather: Weather | None, seed: int) -> Score:
     """Look at a drive through the wet glass of a weather, or with None as it is."""
     water = None if weather is None else Glass(drive.camera, weather, Light.of(weather), seed)
-    plain, masked, mask = Eye(drive), Eye(drive), GlassMask(drive.camera, drive.rate_hz)
+    plain, masked, mask = Eye(drive), Eye(drive), WindscreenMask(drive.camera, drive.rate_hz)
     restoration, pictures = Restoration(drive.camera), _Pictures()
     before: Snapshot | None = None
     for k, frame in enumerate(drive.frames):

@@ -31,7 +31,7 @@ NAMES = ("depth", "instance", "hidden", "foe", "ttc")
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Shares and medians over all that was judged; nan where there was nothing to judge."""
+    """Shares and medians over all that was judged; nan where there was nothing to scorer."""
 
     survive_1: float  # share of the plain tracker's corners that it still follows after one frame
     survive_6: float  # and after 0.1 s
@@ -49,7 +49,7 @@ class Score:
 
 
 @dataclass(slots=True)
-class Judged:
+class Samples:
     """What was found in each judged frame."""
 
     survived: list[tuple[float, float]] = field(default_factory=list)
@@ -66,7 +66,7 @@ class Judged:
     hidden: list[float] = field(default_factory=list)
 
 
-class Judge:
+class TrackingScorer:
     """Is shown every frame of a drive in its order, and scores those it is told to."""
 
     def __init__(self, camera: Camera, rate_hz: float, seed: int) -> None:
@@ -78,9 +78,9 @@ class Judge:
         self._greys: deque[Image] = deque(maxlen=WINDOW_FRAMES + 1)  # oldest first
         self._without: deque[Image] = deque(maxlen=WINDOW_FRAMES + 1)
         self._random = stream(seed, "focus of expansion")
-        self._judged = Judged()
+        self._samples = Samples()
 
-    def see(self, shot: Shot, without: Image, judged: bool) -> None:
+    def add_frame(self, shot: Shot, without: Image, judged: bool) -> None:
         """Follow the corners into this frame; `judged`: and compare with its truth.
 
         `without` is the grey frame of that place in the weather to compare with.
@@ -93,14 +93,14 @@ class Judge:
             return
         truth = shot.renderer.truth(NAMES)
         sight = in_sight(truth["hidden"].astype(np.bool_))
-        self._judge_corners(truth, sight)
-        self._judge_flow(flow, truth, sight)
-        self._judge_stages(flow, truth)
-        self._judged.hidden.append(float(truth["hidden"].mean()))
+        self._score_corners(truth, sight)
+        self._score_flow(flow, truth, sight)
+        self._score_stages(flow, truth)
+        self._samples.hidden.append(float(truth["hidden"].mean()))
 
     def score(self) -> Score:
         """What all judged frames together say."""
-        judged = self._judged
+        judged = self._samples
         survived = np.array(judged.survived).reshape(-1, 2)
         return Score(
             survive_1=_mean(survived[:, 0]),
@@ -118,43 +118,43 @@ class Judge:
             hidden=_mean(judged.hidden),
         )
 
-    def _judge_corners(self, truth: Truth, sight: Bools) -> None:
+    def _score_corners(self, truth: Truth, sight: Bools) -> None:
         """The plain tracker, from the corners of the window's first frame to now."""
         start_px = frame_statistics.corners(self._greys[0])
         now_px, alive = frame_statistics.follow(list(self._greys), start_px)
         if len(start_px):
-            self._judged.survived.append((float(alive[0].mean()), float(alive[-1].mean())))
+            self._samples.survived.append((float(alive[0].mean()), float(alive[-1].mean())))
         without_px, too = frame_statistics.follow(list(self._without), start_px)
         both = alive[-1] & too[-1]
-        self._judged.changes_px.append(np.hypot(*(now_px[both] - without_px[both]).T))
+        self._samples.changes_px.append(np.hypot(*(now_px[both] - without_px[both]).T))
         start_px, now_px = start_px[alive[-1]], now_px[alive[-1]]
         frames = np.full(len(now_px), WINDOW_FRAMES)
-        self._judged.errors_px.append(self._motion.errors_px(now_px, now_px - start_px, frames, truth))
-        self._judged.in_sight.append(at(sight, now_px, self._camera))
+        self._samples.errors_px.append(self._motion.errors_px(now_px, now_px - start_px, frames, truth))
+        self._samples.in_sight.append(at(sight, now_px, self._camera))
 
-    def _judge_flow(self, flow: Flow, truth: Truth, sight: Bools) -> None:
+    def _score_flow(self, flow: Flow, truth: Truth, sight: Bools) -> None:
         """The paper's tracker: the points that were followed for a whole window."""
         frames = np.rint(flow.gap_s * self._rate_hz).astype(np.int64)
         old = frames == WINDOW_FRAMES
         points_px = flow.points_px[old]
         errors = self._motion.errors_px(points_px, flow.displacement_px[old], frames[old], truth)
-        self._judged.paper_errors_px.append(errors)
-        self._judged.paper_in_sight.append(at(sight, points_px, self._camera))
+        self._samples.paper_errors_px.append(errors)
+        self._samples.paper_in_sight.append(at(sight, points_px, self._camera))
 
-    def _judge_stages(self, flow: Flow, truth: Truth) -> None:
+    def _score_stages(self, flow: Flow, truth: Truth) -> None:
         """What the paper's stages make of that flow, and the robust ones."""
         camera, plain = self._camera, self._plain
         foe = expansion.estimate(flow, camera, plain.expansion, self._random)
         robust = expansion.estimate(flow, camera, ExpansionConfig(method="robust"), self._random)
         true_foe = truth["foe"].astype(np.float64)
-        self._judged.foe_px.extend(foe_error_px(foe, true_foe))
-        self._judged.robust_foe_px.extend(foe_error_px(robust, true_foe))
+        self._samples.foe_px.extend(foe_error_px(foe, true_foe))
+        self._samples.robust_foe_px.extend(foe_error_px(robust, true_foe))
         ttc = contact.time_to_contact(flow, foe, camera, plain.contact)
-        self._judged.ttc_errors.append(ttc_errors(ttc, at(truth["ttc"], flow.points_px, camera)))
+        self._samples.ttc_errors.append(ttc_errors(ttc, at(truth["ttc"], flow.points_px, camera)))
         stands = truth["instance"] != 0
         for config, found in (
-            (plain.obstacle_map, self._judged.false_bodies),
-            (obstacles.ObstacleMapConfig(sigma_px=None), self._judged.robust_false),
+            (plain.obstacle_map, self._samples.false_bodies),
+            (obstacles.ObstacleMapConfig(sigma_px=None), self._samples.robust_false),
         ):
             found.append(false_clusters(obstacles.detect(flow, camera, config), flow, stands))
 

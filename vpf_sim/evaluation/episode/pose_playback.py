@@ -13,7 +13,7 @@ RATES_HZ = (60.0, 20.0)
 SAME = 1e-9  # m, rad, m/s: less than this is no other place
 
 
-class OnRails(FourLane):
+class PosePlayback(FourLane):
     """A scenario's world, in which the car is after each step where the step table says.
 
     The stored commands are applied, so that actuators and sensors are in the state of the episode; where that leads

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.weather.glass_blade import BladeWatch
-from vpf_sim.evaluation.weather.glass_removal import GlassMask, Restoration
-from vpf_sim.evaluation.weather.glass_spots import SpotConfig, SpotWatch
+from vpf_sim.evaluation.weather.windscreen_removal import Restoration, WindscreenMask
+from vpf_sim.evaluation.weather.windscreen_spots import SpotConfig, SpotDetector
+from vpf_sim.evaluation.weather.wiper_detector import WiperDetector
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker
@@ -58,7 +58,7 @@ def overlap(found: Bools, truth: Bools) -> float:
 
 
 def test_spots_are_found_and_the_road_is_not() -> None:
-    watch, clean, mask = (SpotWatch(CAMERA, SpotConfig(), RATE_HZ) for _ in range(2)), None, spots()
+    watch, clean, mask = (SpotDetector(CAMERA, SpotConfig(), RATE_HZ) for _ in range(2)), None, spots()
     wet, dry = watch
     for k in range(14):
         frame = road(k)
@@ -70,7 +70,7 @@ def test_spots_are_found_and_the_road_is_not() -> None:
 
 
 def test_a_line_along_the_way_is_no_spot() -> None:
-    watch = SpotWatch(CAMERA, SpotConfig(), RATE_HZ)
+    watch = SpotDetector(CAMERA, SpotConfig(), RATE_HZ)
     for k in range(14):
         frame = road(k).copy()
         cv2.line(frame, (199, 40), (80, 239), 255, 5, cv2.LINE_AA)
@@ -81,14 +81,14 @@ def test_a_line_along_the_way_is_no_spot() -> None:
 
 
 def test_a_standing_car_learns_nothing() -> None:
-    watch, mask = SpotWatch(CAMERA, SpotConfig(), RATE_HZ), spots()
+    watch, mask = SpotDetector(CAMERA, SpotConfig(), RATE_HZ), spots()
     for _ in range(14):
         assert not watch.update(dirty(road(0), mask), pose_at(0))
     assert not watch.spots().any()
 
 
 def test_what_is_wiped_is_forgotten() -> None:
-    watch, mask = SpotWatch(CAMERA, SpotConfig(), RATE_HZ), spots()
+    watch, mask = SpotDetector(CAMERA, SpotConfig(), RATE_HZ), spots()
     for k in range(14):
         watch.update(dirty(road(k), mask), pose_at(k))
     assert watch.spots()[:, 200:].any()
@@ -99,7 +99,7 @@ def test_what_is_wiped_is_forgotten() -> None:
 
 def test_a_reduced_picture_serves_a_sharper_camera() -> None:
     camera = Camera(800, 480, 640.0, 640.0, 399.5, 80.0, height_m=1.4, forward_m=0.0)
-    assert SpotWatch(camera, SpotConfig(), RATE_HZ).shape == (240, 400)
+    assert SpotDetector(camera, SpotConfig(), RATE_HZ).shape == (240, 400)
 
 
 def with_blade(frame: Image, x_px: int) -> Image:
@@ -110,7 +110,7 @@ def with_blade(frame: Image, x_px: int) -> Image:
 
 
 def test_a_blade_is_seen_while_it_is_there() -> None:
-    watch = BladeWatch(CAMERA, RATE_HZ)
+    watch = WiperDetector(CAMERA, RATE_HZ)
     for k in range(12):
         assert watch.update(road(k)) is None
     seen = watch.update(with_blade(road(12), 200))
@@ -121,7 +121,7 @@ def test_a_blade_is_seen_while_it_is_there() -> None:
 
 
 def test_a_post_beside_the_road_is_no_blade() -> None:
-    watch = BladeWatch(CAMERA, RATE_HZ)
+    watch = WiperDetector(CAMERA, RATE_HZ)
     for k in range(12):
         watch.update(road(k))
     post = road(12).copy()
@@ -131,7 +131,7 @@ def test_a_post_beside_the_road_is_no_blade() -> None:
 
 def test_a_line_that_is_a_little_off_the_way_is_no_spot() -> None:
     """The direction of motion is not known exactly: the camera may look 2 deg aside."""
-    watch = SpotWatch(CAMERA, SpotConfig(), RATE_HZ)
+    watch = SpotDetector(CAMERA, SpotConfig(), RATE_HZ)
     line = np.zeros((240, 400), np.uint8)
     cv2.line(line, (210, 40), (80, 239), 255, 9)
     for k in range(14):
@@ -143,7 +143,7 @@ def test_a_line_that_is_a_little_off_the_way_is_no_spot() -> None:
 
 @pytest.mark.parametrize("mode", ["grey", "colour"])
 def test_what_was_seen_before_fills_the_spots_better_than_what_is_around_them(mode: str) -> None:
-    mask, restoration, glass = spots(), Restoration(CAMERA), GlassMask(CAMERA, RATE_HZ)
+    mask, restoration, glass = spots(), Restoration(CAMERA), WindscreenMask(CAMERA, RATE_HZ)
     tracker = FlowTracker(CAMERA, FlowConfig(max_level=3), RATE_HZ)
     for k in range(14):
         clean = road(k)
@@ -161,7 +161,7 @@ def test_what_was_seen_before_fills_the_spots_better_than_what_is_around_them(mo
 
 
 def test_the_mask_of_a_frame_has_spots_and_blade() -> None:
-    glass, mask = GlassMask(CAMERA, RATE_HZ), spots()
+    glass, mask = WindscreenMask(CAMERA, RATE_HZ), spots()
     for k in range(14):
         found = glass.update(dirty(road(k), mask), pose_at(k))
     assert overlap(found != 0, mask) > 0.5

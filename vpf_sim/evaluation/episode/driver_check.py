@@ -31,7 +31,7 @@ TRIALS = {"without obstacles": ROAD, "with an obstacle": ROAD + CAR}
 
 def check(name: str) -> Driver:
     """The driver of a name, after its trial; InputError with the place and the frame where it fails."""
-    with process_state.kept():
+    with process_state.preserved():
         for what, text in TRIALS.items():
             driver = drivers.create(name)
             _drive(driver, f"driver '{name}': {what}", text)

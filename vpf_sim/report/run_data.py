@@ -12,7 +12,7 @@ from vpf_sim.report.stored_run import Record, StoredRun
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
+class RunData:
     """A run, as far as it has come."""
 
     run: StoredRun
@@ -23,8 +23,8 @@ class Subject:
     summary: dict[str, Any]
 
     @classmethod
-    def of(cls, run: StoredRun) -> "Subject":
-        """The subject that a run folder holds."""
+    def of(cls, run: StoredRun) -> "RunData":
+        """The run_data that a run folder holds."""
         plan = stored_plan(run.path)
         jobs = plan.jobs()
         records = {job.id: run.records[job.id] for job in jobs if job.id in run.records}

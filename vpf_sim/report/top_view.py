@@ -145,9 +145,9 @@ def _goal(canvas: Canvas, view: _View, goal_m: tuple[float, float]) -> None:
         canvas.text(words, left, float(inside[1]) + 5.0, TARGET, 0.5)
 
 
-def _legend(canvas: Canvas, thinks: bool) -> None:
+def _legend(canvas: Canvas, replans: bool) -> None:
     words = [("route", TARGET), ("bodies", BODY)]
-    if thinks:
+    if replans:
         words += [("perceived", OBSTACLE), ("wanted heading", REFERENCE)]
     left = 12.0
     for word, colour in words:

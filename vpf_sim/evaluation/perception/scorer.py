@@ -10,16 +10,16 @@ from vpf_sim.evaluation.episode.log import NOWHERE_PX, perceived
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.truth import extents, surroundings
-from vpf_sim.evaluation.truth.objects import ObjectBook, Report
+from vpf_sim.evaluation.truth.detections import Detection, DetectionScorer
 from vpf_sim.types import Floats, Perception
 
 SEEN = ("foe_x_px", "foe_y_px", "seen_left_m", "seen_right_m")
 TRUE = ("true_foe_x_px", "true_foe_y_px", "true_left_m", "true_right_m")
 OBJECTS = ("objects_right", "objects_wrong", "new_wrong_objects", "met_kind", "met_confirmed_m")
-JUDGED = (*SEEN, *TRUE, *OBJECTS)  # the columns of the step table that a perception makes
+SCORED_COLUMNS = (*SEEN, *TRUE, *OBJECTS)  # the columns of the step table that a perception makes
 
 
-class ReportRow(NamedTuple):
+class DetectionRow(NamedTuple):
     """A report in the corridor at one frame; what a wrong one is off by is nan."""
 
     ahead_m: float  # along the road from the front bumper to its foot
@@ -33,7 +33,7 @@ class ReportRow(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Judgement:
+class DriveEvaluation:
     """One drive as one driver perceives it."""
 
     drive: str  # the id of the episode
@@ -42,14 +42,14 @@ class Judgement:
     seed: int
     driver: str  # that perceived
     states_sha256: str  # of the episode: two judgements with the same are of the same poses
-    table: StepTable  # the episode's, with the columns JUDGED made again
+    table: StepTable  # the episode's, with the columns SCORED_COLUMNS made again
     lane_error_m: Floats  # (n + 1,) of the own lane's middle 10 m ahead; nan where none is told
-    reports: Floats  # (R, len(ReportRow._fields))
+    detections: Floats  # (R, len(ReportRow._fields))
     remarks: tuple[str, ...] = ()
 
     def of(self, name: str) -> Floats:
         """(R,) a column of the reports."""
-        column: Floats = self.reports[:, ReportRow._fields.index(name)]
+        column: Floats = self.detections[:, DetectionRow._fields.index(name)]
         return column
 
     @property
@@ -59,17 +59,17 @@ class Judgement:
 
 
 @dataclass(slots=True)
-class Judge:
+class PerceptionScorer:
     """Is shown what one driver perceives at every frame of a drive, in their order."""
 
     rows: int  # of the step table
-    reports: list[ReportRow] = field(default_factory=list)
+    detections: list[DetectionRow] = field(default_factory=list)
     columns: dict[str, Floats] = field(init=False)
     lane_error_m: Floats = field(init=False)
-    _book: ObjectBook = field(default_factory=ObjectBook)
+    _book: DetectionScorer = field(default_factory=DetectionScorer)
 
     def __post_init__(self) -> None:
-        self.columns = {name: np.full(self.rows, nan) for name in JUDGED}
+        self.columns = {name: np.full(self.rows, nan) for name in SCORED_COLUMNS}
         self.lane_error_m = np.full(self.rows, nan)
 
     def judge(self, row: int, seen: Perception, world: Any, info: dict[str, Any]) -> None:
@@ -82,18 +82,18 @@ class Judge:
         if seen.road.lane_confidence > 0.0:
             lane_m = surroundings.true_lane(ego, network, ego.place[1] - info["lane_offset_m"])
             self.lane_error_m[row] = surroundings.seen_lane(seen.road) - lane_m
-        self.reports += [
-            ReportRow(report.ahead_m, *self._truth(report, seen, ego))
-            for report in self._book.reports
-            if report.in_corridor
+        self.detections += [
+            DetectionRow(detection.ahead_m, *self._truth(detection, seen, ego))
+            for detection in self._book.detections
+            if detection.in_corridor
         ]
 
-    def _truth(self, report: Report, seen: Perception, ego: Any) -> tuple[float, ...]:
-        if not report.owners:
-            return 0.0, float(report.is_new), nan, nan, nan, nan, nan
-        off = extents.errors(report, self._book.reports, seen.obstacles, ego)
-        return 1.0, 0.0, float(KINDS.index(report.owners[0].kind)), *off
+    def _truth(self, detection: Detection, seen: Perception, ego: Any) -> tuple[float, ...]:
+        if not detection.owners:
+            return 0.0, float(detection.is_new), nan, nan, nan, nan, nan
+        off = extents.errors(detection, self._book.detections, seen.obstacles, ego)
+        return 1.0, 0.0, float(KINDS.index(detection.owners[0].kind)), *off
 
-    def reports_table(self) -> Floats:
+    def detections_table(self) -> Floats:
         """(R, len(ReportRow._fields))"""
-        return np.array(self.reports, float).reshape(-1, len(ReportRow._fields))
+        return np.array(self.detections, float).reshape(-1, len(DetectionRow._fields))

@@ -5,7 +5,7 @@ from collections import deque
 import cv2
 import numpy as np
 
-from vpf_sim.evaluation.weather.glass_spots import reduced
+from vpf_sim.evaluation.weather.windscreen_spots import reduced
 from vpf_sim.types import Camera, Image
 
 FOCAL_PX = 20.0  # of the picture that is looked at: a blade is a few pixels wide, and hardly anything else is left
@@ -16,7 +16,7 @@ HEIGHT_SHARE = 0.6  # of the picture's, that a blade crosses at least
 WIDTH_PX = 1.5  # of the reduced picture, at least: 4 deg; a post beside the road is thinner
 
 
-class BladeWatch:
+class WiperDetector:
     """Is shown every frame, and tells where a blade is."""
 
     def __init__(self, camera: Camera, rate_hz: float) -> None:

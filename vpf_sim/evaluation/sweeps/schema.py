@@ -14,13 +14,13 @@ Number = float | None
 Numbers = dict[str, Number]
 
 
-class Shape(BaseModel):
+class Schema(BaseModel):
     """No value is bent to fit."""
 
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
 
 
-class Signals(Shape):
+class Signals(Schema):
     throttle: Numbers | None = None
     steering: Numbers | None = None
 
@@ -30,24 +30,24 @@ class Protocol(Signals):
     passing: Signals | None = None
 
 
-class Accuracies(Shape):
+class Accuracies(Schema):
     shadow: Protocol | None = None
     paired: Protocol | None = None
 
 
-class Kept(Shape):
+class Bounded(Schema):
     min: Number = None
     max: Number = None
     within: bool | None = None
 
 
-class Comfort(Shape):
+class Comfort(Schema):
     comfortable: bool | None = None
-    signals: dict[str, Kept] | None = None
+    signals: dict[str, Bounded] | None = None
     min_ttc_s: Number = None
 
 
-class Perception(Shape):
+class Perception(Schema):
     foe_median_error_px: Numbers | None = None
     foe_share: Number = None
     edge_error_10m_m: Numbers | None = None
@@ -56,7 +56,7 @@ class Perception(Shape):
     objects: Numbers | None = None
 
 
-class Scores(Shape):
+class Scores(Schema):
     """What a record has, and the mean of some."""
 
     path_mse_m2: Number
@@ -91,7 +91,7 @@ class Record(Scores):
     frames_sha256: str | None
 
 
-class Timing(Shape):
+class Timing(Schema):
     """A line of timing.jsonl."""
 
     id: str
@@ -102,7 +102,7 @@ class Timing(Shape):
     retries: int = 0
 
 
-class Manifest(Shape):
+class Manifest(Schema):
     """Of manifest.json what makes it one."""
 
     command: str
@@ -113,7 +113,7 @@ class Manifest(Shape):
     drivers: dict[str, str] = {}
 
 
-class Paper(Shape):
+class Paper(Schema):
     path_mse_m2: float
     throttle: float
     steering: float
@@ -146,14 +146,14 @@ class Row(Scores):
         return value
 
 
-class Difference(Shape):
+class Difference(Schema):
     difference: float
     interval: list[float] | None
     p: float
     pairs: int
 
 
-class Comparison(Shape):
+class Comparison(Schema):
     """A difference of two cells in summary.json; its other keys are those of scores."""
 
     model_config = ConfigDict(extra="allow")
@@ -166,7 +166,7 @@ class Comparison(Shape):
     minus: str
 
 
-class Summary(Shape):
+class Summary(Schema):
     rows: list[Row]
     comparisons: list[Comparison] = []
 

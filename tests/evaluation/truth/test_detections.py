@@ -11,7 +11,7 @@ from vpf_sim.envs.road import Carriageway
 from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.evaluation.truth.objects import ObjectBook
+from vpf_sim.evaluation.truth.detections import DetectionScorer
 from vpf_sim.scenarios.parts import Road
 from vpf_sim.types import Obstacles
 
@@ -30,14 +30,14 @@ def body(road: Any, x: float, y: float, length: float = 5.0, width: float = 2.0,
     return Thing(position=np.array([x, y]), heading=0.0, LENGTH=length, WIDTH=width, place=(x, y), kind=kind, road=road)
 
 
-def reports(*feet: tuple[float, float], identity: int = 1) -> Obstacles:
+def detections(*feet: tuple[float, float], identity: int = 1) -> Obstacles:
     """Objects 2 m wide whose nearest face is at (forward, right)."""
     forward, right = np.array(feet, float).reshape(-1, 2).T
     some = np.ones(len(feet))
     return Obstacles(forward, right - 1.0, right + 1.0, some, some, np.arange(identity, identity + len(feet)))
 
 
-def columns(book: ObjectBook, road: Any, x: float, reported: Obstacles) -> dict[str, float]:
+def columns(book: DetectionScorer, road: Any, x: float, reported: Obstacles) -> dict[str, float]:
     return book.columns(reported, body(road, x, 0.0, LENGTH_M, 1.9), road.network)
 
 
@@ -61,30 +61,32 @@ def test_a_report_is_right_if_its_foot_is_within_a_metre_and_a_half(
     road: Any, foot: tuple[float, float], right: int, wrong: int
 ) -> None:
     road.objects.append(body(road, 140.0, 0.0))
-    found = columns(ObjectBook(), road, 100.0, reports(foot))
+    found = columns(DetectionScorer(), road, 100.0, detections(foot))
     assert (found["objects_right"], found["objects_wrong"], found["new_wrong_objects"]) == (right, wrong, wrong)
 
 
 def test_the_corridor_turns_with_the_road_and_not_with_the_car(road: Any) -> None:
     ego = body(road, 100.0, 0.0, LENGTH_M, 1.9)
     ego.heading = 0.3
-    found = ObjectBook().columns(reports((20.0, -20.0 * np.tan(0.3))), ego, road.network)
+    found = DetectionScorer().columns(detections((20.0, -20.0 * np.tan(0.3))), ego, road.network)
     assert found["objects_wrong"] == 1, "straight ahead along the road"
-    assert ObjectBook().columns(reports((20.0, 0.0)), ego, road.network)["objects_wrong"] == 0, "5.9 m to the right"
+    assert DetectionScorer().columns(detections((20.0, 0.0)), ego, road.network)["objects_wrong"] == 0, (
+        "5.9 m to the right"
+    )
 
 
 def test_a_wrong_object_is_new_once(road: Any) -> None:
-    book = ObjectBook()
-    seen = [columns(book, road, x, reports((20.0, 0.0), identity=i)) for x, i in ((0.0, 7), (1.0, 7), (2.0, 8))]
+    book = DetectionScorer()
+    seen = [columns(book, road, x, detections((20.0, 0.0), identity=i)) for x, i in ((0.0, 7), (1.0, 7), (2.0, 8))]
     assert [found["new_wrong_objects"] for found in seen] == [1, 0, 1]
     assert [found["objects_wrong"] for found in seen] == [1, 1, 1]
 
 
 def test_a_body_is_met_once_with_the_distance_at_which_it_was_first_confirmed(road: Any) -> None:
     road.objects += [body(road, 140.0, 0.5), body(road, 140.0, -4.0), body(road, 170.1, 0.0, 0.4, 0.4, "cone")]
-    book, met = ObjectBook(), []
+    book, met = DetectionScorer(), []
     for x in np.arange(100.0, 180.0, 0.25):
-        seen = reports((137.5 - x, 0.5)) if 118.0 <= x <= 121.0 else reports()
+        seen = detections((137.5 - x, 0.5)) if 118.0 <= x <= 121.0 else detections()
         found = columns(book, road, x, seen)
         if np.isfinite(found["met_kind"]):
             met.append((x, KINDS[int(found["met_kind"])], found["met_confirmed_m"]))
@@ -97,10 +99,10 @@ def test_a_body_is_met_once_with_the_distance_at_which_it_was_first_confirmed(ro
 
 def test_a_body_seen_from_the_next_lane_is_confirmed_before_the_ego_turns_to_it(road: Any) -> None:
     road.objects.append(body(road, 40.0, 4.0))
-    book = ObjectBook()
-    far = book.columns(reports((37.5 - 10.0, 4.0)), body(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
+    book = DetectionScorer()
+    far = book.columns(detections((37.5 - 10.0, 4.0)), body(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
     assert (far["objects_right"], far["objects_wrong"]) == (0, 0), "4 m aside it is not in the corridor"
-    met = [book.columns(reports(), body(road, x, 2.0, LENGTH_M, 1.9), road.network) for x in (30.0, 35.2)]
+    met = [book.columns(detections(), body(road, x, 2.0, LENGTH_M, 1.9), road.network) for x in (30.0, 35.2)]
     assert met[-1]["met_confirmed_m"] == 40.0 - 10.0 - 0.5 * (5.0 + LENGTH_M)
 
 
@@ -121,9 +123,9 @@ def test_a_row_that_is_reported_as_one_is_confirmed_as_far_as_its_face_reaches(
     road.objects += [body(road, 120.0 + 0.2 * i, 3.0 * (i - 1), 0.4, 0.5, "pedestrian") for i in range(3)]
     some = np.ones(1)
     seen = Obstacles(np.array([face]), np.array([left]), np.array([right]), some, some, np.ones(1, np.int64))
-    book, met = ObjectBook(), []
+    book, met = DetectionScorer(), []
     for x in np.arange(100.0, 122.0, 0.1):
-        found = columns(book, road, x, seen if x == 100.0 else reports())
+        found = columns(book, road, x, seen if x == 100.0 else detections())
         if np.isfinite(found["met_kind"]):
             met.append(bool(np.isfinite(found["met_confirmed_m"])))
     assert met == known
@@ -131,14 +133,14 @@ def test_a_row_that_is_reported_as_one_is_confirmed_as_far_as_its_face_reaches(
 
 def test_two_that_are_met_at_once_come_one_after_the_other(road: Any) -> None:
     road.objects += [body(road, 10.0, 1.5, 0.4, 0.4, "cone"), body(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
-    book = ObjectBook()
-    kinds = [columns(book, road, x, reports())["met_kind"] for x in (0.0, 7.6, 7.7, 7.8)]
+    book = DetectionScorer()
+    kinds = [columns(book, road, x, detections())["met_kind"] for x in (0.0, 7.6, 7.7, 7.8)]
     assert [KINDS[int(kind)] for kind in kinds[1:3]] == ["cone", "pallet"]
     assert np.isnan([kinds[0], kinds[3]]).all()
 
 
 def test_nothing_reported_and_nobody_there(road: Any) -> None:
-    found = columns(ObjectBook(), road, 10.0, reports())
+    found = columns(DetectionScorer(), road, 10.0, detections())
     assert {key: found[key] for key in NONE} == NONE
     assert np.isnan([found["met_kind"], found["met_confirmed_m"]]).all()
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim.evaluation.truth.objects import ObjectBook
+from vpf_sim.evaluation.truth.detections import DetectionScorer
 from vpf_sim.evaluation.truth.true_motion import Shot, TrueMotion, ttc_errors
 from vpf_sim.types import Flow, Observation, Plan
 
@@ -14,7 +14,7 @@ LONGEST_S = 0.1  # of the flow's windows that are judged
 NAMES = ("depth", "instance")
 
 
-class Sight:
+class PerceptionErrors:
     """Is shown every frame of an episode in its order, and what the driver made of it."""
 
     def __init__(self) -> None:
@@ -22,7 +22,7 @@ class Sight:
         self._frames = 0
         self._due = False
         self._flow: Flow | None = None  # of the last frame: a driver that does not look at one has that of another
-        self._objects = ObjectBook()
+        self._objects = DetectionScorer()
 
     def observe(self, observation: Observation, env: Any) -> None:
         """Remember where everything is in a frame, if one of the next is judged that reaches back to it."""

@@ -56,7 +56,7 @@ def _filled(mask: Image) -> Image:
     return np.take(np.where(small, 255, 0).astype(np.uint8), np.asarray(label, np.intp))
 
 
-class SpotWatch:
+class SpotDetector:
     """Is shown every frame, and tells what stays in the picture."""
 
     def __init__(self, camera: Camera, config: SpotConfig, rate_hz: float) -> None:

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.evaluation.weather.glass_blade import BladeWatch
-from vpf_sim.evaluation.weather.glass_spots import SpotConfig, SpotWatch
+from vpf_sim.evaluation.weather.windscreen_spots import SpotConfig, SpotDetector
+from vpf_sim.evaluation.weather.wiper_detector import WiperDetector
 from vpf_sim.geometry import distort, undistort
 from vpf_sim.perception.egomotion.focus_of_expansion import derotate
 from vpf_sim.perception.egomotion.windscreen_points import scene_motion
@@ -27,13 +27,13 @@ LARGEST_ERROR = 55.0  # grey levels, beyond which one is like another
 SURE = 1.0  # grey levels^2
 
 
-class GlassMask:
+class WindscreenMask:
     """Is shown every frame, and says what of it water or the wiper's blade hides."""
 
     def __init__(self, camera: Camera, rate_hz: float, config: SpotConfig | None = None) -> None:
         self._size = (camera.width_px, camera.height_px)
-        self._watch = SpotWatch(camera, config or SpotConfig(), rate_hz)
-        self._blade = BladeWatch(camera, rate_hz)
+        self._watch = SpotDetector(camera, config or SpotConfig(), rate_hz)
+        self._blade = WiperDetector(camera, rate_hz)
         self._spots: Image = np.zeros(self._watch.shape, np.uint8)
         rim = 2 * max(1, round(RIM_RAD * camera.fx_px)) + 1
         self._rim = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (rim, rim))

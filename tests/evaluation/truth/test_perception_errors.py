@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.evaluation.metrics import perception
-from vpf_sim.evaluation.truth.sight import Sight
+from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
 from vpf_sim.types import Camera, Floats, Observation
 
 RATE_HZ, STEP_M, DISTANCE_M = 20.0, 0.5, 10.0
@@ -43,7 +43,7 @@ def judged(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0
     ego.heading = 0.0
     wall = Wall()
     env = SimpleNamespace(renderer=wall, camera=CAMERA, rate_hz=RATE_HZ, ego=ego, road=SimpleNamespace(network=network))
-    sight, made = Sight(), plan(displacement_px, ttc_s, frames)
+    sight, made = PerceptionErrors(), plan(displacement_px, ttc_s, frames)
     for k in range(40 + late):
         observation = Observation(np.zeros((1, 1, 3), np.uint8), k / RATE_HZ, k * STEP_M, 0.0, 0.0, 10.0, 0.0, (0, 0))
         sight.observe(observation, env)

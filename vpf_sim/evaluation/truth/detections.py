@@ -22,7 +22,7 @@ REACHED_M = 0.3  # a body so near to the bumper, along the road, is met: where i
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class Detection:
     """A report ahead of the ego, and the bodies that it is right about."""
 
     index: int  # its row in the driver's obstacles
@@ -33,11 +33,11 @@ class Report:
     is_new: bool  # wrong, and not wrong before
 
 
-class ObjectBook:
+class DetectionScorer:
     """Remembers which body was first confirmed where, and which reports were wrong."""
 
     def __init__(self) -> None:
-        self.reports: list[Report] = []  # of the last frame
+        self.detections: list[Detection] = []  # of the last frame
         self._confirmed_m: dict[Any, float] = {}  # of a body: bumper to face
         self._ahead: set[Any] = set()  # bodies
         self._wrong: set[int] = set()  # identities of reports
@@ -50,18 +50,18 @@ class ObjectBook:
         several that are met in one frame the others come in the next.
         """
         bodies = solid_bodies(ego)
-        self.reports = [self._judged(reported, *foot, ego, bodies) for foot in self._feet(reported, ego, network)]
-        for report in self.reports:
-            for body in (*report.owners, *report.passed):
+        self.detections = [self._judged(reported, *foot, ego, bodies) for foot in self._feet(reported, ego, network)]
+        for detection in self.detections:
+            for body in (*detection.owners, *detection.passed):
                 self._confirmed_m.setdefault(body, _ahead_m(ego, body))
         self._meet(ego, bodies)
         kind, confirmed_m = self._met.popleft() if self._met else (nan, nan)
-        counted = [report for report in self.reports if report.in_corridor]
-        right = sum(bool(report.owners) for report in counted)
+        counted = [detection for detection in self.detections if detection.in_corridor]
+        right = sum(bool(detection.owners) for detection in counted)
         return {
             "objects_right": right,
             "objects_wrong": len(counted) - right,
-            "new_wrong_objects": sum(report.is_new for report in counted),
+            "new_wrong_objects": sum(detection.is_new for detection in counted),
             "met_kind": kind,
             "met_confirmed_m": confirmed_m,
         }
@@ -75,14 +75,14 @@ class ObjectBook:
         in_corridor: bool,
         ego: Any,
         bodies: list[Any],
-    ) -> Report:
+    ) -> Detection:
         gaps_m = [(_gap_m(body, foot), body) for body in bodies]
         owners = [body for gap_m, body in sorted(gaps_m, key=lambda pair: pair[0]) if gap_m <= FOOT_M]
         passed = _passed(reported, index, ego, bodies) if owners else []
         wrong, identity = in_corridor and not owners, int(reported.identity[index])
         is_new = wrong and identity not in self._wrong
         self._wrong |= {identity} if wrong else set()
-        return Report(index, ahead_m, in_corridor, tuple(owners), tuple(passed), is_new)
+        return Detection(index, ahead_m, in_corridor, tuple(owners), tuple(passed), is_new)
 
     def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float], float, bool]]:
         """Which reports are ahead, their feet in the world and from the bumper, m, and whether in the corridor."""

@@ -1,4 +1,4 @@
-"""Where the episodes of a run took place: the road of each scenario, and what stands on it for each seed."""
+"""Where the episodes of a run took layout: the road of each scenario, and what stands on it for each seed."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.envs.route import Route
-from vpf_sim.report.from_above import Body
+from vpf_sim.report.top_view import Body
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.kinds import SIZES
 from vpf_sim.types import Floats
@@ -18,7 +18,7 @@ EVERY_M = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class StaticObstacle:
     """A body that does not move."""
 
     corners_m: Floats  # (4, 2) in the world
@@ -29,7 +29,7 @@ class Standing:
 
 
 @dataclass(frozen=True)
-class Place:
+class RoadLayout:
     """A scenario as its seed draws it."""
 
     scenario: Scenario
@@ -64,17 +64,17 @@ class Place:
         return -half - self.route.offset_m, half - self.route.offset_m
 
     @cached_property
-    def standing(self) -> tuple[Standing, ...]:
+    def static_obstacles(self) -> tuple[StaticObstacle, ...]:
         return tuple(
-            self._standing(number) for number, body in enumerate(self.scenario.bodies) if body.speed_mps == 0.0
+            self._static_obstacle(number) for number, body in enumerate(self.scenario.bodies) if body.speed_mps == 0.0
         )
 
     @property
     def moving(self) -> int:
         """How many bodies drive."""
-        return len(self.scenario.bodies) - len(self.standing)
+        return len(self.scenario.bodies) - len(self.static_obstacles)
 
-    def _standing(self, number: int) -> Standing:
+    def _static_obstacle(self, number: int) -> StaticObstacle:
         body = self.scenario.bodies[number]
         size = SIZES[body.kind]
         lateral = self.scenario.road.lane_offset_m(body.lane) + body.lateral_m
@@ -83,7 +83,7 @@ class Place:
         drawn = Body(x, y, heading, size.length_m, size.width_m, body.kind)
         middle, offset = self.route.progress(body.s_m), lateral - self.route.offset_m
         half_length, half_width = 0.5 * size.length_m, 0.5 * size.width_m
-        return Standing(
+        return StaticObstacle(
             drawn.corners_m,
             (x, y),
             body.s_m,
@@ -92,7 +92,7 @@ class Place:
         )
 
 
-def places(scenario: str, seeds: list[int]) -> dict[int, Place]:
+def layouts(scenario: str, seeds: list[int]) -> dict[int, RoadLayout]:
     """A scenario's place for each seed."""
     undrawn = scenarios.load(scenario)
-    return {seed: Place(undrawn.draw(seed)) for seed in seeds}
+    return {seed: RoadLayout(undrawn.draw(seed)) for seed in seeds}
