@@ -84,7 +84,7 @@ def drive(
     things = [_thing(body, road) for body in bodies]
     road.objects += things
     rows = round(length_m / SPEED_MPS * RATE_HZ) + 1
-    judge = PerceptionScorer(rows)
+    scorer = PerceptionScorer(rows)
     for row in range(rows - 1):
         seconds = row / RATE_HZ
         for thing, body in zip(things, bodies, strict=True):
@@ -94,11 +94,11 @@ def drive(
         ego = SimpleNamespace(position=np.array([x_m, LANE_M]), heading=0.0, place=(x_m, LANE_M), road=road)
         ego.LENGTH, ego.WIDTH = EGO_M
         world = SimpleNamespace(ego=ego, road=road)
-        judge.judge(row, _perception(see(x_m, seconds)), world, {"lane_offset_m": 0.0, "foe": FOE_PX})
+        scorer.add(row, _perception(see(x_m, seconds)), world, {"lane_offset_m": 0.0, "foe": FOE_PX})
     steps = StepTable.of([Step(row / RATE_HZ, *[0.0] * 7, np.inf) for row in range(rows)])
     name = f"road.{weather}.pid.{seed}"
-    table, detections = steps.replaced(judge.columns), judge.detections_table()
-    return DriveEvaluation(name, "road", weather, seed, driver, "same", table, judge.lane_error_m, detections)
+    table, detections = steps.replaced(scorer.columns), scorer.detections_table()
+    return DriveEvaluation(name, "road", weather, seed, driver, "same", table, scorer.lane_error_m, detections)
 
 
 class Thing(SimpleNamespace):

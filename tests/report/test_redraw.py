@@ -94,7 +94,7 @@ def test_the_car_is_drawn_where_the_steps_say(run: Path, name: str) -> None:
     assert len(list(drawn.moments())) == len(drawn.table) + 1
     frames, moved = drawn.remarks
     assert frames.startswith("the frames are not the run's own to the bit")
-    assert moved == "the car would now be up to 0.50 m elsewhere: it is drawn where it was"
+    assert moved == "the car would now deviate by up to 0.50 m; its stored poses are drawn"
 
 
 def test_another_decision_of_the_driver_is_told_with_its_frame(run: Path, name: str) -> None:

@@ -45,7 +45,7 @@ def perception(
         table = measure.table(found)
         table["differences"] = _differences(table, before, against)
         if not ids:
-            measure.keep(found)
+            measure.store_by_run(found)
         if out is not None:
             store.write(out, table)
     if json:

@@ -18,7 +18,7 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_bodies
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.episode.pose_playback import SAME, PosePlayback, rate_of
+from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback, rate_of
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.report.stored_run import Record, StoredRun
 from vpf_sim.report.top_view import Body, Scene
@@ -74,7 +74,7 @@ class Redrawing:
                 if index < len(self.table):
                     observed = world.step(np.array([self.table.throttle[index], self.table.steering[index]]))[0]
         same = self.record.get("frames_sha256") in (None, digest.hexdigest())  # None: its driver looked at no frame
-        self._remark(same, world.moved_m, replanner)
+        self._remark(same, world.largest_correction_m, replanner)
 
     def _world(self) -> PosePlayback:
         return PosePlayback(self.record["scenario"], self.record["weather"], self.table)
@@ -84,8 +84,8 @@ class Redrawing:
             self.remarks.append(
                 "the frames are not the run's own to the bit: another version of the code or the machine"
             )
-        if moved_m > SAME:
-            self.remarks.append(f"the car would now be up to {moved_m:.2f} m elsewhere: it is drawn where it was")
+        if moved_m > TOLERANCE:
+            self.remarks.append(f"the car would now deviate by up to {moved_m:.2f} m; its stored poses are drawn")
         if replanner is not None:
             self.remarks += replanner.remarks
 

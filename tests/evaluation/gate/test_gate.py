@@ -12,8 +12,8 @@ from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.gate.rules import BOUNDS
 
 
-def test_every_bound_of_the_rules_is_judged() -> None:
-    assert set(gate.KINDS) == set(BOUNDS)
+def test_every_bound_of_the_rules_has_a_check() -> None:
+    assert set(gate.BOUND_KINDS) == set(BOUNDS)
 
 
 @pytest.mark.parametrize(
@@ -106,9 +106,9 @@ def test_one_episode_has_no_upper_end_and_is_shown(tmp_path: Path) -> None:
     assert (found.outcome, found.actual, found.seeds) == ("failed", "no interval (1 episode)", (4,))
 
 
-def test_without_bodies_there_is_no_clearance_to_keep(tmp_path: Path) -> None:
+def test_clearance_is_skipped_without_obstacles(tmp_path: Path) -> None:
     found = only(tmp_path, "clearance_m_at_least = 0.3", lambda _: {"min_clearance_m": None})
-    assert (found.outcome, found.actual) == ("skipped", "no bodies")
+    assert (found.outcome, found.actual) == ("skipped", "no obstacles")
 
 
 @pytest.mark.parametrize("bound", ["clearance_m_at_least = 0.0", "path_mse_m2_at_most = 99"])

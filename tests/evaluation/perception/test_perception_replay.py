@@ -60,7 +60,7 @@ def drive(run: Path) -> replay.StoredDrive:
 
 @pytest.fixture(scope="module")
 def judged(drive: replay.StoredDrive) -> DriveEvaluation:
-    (judged,) = replay.judge(("vpf",), drive)
+    (judged,) = replay.evaluate(("vpf",), drive)
     return judged
 
 
@@ -78,10 +78,10 @@ def test_the_driver_that_made_the_run_perceives_what_it_perceived_then(
 ) -> None:
     table, again = drive.steps(), list[Perception]()
     with closing(PosePlayback(drive.record["scenario"], "rain", table, truth=("foe",))) as world:
-        replay.watch(world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen))
+        replay.perceive_drive(world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen))
     assert len(again) == len(plans) == len(table) > 50
     assert all(same(seen, plan.perception) for seen, plan in zip(again, plans, strict=True))
-    assert world.moved_m == 0.0
+    assert world.largest_correction_m == 0.0
 
 
 def test_it_is_scored_as_in_the_run(drive: replay.StoredDrive, judged: DriveEvaluation) -> None:
@@ -115,7 +115,7 @@ class EachFourth:
 
 def test_frames_are_drawn_where_perception_looks(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
     EachFourth.seen = plans[0].perception
-    (found,) = replay.judge((f"{__name__}:EachFourth",), drive)
+    (found,) = replay.evaluate((f"{__name__}:EachFourth",), drive)
     assert EachFourth.shown == [row % 4 == 0 for row in range(len(drive.steps()))]
     assert found.driver.endswith("EachFourth")
 
@@ -154,7 +154,7 @@ def test_a_driver_without_perceive_is_judged_by_its_plan(
     drive: replay.StoredDrive, plans: list[DrivingPlan], tmp_path: Path
 ) -> None:
     Acts.plan = plans[-1]
-    (found,) = replay.judge((f"{__name__}:Acts",), short(drive, tmp_path))
+    (found,) = replay.evaluate((f"{__name__}:Acts",), short(drive, tmp_path))
     assert np.isfinite(found.table.seen_left_m[:-1]).all()
 
 
@@ -169,16 +169,16 @@ def test_a_driver_that_perceives_nothing_is_told_in_a_line(
     name: str, sentence: str, drive: replay.StoredDrive, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError) as told:
-        replay.judge((f"{__name__}:{name}",), short(drive, tmp_path))
+        replay.evaluate((f"{__name__}:{name}",), short(drive, tmp_path))
     assert str(told.value) == f"driver '{__name__}:{name}': {sentence}"
 
 
-def test_a_car_that_would_be_elsewhere_is_put_where_it_was(drive: replay.StoredDrive, tmp_path: Path) -> None:
+def test_a_deviating_car_is_moved_to_the_stored_pose(drive: replay.StoredDrive, tmp_path: Path) -> None:
     rows = drive.steps().rows[:5].copy()
     rows[2:, Step._fields.index("y_m")] += 0.5
     steps.write(StepTable(rows), tmp_path / "steps" / f"{drive.record['id']}.parquet")
-    (found,) = replay.judge(("vpf",), drive._replace(folder=tmp_path))
-    assert found.remarks == ("the car would now be up to 0.50 m elsewhere: it was put where it was",)
+    (found,) = replay.evaluate(("vpf",), drive._replace(folder=tmp_path))
+    assert found.remarks == ("the car would now deviate by up to 0.50 m; its stored poses are used",)
 
 
 def test_the_command_scores_stores_and_compares(

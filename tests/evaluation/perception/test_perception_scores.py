@@ -24,7 +24,7 @@ FRAMES = 100.0 / SPEED_MPS * RATE_HZ
 
 
 def test_a_perfect_perception_has_recall_and_precision_1_and_no_error() -> None:
-    found = scores.figures([drive(BODIES, perfect(BODIES))])
+    found = scores.metrics([drive(BODIES, perfect(BODIES))])
     assert (found["recall"], found["precision"], found["false_positives_per_minute"]) == (1.0, 1.0, 0.0)
     assert (found["bodies_met"], found["edge_share"], found["lane_share"]) == (4, 1.0, 1.0)
     for key in scores.ERRORS:
@@ -40,7 +40,7 @@ def test_errors_are_those_that_were_made() -> None:
         told = [replace(one, speed_mps=one.speed_mps - 0.5) if one.speed_mps else one for one in wrong]
         return Seen(told, left_m=0.05, right_m=-0.05, lane_m=0.02, foe_px=(3.0, -4.0))
 
-    found = scores.figures([drive(BODIES, see)])
+    found = scores.metrics([drive(BODIES, see)])
     assert (found["recall"], found["precision"]) == (1.0, 1.0)
     made = {"distance_error_m": 0.3, "left_error_m": 0.2, "right_error_m": -0.1, "speed_error_mps": -0.5}
     for key, bias in {**made, "lane_error_m": 0.02}.items():
@@ -53,12 +53,12 @@ def test_errors_are_those_that_were_made() -> None:
 
 def test_the_speed_of_what_stands_and_is_told_so_is_no_error_that_counts() -> None:
     still = (Stands("car", 40.0),)
-    assert scores.figures([drive(still, perfect(still))])["speed_error_mps"] is None
+    assert scores.metrics([drive(still, perfect(still))])["speed_error_mps"] is None
 
     def drives(x_m: float, seconds: float) -> Seen:
         return Seen([replace(one, speed_mps=2.0) for one in perfect(still)(x_m, seconds).told])
 
-    assert scores.figures([drive(still, drives)])["speed_error_mps"]["bias"] == 2.0
+    assert scores.metrics([drive(still, drives)])["speed_error_mps"]["bias"] == 2.0
 
 
 def test_a_phantom_is_a_false_positive_once_and_wrong_in_each_of_its_frames() -> None:
@@ -85,8 +85,8 @@ def test_precision_is_the_share_of_right_reports_and_a_mean_over_drives() -> Non
         return Seen([truth(car[0], x_m, seconds, 1), Told(10.0, -1.0, 1.0, identity=2)])
 
     drives = [drive(car, half, length_m=50.0), drive(car, perfect(car, 200.0), length_m=50.0, seed=1)]
-    assert [scores.figures([one])["precision"] for one in drives] == [0.5, 1.0]
-    assert scores.figures(drives)["precision"] == 0.75
+    assert [scores.metrics([one])["precision"] for one in drives] == [0.5, 1.0]
+    assert scores.metrics(drives)["precision"] == 0.75
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_a_row_that_is_told_as_one_has_the_sides_of_the_row() -> None:
     def see(x_m: float, _: float) -> Seen:
         return Seen([Told(50.0 - 0.2 - x_m, -1.25, 1.25)] if x_m < 47.0 else [])
 
-    found = scores.figures([drive(row, see)])
+    found = scores.metrics([drive(row, see)])
     assert (found["bodies_met"], found["recall"]) == (3, 1.0)
     for key in ("distance_error_m", "left_error_m", "right_error_m"):
         assert found[key]["p95"] == pytest.approx(0.0, abs=1e-9), key
@@ -126,7 +126,7 @@ def test_who_stands_in_a_row_and_is_told_alone_counts_alone() -> None:
         car, cone = (truth(body, x_m, seconds, k) for k, body in enumerate(row))
         return Seen([replace(car, right_m=2.0), cone] if x_m < 45.0 else [])
 
-    right_m = scores.figures([drive(row, see)])["right_error_m"]
+    right_m = scores.metrics([drive(row, see)])["right_error_m"]
     assert right_m["p95"] == pytest.approx(2.0 + 0.5), "the car ends 0.5 m left of the ego's axis"
 
 
@@ -134,7 +134,7 @@ def test_the_road_that_is_not_seen_has_no_error() -> None:
     def see(x_m: float, _: float) -> Seen:
         return Seen(lane_m=0.1, left_m=0.1, right_m=0.1, road=float(x_m < 25.0))
 
-    found = scores.figures([drive((), see)])
+    found = scores.metrics([drive((), see)])
     assert (found["edge_share"], found["lane_share"]) == (0.25, 0.25)
     assert [found[key]["median"] for key in ("lane_error_m", "edge_error_m")] == pytest.approx([0.1, 0.1])
 

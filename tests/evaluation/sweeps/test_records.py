@@ -15,7 +15,7 @@ from tiny_world import Constant, TinyWorld
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode.episode import roll_out
-from vpf_sim.evaluation.episode.paired import OwnRun, matched
+from vpf_sim.evaluation.episode.paired import PidRun, matched
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import records
 from vpf_sim.evaluation.outcome import Outcome
@@ -30,7 +30,7 @@ KEYS = {
     *("invalid_frame", "comfort", "perception", "steps", "states_sha256", "frames_sha256", "chattering"),
     *("collision_type", "at_fault_collisions", "path_mse_parts_m2"),
 }
-OWN_RUN = OwnRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
+PID_RUN = PidRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
 ASKED: dict[str, Any] = {
     "schema": 1,
     "command": "sweep",
@@ -44,7 +44,7 @@ ASKED: dict[str, Any] = {
 def outcome(driver: Constant, **changes: Any) -> Outcome:
     world = TinyWorld(**changes)
     driven = roll_out(world, driver, Constant(0.25, 0.1), seed=7)
-    return replace(driven, steps=matched(driven.steps, OWN_RUN)) if len(driven.steps) else driven
+    return replace(driven, steps=matched(driven.steps, PID_RUN)) if len(driven.steps) else driven
 
 
 def score(driver: Constant, **changes: Any) -> dict[str, Any]:

@@ -103,7 +103,7 @@ def test_edges_as_seen_are_the_true_ones_where_perception_is_right(bend: Any) ->
     position = np.array(bend.centre.position_at(s, lateral))
     ego = SimpleNamespace(position=position, heading=bend.centre.heading_at(s) + yaw_error)
     road = RoadEdges(-7.0 - lateral, 7.0 - lateral, -yaw_error, 1.0 / 100.0, 0.0, 1.0, 1.75 - lateral, 3.5)
-    assert surroundings.seen_edges(road) == pytest.approx(surroundings.true_edges(ego, bend), abs=0.02)
+    assert surroundings.perceived_edges(road) == pytest.approx(surroundings.true_edges(ego, bend), abs=0.02)
 
 
 @pytest.mark.parametrize(

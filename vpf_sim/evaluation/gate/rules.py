@@ -1,4 +1,4 @@
-"""The rules of the gate: a TOML file of what a run must keep, each rule for some cells or for all."""
+"""The rules of the gate, read from a TOML file; each rule applies to some cells or all."""
 
 from collections.abc import Iterator
 from difflib import get_close_matches
@@ -17,13 +17,13 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class Section(BaseModel):
-    """No key may be misspelt, no value bent to fit."""
+    """Strict: no unknown keys, no conversion of values."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
 class PerceptionBounds(Section):
-    """Bounds on what `vpf-sim perception` stored; of errors on the median, and on the 95th percentile."""
+    """Bounds on perception metrics; bounds on errors are on the median, with _p95 on the 95th percentile."""
 
     recall_at_least: Share | None = None
     precision_at_least: Share | None = None
@@ -44,12 +44,12 @@ class PerceptionBounds(Section):
     foe_error_px_p95_at_most: NotNegative | None = None
 
     def bounds(self) -> dict[str, float]:
-        """The bounds that are given, by their keys."""
+        """The given bounds by key."""
         return {key: limit for key in PerceptionBounds.model_fields if (limit := getattr(self, key)) is not None}
 
 
 class Rule(Section):
-    """Bounds for the cells that `scenario`, `weather` and `driver` name; "*" and "?" stand for any letters."""
+    """Bounds for the cells that match `scenario`, `weather` and `driver`; "*" and "?" are wildcards."""
 
     scenario: str = "*"
     weather: str = "*"
@@ -61,11 +61,11 @@ class Rule(Section):
     clearance_m_at_least: NotNegative | None = None
     comfortable_share_at_least: Share | None = None
     perception: PerceptionBounds | None = None
-    no_worse_than: str | None = None  # a run folder, or a summary.json; from where the rules file is
-    scores: list[Score] = list(SCORES)  # that no_worse_than compares
+    no_worse_than: str | None = None  # a run folder or summary.json, relative to the rules file
+    scores: list[Score] = list(SCORES)  # compared by no_worse_than
 
     def bounds(self) -> dict[str, float]:
-        """The bounds that are given, by their keys."""
+        """The given bounds by key."""
         return {key: getattr(self, key) for key in BOUNDS if getattr(self, key) is not None}
 
 
@@ -77,21 +77,21 @@ class Rules(Section):
 
 
 def read_rules(path: Path) -> list[Rule]:
-    """The rules of a file; InputError with a line for each fault."""
+    """The rules of a file; InputError with one line per fault."""
     content = tables.read_file(path, "rules")
     try:
         rules = Rules.model_validate(content).rules
     except ValidationError as error:
         faults = error.errors(include_url=False)
         raise InputError("\n".join(f"{path}: {_line(dict(fault))}" for fault in faults)) from None
-    asks_nothing = list(_empty(rules))
-    if asks_nothing:
-        raise InputError("\n".join(f"{path}: {fault}" for fault in asks_nothing))
+    empty = list(_empty(rules))
+    if empty:
+        raise InputError("\n".join(f"{path}: {fault}" for fault in empty))
     return rules
 
 
 def _empty(rules: list[Rule]) -> Iterator[str]:
-    """Rules that ask for nothing: a gate that is always open."""
+    """One line per rule without bounds, which would always pass."""
     if not rules:
         yield "rules: expected at least one [[rules]], got none"
     for i, rule in enumerate(rules):
@@ -104,7 +104,7 @@ def _empty(rules: list[Rule]) -> Iterator[str]:
 
 
 def _line(fault: dict[str, Any]) -> str:
-    """What pydantic found, with the key as in the file and the nearest name."""
+    """A pydantic fault in one line, with the key as in the file and the nearest known name."""
     location: tuple[int | str, ...] = fault["loc"]
     key = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location).removeprefix(".")
     if fault["type"] == "extra_forbidden":

@@ -1,4 +1,4 @@
-"""The table of figures as a file: `perception.json` in a run folder, or where a user wants it."""
+"""Reads and writes the table of perception metrics, by default `perception.json` in a run folder."""
 
 import json
 from pathlib import Path
@@ -14,8 +14,8 @@ NAME = "perception.json"
 SCHEMA = 1
 
 
-class Figures(Schema):
-    """What is compared and held to rules."""
+class Metrics(Schema):
+    """The metrics that comparisons and rules use."""
 
     recall: Number
     precision: Number
@@ -29,13 +29,13 @@ class Figures(Schema):
     foe_error_px: Numbers | None
 
 
-class Body(Schema):
+class MetObject(Schema):
     kind: str
     first_confirmed_m: Number
 
 
-class Record(Figures):
-    """One drive as one driver perceives it."""
+class Record(Metrics):
+    """One driver's metrics on one drive."""
 
     drive: str
     scenario: str
@@ -43,11 +43,11 @@ class Record(Figures):
     driver: str
     seed: int
     states_sha256: str
-    bodies: list[Body]
+    bodies: list[MetObject]
 
 
-class Row(Figures):
-    """The drives of a cell."""
+class Row(Metrics):
+    """The metrics of a cell's drives."""
 
     scenario: str
     weather: str
@@ -60,18 +60,18 @@ class Table(Schema):
 
 
 def write(path: Path, table: dict[str, Any]) -> None:
-    """The table with the fingerprint of the code that perceived; whole or not at all."""
+    """Write the table with the code's fingerprint, atomically."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_json(path, {"schema": SCHEMA, "fingerprint": fingerprint(), **table})
 
 
 def read(path: Path) -> Table:
-    """The table that is stored in a file, or in a run folder."""
+    """The table stored in a file or a run folder."""
     file = path / NAME if path.is_dir() else path
     try:
         stored: Any = json.loads(file.read_text("utf-8"))
     except OSError as error:
-        hint = f"; {command('perception', path)} makes it" if path.is_dir() else ""
+        hint = f"; {command('perception', path)} creates it" if path.is_dir() else ""
         raise InputError(f"{file}: expected a table of perception, got: {error.strerror}{hint}") from None
     except (ValueError, RecursionError):
         raise InputError(f"{file}: expected JSON, got something else") from None

@@ -1,6 +1,6 @@
-"""What the files of a run folder look like inside: they may be torn, edited, or another version's.
+"""Schemas of the files in a run folder, which may be incomplete, edited, or of another version.
 
-Keys that are not named here are left alone; what is no number is None.
+Unknown keys are ignored; nan and inf are stored as None.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ Numbers = dict[str, Number]
 
 
 class Schema(BaseModel):
-    """No value is bent to fit."""
+    """Strict: no value is converted."""
 
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
 
@@ -57,7 +57,7 @@ class Perception(Schema):
 
 
 class Scores(Schema):
-    """What a record has, and the mean of some."""
+    """Scores of a record, or their means in a row."""
 
     path_mse_m2: Number
     path_mse_parts_m2: Numbers | None = None
@@ -103,7 +103,7 @@ class Timing(Schema):
 
 
 class Manifest(Schema):
-    """Of manifest.json what makes it one."""
+    """The required keys of manifest.json."""
 
     command: str
     plan: dict[str, Any]
@@ -154,7 +154,7 @@ class Difference(Schema):
 
 
 class Comparison(Schema):
-    """A difference of two cells in summary.json; its other keys are those of scores."""
+    """A difference of two cells in summary.json; its extra keys are scores."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Difference | None]
@@ -174,10 +174,10 @@ class Summary(Schema):
 Checked = TypeVar("Checked", bound=BaseModel)
 
 
-def checked(shape: type[Checked], value: Mapping[str, Any], where: str) -> Checked:
-    """The value as that shape; InputError with one line for the first fault, after `where`."""
+def checked(schema: type[Checked], value: Mapping[str, Any], where: str) -> Checked:
+    """The value validated by a schema; InputError with `where` and the first fault in one line."""
     try:
-        return shape.model_validate(value)
+        return schema.model_validate(value)
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         key = ".".join(map(str, fault["loc"]))
@@ -190,7 +190,7 @@ def _wrong(fault: Mapping[str, Any]) -> str:
 
 
 def _are_ends(value: object) -> bool:
-    """[low, high], None, or a table of such."""
+    """Whether the value is [low, high], None, or a table of these."""
     if isinstance(value, dict):
         return all(map(_are_ends, value.values()))
     if isinstance(value, list):

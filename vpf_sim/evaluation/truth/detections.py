@@ -1,10 +1,10 @@
-"""The objects that a driver reports, against the bodies that stand or drive there, frame by frame.
+"""Matches a driver's detections with the true objects, frame by frame.
 
-The corridor is the strip of the road within CORRIDOR_M of the ego's centre, to both sides, ahead of its front bumper. A
-report is right if its foot, the middle of the face that it says is nearest, is within FOOT_M of a body's outline. Only
-reports in the corridor are counted; but a body is confirmed by the first that is right, wherever the ego was then: it
-may turn into the body's way later. Bodies that stand in a row may be reported as one: where that is right, it confirms
-all whose middles its face passes, as near.
+The corridor is the strip of road within CORRIDOR_M on both sides of the ego's centre, ahead of its front bumper. A
+detection is correct if its foot, the middle of its nearest face, is within FOOT_M of an object's outline. Only
+detections in the corridor are counted. An object is confirmed by the first correct detection anywhere, since the ego
+may turn towards it later. A row of objects may be detected as one: a correct detection confirms every object whose
+centre lies behind its face within FOOT_M.
 """
 
 from collections import deque
@@ -18,43 +18,43 @@ from vpf_sim.types import Obstacles
 
 CORRIDOR_M = 3.0
 FOOT_M = 1.5
-REACHED_M = 0.3  # a body so near to the bumper, along the road, is met: where it is hit the episode ends
+REACHED_M = 0.3  # along the road: a nearer object counts as met, since a collision ends the episode
 
 
 @dataclass(frozen=True, slots=True)
 class Detection:
-    """A report ahead of the ego, and the bodies that it is right about."""
+    """A detection ahead of the ego, and its matching objects."""
 
-    index: int  # its row in the driver's obstacles
+    index: int  # row in the driver's obstacles
     ahead_m: float  # along the road from the front bumper to its foot
     in_corridor: bool
-    owners: tuple[Any, ...]  # the bodies within FOOT_M of its foot, the nearest first; none: it is wrong
-    passed: tuple[Any, ...]  # the bodies of a row whose middles its face passes
-    is_new: bool  # wrong, and not wrong before
+    owners: tuple[Any, ...]  # objects within FOOT_M of its foot, nearest first; empty for a false positive
+    passed: tuple[Any, ...]  # objects of a row whose centres lie behind its face
+    is_new: bool  # a false positive that was not false before
 
 
 class DetectionScorer:
-    """Remembers which body was first confirmed where, and which reports were wrong."""
+    """Scores the detections of every frame; remembers first confirmations and earlier false positives."""
 
     def __init__(self) -> None:
         self.detections: list[Detection] = []  # of the last frame
-        self._confirmed_m: dict[Any, float] = {}  # of a body: bumper to face
-        self._ahead: set[Any] = set()  # bodies
-        self._wrong: set[int] = set()  # identities of reports
+        self._confirmed_m: dict[Any, float] = {}  # by object: bumper to face at its first confirmation
+        self._ahead: set[Any] = set()  # objects
+        self._wrong: set[int] = set()  # identities of detections
         self._met: deque[tuple[float, float]] = deque()
 
     def columns(self, reported: Obstacles, ego: Any, network: Any) -> dict[str, float]:
-        """How many reports in the corridor are right and wrong, how many of the wrong are new, and what body was met.
+        """Step-table columns: correct, false and new false detections in the corridor, and an object that was met.
 
-        `met_kind` is the body's place in KINDS, `met_confirmed_m` where it was first confirmed, nan if never. Of
-        several that are met in one frame the others come in the next.
+        `met_kind` is the object's index in KINDS, `met_confirmed_m` the distance of its first confirmation, nan if
+        never. Of several objects met in one frame, the others follow in the next frames.
         """
-        bodies = solid_bodies(ego)
-        self.detections = [self._judged(reported, *foot, ego, bodies) for foot in self._feet(reported, ego, network)]
+        objects = solid_bodies(ego)
+        self.detections = [self._matched(reported, *foot, ego, objects) for foot in self._feet(reported, ego, network)]
         for detection in self.detections:
-            for body in (*detection.owners, *detection.passed):
-                self._confirmed_m.setdefault(body, _ahead_m(ego, body))
-        self._meet(ego, bodies)
+            for obj in (*detection.owners, *detection.passed):
+                self._confirmed_m.setdefault(obj, _ahead_m(ego, obj))
+        self._meet(ego, objects)
         kind, confirmed_m = self._met.popleft() if self._met else (nan, nan)
         counted = [detection for detection in self.detections if detection.in_corridor]
         right = sum(bool(detection.owners) for detection in counted)
@@ -66,7 +66,7 @@ class DetectionScorer:
             "met_confirmed_m": confirmed_m,
         }
 
-    def _judged(
+    def _matched(
         self,
         reported: Obstacles,
         index: int,
@@ -74,18 +74,18 @@ class DetectionScorer:
         ahead_m: float,
         in_corridor: bool,
         ego: Any,
-        bodies: list[Any],
+        objects: list[Any],
     ) -> Detection:
-        gaps_m = [(_gap_m(body, foot), body) for body in bodies]
-        owners = [body for gap_m, body in sorted(gaps_m, key=lambda pair: pair[0]) if gap_m <= FOOT_M]
-        passed = _passed(reported, index, ego, bodies) if owners else []
+        gaps_m = [(_gap_m(obj, foot), obj) for obj in objects]
+        owners = [obj for gap_m, obj in sorted(gaps_m, key=lambda pair: pair[0]) if gap_m <= FOOT_M]
+        passed = _passed(reported, index, ego, objects) if owners else []
         wrong, identity = in_corridor and not owners, int(reported.identity[index])
         is_new = wrong and identity not in self._wrong
         self._wrong |= {identity} if wrong else set()
         return Detection(index, ahead_m, in_corridor, tuple(owners), tuple(passed), is_new)
 
     def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float], float, bool]]:
-        """Which reports are ahead, their feet in the world and from the bumper, m, and whether in the corridor."""
+        """Index, foot in the world, distance ahead (m) and corridor flag of each detection ahead of the bumper."""
         feet = []
         s, lateral = ego.place
         for index in range(len(reported)):
@@ -97,42 +97,42 @@ class DetectionScorer:
                 feet.append((index, foot, ahead_m, abs(foot_lateral - lateral) <= CORRIDOR_M))
         return feet
 
-    def _meet(self, ego: Any, bodies: list[Any]) -> None:
-        """Note the bodies that the bumper reaches in this frame in the corridor."""
-        for body in bodies:
-            ahead_m = _ahead_m(ego, body)
+    def _meet(self, ego: Any, objects: list[Any]) -> None:
+        """Queue the objects in the corridor that the bumper reaches in this frame."""
+        for obj in objects:
+            ahead_m = _ahead_m(ego, obj)
             if ahead_m > REACHED_M:
-                self._ahead.add(body)
-            elif body in self._ahead:
-                self._ahead.remove(body)
-                if abs(body.place[1] - ego.place[1]) <= CORRIDOR_M:
-                    self._met.append((float(KINDS.index(body.kind)), self._confirmed_m.get(body, nan)))
+                self._ahead.add(obj)
+            elif obj in self._ahead:
+                self._ahead.remove(obj)
+                if abs(obj.place[1] - ego.place[1]) <= CORRIDOR_M:
+                    self._met.append((float(KINDS.index(obj.kind)), self._confirmed_m.get(obj, nan)))
 
 
-def _passed(reported: Obstacles, index: int, ego: Any, bodies: list[Any]) -> list[Any]:
-    """The bodies whose middles lie behind a report's face, along the ego's heading, which there is within FOOT_M."""
+def _passed(reported: Obstacles, index: int, ego: Any, objects: list[Any]) -> list[Any]:
+    """The objects whose centres lie behind a detection's face, with the face within FOOT_M of their outline."""
     face, left, right = (float(side[index]) for side in (reported.forward_m, reported.left_m, reported.right_m))
     passed = []
-    for body in bodies:
-        ((_, aside),) = seen_from(ego, [tuple(body.position.tolist())])
-        if left <= aside <= right and _gap_m(body, _in_world(ego, face, aside)) <= FOOT_M:
-            passed.append(body)
+    for obj in objects:
+        ((_, aside),) = seen_from(ego, [tuple(obj.position.tolist())])
+        if left <= aside <= right and _gap_m(obj, _in_world(ego, face, aside)) <= FOOT_M:
+            passed.append(obj)
     return passed
 
 
 def _in_world(ego: Any, forward: float, right: float) -> tuple[float, float]:
-    """A place in the ego's axes, m."""
+    """World coordinates, m, of a point in the ego's axes."""
     x, y = ego.position.tolist()
     cosine, sine = cos(ego.heading), sin(ego.heading)
     return x + cosine * forward - sine * right, y + sine * forward + cosine * right
 
 
-def _ahead_m(ego: Any, body: Any) -> float:
-    """m along the road from the front bumper to a body's nearest face."""
-    return float(body.place[0] - ego.place[0] - 0.5 * (body.LENGTH + ego.LENGTH))
+def _ahead_m(ego: Any, obj: Any) -> float:
+    """Distance, m, along the road from the front bumper to an object's nearest face."""
+    return float(obj.place[0] - ego.place[0] - 0.5 * (obj.LENGTH + ego.LENGTH))
 
 
-def _gap_m(body: Any, point: tuple[float, float]) -> float:
-    """m from a point to a body's outline, 0 inside."""
-    ((along, right),) = seen_from(body, [point])
-    return hypot(max(abs(along) - 0.5 * body.LENGTH, 0.0), max(abs(right) - 0.5 * body.WIDTH, 0.0))
+def _gap_m(obj: Any, point: tuple[float, float]) -> float:
+    """Distance, m, from a point to an object's outline; 0 inside."""
+    ((along, right),) = seen_from(obj, [point])
+    return hypot(max(abs(along) - 0.5 * obj.LENGTH, 0.0), max(abs(right) - 0.5 * obj.WIDTH, 0.0))
