@@ -36,7 +36,7 @@ def compare(name: str, recording: Recording, seeds: list[int], out: Path | None)
     drive = street.drive(recording.camera, recording.rate_hz, float(np.median(recording.speed_mps)))
     parts = []
     for seed in seeds:
-        rendered = [shot.image for shot in drive.shots(street.sky(), seed, len(real))]
+        rendered = [shot.image for shot in drive.shots(street.modified_weather(), seed, len(real))]
         parts.append(statistics(rendered))
         if out is not None:
             save(out, f"{name}_seed{seed}", real, rendered)

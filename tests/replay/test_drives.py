@@ -50,14 +50,14 @@ def test_a_street_is_laid_out_from_where_the_drive_starts(name: str) -> None:
 
 def test_frames_of_an_odd_width_are_rendered_without_their_last_column() -> None:
     drive = reference_streets.STREETS["carnd_highway"].drive(Camera(width_px=161, height_px=91), 25.0, 25.0)
-    (shot,) = drive.shots(reference_streets.STREETS["carnd_highway"].sky(), 0, 1)
+    (shot,) = drive.shots(reference_streets.STREETS["carnd_highway"].modified_weather(), 0, 1)
     assert shot.image.shape == (91, 160, 3)
 
 
 def test_a_drive_along_a_street_keeps_its_speed() -> None:
     street = reference_streets.STREETS["carnd_highway"]
     drive = street.drive(Camera(), 25.0, 25.0)
-    places = np.array([shot.pose[:2] for shot in drive.shots(street.sky(), 0, 3)])
+    places = np.array([shot.pose[:2] for shot in drive.shots(street.modified_weather(), 0, 3)])
     assert np.hypot(*np.diff(places, axis=0).T) == pytest.approx([1.0, 1.0])
 
 
@@ -69,7 +69,7 @@ def test_rendered_frames_are_within_a_factor_of_two_of_a_dry_drive(name: str) ->
     real = greys(recording)[:60]
     drive = street.drive(recording.camera, recording.rate_hz, float(np.median(recording.speed_mps)))
     rendered = [
-        measure([scaled_grey(shot.image) for shot in drive.shots(street.sky(), seed, len(real))], every=5)
+        measure([scaled_grey(shot.image) for shot in drive.shots(street.modified_weather(), seed, len(real))], every=5)
         for seed in range(3)
     ]
     ratios = FrameStatistics.mean(rendered).ratio(measure(real, every=5))

@@ -19,7 +19,7 @@ from vpf_sim.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from vpf_sim.evaluation.readings.search import Record, Tried
+    from vpf_sim.evaluation.readings.search import Record, Trial
     from vpf_sim.evaluation.sweeps.plan import Plan
 
 NAME = "readings.json"
@@ -49,7 +49,7 @@ def readings(
     from vpf_sim.cli.running import fill
     from vpf_sim.errors import InputError
     from vpf_sim.evaluation.readings.outcome import by_choice
-    from vpf_sim.evaluation.readings.search import Asked, Tpe, finals, search
+    from vpf_sim.evaluation.readings.search import SearchSettings, Tpe, finals, search
     from vpf_sim.evaluation.readings.space import known, quantities
     from vpf_sim.evaluation.sweeps.run_folder import new_path, read_records, write_json
 
@@ -58,7 +58,7 @@ def readings(
         rows = [asdict(quantity) for quantity in space]
         print_json({"quantities": rows}) if json else _print_space(rows)
         return
-    asked = Asked(readings, seeds=seeds or "0:1", finalists=finalists, final_seeds=final_seeds, seed=seed)
+    asked = SearchSettings(readings, seeds=seeds or "0:1", finalists=finalists, final_seeds=final_seeds, seed=seed)
     optimiser = Tpe(space, asked.seed, known())
     RunOptions(out=out, resume=resume).check()
     if out is not None and out.exists() and not resume:
@@ -109,7 +109,7 @@ def _print_choices(rows: list[dict[str, Any]]) -> None:
     print_table(("quantity", "reading", "tried", "passed 1", "2", "3", "4 cells", "best score"), lines, words=2)
 
 
-def _print_finals(best: "Sequence[Tried]", seeds: str) -> None:
+def _print_finals(best: "Sequence[Trial]", seeds: str) -> None:
     from vpf_sim.cli.tables import number, print_table
 
     print(f"\nThe best on the seeds {seeds}:\n")

@@ -72,9 +72,9 @@ def test_the_grid_goes_from_the_full_frame_to_ours() -> None:
 
 @pytest.fixture
 def two_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = ablation.changes()
-    shown = {key: told[key] for key in ("vpf@valley", "vpf@memory")}
-    monkeypatch.setattr(ablation, "changes", lambda _="robust": shown)
+    steps = ablation.ablation_steps()
+    shown = {key: steps[key] for key in ("vpf@valley", "vpf@memory")}
+    monkeypatch.setattr(ablation, "ablation_steps", lambda _="robust": shown)
 
 
 @pytest.mark.usefixtures("two_steps")

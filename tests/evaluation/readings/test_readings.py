@@ -9,7 +9,7 @@ import pytest
 
 from vpf_sim import cli, tables
 from vpf_sim.evaluation.readings import outcome, search, space
-from vpf_sim.evaluation.readings.search import Asked, Tried
+from vpf_sim.evaluation.readings.search import SearchSettings, Trial
 from vpf_sim.evaluation.readings.space import Reading
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.perception.paper.obstacle_map import rasterise, smoothed_gradient
@@ -119,7 +119,7 @@ class World:
 
 def test_who_fails_a_cell_does_not_drive_the_next(tmp_path: Path) -> None:
     world, optimiser = World(), Scripted()
-    tried = search.search(Asked(readings=6, generation=4), tmp_path, world.drive, optimiser)
+    tried = search.search(SearchSettings(readings=6, generation=4), tmp_path, world.drive, optimiser)
     assert [one.number for one in tried] == [0, 1, 2, 3, 4, 5]
     assert [outcome.passed(one) for one in tried] == [4, 0, 4, 0, 4, 0]
     driven = [driver for *_, driver in world.driven]
@@ -130,12 +130,12 @@ def test_who_fails_a_cell_does_not_drive_the_next(tmp_path: Path) -> None:
 
 def test_who_strays_far_more_than_the_paper_does_not_drive_the_next(tmp_path: Path) -> None:
     world = World(error_m2=2.0)  # 2, 0.67 and 0.4 m2 of numbers 0, 2 and 4; the paper's first two cells: 0.74, 0.42
-    tried = search.search(Asked(readings=6, generation=6), tmp_path, world.drive, Scripted())
+    tried = search.search(SearchSettings(readings=6, generation=6), tmp_path, world.drive, Scripted())
     assert [len(one.cells) for one in tried] == [1, 1, 2, 1, 4, 1]
 
 
 def test_the_best_drive_again_on_other_seeds(tmp_path: Path) -> None:
-    world, asked = World(), Asked(readings=5, generation=5, finalists=2, final_seeds="10:13")
+    world, asked = World(), SearchSettings(readings=5, generation=5, finalists=2, final_seeds="10:13")
     tried = search.search(asked, tmp_path, world.drive, Scripted())
     world.driven.clear()
     best = search.finals(asked, tried, tmp_path, world.drive)
@@ -164,8 +164,8 @@ def test_a_score_counts_cells_then_the_way_then_the_error() -> None:
 def test_the_map_counts_each_choice_and_each_part_of_a_range() -> None:
     passes = {f"{scenario}.{weather}": cell(2, 0.5) for scenario, weather in search.CELLS}
     tried = [
-        Tried(0, {**FIRST, "push": 0.011}, "a", passes, 5.0),
-        Tried(1, {**FIRST, "push": 0.4, "region": "horizon-corridor"}, "b", {"town04.clear": cell(1, None)}, 0.5),
+        Trial(0, {**FIRST, "push": 0.011}, "a", passes, 5.0),
+        Trial(1, {**FIRST, "push": 0.4, "region": "horizon-corridor"}, "b", {"town04.clear": cell(1, None)}, 0.5),
     ]
     rows = outcome.by_choice(SPACE, tried)
     region = {row["choice"]: row for row in rows if row["quantity"] == "region"}

@@ -24,7 +24,7 @@ def test_single_factors_leave_the_others_clear() -> None:
         "no noise": set(),
         "slippery road": {"road_friction"},
         "wiper on dry glass": {"wiper_period_s"},
-        "wet mirror": {"wetness"},
+        "wet road reflections": {"wetness"},
         "puddles": {"precipitation_deposits"},
         "streaks": {"precipitation", "wind_intensity"},
         "droplets": {"droplets"},
@@ -54,11 +54,11 @@ def test_in_clear_weather_nothing_differs_from_clear_weather() -> None:
 
 @pytest.mark.slow
 def test_water_on_the_glass_and_on_the_road_is_what_misleads() -> None:
-    """Noise and veil do next to nothing to the tracks, drops do, and mostly where the truth says that they hide."""
-    score = {name: measured(name) for name in ("clear", "noise of sd 4", "veil: fog of 50", "droplets", "HardRainNoon")}
+    """Noise and haze hardly affect tracks, drops do, mostly where the truth says that they hide."""
+    score = {name: measured(name) for name in ("clear", "noise of sd 4", "haze: fog of 50", "droplets", "HardRainNoon")}
     clear = score["clear"].off
     assert abs(score["noise of sd 4"].off - clear) < 0.05
-    assert abs(score["veil: fog of 50"].off - clear) < 0.05
+    assert abs(score["haze: fog of 50"].off - clear) < 0.05
     for name in ("droplets", "HardRainNoon"):
         assert score[name].off > clear + 0.15, name
         assert score[name].off_seen < clear + 0.5 * (score[name].off - clear), name

@@ -92,7 +92,7 @@ def test_what_is_wiped_is_forgotten() -> None:
     for k in range(14):
         watch.update(dirty(road(k), mask), pose_at(k))
     assert watch.spots()[:, 200:].any()
-    watch.wiped(np.where(np.arange(400) >= 200, 255, 0).astype(np.uint8)[None].repeat(240, 0))
+    watch.reset(np.where(np.arange(400) >= 200, 255, 0).astype(np.uint8)[None].repeat(240, 0))
     assert not watch.spots()[:, 200:].any()
     assert watch.spots()[:, :200].any()
 

@@ -1,4 +1,4 @@
-"""Where the gallery looks: the same places in every weather, on roads of the catalog, with the same seed."""
+"""The camera poses of the gallery, equal in every weather."""
 
 from dataclasses import dataclass
 
@@ -8,12 +8,12 @@ from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.parts import Body
 
 SEED = 12
-SUN_HEADING_DEG = 215.0  # where the sun stands in every preset
+SUN_HEADING_DEG = 215.0  # heading of the sun in every preset
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A place on a road, reached at a constant speed along a lane; bodies are where they are when it is reached."""
+    """A position on a road, reached at constant speed along a lane; `bodies` have their positions at that time."""
 
     name: str
     caption: str
@@ -25,7 +25,7 @@ class Pose:
     heading_deg: float | None = None  # of the road's start; None: the scenario's own
 
     def drive(self, lead_s: float, rate_hz: float) -> ScriptedDrive:
-        """The way here, of `lead_s` seconds."""
+        """The drive of `lead_s` seconds that ends at the pose."""
         scenario = self._scenario(lead_s)
         offset_m = scenario.road.lane_offset_m(self.lane)
         path = Path(self.s_m - lead_s * self.speed_mps, self.speed_mps, lambda _: offset_m)
@@ -93,7 +93,7 @@ POSES = (
 
 
 def video_drive(rate_hz: float) -> ScriptedDrive:
-    """Past the paper's first parked car, behind traffic on the right."""
+    """A drive past the paper's first parked car, with traffic."""
     plain = scenarios.load("town04").draw(SEED)
     traffic = (_body("car", 64.0, 1, speed_mps=12.0), _body("van", 95.0, 3, speed_mps=10.0))
     scenario = plain.model_copy(update={"bodies": (*plain.bodies, *traffic)})

@@ -1,4 +1,4 @@
-"""Streets of ours laid out as those of the recorded drives, to be rendered with the drive's camera and speed."""
+"""Simulated streets that match recorded drives, rendered with the drive's camera and speed."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -15,19 +15,19 @@ START_M = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Street:
-    """A straight road with what stands and drives on it; s of the bodies counts from where the drive starts."""
+    """A straight road with obstacles and traffic; their s_m counts from the start of the drive."""
 
     lanes: int
-    lane: int  # of the camera, from the right
+    lane: int  # of the camera, counted from the right
     weather: str
     bodies: tuple[dict[str, Any], ...]
-    changes: dict[str, float] = field(default_factory=dict)  # of the weather
+    changes: dict[str, float] = field(default_factory=dict)  # to the weather's factors
     lane_width_m: float = 3.5
-    blur_px: float = 0.0  # of the drive's pictures, estimated from the edges of its marks
-    noise_sd: float | None = None  # grey levels, from its sky
+    blur_px: float = 0.0  # of the recording, estimated from the edges of its markings
+    noise_sd: float | None = None  # grey levels, estimated from the recording's sky
 
     def scenario(self) -> Scenario:
-        """The road and its bodies."""
+        """The road with its obstacles and traffic."""
         return Scenario.model_validate(
             {
                 "schema": 1,
@@ -41,12 +41,12 @@ class Street:
             }
         )
 
-    def sky(self) -> Weather:
+    def modified_weather(self) -> Weather:
         """The weather with its changes."""
         return weathers.load(self.weather).model_copy(update=self.changes)
 
     def drive(self, camera: Camera, rate_hz: float, speed_mps: float) -> ScriptedDrive:
-        """Along the middle of the camera's lane; of frames of an odd width the last column is left out."""
+        """A drive along the centre of the camera's lane; the width is rounded down to an even number."""
         scenario = self.scenario()
         camera = replace(camera, width_px=camera.width_px // 2 * 2)
         rig = Rig(camera, noise_sd=self.noise_sd, blur_px=self.blur_px)
@@ -55,12 +55,12 @@ class Street:
 
 
 def body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> dict[str, Any]:
-    """One body of a street."""
+    """One obstacle or vehicle of a street."""
     return {"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps}
 
 
 STREETS = {
-    # A street with cars parked on the right and some on the left.
+    # A street with cars parked on the right and a few on the left.
     "kitti_vo_seq1": Street(
         lanes=3,
         lane=2,
@@ -72,7 +72,7 @@ STREETS = {
             body("pedestrian", 28.0, 1, 1.2),
         ),
     ),
-    # A queue before a light: a leader, lorries on both sides.
+    # A queue before a traffic light: a lead car, trucks on both sides.
     "kitti_raw_leadcar": Street(
         lanes=4,
         lane=2,
