@@ -39,7 +39,7 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
         (["sweep", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
         (
             ["sweep", "--resume", "--out", "."],
-            ".: --resume: expected the manifest.json of a run, found none; say what is",
+            ".: --resume: expected the manifest.json of a run, found none; name what to",
         ),
         (["benchmark", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
         (["sweep", "missing.toml"], "missing.toml: expected a readable sweep file"),

@@ -65,7 +65,7 @@ def test_a_driver_that_cannot_drive_is_no_good_one(name: str, said: str, module:
 
 def test_a_driver_that_drives_is_a_good_one(module: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["drivers", "validate", f"{module}:Good"]) == 0
-    assert capsys.readouterr().out == f"{module}:Good: a good driver, privileged: none\n"
+    assert capsys.readouterr().out == f"{module}:Good: valid, privileged: none\n"
 
 
 @pytest.mark.parametrize(

@@ -123,7 +123,8 @@ def test_what_a_driver_did_before_it_failed_is_kept_and_the_other_drives_go_on(
     line = next(k for k, text in enumerate(Path(__file__).read_text().splitlines(), 1) if 'RuntimeError("no' in text)
     where = f"{__name__}:{line} in act"
     of_both = [
-        f"vpf-sim: {name}: error: frame 2 of {FRAMES}, at {where}: RuntimeError: no idea; the frames before are kept"
+        f"vpf-sim: {name}: error: frame 2 of {FRAMES}, at {where}: RuntimeError: no idea; "
+        "the frames before it are stored"
         for name in ("bend", "bend-2")
     ]
     assert said.err.splitlines() == of_both

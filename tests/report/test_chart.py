@@ -82,7 +82,7 @@ def test_an_axis_has_room_about_its_values() -> None:
 
 
 @pytest.mark.parametrize(("scenario", "seed"), [("town04", 1003), ("slalom", 5), ("traffic", 2), ("random", 1001)])
-def test_bodies_are_drawn_where_the_world_has_them(scenario: str, seed: int) -> None:
+def test_obstacles_are_drawn_at_their_true_positions(scenario: str, seed: int) -> None:
     layout = layouts(scenario, [seed])[seed]
     with closing(FourLane(scenario)) as world:
         world.reset(seed=seed)
@@ -97,12 +97,12 @@ def test_bodies_are_drawn_where_the_world_has_them(scenario: str, seed: int) -> 
             assert sorted(sides) == pytest.approx(sorted([body.LENGTH, body.LENGTH, body.WIDTH, body.WIDTH]))
 
 
-def test_zooms_look_at_each_row_of_bodies_as_one_meets_them() -> None:
+def test_zooms_show_each_row_of_obstacles_in_driving_order() -> None:
     layout = layouts("town04", [1000])[1000]
     met = [body.s_m for body in layout.static_obstacles]
     assert [s_m for s_m, _ in paths.zooms([layout])] == pytest.approx(sorted(met))
     empty = layouts("town04-clean", [1000])[1000]
-    assert [what for _, what in paths.zooms([empty])] == ["the start", "the middle of the way"]
+    assert [what for _, what in paths.zooms([empty])] == ["the start", "the middle of the route"]
 
 
 def drive(layout: RoadLayout, offset_m: float) -> StepTable:

@@ -1,4 +1,4 @@
-"""An episode drawn again: the same frames and plans as in the run, and a film of them at true speed."""
+"""A re-rendered episode: frames and plans equal to the run, and a video at true speed."""
 
 import re
 import shutil
@@ -23,7 +23,7 @@ from vpf_sim.report import episode_view, redraw, top_view
 from vpf_sim.report.redraw import Redrawing, redrawing
 from vpf_sim.report.signals import Strips, signals_of
 from vpf_sim.report.stored_run import open_run
-from vpf_sim.report.top_view import Body, Scene
+from vpf_sim.report.top_view import Rectangle, Scene
 from vpf_sim.types import Command, DriverSetup, Observation
 from vpf_sim.types import Plan as DrivingPlan
 
@@ -84,24 +84,24 @@ def test_the_frames_and_plans_are_those_of_the_run(driven: Path, name: str, seen
         assert np.array_equal(moment.plan.perception.flow.points_px, plan.perception.flow.points_px)
         assert moment.plan.reference == plan.reference
     assert moments[-1].plan is None, "no command was given in the last state"
-    ahead_m = [moment.bodies[0].x_m for moment in moments]
+    ahead_m = [moment.objects[0].x_m for moment in moments]
     assert np.diff(ahead_m) == pytest.approx(4.0 / 60.0, abs=0.01), "the car ahead drives"
 
 
-def test_the_car_is_drawn_where_the_steps_say(run: Path, name: str) -> None:
+def test_the_car_is_drawn_at_the_stored_poses(run: Path, name: str) -> None:
     change(run, name, 20, y_m=0.5)
     drawn = redrawing(open_run(run), name, replan=False)
     assert len(list(drawn.moments())) == len(drawn.table) + 1
     frames, moved = drawn.remarks
-    assert frames.startswith("the frames are not the run's own to the bit")
+    assert frames.startswith("the frames differ from the run's")
     assert moved == "the car would now deviate by up to 0.50 m; its stored poses are drawn"
 
 
-def test_another_decision_of_the_driver_is_told_with_its_frame(run: Path, name: str) -> None:
+def test_the_first_frame_with_another_command_is_reported(run: Path, name: str) -> None:
     change(run, name, 30, throttle=-0.01)
     drawn = redrawing(open_run(run), name, replan=True)
     assert list(drawn.moments())
-    assert "from frame 30 on the driver decides otherwise than in the run" in drawn.remarks
+    assert "from frame 30 on the driver's commands differ from the run" in drawn.remarks
 
 
 class Crashing:
@@ -130,7 +130,7 @@ def test_a_driver_that_broke_down_is_drawn_to_its_end(monkeypatch: pytest.Monkey
     assert drawn.remarks == [], "the frame on which it broke down was taken, too"
 
 
-def test_an_episode_becomes_a_film_at_true_speed(driven: Path, name: str, tmp_path: Path, capsys: Any) -> None:
+def test_an_episode_becomes_a_video_at_true_speed(driven: Path, name: str, tmp_path: Path, capsys: Any) -> None:
     out = tmp_path / "mine.mp4"
     assert cli.run(["video", str(driven), "--id", name, "--out", str(out)]) == 0
     assert capsys.readouterr().out == f"{out}\n"
@@ -165,7 +165,7 @@ def test_it_lies_in_the_run_folder_by_default(driven: Path, name: str, monkeypat
     assert (driven / "videos" / f"{name}.mp4").exists()
 
 
-def test_half_a_film_is_none(driven: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_incomplete_video_is_removed(driven: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(drawn: Redrawing) -> Iterator[tuple[int, Any]]:
         yield 0, np.zeros((720, 960, 3), np.uint8)
         assert list(tmp_path.iterdir()) != [], "a draft"
@@ -194,17 +194,17 @@ def test_wrong_use_is_told_in_a_line(run: Path, name: str, capsys: pytest.Captur
     assert "expected a step table of this version" in capsys.readouterr().err
 
 
-def test_from_above_the_road_ahead_is_up_and_the_right_is_right() -> None:
+def test_top_view_has_the_road_ahead_up_and_right_to_the_right() -> None:
     """A road along the world's Y axis, driven along it: what lies at larger y is ahead, what at smaller x is right."""
     along = np.arange(-50.0, 150.0, 2.0)
     lines = tuple(np.column_stack([np.full_like(along, -right), along]) for right in (-7.0, 7.0))
     scene = Scene(lines, lines[0], (0.0, 500.0))
-    bodies = (Body(-4.0, 30.0, np.pi / 2.0, 5.0, 2.0, "car"),)
+    bodies = (Rectangle(-4.0, 30.0, np.pi / 2.0, 5.0, 2.0, "car"),)
     pose = np.array([0.0, 0.0, np.pi / 2.0])
     image = top_view.draw(scene, bodies, np.zeros((1, 2)), pose, None, 320, 480)
     scale = 480.0 / (top_view.AHEAD_M + top_view.BEHIND_M)
     row, column = (top_view.AHEAD_M - 30.0) * scale, 160.0 + 4.0 * scale
-    assert tuple(image[round(row), round(column)]) == top_view.BODY
+    assert tuple(image[round(row), round(column)]) == top_view.OBJECT
     assert tuple(image[round(top_view.AHEAD_M * scale), 160]) == top_view.EGO
     assert tuple(image[round(row), round(160.0 - 4.0 * scale)]) == top_view.ASPHALT
     assert tuple(image[round(row), round(160.0 + 9.0 * scale)]) == top_view.MEADOW

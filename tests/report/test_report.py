@@ -122,7 +122,7 @@ def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
     assert len(expected) > 12
 
 
-def test_failures_are_named_marked_and_filmed(run: Path, written: Path) -> None:
+def test_failures_are_listed_marked_and_have_clips(run: Path, written: Path) -> None:
     html = written.read_text()
     failed = [key for key, record in open_run(run).records.items() if record["status"] != "success"]
     assert 2 <= len(failed) < 8
@@ -136,7 +136,7 @@ def test_failures_are_named_marked_and_filmed(run: Path, written: Path) -> None:
         assert f'title="{name}: collision with a barrier' in html
     (video,) = re.findall(r'<video [^>]*src="(data:video/mp4;base64,[^"]{1000,})"', html)
     assert len(video) < 3_000_000
-    assert "Note:" not in html, "the film is the run's own, to the bit"
+    assert "Note:" not in html, "the clip equals the run, bit by bit"
 
 
 def test_a_run_that_was_stopped_is_told_as_far_as_it_came(run: Path, tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ def test_what_a_changed_or_lost_scenario_would_show_is_left_out(run: Path, tmp_p
     (tmp_path / "summary.json").write_text(text["summary.json"])
     html = page.make(open_run(tmp_path), 0, lambda _: None)
     assert "barred, clear: the scenario has changed since the run" in html
-    assert "<dd>barred: no longer what the run was made with</dd>" in html
+    assert "<dd>barred: changed since the run</dd>" in html
 
 
 def test_files_that_are_no_run_are_told_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -207,7 +207,7 @@ def row(driver: str, scenario: str, successes: int, mse: float | None = None, **
     }
 
 
-def test_the_answer_says_who_arrived_and_what_the_paper_has() -> None:
+def test_the_answer_has_successes_and_the_papers_mse() -> None:
     paper = {"path_mse_m2": 0.74, "throttle": 0.7851, "steering": 0.7167}
     rows = [
         row("pid", "town04", 0),
@@ -219,19 +219,19 @@ def test_the_answer_says_who_arrived_and_what_the_paper_has() -> None:
     assert first.startswith("Not always: vpf, ")
     assert answer.sentences("benchmark", [row("vpf", "town04", 5)], ORDER)[0].startswith("Yes: vpf, ")
     assert answer.sentences("benchmark", [row("vpf", "town04", 0)], ORDER)[0].startswith("No: vpf, ")
-    assert answer.sentences("sweep", rows, ORDER)[0].startswith("vpf, "), "which driver arrives is no yes or no"
-    assert first.endswith("9 of 10 episodes reached the goal; 4 of 5 on town04 in clear, all elsewhere.")
-    assert second.endswith("5 of 10 episodes reached the goal; 0 of 5 on town04 in clear, all elsewhere.")
+    assert answer.sentences("sweep", rows, ORDER)[0].startswith("vpf, "), "no yes or no for several drivers"
+    assert first.endswith("9 of 10 episodes reached the goal; 4 of 5 on town04 in clear, all in the others.")
+    assert second.endswith("5 of 10 episodes reached the goal; 0 of 5 on town04 in clear, all in the others.")
     assert third.startswith("Path MSE of vpf, m²: 0.428 (clear, with obstacles; paper 0.74).")
 
 
-def test_a_driver_that_never_arrived_is_scored_in_grey() -> None:
+def test_a_driver_without_success_is_scored_in_grey() -> None:
     (group,) = cells.groups([row("vpf", "town04", 0)], ORDER)
     (told,) = group.rows
     assert (told.successes, told.endings) == (0, "4 collision, 1 not driven")
-    assert (told.cells[0].words, told.cells[0].grey) == ("9.000", True)
+    assert (told.cells[0].text, told.cells[0].grey) == ("9.000", True)
     (told,) = cells.groups([row("vpf", "town04", 5, -0.0)], ORDER)[0].rows
-    assert (told.cells[0].words, told.cells[0].grey) == ("0.000", False)
+    assert (told.cells[0].text, told.cells[0].grey) == ("0.000", False)
 
 
 def test_intervals_are_read_where_the_summary_has_them() -> None:
@@ -242,7 +242,7 @@ def test_intervals_are_read_where_the_summary_has_them() -> None:
     assert told.cells[1].interval == ""
 
 
-def test_each_way_to_fail_is_filmed_before_any_is_filmed_twice() -> None:
+def test_each_kind_of_failure_has_a_clip_before_any_has_two() -> None:
     def failed(driver: str, status: str, seed: int, scenario: str = "town04") -> dict[str, Any]:
         name = f"{scenario}.{driver}.{seed}"
         return {

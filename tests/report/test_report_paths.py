@@ -21,6 +21,6 @@ def test_no_path_is_drawn_over_an_obstacle_of_another_road(scenario: str) -> Non
     own_roads = scenario == "random"
     assert bodies > 0
     assert chart.svg.count('class="path driver-1"') == len(SEEDS)
-    assert chart.svg.count('class="body"') == (0 if own_roads else bodies)
+    assert chart.svg.count('class="obstacle"') == (0 if own_roads else bodies)
     assert chart.svg.count('class="edge"') > 0
     assert ("its own road and obstacles" in chart.caption) == own_roads

@@ -31,7 +31,7 @@ def row(driver: str = "vpf", weather: str = "clear", successes: int = 2, **more:
 def words(table: tables.Table | None) -> list[list[str]]:
     assert table is not None
     assert all(len(line) == len(table.header) for line in table.rows)
-    return [[value.words for value in line] for line in table.rows]
+    return [[value.text for value in line] for line in table.rows]
 
 
 def test_accuracy_is_told_by_every_definition_and_protocol() -> None:
@@ -66,11 +66,11 @@ def test_perception_has_a_table_of_the_picture_and_one_of_objects() -> None:
     assert tables.perception([blind], ORDER, tables.OBJECTS) is None
 
 
-def test_the_seeds_that_would_be_enough_are_told() -> None:
+def test_the_needed_seeds_are_listed() -> None:
     found = tables.seeds_needed([row(seeds_needed={"success_rate": 381, "path_mse_m2": None}), row("pid")], ORDER)
     assert words(found) == [["town04", "clear", "vpf", "2", "381", "–"]]
     assert found is not None
-    assert found.header[-2:] == ("for success within 10 points", "for path MSE within 0.1 m² (seeds that arrive)")
+    assert found.header[-2:] == ("for success within 10 points", "for path MSE within 0.1 m² (successful seeds)")
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""`vpf-sim replay`: a driver on recorded drives."""
+"""`vpf-sim replay`: run a driver open loop on recorded drives."""
 
 import sys
 from dataclasses import replace
@@ -7,8 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriverOption, JsonOption, MixedOption, OutOption, ResumeOption, print_json
-from vpf_sim.cli.options import prints_on_stderr as drivers_speak
+from vpf_sim.cli.options import (
+    DriverOption,
+    JsonOption,
+    MixedOption,
+    OutOption,
+    ResumeOption,
+    print_json,
+    prints_on_stderr,
+)
 from vpf_sim.cli.progress import say
 from vpf_sim.cli.tables import in_one_line
 from vpf_sim.errors import InputError
@@ -21,19 +28,21 @@ if TYPE_CHECKING:
 
 DrivesArgument = Annotated[
     list[Path],
-    typer.Argument(metavar="DRIVE", help="Folders of recordings, or videos; docs/recordings.md tells the layouts."),
+    typer.Argument(metavar="DRIVE", help="Folders of recordings, or videos; docs/recordings.md lists the formats."),
 ]
 
 
 WaterOption = Annotated[
     str | None,
-    typer.Option("--water", metavar="WEATHER", help="Put the water of a weather on the glass; told as ours."),
+    typer.Option("--water", metavar="WEATHER", help="Add a weather's water to the windscreen; reported as added."),
 ]
 FaultsOption = Annotated[
     str | None,
-    typer.Option("--faults", metavar="SCENARIO", help="Let sensors fail as in that scenario; told as ours."),
+    typer.Option("--faults", metavar="SCENARIO", help="Add a scenario's sensor faults; reported as added."),
 ]
-VideoOption = Annotated[bool, typer.Option("--video/--no-video", help="Film each drive, with what the driver saw.")]
+VideoOption = Annotated[
+    bool, typer.Option("--video/--no-video", help="Write a video of each drive with the driver's perception.")
+]
 
 
 def replay(
@@ -47,9 +56,9 @@ def replay(
     video: VideoOption = True,
     json: JsonOption = False,
 ) -> None:
-    """Run a driver over recorded drives, open loop: its commands beside the human's, what it sees beside the truth.
+    """Run a driver open loop on recorded drives; compare its commands with the human's, its perception with the truth.
 
-    Exit code 1 on an error of the driver, 2 on a recording that cannot be used; the others are still done.
+    Exit code 1 on an error of the driver, 2 on an unusable recording; the other drives are still replayed.
     """
     from vpf_sim import drivers
     from vpf_sim.evaluation.processes.threads import limit_opencv
@@ -58,7 +67,7 @@ def replay(
     from vpf_sim.replay.replay_folder import ReplayFolder
 
     limit_opencv()
-    with drivers_speak():
+    with prints_on_stderr():
         drivers.create(driver)
     recordings, refused = _read(drive)
     if water is not None:
@@ -70,7 +79,7 @@ def replay(
     }
     if faults is not None:
         recordings = _failing(recordings, faults)
-        plan["faults"] = _said(faults)
+        plan["faults"] = _fault_settings(faults)
     asked = {
         "plan": plan,
         **inputs.hashes({name: recording for name, (_, recording) in recordings.items()}, driver, water),
@@ -79,27 +88,27 @@ def replay(
     try:
         code = max(refused, _replay_all(folder, driver, [recording for _, recording in recordings.values()], video))
         summary = folder.summarize()
-        if folder.done or code != 2:  # a wrong input alone has no answer
+        if folder.done or code != 2:  # nothing to print if all recordings were unusable
             _answer(folder, summary, json)
     except (KeyboardInterrupt, OSError):
         say(f"stopped with {len(folder.done)} of {len(recordings)} drives stored")
-        say(f"go on with: {_way_back(drive, driver, water, faults, video, mixed, folder.path)}")
+        say(f"go on with: {_resume_command(drive, driver, water, faults, video, mixed, folder.path)}")
         raise
     finally:
         folder.close()
     raise typer.Exit(code)
 
 
-def _way_back(
+def _resume_command(
     drives: list[Path], driver: str, water: str | None, faults: str | None, video: bool, mixed: bool, folder: Path
 ) -> str:
-    """The command that goes on with the replay."""
+    """The shell command that continues the replay."""
     options = {"driver": driver, "water": water, "faults": faults, "no_video": not video}
     return command("replay", *drives, **options, out=folder, resume=True, mixed=mixed)
 
 
 def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
-    """The recordings by name, and 2 if one cannot be read: it is told, and fatal only if there is no other."""
+    """The recordings by name, and 2 if one cannot be read; InputError if none can."""
     from vpf_sim.replay import readers
 
     found: list[tuple[Path, Recording]] = []
@@ -112,8 +121,8 @@ def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
     if not found:
         raise InputError("\n".join(str(fault) for fault in faults))
     for fault in faults:
-        _tell_fault(str(fault))
-    return _named_apart(found), 2 if faults else 0
+        _print_fault(str(fault))
+    return _with_unique_names(found), 2 if faults else 0
 
 
 def _wet(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict[str, tuple[Path, Recording]]":
@@ -132,15 +141,15 @@ def _failing(recordings: "dict[str, tuple[Path, Recording]]", scenario: str) -> 
     return {name: (path, with_faults(recording, faults)) for name, (path, recording) in recordings.items()}
 
 
-def _said(scenario: str) -> dict[str, object]:
-    """What a scenario says of sensors that fail."""
+def _fault_settings(scenario: str) -> dict[str, object]:
+    """The sensor faults of a scenario."""
     from vpf_sim import scenarios
 
     return scenarios.load(scenario).ego.sensor_faults.model_dump()
 
 
-def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":
-    """Drives of the same name get a number, so that each has files of its own, also where case makes no difference."""
+def _with_unique_names(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":
+    """The recordings by unique name: repeated names get a number, also if they differ in case only."""
     taken: set[str] = set()
     result = {}
     for path, recording in found:
@@ -152,13 +161,13 @@ def _named_apart(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path
 
 
 def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording]", video: bool) -> int:
-    """One drive after the other, but for those that are there with the film that is asked for; the worst exit code."""
+    """Replay the drives without a record or requested video; returns the worst exit code."""
     from vpf_sim.replay.run_files import film_file
 
     code = 0
     for recording in recordings:
-        lacks_film = video and not recording.no_images and not film_file(folder.path, recording.name).exists()
-        if recording.name not in folder.done or lacks_film:
+        lacks_video = video and not recording.no_images and not film_file(folder.path, recording.name).exists()
+        if recording.name not in folder.done or lacks_video:
             code = max(code, _replay_one(folder, driver, recording, video))
     return max(code, *(int(record["error"] is not None) for record in folder.records()), 0)
 
@@ -168,32 +177,36 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
     from vpf_sim.replay import driver_error, open_loop
 
     try:
-        with drivers_speak(), process_state.preserved():
-            record, _ = open_loop.run(recording, driver, folder.path, _tell(recording.name), video, folder.add)
+        with prints_on_stderr(), process_state.preserved():
+            record, _ = open_loop.run(
+                recording, driver, folder.path, _frame_progress(recording.name), video, folder.add
+            )
     except InputError as error:
-        _tell_fault(str(error))
+        _print_fault(str(error))
         return 2
     except OSError:
         raise
-    except Exception as error:  # the driver's own; the other drives are still worth their time
-        _tell_fault(f"{recording.name}: error: at {driver_error.place(error)}: {driver_error.what(error)}")
+    except Exception as error:  # raised by the driver; the other drives are still replayed
+        _print_fault(f"{recording.name}: error: at {driver_error.place(error)}: {driver_error.what(error)}")
         return 1
     if (fault := record["error"]) is not None:
-        said = f"frame {fault['frame']} of {len(recording)}, at {fault['place']}: {fault['what']}"
-        _tell_fault(f"{recording.name}: error: {said}; the frames before are kept")
+        text = f"frame {fault['frame']} of {len(recording)}, at {fault['place']}: {fault['what']}"
+        _print_fault(f"{recording.name}: error: {text}; the frames before it are stored")
         return 1
     if not record["driven"]:
-        _tell_fault(recording.no_images)
+        _print_fault(recording.no_images)
         return 2
     return 0
 
 
-def _tell_fault(words: str) -> None:
-    print(f"vpf-sim: {in_one_line(words)}", file=sys.stderr)
+def _print_fault(text: str) -> None:
+    print(f"vpf-sim: {in_one_line(text)}", file=sys.stderr)
 
 
-def _tell(name: str) -> Any:
-    def tell(done: int, total: int) -> None:
+def _frame_progress(name: str) -> Any:
+    """A callback that prints the number of replayed frames on a terminal."""
+
+    def show(done: int, total: int) -> None:
         if sys.stderr.isatty():
             print(
                 f"\r{in_one_line(name)}: {done}/{total} frames",
@@ -202,7 +215,7 @@ def _tell(name: str) -> Any:
                 flush=True,
             )
 
-    return tell
+    return show
 
 
 def _answer(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> None:
@@ -216,4 +229,4 @@ def _answer(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> N
         print_json({"out": str(folder.path), "report": str(path), "drives": records, "timing": timing, **summary})
     else:
         replay_tables.print_all(tables(records, timing, summary))
-        print(f"\nplots and films: {path}\nframes and records: {folder.path}")
+        print(f"\nplots and videos: {path}\nframes and records: {folder.path}")

@@ -1,4 +1,4 @@
-"""The tables of a replay, printed."""
+"""Prints the tables of a replay."""
 
 from collections.abc import Sequence
 from textwrap import fill
@@ -10,7 +10,7 @@ WIDTH = 120  # of a note
 
 
 def print_all(tables: Sequence[Table]) -> None:
-    """One after the other, each with its notes."""
+    """Print all tables with their notes."""
     for number, table in enumerate(tables):
         print(("\n" if number else "") + table.title + "\n")
         print_table(table.header, table.rows, table.words)

@@ -1,4 +1,4 @@
-"""The charts of a report: paths and commands of each scenario and weather, scores as dots."""
+"""The charts of a report: paths and commands by scenario and weather, and dot charts of scores."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -12,8 +12,8 @@ from vpf_sim.report.road_layout import layouts
 from vpf_sim.report.run_data import RunData
 from vpf_sim.report.stored_run import Record, StoredRun
 
-MOST_TRACKS = 30  # seeds whose paths are drawn
-MOST_PATHS, MOST_COMMANDS = 12, 6  # scenarios in a weather
+MOST_TRACKS = 30  # seeds with drawn paths
+MOST_PATHS, MOST_COMMANDS = 12, 6  # pairs of scenario and weather
 DOTS = (  # key, title, scale, ends of the axis
     ("success_rate", "Episodes that reached the goal, %", 100.0, (0.0, 100.0)),
     ("path_mse_m2", "Path MSE, m²", 1.0, None),
@@ -41,14 +41,14 @@ class Section:
 
 @dataclass(slots=True)
 class Sections:
-    """What is drawn, and what is not and why."""
+    """The drawn sections, and reasons for those left out."""
 
     drawn: list[Section] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
 
 
 def sections(run_data: RunData) -> Sections:
-    """Paths over the road, and commands beside the PID's."""
+    """Charts of paths and commands for each scenario and weather."""
     found, changed = Sections(), run_data.changed()
     for number, (scenario, weather) in enumerate(run_data.order.cells()):
         title = f"{shown(scenario)}, {shown(weather)}"
@@ -79,7 +79,7 @@ def _add(found: Sections, run_data: RunData, scenario: str, weather: str, title:
 
 
 def _tracks(run_data: RunData, records: Sequence[Record]) -> Iterator[Track]:
-    """The first driver's come last, and so lie on top."""
+    """The paths; the first driver's come last and are drawn on top."""
     for record in reversed(records):
         table = run_data.run.steps(record["id"])
         if table is not None:
@@ -94,7 +94,7 @@ def _commands(run: StoredRun, order: Order, records: Sequence[Record]) -> Iterat
 
 
 def scores(rows: Sequence[Row], order: Order) -> Iterator[Chart]:
-    """One a score, with the paper's values where it has them."""
+    """One chart per score, with the paper's values."""
     for key, title, scale, ends in DOTS:
         found = [dot for row in rows if (dot := _dot(row, key, scale, order))]
         if found:

@@ -1,4 +1,4 @@
-"""The report of a run: one HTML file that needs nothing else, and no script to be read."""
+"""The report of a run: one self-contained HTML file without scripts."""
 
 from collections.abc import Callable
 from importlib.resources import files
@@ -16,20 +16,20 @@ from vpf_sim.report.run_data import RunData
 from vpf_sim.report.stored_run import StoredRun
 from vpf_sim.shell import command
 
-MOST_LISTED = 40  # ways of failing
-Tell = Callable[[str], None]
+MOST_LISTED = 40  # groups of failures
+Notify = Callable[[str], None]
 
 
-def make(run: StoredRun, clip_count: int, tell: Tell) -> str:
-    """The page as HTML; `tell` hears what is being done."""
+def make(run: StoredRun, clip_count: int, notify: Notify) -> str:
+    """The page as HTML; `notify` receives progress messages."""
     run_data = RunData.of(run)
-    tell("drawing the paths and commands")
-    content = {**_asked(run_data), **_charts(run_data), **_tables(run_data), **_failures(run_data)}
-    return render({**content, "clips": _clips(run_data, clip_count, tell)})
+    notify("drawing the paths and commands")
+    content = {**_headline(run_data), **_charts(run_data), **_tables(run_data), **_failures(run_data)}
+    return render({**content, "clips": _clips(run_data, clip_count, notify)})
 
 
 def render(content: dict[str, Any]) -> str:
-    """The template filled."""
+    """Fill the template."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.globals["key"] = legend_key
     environment.filters["shown"] = shown
@@ -39,8 +39,8 @@ def render(content: dict[str, Any]) -> str:
     return template.render(style=style, **content)
 
 
-def _asked(run_data: RunData) -> dict[str, Any]:
-    """The question, the answer, and where they come from."""
+def _headline(run_data: RunData) -> dict[str, Any]:
+    """The headline, and the run's plan and fingerprint."""
     return {
         "command": run_data.command,
         "plan": run_data.plan,
@@ -50,7 +50,7 @@ def _asked(run_data: RunData) -> dict[str, Any]:
         "driven": len(run_data.records),
         "planned": len(run_data.jobs),
         "folder": str(run_data.run.path),
-        "film_again": lambda episode: command("video", run_data.run.path, id=episode),
+        "video_command": lambda episode: command("video", run_data.run.path, id=episode),
         "fingerprint": run_data.run.manifest["fingerprint"],
         "mixed": sorted({str(one["fingerprint"]) for one in run_data.records.values() if "fingerprint" in one}),
         "changed": sorted(shown(name) for name in run_data.changed()),
@@ -98,14 +98,14 @@ def _failures(run_data: RunData) -> dict[str, Any]:
     }
 
 
-def _clips(run_data: RunData, count: int, tell: Tell) -> list[Clip]:
-    """Films of failures, but of those that cannot be drawn any more, such as without the scenario's file."""
+def _clips(run_data: RunData, count: int, notify: Notify) -> list[Clip]:
+    """Clips of failures; those that cannot be re-rendered, as without the scenario's file, are skipped."""
     chosen = clips.choose(run_data.failures(), run_data.order.drivers, count)
-    films = []
+    made = []
     for number, record in enumerate(chosen, start=1):
-        tell(f"filming {record['id']}, clip {number} of {len(chosen)}")
+        notify(f"rendering {record['id']}, clip {number} of {len(chosen)}")
         try:
-            films.append(clips.make(run_data.run, record))
+            made.append(clips.make(run_data.run, record))
         except InputError as error:
-            tell(f"{record['id']} cannot be drawn again: {error}")
-    return films
+            notify(f"{record['id']} cannot be re-rendered: {error}")
+    return made

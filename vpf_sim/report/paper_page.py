@@ -75,10 +75,10 @@ def _figures(drives: list[Drive]) -> dict[str, bytes]:
         here = [drive for drive in drives if (drive.scenario, drive.weather) == cell]
         shown = min(here, key=lambda drive: (not drive.succeeded, drive.record["seed"]), default=None)
         if shown is not None:
-            bodies = where[cell[0], int(shown.record["seed"])].static_obstacles
-            face_m = min((body.route_m[0] for body in bodies), default=NO_OBSTACLE_M)
+            obstacles = where[cell[0], int(shown.record["seed"])].static_obstacles
+            face_m = min((obstacle.route_m[0] for obstacle in obstacles), default=NO_OBSTACLE_M)
             drawing = Redrawing(dict(shown.record), shown.table, replan=True)
-            found[cell] = paper_figures.look_along(drawing, face_m)
+            found[cell] = paper_figures.forces_along(drawing, face_m)
     return {
         "paths": paper_figures.paths(drives, where),
         "flow": paper_figures.flow(found),

@@ -1,4 +1,4 @@
-"""Paths over the road: the whole way, zooms where it matters, and the offset from the lane's centre unrolled."""
+"""Charts of paths: overview, zooms at obstacles, and offset from the lane's centre over distance."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,11 +20,11 @@ Turn = Callable[[Floats], Floats]  # from the world to the axes of a plot
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """Where one episode led."""
+    """The path of one episode."""
 
     seed: int
     style: str  # of its driver
-    good: bool
+    succeeded: bool
     table: StepTable
 
 
@@ -35,16 +35,16 @@ class Chart:
 
 
 def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: str) -> list[Chart]:
-    """The charts of one scenario in one weather. Where each seed has a road of its own, the maps show the first's."""
+    """The charts of one scenario in one weather; if each seed has its own road, the maps show the first seed."""
     first = layouts[min(layouts)]
     alike = {seed: layout for seed, layout in layouts.items() if layout.scenario.road == first.scenario.road}
     one_road = len(alike) == len(layouts)
     shown = alike if one_road else {min(layouts): first}
     here = [track for track in tracks if track.seed in shown]
     which = "" if one_road else f", seed {min(layouts)} (each seed has its own road)"
-    obstacles = [body for layout in layouts.values() for body in layout.static_obstacles] if one_road else []
+    obstacles = [obstacle for layout in layouts.values() for obstacle in layout.static_obstacles] if one_road else []
     maps = [
-        Chart(f"The whole way{which}; world axes, m.", overview(first, list(shown.values()), here, title)),
+        Chart(f"Overview{which}; world axes, m.", overview(first, list(shown.values()), here, title)),
         Chart(_offset_caption(layouts, one_road), offsets(layouts, obstacles, tracks, title)),
     ]
     for number, (s_m, what) in enumerate(zooms(list(shown.values()))[:MOST_ZOOMS], start=1):
@@ -54,7 +54,7 @@ def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: st
 
 
 def overview(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Track], title: str) -> Markup:
-    """The carriageway and all paths in world axes: x to the right, y down, as the axes of the world lie."""
+    """The carriageway and all paths in world axes, x to the right, y down."""
     line = np.concatenate(layout.lane_lines_m)
     low, high = line.min(axis=0) - 6.0, line.max(axis=0) + 6.0
     margins = (40.0, 8.0, 8.0, 30.0)
@@ -71,18 +71,18 @@ def overview(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence
     )
     plot.grid()
     _road(plot, layout, np.asarray)
-    _bodies(plot, layouts, np.asarray)
+    _draw_obstacles(plot, layouts, np.asarray)
     for track in tracks:
         points = _sampled(track.table, 2.0 * EVERY_M)
         plot.line(points[:, 0], points[:, 1], f"path {track.style}")
     _ends(plot, layout)
-    return plot.svg(f"{title}: paths over the road, whole way")
+    return plot.svg(f"{title}: paths over the road, overview")
 
 
 def zooms(layouts: Sequence[RoadLayout]) -> list[tuple[float, str]]:
-    """(s along the carriageway, what is there): rows of bodies as one meets them, or else the middle of the way."""
+    """(s, caption) of each zoom: rows of obstacles in driving order, or else the start and middle of the route."""
     ego, goal = layouts[0].scenario.ego, layouts[0].scenario.goal
-    spots = sorted(body.s_m for body in layouts[0].static_obstacles)
+    spots = sorted(obstacle.s_m for obstacle in layouts[0].static_obstacles)
     if ego.s_m > goal.s_m:
         spots.reverse()
     rows: list[float] = []
@@ -91,13 +91,13 @@ def zooms(layouts: Sequence[RoadLayout]) -> list[tuple[float, str]]:
             rows.append(s_m)
     if not rows:
         ahead = 0.5 * ZOOM_M * (1.0 if goal.s_m > ego.s_m else -1.0)
-        return [(ego.s_m + ahead, "the start"), (0.5 * (ego.s_m + goal.s_m), "the middle of the way")]
+        return [(ego.s_m + ahead, "the start"), (0.5 * (ego.s_m + goal.s_m), "the middle of the route")]
     names = ("the first obstacle", "the second obstacle", "the third obstacle")
     return [(s_m, names[number] if number < len(names) else "") for number, s_m in enumerate(rows)]
 
 
 def zoom(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Track], s_m: float, title: str) -> Markup:
-    """Part of the road, turned so that driving goes to the right."""
+    """A section of the road, rotated so that driving goes to the right."""
     centre = np.array(layout.centre.position_at(s_m, 0.0))
     heading = layout.centre.heading_at(s_m)
     along, right = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
@@ -111,7 +111,7 @@ def zoom(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Tra
         return turned
 
     _road(plot, layout, local)
-    _bodies(plot, layouts, local)
+    _draw_obstacles(plot, layouts, local)
     for track in tracks:
         points = local(_sampled(track.table, EVERY_M / 2.0))
         near = np.abs(points[:, 0]) < half + 4.0
@@ -124,7 +124,7 @@ def zoom(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Tra
 def offsets(
     layouts: Mapping[int, RoadLayout], obstacles: Sequence[StaticObstacle], tracks: Sequence[Track], title: str
 ) -> Markup:
-    """The offset from the lane's centre over the distance driven; left is up, as the driver sees it.
+    """The offset from the lane's centre over the distance driven; left is up, .
 
     Edges are drawn where all places have them.
     """
@@ -141,22 +141,22 @@ def offsets(
         if left < edge < right:
             plot.line(np.array([0.0, length]), np.array([edge, edge]), "edge")
     plot.line(np.array([0.0, length]), np.zeros(2), "centre")
-    for body in obstacles:
-        x, y = np.array(body.route_m)[[0, 1, 1, 0]], np.array(body.offset_m)[[0, 0, 1, 1]]
-        plot.line(x, np.clip(y, left, right), "body", closed=True)
+    for obstacle in obstacles:
+        x, y = np.array(obstacle.route_m)[[0, 1, 1, 0]], np.array(obstacle.offset_m)[[0, 0, 1, 1]]
+        plot.line(x, np.clip(y, left, right), "obstacle", closed=True)
     for track in tracks:
         x, y = thinned(track.table.route_m, track.table.lane_offset_m, 90)
         plot.line(x, np.where((y >= left) & (y <= right), y, np.nan), f"path {track.style}")
-        if not track.good:
+        if not track.succeeded:
             _cross(plot, float(track.table.route_m[-1]), float(track.table.lane_offset_m[-1]), track.style)
     return plot.svg(f"{title}: offset from the lane's centre over distance")
 
 
 def _sides(obstacles: Sequence[StaticObstacle], tracks: Sequence[Track]) -> tuple[float, float]:
-    """The least and the greatest offset to show: all of bodies and of good drives; of others what lies between."""
-    found = [track.table.lane_offset_m for track in tracks if track.good] or [np.zeros(1)]
-    bodies = [side for body in obstacles for side in body.offset_m]
-    left, right = reach([0.0, *bodies, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
+    """The range of offsets to show: that of the obstacles and the successful drives."""
+    found = [track.table.lane_offset_m for track in tracks if track.succeeded] or [np.zeros(1)]
+    obstacles = [side for obstacle in obstacles for side in obstacle.offset_m]
+    left, right = reach([0.0, *obstacles, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
     return max(left, -12.0), min(right, 12.0)
 
 
@@ -168,7 +168,7 @@ def _offset_caption(layouts: Mapping[int, RoadLayout], one_road: bool) -> str:
 
 
 def _sampled(table: StepTable, every_m: float) -> Floats:
-    """(M, 2) m, the path at places about `every_m` apart."""
+    """(M, 2) m, the path resampled about every `every_m`."""
     points = table.positions_m
     driven = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     count = max(2, int(driven[-1] / every_m) + 1)
@@ -188,11 +188,11 @@ def _road(plot: Plot, layout: RoadLayout, local: Turn) -> None:
     plot.line(route[:, 0], route[:, 1], "centre")
 
 
-def _bodies(plot: Plot, layouts: Sequence[RoadLayout], local: Turn) -> None:
+def _draw_obstacles(plot: Plot, layouts: Sequence[RoadLayout], local: Turn) -> None:
     for layout in layouts:
-        for body in layout.static_obstacles:
-            corners = local(body.corners_m)
-            plot.line(corners[:, 0], corners[:, 1], "body", closed=True)
+        for obstacle in layout.static_obstacles:
+            corners = local(obstacle.corners_m)
+            plot.line(corners[:, 0], corners[:, 1], "obstacle", closed=True)
 
 
 def _ends(plot: Plot, layout: RoadLayout) -> None:
@@ -206,7 +206,7 @@ def _ends(plot: Plot, layout: RoadLayout) -> None:
 
 
 def _scale(plot: Plot, half: float, across: float) -> None:
-    """A bar of ten metres."""
+    """Draw a scale bar of ten metres."""
     y = across - 1.4
     plot.line(np.array([-half + 2.0, -half + 12.0]), np.array([y, y]), "bar")
     plot.text_at("10 m", -half + 13.0, y + 0.6, "tick")

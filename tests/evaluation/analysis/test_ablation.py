@@ -78,7 +78,7 @@ def two_steps(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("two_steps")
-def test_the_command_stores_an_ordinary_run_with_the_table_beside(
+def test_the_command_stores_a_run_folder_with_the_ablation_table(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     short, out = tmp_path / "short.toml", tmp_path / "out"
@@ -96,7 +96,7 @@ def test_the_command_stores_an_ordinary_run_with_the_table_beside(
     assert cli.run(["ablate", "--out", str(out), "--resume"]) == 0
     said = capsys.readouterr().out
     assert "vpf@memory: decisions are kept" in said
-    assert "Differences to the step before" in said
+    assert "Differences to the previous step" in said
 
 
 def test_wrong_use_is_one_clear_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -65,7 +65,7 @@ def test_an_unchanged_run_scores_as_it_did_and_nothing_is_driven(
     assert files(run) == before, "byte by byte"
     assert answer["rows"] == json.loads((run / "summary.json").read_text())["rows"]
     assert cli.run(["score", str(run)]) == 0
-    assert "4 of 4 planned episodes scored again, 0 changed" in capsys.readouterr().out
+    assert "4 of 4 planned episodes rescored, 0 changed" in capsys.readouterr().out
 
 
 def test_what_each_stage_took_is_in_the_timing_and_not_in_the_records(run: Path) -> None:
