@@ -1,4 +1,4 @@
-"""Live progress: lines that tell failures, rate and time left, and where the reason of an error is."""
+"""Progress lines: failures, rate, time left, and the file of an error."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -32,7 +32,7 @@ def test_rate_and_time_left_are_those_of_this_session(time: list[float]) -> None
 
 
 @pytest.mark.parametrize(("seconds", "text"), [(0.4, "0:00:00"), (59.6, "0:01:00"), (3725.0, "1:02:05")])
-def test_a_clock_reads_hours_minutes_seconds(seconds: float, text: str) -> None:
+def test_clock_has_hours_minutes_seconds(seconds: float, text: str) -> None:
     assert clock(seconds) == text
 
 

@@ -1,4 +1,4 @@
-"""Charts: strokes where the values are, thinned without losing a peak; bodies and zooms where the world has them."""
+"""Charts: lines at their values, downsampling without losing peaks, obstacles and zooms at true positions."""
 
 import re
 from contextlib import closing
@@ -28,7 +28,7 @@ def paths_of(svg: str, style: str) -> list[Floats]:
     return [points(found) for found in re.findall(rf'<path class="{style}" d="([^"]+)"', svg)]
 
 
-def test_a_stroke_lies_where_its_values_are() -> None:
+def test_a_line_is_drawn_at_its_values() -> None:
     plot = Plot(200.0, 100.0, Axis(0.0, 10.0), Axis(-1.0, 1.0), (20.0, 20.0, 10.0, 10.0))
     x = np.linspace(0.0, 10.0, 1000)
     plot.line(x, np.sin(x), "wave")
@@ -39,7 +39,7 @@ def test_a_stroke_lies_where_its_values_are() -> None:
     assert drawn[:, 1] == pytest.approx(expected, abs=0.4)
 
 
-def test_a_gap_in_the_values_is_a_gap_in_the_stroke() -> None:
+def test_a_gap_in_the_values_is_a_gap_in_the_line() -> None:
     plot = Plot(100.0, 100.0, Axis(0.0, 5.0), Axis(0.0, 1.0))
     plot.line(np.arange(6.0), np.array([0.0, 1.0, np.nan, 1.0, 0.5, np.nan]), "gap")
     assert [len(drawn) for drawn in paths_of(plot.svg(""), "gap")] == [2, 2]
@@ -147,7 +147,7 @@ def test_a_path_is_drawn_over_the_road_at_its_offset() -> None:
     assert np.ptp(flat[:, 1]) == pytest.approx(0.0, abs=0.11)
 
 
-def test_where_each_seed_has_its_own_road_the_map_is_of_one() -> None:
+def test_with_a_road_per_seed_the_map_shows_one() -> None:
     found = layouts("random", [1, 2])
     tracks = [Track(seed, "d0", True, drive(layout, 0.0)) for seed, layout in found.items()]
     captions = [chart.caption for chart in paths.charts(found, tracks, "a test")]
@@ -157,7 +157,7 @@ def test_where_each_seed_has_its_own_road_the_map_is_of_one() -> None:
     assert drawn[:2] == [1, 2]
 
 
-def test_commands_stand_beside_the_pids() -> None:
+def test_commands_are_drawn_with_the_pids() -> None:
     layout = RoadLayout(scenarios.load("straight").draw(1))
     table = drive(layout, 0.0)
     svg = str(commands.charts("vpf", "straight.clear.vpf.1", "d0", table).steering)
@@ -165,7 +165,7 @@ def test_commands_stand_beside_the_pids() -> None:
     assert paths_of(svg, "shadow") == [], "nothing is drawn of what is not known"
 
 
-def test_dots_have_whiskers_and_what_is_far_out_has_an_arrow() -> None:
+def test_dots_have_intervals_and_values_beyond_the_axis_an_arrow() -> None:
     found = [
         Dot("town04", "vpf", 0, "d0", 0.5, (0.4, 0.7)),
         Dot("town04", "vpf", 1, "d0", 0.6, None),

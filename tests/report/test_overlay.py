@@ -1,4 +1,4 @@
-"""The overlay: what is drawn lies where geometry says, and the frame that came in stays as it was."""
+"""The overlay: drawn at the right pixels, without changing the input frame."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -76,7 +76,7 @@ def test_the_right_edge_is_drawn_where_it_lies(camera: Camera) -> None:
         assert change[round(y) - 1 : round(y) + 2, round(x) - 1 : round(x) + 2].max() > 100.0
 
 
-def test_flow_bodies_map_and_focus_are_drawn() -> None:
+def test_flow_obstacles_map_and_focus_are_drawn() -> None:
     camera = Camera()
     bare = drawn(camera, plan(camera))
     with_flow = drawn(camera, plan(camera, points=np.array([[100.0, 120.0]])))
@@ -97,19 +97,19 @@ def test_the_total_force_points_up_when_it_pulls_ahead() -> None:
     assert np.abs(above.astype(int) - TOTAL).max() < 40
 
 
-def test_a_body_behind_the_camera_is_not_drawn() -> None:
+def test_an_obstacle_behind_the_camera_is_not_drawn() -> None:
     camera = Camera()
     assert camera.forward_m > 0.5, "m ahead of the pose, where the body stands"
     assert np.array_equal(drawn(camera, plan(camera, bodies=0.5)), drawn(camera, plan(camera)))
 
 
-def test_points_in_the_corners_of_the_picture_are_drawn_as_far_as_they_are_in_it() -> None:
+def test_points_at_the_frames_corners_are_clipped() -> None:
     camera = Camera()
     change = drawn(camera, plan(camera, points=np.array([[0.0, 0.0], [639.0, 479.0]])))
     assert min(change[0, 0], change[479, 639]) > 100.0
 
 
-def test_a_focus_of_expansion_that_is_no_number_is_not_drawn() -> None:
+def test_a_nan_focus_of_expansion_is_not_drawn() -> None:
     camera = Camera()
     made = plan(camera)
     unknown = replace(made.perception.expansion, x_px=float("nan"))

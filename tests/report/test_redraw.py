@@ -119,7 +119,7 @@ class Crashing:
         return Command(0.0, 0.0)
 
 
-def test_a_driver_that_broke_down_is_drawn_to_its_end(monkeypatch: pytest.MonkeyPatch, driven: Path, name: str) -> None:
+def test_a_failed_drivers_episode_is_drawn_to_its_end(monkeypatch: pytest.MonkeyPatch, driven: Path, name: str) -> None:
     scenario = open_run(driven).record(name)["scenario"]
     create = redraw.drivers.create
     monkeypatch.setattr(redraw.drivers, "create", lambda name: Crashing() if name == "crashing" else create(name))
@@ -145,7 +145,7 @@ def test_an_episode_becomes_a_video_at_true_speed(driven: Path, name: str, tmp_p
     assert content.index(b"moov") < content.index(b"mdat")
 
 
-def test_without_overlay_the_camera_is_as_it_was(driven: Path, name: str) -> None:
+def test_without_overlay_the_frame_is_unchanged(driven: Path, name: str) -> None:
     plain, drawn = (redrawing(open_run(driven), name, replan) for replan in (False, True))
     wanted = 12
     pictures = [next(episode_view.frames(each, lambda row: row == wanted))[1] for each in (plain, drawn)]
@@ -156,7 +156,7 @@ def test_without_overlay_the_camera_is_as_it_was(driven: Path, name: str) -> Non
     assert not np.array_equal(left[1], raw)
 
 
-def test_it_lies_in_the_run_folder_by_default(driven: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_default_file_is_in_the_run_folder(driven: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def few(drawn: Redrawing) -> Iterator[tuple[int, Any]]:
         return ((0, np.zeros((720, 960, 3), np.uint8)) for _ in range(1) if drawn)
 
@@ -165,7 +165,9 @@ def test_it_lies_in_the_run_folder_by_default(driven: Path, name: str, monkeypat
     assert (driven / "videos" / f"{name}.mp4").exists()
 
 
-def test_an_incomplete_video_is_removed(driven: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_incomplete_video_is_removed(
+    driven: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def broken(drawn: Redrawing) -> Iterator[tuple[int, Any]]:
         yield 0, np.zeros((720, 960, 3), np.uint8)
         assert list(tmp_path.iterdir()) != [], "a draft"
@@ -176,7 +178,7 @@ def test_an_incomplete_video_is_removed(driven: Path, name: str, tmp_path: Path,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_wrong_use_is_told_in_a_line(run: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_use_is_one_line(run: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
     (run / "steps" / f"{name}.parquet").rename(run / "steps" / "other.parquet")
     cases = (
         (["video", str(run / "gone"), "--id", name], r"gone: expected a run folder, got nothing of that name"),
@@ -210,7 +212,7 @@ def test_top_view_has_the_road_ahead_up_and_right_to_the_right() -> None:
     assert tuple(image[round(row), round(160.0 + 9.0 * scale)]) == top_view.MEADOW
 
 
-def test_the_scene_is_the_worlds(driven: Path, name: str) -> None:
+def test_the_scene_equals_the_environments(driven: Path, name: str) -> None:
     record = open_run(driven).record(name)
     with closing(FourLane(record["scenario"])) as world:
         world.reset(seed=3)

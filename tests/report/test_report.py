@@ -1,4 +1,4 @@
-"""The report: one page that needs nothing else, whose numbers are the summary's."""
+"""The report: one self-contained page with the numbers of the summary."""
 
 import json
 import re
@@ -92,7 +92,7 @@ def rows_of(run: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def test_the_page_is_whole_and_loads_nothing(written: Path) -> None:
+def test_the_page_is_complete_and_loads_nothing(written: Path) -> None:
     html = written.read_text()
     reader = Reader(html)
     assert {tag: reader.tags.count(tag) for tag in ("h1", "video", "script")} == {"h1": 1, "video": 1, "script": 0}
@@ -139,7 +139,7 @@ def test_failures_are_listed_marked_and_have_clips(run: Path, written: Path) -> 
     assert "Note:" not in html, "the clip equals the run, bit by bit"
 
 
-def test_a_run_that_was_stopped_is_told_as_far_as_it_came(run: Path, tmp_path: Path) -> None:
+def test_an_interrupted_run_is_reported_partially(run: Path, tmp_path: Path) -> None:
     for name in ("manifest.json", "timing.jsonl"):
         (tmp_path / name).write_bytes((run / name).read_bytes())
     first = (run / "episodes.jsonl").read_text().splitlines()[0]
@@ -150,7 +150,7 @@ def test_a_run_that_was_stopped_is_told_as_far_as_it_came(run: Path, tmp_path: P
     assert "missing (7)" in html
 
 
-def test_what_a_changed_or_lost_scenario_would_show_is_left_out(run: Path, tmp_path: Path) -> None:
+def test_charts_of_a_changed_or_missing_scenario_are_left_out(run: Path, tmp_path: Path) -> None:
     manifest = json.loads((run / "manifest.json").read_text())
     opened, barred = manifest["plan"]["scenario"]
     gone = str(tmp_path / "gone.toml")
@@ -177,7 +177,7 @@ def test_what_a_changed_or_lost_scenario_would_show_is_left_out(run: Path, tmp_p
     assert "<dd>barred: changed since the run</dd>" in html
 
 
-def test_files_that_are_no_run_are_told_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_that_are_no_run_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").write_text("")
     (tmp_path / "empty").mkdir()
     for name, said in (
@@ -234,7 +234,7 @@ def test_a_driver_without_success_is_scored_in_grey() -> None:
     assert (told.cells[0].text, told.cells[0].grey) == ("0.000", False)
 
 
-def test_intervals_are_read_where_the_summary_has_them() -> None:
+def test_intervals_are_read_from_the_summary() -> None:
     intervals = {"success_rate": [0.478, 1.0], "path_mse_m2": [-0.01, 0.5], "accuracy": None}
     (told,) = cells.groups([row("vpf", "town04", 5, 0.2, intervals=intervals)], ORDER)[0].rows
     assert told.interval == "48 to 100"
@@ -271,7 +271,7 @@ def test_each_kind_of_failure_has_a_clip_before_any_has_two() -> None:
 
 
 @pytest.mark.skipif(chromium.program() is None, reason="no chromium on this machine")
-def test_a_browser_shows_it_and_asks_for_nothing(written: Path, tmp_path: Path) -> None:
+def test_a_browser_shows_the_page_without_requests(written: Path, tmp_path: Path) -> None:
     play = """Promise.all([...document.querySelectorAll("video")].map(async (video) => {
         await video.play();
         await new Promise((done) => setTimeout(done, 300));

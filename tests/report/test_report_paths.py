@@ -1,4 +1,4 @@
-"""Charts of paths: what is drawn of the road, and whose obstacles."""
+"""Charts of paths: the drawn road, and whose obstacles."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The recording for the Rerun viewer: what a drive writes, read back by Rerun's own tool."""
+"""The Rerun recording of a drive, read back by Rerun's own tool."""
 
 import os
 import re
@@ -57,7 +57,7 @@ def test_a_driver_without_a_plan_leaves_frames_and_signals(short: str, tmp_path:
     assert not found & {"/camera/flow", "/scene/ego", "/field"}
 
 
-def test_without_the_sdk_one_line_says_how_to_get_it(
+def test_without_the_sdk_one_line_says_how_to_install_it(
     short: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "rerun", None)

@@ -155,8 +155,8 @@ def offsets(
 def _sides(obstacles: Sequence[StaticObstacle], tracks: Sequence[Track]) -> tuple[float, float]:
     """The range of offsets to show: that of the obstacles and the successful drives."""
     found = [track.table.lane_offset_m for track in tracks if track.succeeded] or [np.zeros(1)]
-    obstacles = [side for obstacle in obstacles for side in obstacle.offset_m]
-    left, right = reach([0.0, *obstacles, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
+    sides = [side for obstacle in obstacles for side in obstacle.offset_m]
+    left, right = reach([0.0, *sides, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
     return max(left, -12.0), min(right, 12.0)
 
 

@@ -1,4 +1,4 @@
-"""A stored drive seen again by perception alone: as in the run, to the last bit; and the command that scores it."""
+"""Open-loop replay of a stored drive: equal to the run bit by bit; and the command that scores it."""
 
 import json
 from contextlib import closing
@@ -73,9 +73,7 @@ def same(first: Any, second: Any) -> bool:
     return callable(first) or bool(first == second)
 
 
-def test_the_driver_that_made_the_run_perceives_what_it_perceived_then(
-    drive: replay.StoredDrive, plans: list[DrivingPlan]
-) -> None:
+def test_the_runs_own_driver_perceives_the_same_again(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
     table, again = drive.steps(), list[Perception]()
     with closing(PosePlayback(drive.record["scenario"], "rain", table, truth=("foe",))) as world:
         replay.perceive_drive(world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen))
@@ -113,7 +111,7 @@ class EachFourth:
     seen: Perception
 
 
-def test_frames_are_drawn_where_perception_looks(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
+def test_only_frames_that_perception_uses_are_rendered(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
     EachFourth.seen = plans[0].perception
     (found,) = replay.evaluate((f"{__name__}:EachFourth",), drive)
     assert EachFourth.shown == [row % 4 == 0 for row in range(len(drive.steps()))]
@@ -150,7 +148,7 @@ def short(drive: replay.StoredDrive, folder: Path, rows: int = 4) -> replay.Stor
     return drive._replace(folder=folder)
 
 
-def test_a_driver_without_perceive_is_judged_by_its_plan(
+def test_a_driver_without_perceive_is_scored_by_its_plan(
     drive: replay.StoredDrive, plans: list[DrivingPlan], tmp_path: Path
 ) -> None:
     Acts.plan = plans[-1]
@@ -165,7 +163,7 @@ def test_a_driver_without_perceive_is_judged_by_its_plan(
         ("Silent", "expected one that shows what it perceives, by `perceive` or `trace`"),
     ],
 )
-def test_a_driver_that_perceives_nothing_is_told_in_a_line(
+def test_a_driver_without_perception_is_refused_in_one_line(
     name: str, sentence: str, drive: replay.StoredDrive, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError) as told:
@@ -226,7 +224,7 @@ def _rules(folder: Path) -> Path:
         (["RUN", "--id", "other"], "unknown drive 'other'"),
     ],
 )
-def test_wrong_use_is_told_in_a_line(
+def test_wrong_use_is_one_line(
     arguments: list[str], sentence: str, run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["perception", *(str(run) if word == "RUN" else word for word in arguments)]) == 2
@@ -251,7 +249,7 @@ def test_the_fixed_set_is_driven_once(
     assert [drive.record["status"] for drive in poses.stored_drives([folder])] == ["success"]
 
 
-def test_a_run_without_steps_and_one_of_another_world_are_refused(run: Path, tmp_path: Path) -> None:
+def test_a_run_without_steps_or_with_changed_scenarios_is_refused(run: Path, tmp_path: Path) -> None:
     text = (run / "manifest.json").read_text()
     (tmp_path / "manifest.json").write_text(text)
     with pytest.raises(InputError, match="expected at least one episode with steps, got none"):

@@ -1,4 +1,4 @@
-"""Reported objects against bodies, on a straight road where every distance is known."""
+"""Detections against true objects, on a straight road with known distances."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -57,7 +57,7 @@ def columns(book: DetectionScorer, road: Any, x: float, reported: Obstacles) -> 
         ((-8.0, 0.0), 0, 0),
     ],
 )
-def test_a_report_is_right_if_its_foot_is_within_a_metre_and_a_half(
+def test_a_detection_is_correct_if_its_foot_is_within_a_metre_and_a_half(
     road: Any, foot: tuple[float, float], right: int, wrong: int
 ) -> None:
     road.objects.append(body(road, 140.0, 0.0))
@@ -75,14 +75,14 @@ def test_the_corridor_turns_with_the_road_and_not_with_the_car(road: Any) -> Non
     )
 
 
-def test_a_wrong_object_is_new_once(road: Any) -> None:
+def test_a_false_positive_is_new_once(road: Any) -> None:
     book = DetectionScorer()
     seen = [columns(book, road, x, detections((20.0, 0.0), identity=i)) for x, i in ((0.0, 7), (1.0, 7), (2.0, 8))]
     assert [found["new_wrong_objects"] for found in seen] == [1, 0, 1]
     assert [found["objects_wrong"] for found in seen] == [1, 1, 1]
 
 
-def test_a_body_is_met_once_with_the_distance_at_which_it_was_first_confirmed(road: Any) -> None:
+def test_an_object_is_met_once_with_its_first_confirmation_distance(road: Any) -> None:
     road.objects += [body(road, 140.0, 0.5), body(road, 140.0, -4.0), body(road, 170.1, 0.0, 0.4, 0.4, "cone")]
     book, met = DetectionScorer(), []
     for x in np.arange(100.0, 180.0, 0.25):
@@ -97,7 +97,7 @@ def test_a_body_is_met_once_with_the_distance_at_which_it_was_first_confirmed(ro
     assert len(met) == 2, "the car at 4 m aside is not in the corridor"
 
 
-def test_a_body_seen_from_the_next_lane_is_confirmed_before_the_ego_turns_to_it(road: Any) -> None:
+def test_an_object_detected_from_the_next_lane_is_confirmed(road: Any) -> None:
     road.objects.append(body(road, 40.0, 4.0))
     book = DetectionScorer()
     far = book.columns(detections((37.5 - 10.0, 4.0)), body(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
@@ -117,7 +117,7 @@ def test_a_body_seen_from_the_next_lane_is_confirmed_before_the_ego_turns_to_it(
         (20.0, -10.9, 1.0, [False, False, False]),  # its middle is 1.7 m beside the first, so it is wrong
     ],
 )
-def test_a_row_that_is_reported_as_one_is_confirmed_as_far_as_its_face_reaches(
+def test_a_row_detected_as_one_is_confirmed_behind_its_face(
     road: Any, face: float, left: float, right: float, known: list[bool]
 ) -> None:
     road.objects += [body(road, 120.0 + 0.2 * i, 3.0 * (i - 1), 0.4, 0.5, "pedestrian") for i in range(3)]
@@ -131,7 +131,7 @@ def test_a_row_that_is_reported_as_one_is_confirmed_as_far_as_its_face_reaches(
     assert met == known
 
 
-def test_two_that_are_met_at_once_come_one_after_the_other(road: Any) -> None:
+def test_two_objects_met_at_once_are_recorded_one_after_the_other(road: Any) -> None:
     road.objects += [body(road, 10.0, 1.5, 0.4, 0.4, "cone"), body(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
     book = DetectionScorer()
     kinds = [columns(book, road, x, detections())["met_kind"] for x in (0.0, 7.6, 7.7, 7.8)]
@@ -139,7 +139,7 @@ def test_two_that_are_met_at_once_come_one_after_the_other(road: Any) -> None:
     assert np.isnan([kinds[0], kinds[3]]).all()
 
 
-def test_nothing_reported_and_nobody_there(road: Any) -> None:
+def test_no_detections_and_no_objects(road: Any) -> None:
     found = columns(DetectionScorer(), road, 10.0, detections())
     assert {key: found[key] for key in NONE} == NONE
     assert np.isnan([found["met_kind"], found["met_confirmed_m"]]).all()
@@ -151,7 +151,7 @@ def table(*rows: dict[str, float]) -> StepTable:
     return StepTable.of([Step(10.0 * k, *[0.0] * 7, np.inf, **row) for k, row in enumerate(rows)])
 
 
-def test_scores_of_objects() -> None:
+def test_detection_metrics() -> None:
     car, cone = float(KINDS.index("car")), float(KINDS.index("cone"))
     scores = perception.objects(
         table(
@@ -171,7 +171,7 @@ def test_scores_of_objects() -> None:
     }
 
 
-def test_a_driver_that_shows_no_plan_has_no_score_of_objects() -> None:
+def test_a_driver_without_a_plan_has_no_detection_metrics() -> None:
     assert perception.objects(table({})) is None
     empty = perception.objects(table({**NONE}))
     assert empty is not None

@@ -1,4 +1,4 @@
-"""Flow and times to contact judged against a wall that a camera drives at: both are known in closed form."""
+"""Errors of flow and time to contact for a camera that drives at a wall, in closed form."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -69,19 +69,19 @@ def test_true_flow_and_true_times_have_no_error(late: int) -> None:
     assert found["ttc_error"] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_errors_are_those_that_were_made() -> None:
+def test_known_errors_are_measured() -> None:
     found = judged(expansion(1) + np.array([30.0, 40.0]), ttc_s=1.25, frames=1)
     assert found["flow_error_px"] == pytest.approx(50.0, abs=0.2), "the best of nine pixels counts"
     assert found["ttc_error"] == pytest.approx(0.25)
 
 
-def test_what_was_followed_for_longer_than_the_truth_reaches_is_left_out() -> None:
+def test_tracks_longer_than_the_known_poses_are_left_out() -> None:
     found = judged(expansion(3), ttc_s=np.inf, frames=3)
     assert np.isnan(found["flow_error_px"])
     assert found["ttc_error"] == 1.0, "nothing was told"
 
 
-def test_medians_over_the_frames_that_were_judged() -> None:
+def test_medians_over_the_scored_frames() -> None:
     nan = np.nan
     assert perception.points(np.array([nan, 0.2, nan, 0.4, 0.3]), np.array([nan] * 5)) == {
         "flow_median_error_px": pytest.approx(0.3),

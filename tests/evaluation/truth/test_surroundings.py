@@ -1,4 +1,4 @@
-"""What the harness measures in the world, on layouts with a closed form."""
+"""Ground truth of the ego's surroundings, on layouts with a closed form."""
 
 from math import cos, inf, pi, sin
 from types import SimpleNamespace
@@ -49,7 +49,7 @@ def test_a_car_from_the_side_hits_only_if_both_are_there_at_the_same_time() -> N
     assert surroundings.contact_s(ego, body(20.0, -60.0, pi / 2.0, speed=5.0)) == inf
 
 
-def test_a_turned_body_is_met_at_its_corner() -> None:
+def test_a_rotated_object_is_touched_at_its_corner() -> None:
     """A square of 2 m on its point: the corner is sqrt 2 m from its centre, and from there its side recedes."""
     ego = body(0.0, 0.0, speed=5.0)
     for right, met_m in ((0.0, 20.0 - 2.0**0.5), (1.5, 20.0 - 2.0**0.5 + 0.5), (2.0**0.5 + 0.99, 20.0 - 0.01)):
@@ -58,7 +58,7 @@ def test_a_turned_body_is_met_at_its_corner() -> None:
     assert surroundings.contact_s(ego, body(20.0, 2.0**0.5 + 1.01, pi / 4.0, length=2.0)) == inf
 
 
-def test_the_time_to_collision_counts_whom_nuplan_counts() -> None:
+def test_the_time_to_collision_counts_the_objects_of_nuplan() -> None:
     ego = body(0.0, 0.0, speed=5.0)
     ahead, behind = body(24.0, 0.0), body(-24.0, 0.0, speed=9.0)
     beside = body(10.0, -10.0, pi / 2.0, speed=5.0)  # 41 degrees off the heading, seen from 1.35 m behind
@@ -97,7 +97,7 @@ def bend() -> Any:
     return Carriageway(Road.model_validate({"segments": [{"kind": "arc", "length_m": 100.0, "radius_m": 100.0}]}))
 
 
-def test_edges_as_seen_are_the_true_ones_where_perception_is_right(bend: Any) -> None:
+def test_perceived_edges_equal_the_true_ones_for_exact_perception(bend: Any) -> None:
     """A point 10 m ahead in a bend of R 100 m: to second order both say the same, 3 mm apart."""
     s, lateral, yaw_error = 30.0, 1.5, 0.05
     position = np.array(bend.centre.position_at(s, lateral))

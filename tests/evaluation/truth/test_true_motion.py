@@ -66,7 +66,7 @@ def test_a_leader_that_keeps_its_distance_does_not_move() -> None:
     assert motion.errors_px(np.array([[600.0, 400.0]]), still, np.array([1]), wall(10.0, -1))[0] > 5.0
 
 
-def test_a_carried_point_keeps_its_place_on_the_body() -> None:
+def test_a_moved_point_keeps_its_position_on_the_object() -> None:
     now, then = np.array([5.0, 2.0, 0.4]), np.array([1.0, -3.0, -0.2])
     back = moved_points(moved_points(np.array([[6.0, 3.0, 1.2]]), now, then), then, now)
     assert back == pytest.approx(np.array([[6.0, 3.0, 1.2]]))

@@ -1,4 +1,4 @@
-"""The scorer of perception, by flows and maps that are made up."""
+"""The tracking scorer on synthetic flows and maps."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def test_an_unknown_focus_is_not_scored() -> None:
     assert scorer.foe_error_px(found(1.0), np.array([np.nan, np.nan])) == []
 
 
-def test_a_cluster_is_false_with_nothing_near_that_stands_up() -> None:
+def test_a_cluster_without_a_near_object_is_false() -> None:
     points = np.array([[100.0, 100.0], [108.0, 100.0], [300.0, 300.0], [308.0, 300.0], [500.0, 400.0], [20.0, 20.0]])
     marked = np.array([True, True, True, True, True, False])
     plane = np.zeros((60, 80))
@@ -58,12 +58,12 @@ def test_a_cluster_is_false_with_nothing_near_that_stands_up() -> None:
     assert scorer.false_clusters(seen, flow_at(points), stands) == 0
 
 
-def test_nothing_judged_is_no_number() -> None:
+def test_a_score_without_samples_is_nan() -> None:
     score = scorer.TrackingScorer(Camera(), 60.0, 0).score()
     assert np.isnan([score.off, score.foe_px, score.ttc_error, score.hidden, score.survive_6]).all()
 
 
-def test_the_rim_of_what_is_hidden_is_not_in_sight() -> None:
+def test_the_rim_of_a_hidden_region_is_not_visible() -> None:
     hidden = np.zeros((40, 60), np.bool_)
     hidden[20, 30] = True
     sight = scorer.in_sight(hidden)
