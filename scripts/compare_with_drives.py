@@ -1,9 +1,9 @@
-"""Statistics of the recorded drives beside those of frames rendered with their cameras, rates and speeds.
+"""Compare frame statistics of recorded drives with rendered frames of the same camera, rate and speed.
 
 python scripts/compare_with_drives.py [--drives DIR] [--only NAME ...] [--out DIR] [--json FILE] [--seeds 0 1 2]
 
-Rendered numbers are means over the seeds. A ratio (rendered / real) outside 1/2 .. 2 is marked with a star. With --out,
-pictures side by side: real left, rendered right.
+Rendered values are means over the seeds. A ratio (rendered / real) outside 1/2 .. 2 is marked with a star. --out writes
+images side by side: real left, rendered right.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from vpf_sim.replay import readers
 from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Image
 
-LOOKS = 16  # frames of a drive that are looked at, about
+SAMPLES = 16  # sampled frames of a drive, about
 LARGEST_RATIO = 2.0
 
 
@@ -50,12 +50,12 @@ def compare(name: str, recording: Recording, seeds: list[int], out: Path | None)
 
 
 def statistics(images: list[Image]) -> FrameStatistics:
-    """Of frames in their order, looked at in about LOOKS places."""
-    return measure([scaled_grey(image) for image in images], every=max(1, len(images) // LOOKS))
+    """The statistics of consecutive frames, sampled about SAMPLES times."""
+    return measure([scaled_grey(image) for image in images], every=max(1, len(images) // SAMPLES))
 
 
 def save(out: Path, name: str, real: list[Image], rendered: list[Image]) -> None:
-    """Three pairs of pictures, real left, rendered right."""
+    """Write three pairs of images, real left, rendered right."""
     out.mkdir(parents=True, exist_ok=True)
     for k in (0, len(real) // 2, len(real) - 1):
         pair = np.hstack([real[k], rendered[k]])
@@ -72,7 +72,7 @@ def main() -> None:
     shared = os.environ.get("VPF_SIM_SHARED", "../shared")
     parser.add_argument("--drives", type=Path, default=Path(shared) / "drives", help="folder of the drives")
     parser.add_argument("--only", nargs="*", choices=list(reference_streets.STREETS), help="drives; all by default")
-    parser.add_argument("--out", type=Path, help="folder for pictures side by side")
+    parser.add_argument("--out", type=Path, help="folder for images side by side")
     parser.add_argument("--json", type=Path, help="also write the table to this file")
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     arguments = parser.parse_args()
