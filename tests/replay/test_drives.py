@@ -43,7 +43,9 @@ def test_a_street_is_laid_out_from_where_the_drive_starts(name: str) -> None:
     street = reference_streets.STREETS[name]
     scenario = street.scenario()
     assert name in KNOWN
-    assert [body.s_m - reference_streets.START_M for body in scenario.bodies] == [body["s_m"] for body in street.bodies]
+    assert [body.s_m - reference_streets.START_M for body in scenario.bodies] == [
+        body["s_m"] for body in street.objects
+    ]
     drive = street.drive(Camera(), 10.0, 5.0)
     assert drive.path.offset_m(0.0) == scenario.road.lane_offset_m(street.lane)
 

@@ -87,7 +87,7 @@ def test_a_pose_has_its_objects_at_their_positions(pose: Pose) -> None:
     assert (s_m, lateral_m) == pytest.approx((pose.s_m, drive.scenario.road.lane_offset_m(pose.lane)), abs=0.02)
     assert np.cos(last.pose[2] - centre.heading_at(pose.s_m)) > 1.0 - 1e-6
     places = [centre.local_at(*body.position) for body in last.renderer.bodies]
-    for body in pose.bodies:
+    for body in pose.objects:
         wanted = (body.s_m, drive.scenario.road.lane_offset_m(body.lane) + body.lateral_m)
         assert (
             min(hypot(s - wanted[0], lateral - wanted[1]) for s, lateral in places) < 0.5
@@ -96,7 +96,7 @@ def test_a_pose_has_its_objects_at_their_positions(pose: Pose) -> None:
 
 def test_no_object_blocks_a_pose() -> None:
     for pose in POSES:
-        for body in pose.bodies:
+        for body in pose.objects:
             assert body.lane != pose.lane or body.s_m - pose.s_m > 10.0
 
 

@@ -20,7 +20,7 @@ class Street:
     lanes: int
     lane: int  # of the camera, counted from the right
     weather: str
-    bodies: tuple[dict[str, Any], ...]
+    objects: tuple[dict[str, Any], ...]
     changes: dict[str, float] = field(default_factory=dict)  # to the weather's factors
     lane_width_m: float = 3.5
     blur_px: float = 0.0  # of the recording, estimated from the edges of its markings
@@ -37,7 +37,7 @@ class Street:
                     "segments": [{"kind": "line", "length_m": LENGTH_M}],
                 },
                 "goal": {"s_m": LENGTH_M - 10.0},
-                "bodies": [{**body, "s_m": START_M + body["s_m"]} for body in self.bodies],
+                "bodies": [{**street_object, "s_m": START_M + street_object["s_m"]} for street_object in self.objects],
             }
         )
 
@@ -54,7 +54,7 @@ class Street:
         return ScriptedDrive(scenario, Path(START_M, speed_mps, lambda _: offset_m), rig, rate_hz)
 
 
-def body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> dict[str, Any]:
+def street_object(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> dict[str, Any]:
     """One obstacle or vehicle of a street."""
     return {"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps}
 
@@ -65,11 +65,11 @@ STREETS = {
         lanes=3,
         lane=2,
         weather="ClearNoon",
-        bodies=(
-            *(body("car", s, 1, 0.4) for s in (16.0, 30.0, 37.0, 52.0, 66.0, 73.0, 88.0)),
-            *(body("car", s, 3, -0.4) for s in (24.0, 45.0, 58.0, 80.0)),
-            body("van", 44.0, 1, 0.4),
-            body("pedestrian", 28.0, 1, 1.2),
+        objects=(
+            *(street_object("car", s, 1, 0.4) for s in (16.0, 30.0, 37.0, 52.0, 66.0, 73.0, 88.0)),
+            *(street_object("car", s, 3, -0.4) for s in (24.0, 45.0, 58.0, 80.0)),
+            street_object("van", 44.0, 1, 0.4),
+            street_object("pedestrian", 28.0, 1, 1.2),
         ),
     ),
     # A queue before a traffic light: a lead car, trucks on both sides.
@@ -77,15 +77,15 @@ STREETS = {
         lanes=4,
         lane=2,
         weather="ClearNoon",
-        bodies=(
-            body("car", 12.5, 2, speed_mps=1.0),
-            body("truck", 14.0, 1),
-            body("truck", 20.0, 3),
-            body("car", 5.0, 3, -0.5),
-            body("car", 26.0, 2),
-            body("car", 24.0, 1),
-            body("van", 35.0, 2),
-            body("car", 32.0, 3),
+        objects=(
+            street_object("car", 12.5, 2, speed_mps=1.0),
+            street_object("truck", 14.0, 1),
+            street_object("truck", 20.0, 3),
+            street_object("car", 5.0, 3, -0.5),
+            street_object("car", 26.0, 2),
+            street_object("car", 24.0, 1),
+            street_object("van", 35.0, 2),
+            street_object("car", 32.0, 3),
         ),
     ),
     "carnd_highway": Street(
@@ -95,13 +95,13 @@ STREETS = {
         lane_width_m=3.66,
         blur_px=1.0,
         noise_sd=0.5,
-        bodies=(
-            body("van", 28.0, 3, speed_mps=25.3),
-            body("car", 70.0, 2, speed_mps=25.3),
-            body("van", 60.0, 3, speed_mps=25.3),
-            body("car", 80.0, 3, speed_mps=25.3),
-            body("car", 120.0, 1, speed_mps=25.3),
-            body("truck", 160.0, 2, speed_mps=25.3),
+        objects=(
+            street_object("van", 28.0, 3, speed_mps=25.3),
+            street_object("car", 70.0, 2, speed_mps=25.3),
+            street_object("van", 60.0, 3, speed_mps=25.3),
+            street_object("car", 80.0, 3, speed_mps=25.3),
+            street_object("car", 120.0, 1, speed_mps=25.3),
+            street_object("truck", 160.0, 2, speed_mps=25.3),
         ),
     ),
     "radiate_fog": Street(
@@ -117,6 +117,6 @@ STREETS = {
             "droplets": 40.0,
             "cloudiness": 100.0,
         },
-        bodies=(body("car", 45.0, 2), body("car", 70.0, 2)),
+        objects=(street_object("car", 45.0, 2), street_object("car", 70.0, 2)),
     ),
 }
