@@ -86,20 +86,20 @@ def test_obstacles_are_drawn_at_their_true_positions(scenario: str, seed: int) -
     layout = layouts(scenario, [seed])[seed]
     with closing(FourLane(scenario)) as world:
         world.reset(seed=seed)
-        obstacles = [body for body in solid_bodies(world.ego) if body.speed == 0.0]
+        obstacles = [obj for obj in solid_bodies(world.ego) if obj.speed == 0.0]
         assert len(layout.static_obstacles) == len(obstacles)
         assert layout.route.length_m == world.route_length_m
-        for body, drawn in zip(obstacles, layout.static_obstacles, strict=True):
-            assert drawn.centre_m == pytest.approx(tuple(body.position))
-            assert np.ptp(drawn.route_m) == pytest.approx(body.LENGTH)
-            assert np.ptp(drawn.offset_m) == pytest.approx(body.WIDTH)
+        for obj, drawn in zip(obstacles, layout.static_obstacles, strict=True):
+            assert drawn.centre_m == pytest.approx(tuple(obj.position))
+            assert np.ptp(drawn.route_m) == pytest.approx(obj.LENGTH)
+            assert np.ptp(drawn.offset_m) == pytest.approx(obj.WIDTH)
             sides = np.hypot(*(drawn.corners_m - np.roll(drawn.corners_m, 1, axis=0)).T)
-            assert sorted(sides) == pytest.approx(sorted([body.LENGTH, body.LENGTH, body.WIDTH, body.WIDTH]))
+            assert sorted(sides) == pytest.approx(sorted([obj.LENGTH, obj.LENGTH, obj.WIDTH, obj.WIDTH]))
 
 
 def test_zooms_show_each_row_of_obstacles_in_driving_order() -> None:
     layout = layouts("town04", [1000])[1000]
-    met = [body.s_m for body in layout.static_obstacles]
+    met = [obj.s_m for obj in layout.static_obstacles]
     assert [s_m for s_m, _ in paths.zooms([layout])] == pytest.approx(sorted(met))
     empty = layouts("town04-clean", [1000])[1000]
     assert [what for _, what in paths.zooms([empty])] == ["the start", "the middle of the route"]

@@ -86,9 +86,9 @@ def test_a_pose_has_its_objects_at_their_positions(pose: Pose) -> None:
     s_m, lateral_m = centre.local_at(*last.pose[:2])
     assert (s_m, lateral_m) == pytest.approx((pose.s_m, drive.scenario.road.lane_offset_m(pose.lane)), abs=0.02)
     assert np.cos(last.pose[2] - centre.heading_at(pose.s_m)) > 1.0 - 1e-6
-    places = [centre.local_at(*body.position) for body in last.renderer.bodies]
-    for body in pose.objects:
-        wanted = (body.s_m, drive.scenario.road.lane_offset_m(body.lane) + body.lateral_m)
+    places = [centre.local_at(*obj.position) for obj in last.renderer.bodies]
+    for obj in pose.objects:
+        wanted = (obj.s_m, drive.scenario.road.lane_offset_m(obj.lane) + obj.lateral_m)
         assert (
             min(hypot(s - wanted[0], lateral - wanted[1]) for s, lateral in places) < 0.5
         )  # in a bend it takes the inside
@@ -96,8 +96,8 @@ def test_a_pose_has_its_objects_at_their_positions(pose: Pose) -> None:
 
 def test_no_object_blocks_a_pose() -> None:
     for pose in POSES:
-        for body in pose.objects:
-            assert body.lane != pose.lane or body.s_m - pose.s_m > 10.0
+        for obj in pose.objects:
+            assert obj.lane != pose.lane or obj.s_m - pose.s_m > 10.0
 
 
 def test_one_pose_faces_the_sun_of_every_preset() -> None:
@@ -109,7 +109,7 @@ def test_one_pose_faces_the_sun_of_every_preset() -> None:
 
 def test_the_videos_drive_passes_the_parked_car_without_touching_it() -> None:
     drive = video_drive(30.0)
-    parked = min((body for body in drive.scenario.bodies if body.speed_mps == 0.0), key=lambda body: body.s_m)
+    parked = min((obj for obj in drive.scenario.bodies if obj.speed_mps == 0.0), key=lambda obj: obj.s_m)
     lane_m = drive.scenario.road.lane_offset_m(parked.lane)
     for s_m in np.arange(parked.s_m - 5.0, parked.s_m + 5.0, 0.5):
         gap_m = drive.path.offset_m(s_m) - (lane_m + parked.lateral_m) - (1.9 + 2.0) / 2.0

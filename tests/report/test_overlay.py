@@ -27,7 +27,7 @@ from vpf_sim.types import (
 GREY = 90
 
 
-def plan(camera: Camera, points: Floats | None = None, bodies: float | None = None, plane: float = 0.0) -> Plan:
+def plan(camera: Camera, points: Floats | None = None, ahead_m: float | None = None, plane: float = 0.0) -> Plan:
     """A plan on a straight road, edges 5.25 m right and 8.75 m left."""
     points = np.empty((0, 2)) if points is None else points
     count = len(points)
@@ -35,8 +35,8 @@ def plan(camera: Camera, points: Floats | None = None, bodies: float | None = No
         points, np.full((count, 2), 6.0), np.full(count, 0.1), np.tile([-0.55, 0.0, 0.0], (count, 1)), np.zeros(3),
         np.arange(count), points, np.zeros((count, 3)), np.ones(count, np.int64), np.zeros((count, 2, 2)),
     )  # fmt: skip
-    places = [] if bodies is None else [bodies]
-    body = Obstacles(
+    places = [] if ahead_m is None else [ahead_m]
+    obstacles = Obstacles(
         np.array(places), np.array([-1.0] * len(places)), np.array([1.0] * len(places)), np.array([0.2] * len(places)),
         np.array([np.inf] * len(places)), np.arange(len(places)),
     )  # fmt: skip
@@ -45,7 +45,7 @@ def plan(camera: Camera, points: Floats | None = None, bodies: float | None = No
     road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 0.95, 0.0, 3.5)
     obstacle_map = ObstacleMap(np.zeros(count, np.bool_), grid, np.zeros((2, *grid.shape)), 8)
     salience = Salience(obstacle_map, np.full(count, 1.0))
-    perception = Perception(flow, expansion, lambda: salience, body, road, flow.pose)
+    perception = Perception(flow, expansion, lambda: salience, obstacles, road, flow.pose)
     none = np.zeros(2)
     force = Force(np.array([1.0, 0.0]), none, none, np.array([1.0, 0.0]))
     return Plan(perception, force, Reference(0.2, 5.5), {"lane": SimpleNamespace(y_m=0.0)})
@@ -83,8 +83,8 @@ def test_flow_obstacles_map_and_focus_are_drawn() -> None:
     assert with_flow[120, 100] > 100.0
     assert bare[120, 100] == 0.0
     foot = project(camera, np.array([10.0, -1.0, 0.0]))
-    with_body = drawn(camera, plan(camera, bodies=10.0))
-    assert with_body[round(foot[1]), round(foot[0])] > bare[round(foot[1]), round(foot[0])] + 50.0
+    with_obstacle = drawn(camera, plan(camera, ahead_m=10.0))
+    assert with_obstacle[round(foot[1]), round(foot[0])] > bare[round(foot[1]), round(foot[0])] + 50.0
     tinted = drawn(camera, plan(camera, plane=1.0))
     assert tinted[150, 50] > 20.0
     assert bare[round(camera.cy_px), round(camera.cx_px) + 11] > 100.0
@@ -99,8 +99,8 @@ def test_the_total_force_points_up_when_it_pulls_ahead() -> None:
 
 def test_an_obstacle_behind_the_camera_is_not_drawn() -> None:
     camera = Camera()
-    assert camera.forward_m > 0.5, "m ahead of the pose, where the body stands"
-    assert np.array_equal(drawn(camera, plan(camera, bodies=0.5)), drawn(camera, plan(camera)))
+    assert camera.forward_m > 0.5, "m ahead of the pose, where the obstacle is"
+    assert np.array_equal(drawn(camera, plan(camera, ahead_m=0.5)), drawn(camera, plan(camera)))
 
 
 def test_points_at_the_frames_corners_are_clipped() -> None:

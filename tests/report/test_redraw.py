@@ -201,9 +201,9 @@ def test_top_view_has_the_road_ahead_up_and_right_to_the_right() -> None:
     along = np.arange(-50.0, 150.0, 2.0)
     lines = tuple(np.column_stack([np.full_like(along, -right), along]) for right in (-7.0, 7.0))
     scene = Scene(lines, lines[0], (0.0, 500.0))
-    bodies = (Rectangle(-4.0, 30.0, np.pi / 2.0, 5.0, 2.0, "car"),)
+    objects = (Rectangle(-4.0, 30.0, np.pi / 2.0, 5.0, 2.0, "car"),)
     pose = np.array([0.0, 0.0, np.pi / 2.0])
-    image = top_view.draw(scene, bodies, np.zeros((1, 2)), pose, None, 320, 480)
+    image = top_view.draw(scene, objects, np.zeros((1, 2)), pose, None, 320, 480)
     scale = 480.0 / (top_view.AHEAD_M + top_view.BEHIND_M)
     row, column = (top_view.AHEAD_M - 30.0) * scale, 160.0 + 4.0 * scale
     assert tuple(image[round(row), round(column)]) == top_view.OBJECT

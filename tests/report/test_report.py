@@ -99,9 +99,9 @@ def test_the_page_is_complete_and_loads_nothing(written: Path) -> None:
     assert all(link.startswith(("#", "data:")) for link in reader.links)
     anchors = {link for link in reader.links if link.startswith("#")}
     assert anchors == {f"#{name}" for name in re.findall(r'<section id="(\w+)">', html)} - {"#paper"}
-    told = re.sub(r'"data:[^"]*"', "", html)
+    shown = re.sub(r'"data:[^"]*"', "", html)
     for loading in ("http:", "https:", "//", "url(", "@import", "srcset"):
-        assert loading not in told, loading
+        assert loading not in shown, loading
 
 
 def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
@@ -130,8 +130,8 @@ def test_failures_are_listed_marked_and_have_clips(run: Path, written: Path) -> 
         cell, _, seed = name.rpartition(".")
         file, weather, driver = cell.split(".")
         scenario = file.rpartition("-")[0]
-        told = rf'<th scope="row">{scenario}, {weather}, {driver}</th><td[^>]*>2 × collision with a barrier</td>'
-        assert re.search(rf"{told}<td[^>]*>3, 4</td>", html), name
+        shown = rf'<th scope="row">{scenario}, {weather}, {driver}</th><td[^>]*>2 × collision with a barrier</td>'
+        assert re.search(rf"{shown}<td[^>]*>3, 4</td>", html), name
         assert seed in ("3", "4")
         assert f'title="{name}: collision with a barrier' in html
     (video,) = re.findall(r'<video [^>]*src="(data:video/mp4;base64,[^"]{1000,})"', html)
@@ -227,19 +227,19 @@ def test_the_answer_has_successes_and_the_papers_mse() -> None:
 
 def test_a_driver_without_success_is_scored_in_grey() -> None:
     (group,) = cells.groups([row("vpf", "town04", 0)], ORDER)
-    (told,) = group.rows
-    assert (told.successes, told.endings) == (0, "4 collision, 1 not driven")
-    assert (told.cells[0].text, told.cells[0].grey) == ("9.000", True)
-    (told,) = cells.groups([row("vpf", "town04", 5, -0.0)], ORDER)[0].rows
-    assert (told.cells[0].text, told.cells[0].grey) == ("0.000", False)
+    (shown,) = group.rows
+    assert (shown.successes, shown.endings) == (0, "4 collision, 1 not driven")
+    assert (shown.cells[0].text, shown.cells[0].grey) == ("9.000", True)
+    (shown,) = cells.groups([row("vpf", "town04", 5, -0.0)], ORDER)[0].rows
+    assert (shown.cells[0].text, shown.cells[0].grey) == ("0.000", False)
 
 
 def test_intervals_are_read_from_the_summary() -> None:
     intervals = {"success_rate": [0.478, 1.0], "path_mse_m2": [-0.01, 0.5], "accuracy": None}
-    (told,) = cells.groups([row("vpf", "town04", 5, 0.2, intervals=intervals)], ORDER)[0].rows
-    assert told.interval == "48 to 100"
-    assert told.cells[0].interval == "−0.010 to 0.500"
-    assert told.cells[1].interval == ""
+    (shown,) = cells.groups([row("vpf", "town04", 5, 0.2, intervals=intervals)], ORDER)[0].rows
+    assert shown.interval == "48 to 100"
+    assert shown.cells[0].interval == "−0.010 to 0.500"
+    assert shown.cells[1].interval == ""
 
 
 def test_each_kind_of_failure_has_a_clip_before_any_has_two() -> None:

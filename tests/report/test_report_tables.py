@@ -74,14 +74,14 @@ def test_the_needed_seeds_are_listed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("difference", "told"),
+    ("difference", "shown"),
     [(0.0, "0.000"), (-0.53, "−0.530"), (0.00012, "+0.0001"), (-4e-6, "−0.000004"), (1e-12, "0.000")],
 )
-def test_a_small_difference_is_not_rounded_to_zero(difference: float, told: str) -> None:
+def test_a_small_difference_is_not_rounded_to_zero(difference: float, shown: str) -> None:
     score = {"difference": difference, "interval": [difference, difference], "p": 0.5, "pairs": 3}
     one = {"of": "weather", "scenario": "town04", "weather": "rain", "minus": "clear", "driver": "vpf"}
     (line,) = words(tables.comparisons([{**one, "path_mse_m2": score}], "weather", ORDER))
-    assert line[4] == told
+    assert line[4] == shown
 
 
 def failed(seed: int, status: str = "collision", driver: str = "vpf", way: float = 0.5, **more: Any) -> dict[str, Any]:
@@ -121,7 +121,7 @@ def test_consecutive_seeds_are_ranges() -> None:
 def test_the_success_map_has_each_planned_seed_in_blocks_of_ten() -> None:
     jobs = [Job("town04", "clear", "vpf", seed) for seed in range(995, 1018)]
     records = {job.id: failed(job.seed, "success") for job in jobs[:20]}
-    (told,) = success_map.rows(jobs, records, ORDER)
-    assert [(block[0][0], len(block)) for block in told.blocks] == [(995, 10), (1005, 10), (1015, 3)]
-    assert [status for _, status, _ in told.marks] == 20 * ["success"] + 3 * ["missing"]
+    (shown,) = success_map.rows(jobs, records, ORDER)
+    assert [(block[0][0], len(block)) for block in shown.blocks] == [(995, 10), (1005, 10), (1015, 3)]
+    assert [status for _, status, _ in shown.marks] == 20 * ["success"] + 3 * ["missing"]
     assert success_map.signs(jobs, records) == [("success", "✓", 20), ("missing", "·", 3)]

@@ -34,8 +34,8 @@ def perceived(path: Path, of_drives: dict[int, dict[str, Any]], row: dict[str, A
         {"drive": Job("town04", "clear", "pid", seed).id, "seed": seed, "bodies": [], **names, **GOOD, **figures}
         for seed, figures in of_drives.items()
     ]
-    told = [{"states_sha256": f"states {one['seed']}", **one} for one in records]
-    tables.write(path / tables.NAME, {"records": told, "rows": [{**names, **GOOD, **row}]})
+    stored = [{"states_sha256": f"states {one['seed']}", **one} for one in records]
+    tables.write(path / tables.NAME, {"records": stored, "rows": [{**names, **GOOD, **row}]})
     return path
 
 
@@ -123,13 +123,13 @@ def test_other_bounds_of_the_rule_apply_to_the_driver_of_the_run(tmp_path: Path)
     ("change", "sentence"),
     [
         (lambda _: [], "expected a JSON object, got something else"),
-        (lambda told: {**told, "rows": 3}, "rows: expected a valid list, got 3"),
-        (lambda told: {key: told[key] for key in ("rows", "schema")}, "key 'records' is missing"),
+        (lambda stored: {**stored, "rows": 3}, "rows: expected a valid list, got 3"),
+        (lambda stored: {key: stored[key] for key in ("rows", "schema")}, "key 'records' is missing"),
     ],
 )
 def test_an_invalid_table_is_reported_by_file_and_key(change: Any, sentence: str, tmp_path: Path) -> None:
     file = perceived(tmp_path / "run", {0: {}}, {}) / tables.NAME
     file.write_text(json.dumps(change(json.loads(file.read_text()))))
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as stored:
         tables.read(tmp_path / "run")
-    assert str(told.value) == f"{file}: {sentence}"
+    assert str(stored.value) == f"{file}: {sentence}"

@@ -59,9 +59,9 @@ def drive(run: Path) -> replay.StoredDrive:
 
 
 @pytest.fixture(scope="module")
-def judged(drive: replay.StoredDrive) -> DriveEvaluation:
-    (judged,) = replay.evaluate(("vpf",), drive)
-    return judged
+def evaluation(drive: replay.StoredDrive) -> DriveEvaluation:
+    (evaluation,) = replay.evaluate(("vpf",), drive)
+    return evaluation
 
 
 def same(first: Any, second: Any) -> bool:
@@ -82,10 +82,12 @@ def test_the_runs_own_driver_perceives_the_same_again(drive: replay.StoredDrive,
     assert world.largest_correction_m == 0.0
 
 
-def test_it_is_scored_as_in_the_run(drive: replay.StoredDrive, judged: DriveEvaluation) -> None:
+def test_it_is_scored_as_in_the_run(drive: replay.StoredDrive, evaluation: DriveEvaluation) -> None:
     for name in SCORED_COLUMNS:
-        assert np.array_equal(getattr(judged.table, name)[:-1], getattr(drive.steps(), name)[:-1], equal_nan=True), name
-    assert judged.remarks == ()
+        assert np.array_equal(
+            getattr(evaluation.table, name)[:-1], getattr(drive.steps(), name)[:-1], equal_nan=True
+        ), name
+    assert evaluation.remarks == ()
 
 
 class EachFourth:
@@ -180,10 +182,14 @@ def test_a_deviating_car_is_moved_to_the_stored_pose(drive: replay.StoredDrive, 
 
 
 def test_the_command_scores_stores_and_compares(
-    run: Path, drive: replay.StoredDrive, judged: DriveEvaluation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    run: Path,
+    drive: replay.StoredDrive,
+    evaluation: DriveEvaluation,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     before, out = tmp_path / "before.json", tmp_path / "new" / "table.json"
-    store.write(before, scores.table([judged]))
+    store.write(before, scores.table([evaluation]))
     command = ["perception", str(run), "--workers", "1", "--against", str(before), "--out", str(out), "--json"]
     assert cli.run(command) == 0
     said = capsys.readouterr()
@@ -215,7 +221,7 @@ def _rules(folder: Path) -> Path:
     ("arguments", "sentence"),
     [
         (["gone"], "gone: expected a run folder, got nothing of that name"),
-        (["RUN", "--driver", "pid"], "driver 'pid': expected one that perceives, got one that looks at no frame"),
+        (["RUN", "--driver", "pid"], "driver 'pid': expected one that perceives, got one that uses no frames"),
         (["RUN", "--driver", "vfp"], "unknown driver 'vfp': did you mean 'vpf'?"),
         (
             ["RUN", "--against", "gone.json"],
@@ -244,7 +250,7 @@ def test_the_fixed_set_is_driven_once(
         assert cli.run(["perception", "--id", "other", "--workers", "1"]) == 2
         lines.append(capsys.readouterr().err.splitlines())
     (folder,) = (tmp_path / "runs").iterdir()
-    assert lines[0][0] == f"driving the 1 drives whose poses are used, once: runs/{folder.name}"
+    assert lines[0][0] == f"driving the 1 drives of the fixed set once: runs/{folder.name}"
     assert lines[1] == lines[0][-1:], "the second time nothing is driven"
     assert [drive.record["status"] for drive in poses.stored_drives([folder])] == ["success"]
 

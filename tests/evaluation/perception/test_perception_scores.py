@@ -35,7 +35,7 @@ def test_known_errors_are_measured() -> None:
     def see(x_m: float, seconds: float) -> Seen:
         wrong = [
             replace(one, forward_m=one.forward_m + 0.3, left_m=one.left_m - 0.2, right_m=one.right_m - 0.1)
-            for one in perfect(BODIES)(x_m, seconds).told
+            for one in perfect(BODIES)(x_m, seconds).detections
         ]
         told = [replace(one, speed_mps=one.speed_mps - 0.5) if one.speed_mps else one for one in wrong]
         return Seen(told, left_m=0.05, right_m=-0.05, lane_m=0.02, foe_px=(3.0, -4.0))
@@ -56,7 +56,7 @@ def test_the_speed_of_a_static_object_detected_as_static_is_not_scored() -> None
     assert scores.metrics([drive(still, perfect(still))])["speed_error_mps"] is None
 
     def drives(x_m: float, seconds: float) -> Seen:
-        return Seen([replace(one, speed_mps=2.0) for one in perfect(still)(x_m, seconds).told])
+        return Seen([replace(one, speed_mps=2.0) for one in perfect(still)(x_m, seconds).detections])
 
     assert scores.metrics([drive(still, drives)])["speed_error_mps"]["bias"] == 2.0
 
@@ -158,7 +158,7 @@ def test_the_true_extent_of_an_object_is_its_end_towards_the_ego(turned_rad: flo
 
 def test_the_tables_fit_a_page(capsys: pytest.CaptureFixture[str]) -> None:
     def see(x_m: float, seconds: float) -> Seen:
-        told = perfect(BODIES)(x_m, seconds).told
+        told = perfect(BODIES)(x_m, seconds).detections
         return Seen([replace(one, forward_m=one.forward_m + 0.1 * seconds) for one in told], lane_m=0.01 * seconds)
 
     drives = [
@@ -185,7 +185,7 @@ def test_two_drivers_are_compared_on_the_same_drives_and_objects() -> None:
     def off(error_m: float, sight_m: float) -> Any:
         def see(x_m: float, seconds: float) -> Seen:
             seen = perfect(bodies, sight_m)(x_m, seconds)
-            return Seen([replace(one, forward_m=one.forward_m + error_m) for one in seen.told])
+            return Seen([replace(one, forward_m=one.forward_m + error_m) for one in seen.detections])
 
         return see
 

@@ -191,4 +191,4 @@ def test_no_scheduler_is_one_line(
 
 def test_workers_and_cluster_together_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     said = refused(["--cluster", "tcp://127.0.0.1:1", "--workers", "2"], tmp_path, capsys)
-    assert said == "vpf-sim: --workers: the cluster's workers drive, expected --workers or --cluster, got both"
+    assert said == "vpf-sim: --workers: expected --workers or --cluster, got both; the cluster has its own workers"

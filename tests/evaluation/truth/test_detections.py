@@ -26,7 +26,7 @@ def road() -> Any:
     return SimpleNamespace(network=Carriageway(straight), vehicles=[], objects=[])
 
 
-def body(road: Any, x: float, y: float, length: float = 5.0, width: float = 2.0, kind: str = "car") -> Any:
+def box(road: Any, x: float, y: float, length: float = 5.0, width: float = 2.0, kind: str = "car") -> Any:
     return Thing(position=np.array([x, y]), heading=0.0, LENGTH=length, WIDTH=width, place=(x, y), kind=kind, road=road)
 
 
@@ -37,8 +37,8 @@ def detections(*feet: tuple[float, float], identity: int = 1) -> Obstacles:
     return Obstacles(forward, right - 1.0, right + 1.0, some, some, np.arange(identity, identity + len(feet)))
 
 
-def columns(book: DetectionScorer, road: Any, x: float, reported: Obstacles) -> dict[str, float]:
-    return book.columns(reported, body(road, x, 0.0, LENGTH_M, 1.9), road.network)
+def columns(scorer: DetectionScorer, road: Any, x: float, reported: Obstacles) -> dict[str, float]:
+    return scorer.columns(reported, box(road, x, 0.0, LENGTH_M, 1.9), road.network)
 
 
 @pytest.mark.parametrize(
@@ -60,13 +60,13 @@ def columns(book: DetectionScorer, road: Any, x: float, reported: Obstacles) -> 
 def test_a_detection_is_correct_if_its_foot_is_within_a_metre_and_a_half(
     road: Any, foot: tuple[float, float], right: int, wrong: int
 ) -> None:
-    road.objects.append(body(road, 140.0, 0.0))
+    road.objects.append(box(road, 140.0, 0.0))
     found = columns(DetectionScorer(), road, 100.0, detections(foot))
     assert (found["objects_right"], found["objects_wrong"], found["new_wrong_objects"]) == (right, wrong, wrong)
 
 
 def test_the_corridor_turns_with_the_road_and_not_with_the_car(road: Any) -> None:
-    ego = body(road, 100.0, 0.0, LENGTH_M, 1.9)
+    ego = box(road, 100.0, 0.0, LENGTH_M, 1.9)
     ego.heading = 0.3
     found = DetectionScorer().columns(detections((20.0, -20.0 * np.tan(0.3))), ego, road.network)
     assert found["objects_wrong"] == 1, "straight ahead along the road"
@@ -76,18 +76,18 @@ def test_the_corridor_turns_with_the_road_and_not_with_the_car(road: Any) -> Non
 
 
 def test_a_false_positive_is_new_once(road: Any) -> None:
-    book = DetectionScorer()
-    seen = [columns(book, road, x, detections((20.0, 0.0), identity=i)) for x, i in ((0.0, 7), (1.0, 7), (2.0, 8))]
+    scorer = DetectionScorer()
+    seen = [columns(scorer, road, x, detections((20.0, 0.0), identity=i)) for x, i in ((0.0, 7), (1.0, 7), (2.0, 8))]
     assert [found["new_wrong_objects"] for found in seen] == [1, 0, 1]
     assert [found["objects_wrong"] for found in seen] == [1, 1, 1]
 
 
 def test_an_object_is_met_once_with_its_first_confirmation_distance(road: Any) -> None:
-    road.objects += [body(road, 140.0, 0.5), body(road, 140.0, -4.0), body(road, 170.1, 0.0, 0.4, 0.4, "cone")]
-    book, met = DetectionScorer(), []
+    road.objects += [box(road, 140.0, 0.5), box(road, 140.0, -4.0), box(road, 170.1, 0.0, 0.4, 0.4, "cone")]
+    scorer, met = DetectionScorer(), []
     for x in np.arange(100.0, 180.0, 0.25):
         seen = detections((137.5 - x, 0.5)) if 118.0 <= x <= 121.0 else detections()
-        found = columns(book, road, x, seen)
+        found = columns(scorer, road, x, seen)
         if np.isfinite(found["met_kind"]):
             met.append((x, KINDS[int(found["met_kind"])], found["met_confirmed_m"]))
     gap_m = 140.0 - 118.0 - 0.5 * (5.0 + LENGTH_M)
@@ -98,11 +98,11 @@ def test_an_object_is_met_once_with_its_first_confirmation_distance(road: Any) -
 
 
 def test_an_object_detected_from_the_next_lane_is_confirmed(road: Any) -> None:
-    road.objects.append(body(road, 40.0, 4.0))
-    book = DetectionScorer()
-    far = book.columns(detections((37.5 - 10.0, 4.0)), body(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
+    road.objects.append(box(road, 40.0, 4.0))
+    scorer = DetectionScorer()
+    far = scorer.columns(detections((37.5 - 10.0, 4.0)), box(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
     assert (far["objects_right"], far["objects_wrong"]) == (0, 0), "4 m aside it is not in the corridor"
-    met = [book.columns(detections(), body(road, x, 2.0, LENGTH_M, 1.9), road.network) for x in (30.0, 35.2)]
+    met = [scorer.columns(detections(), box(road, x, 2.0, LENGTH_M, 1.9), road.network) for x in (30.0, 35.2)]
     assert met[-1]["met_confirmed_m"] == 40.0 - 10.0 - 0.5 * (5.0 + LENGTH_M)
 
 
@@ -120,21 +120,21 @@ def test_an_object_detected_from_the_next_lane_is_confirmed(road: Any) -> None:
 def test_a_row_detected_as_one_is_confirmed_behind_its_face(
     road: Any, face: float, left: float, right: float, known: list[bool]
 ) -> None:
-    road.objects += [body(road, 120.0 + 0.2 * i, 3.0 * (i - 1), 0.4, 0.5, "pedestrian") for i in range(3)]
+    road.objects += [box(road, 120.0 + 0.2 * i, 3.0 * (i - 1), 0.4, 0.5, "pedestrian") for i in range(3)]
     some = np.ones(1)
     seen = Obstacles(np.array([face]), np.array([left]), np.array([right]), some, some, np.ones(1, np.int64))
-    book, met = DetectionScorer(), []
+    scorer, met = DetectionScorer(), []
     for x in np.arange(100.0, 122.0, 0.1):
-        found = columns(book, road, x, seen if x == 100.0 else detections())
+        found = columns(scorer, road, x, seen if x == 100.0 else detections())
         if np.isfinite(found["met_kind"]):
             met.append(bool(np.isfinite(found["met_confirmed_m"])))
     assert met == known
 
 
 def test_two_objects_met_at_once_are_recorded_one_after_the_other(road: Any) -> None:
-    road.objects += [body(road, 10.0, 1.5, 0.4, 0.4, "cone"), body(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
-    book = DetectionScorer()
-    kinds = [columns(book, road, x, detections())["met_kind"] for x in (0.0, 7.6, 7.7, 7.8)]
+    road.objects += [box(road, 10.0, 1.5, 0.4, 0.4, "cone"), box(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
+    scorer = DetectionScorer()
+    kinds = [columns(scorer, road, x, detections())["met_kind"] for x in (0.0, 7.6, 7.7, 7.8)]
     assert [KINDS[int(kind)] for kind in kinds[1:3]] == ["cone", "pallet"]
     assert np.isnan([kinds[0], kinds[3]]).all()
 

@@ -36,8 +36,8 @@ def plan(displacement_px: Floats, ttc_s: float, frames: int = 2) -> Any:
     return SimpleNamespace(perception=SimpleNamespace(flow=flow, ttc_s=times, obstacles=np.empty(0)))
 
 
-def judged(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0) -> dict[str, float]:
-    """The columns of the frame at 2 s, the first that is judged, or of one so much later that the driver looks at."""
+def scored(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0) -> dict[str, float]:
+    """The columns of the first scored frame at 2 s, or of one `late` frames later that the driver uses."""
     network = SimpleNamespace()
     ego = SimpleNamespace(road=SimpleNamespace(vehicles=[], objects=[]), place=(0.0, 0.0), position=np.zeros(2))
     ego.heading = 0.0
@@ -64,21 +64,21 @@ def expansion(frames: int) -> Floats:
 
 @pytest.mark.parametrize("late", [0, 2])
 def test_true_flow_and_true_times_have_no_error(late: int) -> None:
-    found = judged(expansion(2), ttc_s=DISTANCE_M / (STEP_M * RATE_HZ), late=late)
+    found = scored(expansion(2), ttc_s=DISTANCE_M / (STEP_M * RATE_HZ), late=late)
     assert found["flow_error_px"] == pytest.approx(0.0, abs=1e-9)
     assert found["ttc_error"] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_known_errors_are_measured() -> None:
-    found = judged(expansion(1) + np.array([30.0, 40.0]), ttc_s=1.25, frames=1)
+    found = scored(expansion(1) + np.array([30.0, 40.0]), ttc_s=1.25, frames=1)
     assert found["flow_error_px"] == pytest.approx(50.0, abs=0.2), "the best of nine pixels counts"
     assert found["ttc_error"] == pytest.approx(0.25)
 
 
 def test_tracks_longer_than_the_known_poses_are_left_out() -> None:
-    found = judged(expansion(3), ttc_s=np.inf, frames=3)
+    found = scored(expansion(3), ttc_s=np.inf, frames=3)
     assert np.isnan(found["flow_error_px"])
-    assert found["ttc_error"] == 1.0, "nothing was told"
+    assert found["ttc_error"] == 1.0, "no estimate"
 
 
 def test_medians_over_the_scored_frames() -> None:

@@ -14,12 +14,12 @@ from vpf_sim.types import Camera, Floats
 CAMERA = Camera()
 
 
-def motion_of(poses: list[Floats], bodies: list[Any] | None = None) -> TrueMotion:
-    """True motion after frames at these poses; `bodies` has the pose of the only object in each frame."""
+def motion_of(poses: list[Floats], objects: list[Any] | None = None) -> TrueMotion:
+    """True motion after frames at these poses; `objects` has the pose of the only object in each frame."""
     motion = TrueMotion(CAMERA, len(poses) - 1)
     for k, pose in enumerate(poses):
-        body = [] if bodies is None else [SimpleNamespace(position=bodies[k][:2], heading=bodies[k][2])]
-        renderer: Any = SimpleNamespace(bodies=body)
+        obj = [] if objects is None else [SimpleNamespace(position=objects[k][:2], heading=objects[k][2])]
+        renderer: Any = SimpleNamespace(bodies=obj)
         motion.add(Shot(k, np.empty((0, 0, 3), np.uint8), pose, renderer))
     return motion
 
