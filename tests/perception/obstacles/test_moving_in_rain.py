@@ -7,7 +7,7 @@ from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
 from vpf_sim.perception.obstacles.moving.detection import Apparent, MoverConfig, appear, outlines
 from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig
-from vpf_sim.perception.obstacles.moving.track import Mover, PerceptionErrors
+from vpf_sim.perception.obstacles.moving.track import Mover, Sight
 from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow
@@ -69,7 +69,7 @@ def test_a_suspect_goes_to_its_foot_wherever_that_is_and_a_body_rather_towards_u
     pose = np.zeros(3)
 
     def moved(foot_m: float, identity: int | None) -> float:
-        mover = Mover(PerceptionErrors(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, MoverConfig().filter)
+        mover = Mover(Sight(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, MoverConfig().filter)
         mover.identity = identity
         for _ in range(10):
             mover.stand(foot_m, SPEED_MPS, pose, 0.05)
@@ -109,9 +109,7 @@ def test_a_body_that_would_be_where_we_are_hides_nothing(depth_m: float) -> None
 
 def believed(depth_m: float, right_m: float, pose: Floats) -> Mover:
     """A body that is sure to drive there at 3 m/s."""
-    mover = Mover(
-        PerceptionErrors(depth_m, 3.0, 0.1, right_m - 1.0, right_m + 1.0), CAMERA, pose, 6.0, MoverConfig().filter
-    )
+    mover = Mover(Sight(depth_m, 3.0, 0.1, right_m - 1.0, right_m + 1.0), CAMERA, pose, 6.0, MoverConfig().filter)
     mover.identity = 1
     return mover
 
@@ -125,7 +123,7 @@ def test_what_would_be_mirrored_stands_on_the_road_as_far_as_that_is_known(
 ) -> None:
     """A body at 18 m is the image of what stands 18 / (1 - v_b / v) m off: 39 m at 3 m/s, 105 m at 4.6, none faster."""
     movers, evidence = MoverTracker(CAMERA, MoverConfig(), RATE_HZ), MoverConfig().evidence
-    sight = PerceptionErrors(18.0, speed_mps, 0.5, right_m - 1.0, right_m + 1.0)
+    sight = Sight(18.0, speed_mps, 0.5, right_m - 1.0, right_m + 1.0)
     mover = Mover(sight, CAMERA, np.zeros(3), 0.0, MoverConfig().filter)
     for image in (-1.2, -2.5):  # above and below what asphalt is
         expected = max(image, evidence.faint(0.0, 18.0)) if is_on_road else evidence.faint(1.0, 18.0)
@@ -134,7 +132,7 @@ def test_what_would_be_mirrored_stands_on_the_road_as_far_as_that_is_known(
 
 def test_nearer_than_the_road_mirrors_a_body_is_not_compared_with_its_image() -> None:
     movers, evidence = MoverTracker(CAMERA, MoverConfig(), RATE_HZ), MoverConfig().evidence
-    near = Mover(PerceptionErrors(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, MoverConfig().filter)
+    near = Mover(Sight(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, MoverConfig().filter)
     assert movers._faint(near, -2.5, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(evidence.faint(1.0, 5.0))
 
 

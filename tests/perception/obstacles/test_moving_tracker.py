@@ -9,7 +9,7 @@ from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points,
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.obstacles.moving.detection import MoverConfig, appear
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, against
-from vpf_sim.perception.obstacles.moving.track import Mover, PerceptionErrors
+from vpf_sim.perception.obstacles.moving.track import Mover, Sight
 from vpf_sim.perception.obstacles.moving.tracker import MoverTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow, Obstacles
@@ -215,7 +215,7 @@ def test_a_body_that_is_believed_keeps_its_place_against_a_nearer_suspect() -> N
     (mover,) = [mover for mover in seen.movers.movers if mover.identity is not None]
     pose = drive.pose(round(2.0 * RATE_HZ) - 1)
     place = mover.place(pose)
-    sight = PerceptionErrors(place[0] - 3.0, 3.6, 0.5, -1.2, 1.2)
+    sight = Sight(place[0] - 3.0, 3.6, 0.5, -1.2, 1.2)
     seen.movers.movers.append(Mover(sight, CAMERA, pose, 0.9, MoverConfig().filter))
     found = seen.run(drive, range(round(2.0 * RATE_HZ), round(2.2 * RATE_HZ)))
     assert [int(name) for name in found[-1].identity] == [-1]
@@ -244,7 +244,7 @@ def two(ahead_m: float, right_m: float, pose: Floats) -> list[Mover]:
     movers = []
     for name, (x, y) in enumerate([(12.0, 0.0), (12.0 + ahead_m, right_m)], start=1):
         forward, right = vehicle_from_world(np.array([x, y]), pose)
-        sight = PerceptionErrors(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+        sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
         mover = Mover(sight, CAMERA, pose, 4.0, MoverConfig().filter)
         mover.predict(0.0, 0.0, 0.0)
         mover.identity = name
@@ -277,11 +277,7 @@ def test_no_point_is_of_two_bodies_the_nearer_of_which_hides_the_farther() -> No
     for name, (start_m, right_m, speed_mps) in enumerate([(16.0, 1.3, 4.6), (9.0, 3.3, 5.05)], start=1):
         depth = start_m + speed_mps - SPEED_MPS - CAMERA.forward_m
         mover = Mover(
-            PerceptionErrors(depth, speed_mps, 0.2, right_m - 1.0, right_m + 1.0),
-            CAMERA,
-            pose,
-            5.0,
-            MoverConfig().filter,
+            Sight(depth, speed_mps, 0.2, right_m - 1.0, right_m + 1.0), CAMERA, pose, 5.0, MoverConfig().filter
         )
         mover.identity = name
         seen.movers.movers.append(mover)
@@ -300,7 +296,7 @@ def test_tracks_older_than_a_fast_body_is_in_sight_are_not_of_it_and_do_not_spoi
     course, old = Course(9.0, 0.0, 0.0), flow.age_frames > 52
     assert old.any()
     tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, MoverConfig().noise)
-    mover = Mover(PerceptionErrors(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, MoverConfig().filter)
+    mover = Mover(Sight(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, MoverConfig().filter)
     chi2, _, change = mover.fit(tracks, np.ones(len(flow)), SPEED_MPS, 3.0, np.ones(len(flow), np.bool_))
     assert np.isfinite(change)
     assert (chi2[old] > 1e3).all()
@@ -310,7 +306,7 @@ def test_a_body_that_is_only_predicted_hides_none_behind_it() -> None:
     """Beside us, beyond the picture, one is believed still; where it would be the right half of another is seen."""
     drive, seen = traffic((vehicle(9.5, 3.2), 3.0)), Seen()
     seen.run(drive, range(60))
-    beside = Mover(PerceptionErrors(3.6, 3.0, 0.2, 4.7, 6.7), CAMERA, drive.pose(59), 5.0, MoverConfig().filter)
+    beside = Mover(Sight(3.6, 3.0, 0.2, 4.7, 6.7), CAMERA, drive.pose(59), 5.0, MoverConfig().filter)
     beside.identity = 99
     passed = next(mover for mover in seen.movers.movers if mover.identity is not None)
     seen.movers.movers.append(beside)
@@ -326,7 +322,7 @@ def test_the_sides_of_a_body_are_where_they_are_in_the_world_however_the_car_is_
     """Points all over a rear whose middle lies .5 m right of what is believed, on a road along the x axis."""
     pose, face_m = np.array([0.0, 0.0, yaw_rad]), 12.0
     forward, right = vehicle_from_world(np.array([face_m, 1.0]), pose)
-    sight = PerceptionErrors(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+    sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
     mover = Mover(sight, CAMERA, pose, 4.0, MoverConfig().filter)
     mover.course = Course(3.0, 0.0, 0.0)
     rear = vehicle_from_world(np.column_stack([np.full(20, face_m), 1.5 + np.linspace(-0.95, 0.95, 20)]), pose)
@@ -339,7 +335,7 @@ def test_the_sides_of_a_body_are_where_they_are_in_the_world_however_the_car_is_
 
 def test_a_body_seen_from_its_side_tells_nothing_of_its_rear() -> None:
     pose = np.array([0.0, 0.0, 1.2])
-    mover = Mover(PerceptionErrors(7.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 4.0, MoverConfig().filter)
+    mover = Mover(Sight(7.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 4.0, MoverConfig().filter)
     mover.predict(0.0, 0.0, 0.0)
     mover.predict(0.05, 0.0, 0.0)
     before = mover._place_m.copy()

@@ -7,7 +7,7 @@ import numpy as np
 from vpf_sim.perception.egomotion.triangulation import NoiseModel, Triangulation
 from vpf_sim.perception.obstacles.collision_alarm import ClosingConfig
 from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig
-from vpf_sim.perception.obstacles.moving.track import FilterConfig, PerceptionErrors
+from vpf_sim.perception.obstacles.moving.track import FilterConfig, Sight
 from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Bools, Camera, Floats, Flow
@@ -155,13 +155,11 @@ def outlines(seen: Apparent, feet: Integers, most: int, camera: Camera, config: 
     return found
 
 
-def suspect(seen: Apparent, mine: Integers, camera: Camera, config: MoverConfig) -> PerceptionErrors:
+def suspect(seen: Apparent, mine: Integers, camera: Camera, config: MoverConfig) -> Sight:
     """What the tracks in an outline tell of the body."""
     depth = (camera.height_m - config.filter.foot_height_m) / float(np.sort(seen.drop[mine])[-2:].mean())
     own = median(seen.own_mps[mine])
     share = median(seen.inverse_per_m[mine]) * depth
     across = seen.bearing[mine] * depth
     middle, half = 0.5 * (across.min() + across.max()), max(0.9, 0.5 * float(np.ptp(across)))
-    return PerceptionErrors(
-        depth, own * (1.0 - share), 0.5 + 0.2 * own * abs(share), float(middle - half), float(middle + half)
-    )
+    return Sight(depth, own * (1.0 - share), 0.5 + 0.2 * own * abs(share), float(middle - half), float(middle + half))

@@ -17,7 +17,7 @@ LEAST_SLOPE = 0.2  # of a ray along its course: a face is not seen along its pla
 
 
 @dataclass(frozen=True, slots=True)
-class PerceptionErrors(Sided[float]):
+class Sight(Sided[float]):
     """What the tracks of a body say when it is found."""
 
     depth_m: float  # of the road behind its lowest point, from the camera
@@ -61,9 +61,7 @@ class Mover:
     at its speed.
     """
 
-    def __init__(
-        self, sight: PerceptionErrors, camera: Camera, pose: Floats, log_odds: float, config: FilterConfig
-    ) -> None:
+    def __init__(self, sight: Sight, camera: Camera, pose: Floats, log_odds: float, config: FilterConfig) -> None:
         self._camera, self._config = camera, config
         self.speed_mps = sight.speed_mps
         self.width_m = sight.width_m  # as it is seen

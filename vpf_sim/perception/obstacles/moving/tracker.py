@@ -25,7 +25,7 @@ from vpf_sim.perception.obstacles.collision_alarm import Closing
 from vpf_sim.perception.obstacles.moving.detection import Apparent, MoverConfig, appear, outlines, suspect
 from vpf_sim.perception.obstacles.moving.evidence import Mirror, evidence
 from vpf_sim.perception.obstacles.moving.moving_frame import Residuals, against
-from vpf_sim.perception.obstacles.moving.track import Mover, PerceptionErrors
+from vpf_sim.perception.obstacles.moving.track import Mover, Sight
 from vpf_sim.perception.obstacles.point_hypotheses import Integers, among
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.geometry import carriageway_offsets, near_edge_line
@@ -346,7 +346,7 @@ class MoverTracker:
             if self._is_plausible(sight, road):
                 self.movers.append(Mover(sight, self.camera, flow.pose, config.prior, config.filter))
 
-    def _is_plausible(self, sight: PerceptionErrors, road: RoadEdges) -> bool:
+    def _is_plausible(self, sight: Sight, road: RoadEdges) -> bool:
         """It drives, and on the carriageway."""
         config = self.config
         if not config.near_m < sight.depth_m < config.far_m:
