@@ -1,4 +1,4 @@
-"""The profile's keys, and the stopwatch; never a time."""
+"""The profile's keys, and the stopwatch; no test asserts a time."""
 
 import math
 
