@@ -1,12 +1,12 @@
-"""Two commits of this repository drive the same episodes: are states and frames equal to the bit?
+"""Drive the same episodes with two commits, and compare states and frames bit by bit.
 
     python scripts/compare_commits.py BEFORE [AFTER] [--small] [--scenario S] [--weather W] [--driver D] [--seeds 0:2]
                                       [--replay DRIVE] [--workers N] [--keep FOLDER]
 
-Without AFTER, it is the working tree. By default `vpf` drives all scenarios of the catalog that BEFORE has, clear and
-in rain, on seeds 0 and 1; --small is four episodes. With --replay the records of recorded drives are compared as well.
-Each commit is laid out in a folder of its own, as it would be installed, and runs there with this interpreter and its
-packages. Exit code 0 only if all is equal.
+AFTER is by default the working tree. By default `vpf` drives all scenarios of BEFORE's catalog in clear weather and
+rain on seeds 0 and 1; --small is four episodes. --replay also compares the records of recorded drives. Each commit is
+laid out in its own folder as if installed, and runs with this interpreter and its packages. Exit code 0 only if all is
+equal.
 """
 
 import argparse
@@ -27,13 +27,13 @@ ROOT = Path(__file__).resolve().parents[1]
 HASHES = ("status", "states_sha256", "frames_sha256")
 DEFAULT = {"weather": ["clear", "rain"], "driver": ["vpf"], "seeds": "0:2"}
 SMALL = {"scenario": ["random", "town04"], "weather": ["rain"], "driver": ["vpf", "vpf-paper"], "seeds": "1:2"}
-NO_LIMIT_S = "1000000"  # of an episode: how long it takes is not what is compared
-MOST_TOLD = 8  # keys of a replay's record
+NO_LIMIT_S = "1000000"  # of an episode: times are not compared
+MOST_LISTED = 8  # printed keys of a replay's record
 Lines = dict[str, dict[str, Any]]  # of a run folder, by the name of the episode or drive
 
 
 def git(*arguments: str) -> bytes:
-    """What git prints; SystemExit with its words if it fails."""
+    """The output of git; SystemExit with its message if it fails."""
     done = subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True)
     if done.returncode:
         sys.exit(f"git {' '.join(arguments)}: {done.stderr.decode().strip()}")
@@ -41,19 +41,19 @@ def git(*arguments: str) -> bytes:
 
 
 def check_out(revision: str | None, folder: Path) -> None:
-    """The files of a revision, or those of the working tree that git does not ignore."""
+    """Write the files of a revision, or of the working tree without ignored files."""
     if revision is not None:
         with tarfile.open(fileobj=BytesIO(git("archive", "--format=tar", revision))) as archive:
             archive.extractall(folder, filter="data")
         return
     for name in git("ls-files", "-z", "-co", "--exclude-standard").decode().split("\0"):
-        if name and (ROOT / name).is_file():  # neither the end of the list nor a file that was deleted
+        if name and (ROOT / name).is_file():  # skips the empty last name and deleted files
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, folder / name)
 
 
 def lay_out(revision: str | None, folder: Path) -> Path:
-    """A folder for PYTHONPATH in which the packages of a revision lie as they would be installed."""
+    """A folder for PYTHONPATH with the packages of a revision as if installed."""
     source, site = folder / "source", folder / "site"
     source.mkdir(parents=True)
     site.mkdir()
@@ -66,7 +66,7 @@ def lay_out(revision: str | None, folder: Path) -> Path:
 
 
 class Commit:
-    """A revision that can be run. Its command line is the same for both; so are the packages that it needs."""
+    """A revision that can run commands, with this interpreter's packages."""
 
     def __init__(self, revision: str | None, folder: Path) -> None:
         self.name = revision or "the working tree"
@@ -81,7 +81,7 @@ class Commit:
                 sys.exit(f"{self.name}: {module} would come from {found}, not from {self._site}")
 
     def scenarios(self) -> list[str]:
-        """Those of its catalog."""
+        """The scenarios of its catalog."""
         return sorted(path.stem for path in (self._site / "vpf_sim" / "scenarios" / "catalog").glob("*.toml"))
 
     def sweep(self, grid: Mapping[str, list[str] | str], workers: int | None) -> Lines:
@@ -116,14 +116,14 @@ def _listed(values: list[str] | str) -> list[str]:
 
 
 def _places(values: list[str] | str) -> list[str] | str:
-    """What was asked, files by their whole paths: the commits run in folders of their own."""
+    """The values with absolute file paths, since the commits run in their own folders."""
     if isinstance(values, str):
         return values
     return [str(Path(value).resolve()) if value.endswith(".toml") else value for value in values]
 
 
 def hashes_that_differ(before: Lines, after: Lines) -> Iterator[str]:
-    """A line for each episode that both did not drive to the same end, states and frames."""
+    """A line for each episode whose status, states or frames differ."""
     for name in sorted(before.keys() | after.keys()):
         one, two = before.get(name, {}), after.get(name, {})
         keys = [key for key in HASHES if one.get(key) != two.get(key)]
@@ -134,13 +134,13 @@ def hashes_that_differ(before: Lines, after: Lines) -> Iterator[str]:
 
 
 def records_that_differ(before: Lines, after: Lines) -> Iterator[str]:
-    """A line for each drive whose records are not the same value by value."""
+    """A line for each drive whose records differ in a value."""
     for name in sorted(before.keys() | after.keys()):
         one, two = dict(_leaves(before.get(name))), dict(_leaves(after.get(name)))
         keys = sorted(key for key in one.keys() | two.keys() if one.get(key, ...) != two.get(key, ...))
         if keys:
-            more = f" and {len(keys) - MOST_TOLD} more" if len(keys) > MOST_TOLD else ""
-            yield f"{name}: {', '.join(keys[:MOST_TOLD])}{more}"
+            more = f" and {len(keys) - MOST_LISTED} more" if len(keys) > MOST_LISTED else ""
+            yield f"{name}: {', '.join(keys[:MOST_LISTED])}{more}"
 
 
 def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -156,7 +156,7 @@ def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def main() -> int:
-    """Compare, print what differs, and give the exit code."""
+    """Compare, print the differences, and return the exit code."""
     asked = _parser().parse_args()
     with TemporaryDirectory(prefix="compare-commits-") as temporary:
         folder = Path(temporary) if asked.keep is None else asked.keep.resolve()
@@ -184,11 +184,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--scenario", action="append", help="name or file; may be repeated")
     parser.add_argument("--weather", action="append", help="may be repeated")
     parser.add_argument("--driver", action="append", help="may be repeated")
-    parser.add_argument("--seeds", help="A:B, half open")
+    parser.add_argument("--seeds", help="A:B, without B")
     parser.add_argument("--replay", action="append", type=Path, metavar="DRIVE", help="may be repeated")
-    parser.add_argument("--workers", type=int, help="worker processes; one a core by default")
+    parser.add_argument("--workers", type=int, help="worker processes; by default one per core")
     parser.add_argument(
-        "--keep", type=Path, metavar="FOLDER", help="leave both commits and their runs in this new folder"
+        "--keep", type=Path, metavar="FOLDER", help="keep both commits and their runs in this new folder"
     )
     return parser
 

@@ -1,9 +1,9 @@
-"""Statistics of the recorded drives beside those of frames rendered with their cameras, rates and speeds.
+"""Compare frame statistics of recorded drives with rendered frames of the same camera, rate and speed.
 
 python scripts/compare_with_drives.py [--drives DIR] [--only NAME ...] [--out DIR] [--json FILE] [--seeds 0 1 2]
 
-Rendered numbers are means over the seeds. A ratio (rendered / real) outside 1/2 .. 2 is marked with a star. With --out,
-pictures side by side: real left, rendered right.
+Rendered values are means over the seeds. A ratio (rendered / real) outside 1/2 .. 2 is marked with a star. --out writes
+images side by side: real left, rendered right.
 """
 
 import argparse
@@ -18,13 +18,13 @@ import numpy as np
 
 from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.evaluation.processes.threads import limit_opencv
-from vpf_sim.evaluation.rendering import lookalike
+from vpf_sim.evaluation.rendering import reference_streets
 from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics, measure, scaled_grey
 from vpf_sim.replay import readers
 from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Image
 
-LOOKS = 16  # frames of a drive that are looked at, about
+SAMPLES = 16  # sampled frames of a drive, about
 LARGEST_RATIO = 2.0
 
 
@@ -32,11 +32,11 @@ def compare(name: str, recording: Recording, seeds: list[int], out: Path | None)
     """The rows real, rendered and ratio of one drive."""
     real = [frame.image for frame in recording.frames() if frame.image is not None]
     theirs = statistics(real)
-    street = lookalike.STREETS[name]
+    street = reference_streets.STREETS[name]
     drive = street.drive(recording.camera, recording.rate_hz, float(np.median(recording.speed_mps)))
     parts = []
     for seed in seeds:
-        rendered = [shot.image for shot in drive.shots(street.sky(), seed, len(real))]
+        rendered = [shot.image for shot in drive.shots(street.modified_weather(), seed, len(real))]
         parts.append(statistics(rendered))
         if out is not None:
             save(out, f"{name}_seed{seed}", real, rendered)
@@ -50,12 +50,12 @@ def compare(name: str, recording: Recording, seeds: list[int], out: Path | None)
 
 
 def statistics(images: list[Image]) -> FrameStatistics:
-    """Of frames in their order, looked at in about LOOKS places."""
-    return measure([scaled_grey(image) for image in images], every=max(1, len(images) // LOOKS))
+    """The statistics of consecutive frames, sampled about SAMPLES times."""
+    return measure([scaled_grey(image) for image in images], every=max(1, len(images) // SAMPLES))
 
 
 def save(out: Path, name: str, real: list[Image], rendered: list[Image]) -> None:
-    """Three pairs of pictures, real left, rendered right."""
+    """Write three pairs of images, real left, rendered right."""
     out.mkdir(parents=True, exist_ok=True)
     for k in (0, len(real) // 2, len(real) - 1):
         pair = np.hstack([real[k], rendered[k]])
@@ -71,14 +71,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     shared = os.environ.get("VPF_SIM_SHARED", "../shared")
     parser.add_argument("--drives", type=Path, default=Path(shared) / "drives", help="folder of the drives")
-    parser.add_argument("--only", nargs="*", choices=list(lookalike.STREETS), help="drives; all by default")
-    parser.add_argument("--out", type=Path, help="folder for pictures side by side")
+    parser.add_argument("--only", nargs="*", choices=list(reference_streets.STREETS), help="drives; all by default")
+    parser.add_argument("--out", type=Path, help="folder for images side by side")
     parser.add_argument("--json", type=Path, help="also write the table to this file")
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     arguments = parser.parse_args()
     limit_opencv()
     rows: list[dict[str, Any]] = []
-    for name in arguments.only or lookalike.STREETS:
+    for name in arguments.only or reference_streets.STREETS:
         new = compare(name, readers.read(arguments.drives / name), arguments.seeds, arguments.out)
         print(text_table(new, header=not rows), flush=True)
         rows.extend(new)

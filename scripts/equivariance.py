@@ -1,10 +1,10 @@
-"""One driver on a scenario as it is, turned by 137 deg, moved by 1 km, and in the mirror: no direction is special.
+"""Drive a scenario unchanged, rotated by 137 deg, shifted by 1 km, and mirrored: no direction is special.
 
 python scripts/equivariance.py [SCENARIO] [--weather W] [--seeds 0:4] [--json FILE]
 
-The road, its bodies and the start of each seed are the same but for the motion; the sun, the sky and the scenery stay
-where they are, so the pictures are others. In the mirror the driver prefers the mirrored lane. Beside each motion stand
-successes, the mean path MSE with its 95 % interval, and the mean difference to the unmoved scenario, seed by seed.
+Road, objects and start of each seed are transformed; sun, sky and scenery are not, so the frames differ. In the
+mirrored scenario the driver prefers the mirrored lane. The table has successes, the mean path MSE with its 95 %
+interval, and the mean paired difference to the unchanged scenario.
 """
 
 import argparse
@@ -33,7 +33,7 @@ from vpf_sim.scenarios.transforms import mirrored, rotated, translated
 
 Motion = Callable[[Scenario], Scenario]
 MOTIONS: dict[str, Motion] = {
-    "as it is": lambda scenario: scenario,
+    "unchanged": lambda scenario: scenario,
     "turned by 137 deg": lambda scenario: rotated(scenario, 137.0),
     "moved by 1 km": lambda scenario: translated(scenario, 600.0, -800.0),
     "mirrored": mirrored,
@@ -48,20 +48,20 @@ def drive(scenario: Scenario, weather: str, driver: str, seed: int) -> dict[str,
 
 
 def mirrored_driver(folder: Path, scenario: Scenario) -> str:
-    """`vpf` with what it takes for likely in the mirror."""
+    """`vpf` with its likely lane mirrored."""
     lane = scenario.road.lanes + 1 - variant.load("robust").road_edges.likely_lane
     file = folder / "mirrored.toml"
     file.write_text(f"[road_edges]\nlikely_lane = {lane}\n")
     return f"vpf@{file}"
 
 
-def row(motion: str, found: list[dict[str, Any]], unmoved: list[dict[str, Any]]) -> dict[str, Any]:
+def row(motion: str, found: list[dict[str, Any]], unchanged: list[dict[str, Any]]) -> dict[str, Any]:
     """One line of the table."""
     good = [record["status"] == "success" for record in found]
     mse = np.array([record["path_mse_m2"] for record, kept in zip(found, good, strict=True) if kept], float)
     both = [
         (one["path_mse_m2"], other["path_mse_m2"])
-        for one, other in zip(found, unmoved, strict=True)
+        for one, other in zip(found, unchanged, strict=True)
         if one["status"] == other["status"] == "success"
     ]
     pairs = np.array(both, float).reshape(-1, 2)
@@ -77,8 +77,8 @@ def row(motion: str, found: list[dict[str, Any]], unmoved: list[dict[str, Any]])
     }
 
 
-def told(rows: list[dict[str, Any]]) -> None:
-    """The table."""
+def print_rows(rows: list[dict[str, Any]]) -> None:
+    """Print the table."""
     header = ("world", "success", "path MSE m2", "difference m2")
     lines = [
         (
@@ -101,7 +101,7 @@ def main() -> None:
     arguments = parser.parse_args()
     limit_opencv()
     undrawn, seeds = scenarios.load(arguments.scenario), parse_seeds(arguments.seeds)
-    rows, unmoved = [], []
+    rows, unchanged = [], []
     with TemporaryDirectory() as folder:
         for name, motion in MOTIONS.items():
             found = []
@@ -109,10 +109,10 @@ def main() -> None:
                 drawn = undrawn.draw(seed)
                 driver = mirrored_driver(Path(folder), drawn) if name == "mirrored" else "vpf"
                 found.append(drive(motion(drawn), arguments.weather, driver, seed))
-            unmoved = unmoved or found
-            rows.append(row(name, found, unmoved))
+            unchanged = unchanged or found
+            rows.append(row(name, found, unchanged))
             print(rows[-1], file=sys.stderr, flush=True)
-    told(rows)
+    print_rows(rows)
     if arguments.json:
         arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
 

@@ -1,10 +1,10 @@
-"""Kill sweeps at random moments and resume them: records, steps and tables must equal those of an undisturbed one.
+"""Kill sweeps at random times and resume them: records, steps and tables must equal an undisturbed sweep.
 
     python scripts/kill_sweeps.py --rounds 20 --seed 0 --out /tmp/kills
 
-In each round a sweep with two workers is started; at a random moment its parent is killed or interrupted, or one of its
-workers is killed, and where the parent ended the last line of the records may be torn. It is resumed until it ends by
-itself. Exit code 1 if any round differs.
+Each round starts a sweep with two workers. At a random time the parent is killed or interrupted, or a worker is killed;
+after a kill of the parent, the last record may be truncated. The sweep is resumed until it finishes. Exit code 1 if any
+round differs.
 """
 
 import argparse
@@ -30,13 +30,13 @@ s_m = 9.0
 "ego.lateral_m" = [-0.3, 0.3]
 """
 SEEDS = 6  # twice as many episodes, as there are two drivers
-DISTURBANCES = 3  # of a round, at most; a session has one, for two killed workers in it may give an episode up
-LATER_S = 1.0  # at most, after the record that is waited for
+DISTURBANCES = 3  # at most in a round; one per session, since two killed workers may give up an episode
+LATER_S = 1.0  # longest delay after the awaited record
 Contents = tuple[list[str], dict[str, bytes], bytes]  # records, steps, table
 
 
 def sweep(folder: Path, out: Path, *more: str) -> list[str]:
-    """The command; it goes on with what is there."""
+    """The command that starts or resumes the sweep."""
     grid = ["--scenario", str(folder / "short.toml"), "--driver", "pid", "--driver", "neutral"]
     resume = ["--resume"] if (out / "manifest.json").exists() else []
     asked = [*grid, "--seeds", f"0:{SEEDS}", "--out", str(out), *resume, *more]
@@ -44,14 +44,14 @@ def sweep(folder: Path, out: Path, *more: str) -> list[str]:
 
 
 def contents(out: Path) -> Contents:
-    """What must not depend on how it came about: the records, the steps, the table."""
+    """The records, steps and table, which must not depend on interruptions."""
     steps = {path.name: path.read_bytes() for path in sorted((out / "steps").iterdir()) if path.suffix == ".parquet"}
     lines = (out / "episodes.jsonl").read_text().splitlines()
     return sorted(lines), steps, (out / "summary.json").read_bytes()
 
 
 def workers_of(parent: int) -> list[int]:
-    """Process ids."""
+    """The process ids of a sweep's workers."""
     try:
         children = [int(pid) for pid in Path(f"/proc/{parent}/task/{parent}/children").read_text().split()]
         return [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
@@ -60,27 +60,27 @@ def workers_of(parent: int) -> list[int]:
 
 
 def disturb(running: "subprocess.Popen[bytes]", choice: random.Random) -> str:
-    """Kill somebody; who it was."""
+    """Kill a process; returns which one."""
     workers = workers_of(running.pid)
     victim = choice.choice(["parent", "parent", "worker", "worker", "Ctrl-C"])
     if victim == "worker":
         if workers:
             with suppress(ProcessLookupError):
                 os.kill(choice.choice(workers), signal.SIGKILL)
-        return victim if workers else "nobody yet"
+        return victim if workers else "no worker yet"
     running.send_signal(signal.SIGINT if victim == "Ctrl-C" else signal.SIGKILL)
     return victim
 
 
-def tear(out: Path) -> None:
-    """Half a line at the end, as if the crash had come while it was written."""
+def truncate(out: Path) -> None:
+    """Append half a record, as after a crash during a write."""
     if (out / "episodes.jsonl").exists():
         with (out / "episodes.jsonl").open("a") as file:
             file.write('{"accuracy": {"shadow": {"thro')
 
 
 def session(folder: Path, out: Path, choice: random.Random) -> str:
-    """Start or resume the sweep, disturb it once, and wait for its end; what happened."""
+    """Start or resume the sweep, disturb it once, and wait for its end; returns what happened."""
     before = len(read_lines(out / "episodes.jsonl"))
     wait_for = choice.randint(min(before, 2 * SEEDS - 1), 2 * SEEDS - 1) if choice.random() < 0.8 else 0
     with subprocess.Popen(sweep(folder, out, "--workers", "2"), stdout=DEVNULL, stderr=DEVNULL) as running:
@@ -91,21 +91,21 @@ def session(folder: Path, out: Path, choice: random.Random) -> str:
             return "it had ended"
         victim = disturb(running, choice)
     stored = len(read_lines(out / "episodes.jsonl"))
-    torn = victim == "parent" and choice.random() < 0.5
-    if torn:
-        tear(out)
-    return f"{victim} after {wait_for}, {stored} stored at its end{', line torn' * torn}"
+    truncated = victim == "parent" and choice.random() < 0.5
+    if truncated:
+        truncate(out)
+    return f"{victim} after {wait_for}, {stored} stored at its end{', line truncated' * truncated}"
 
 
 def killed(folder: Path, out: Path, choice: random.Random) -> str:
-    """One round; what happened in its sessions."""
-    told = [session(folder, out, choice) for _ in range(choice.randint(1, DISTURBANCES))]
+    """Run one round; returns what happened in its sessions."""
+    events = [session(folder, out, choice) for _ in range(choice.randint(1, DISTURBANCES))]
     subprocess.run(sweep(folder, out, "--workers", "2"), check=True, stdout=DEVNULL, stderr=DEVNULL)
-    return "; ".join(told)
+    return "; ".join(events)
 
 
 def undisturbed(folder: Path) -> Contents:
-    """What a sweep with one worker makes."""
+    """The contents of a sweep with one worker."""
     subprocess.run(sweep(folder, folder / "serial", "--workers", "1"), check=True, stdout=DEVNULL, stderr=DEVNULL)
     return contents(folder / "serial")
 
@@ -113,7 +113,7 @@ def undisturbed(folder: Path) -> Contents:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=20)
-    parser.add_argument("--seed", type=int, default=0, help="of the moments and victims")
+    parser.add_argument("--seed", type=int, default=0, help="of times and killed processes")
     parser.add_argument("--out", type=Path, required=True, help="a new folder")
     arguments = parser.parse_args()
     folder: Path = arguments.out
@@ -122,11 +122,11 @@ def main() -> None:
     wanted = undisturbed(folder)
     choice, equal = random.Random(arguments.seed), 0
     for number in range(arguments.rounds):
-        told = killed(folder, folder / f"round-{number}", choice)
+        events = killed(folder, folder / f"round-{number}", choice)
         lines, *rest = contents(folder / f"round-{number}")
         same = (lines, *rest) == wanted
         equal += same
-        print(f"round {number}: {told}: {len(lines)} records, {'equal' if same else 'DIFFERENT'}", flush=True)
+        print(f"round {number}: {events}: {len(lines)} records, {'equal' if same else 'DIFFERENT'}", flush=True)
     print(f"{equal} of {arguments.rounds} rounds equal to the undisturbed sweep of {len(wanted[0])} episodes")
     sys.exit(0 if equal == arguments.rounds else 1)
 

@@ -1,10 +1,10 @@
-"""What sweeps cost: episodes an hour with 2 workers against 1, and how a worker's memory grows over short episodes.
+"""Measure sweeps: episodes an hour with 2 workers against 1, and memory growth of a worker.
 
     python scripts/measure_sweeps.py workers --episodes 24
     python scripts/measure_sweeps.py memory --episodes 200
 
-Times are wall times from the first episode to the last, without the start of the workers, and say something on a quiet
-machine only: the load average stands beside them.
+Times are wall times from the first episode to the last, without the start of the workers. They need an idle machine, so
+the load average is printed too.
 """
 
 import argparse
@@ -29,24 +29,24 @@ s_m = {goal_m}
 "ego.lateral_m" = [-0.3, 0.3]
 """
 WEATHERS = ("clear", "rain")
-SETTLED = 20  # episodes after which growth is counted: by then all is loaded and cached
+SETTLED = 20  # episodes before growth is measured: imports and caches are complete
 MIB = 2**20
 
 
 def job(folder: Path, number: int) -> Job:
-    """Short episodes with all of the stack, in turn in clear weather and in rain."""
+    """A short episode of the whole stack, alternating clear weather and rain."""
     return Job(str(folder / "short.toml"), WEATHERS[number % 2], "vpf", number)
 
 
 def drive(folder: Path, number: int) -> tuple[float, float]:
-    """On a worker: when the episode ended, s, and how much memory the process has in use, MiB."""
+    """Run on a worker: end time of an episode, s, and memory in use, MiB."""
     episode.run(*job(folder, number))
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return monotonic(), pages * os.sysconf("SC_PAGE_SIZE") / MIB
 
 
 def rate(folder: Path, episodes: int, workers: int) -> float:
-    """Episodes an hour; the first of each worker, which loads all, is left out."""
+    """Episodes an hour, without the first of each worker, which includes imports."""
     ends = sorted(done.result[0] for done in pool.run(partial(drive, folder), range(episodes), workers) if done.result)
     return 3600.0 * (len(ends) - workers) / (ends[-1] - ends[workers - 1])
 
@@ -57,7 +57,7 @@ def compare_workers(folder: Path, episodes: int) -> dict[str, float]:
 
 
 def watch_memory(folder: Path, episodes: int) -> dict[str, float]:
-    """MiB: after the first episodes, after the last, the growth between, and the most."""
+    """Memory, MiB: after the first episodes, after the last, the growth, and the maximum."""
     used = [done.result[1] for done in pool.run(partial(drive, folder), range(episodes), 1) if done.result]
     first, last = max(used[:SETTLED]), max(used[-SETTLED:])
     return {"settled_mib": first, "end_mib": last, "growth_mib": last - first, "most_mib": max(used)}

@@ -1,4 +1,4 @@
-"""Draw the README's picture: frames, what the driver sees in them, and its field.
+"""Draw the README's image: frames, the driver's perception, and its potential field.
 
 python scripts/montage.py docs/pictures/montage.jpg
 """
@@ -19,7 +19,7 @@ QUALITY = 85
 
 
 def moment(scenario: str, when: Callable[[Plan], bool]) -> tuple[Image, Plan]:
-    """The first frame of an episode, and the plan for it, of which `when` is true."""
+    """The first frame and plan of an episode that satisfy `when`."""
     found: list[tuple[Image, Plan]] = []
 
     def watch(frame: Image, plan: Plan | None) -> None:
@@ -31,7 +31,7 @@ def moment(scenario: str, when: Callable[[Plan], bool]) -> tuple[Image, Plan]:
 
 
 def nearest_m(plan: Plan) -> float:
-    """m to the nearest body ahead."""
+    """Distance, m, to the nearest obstacle ahead."""
     ahead = plan.perception.obstacles.forward_m
     return float(np.min(ahead, where=ahead > 0.0, initial=np.inf))
 

@@ -1,10 +1,10 @@
-"""Success of drivers whose sensors fail: against the drop rate, the latency, and each other fault once.
+"""Success of drivers with sensor faults: by drop rate, latency, and each other fault.
 
     python scripts/sensor_faults.py --seeds 0:3 --out DIR [--driver D]... [--base town04]... [--weather W] [--only WORD]
         [--workers N] [--resume]
 
-A row of the table is a scenario with one fault, which DIR has as a file, on the same roads as the first row. Who fails
-stands beside the successes; `vpf-sim video` draws these again.
+Each row is a scenario with one fault, stored as a file in DIR, on the same roads as the first row. Failed seeds are
+listed beside the successes; `vpf-sim video` re-renders them.
 """
 
 import argparse
@@ -38,14 +38,14 @@ DRIVERS, BASES = ("vpf", "pid", "stanley"), ("town04", "random")
 
 
 def write_scenario(folder: Path, base: str, fault: str) -> Path:
-    """The scenario file of a fault."""
+    """Write the scenario file of a fault."""
     path = folder / f"{base}-{fault}.toml"
     path.write_text(f'base = "{base}"\n[ego.sensor_faults]\n{FAULTS[fault]}\n')
     return path
 
 
 def sweep(scenarios: list[Path], arguments: argparse.Namespace) -> list[dict[str, Any]]:
-    """Drive all; the records. Failures are results here, and so is exit code 1."""
+    """Drive all scenarios; returns the records. Exit code 1 is accepted, since failures are results here."""
     out = arguments.out / "run"
     command = [sys.executable, "-m", "vpf_sim.cli", "sweep", "--weather", arguments.weather]
     command += [part for scenario in scenarios for part in ("--scenario", str(scenario))]
@@ -60,7 +60,7 @@ def sweep(scenarios: list[Path], arguments: argparse.Namespace) -> list[dict[str
 
 
 def cell(found: list[dict[str, Any]]) -> str:
-    """Successes, and how the other episodes ended."""
+    """Successes, and the endings of the other episodes."""
     failed = ", ".join(f"{one['seed']} {one['status']}" for one in found if one["status"] != "success")
     good = sum(one["status"] == "success" for one in found)
     return f"{good}/{len(found)}" + (f" ({failed})" if failed else "")
@@ -73,9 +73,9 @@ def main() -> None:
     parser.add_argument("--driver", action="append", metavar="D", help=f"by default {', '.join(DRIVERS)}")
     parser.add_argument("--base", action="append", metavar="SCENARIO", help=f"by default {', '.join(BASES)}")
     parser.add_argument("--weather", default="clear")
-    parser.add_argument("--only", default="", metavar="WORD", help="faults whose name has it in it")
+    parser.add_argument("--only", default="", metavar="WORD", help="only faults whose name contains WORD")
     parser.add_argument("--workers", type=int, metavar="N", help="as of vpf-sim sweep")
-    parser.add_argument("--resume", action="store_true", help="go on with what is in DIR")
+    parser.add_argument("--resume", action="store_true", help="continue the run in DIR")
     arguments = parser.parse_args()
     faults = [name for name in FAULTS if arguments.only in name]
     if not faults:

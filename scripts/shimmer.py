@@ -1,4 +1,4 @@
-"""Whether the picture shimmers: pixels that change with the car still, tracks of the distant ground that stray.
+"""Measure shimmer: pixels that change with a stationary car, and track errors on distant ground.
 
 python scripts/shimmer.py [--weather ClearNoon ...] [--seed 0] [--seconds 2] [--json FILE]
 """
@@ -31,8 +31,8 @@ def main() -> None:
         for road in shimmer.STARTS_M:
             still = shimmer.changes_standing(weather, road, arguments.seed, STILL_FRAMES)
             for speed in SPEEDS_MPS:
-                seen = shimmer.creep(weather, road, speed, arguments.seed, round(60.0 * arguments.seconds) + 1)
-                rows.append({"weather": name, "changed_standing": still, **asdict(seen)})
+                tracks = shimmer.creep(weather, road, speed, arguments.seed, round(60.0 * arguments.seconds) + 1)
+                rows.append({"weather": name, "changed_standing": still, **asdict(tracks)})
                 print(text_table(rows[-1:], header=len(rows) == 1), flush=True)
     if arguments.json:
         arguments.json.write_text(json.dumps(rows, indent=1) + "\n")

@@ -1,11 +1,11 @@
-"""What `vpf` tolerates: other verges, surfaces, markings, lanes and real sensors' errors, on roads that the seeds draw.
+"""Robustness of `vpf` to other verges, surfaces, markings, lanes and sensor errors, on random roads.
 
     python scripts/tolerance.py --seeds 1000:1010 --out DIR [--weather W] [--only WORD] [--workers N] [--resume]
 
-Each row of the table is a world of its own, on the same roads and bodies as the first, where the lanes are as many and
-as wide; of lanes that are not, the driver is told, as it would be of the roads of its country. Beside the successes
-stand the mean path MSE and least clearance of those episodes, with their 95 % intervals. DIR has the worlds' scenario
-files, and the run, whose failures `vpf-sim video` draws again.
+Each row of the table is one world. Worlds with the default lanes have the same roads and objects; in the others the
+driver is configured with their number and width of lanes. The table has successes, and the mean path MSE and least
+clearance of successful episodes with 95 % intervals. DIR has the scenario files and the run; `vpf-sim video` re-
+renders its failures.
 """
 
 import argparse
@@ -43,7 +43,7 @@ WALK = "position_walk_m = 0.05\nheading_walk_deg = 0.1"
 NOISE = "position_noise_m = 0.01\nheading_noise_deg = 0.05"
 MOUNTING, PITCH = "mounting_deg = 0.3", "pitch_deg = 0.2"
 WORLDS: dict[str, dict[str, str]] = {
-    "as-it-is": {},
+    "default": {},
     "verge-sand": {"look": 'verge = "sand"'},
     "verge-snow": {"look": 'verge = "snow"'},
     "verge-paved": {"look": 'verge = "paved"'},
@@ -69,7 +69,7 @@ WORLDS: dict[str, dict[str, str]] = {
 
 
 def write_world(folder: Path, name: str, parts: Mapping[str, str]) -> tuple[Path, str]:
-    """The scenario file of a world, and the driver that is told of its lanes."""
+    """Write the scenario file of a world; returns it and the driver configured for its lanes."""
     scenario = folder / f"{name}.toml"
     scenario.write_text(BASE.format(**{"lanes": "", "look": "", "sensors": "", **parts}))
     if "lanes" not in parts:
@@ -80,7 +80,7 @@ def write_world(folder: Path, name: str, parts: Mapping[str, str]) -> tuple[Path
 
 
 def sweep(scenarios: list[Path], driver: str, out: Path, arguments: argparse.Namespace) -> list[dict[str, Any]]:
-    """Drive the worlds of one driver; the records. Failures are results here, and so is exit code 1."""
+    """Drive the worlds of one driver; returns the records. Exit code 1 is accepted, since failures are results here."""
     command = [sys.executable, "-m", "vpf_sim.cli", "sweep", "--driver", driver, "--weather", arguments.weather]
     command += [part for scenario in scenarios for part in ("--scenario", str(scenario))]
     command += ["--seeds", arguments.seeds, "--out", str(out)]
@@ -111,9 +111,9 @@ def main() -> None:
     parser.add_argument("--seeds", default="1000:1010", metavar="A:B")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     parser.add_argument("--weather", default="clear")
-    parser.add_argument("--only", default="", metavar="WORD", help="worlds whose name has it in it")
+    parser.add_argument("--only", default="", metavar="WORD", help="only worlds whose name contains WORD")
     parser.add_argument("--workers", type=int, metavar="N", help="as of vpf-sim sweep")
-    parser.add_argument("--resume", action="store_true", help="go on with what is in DIR")
+    parser.add_argument("--resume", action="store_true", help="continue the run in DIR")
     arguments = parser.parse_args()
     worlds = {name: parts for name, parts in WORLDS.items() if arguments.only in name}
     if not worlds:

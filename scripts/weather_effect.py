@@ -1,4 +1,4 @@
-"""What weather does to the plain perception: a table of each factor alone and of weathers, against the truth.
+"""The effect of weather on tracking and the paper's perception: each factor alone, and whole weathers.
 
 python scripts/weather_effect.py [--weather NAME ...] [--seed 0] [--seconds 4] [--every 12] [--json FILE]
 """
@@ -20,7 +20,7 @@ def main() -> None:
     parser.add_argument("--weather", nargs="*", help="rows to measure, by name, or other weathers; all by default")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--seconds", type=float, default=4.0, help="length of the drive")
-    parser.add_argument("--every", type=int, default=12, help="frames from one comparison with the truth to the next")
+    parser.add_argument("--every", type=int, default=12, help="score every N-th frame")
     parser.add_argument("--json", type=Path, help="also write the table to this file")
     arguments = parser.parse_args()
     limit_opencv()

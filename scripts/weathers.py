@@ -1,4 +1,4 @@
-"""Draw the README's picture of the weather: the same place in six of them.
+"""Draw the README's image of the weather: one pose in six weathers.
 
 python scripts/weathers.py docs/pictures/weathers.jpg
 """
@@ -15,14 +15,14 @@ from vpf_sim.report import gallery
 from vpf_sim.report.pictures import jpeg, sheet
 from vpf_sim.types import Image
 
-PLACE = "car-ahead"
+POSE = "car-ahead"
 WEATHERS = ("ClearNoon", "ClearSunset", "FoggyNoon", "WetCloudyNoon", "MidRainyNoon", "HardRainNoon")
 WIDTH_PX, QUALITY = 480, 85
 
 
 def picture(name: str) -> Image:
-    """The place in a weather, with the weather's name."""
-    pose = next(pose for pose in POSES if pose.name == PLACE)
+    """The pose in a weather, with the weather's name."""
+    pose = next(pose for pose in POSES if pose.name == POSE)
     small = cv2.resize(
         gallery.picture(pose, weather.load(name)), (WIDTH_PX, WIDTH_PX * 3 // 4), interpolation=cv2.INTER_AREA
     )

@@ -1,9 +1,9 @@
-"""What is found on the glass of a recording and taken out of it, and what it does to the focus of expansion.
+"""Detection and removal of water on the windscreen of a recording, and its effect on the focus of expansion.
 
 python scripts/wet_glass.py DRIVE [--weather NAME ...] [--wiper SECONDS] [--seed 0] [--json FILE]
 
-The first row is the recording as it is; in each of the others the water of a weather is added to it, so that what is
-behind is known. `--wiper` is the time from sweep to sweep; 0 leaves the wiper off.
+The first row is the recording as it is; the others add the water of a weather, so that the ground truth behind it is
+known. `--wiper` is the time between sweeps; 0 is off.
 """
 
 import argparse
@@ -23,7 +23,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("drive", type=Path, help="a recording, as for vpf-sim replay")
     parser.add_argument("--weather", nargs="*", default=["HardRainNoon"], help="weathers whose water is added")
-    parser.add_argument("--wiper", type=float, help="seconds from sweep to sweep, instead of the weather's")
+    parser.add_argument("--wiper", type=float, help="seconds between sweeps, instead of the weather's")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=Path, help="also write the table to this file")
     arguments = parser.parse_args()
@@ -41,7 +41,7 @@ def main() -> None:
 
 
 def load(name: str, wiper_period_s: float | None) -> Weather:
-    """A weather with its own wiper, or another."""
+    """A weather, with another wiper period if given."""
     weather = weathers.load(name)
     return weather if wiper_period_s is None else weather.model_copy(update={"wiper_period_s": wiper_period_s})
 

@@ -96,7 +96,7 @@ def test_an_episode_leaves_the_process_as_it_was(place: Path) -> None:
 
 
 def test_relative_names_mean_the_same_after_a_driver_has_gone_elsewhere(place: Path) -> None:
-    with process_state.kept():
+    with process_state.preserved():
         driver = drivers.create("restless_drivers:Restless")
         driver.reset(None)  # type: ignore[arg-type]
         assert Path.cwd() == place

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from vpf_sim.evaluation.gate.cells import Cell
-from vpf_sim.evaluation.gate.checks import again
+from vpf_sim.evaluation.gate.checks import drive_command
 from vpf_sim.shell import command
 
 ROOT = Path(__file__).parents[1]
@@ -50,7 +50,7 @@ def test_a_path_with_a_dash_in_front_is_no_option() -> None:
 
 
 def test_the_seeds_to_drive_again_are_a_loop_that_a_shell_runs() -> None:
-    line = again(Cell("my roads/it's.toml", "clear", "pid"), [3, 5])
+    line = drive_command(Cell("my roads/it's.toml", "clear", "pid"), [3, 5])
     shown = subprocess.run(
         ["sh", "-c", f"vpf_sim() {{ printf '%s|' \"$@\"; }}; {line.replace('vpf-sim', 'vpf_sim')}"],
         capture_output=True,

@@ -1,15 +1,15 @@
-"""What a user did wrong, said in one line."""
+"""Errors of the user, one line each."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
 
 class InputError(Exception):
-    """Wrong use or wrong input. The command line prints each line of the message and exits with 2."""
+    """Wrong use or wrong input; the command line prints the message and exits with 2."""
 
 
 def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
-    """The error for a name that is not in a registry, with the nearest known name as a suggestion."""
+    """The error for an unregistered name, with the nearest known name as a suggestion."""
     names = sorted(known)
     near = get_close_matches(name, names, n=1, cutoff=0.5)
     remedy = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(names)}"
@@ -17,7 +17,7 @@ def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
 
 
 def wrong_value(message: str, value: object) -> str:
-    """pydantic's "Input should be X" in our words, with what stands there instead."""
+    """pydantic's "Input should be X" as "expected X, got VALUE"."""
     wanted = message.removeprefix("Input should be ")
     expected = f"expected: {message}" if wanted == message else f"expected {wanted}"
     return f"{expected}, got {shown(value)}"

@@ -1,4 +1,4 @@
-"""Files on the disk: written whole or not at all, and named so that any system takes the name."""
+"""Atomic file writes, and file names that every system accepts."""
 
 import errno
 import os
@@ -9,22 +9,22 @@ from hashlib import sha256
 from pathlib import Path
 from unicodedata import normalize
 
-DRAFT = ".draft"  # the ending of a file that is not finished
-MOST_BYTES = 64  # of a name, but for its hash
+DRAFT = ".draft"  # suffix of an unfinished file
+MOST_BYTES = 64  # of a name, without its hash
 PLAIN = re.compile(r"(?!-)[\w@-]+(?: [\w@-]+)*")
 RESERVED = re.compile(r"con|prn|aux|nul|com\d|lpt\d", re.IGNORECASE)  # names of devices on Windows
 
 
 class Draft:
-    """A file beside `path` that takes its place by `commit`: until then, the former file stays as it is.
+    """A temporary file beside `path`; `commit` moves it to `path`, which stays unchanged until then.
 
-    What is no regular file, such as /dev/stdout or a pipe, has nothing to lose and is written directly.
+    A path that is not a regular file, such as /dev/stdout or a pipe, is written directly.
     """
 
     def __init__(self, path: Path) -> None:
-        """OSError where the file cannot be written; a folder that is missing is made."""
+        """Create the file and missing folders; OSError where it cannot be written."""
         self.path = path
-        self._target = Path(os.path.realpath(path))  # a link goes on leading to the file
+        self._target = Path(os.path.realpath(path))  # a symbolic link stays a link
         if path.is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
         self._direct = path.exists() and not path.is_file()
@@ -40,7 +40,7 @@ class Draft:
             raise self.fault(error) from None
 
     def commit(self) -> None:
-        """Put what was written in the place of the file; OSError if that fails, and then the former one stays."""
+        """Replace the file by the draft; OSError if that fails, and the former file stays."""
         if self._direct:
             return
         try:
@@ -52,12 +52,12 @@ class Draft:
             raise self.fault(error) from None
 
     def discard(self) -> None:
-        """Remove what was written."""
+        """Remove the draft."""
         if not self._direct:
             self.file.unlink(missing_ok=True)
 
     def fault(self, error: Exception) -> OSError:
-        """What went wrong while this was written, as an OSError that names the file and says the reason."""
+        """An error during writing as an OSError with the file's name and the reason."""
         code = getattr(error, "errno", None)
         code = code if isinstance(code, int) and code > 0 else errno.EIO
         reason = os.strerror(code) if getattr(error, "errno", None) else str(error)
@@ -66,7 +66,7 @@ class Draft:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """The place to write to: it becomes the file `path` at the end, or is removed if anything goes wrong."""
+    """A draft of `path`: committed at the end of the context, removed on any exception."""
     draft = Draft(path)
     try:
         yield draft.file
@@ -82,21 +82,21 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """The whole file, or the former one and OSError."""
+    """Write the file atomically; OSError leaves the former file."""
     with replacing(path) as draft:
         draft.write_bytes(content)
 
 
 def write_text(path: Path, text: str) -> None:
-    """The whole file in UTF-8, or the former one and OSError; "?" stands for what UTF-8 does not have."""
+    """Write the file atomically in UTF-8; characters without an encoding become "?"."""
     write_bytes(path, text.encode("utf-8", "replace"))
 
 
 def file_name(text: str, label: str | None = None) -> str:
-    """A name for a file of what is called `text`, without an ending; different texts have different names.
+    """A portable file name for `text`, without a suffix; different texts have different names.
 
-    Letters, digits, "_", "-", "@" and single spaces are kept. Any other text is replaced by what is plain in it, or in
-    `label`, and a hash of the whole text. Texts that differ in case only may differ in case only here, too.
+    Letters, digits, "_", "-", "@" and single spaces are kept. Other texts become the plain characters of `text` (or of
+    `label`) and a hash. Names of texts that differ in case only may differ in case only.
     """
     if PLAIN.fullmatch(text) and not RESERVED.fullmatch(text) and normalize("NFKC", text) == text and _is_short(text):
         return text

@@ -8,27 +8,27 @@ import numpy as np
 from vpf_sim.types import Camera, Floats
 
 NEWTON_STEPS = 12
-LEAST_SLOPE = 0.02  # of the distorted radius: near the fold of the polynomial steps are held short
+LEAST_SLOPE = 0.02  # of the distorted radius: limits the step near the fold of the polynomial
 
 
 def wrap_angle(angle_rad: float) -> float:
-    """The same direction in [-pi, pi)."""
+    """The angle in [-pi, pi)."""
     return (angle_rad + pi) % (2.0 * pi) - pi
 
 
 def wrap_angles(angles_rad: Floats) -> Floats:
-    """(...) the same directions in [-pi, pi)."""
+    """(...) the angles in [-pi, pi)."""
     return np.asarray((angles_rad + pi) % (2.0 * pi) - pi)
 
 
 def unwrapped(angles: Sequence[float] | Floats, period: float = 2.0 * pi) -> Floats:
-    """(N,) the same directions without jumps over the seam, so that they can be interpolated, averaged and derived.
+    """(N,) the angles without jumps at the period's end, for interpolation, averages and derivatives.
 
-    Each differs from the known one before it by at most half a period. nan stays nan and hides no turn.
+    Each differs from the previous finite one by at most half a period; nan stays nan.
     """
     result = np.array(angles, float)
-    known = np.isfinite(result)
-    result[known] = np.unwrap(result[known], period=period)  # noqa: TID251
+    finite = np.isfinite(result)
+    result[finite] = np.unwrap(result[finite], period=period)  # noqa: TID251
     return result
 
 
@@ -39,17 +39,17 @@ def rotation(yaw_rad: float) -> Floats:
 
 
 def distance_m(one: Floats, other: Floats) -> float:
-    """m between two places (2,) or poses (3,) in the world."""
+    """Distance, m, between two positions (2,) or poses (3,) in the world."""
     return float(np.hypot(*(one - other)[:2]))
 
 
 def is_same(pose: Floats, other: Floats) -> bool:
-    """Whether two poses are equal; of what stands, they are mostly one object."""
+    """Whether two poses are equal; poses of static objects are mostly one array."""
     return pose is other or pose.tolist() == other.tolist()
 
 
 def mounting_in_words(pitch_deg: float, yaw_deg: float) -> str:
-    """How a camera is mounted, in words: pitch is + down, yaw + to the right."""
+    """A camera's mounting as text; pitch is + down, yaw + to the right."""
     vertical, lateral = "down" if pitch_deg >= 0.0 else "up", "right" if yaw_deg >= 0.0 else "left"
     return f"looks {abs(pitch_deg):.2f} deg {vertical} and {abs(yaw_deg):.2f} deg {lateral}"
 
@@ -61,15 +61,15 @@ def vehicle_from_world(points_m: Floats, pose: Floats) -> Floats:
 
 
 def world_from_vehicle(points_m: Floats, pose: Floats) -> Floats:
-    """(..., 2) points in the axes of the vehicle at `pose` (x, y, yaw), in the world."""
+    """(..., 2) world points of points in the axes of the vehicle at `pose` (x, y, yaw)."""
     absolute: Floats = points_m @ rotation(pose[2]).T + pose[:2]
     return absolute
 
 
 def project(camera: Camera, points_m: Floats) -> Floats:
-    """(..., 2) px, the undistorted image of (..., 3) points in vehicle axes (forward, right, up from the road).
+    """(..., 2) undistorted px of (..., 3) points in vehicle axes (forward, right, up from the road).
 
-    Points at or behind the camera's plane give nan.
+    nan for points at or behind the camera's plane.
     """
     forward, right, up = points_m[..., 0], points_m[..., 1], points_m[..., 2]
     cosine, sine = cos(camera.pitch_rad), sin(camera.pitch_rad)
@@ -77,15 +77,15 @@ def project(camera: Camera, points_m: Floats) -> Floats:
     depth = cosine * ahead + sine * below
     down = cosine * below - sine * ahead
     pixels = np.full((*depth.shape, 2), np.nan)
-    seen = depth > 0.0
-    scale = np.divide(1.0, depth, out=pixels[..., 0].copy(), where=seen)
+    visible = depth > 0.0
+    scale = np.divide(1.0, depth, out=pixels[..., 0].copy(), where=visible)
     np.add(camera.cx_px, camera.fx_px * right * scale, out=pixels[..., 0])
     np.add(camera.cy_px, camera.fy_px * down * scale, out=pixels[..., 1])
     return pixels
 
 
 def ground_from_pixels(camera: Camera, pixels: Floats) -> Floats:
-    """(..., 2) m, points of the flat road in vehicle axes that undistorted pixels show; nan above the horizon."""
+    """(..., 2) m, vehicle axes: flat-road points at undistorted pixels; nan above the horizon."""
     x = (pixels[..., 0] - camera.cx_px) / camera.fx_px
     y = (pixels[..., 1] - camera.cy_px) / camera.fy_px
     cosine, sine = cos(camera.pitch_rad), sin(camera.pitch_rad)
@@ -98,10 +98,10 @@ def ground_from_pixels(camera: Camera, pixels: Floats) -> Floats:
 
 
 def rotation_flow(camera: Camera, points_px: Floats, yaw_change_rad: Floats) -> Floats:
-    """(N, 2) px, how points at the END of a window were displaced by the camera's own turn to the right alone.
+    """(N, 2) px, flow that the camera's turn to the right alone causes, for points at the END of a window.
 
-    Exact for a finite turn about the vertical axis and pitch 0: the ray of each point is turned back and projected, and
-    the difference taken. Subtract it from the displacement to derotate the flow.
+    Exact for a finite turn about the vertical axis at pitch 0: each point's ray is rotated back and projected. Subtract
+    it from the displacement to derotate the flow.
     """
     x = (points_px[..., 0] - camera.cx_px) / camera.fx_px
     y = (points_px[..., 1] - camera.cy_px) / camera.fy_px
@@ -114,8 +114,7 @@ def rotation_flow(camera: Camera, points_px: Floats, yaw_change_rad: Floats) -> 
 
 
 def distort(camera: Camera, pixels: Floats) -> Floats:
-    """(..., 2) px in the frame of undistorted pixels, by OpenCV's radial model: a ray at the tangent r from the axis is
-    seen at r (1 + k1 r^2 + k2 r^4)."""
+    """(..., 2) distorted px of undistorted pixels, by OpenCV's radial model r -> r (1 + k1 r^2 + k2 r^4)."""
     if camera.k1 == 0.0 and camera.k2 == 0.0:
         return pixels
     ray = (pixels - _centre(camera)) / _focal(camera)
@@ -126,19 +125,19 @@ def distort(camera: Camera, pixels: Floats) -> Floats:
 
 
 def undistort(camera: Camera, pixels: Floats) -> Floats:
-    """(..., 2) undistorted px of pixels in the frame: the inverse of `distort`, by Newton's method on the radius."""
+    """(..., 2) undistorted px of distorted pixels: inverse of `distort` by Newton's method on the radius."""
     if camera.k1 == 0.0 and camera.k2 == 0.0:
         return pixels
     ray = (pixels - _centre(camera)) / _focal(camera)
-    seen = np.sqrt(np.sum(ray**2, axis=-1, keepdims=True))
-    radius = seen.copy()
+    distorted = np.sqrt(np.sum(ray**2, axis=-1, keepdims=True))
+    radius = distorted.copy()
     for _ in range(NEWTON_STEPS):
         square = radius**2
         slope = 1.0 + 3.0 * camera.k1 * square + 5.0 * camera.k2 * square**2
-        excess = radius * (1.0 + camera.k1 * square + camera.k2 * square**2) - seen
+        excess = radius * (1.0 + camera.k1 * square + camera.k2 * square**2) - distorted
         radius = np.clip(radius - excess / np.maximum(slope, LEAST_SLOPE), 0.0, 2.0)
-    undistorted: Floats = _centre(camera) + _focal(camera) * ray * (radius / np.maximum(seen, 1e-12))
-    return np.where(seen > 0.0, undistorted, pixels)
+    undistorted: Floats = _centre(camera) + _focal(camera) * ray * (radius / np.maximum(distorted, 1e-12))
+    return np.where(distorted > 0.0, undistorted, pixels)
 
 
 def _centre(camera: Camera) -> Floats:

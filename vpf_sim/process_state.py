@@ -1,4 +1,4 @@
-"""What a driver of the user's own may change of the process beside driving, and how it is kept from all others."""
+"""Isolation of process-wide settings that a user's driver may change."""
 
 import os
 import random
@@ -14,29 +14,28 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What every function of the process is subject to: the working directory, numpy's error handling, the filters of
-    warnings, OpenCV's threads."""
+    """Process-wide settings: working directory, numpy's error handling, warning filters, OpenCV's threads."""
 
-    place: str
+    directory: str
     errors: Any
     filters: list[Any]
     threads: int
 
     @classmethod
-    def now(cls) -> "Settings":
+    def current(cls) -> "Settings":
         cv2 = sys.modules.get("cv2")
         try:
-            place = os.getcwd()
-        except OSError:  # it is gone
-            place = ""
-        return cls(place, np.geterr(), list(warnings.filters), cv2.getNumThreads() if cv2 else 0)
+            directory = os.getcwd()
+        except OSError:  # the directory was deleted
+            directory = ""
+        return cls(directory, np.geterr(), list(warnings.filters), cv2.getNumThreads() if cv2 else 0)
 
     def apply(self) -> None:
-        """Make them those of the process."""
-        now = Settings.now()
-        if now.place != self.place:
-            with suppress(OSError):  # it is gone
-                os.chdir(self.place)
+        """Set them in this process."""
+        now = Settings.current()
+        if now.directory != self.directory:
+            with suppress(OSError):  # the directory was deleted
+                os.chdir(self.directory)
         if now.errors != self.errors:
             np.seterr(**self.errors)
         if now.filters != self.filters:
@@ -48,11 +47,10 @@ class Settings:
 
 
 @contextmanager
-def kept() -> Iterator[None]:
-    """Whatever is done inside: the settings, the environment's variables and the global random numbers of Python and
-    numpy are as before behind it."""
-    settings, variables = Settings.now(), dict(os.environ)
-    randoms, numbers = random.getstate(), np.random.get_state()  # noqa: NPY002 (the global one is what drivers change)
+def preserved() -> Iterator[None]:
+    """Restore settings, environment variables and Python's and numpy's global random states on exit."""
+    settings, variables = Settings.current(), dict(os.environ)
+    python_state, numpy_state = random.getstate(), np.random.get_state()  # noqa: NPY002 (the global one is what drivers change)
     try:
         yield
     finally:
@@ -60,38 +58,37 @@ def kept() -> Iterator[None]:
         if dict(os.environ) != variables:
             os.environ.clear()
             os.environ.update(variables)
-        random.setstate(randoms)
-        np.random.set_state(numbers)  # noqa: NPY002
+        random.setstate(python_state)
+        np.random.set_state(numpy_state)  # noqa: NPY002
 
 
-class InItsOwnPlace:
-    """An object of the user's own with settings of its own: what its code changes of them, it finds again, and nobody
-    else does."""
+class Isolated:
+    """A user's object whose code runs under settings of its own; its changes persist for it alone."""
 
     def __init__(self, own: Any) -> None:
         self._own = own
-        self._settings = Settings.now()
+        self._settings = Settings.current()
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__") or name in ("_own", "_settings"):  # of a copy that is not filled yet
+        if name.startswith("__") or name in ("_own", "_settings"):  # a copy that is not initialised yet
             raise AttributeError(name)
-        with self._there():
+        with self._own_settings():
             value = getattr(self._own, name)
         if not callable(value):
             return value
 
         def call(*arguments: Any, **options: Any) -> Any:
-            with self._there():
+            with self._own_settings():
                 return value(*arguments, **options)
 
         return call
 
     @contextmanager
-    def _there(self) -> Iterator[None]:
-        ours = Settings.now()
+    def _own_settings(self) -> Iterator[None]:
+        outer = Settings.current()
         self._settings.apply()
         try:
             yield
         finally:
-            self._settings = Settings.now()
-            ours.apply()
+            self._settings = Settings.current()
+            outer.apply()

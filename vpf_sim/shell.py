@@ -1,13 +1,13 @@
-"""Commands that messages and pages offer: a shell takes them as they stand."""
+"""Shell commands that messages and pages suggest."""
 
 import shlex
 from pathlib import Path
 
 
 def command(name: str, *arguments: str | Path, **options: str | Path | float | bool | None) -> str:
-    """`vpf-sim NAME ARGUMENTS --option value`, each word quoted where a shell needs it.
+    """`vpf-sim NAME ARGUMENTS --option value`, quoted for a shell.
 
-    An option that is None or False is left out, one that is True stands alone; "_" in its name is "-".
+    Options that are None or False are omitted, True has no value; "_" in a name becomes "-".
     """
     words = ["vpf-sim", *name.split(), *map(_argument, arguments)]
     for option, value in options.items():
@@ -20,5 +20,5 @@ def command(name: str, *arguments: str | Path, **options: str | Path | float | b
 
 
 def _argument(value: str | Path) -> str:
-    """A path that begins with a dash would be taken for an option."""
+    """The argument; a path that begins with a dash would be read as an option."""
     return f"./{value}" if str(value).startswith("-") else str(value)

@@ -1,10 +1,10 @@
-"""A pytest plugin: the fixture `drive`, for the tests of a project's own driver.
+"""A pytest plugin with the fixture `drive`, for tests of your own driver.
 
     def test_my_driver(drive):
         record = drive("town04", driver="my_package:MyDriver", weather="rain", seed=3)
         assert record["status"] == "success"
 
-pytest loads this file at every start, so all that it needs is imported at the first drive.
+pytest loads this file at every start, so imports happen at the first drive.
 """
 
 import sys
@@ -23,10 +23,10 @@ class Drive(Protocol):
 
 @pytest.fixture
 def drive(pytestconfig: pytest.Config) -> Drive:
-    """Drive one episode and give its record, as `vpf-sim drive --json` prints it.
+    """A function that drives one episode and returns its record, as `vpf-sim drive --json` prints it.
 
-    Drivers are also found in the project's root. An episode that is no success prints the command that drives it again,
-    and a driver's exception its traceback: pytest shows both with a test that fails.
+    Drivers are also found in the project's root. An unsuccessful episode prints the command that repeats it, and the
+    traceback of a driver's exception.
     """
 
     def run(scenario: str, *, driver: str = "vpf", weather: str = "clear", seed: int = 0) -> dict[str, Any]:
@@ -38,12 +38,12 @@ def drive(pytestconfig: pytest.Config) -> Drive:
 
 
 def _run(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
-    """One episode on one thread, as the command line drives it; OpenCV has its threads back behind it."""
+    """Drive one episode on one thread, as the command line does."""
     import cv2
 
     from vpf_sim.evaluation.episode import episode
     from vpf_sim.evaluation.gate.cells import Cell
-    from vpf_sim.evaluation.gate.checks import again
+    from vpf_sim.evaluation.gate.checks import drive_command
     from vpf_sim.evaluation.processes.threads import limit_opencv
 
     threads = cv2.getNumThreads()
@@ -54,9 +54,9 @@ def _run(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
         cv2.setNumThreads(threads)
     status = result.record["status"]
     if status != "success":
-        told = [
+        lines = [
             result.timing.get("traceback", ""),
-            f"{status}; again: {again(Cell(scenario, weather, driver), [seed])}",
+            f"{status}; again: {drive_command(Cell(scenario, weather, driver), [seed])}",
         ]
-        print("\n".join(told), file=sys.stderr)
+        print("\n".join(lines), file=sys.stderr)
     return result.record

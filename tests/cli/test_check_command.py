@@ -30,7 +30,7 @@ def spoil(name: str, text: str) -> Callable[[Path], None]:
         (spoil("episodes.jsonl", '{"id": 3}\n'), "episodes.jsonl: record 3: id: expected a valid string, got 3"),
     ],
 )
-def test_a_torn_or_foreign_run_folder_is_one_clear_line(
+def test_an_incomplete_or_foreign_run_folder_is_one_clear_line(
     harm: Callable[[Path], None], sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     folder, rules = run(tmp_path / "run", lambda _: {}), tmp_path / "rules.toml"
@@ -42,7 +42,7 @@ def test_a_torn_or_foreign_run_folder_is_one_clear_line(
     assert said.count("\n") == 1
 
 
-def test_the_command_says_what_failed_and_how_to_see_it(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_the_command_prints_failures_and_how_to_repeat_them(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     folder, rules = run(tmp_path / "run", lost), tmp_path / "rules.toml"
     rules.write_text('[[rules]]\nscenario = "town04"\nsuccess_rate_at_least = 0.9\ncollisions_at_most = 3')
     assert cli.run(["check", str(folder), "--rules", str(rules)]) == 1
@@ -52,7 +52,7 @@ def test_the_command_says_what_failed_and_how_to_see_it(capsys: pytest.CaptureFi
     assert said.endswith("\n1 passed, 1 failed, 0 skipped\n")
 
 
-def test_json_has_every_check_and_nothing_else(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_json_has_every_check_and_no_other_output(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     folder, rules = run(tmp_path / "run", lambda _: {}), tmp_path / "rules.toml"
     rules.write_text("[[rules]]\nsuccess_rate_at_least = 1\ncollisions_at_most = 0")
     assert cli.run(["check", str(folder), "--rules", str(rules), "--json"]) == 0

@@ -1,4 +1,4 @@
-"""The command line: exit codes, one clear line for what is wrong, and JSON that is nothing else."""
+"""The command line: exit codes, one-line errors, and JSON output."""
 
 import json
 import os
@@ -39,7 +39,7 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
         (["sweep", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
         (
             ["sweep", "--resume", "--out", "."],
-            ".: --resume: expected the manifest.json of a run, found none; say what is",
+            ".: --resume: expected the manifest.json of a run, found none; name what to",
         ),
         (["benchmark", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
         (["sweep", "missing.toml"], "missing.toml: expected a readable sweep file"),
@@ -81,7 +81,7 @@ def test_wrong_use_is_one_clear_line(
         ("[goal]", "[goal", "expected TOML"),
     ],
 )
-def test_a_wrong_scenario_file_is_told_by_file_and_key(
+def test_a_wrong_scenario_file_is_reported_by_file_and_key(
     before: str, after: str, sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     path = tmp_path / "mine.toml"
@@ -104,7 +104,7 @@ def test_a_wrong_scenario_file_is_told_by_file_and_key(
         ("weather = [", "expected TOML"),
     ],
 )
-def test_a_wrong_sweep_file_is_told_by_file_and_key(
+def test_a_wrong_sweep_file_is_reported_by_file_and_key(
     text: str, sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     path = tmp_path / "sweep.toml"
@@ -115,13 +115,13 @@ def test_a_wrong_sweep_file_is_told_by_file_and_key(
     assert said.count("\n") == 1
 
 
-def test_a_run_folder_is_not_written_over(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_run_folder_is_not_overwritten(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("")
     assert cli.run(["drive", "straight", "--driver", "pid", "--out", str(tmp_path)]) == 2
     assert "expected an empty or new run folder" in capsys.readouterr().err
 
 
-def test_without_a_display_there_is_nothing_to_watch(tmp_path: Path) -> None:
+def test_watch_is_refused_without_a_display(tmp_path: Path) -> None:
     done = vpf_sim("drive", "straight", "--watch", cwd=tmp_path, SDL_VIDEODRIVER="offscreen")
     assert done.returncode == 2
     assert "no display" in done.stderr
@@ -162,7 +162,7 @@ class Unmade(Brake):
 """
 
 
-def test_a_users_own_driver_is_found_where_one_stands(tmp_path: Path) -> None:
+def test_a_users_driver_is_found_in_the_working_directory(tmp_path: Path) -> None:
     short = str(write_short(tmp_path))
     (tmp_path / "mine.py").write_text(DRIVER)
     stuck = vpf_sim("drive", short, "--driver", "mine:Brake", "--json", cwd=tmp_path)
@@ -173,7 +173,7 @@ def test_a_users_own_driver_is_found_where_one_stands(tmp_path: Path) -> None:
     assert "Traceback" not in broken.stderr
 
 
-def test_what_a_driver_prints_is_no_part_of_the_answer(tmp_path: Path) -> None:
+def test_prints_of_a_driver_do_not_reach_stdout(tmp_path: Path) -> None:
     short = str(write_short(tmp_path))
     (tmp_path / "mine.py").write_text(DRIVER)
     driven = vpf_sim("drive", short, "--driver", "mine:Chatty", "--json", cwd=tmp_path)
@@ -186,7 +186,7 @@ def test_what_a_driver_prints_is_no_part_of_the_answer(tmp_path: Path) -> None:
         assert "braking\n" in done.stderr
 
 
-def test_a_driver_that_cannot_be_made_is_wrong_input(tmp_path: Path) -> None:
+def test_a_driver_that_cannot_be_created_is_wrong_input(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(DRIVER)
     done = vpf_sim("drive", "straight", "--driver", "mine:Unmade", cwd=tmp_path)
     assert done.returncode == 2

@@ -92,7 +92,7 @@ def test_a_malformed_file_is_refused(
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_a_torn_or_foreign_run_folder_is_refused(
+def test_an_incomplete_or_foreign_run_folder_is_refused(
     seed: int, run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "run"
@@ -105,7 +105,9 @@ def test_a_torn_or_foreign_run_folder_is_refused(
 
 
 @pytest.mark.parametrize("kind", TEXTS)
-def test_what_is_mutated_is_valid(kind: str, run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_mutated_inputs_are_valid_before_mutation(
+    kind: str, run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / f"{kind}.toml"
     path.write_text(TEXTS[kind])
     if kind in ("scenario", "weather"):

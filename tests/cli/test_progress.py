@@ -1,4 +1,4 @@
-"""Live progress: lines that tell failures, rate and time left, and where the reason of an error is."""
+"""Progress lines: failures, rate, time left, and the file of an error."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,7 +23,7 @@ def time(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 
 def test_rate_and_time_left_are_those_of_this_session(time: list[float]) -> None:
-    tally = Tally(total=20, done=10, begun_s=time[0])
+    tally = Tally(total=20, done=10, started_s=time[0])
     assert tally.text() == "no episode yet"
     time[0] += 60.0
     for status in ("success", "collision", "success", "success"):
@@ -32,7 +32,7 @@ def test_rate_and_time_left_are_those_of_this_session(time: list[float]) -> None
 
 
 @pytest.mark.parametrize(("seconds", "text"), [(0.4, "0:00:00"), (59.6, "0:01:00"), (3725.0, "1:02:05")])
-def test_a_clock_reads_hours_minutes_seconds(seconds: float, text: str) -> None:
+def test_clock_has_hours_minutes_seconds(seconds: float, text: str) -> None:
     assert clock(seconds) == text
 
 
@@ -46,7 +46,7 @@ def test_without_a_terminal_each_episode_is_a_line(capsys: pytest.CaptureFixture
     assert said.err.splitlines() == [
         "2/4 a success (1 of 1 reached the goal, 100 an hour, 0:01:12 left)",
         "3/4 b error (1 failed, 1 of 2 reached the goal, 200 an hour, 0:00:18 left)",
-        "b: error, the reason is in run/errors/b.txt",
+        "b: error, see run/errors/b.txt",
     ]
 
 
@@ -61,4 +61,4 @@ def test_on_a_terminal_there_is_a_bar(
     said = capsys.readouterr().err
     assert "2/3" in said
     assert "1 failed, 0 of 1 reached the goal, 100 an hour, 0:00:36 left, last [a]" in said
-    assert "[a]: error, the reason is in run/errors/[a].txt" in said
+    assert "[a]: error, see run/errors/[a].txt" in said

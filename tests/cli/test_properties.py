@@ -125,7 +125,7 @@ KINDS = {
 
 @pytest.mark.parametrize("examples", MANY)
 @pytest.mark.parametrize("name", KINDS)
-def test_a_file_is_read_as_it_is_written_or_refused(name: str, examples: int, tmp_path: Path) -> None:
+def test_a_file_is_read_unchanged_or_refused(name: str, examples: int, tmp_path: Path) -> None:
     kind, path = KINDS[name], tmp_path / "file.toml"
     path.write_text(kind.text)
     assert outcome(lambda: kind.read(path), tmp_path) is not None
@@ -204,7 +204,7 @@ def assert_read_or_refused(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("examples", MANY)
-def test_a_spoiled_table_of_signals_is_a_possible_recording_or_refused(folder: Path, examples: int) -> None:
+def test_a_mutated_signal_table_is_a_valid_recording_or_refused(folder: Path, examples: int) -> None:
     def holds(content: bytes) -> None:
         (folder / "signals.csv").write_bytes(content)
         assert_read_or_refused(folder)
@@ -213,7 +213,7 @@ def test_a_spoiled_table_of_signals_is_a_possible_recording_or_refused(folder: P
 
 
 @pytest.mark.parametrize("examples", MANY)
-def test_a_spoiled_drive_toml_is_a_possible_recording_or_refused(folder: Path, examples: int) -> None:
+def test_a_mutated_drive_toml_is_a_valid_recording_or_refused(folder: Path, examples: int) -> None:
     def holds(content: bytes) -> None:
         (folder / "drive.toml").write_bytes(content)
         assert_read_or_refused(folder)
@@ -237,7 +237,7 @@ def dress(draw: st.DrawFn) -> bytes:
 
 
 @pytest.mark.parametrize("examples", MANY)
-def test_a_table_is_read_alike_in_every_dress(folder: Path, examples: int) -> None:
+def test_a_table_is_read_alike_in_every_format(folder: Path, examples: int) -> None:
     def holds(content: bytes) -> None:
         (folder / "signals.csv").write_bytes(content)
         found = readers.read(folder)
@@ -291,7 +291,7 @@ WRITERS: dict[str, Callable[[Path], Path]] = {
 @pytest.mark.slow
 @pytest.mark.parametrize("examples", [1000])
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_recording_of_which_a_file_is_spoiled_is_possible_or_refused(
+def test_a_recording_with_a_mutated_file_is_valid_or_refused(
     name: str, examples: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(layouts, "FRAMES", FRAMES)

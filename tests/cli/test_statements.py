@@ -1,4 +1,4 @@
-"""What commands say of short, empty, failing and mistyped runs means what it says."""
+"""Messages of commands on short, empty, failing and mistyped runs."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from vpf_sim.cli import run
 from vpf_sim.cli.tables import measure
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.episode import trial
+from vpf_sim.evaluation.episode import driver_check
 from vpf_sim.evaluation.sweeps import cluster
 from vpf_sim.geometry import mounting_in_words
 
@@ -57,15 +57,15 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
         ("Unready", "reset: RuntimeError: no weights"),
     ],
 )
-def test_a_driver_that_cannot_drive_is_no_good_one(name: str, said: str, module: str) -> None:
+def test_a_driver_that_fails_is_reported_as_invalid(name: str, said: str, module: str) -> None:
     with pytest.raises(InputError, match=f"^driver '{module}:{name}': without obstacles: {said}") as caught:
-        trial.check(f"{module}:{name}")
+        driver_check.check(f"{module}:{name}")
     assert "\n" not in str(caught.value)
 
 
-def test_a_driver_that_drives_is_a_good_one(module: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_driver_that_drives_is_valid(module: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["drivers", "validate", f"{module}:Good"]) == 0
-    assert capsys.readouterr().out == f"{module}:Good: a good driver, privileged: none\n"
+    assert capsys.readouterr().out == f"{module}:Good: valid, privileged: none\n"
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_a_driver_that_drives_is_a_good_one(module: str, capsys: pytest.CaptureF
         ["video", "run", "--id", "a", "--out", "vidoes/a.mp4"],
     ],
 )
-def test_a_mistyped_folder_is_refused_before_anything_is_done(
+def test_a_mistyped_folder_is_refused_before_any_work(
     command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -89,18 +89,18 @@ def test_a_mistyped_folder_is_refused_before_anything_is_done(
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_not_there_has_no_unit() -> None:
+def test_a_missing_value_has_no_unit() -> None:
     assert measure(None, "m") == "-"
     assert measure(1.25, "m") == "1.25 m"
 
 
-def test_a_mounting_is_told_by_its_side() -> None:
+def test_a_mounting_is_described_by_direction() -> None:
     assert mounting_in_words(-2.7, 1.0) == "looks 2.70 deg up and 1.00 deg right"
     assert mounting_in_words(0.5, -3.0) == "looks 0.50 deg down and 3.00 deg left"
 
 
 @pytest.mark.parametrize("address", ["nonsense", "tcp://localhost", "tcp://localhost:x", "http://localhost:1"])
-def test_an_address_that_is_none_is_refused_without_a_try(address: str) -> None:
+def test_an_invalid_address_is_refused_without_connecting(address: str) -> None:
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
     with (
         pytest.raises(InputError, match=f"^--cluster: expected a Dask scheduler at {re.escape(address)}, got: .+$"),
@@ -109,7 +109,7 @@ def test_an_address_that_is_none_is_refused_without_a_try(address: str) -> None:
         pass
 
 
-def test_the_readmes_commands_have_what_those_before_them_made() -> None:
+def test_the_readmes_commands_use_files_of_earlier_commands() -> None:
     """What a command reads under runs/ an earlier one has written, and rules that are named are made."""
     (block,) = re.findall(r"```sh\n(vpf-sim drive.*?)```", README, re.DOTALL)
     made: set[str] = set()

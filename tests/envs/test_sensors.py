@@ -101,7 +101,7 @@ def test_driver_gets_measurements_and_the_log_the_truth() -> None:
         measured = []
         for _ in range(20):
             observation = read(observed)
-            log.observe(observation, info, env, looked=True)
+            log.observe(observation, info, env, used=True)
             measured.append(observation)
             observed, *_, info = env.step(np.zeros(2))
             assert info["ego"][:2] == pytest.approx(env.ego.position)

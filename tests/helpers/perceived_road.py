@@ -1,4 +1,4 @@
-"""A straight road with bodies, driven past at 5 m/s, and a made-up perception of it: every truth is known by hand."""
+"""A straight road with objects, driven at 5 m/s, and a synthetic perception with known errors."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.envs.road import Carriageway
-from vpf_sim.evaluation.perception.judgement import Judge, Judgement
+from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.scenarios.parts import Road
@@ -22,7 +22,7 @@ FOE_PX = (320.0, 240.0)
 
 @dataclass(frozen=True)
 class Stands:
-    """A body on the road: m along it and right of its centre; it drives along it."""
+    """An object on the road: m along it and right of its centre, with a speed along it."""
 
     kind: ObjectKind
     x_m: float
@@ -45,60 +45,60 @@ class Told:
 class Seen:
     """What is made up for one frame: errors of edges, lane and focus of expansion, and reports."""
 
-    told: Sequence[Told] = ()
-    left_m: float = 0.0  # told too far right by so much
+    detections: Sequence[Told] = ()
+    left_m: float = 0.0  # error to the right
     right_m: float = 0.0
     lane_m: float = 0.0
     foe_px: tuple[float, float] = (0.0, 0.0)
     road: float = 1.0  # confidence of edges and lane
 
 
-def truth(body: Stands, x_m: float, seconds: float, identity: int) -> Told:
+def truth(obj: Stands, x_m: float, seconds: float, identity: int) -> Told:
     """A report without any error, for an ego at `x_m` on its lane."""
-    size, aside = SIZES[body.kind], body.y_m - LANE_M
-    ahead = body.x_m + body.speed_mps * seconds - x_m - 0.5 * size.length_m
-    return Told(ahead, aside - 0.5 * size.width_m, aside + 0.5 * size.width_m, body.speed_mps, identity)
+    size, aside = SIZES[obj.kind], obj.y_m - LANE_M
+    ahead = obj.x_m + obj.speed_mps * seconds - x_m - 0.5 * size.length_m
+    return Told(ahead, aside - 0.5 * size.width_m, aside + 0.5 * size.width_m, obj.speed_mps, identity)
 
 
-def perfect(bodies: Sequence[Stands], sight_m: float = 60.0) -> Callable[[float, float], Seen]:
+def perfect(objects: Sequence[Stands], sight_m: float = 60.0) -> Callable[[float, float], Seen]:
     """A perception that knows everything within `sight_m` of the ego's centre."""
 
     def see(x_m: float, seconds: float) -> Seen:
-        told = [truth(body, x_m, seconds, k) for k, body in enumerate(bodies)]
-        return Seen([one for one in told if 0.0 < one.forward_m < sight_m])
+        detections = [truth(obj, x_m, seconds, k) for k, obj in enumerate(objects)]
+        return Seen([one for one in detections if 0.0 < one.forward_m < sight_m])
 
     return see
 
 
 def drive(
-    bodies: Sequence[Stands],
+    objects: Sequence[Stands],
     see: Callable[[float, float], Seen],
     length_m: float = 100.0,
     weather: str = "clear",
     seed: int = 0,
     driver: str = "made-up",
-) -> Judgement:
+) -> DriveEvaluation:
     """The judgement of a drive of `length_m` along the lane's middle; `see` is asked at (x m, s) of each frame."""
     straight = Road.model_validate({"start_m": [0.0, 0.0], "segments": [{"kind": "line", "length_m": 400.0}]})
     road: Any = SimpleNamespace(network=Carriageway(straight), vehicles=[], objects=[])
-    things = [_thing(body, road) for body in bodies]
+    things = [_thing(obj, road) for obj in objects]
     road.objects += things
     rows = round(length_m / SPEED_MPS * RATE_HZ) + 1
-    judge = Judge(rows)
+    scorer = PerceptionScorer(rows)
     for row in range(rows - 1):
         seconds = row / RATE_HZ
-        for thing, body in zip(things, bodies, strict=True):
-            thing.place = (body.x_m + body.speed_mps * seconds, body.y_m)
+        for thing, obj in zip(things, objects, strict=True):
+            thing.place = (obj.x_m + obj.speed_mps * seconds, obj.y_m)
             thing.position = np.array(thing.place)
         x_m = seconds * SPEED_MPS
         ego = SimpleNamespace(position=np.array([x_m, LANE_M]), heading=0.0, place=(x_m, LANE_M), road=road)
         ego.LENGTH, ego.WIDTH = EGO_M
         world = SimpleNamespace(ego=ego, road=road)
-        judge.judge(row, _perception(see(x_m, seconds)), world, {"lane_offset_m": 0.0, "foe": FOE_PX})
+        scorer.add(row, _perception(see(x_m, seconds)), world, {"lane_offset_m": 0.0, "foe": FOE_PX})
     steps = StepTable.of([Step(row / RATE_HZ, *[0.0] * 7, np.inf) for row in range(rows)])
     name = f"road.{weather}.pid.{seed}"
-    table, reports = steps.replaced(judge.columns), judge.reports_table()
-    return Judgement(name, "road", weather, seed, driver, "same", table, judge.lane_error_m, reports)
+    table, detections = steps.replaced(scorer.columns), scorer.detections_table()
+    return DriveEvaluation(name, "road", weather, seed, driver, "same", table, scorer.lane_error_m, detections)
 
 
 class Thing(SimpleNamespace):
@@ -108,20 +108,20 @@ class Thing(SimpleNamespace):
     __hash__ = object.__hash__
 
 
-def _thing(body: Stands, road: Any) -> Any:
-    size = SIZES[body.kind]
-    thing = Thing(kind=body.kind, heading=0.0, LENGTH=size.length_m, WIDTH=size.width_m, road=road)
-    thing.speed = body.speed_mps
+def _thing(obj: Stands, road: Any) -> Any:
+    size = SIZES[obj.kind]
+    thing = Thing(kind=obj.kind, heading=0.0, LENGTH=size.length_m, WIDTH=size.width_m, road=road)
+    thing.speed = obj.speed_mps
     return thing
 
 
 def _perception(seen: Seen) -> Any:
     """The records that a driver would give."""
     columns = [
-        np.array([getattr(one, name) for one in seen.told], float) for name in ("forward_m", "left_m", "right_m")
+        np.array([getattr(one, name) for one in seen.detections], float) for name in ("forward_m", "left_m", "right_m")
     ]
-    some, identity = np.ones(len(seen.told)), np.array([one.identity for one in seen.told], np.int64)
-    speed = np.array([one.speed_mps for one in seen.told], float)
+    some, identity = np.ones(len(seen.detections)), np.array([one.identity for one in seen.detections], np.int64)
+    speed = np.array([one.speed_mps for one in seen.detections], float)
     edges = (-7.0 - LANE_M + seen.left_m, 7.0 - LANE_M + seen.right_m)
     x, y = np.array(FOE_PX) + seen.foe_px
     return SimpleNamespace(

@@ -40,7 +40,7 @@ def test_steps_of_all_chains_have_names_of_their_own_and_are_drivers() -> None:
     ("chain", "first", "last"), [("robust", "vpf@full-frame", "vpf"), ("paper", "vpf-literal", "vpf-paper")]
 )
 def test_a_chain_goes_from_its_first_driver_to_its_last(chain: variant.Chain, first: str, last: str) -> None:
-    told = [*ablation.changes(chain)]
+    told = [*ablation.ablation_steps(chain)]
     assert (told[0], told[-1]) == (first, last)
     assert ablation.plan(None, [], [], chain).driver == tuple(told)
 

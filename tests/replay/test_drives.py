@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.rendering import lookalike
+from vpf_sim.evaluation.rendering import reference_streets
 from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics, measure, scaled_grey
 from vpf_sim.replay import readers
 from vpf_sim.replay.recording import Recording
@@ -38,26 +38,28 @@ def test_drive_statistics_match_earlier_measurements(name: str) -> None:
         assert ratio == pytest.approx(1.0, abs=0.3), key
 
 
-@pytest.mark.parametrize("name", lookalike.STREETS)
+@pytest.mark.parametrize("name", reference_streets.STREETS)
 def test_street_starts_at_the_start_of_the_drive(name: str) -> None:
-    street = lookalike.STREETS[name]
+    street = reference_streets.STREETS[name]
     scenario = street.scenario()
     assert name in KNOWN
-    assert [body.s_m - lookalike.START_M for body in scenario.bodies] == [body["s_m"] for body in street.bodies]
+    assert [body.s_m - reference_streets.START_M for body in scenario.bodies] == [
+        body["s_m"] for body in street.objects
+    ]
     drive = street.drive(Camera(), 10.0, 5.0)
     assert drive.path.offset_m(0.0) == scenario.road.lane_offset_m(street.lane)
 
 
 def test_odd_width_frames_lose_their_last_column() -> None:
-    drive = lookalike.STREETS["carnd_highway"].drive(Camera(width_px=161, height_px=91), 25.0, 25.0)
-    (shot,) = drive.shots(lookalike.STREETS["carnd_highway"].sky(), 0, 1)
+    drive = reference_streets.STREETS["carnd_highway"].drive(Camera(width_px=161, height_px=91), 25.0, 25.0)
+    (shot,) = drive.shots(reference_streets.STREETS["carnd_highway"].modified_weather(), 0, 1)
     assert shot.image.shape == (91, 160, 3)
 
 
 def test_drive_along_a_street_keeps_its_speed() -> None:
-    street = lookalike.STREETS["carnd_highway"]
+    street = reference_streets.STREETS["carnd_highway"]
     drive = street.drive(Camera(), 25.0, 25.0)
-    places = np.array([shot.pose[:2] for shot in drive.shots(street.sky(), 0, 3)])
+    places = np.array([shot.pose[:2] for shot in drive.shots(street.modified_weather(), 0, 3)])
     assert np.hypot(*np.diff(places, axis=0).T) == pytest.approx([1.0, 1.0])
 
 
@@ -65,11 +67,11 @@ def test_drive_along_a_street_keeps_its_speed() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["kitti_vo_seq1", "kitti_raw_leadcar", "carnd_highway"])
 def test_rendered_frames_are_within_a_factor_of_two_of_a_dry_drive(name: str) -> None:
-    recording, street = readers.read(DRIVES / name), lookalike.STREETS[name]
+    recording, street = readers.read(DRIVES / name), reference_streets.STREETS[name]
     real = greys(recording)[:60]
     drive = street.drive(recording.camera, recording.rate_hz, float(np.median(recording.speed_mps)))
     rendered = [
-        measure([scaled_grey(shot.image) for shot in drive.shots(street.sky(), seed, len(real))], every=5)
+        measure([scaled_grey(shot.image) for shot in drive.shots(street.modified_weather(), seed, len(real))], every=5)
         for seed in range(3)
     ]
     ratios = FrameStatistics.mean(rendered).ratio(measure(real, every=5))

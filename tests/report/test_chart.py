@@ -1,4 +1,4 @@
-"""Charts: strokes where the values are, thinned without losing a peak; bodies and zooms where the world has them."""
+"""Charts: lines at their values, downsampling without losing peaks, obstacles and zooms at true positions."""
 
 import re
 from contextlib import closing
@@ -10,11 +10,11 @@ from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.report import commands, dots, paths
+from vpf_sim.report import commands, interval_chart, paths
 from vpf_sim.report.chart import Axis, Plot, plain, reach, thinned, ticks
-from vpf_sim.report.dots import Dot, Mark
+from vpf_sim.report.interval_chart import Dot, Mark
 from vpf_sim.report.paths import Track
-from vpf_sim.report.places import Place, places
+from vpf_sim.report.road_layout import RoadLayout, layouts
 from vpf_sim.types import Floats
 
 
@@ -28,7 +28,7 @@ def paths_of(svg: str, style: str) -> list[Floats]:
     return [points(found) for found in re.findall(rf'<path class="{style}" d="([^"]+)"', svg)]
 
 
-def test_a_stroke_lies_where_its_values_are() -> None:
+def test_a_line_is_drawn_at_its_values() -> None:
     plot = Plot(200.0, 100.0, Axis(0.0, 10.0), Axis(-1.0, 1.0), (20.0, 20.0, 10.0, 10.0))
     x = np.linspace(0.0, 10.0, 1000)
     plot.line(x, np.sin(x), "wave")
@@ -39,7 +39,7 @@ def test_a_stroke_lies_where_its_values_are() -> None:
     assert drawn[:, 1] == pytest.approx(expected, abs=0.4)
 
 
-def test_a_gap_in_the_values_is_a_gap_in_the_stroke() -> None:
+def test_a_gap_in_the_values_is_a_gap_in_the_line() -> None:
     plot = Plot(100.0, 100.0, Axis(0.0, 5.0), Axis(0.0, 1.0))
     plot.line(np.arange(6.0), np.array([0.0, 1.0, np.nan, 1.0, 0.5, np.nan]), "gap")
     assert [len(drawn) for drawn in paths_of(plot.svg(""), "gap")] == [2, 2]
@@ -82,35 +82,35 @@ def test_an_axis_has_room_about_its_values() -> None:
 
 
 @pytest.mark.parametrize(("scenario", "seed"), [("town04", 1003), ("slalom", 5), ("traffic", 2), ("random", 1001)])
-def test_bodies_are_drawn_where_the_world_has_them(scenario: str, seed: int) -> None:
-    place = places(scenario, [seed])[seed]
+def test_obstacles_are_drawn_at_their_true_positions(scenario: str, seed: int) -> None:
+    layout = layouts(scenario, [seed])[seed]
     with closing(FourLane(scenario)) as world:
         world.reset(seed=seed)
-        standing = [body for body in solid_objects(world.ego) if body.speed == 0.0]
-        assert len(place.standing) == len(standing)
-        assert place.route.length_m == world.route_length_m
-        for body, drawn in zip(standing, place.standing, strict=True):
-            assert drawn.centre_m == pytest.approx(tuple(body.position))
-            assert np.ptp(drawn.route_m) == pytest.approx(body.LENGTH)
-            assert np.ptp(drawn.offset_m) == pytest.approx(body.WIDTH)
+        obstacles = [obj for obj in solid_objects(world.ego) if obj.speed == 0.0]
+        assert len(layout.static_obstacles) == len(obstacles)
+        assert layout.route.length_m == world.route_length_m
+        for obj, drawn in zip(obstacles, layout.static_obstacles, strict=True):
+            assert drawn.centre_m == pytest.approx(tuple(obj.position))
+            assert np.ptp(drawn.route_m) == pytest.approx(obj.LENGTH)
+            assert np.ptp(drawn.offset_m) == pytest.approx(obj.WIDTH)
             sides = np.hypot(*(drawn.corners_m - np.roll(drawn.corners_m, 1, axis=0)).T)
-            assert sorted(sides) == pytest.approx(sorted([body.LENGTH, body.LENGTH, body.WIDTH, body.WIDTH]))
+            assert sorted(sides) == pytest.approx(sorted([obj.LENGTH, obj.LENGTH, obj.WIDTH, obj.WIDTH]))
 
 
-def test_zooms_look_at_each_row_of_bodies_as_one_meets_them() -> None:
-    place = places("town04", [1000])[1000]
-    met = [body.s_m for body in place.standing]
-    assert [s_m for s_m, _ in paths.zooms([place])] == pytest.approx(sorted(met))
-    empty = places("town04-clean", [1000])[1000]
-    assert [what for _, what in paths.zooms([empty])] == ["the start", "the middle of the way"]
+def test_zooms_show_each_row_of_obstacles_in_driving_order() -> None:
+    layout = layouts("town04", [1000])[1000]
+    met = [obj.s_m for obj in layout.static_obstacles]
+    assert [s_m for s_m, _ in paths.zooms([layout])] == pytest.approx(sorted(met))
+    empty = layouts("town04-clean", [1000])[1000]
+    assert [what for _, what in paths.zooms([empty])] == ["the start", "the middle of the route"]
 
 
-def drive(place: Place, offset_m: float) -> StepTable:
+def drive(layout: RoadLayout, offset_m: float) -> StepTable:
     """Along the lane at a constant offset, 1 m a step."""
-    scenario = place.scenario
+    scenario = layout.scenario
     s = np.arange(scenario.ego.s_m, scenario.goal.s_m, 1.0)
-    world = place.centre.position(s, place.route.offset_m + offset_m)
-    heading = place.centre.heading(s)
+    world = layout.centre.position(s, layout.route.offset_m + offset_m)
+    heading = layout.centre.heading(s)
     rows = [
         Step(
             k / 60.0,
@@ -118,7 +118,7 @@ def drive(place: Place, offset_m: float) -> StepTable:
             heading[k],
             5.5,
             0.0,
-            place.route.progress(s[k]),
+            layout.route.progress(s[k]),
             offset_m,
             1.0,
             throttle=0.1,
@@ -130,9 +130,9 @@ def drive(place: Place, offset_m: float) -> StepTable:
 
 
 def test_a_path_is_drawn_over_the_road_at_its_offset() -> None:
-    found = places("town04-clean", [7, 8])
-    place = found[7]
-    track = Track(7, "d0", False, drive(place, 0.75))
+    found = layouts("town04-clean", [7, 8])
+    layout = found[7]
+    track = Track(7, "d0", False, drive(layout, 0.75))
     svgs = {chart.caption: str(chart.svg) for chart in paths.charts(found, [track], "a test")}
     assert len(svgs) == 4
     (zoomed,) = (svg for caption, svg in svgs.items() if caption.startswith("Zoom 2"))
@@ -147,9 +147,9 @@ def test_a_path_is_drawn_over_the_road_at_its_offset() -> None:
     assert np.ptp(flat[:, 1]) == pytest.approx(0.0, abs=0.11)
 
 
-def test_where_each_seed_has_its_own_road_the_map_is_of_one() -> None:
-    found = places("random", [1, 2])
-    tracks = [Track(seed, "d0", True, drive(place, 0.0)) for seed, place in found.items()]
+def test_with_a_road_per_seed_the_map_shows_one() -> None:
+    found = layouts("random", [1, 2])
+    tracks = [Track(seed, "d0", True, drive(layout, 0.0)) for seed, layout in found.items()]
     captions = [chart.caption for chart in paths.charts(found, tracks, "a test")]
     assert all("seed 1 (each seed has its own road)" in caption for caption in captions if "Offset" not in caption)
     charts = paths.charts(found, tracks, "a test")
@@ -157,21 +157,21 @@ def test_where_each_seed_has_its_own_road_the_map_is_of_one() -> None:
     assert drawn[:2] == [1, 2]
 
 
-def test_commands_stand_beside_the_pids() -> None:
-    place = Place(scenarios.load("straight").draw(1))
-    table = drive(place, 0.0)
+def test_commands_are_drawn_with_the_pids() -> None:
+    layout = RoadLayout(scenarios.load("straight").draw(1))
+    table = drive(layout, 0.0)
     svg = str(commands.charts("vpf", "straight.clear.vpf.1", "d0", table).steering)
     assert len(paths_of(svg, "command d0")) == 1
     assert paths_of(svg, "shadow") == [], "nothing is drawn of what is not known"
 
 
-def test_dots_have_whiskers_and_what_is_far_out_has_an_arrow() -> None:
+def test_dots_have_intervals_and_values_beyond_the_axis_an_arrow() -> None:
     found = [
         Dot("town04", "vpf", 0, "d0", 0.5, (0.4, 0.7)),
         Dot("town04", "vpf", 1, "d0", 0.6, None),
         Dot("town04", "pid", 0, "d1", 9.3, None, grey=True),
     ]
-    svg = str(dots.chart(found, [Mark("town04", 0, 0.74)], "path MSE", None))
+    svg = str(interval_chart.chart(found, [Mark("town04", 0, 0.74)], "path MSE", None))
     (whisker,) = paths_of(svg, "whisker d0")
     (paper,) = paths_of(svg, "paper")
     (dot,) = re.findall(r'<circle class="mark d0" cx="([\d.]+)"', svg)

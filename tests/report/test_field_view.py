@@ -1,4 +1,4 @@
-"""The field from above: dark where the potential is low, and the wanted place where it was put."""
+"""The field view: dark where the potential is low, with the reference marked."""
 
 from dataclasses import replace
 

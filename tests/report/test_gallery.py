@@ -1,4 +1,4 @@
-"""The gallery: its page stands alone, and its pictures are taken where their captions say."""
+"""The gallery: a self-contained page, and images at the poses of their captions."""
 
 from collections.abc import Callable, Iterator, Sequence
 from html.parser import HTMLParser
@@ -54,13 +54,13 @@ def read(html: str) -> Reader:
     return reader
 
 
-def test_a_page_has_a_row_a_weather_and_a_column_a_pose() -> None:
+def test_a_page_has_one_row_per_weather_and_one_column_per_pose() -> None:
     reader = read(page([entry(1), entry(2)]))
     assert (reader.tags.count("section"), reader.tags.count("figure"), reader.tags.count("video")) == (2, 6, 2)
     assert "grid-template-columns: repeat(3, " in page([entry(1)])
 
 
-def test_a_page_refers_to_nothing_but_the_files_beside_it() -> None:
+def test_a_page_refers_only_to_files_beside_it() -> None:
     html = page([entry(1), entry(2)])
     files = {link for link in read(html).links if not link.startswith(("#", "data:"))}
     pictures = {f"pictures/{number}-{place}.jpg" for number in (1, 2) for place in range(3)}
@@ -70,7 +70,7 @@ def test_a_page_refers_to_nothing_but_the_files_beside_it() -> None:
     assert "@import" not in html
 
 
-def test_names_of_a_users_files_are_text_and_no_markup() -> None:
+def test_names_of_user_files_are_escaped() -> None:
     html = page([entry(1, "<script>alert(1)</script>")])
     assert "<script>alert" not in html
     assert "&lt;script&gt;alert" in html
@@ -79,28 +79,28 @@ def test_names_of_a_users_files_are_text_and_no_markup() -> None:
 
 
 @pytest.mark.parametrize("pose", POSES, ids=lambda pose: pose.name)
-def test_a_pose_is_reached_with_its_bodies_in_their_places(pose: Pose) -> None:
+def test_a_pose_has_its_objects_at_their_positions(pose: Pose) -> None:
     drive = pose.drive(2.0, 10.0)
     last = next(islice(drive.shots(weathers.load("clear"), gallery.SEED, 22), 20, None))
     centre = last.renderer._road.network.centre
     s_m, lateral_m = centre.local_at(*last.pose[:2])
     assert (s_m, lateral_m) == pytest.approx((pose.s_m, drive.scenario.road.lane_offset_m(pose.lane)), abs=0.02)
     assert np.cos(last.pose[2] - centre.heading_at(pose.s_m)) > 1.0 - 1e-6
-    places = [centre.local_at(*body.position) for body in last.renderer.objects]
-    for body in pose.bodies:
-        wanted = (body.s_m, drive.scenario.road.lane_offset_m(body.lane) + body.lateral_m)
+    places = [centre.local_at(*obj.position) for obj in last.renderer.objects]
+    for obj in pose.objects:
+        wanted = (obj.s_m, drive.scenario.road.lane_offset_m(obj.lane) + obj.lateral_m)
         assert (
             min(hypot(s - wanted[0], lateral - wanted[1]) for s, lateral in places) < 0.5
         )  # in a bend it takes the inside
 
 
-def test_no_body_stands_in_the_way() -> None:
+def test_no_object_blocks_a_pose() -> None:
     for pose in POSES:
-        for body in pose.bodies:
-            assert body.lane != pose.lane or body.s_m - pose.s_m > 10.0
+        for obj in pose.objects:
+            assert obj.lane != pose.lane or obj.s_m - pose.s_m > 10.0
 
 
-def test_one_pose_looks_into_the_sun_of_every_preset() -> None:
+def test_one_pose_faces_the_sun_of_every_preset() -> None:
     assert {preset.sun_azimuth_angle for preset in weathers.PRESETS.values()} == {SUN_HEADING_DEG}
     (pose,) = (pose for pose in POSES if pose.name == "sun")
     *_, last = pose.drive(0.0, 10.0).shots(weathers.load("clear"), 1, 1)
@@ -109,7 +109,7 @@ def test_one_pose_looks_into_the_sun_of_every_preset() -> None:
 
 def test_the_videos_drive_passes_the_parked_car_without_touching_it() -> None:
     drive = video_drive(30.0)
-    parked = min((body for body in drive.scenario.bodies if body.speed_mps == 0.0), key=lambda body: body.s_m)
+    parked = min((obj for obj in drive.scenario.bodies if obj.speed_mps == 0.0), key=lambda obj: obj.s_m)
     lane_m = drive.scenario.road.lane_offset_m(parked.lane)
     for s_m in np.arange(parked.s_m - 5.0, parked.s_m + 5.0, 0.5):
         gap_m = drive.path.offset_m(s_m) - (lane_m + parked.lateral_m) - (1.9 + 2.0) / 2.0
@@ -131,7 +131,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("small")
-def test_a_gallery_is_a_folder_that_opens_on_its_own(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_gallery_folder_is_self_contained(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "gallery"
     mine = tmp_path / "my rain.toml"
     mine.write_text('base = "rain"\n')
@@ -154,7 +154,7 @@ def test_a_gallery_is_a_folder_that_opens_on_its_own(tmp_path: Path, capsys: pyt
             assert (stream.codec_context.name, stream.frames, stream.codec_context.pix_fmt) == ("h264", 6, "yuv420p")
 
 
-def test_a_picture_is_the_same_each_time() -> None:
+def test_an_image_is_reproducible() -> None:
     pose = POSES[2]
     for name in ("clear", "rain"):
         first, again = (gallery.picture(pose, weathers.load(name)) for _ in range(2))
@@ -162,7 +162,7 @@ def test_a_picture_is_the_same_each_time() -> None:
 
 
 @pytest.mark.usefixtures("small")
-def test_a_gallery_is_not_written_over_other_files(tmp_path: Path) -> None:
+def test_a_gallery_does_not_overwrite_files(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("")
     with pytest.raises(InputError, match="expected a new or empty folder for the gallery"):
         gallery.make(tmp_path, [weathers.load("clear")], 1, print)

@@ -1,4 +1,4 @@
-"""The overlay: what is drawn lies where geometry says, and the frame that came in stays as it was."""
+"""The overlay: drawn at the right pixels, without changing the input frame."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -27,7 +27,7 @@ from vpf_sim.types import (
 GREY = 90
 
 
-def plan(camera: Camera, points: Floats | None = None, bodies: float | None = None, plane: float = 0.0) -> Plan:
+def plan(camera: Camera, points: Floats | None = None, ahead_m: float | None = None, plane: float = 0.0) -> Plan:
     """A plan on a straight road, edges 5.25 m right and 8.75 m left."""
     points = np.empty((0, 2)) if points is None else points
     count = len(points)
@@ -35,8 +35,8 @@ def plan(camera: Camera, points: Floats | None = None, bodies: float | None = No
         points, np.full((count, 2), 6.0), np.full(count, 0.1), np.tile([-0.55, 0.0, 0.0], (count, 1)), np.zeros(3),
         np.arange(count), points, np.zeros((count, 3)), np.ones(count, np.int64), np.zeros((count, 2, 2)),
     )  # fmt: skip
-    places = [] if bodies is None else [bodies]
-    body = Obstacles(
+    places = [] if ahead_m is None else [ahead_m]
+    obstacles = Obstacles(
         np.array(places), np.array([-1.0] * len(places)), np.array([1.0] * len(places)), np.array([0.2] * len(places)),
         np.array([np.inf] * len(places)), np.arange(len(places)),
     )  # fmt: skip
@@ -45,7 +45,7 @@ def plan(camera: Camera, points: Floats | None = None, bodies: float | None = No
     road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 0.95, 0.0, 3.5)
     obstacle_map = ObstacleMap(np.zeros(count, np.bool_), grid, np.zeros((2, *grid.shape)), 8)
     salience = KnownFeatures(obstacle_map, np.full(count, 1.0))
-    perception = Perception(flow, expansion, salience, body, road, flow.pose)
+    perception = Perception(flow, expansion, salience, obstacles, road, flow.pose)
     none = np.zeros(2)
     force = Force(np.array([1.0, 0.0]), none, none, np.array([1.0, 0.0]))
     return Plan(perception, force, Reference(0.2, 5.5), {"lane": SimpleNamespace(y_m=0.0)})
@@ -76,15 +76,15 @@ def test_the_right_edge_is_drawn_where_it_lies(camera: Camera) -> None:
         assert change[round(y) - 1 : round(y) + 2, round(x) - 1 : round(x) + 2].max() > 100.0
 
 
-def test_flow_bodies_map_and_focus_are_drawn() -> None:
+def test_flow_obstacles_map_and_focus_are_drawn() -> None:
     camera = Camera()
     bare = drawn(camera, plan(camera))
     with_flow = drawn(camera, plan(camera, points=np.array([[100.0, 120.0]])))
     assert with_flow[120, 100] > 100.0
     assert bare[120, 100] == 0.0
     foot = project(camera, np.array([10.0, -1.0, 0.0]))
-    with_body = drawn(camera, plan(camera, bodies=10.0))
-    assert with_body[round(foot[1]), round(foot[0])] > bare[round(foot[1]), round(foot[0])] + 50.0
+    with_obstacle = drawn(camera, plan(camera, ahead_m=10.0))
+    assert with_obstacle[round(foot[1]), round(foot[0])] > bare[round(foot[1]), round(foot[0])] + 50.0
     tinted = drawn(camera, plan(camera, plane=1.0))
     assert tinted[150, 50] > 20.0
     assert bare[round(camera.cy_px), round(camera.cx_px) + 11] > 100.0
@@ -97,19 +97,19 @@ def test_the_total_force_points_up_when_it_pulls_ahead() -> None:
     assert np.abs(above.astype(int) - TOTAL).max() < 40
 
 
-def test_a_body_behind_the_camera_is_not_drawn() -> None:
+def test_an_obstacle_behind_the_camera_is_not_drawn() -> None:
     camera = Camera()
-    assert camera.forward_m > 0.5, "m ahead of the pose, where the body stands"
-    assert np.array_equal(drawn(camera, plan(camera, bodies=0.5)), drawn(camera, plan(camera)))
+    assert camera.forward_m > 0.5, "m ahead of the pose, where the obstacle is"
+    assert np.array_equal(drawn(camera, plan(camera, ahead_m=0.5)), drawn(camera, plan(camera)))
 
 
-def test_points_in_the_corners_of_the_picture_are_drawn_as_far_as_they_are_in_it() -> None:
+def test_points_at_the_frames_corners_are_clipped() -> None:
     camera = Camera()
     change = drawn(camera, plan(camera, points=np.array([[0.0, 0.0], [639.0, 479.0]])))
     assert min(change[0, 0], change[479, 639]) > 100.0
 
 
-def test_a_focus_of_expansion_that_is_no_number_is_not_drawn() -> None:
+def test_a_nan_focus_of_expansion_is_not_drawn() -> None:
     camera = Camera()
     made = plan(camera)
     unknown = replace(made.perception.expansion, x_px=float("nan"))

@@ -1,4 +1,4 @@
-"""An episode drawn again: the same frames and plans as in the run, and a film of them at true speed."""
+"""A re-rendered episode: frames and plans equal to the run, and a video at true speed."""
 
 import re
 import shutil
@@ -19,11 +19,11 @@ from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
-from vpf_sim.report import episode_view, from_above, redraw
-from vpf_sim.report.from_above import Body, Scene
+from vpf_sim.report import episode_view, redraw, top_view
 from vpf_sim.report.redraw import Redrawing, redrawing
 from vpf_sim.report.signals import Strips, signals_of
 from vpf_sim.report.stored_run import open_run
+from vpf_sim.report.top_view import Rectangle, Scene
 from vpf_sim.types import Command, DriverSetup, Observation
 from vpf_sim.types import Plan as DrivingPlan
 
@@ -73,7 +73,7 @@ def change(run: Path, name: str, row: int, **values: float) -> None:
 
 
 def test_the_frames_and_plans_are_those_of_the_run(driven: Path, name: str, seen: list[DrivingPlan | None]) -> None:
-    drawn = redrawing(open_run(driven), name, think=True)
+    drawn = redrawing(open_run(driven), name, replan=True)
     moments = list(drawn.moments())
     assert drawn.remarks == [], "the hash of the frames is the record's, and the driver decides the same"
     assert (drawn.rate_hz, len(moments)) == (60.0, len(drawn.table) + 1)
@@ -84,24 +84,24 @@ def test_the_frames_and_plans_are_those_of_the_run(driven: Path, name: str, seen
         assert np.array_equal(moment.plan.perception.flow.points_px, plan.perception.flow.points_px)
         assert moment.plan.reference == plan.reference
     assert moments[-1].plan is None, "no command was given in the last state"
-    ahead_m = [moment.bodies[0].x_m for moment in moments]
+    ahead_m = [moment.objects[0].x_m for moment in moments]
     assert np.diff(ahead_m) == pytest.approx(4.0 / 60.0, abs=0.01), "the car ahead drives"
 
 
-def test_the_car_is_drawn_where_the_steps_say(run: Path, name: str) -> None:
+def test_the_car_is_drawn_at_the_stored_poses(run: Path, name: str) -> None:
     change(run, name, 20, y_m=0.5)
-    drawn = redrawing(open_run(run), name, think=False)
+    drawn = redrawing(open_run(run), name, replan=False)
     assert len(list(drawn.moments())) == len(drawn.table) + 1
     frames, moved = drawn.remarks
-    assert frames.startswith("the frames are not the run's own to the bit")
-    assert moved == "the car would now be up to 0.50 m elsewhere: it is drawn where it was"
+    assert frames.startswith("the frames differ from the run's")
+    assert moved == "the car would now deviate by up to 0.50 m; its stored poses are drawn"
 
 
-def test_another_decision_of_the_driver_is_told_with_its_frame(run: Path, name: str) -> None:
+def test_the_first_frame_with_another_command_is_reported(run: Path, name: str) -> None:
     change(run, name, 30, throttle=-0.01)
-    drawn = redrawing(open_run(run), name, think=True)
+    drawn = redrawing(open_run(run), name, replan=True)
     assert list(drawn.moments())
-    assert "from frame 30 on the driver decides otherwise than in the run" in drawn.remarks
+    assert "from frame 30 on the driver's commands differ from the run" in drawn.remarks
 
 
 class Crashing:
@@ -119,18 +119,18 @@ class Crashing:
         return Command(0.0, 0.0)
 
 
-def test_a_driver_that_broke_down_is_drawn_to_its_end(monkeypatch: pytest.MonkeyPatch, driven: Path, name: str) -> None:
+def test_a_failed_drivers_episode_is_drawn_to_its_end(monkeypatch: pytest.MonkeyPatch, driven: Path, name: str) -> None:
     scenario = open_run(driven).record(name)["scenario"]
     create = redraw.drivers.create
     monkeypatch.setattr(redraw.drivers, "create", lambda name: Crashing() if name == "crashing" else create(name))
     result = episode.run(scenario, "clear", "crashing", 3)
     assert result.record["status"] == "error"
-    drawn = Redrawing(result.record, result.steps, think=True)
+    drawn = Redrawing(result.record, result.steps, replan=True)
     assert [moment.index for moment in drawn.moments()] == list(range(6))
     assert drawn.remarks == [], "the frame on which it broke down was taken, too"
 
 
-def test_an_episode_becomes_a_film_at_true_speed(driven: Path, name: str, tmp_path: Path, capsys: Any) -> None:
+def test_an_episode_becomes_a_video_at_true_speed(driven: Path, name: str, tmp_path: Path, capsys: Any) -> None:
     out = tmp_path / "mine.mp4"
     assert cli.run(["video", str(driven), "--id", name, "--out", str(out)]) == 0
     assert capsys.readouterr().out == f"{out}\n"
@@ -145,8 +145,8 @@ def test_an_episode_becomes_a_film_at_true_speed(driven: Path, name: str, tmp_pa
     assert content.index(b"moov") < content.index(b"mdat")
 
 
-def test_without_overlay_the_camera_is_as_it_was(driven: Path, name: str) -> None:
-    plain, drawn = (redrawing(open_run(driven), name, think) for think in (False, True))
+def test_without_overlay_the_frame_is_unchanged(driven: Path, name: str) -> None:
+    plain, drawn = (redrawing(open_run(driven), name, replan) for replan in (False, True))
     wanted = 12
     pictures = [next(episode_view.frames(each, lambda row: row == wanted))[1] for each in (plain, drawn)]
     raw = next(moment.image for moment in plain.moments() if moment.index == wanted)
@@ -156,7 +156,7 @@ def test_without_overlay_the_camera_is_as_it_was(driven: Path, name: str) -> Non
     assert not np.array_equal(left[1], raw)
 
 
-def test_it_lies_in_the_run_folder_by_default(driven: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_default_file_is_in_the_run_folder(driven: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def few(drawn: Redrawing) -> Iterator[tuple[int, Any]]:
         return ((0, np.zeros((720, 960, 3), np.uint8)) for _ in range(1) if drawn)
 
@@ -165,7 +165,9 @@ def test_it_lies_in_the_run_folder_by_default(driven: Path, name: str, monkeypat
     assert (driven / "videos" / f"{name}.mp4").exists()
 
 
-def test_half_a_film_is_none(driven: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_incomplete_video_is_removed(
+    driven: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def broken(drawn: Redrawing) -> Iterator[tuple[int, Any]]:
         yield 0, np.zeros((720, 960, 3), np.uint8)
         assert list(tmp_path.iterdir()) != [], "a draft"
@@ -176,7 +178,7 @@ def test_half_a_film_is_none(driven: Path, name: str, tmp_path: Path, monkeypatc
     assert list(tmp_path.iterdir()) == []
 
 
-def test_wrong_use_is_told_in_a_line(run: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_use_is_one_line(run: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
     (run / "steps" / f"{name}.parquet").rename(run / "steps" / "other.parquet")
     cases = (
         (["video", str(run / "gone"), "--id", name], r"gone: expected a run folder, got nothing of that name"),
@@ -194,23 +196,23 @@ def test_wrong_use_is_told_in_a_line(run: Path, name: str, capsys: pytest.Captur
     assert "expected a step table of this version" in capsys.readouterr().err
 
 
-def test_from_above_the_road_ahead_is_up_and_the_right_is_right() -> None:
+def test_top_view_has_the_road_ahead_up_and_right_to_the_right() -> None:
     """A road along the world's Y axis, driven along it: what lies at larger y is ahead, what at smaller x is right."""
     along = np.arange(-50.0, 150.0, 2.0)
     lines = tuple(np.column_stack([np.full_like(along, -right), along]) for right in (-7.0, 7.0))
     scene = Scene(lines, lines[0], (0.0, 500.0))
-    bodies = (Body(-4.0, 30.0, np.pi / 2.0, 5.0, 2.0, "car"),)
+    objects = (Rectangle(-4.0, 30.0, np.pi / 2.0, 5.0, 2.0, "car"),)
     pose = np.array([0.0, 0.0, np.pi / 2.0])
-    image = from_above.draw(scene, bodies, np.zeros((1, 2)), pose, None, 320, 480)
-    scale = 480.0 / (from_above.AHEAD_M + from_above.BEHIND_M)
-    row, column = (from_above.AHEAD_M - 30.0) * scale, 160.0 + 4.0 * scale
-    assert tuple(image[round(row), round(column)]) == from_above.BODY
-    assert tuple(image[round(from_above.AHEAD_M * scale), 160]) == from_above.EGO
-    assert tuple(image[round(row), round(160.0 - 4.0 * scale)]) == from_above.ASPHALT
-    assert tuple(image[round(row), round(160.0 + 9.0 * scale)]) == from_above.MEADOW
+    image = top_view.draw(scene, objects, np.zeros((1, 2)), pose, None, 320, 480)
+    scale = 480.0 / (top_view.AHEAD_M + top_view.BEHIND_M)
+    row, column = (top_view.AHEAD_M - 30.0) * scale, 160.0 + 4.0 * scale
+    assert tuple(image[round(row), round(column)]) == top_view.OBJECT
+    assert tuple(image[round(top_view.AHEAD_M * scale), 160]) == top_view.EGO
+    assert tuple(image[round(row), round(160.0 - 4.0 * scale)]) == top_view.ASPHALT
+    assert tuple(image[round(row), round(160.0 + 9.0 * scale)]) == top_view.MEADOW
 
 
-def test_the_scene_is_the_worlds(driven: Path, name: str) -> None:
+def test_the_scene_equals_the_environments(driven: Path, name: str) -> None:
     record = open_run(driven).record(name)
     with closing(FourLane(record["scenario"])) as world:
         world.reset(seed=3)

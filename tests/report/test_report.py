@@ -1,4 +1,4 @@
-"""The report: one page that needs nothing else, whose numbers are the summary's."""
+"""The report: one self-contained page with the numbers of the summary."""
 
 import json
 import re
@@ -92,16 +92,16 @@ def rows_of(run: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def test_the_page_is_whole_and_loads_nothing(written: Path) -> None:
+def test_the_page_is_complete_and_loads_nothing(written: Path) -> None:
     html = written.read_text()
     reader = Reader(html)
     assert {tag: reader.tags.count(tag) for tag in ("h1", "video", "script")} == {"h1": 1, "video": 1, "script": 0}
     assert all(link.startswith(("#", "data:")) for link in reader.links)
     anchors = {link for link in reader.links if link.startswith("#")}
     assert anchors == {f"#{name}" for name in re.findall(r'<section id="(\w+)">', html)} - {"#paper"}
-    told = re.sub(r'"data:[^"]*"', "", html)
+    shown = re.sub(r'"data:[^"]*"', "", html)
     for loading in ("http:", "https:", "//", "url(", "@import", "srcset"):
-        assert loading not in told, loading
+        assert loading not in shown, loading
 
 
 def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
@@ -122,7 +122,7 @@ def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
     assert len(expected) > 12
 
 
-def test_failures_are_named_marked_and_filmed(run: Path, written: Path) -> None:
+def test_failures_are_listed_marked_and_have_clips(run: Path, written: Path) -> None:
     html = written.read_text()
     failed = [key for key, record in open_run(run).records.items() if record["status"] != "success"]
     assert 2 <= len(failed) < 8
@@ -130,16 +130,16 @@ def test_failures_are_named_marked_and_filmed(run: Path, written: Path) -> None:
         cell, _, seed = name.rpartition(".")
         file, weather, driver = cell.split(".")
         scenario = file.rpartition("-")[0]
-        told = rf'<th scope="row">{scenario}, {weather}, {driver}</th><td[^>]*>2 × collision with a barrier</td>'
-        assert re.search(rf"{told}<td[^>]*>3, 4</td>", html), name
+        shown = rf'<th scope="row">{scenario}, {weather}, {driver}</th><td[^>]*>2 × collision with a barrier</td>'
+        assert re.search(rf"{shown}<td[^>]*>3, 4</td>", html), name
         assert seed in ("3", "4")
         assert f'title="{name}: collision with a barrier' in html
     (video,) = re.findall(r'<video [^>]*src="(data:video/mp4;base64,[^"]{1000,})"', html)
     assert len(video) < 3_000_000
-    assert "Note:" not in html, "the film is the run's own, to the bit"
+    assert "Note:" not in html, "the clip equals the run, bit by bit"
 
 
-def test_a_run_that_was_stopped_is_told_as_far_as_it_came(run: Path, tmp_path: Path) -> None:
+def test_an_interrupted_run_is_reported_partially(run: Path, tmp_path: Path) -> None:
     for name in ("manifest.json", "timing.jsonl"):
         (tmp_path / name).write_bytes((run / name).read_bytes())
     first = (run / "episodes.jsonl").read_text().splitlines()[0]
@@ -150,7 +150,7 @@ def test_a_run_that_was_stopped_is_told_as_far_as_it_came(run: Path, tmp_path: P
     assert "missing (7)" in html
 
 
-def test_what_a_changed_or_lost_scenario_would_show_is_left_out(run: Path, tmp_path: Path) -> None:
+def test_charts_of_a_changed_or_missing_scenario_are_left_out(run: Path, tmp_path: Path) -> None:
     manifest = json.loads((run / "manifest.json").read_text())
     opened, barred = manifest["plan"]["scenario"]
     gone = str(tmp_path / "gone.toml")
@@ -174,10 +174,10 @@ def test_what_a_changed_or_lost_scenario_would_show_is_left_out(run: Path, tmp_p
     (tmp_path / "summary.json").write_text(text["summary.json"])
     html = page.make(open_run(tmp_path), 0, lambda _: None)
     assert "barred, clear: the scenario has changed since the run" in html
-    assert "<dd>barred: no longer what the run was made with</dd>" in html
+    assert "<dd>barred: changed since the run</dd>" in html
 
 
-def test_files_that_are_no_run_are_told_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_that_are_no_run_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").write_text("")
     (tmp_path / "empty").mkdir()
     for name, said in (
@@ -207,7 +207,7 @@ def row(driver: str, scenario: str, successes: int, mse: float | None = None, **
     }
 
 
-def test_the_answer_says_who_arrived_and_what_the_paper_has() -> None:
+def test_the_answer_has_successes_and_the_papers_mse() -> None:
     paper = {"path_mse_m2": 0.74, "throttle": 0.7851, "steering": 0.7167}
     rows = [
         row("pid", "town04", 0),
@@ -219,30 +219,30 @@ def test_the_answer_says_who_arrived_and_what_the_paper_has() -> None:
     assert first.startswith("Not always: vpf, ")
     assert answer.sentences("benchmark", [row("vpf", "town04", 5)], ORDER)[0].startswith("Yes: vpf, ")
     assert answer.sentences("benchmark", [row("vpf", "town04", 0)], ORDER)[0].startswith("No: vpf, ")
-    assert answer.sentences("sweep", rows, ORDER)[0].startswith("vpf, "), "which driver arrives is no yes or no"
-    assert first.endswith("9 of 10 episodes reached the goal; 4 of 5 on town04 in clear, all elsewhere.")
-    assert second.endswith("5 of 10 episodes reached the goal; 0 of 5 on town04 in clear, all elsewhere.")
+    assert answer.sentences("sweep", rows, ORDER)[0].startswith("vpf, "), "no yes or no for several drivers"
+    assert first.endswith("9 of 10 episodes reached the goal; 4 of 5 on town04 in clear, all in the others.")
+    assert second.endswith("5 of 10 episodes reached the goal; 0 of 5 on town04 in clear, all in the others.")
     assert third.startswith("Path MSE of vpf, m²: 0.428 (clear, with obstacles; paper 0.74).")
 
 
-def test_a_driver_that_never_arrived_is_scored_in_grey() -> None:
+def test_a_driver_without_success_is_scored_in_grey() -> None:
     (group,) = cells.groups([row("vpf", "town04", 0)], ORDER)
-    (told,) = group.rows
-    assert (told.successes, told.endings) == (0, "4 collision, 1 not driven")
-    assert (told.cells[0].words, told.cells[0].grey) == ("9.000", True)
-    (told,) = cells.groups([row("vpf", "town04", 5, -0.0)], ORDER)[0].rows
-    assert (told.cells[0].words, told.cells[0].grey) == ("0.000", False)
+    (shown,) = group.rows
+    assert (shown.successes, shown.endings) == (0, "4 collision, 1 not driven")
+    assert (shown.cells[0].text, shown.cells[0].grey) == ("9.000", True)
+    (shown,) = cells.groups([row("vpf", "town04", 5, -0.0)], ORDER)[0].rows
+    assert (shown.cells[0].text, shown.cells[0].grey) == ("0.000", False)
 
 
-def test_intervals_are_read_where_the_summary_has_them() -> None:
+def test_intervals_are_read_from_the_summary() -> None:
     intervals = {"success_rate": [0.478, 1.0], "path_mse_m2": [-0.01, 0.5], "accuracy": None}
-    (told,) = cells.groups([row("vpf", "town04", 5, 0.2, intervals=intervals)], ORDER)[0].rows
-    assert told.interval == "48 to 100"
-    assert told.cells[0].interval == "−0.010 to 0.500"
-    assert told.cells[1].interval == ""
+    (shown,) = cells.groups([row("vpf", "town04", 5, 0.2, intervals=intervals)], ORDER)[0].rows
+    assert shown.interval == "48 to 100"
+    assert shown.cells[0].interval == "−0.010 to 0.500"
+    assert shown.cells[1].interval == ""
 
 
-def test_each_way_to_fail_is_filmed_before_any_is_filmed_twice() -> None:
+def test_each_kind_of_failure_has_a_clip_before_any_has_two() -> None:
     def failed(driver: str, status: str, seed: int, scenario: str = "town04") -> dict[str, Any]:
         name = f"{scenario}.{driver}.{seed}"
         return {
@@ -271,7 +271,7 @@ def test_each_way_to_fail_is_filmed_before_any_is_filmed_twice() -> None:
 
 
 @pytest.mark.skipif(chromium.program() is None, reason="no chromium on this machine")
-def test_a_browser_shows_it_and_asks_for_nothing(written: Path, tmp_path: Path) -> None:
+def test_a_browser_shows_the_page_without_requests(written: Path, tmp_path: Path) -> None:
     play = """Promise.all([...document.querySelectorAll("video")].map(async (video) => {
         await video.play();
         await new Promise((done) => setTimeout(done, 300));

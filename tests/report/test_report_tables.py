@@ -1,4 +1,4 @@
-"""What the report's tables say, from summaries and records written by hand."""
+"""The report's tables, from hand-written summaries and records."""
 
 from typing import Any
 
@@ -31,10 +31,10 @@ def row(driver: str = "vpf", weather: str = "clear", successes: int = 2, **more:
 def words(table: tables.Table | None) -> list[list[str]]:
     assert table is not None
     assert all(len(line) == len(table.header) for line in table.rows)
-    return [[value.words for value in line] for line in table.rows]
+    return [[value.text for value in line] for line in table.rows]
 
 
-def test_accuracy_is_told_by_every_definition_and_protocol() -> None:
+def test_accuracy_is_shown_by_definition_and_protocol() -> None:
     found = accuracy.by_definition([row(), row("pid"), row(weather="rain", successes=0)], ORDER, "steering")
     assert words(found) == [
         ["town04", "clear", "vpf", "80.0", "70.0", "60.0", "40.0", "30.0", "20.0"],
@@ -43,7 +43,7 @@ def test_accuracy_is_told_by_every_definition_and_protocol() -> None:
     assert accuracy.by_definition([row("pid")], ORDER, "steering") is None
 
 
-def test_the_papers_accuracy_stands_beside_ours() -> None:
+def test_the_papers_accuracy_is_shown_beside_ours() -> None:
     paper = {"throttle": 0.8234, "steering": 0.7214, "path_mse_m2": 0.42}
     found = accuracy.by_definition([row(paper=paper)], ORDER, "throttle")
     assert found is not None
@@ -51,14 +51,14 @@ def test_the_papers_accuracy_stands_beside_ours() -> None:
     assert words(found)[0][3:5] == ["82.34", "90.0"]
 
 
-def test_scores_are_told_by_part_of_the_way_where_there_are_obstacles() -> None:
+def test_scores_are_shown_by_part_of_the_route_with_obstacles() -> None:
     empty = row(weather="rain", path_mse_parts_m2={"clear_of_obstacles": 0.01, "passing": None})
     found = accuracy.by_part([empty, row()], ORDER)
     assert words(found) == [["town04", "clear", "vpf", "0.010", "1.500", "90.0", "70.0", "80.0", "60.0"]]
     assert accuracy.by_part([empty], ORDER) is None
 
 
-def test_perception_has_a_table_of_the_picture_and_one_of_objects() -> None:
+def test_perception_has_a_table_of_the_frame_and_one_of_objects() -> None:
     blind = row("pid", perception={"foe_median_error_px": None, "foe_share": 0.0, "objects": None})
     seen = tables.perception([row(), blind], ORDER, tables.PERCEPTION)
     assert words(seen) == [["town04", "clear", "vpf", "1.50", "100"]]
@@ -66,22 +66,22 @@ def test_perception_has_a_table_of_the_picture_and_one_of_objects() -> None:
     assert tables.perception([blind], ORDER, tables.OBJECTS) is None
 
 
-def test_the_seeds_that_would_be_enough_are_told() -> None:
+def test_the_needed_seeds_are_listed() -> None:
     found = tables.seeds_needed([row(seeds_needed={"success_rate": 381, "path_mse_m2": None}), row("pid")], ORDER)
     assert words(found) == [["town04", "clear", "vpf", "2", "381", "–"]]
     assert found is not None
-    assert found.header[-2:] == ("for success within 10 points", "for path MSE within 0.1 m² (seeds that arrive)")
+    assert found.header[-2:] == ("for success within 10 points", "for path MSE within 0.1 m² (successful seeds)")
 
 
 @pytest.mark.parametrize(
-    ("difference", "told"),
+    ("difference", "shown"),
     [(0.0, "0.000"), (-0.53, "−0.530"), (0.00012, "+0.0001"), (-4e-6, "−0.000004"), (1e-12, "0.000")],
 )
-def test_a_small_difference_is_not_told_as_none(difference: float, told: str) -> None:
+def test_a_small_difference_is_not_rounded_to_zero(difference: float, shown: str) -> None:
     score = {"difference": difference, "interval": [difference, difference], "p": 0.5, "pairs": 3}
     one = {"of": "weather", "scenario": "town04", "weather": "rain", "minus": "clear", "driver": "vpf"}
     (line,) = words(tables.comparisons([{**one, "path_mse_m2": score}], "weather", ORDER))
-    assert line[4] == told
+    assert line[4] == shown
 
 
 def failed(seed: int, status: str = "collision", driver: str = "vpf", way: float = 0.5, **more: Any) -> dict[str, Any]:
@@ -90,7 +90,7 @@ def failed(seed: int, status: str = "collision", driver: str = "vpf", way: float
     return {"id": name, **cell, "status": status, "collided_with": None, "route_completion": way, **more}
 
 
-def test_episodes_that_failed_alike_stand_together() -> None:
+def test_equal_failures_are_grouped() -> None:
     records = [
         failed(1, collided_with="car", way=0.25),
         failed(2, collided_with="cone"),
@@ -113,7 +113,7 @@ def test_episodes_that_failed_alike_stand_together() -> None:
     assert sum(len(one.seeds) for one in found) == len(records)
 
 
-def test_seeds_in_a_row_are_drawn_together() -> None:
+def test_consecutive_seeds_are_ranges() -> None:
     assert failures.ranges([3, 5, 6, 8, 9, 10, 12]) == "3, 5, 6, 8–10, 12"
     assert failures.ranges(list(range(1000, 1030))) == "1000–1029"
 
@@ -121,7 +121,7 @@ def test_seeds_in_a_row_are_drawn_together() -> None:
 def test_the_success_map_has_each_planned_seed_in_blocks_of_ten() -> None:
     jobs = [Job("town04", "clear", "vpf", seed) for seed in range(995, 1018)]
     records = {job.id: failed(job.seed, "success") for job in jobs[:20]}
-    (told,) = success_map.rows(jobs, records, ORDER)
-    assert [(block[0][0], len(block)) for block in told.blocks] == [(995, 10), (1005, 10), (1015, 3)]
-    assert [status for _, status, _ in told.marks] == 20 * ["success"] + 3 * ["missing"]
+    (shown,) = success_map.rows(jobs, records, ORDER)
+    assert [(block[0][0], len(block)) for block in shown.blocks] == [(995, 10), (1005, 10), (1015, 3)]
+    assert [status for _, status, _ in shown.marks] == 20 * ["success"] + 3 * ["missing"]
     assert success_map.signs(jobs, records) == [("success", "✓", 20), ("missing", "·", 3)]

@@ -1,4 +1,4 @@
-"""The recording for the Rerun viewer: what a drive writes, read back by Rerun's own tool."""
+"""The Rerun recording of a drive, read back by Rerun's own tool."""
 
 import os
 import re
@@ -17,12 +17,12 @@ ENTITIES = {
     "/camera/foe",
     "/camera/obstacle_map",
     "/field",
-    "/scene/bodies",
+    "/scene/obstacles",
     "/scene/edges",
     "/scene/ego",
     *(f"/scene/force/{name}" for name in ("target", "obstacle", "road", "total")),
     *(f"/signals/{name}" for name in ("throttle", "steering", "pid_throttle", "pid_steering", "speed_mps")),
-    "/way",
+    "/trajectory",
 }
 
 
@@ -53,11 +53,11 @@ def test_a_driver_without_a_plan_leaves_frames_and_signals(short: str, tmp_path:
     pytest.importorskip("rerun", reason="the extra `viewer` is not installed")
     assert drive(short, "pid", "drive.rrd") == 0
     found = entities(tmp_path / "drive.rrd", tmp_path)
-    assert found >= {"/camera", "/signals/throttle", "/way"}
+    assert found >= {"/camera", "/signals/throttle", "/trajectory"}
     assert not found & {"/camera/flow", "/scene/ego", "/field"}
 
 
-def test_without_the_sdk_one_line_says_how_to_get_it(
+def test_without_the_sdk_one_line_says_how_to_install_it(
     short: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "rerun", None)

@@ -1,4 +1,4 @@
-"""Videos: what is written can be read, at its true speed, in a form that browsers play."""
+"""Videos are readable, at true speed, in a format that browsers play."""
 
 from pathlib import Path
 
@@ -34,7 +34,7 @@ def test_the_index_comes_first_so_that_a_browser_can_start(tmp_path: Path) -> No
     assert content.index(b"moov") < content.index(b"mdat")
 
 
-def test_odd_sides_lose_a_row_and_a_column(tmp_path: Path) -> None:
+def test_odd_sides_lose_one_row_and_column(tmp_path: Path) -> None:
     path = tmp_path / "drive.mp4"
     with Writer(path, (65, 49), 10.0) as video:
         video.write(np.zeros((49, 65, 3), np.uint8))
@@ -42,7 +42,7 @@ def test_odd_sides_lose_a_row_and_a_column(tmp_path: Path) -> None:
         assert (container.streams.video[0].width, container.streams.video[0].height) == (64, 48)
 
 
-def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+def test_an_unwritable_path_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     (tmp_path / "folder.mp4").mkdir()
     for path in (tmp_path / "folder.mp4", tmp_path / "file" / "drive.mp4"):

@@ -1,4 +1,4 @@
-"""The command line `vpf-sim`. Each command is a file of this folder and loads what it needs only when it runs."""
+"""The command line `vpf-sim`: one file per command, which imports its dependencies when it runs."""
 
 import os
 import sys
@@ -46,7 +46,7 @@ SIMULATING = (
     "report",
     "perception",
 )
-UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's, wherever this release of typer keeps it
+UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's; its module depends on typer's release
 
 app = typer.Typer(
     name="vpf-sim",
@@ -82,8 +82,8 @@ def main() -> None:
     arguments = sys.argv[1:]
     if arguments and arguments[0] in SIMULATING and "--help" not in arguments:
         _limit_threads(arguments)
-    sys.path.append(os.getcwd())  # where a user's own driver is
-    streams.take()
+    sys.path.append(os.getcwd())  # for a user's own drivers
+    streams.reserve_stdout()
     code = run(arguments)
     try:
         sys.stdout.flush()
@@ -93,7 +93,7 @@ def main() -> None:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run one command and return its exit code; faults of the user are one line each on stderr and 2."""
+    """Run one command and return its exit code; errors of the user print one line each and return 2."""
     for argument in arguments:
         if not argument.isascii() and argument != argument.encode("utf-8", "replace").decode():
             return _refuse(f"expected names in UTF-8, got {argument!a}; rename the file or folder")
@@ -111,7 +111,7 @@ def run(arguments: Sequence[str]) -> int:
 
 
 def _usage(error: Any) -> int:
-    """A wrong option or command in one line; a missing command shows the help."""
+    """Print a wrong option or command in one line; a missing command prints the help."""
     if error.message == error.ctx.get_help():
         print(error.message)
         return 2
@@ -125,7 +125,7 @@ def _refuse(message: str) -> int:
 
 
 def _limit_threads(arguments: Sequence[str]) -> None:
-    """Start over with one thread for each numeric library: they read their limits once, when numpy is loaded."""
+    """Restart with one thread per numeric library, since they read their limits when numpy is imported."""
     if os.name == "posix" and not threads.are_limited():
         command = [
             sys.executable,
@@ -133,5 +133,5 @@ def _limit_threads(arguments: Sequence[str]) -> None:
             "-m",
             "vpf_sim.cli",
             *arguments,
-        ]  # -P: the folder that one stands in comes last
+        ]  # -P: the working directory comes last in sys.path
         os.execve(sys.executable, command, {**os.environ, **threads.LIMITS})

@@ -1,4 +1,4 @@
-"""`vpf-sim ablate`: from one variant to another, one change at a time."""
+"""`vpf-sim ablate`: the ablation steps from one variant to another."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -6,19 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import (
-    ClusterOption,
-    JsonOption,
-    MixedOption,
-    OutOption,
-    ResumeOption,
-    ScenariosOption,
-    SeedsOption,
-    TimeoutOption,
-    WeathersOption,
-    WorkersOption,
-    print_json,
-)
+from vpf_sim.cli.options import ScenariosOption, WeathersOption, print_json
+from vpf_sim.cli.run_options import RunOptions, with_run_options
 from vpf_sim.shell import command
 
 Row = dict[str, Any]
@@ -28,7 +17,7 @@ COLUMNS = {  # label, digits
     "path_mse_m2": ("MSE m2", 3),
     "min_clearance_m": ("clearance m", 2),
     "comfortable_rate": ("comfortable", 2),
-    "steering_changes_per_s": ("turns of steering /s", 1),
+    "steering_changes_per_s": ("steering reversals /s", 1),
     "driver_ms": ("driver ms", 2),
 }
 
@@ -52,42 +41,33 @@ ChainOption = Annotated[
 ]
 
 
+@with_run_options
 def ablate(
+    run: RunOptions,
     chain: ChainOption = ChainName.robust,
     scenario: ScenariosOption = None,
     weather: WeathersOption = None,
-    seeds: SeedsOption = None,
-    workers: WorkersOption = None,
-    timeout: TimeoutOption = None,
-    cluster: ClusterOption = None,
-    out: OutOption = None,
-    resume: ResumeOption = False,
-    mixed: MixedOption = False,
-    json: JsonOption = False,
 ) -> None:
-    """Drive each step from one variant to another on the same seeds, and tell what each change buys."""
+    """Drive every ablation step between two variants on the same seeds, and show what each step changes."""
     from vpf_sim.cli.results import exit_code, read_summary
-    from vpf_sim.cli.running import Means, fill, plan_of
+    from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.analysis.ablation import plan as ablation_plan
-    from vpf_sim.evaluation.sweeps.plan import parse_seeds
 
-    if seeds is not None:
-        parse_seeds(seeds)
-    asked = bool(seeds or scenario or weather)
-    plan = plan_of(out, resume, asked, lambda: ablation_plan(seeds, scenario or [], weather or [], chain.value))
-    path = fill("ablate", plan, Means(out, resume, mixed, workers, timeout, cluster))
+    asked = bool(run.seeds or scenario or weather)
+    plan = plan_of(run, asked, lambda: ablation_plan(run.seeds, scenario or [], weather or [], chain.value))
+    path = fill("ablate", plan, run)
     rows = _store(path)
-    if json:
+    if run.json:
         print_json({"out": str(path), "seeds": plan.seeds, "rows": rows})
     else:
         print_steps(rows, plan.seeds)
         print(f"\nrecords and steps: {path}")
-        print(f"a page of all this: {command('report', path)}")
+        print(f"as a page: {command('report', path)}")
     raise typer.Exit(exit_code(read_summary(path)))
 
 
 def _store(path: Path) -> list[Row]:
-    """The ablation's table of a finished run folder, stored beside its summary."""
+    """Write the ablation table of a finished run folder beside its summary, and return its rows."""
     from vpf_sim.evaluation.analysis import ablation
     from vpf_sim.evaluation.sweeps.json_lines import read_lines
     from vpf_sim.evaluation.sweeps.run_folder import read_records, stored_plan, write_json
@@ -100,11 +80,11 @@ def _store(path: Path) -> list[Row]:
 
 
 def print_steps(rows: list[Row], seeds: str) -> None:
-    """The steps, then what each changes against the one before."""
+    """Print the steps, their scores, and their differences to the step before."""
     from vpf_sim.cli.tables import number, print_table, within
 
     apart = any(row["driver"].startswith(("vpf@without-", "vpf@no-")) for row in rows)
-    how = "One change is taken back at a time" if apart else "Each step keeps the changes of those before it"
+    how = "Each step leaves one part out" if apart else "Each step keeps the changes of the steps before it"
     print(f"Seeds {seeds}. {how}:\n")
     for step, change in {row["driver"]: row["changes"] for row in rows}.items():
         print(f"  {step}: {change}")
@@ -119,16 +99,14 @@ def print_steps(rows: list[Row], seeds: str) -> None:
         for row in rows
     ]
     print_table(header, lines, words=3)
-    print(f"\nDifferences to the {'first' if apart else 'step before'} on the same seeds, with 95 % intervals:\n")
+    print(f"\nDifferences to the {'first' if apart else 'previous step'} on the same seeds, with 95 % intervals:\n")
     lines = [
         (*_names(row), *(_change(row["difference"][key], digits, within) for key, (_, digits) in COLUMNS.items()))
         for row in rows
         if row["difference"]
     ]
     print_table(header, lines, words=3)
-    print(
-        "\nMSE and clearance over the successful episodes, their differences where both succeeded; the rest over all."
-    )
+    print("\nMSE and clearance: successful episodes, differences where both succeeded. All else: every episode.")
 
 
 def _names(row: Row) -> tuple[str, str, str]:
@@ -139,5 +117,5 @@ def _means() -> list[str]:
     return [key for key in COLUMNS if key != "success_rate"]
 
 
-def _change(told: Row | None, digits: int, within: Any) -> str:
-    return "-" if told is None else str(within(told["difference"], told["interval"], digits))
+def _change(difference: Row | None, digits: int, within: Any) -> str:
+    return "-" if difference is None else str(within(difference["difference"], difference["interval"], digits))

@@ -1,51 +1,28 @@
-"""`vpf-sim benchmark`: the paper's simulator table, ours beside its cells."""
+"""`vpf-sim benchmark`: the paper's simulator table, measured beside the printed values."""
 
 from typing import Annotated
 
 import typer
 
-from vpf_sim.cli.options import (
-    ClusterOption,
-    DriversOption,
-    JsonOption,
-    MixedOption,
-    OutOption,
-    ResumeOption,
-    SeedsOption,
-    TimeoutOption,
-    WorkersOption,
-    print_json,
-)
+from vpf_sim.cli.options import DriversOption, print_json
+from vpf_sim.cli.run_options import RunOptions, with_run_options
 
-ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write report.html, with films of failures.")]
+ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write report.html, with videos of failures.")]
 
 
-def benchmark(
-    seeds: SeedsOption = None,
-    driver: DriversOption = None,
-    workers: WorkersOption = None,
-    timeout: TimeoutOption = None,
-    cluster: ClusterOption = None,
-    out: OutOption = None,
-    resume: ResumeOption = False,
-    mixed: MixedOption = False,
-    report: ReportOption = True,
-    json: JsonOption = False,
-) -> None:
-    """Town04 without and with obstacles, clear and in rain: the paper's method in its variants, and the PID."""
+@with_run_options
+def benchmark(run: RunOptions, driver: DriversOption = None, report: ReportOption = True) -> None:
+    """Drive Town04 without and with obstacles, in clear weather and rain, with the paper's method and the PID."""
     from vpf_sim.cli.report import write as write_report
     from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, read_summary
-    from vpf_sim.cli.running import Means, fill, plan_of
+    from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.analysis.benchmark import plan as benchmark_plan
-    from vpf_sim.evaluation.sweeps.plan import parse_seeds
 
-    if seeds is not None:
-        parse_seeds(seeds)
-    plan = plan_of(out, resume, bool(seeds or driver), lambda: benchmark_plan(seeds, driver or []))
-    path = fill("benchmark", plan, Means(out, resume, mixed, workers, timeout, cluster))
+    plan = plan_of(run, bool(run.seeds or driver), lambda: benchmark_plan(run.seeds, driver or []))
+    path = fill("benchmark", plan, run)
     summary = read_summary(path)
     page = write_report(path) if report else None
-    if json:
+    if run.json:
         print_json({"out": str(path), "seeds": plan.seeds, **summary})
     else:
         print_benchmark(summary["rows"], plan.seeds)

@@ -6,27 +6,27 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, check_place, print_json
+from vpf_sim.cli.options import JsonOption, check_output, print_json
 from vpf_sim.cli.tables import print_table
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.gate.checks import Check
 
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
-RulesOption = Annotated[Path, typer.Option("--rules", metavar="FILE", help="What the run must keep, as TOML.")]
-JunitOption = Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write the outcome as JUnit XML.")]
+RulesOption = Annotated[Path, typer.Option("--rules", metavar="FILE", help="The rules, a TOML file.")]
+JunitOption = Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write the results as JUnit XML.")]
 WORDS = {"passed": "ok", "failed": "FAIL", "skipped": "-"}
-MOST_SEEDS = 10  # to drive again, on the screen; the file and --json have all
+MOST_SEEDS = 10  # of a printed command; --junit and --json have all
 
 
 def check(folder: FolderArgument, rules: RulesOption, junit: JunitOption = None, json: JsonOption = False) -> None:
-    """Hold a stored run to rules; exit code 1 if it breaks any."""
+    """Check a stored run against rules; exit code 1 if it fails any."""
     from vpf_sim.evaluation.gate import gate
     from vpf_sim.evaluation.gate.cells import read_run
     from vpf_sim.evaluation.gate.rules import read_rules
     from vpf_sim.report.junit import write_junit
 
-    check_place("--junit", junit)
+    check_output("--junit", junit)
     checks = gate.check(read_run(folder), read_rules(rules), rules)
     if junit is not None:
         write_junit(checks, junit)
@@ -39,12 +39,12 @@ def check(folder: FolderArgument, rules: RulesOption, junit: JunitOption = None,
 
 
 def _row(check: "Check") -> dict[str, object]:
-    told = {key: getattr(check, key) for key in ("expected", "actual", "outcome", "rerun")}
-    return {**check.cell._asdict(), **told, "seeds": list(check.seeds)}
+    values = {key: getattr(check, key) for key in ("expected", "actual", "outcome", "rerun")}
+    return {**check.cell._asdict(), **values, "seeds": list(check.seeds)}
 
 
 def _print(checks: list["Check"], failed: list["Check"]) -> None:
-    """Every rule, then what to drive again, then the count."""
+    """Print every check, the commands that repeat failures, and the counts."""
     header = ("", "scenario", "weather", "driver", "expected", "actual")
     print_table(header, [(WORDS[one.outcome], *one.cell, one.expected, one.actual) for one in checks], words=6)
     for one in failed:

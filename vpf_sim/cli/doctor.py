@@ -1,4 +1,4 @@
-"""`vpf-sim doctor`: whether all is well on this machine."""
+"""`vpf-sim doctor`: checks of this machine."""
 
 import sys
 from dataclasses import asdict
@@ -9,7 +9,7 @@ from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
 
 
 def doctor(json: JsonOption = False) -> None:
-    """Check what is installed, the picture, the speed, and that an episode is always the same; 1 if a check fails."""
+    """Check installation, frames, speed and reproducibility; exit code 1 if a check fails."""
     from vpf_sim.evaluation.machine.doctor import examine
 
     answer, checks = sys.stdout, []

@@ -11,15 +11,17 @@ from vpf_sim.cli.options import (
     JsonOption,
     OutOption,
     WeatherOption,
-    check_place,
+    check_output,
     print_json,
     prints_on_stderr,
 )
 from vpf_sim.cli.tables import measure
 
 ScenarioArgument = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name or file of a scenario.")]
-SeedOption = Annotated[int, typer.Option("--seed", min=0, help="What the scenario varies, drawn by this seed.")]
-VideoOption = Annotated[Path | None, typer.Option("--video", help="Write an .mp4 with the driver's view drawn in.")]
+SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the scenario's random parts.")]
+VideoOption = Annotated[
+    Path | None, typer.Option("--video", help="Write an .mp4 with the driver's perception and plan.")
+]
 WatchOption = Annotated[bool, typer.Option("--watch", help="Show the frames in a window.")]
 RerunOption = Annotated[Path | None, typer.Option("--rerun", help="Write an .rrd recording for the Rerun viewer.")]
 
@@ -35,7 +37,7 @@ def drive(
     out: OutOption = None,
     json: JsonOption = False,
 ) -> None:
-    """Drive one episode; exit code 1 if it is no success."""
+    """Drive one episode; exit code 1 if it does not succeed."""
     from vpf_sim.cli import invalid_frames, viewers
     from vpf_sim.evaluation import steps
     from vpf_sim.evaluation.episode import episode
@@ -43,18 +45,18 @@ def drive(
     from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.evaluation.sweeps.plan import Plan
 
-    check_place("--video", video)
-    check_place("--rerun", rerun)
+    check_output("--video", video)
+    check_output("--rerun", rerun)
     limit_opencv()
     plan = Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}")
     with prints_on_stderr():
         asked = run_folder.manifest("drive", plan)
-    with viewers.attached(video, watch, rerun) as looking:
+    with viewers.attached(video, watch, rerun) as attached:
         with prints_on_stderr():
             folder = run_folder.RunFolder(out or run_folder.new_path("drive"), asked)
             try:
-                result = episode.run(scenario, weather, driver, seed, looking.show)
-            except BaseException:  # Ctrl-C above all
+                result = episode.run(scenario, weather, driver, seed, attached.show)
+            except BaseException:  # mostly Ctrl-C
                 folder.discard()
                 raise
         steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
@@ -62,7 +64,7 @@ def drive(
         folder.close()
         invalid_frames.warn([result.record])
         _answer(result, folder.path, json)
-        looking.finish(result.steps)  # at last: a film that finds no room costs nothing of the above
+        attached.finish(result.steps)  # last: if the disk is full, all else is already stored
     raise typer.Exit(0 if result.record["status"] == "success" else 1)
 
 
@@ -86,5 +88,5 @@ def _answer(result: Any, folder: Path, as_json: bool) -> None:
 
 
 def _share(share: float | None) -> str:
-    """As a percentage."""
+    """A share as a percentage."""
     return measure(None if share is None else 100.0 * share, "%", 1)

@@ -1,16 +1,16 @@
-"""`vpf-sim drivers`: the drivers that there are."""
+"""`vpf-sim drivers`: list and check drivers."""
 
 import typer
 
 from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
 from vpf_sim.cli.tables import print_table
 
-app = typer.Typer(help="The drivers that there are.", no_args_is_help=True, rich_markup_mode=None)
+app = typer.Typer(help="List drivers; check your own.", no_args_is_help=True, rich_markup_mode=None)
 
 
 @app.command("list")
 def list_drivers(json: JsonOption = False) -> None:
-    """The registry, with what each driver is told beyond its camera."""
+    """List the registered drivers with their privileged information."""
     from vpf_sim import drivers
 
     described = drivers.describe()
@@ -23,7 +23,7 @@ def list_drivers(json: JsonOption = False) -> None:
 
 @app.command()
 def show(name: str) -> None:
-    """One driver, as JSON."""
+    """Show one driver as JSON."""
     from vpf_sim import drivers
 
     one = drivers.description(name)
@@ -32,12 +32,12 @@ def show(name: str) -> None:
 
 @app.command()
 def validate(driver: str) -> None:
-    """Load a driver of your own, "package.module:Class", and let it drive for some frames, without and with an
-    obstacle; exit code 2 and one line if it fails."""
-    from vpf_sim.evaluation.episode import trial
+    """Load your driver, "package.module:Class", and drive some frames without and with an obstacle; exit code 2 if
+    it fails."""
+    from vpf_sim.evaluation.episode import driver_check
     from vpf_sim.evaluation.processes.threads import limit_opencv
 
     limit_opencv()
     with prints_on_stderr():
-        privileged = trial.check(driver).privileged
-    print(f"{driver}: a good driver, privileged: {privileged}")
+        privileged = driver_check.check(driver).privileged
+    print(f"{driver}: valid, privileged: {privileged}")

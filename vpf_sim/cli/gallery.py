@@ -1,4 +1,4 @@
-"""`vpf-sim gallery`: every weather at fixed poses, on one page."""
+"""`vpf-sim gallery`: a page with every weather at fixed poses."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -18,7 +18,7 @@ WeathersOption = Annotated[
 
 
 def gallery(weather: WeathersOption = None, workers: WorkersOption = None, out: OutOption = None) -> None:
-    """Draw all weathers, or some, at fixed poses and on a short drive, into a folder with one page, index.html."""
+    """Render weathers at fixed poses and on a short drive, into a folder with index.html."""
     from vpf_sim.envs.camera import weather as weathers
     from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.evaluation.sweeps.sweep import default_workers
@@ -26,14 +26,14 @@ def gallery(weather: WeathersOption = None, workers: WorkersOption = None, out: 
 
     loaded = list(dict.fromkeys(weathers.load(name) for name in weather or weathers.PRESETS))
     folder = out or run_folder.new_path("gallery")
-    with _progress(len(loaded)) as tell:
-        page = pictures.make(folder, loaded, workers or default_workers(), tell)
+    with _progress(len(loaded)) as notify:
+        page = pictures.make(folder, loaded, workers or default_workers(), notify)
     print(page)
 
 
 @contextmanager
 def _progress(total: int) -> "Iterator[Callable[[Entry], None]]":
-    """A function to be told of each weather: a bar on a terminal, lines elsewhere."""
+    """A callback for each finished weather: a progress bar on a terminal, lines elsewhere."""
     if sys.stderr.isatty():
         from rich.console import Console
         from rich.progress import Progress
@@ -44,9 +44,9 @@ def _progress(total: int) -> "Iterator[Callable[[Entry], None]]":
         return
     count = 0
 
-    def tell_line(entry: "Entry") -> None:
+    def print_line(entry: "Entry") -> None:
         nonlocal count
         count += 1
         print(f"{count}/{total} {entry.name}", file=sys.stderr, flush=True)
 
-    yield tell_line
+    yield print_line

@@ -1,4 +1,4 @@
-"""What the commands share: their options, and how answers are printed."""
+"""Options that commands share, and how they print answers."""
 
 import json
 import sys
@@ -21,31 +21,35 @@ DriverOption = Annotated[str, typer.Option("--driver", help='Name of a driver, o
 DriversOption = Annotated[
     list[str] | None, typer.Option("--driver", metavar="DRIVER", help="Name of a driver; may be repeated.")
 ]
-OutOption = Annotated[Path | None, typer.Option("--out", help="Run folder; a new one under runs/ by default.")]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on with the run in --out.")]
-MixedOption = Annotated[bool, typer.Option("--mixed", help="Go on under another fingerprint; marks the records.")]
-SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, half open.", metavar="A:B")]
-WorkersOption = Annotated[int | None, typer.Option("--workers", min=1, help="Worker processes; one a core by default.")]
+OutOption = Annotated[Path | None, typer.Option("--out", help="Run folder; by default a new one under runs/.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print only one JSON object.")]
+ResumeOption = Annotated[bool, typer.Option("--resume", help="Continue the run in --out.")]
+MixedOption = Annotated[
+    bool, typer.Option("--mixed", help="Continue with another version or machine; marks the new records.")
+]
+SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, without B.", metavar="A:B")]
+WorkersOption = Annotated[
+    int | None, typer.Option("--workers", min=1, help="Worker processes; by default one per core.")
+]
 ClusterOption = Annotated[
-    str | None, typer.Option("--cluster", metavar="ADDRESS", help="Let the workers of this Dask scheduler drive.")
+    str | None, typer.Option("--cluster", metavar="ADDRESS", help="Drive on the workers of this Dask scheduler.")
 ]
 TimeoutOption = Annotated[
     float | None,
-    typer.Option(
-        "--timeout", metavar="S", help="Seconds that an episode may take; by its scenario's limit by default."
-    ),
+    typer.Option("--timeout", metavar="S", help="Time limit of an episode, s; by default from its scenario."),
 ]
 
 
 def prints_on_stderr() -> redirect_stdout[TextIO]:
-    """A context in which a driver may print: stdout is for the command's answer. See `streams` for native code."""
+    """A context that redirects prints, such as a driver's, to stderr; `streams` does so for native code."""
     return redirect_stdout(sys.stderr)
 
 
-def check_place(option: str, path: Path | None) -> None:
-    """InputError for a file that could not be written where it is asked for, before hours are spent on what goes into
-    it: its folder must be there, since one that is made for a slip of the pen is found by nobody."""
+def check_output(option: str, path: Path | None) -> None:
+    """InputError for an output file that cannot be written, raised before a long computation.
+
+    Its folder must exist, since a mistyped folder would be hard to find.
+    """
     if path is None:
         return
     if path.is_dir():
@@ -55,6 +59,6 @@ def check_place(option: str, path: Path | None) -> None:
 
 
 def print_json(answer: dict[str, Any]) -> None:
-    """One JSON object on stdout."""
+    """Print one JSON object on stdout."""
     json.dump(answer, sys.stdout, indent=2, allow_nan=False)
     sys.stdout.write("\n")

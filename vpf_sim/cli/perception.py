@@ -1,4 +1,4 @@
-"""`vpf-sim perception`: perception alone, on the poses of stored drives, scored against truth."""
+"""`vpf-sim perception`: open-loop evaluation of perception on stored drives."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     from vpf_sim.evaluation.perception.replay import StoredDrive
 
 RunsArgument = Annotated[
-    list[Path] | None, typer.Argument(metavar="RUN", help="Run folders; a fixed set of drives by default.")
+    list[Path] | None, typer.Argument(metavar="RUN", help="Run folders; by default a fixed set of drives.")
 ]
 IdsOption = Annotated[
-    list[str] | None, typer.Option("--id", metavar="ID", help="A drive of the runs; may be repeated; all by default.")
+    list[str] | None, typer.Option("--id", metavar="ID", help="A drive of the runs; may be repeated; by default all.")
 ]
 FileOption = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the table as JSON.")]
 AgainstOption = Annotated[
     Path | None,
-    typer.Option("--against", metavar="FILE", help="An earlier table, or a run folder with one, to compare with."),
+    typer.Option("--against", metavar="FILE", help="An earlier table, or its run folder, to compare with."),
 ]
 
 
@@ -32,7 +32,7 @@ def perception(
     out: FileOption = None,
     json: JsonOption = False,
 ) -> None:
-    """Draw the frames of stored drives again, let perception alone look at them, and score it against truth."""
+    """Re-render the frames of stored drives, run perception alone, and score it against ground truth."""
     from vpf_sim.cli.perception_tables import print_differences, print_totals
     from vpf_sim.evaluation.perception import measure, poses, store
     from vpf_sim.evaluation.sweeps.sweep import default_workers
@@ -45,7 +45,7 @@ def perception(
         table = measure.table(found)
         table["differences"] = _differences(table, before, against)
         if not ids:
-            measure.keep(found)
+            measure.store_by_run(found)
         if out is not None:
             store.write(out, table)
     if json:
@@ -57,9 +57,10 @@ def perception(
 
 
 def _fixed_set(workers: int | None) -> Path:
-    """The folder with the poses of the fixed set, which are driven now if they are not there yet."""
+    """The run folder of the fixed set, which is driven first if it is incomplete."""
     from vpf_sim.cli.progress import say
-    from vpf_sim.cli.running import Means, fill
+    from vpf_sim.cli.run_options import RunOptions
+    from vpf_sim.cli.running import fill
     from vpf_sim.evaluation.perception import poses
     from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_records
 
@@ -68,12 +69,12 @@ def _fixed_set(workers: int | None) -> Path:
     begun = (folder / MANIFEST).exists()
     if begun and {record["id"] for record in read_records(folder)} >= {job.id for job in plan.jobs()}:
         return folder
-    say(f"driving the {len(plan.jobs())} drives whose poses are used, once: {folder}")
-    return fill("sweep", plan, Means(folder, resume=begun, mixed=begun, workers=workers))
+    say(f"driving the {len(plan.jobs())} drives of the fixed set once: {folder}")
+    return fill("sweep", plan, RunOptions(out=folder, resume=begun, mixed=begun, workers=workers))
 
 
 def _differences(table: dict[str, Any], before: Any, name: Path | None) -> list[dict[str, Any]]:
-    """Between the drivers, and to the earlier table."""
+    """Differences between the drivers, and to the earlier table."""
     from vpf_sim.evaluation.perception import comparison
     from vpf_sim.evaluation.perception.store import Record
 
@@ -83,7 +84,7 @@ def _differences(table: dict[str, Any], before: Any, name: Path | None) -> list[
 
 
 class _Progress:
-    """A line on stderr for each drive that is ready."""
+    """Prints a line on stderr for each finished drive."""
 
     def __init__(self, total: int) -> None:
         self._total, self._done = total, 0
@@ -96,6 +97,6 @@ class _Progress:
 
 
 def _print_remarks(records: list[dict[str, Any]]) -> None:
-    """In what a drive is not as it was when it was driven."""
+    """Print how replayed drives deviate from the stored ones."""
     for name, remark in sorted({(record["drive"], remark) for record in records for remark in record["remarks"]}):
         print(f"{name}: {remark}")

@@ -1,4 +1,4 @@
-"""The tables of perception as text, none wider than 100 columns."""
+"""Perception metrics as text tables of at most 100 columns."""
 
 from typing import Any
 
@@ -6,8 +6,8 @@ from vpf_sim.cli.tables import number, percent, percent_within, print_table, wit
 
 Row = dict[str, Any]
 RATE = "false_positives_per_minute"
-OF_REPORTS = ("distance_error_m", "left_error_m", "right_error_m", "speed_error_mps")
-PLACED = ("distance m", "left m", "right m", "speed m/s")
+OF_DETECTIONS = ("distance_error_m", "left_error_m", "right_error_m", "speed_error_mps")
+ERROR_LABELS = ("distance m", "left m", "right m", "speed m/s")
 DIFFERENCES = {  # label, digits, scale
     "recall": ("recall at due distance, %", 1, 100.0),
     "precision": ("precision, %", 1, 100.0),
@@ -23,51 +23,53 @@ DIFFERENCES = {  # label, digits, scale
 
 
 def print_totals(totals: list[Row]) -> None:
-    """By driver and weather: what is seen, and how well it is placed; then both by kind and by distance."""
-    print_table(("", "drives", "bodies", "recall %", "precision %", "false pos./min"), [_seen(row) for row in totals])
-    print("\nErrors of right reports, median / 95th percentile:\n")
-    print_table(("", *PLACED), [(_name(row), *_errors(row)) for row in totals])
+    """Print metrics by driver and weather, then by kind and by distance."""
+    print_table(
+        ("", "drives", "objects", "recall %", "precision %", "false pos./min"), [_detection_row(row) for row in totals]
+    )
+    print("\nErrors of correct detections, median / 95th percentile:\n")
+    print_table(("", *ERROR_LABELS), [(_name(row), *_errors(row)) for row in totals])
     print("\nErrors of road and focus of expansion (FOE), median / 95th percentile:\n")
-    print_table(("", "edges at 10 m, m", "lane at 10 m, m", "FOE px"), [_of_frames(row) for row in totals])
+    print_table(("", "edges at 10 m, m", "lane at 10 m, m", "FOE px"), [_frame_row(row) for row in totals])
     for row in _single(totals):
         print(f"\n{_name(row)}, by kind:\n")
-        header = ("", "bodies", "recall %", "first seen m", *PLACED)
-        print_table(header, [(kind, *_of_kind(one)) for kind, one in row["by_kind"].items()])
+        header = ("", "objects", "recall %", "confirmed at m", *ERROR_LABELS)
+        print_table(header, [(kind, *_kind_row(one)) for kind, one in row["by_kind"].items()])
         print(f"\n{_name(row)}, by distance from the bumper:\n")
-        header = ("m", "recall %", "precision %", "false pos./min", *PLACED)
-        print_table(header, [_of_band(one) for one in row["by_distance"]])
-    print("\nRecall: bodies met in the corridor that were confirmed 15 m before (cones 10, pallets 6);")
-    print("by distance: at the nearer end of the band or before. Precision and false positives are means")
+        header = ("m", "recall %", "precision %", "false pos./min", *ERROR_LABELS)
+        print_table(header, [_band_row(one) for one in row["by_distance"]])
+    print("\nRecall: objects met in the corridor that were confirmed 15 m before (cones 10, pallets 6);")
+    print("by distance: at the nearer end of the band or farther. Precision and false positives are means")
     print("over the drives. [95 % intervals]")
 
 
 def print_differences(differences: list[Row]) -> None:
-    """What a driver or version changes on the same poses; nothing where there is one of them."""
-    for told in differences:
-        print(f"\n{told['driver']} less {told['minus']}, {_weather(told)}, {told['drives']} drives:\n")
+    """Print paired differences between drivers or versions."""
+    for found in differences:
+        print(f"\n{found['driver']} minus {found['minus']}, {_weather(found)}, {found['drives']} drives:\n")
         print_table(
             ("figure", "difference", "95 % interval", "p", "pairs"),
-            [(label, *_difference(told[key], digits, scale)) for key, (label, digits, scale) in DIFFERENCES.items()],
+            [(label, *_difference(found[key], digits, scale)) for key, (label, digits, scale) in DIFFERENCES.items()],
         )
     if differences:
-        print("\nRecall: over the bodies (McNemar's test). All else: over the drives (sign flips); of errors the")
+        print("\nRecall: paired by object (McNemar's test). All else: paired by drive (sign flips); errors by their")
         print("medians.")
 
 
 def _single(totals: list[Row]) -> list[Row]:
-    """Without those of all weathers, which say little by kind and distance."""
+    """Only single weathers: kinds and distances of all weathers together say little."""
     return [row for row in totals if row["weather"] != "all"]
 
 
-def _weather(told: Row) -> str:
-    return "all weathers" if told["weather"] == "all" else str(told["weather"])
+def _weather(row: Row) -> str:
+    return "all weathers" if row["weather"] == "all" else str(row["weather"])
 
 
 def _name(row: Row) -> str:
     return f"{row['driver']}, {_weather(row)}"
 
 
-def _seen(row: Row) -> tuple[str, ...]:
+def _detection_row(row: Row) -> tuple[str, ...]:
     ends = row["intervals"]
     return (
         _name(row),
@@ -79,31 +81,31 @@ def _seen(row: Row) -> tuple[str, ...]:
     )
 
 
-def _of_frames(row: Row) -> tuple[str, ...]:
+def _frame_row(row: Row) -> tuple[str, ...]:
     edges, lane = (_spread(row[key], 3) for key in ("edge_error_m", "lane_error_m"))
     return _name(row), edges, lane, _spread(row["foe_error_px"], 1)
 
 
-def _of_kind(row: Row) -> tuple[str, ...]:
+def _kind_row(row: Row) -> tuple[str, ...]:
     return (str(row["bodies_met"]), percent(row["recall"]), number(row["first_confirmed_m"], 1), *_errors(row))
 
 
-def _of_band(row: Row) -> tuple[str, ...]:
+def _band_row(row: Row) -> tuple[str, ...]:
     band = f"{row['from_m']:.0f}-{row['to_m']:.0f}" if row["to_m"] is not None else f"{row['from_m']:.0f}-"
     return (band, percent(row["recall"]), percent(row["precision"]), number(row[RATE]), *_errors(row))
 
 
 def _errors(row: Row) -> tuple[str, ...]:
-    return tuple(_spread(row[key], 2) for key in OF_REPORTS)
+    return tuple(_spread(row[key], 2) for key in OF_DETECTIONS)
 
 
-def _spread(told: Row | None, digits: int) -> str:
-    return "-" if told is None else f"{number(told['median'], digits)} / {number(told['p95'], digits)}"
+def _spread(error: Row | None, digits: int) -> str:
+    return "-" if error is None else f"{number(error['median'], digits)} / {number(error['p95'], digits)}"
 
 
-def _difference(told: Row | None, digits: int, scale: float) -> tuple[str, ...]:
-    if told is None:
+def _difference(found: Row | None, digits: int, scale: float) -> tuple[str, ...]:
+    if found is None:
         return "-", "-", "-", "0"
-    ends = told["interval"]
+    ends = found["interval"]
     interval = "-" if ends is None else f"[{', '.join(f'{scale * end:+.{digits}f}' for end in ends)}]"
-    return f"{scale * told['difference']:+.{digits}f}", interval, number(told["p"], 3), str(told["pairs"])
+    return f"{scale * found['difference']:+.{digits}f}", interval, number(found["p"], 3), str(found["pairs"])

@@ -1,4 +1,4 @@
-"""`vpf-sim profile`: where the time of a step goes."""
+"""`vpf-sim profile`: the time of a step by stage."""
 
 from typing import Annotated
 
@@ -29,11 +29,11 @@ def profile(
     times = {"step": (measured["step_ms"], None), "yardstick": (yardstick_ms, yardstick_ms)}
     times |= {name: (ms, once_ms[name]) for name, ms in stages.items()}
     cells = [(name, *(part for ms in pair for part in _both(ms, yardstick_ms))) for name, pair in times.items()]
-    print_table(("stage", "ms a step, mean", "x yardstick", "ms once, median", "x yardstick"), cells)
+    print_table(("stage", "ms per step, mean", "x yardstick", "ms per run, median", "x yardstick"), cells)
     print(
-        "\nA step looks at every third frame; once is where a stage runs. The parts of render and of bodies are inside"
+        "\nOne step of three uses a frame; per run: over the steps in which a stage runs. Stages with a dot are parts"
     )
-    print("them; hash runs on a helper thread.")
+    print("of the stage before the dot; hash runs on a separate thread.")
 
 
 def _both(ms: float | None, yardstick_ms: float) -> tuple[str, str]:

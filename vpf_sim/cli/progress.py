@@ -1,4 +1,4 @@
-"""Live progress of many episodes: how far, how fast, how long yet, what failed. On stderr: stdout has the answers."""
+"""Progress of many episodes on stderr: count, rate, time left and failures."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -16,14 +16,14 @@ FAULTS = ("error", "invalid_frame")
 
 @dataclass(slots=True)
 class Tally:
-    """What is known after each record; `done` were there before."""
+    """Counts of a session; `done` begins with the episodes stored before it."""
 
     total: int
     done: int
-    reached: int = 0  # episodes of this session that were a success
-    failed: int = 0  # and those that ended by a fault of the harness or of a driver's code: a crash is a result
-    driven: int = 0  # in this session
-    begun_s: float = field(default_factory=lambda: monotonic())
+    reached: int = 0  # successful episodes of this session
+    failed: int = 0  # ended by a fault of the harness or the driver's code; a collision is a result
+    driven: int = 0  # episodes of this session
+    started_s: float = field(default_factory=lambda: monotonic())
 
     def count(self, record: Record) -> None:
         self.done, self.driven = self.done + 1, self.driven + 1
@@ -31,14 +31,14 @@ class Tally:
         self.failed += record["status"] in FAULTS
 
     def text(self) -> str:
-        """Successes, rate and time left, of this session: "3 of 4 reached the goal, 312 an hour, 0:04:10 left"."""
+        """For example "3 of 4 reached the goal, 312 an hour, 0:04:10 left"."""
         if not self.driven:
             return "no episode yet"
-        pace_s = (monotonic() - self.begun_s) / self.driven
-        rate = 3600.0 / max(pace_s, 1e-9)
+        episode_s = (monotonic() - self.started_s) / self.driven
+        rate = 3600.0 / max(episode_s, 1e-9)
         faults = f"{self.failed} failed, " if self.failed else ""
         reached = f"{self.reached} of {self.driven} reached the goal"
-        return f"{faults}{reached}, {rate:.0f} an hour, {clock((self.total - self.done) * pace_s)} left"
+        return f"{faults}{reached}, {rate:.0f} an hour, {clock((self.total - self.done) * episode_s)} left"
 
 
 def clock(seconds: float) -> str:
@@ -49,17 +49,17 @@ def clock(seconds: float) -> str:
 
 @contextmanager
 def progress(total: int, folder: "RunFolder") -> Iterator[Callable[[Record], None]]:
-    """A function to be told of each record: a bar on a terminal, lines elsewhere."""
+    """A callback for each record: a progress bar on a terminal, lines elsewhere."""
     tally = Tally(total, len(folder.done))
     with _bar(tally) if sys.stderr.isatty() else _lines(tally) as (show, say):
 
-        def tell(record: Record) -> None:
+        def notify(record: Record) -> None:
             tally.count(record)
             show(record)
             if record["status"] == "error":
-                say(f"{record['id']}: error, the reason is in {folder.error_file(record['id'])}")
+                say(f"{record['id']}: error, see {folder.error_file(record['id'])}")
 
-        yield tell
+        yield notify
 
 
 Display = tuple[Callable[[Record], None], Callable[[str], None]]
@@ -89,5 +89,5 @@ def _bar(tally: Tally) -> Iterator[Display]:
 
 
 def say(line: str) -> None:
-    """A line on stderr, at once."""
+    """Print a line on stderr, flushed."""
     print(line, file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""`vpf-sim readings`: search the readings that the paper leaves open for those under which its law drives its table."""
+"""`vpf-sim readings`: search readings of the paper under which its control law reproduces its table."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -19,15 +19,17 @@ from vpf_sim.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from vpf_sim.evaluation.readings.search import Record, Tried
+    from vpf_sim.evaluation.readings.search import Record, Trial
     from vpf_sim.evaluation.sweeps.plan import Plan
 
 NAME = "readings.json"
-ReadingsOption = Annotated[int, typer.Option("--readings", min=1, help="How many readings to try.")]
-FinalistsOption = Annotated[int, typer.Option("--finalists", min=1, help="How many of the best drive again.")]
-FinalSeedsOption = Annotated[str, typer.Option("--final-seeds", metavar="A:B", help="Seeds of their drives.")]
+ReadingsOption = Annotated[int, typer.Option("--readings", min=1, help="Number of readings to try.")]
+FinalistsOption = Annotated[
+    int, typer.Option("--finalists", min=1, help="Number of best readings that drive more seeds.")
+]
+FinalSeedsOption = Annotated[str, typer.Option("--final-seeds", metavar="A:B", help="Seeds of the finalists.")]
 OptimiserSeedOption = Annotated[int, typer.Option("--seed", help="Seed of the optimiser.")]
-ListOption = Annotated[bool, typer.Option("--list", help="Show the quantities and their readings, and drive nothing.")]
+ListOption = Annotated[bool, typer.Option("--list", help="List the quantities and their readings without driving.")]
 
 
 def readings(
@@ -44,11 +46,12 @@ def readings(
     show: ListOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Search what the paper does not print: readings drive its four cells on development seeds, the best drive more."""
-    from vpf_sim.cli.running import Means, fill
+    """Search the quantities that the paper leaves open: readings drive its four cells, the best drive more seeds."""
+    from vpf_sim.cli.run_options import RunOptions
+    from vpf_sim.cli.running import fill
     from vpf_sim.errors import InputError
     from vpf_sim.evaluation.readings.outcome import by_choice
-    from vpf_sim.evaluation.readings.search import Asked, Tpe, finals, search
+    from vpf_sim.evaluation.readings.search import SearchSettings, Tpe, finals, search
     from vpf_sim.evaluation.readings.space import known, quantities
     from vpf_sim.evaluation.sweeps.run_folder import new_path, read_records, write_json
 
@@ -57,22 +60,23 @@ def readings(
         rows = [asdict(quantity) for quantity in space]
         print_json({"quantities": rows}) if json else _print_space(rows)
         return
-    asked = Asked(readings, seeds=seeds or "0:1", finalists=finalists, final_seeds=final_seeds, seed=seed)
-    optimiser = Tpe(space, asked.seed, known())
-    Means(out, resume).check()
+    settings = SearchSettings(readings, seeds=seeds or "0:1", finalists=finalists, final_seeds=final_seeds, seed=seed)
+    optimiser = Tpe(space, settings.seed, known())
+    RunOptions(out=out, resume=resume).check()
     if out is not None and out.exists() and not resume:
-        raise InputError(f"{out}: expected a new folder, or --resume to go on with the search in it")
+        raise InputError(f"{out}: expected a new folder, or --resume to continue the search in it")
     folder = out or new_path("readings")
 
     def drive(plan: "Plan", path: Path) -> "Sequence[Record]":
-        return read_records(fill("readings", plan, Means(path, path.exists(), False, workers, timeout, cluster)))
+        run = RunOptions(workers=workers, timeout=timeout, cluster=cluster, out=path, resume=path.exists())
+        return read_records(fill("readings", plan, run))
 
-    tried = search(asked, folder, drive, optimiser)
-    best = finals(asked, tried, folder, drive)
-    choices = by_choice(space, tried)
+    trials = search(settings, folder, drive, optimiser)
+    best = finals(settings, trials, folder, drive)
+    choices = by_choice(space, trials)
     answer = {
-        "asked": asdict(asked),
-        "tried": [asdict(one) for one in tried],
+        "asked": asdict(settings),
+        "tried": [asdict(one) for one in trials],
         "finals": [asdict(one) for one in best],
         "choices": choices,
     }
@@ -81,7 +85,7 @@ def readings(
         print_json({"out": str(folder), **answer})
     else:
         _print_choices(choices)
-        _print_finals(best, asked.final_seeds)
+        _print_finals(best, settings.final_seeds)
         print(f"\nall readings and their scores: {folder / NAME}")
         print(f"the best as a variant: {best[0].driver.partition('@')[2]}")
 
@@ -107,7 +111,7 @@ def _print_choices(rows: list[dict[str, Any]]) -> None:
     print_table(("quantity", "reading", "tried", "passed 1", "2", "3", "4 cells", "best score"), lines, words=2)
 
 
-def _print_finals(best: "Sequence[Tried]", seeds: str) -> None:
+def _print_finals(best: "Sequence[Trial]", seeds: str) -> None:
     from vpf_sim.cli.tables import number, print_table
 
     print(f"\nThe best on the seeds {seeds}:\n")

@@ -1,4 +1,4 @@
-"""`vpf-sim replay`: a driver on recorded drives."""
+"""`vpf-sim replay`: run a driver open loop on recorded drives."""
 
 import sys
 from dataclasses import replace
@@ -7,8 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriverOption, JsonOption, MixedOption, OutOption, ResumeOption, print_json
-from vpf_sim.cli.options import prints_on_stderr as driver_output_on_stderr
+from vpf_sim.cli.options import (
+    DriverOption,
+    JsonOption,
+    MixedOption,
+    OutOption,
+    ResumeOption,
+    print_json,
+    prints_on_stderr,
+)
 from vpf_sim.cli.progress import say
 from vpf_sim.cli.tables import in_one_line
 from vpf_sim.errors import InputError
@@ -51,7 +58,7 @@ def replay(
 ) -> None:
     """Run a driver on recorded drives in open loop and score it against the human and the ground truth.
 
-    Exit code 1 on an error of the driver, 2 on a recording that cannot be used; the others are still done.
+    Exit code 1 on an error of the driver, 2 on an unusable recording; the other drives are still replayed.
     """
     from vpf_sim import drivers
     from vpf_sim.evaluation.processes.threads import limit_opencv
@@ -60,7 +67,7 @@ def replay(
     from vpf_sim.replay.replay_folder import ReplayFolder
 
     limit_opencv()
-    with driver_output_on_stderr():
+    with prints_on_stderr():
         drivers.create(driver)
     recordings, refused = _read(drive)
     if water is not None:
@@ -170,7 +177,7 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
     from vpf_sim.replay import driver_error, open_loop
 
     try:
-        with driver_output_on_stderr(), process_state.kept():
+        with prints_on_stderr(), process_state.preserved():
             record, _ = open_loop.run(recording, driver, folder.path, _progress(recording.name), video, folder.add)
     except InputError as error:
         _print_fault(str(error))
@@ -190,11 +197,13 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
     return 0
 
 
-def _print_fault(words: str) -> None:
-    print(f"vpf-sim: {in_one_line(words)}", file=sys.stderr)
+def _print_fault(text: str) -> None:
+    print(f"vpf-sim: {in_one_line(text)}", file=sys.stderr)
 
 
 def _progress(name: str) -> Any:
+    """A callback that prints the number of replayed frames on a terminal."""
+
     def show(done: int, total: int) -> None:
         if sys.stderr.isatty():
             print(

@@ -1,4 +1,4 @@
-"""The tables of sweeps and benchmarks as text."""
+"""Text tables of sweeps and benchmarks."""
 
 import json
 from itertools import groupby
@@ -19,12 +19,12 @@ def read_summary(path: Path) -> dict[str, Any]:
 
 
 def exit_code(summary: dict[str, Any]) -> int:
-    """1 where any episode ended by a fault of the harness or of a driver's code; a crash is a result."""
+    """1 if any episode ended by a fault of the harness or the driver's code; a collision is a result."""
     return int(any(fault in row["statuses"] for row in summary["rows"] for fault in FAULTS))
 
 
 def print_rows(rows: list[Row]) -> None:
-    """A sweep's table."""
+    """Print a sweep's table."""
     header = (
         "scenario",
         "weather",
@@ -37,12 +37,12 @@ def print_rows(rows: list[Row]) -> None:
         "score 2.1",
     )
     print_table(header, [(row["scenario"], row["weather"], *_cells(row)) for row in rows], words=3)
-    print("\nMSE, clearance and accuracy (range, shadow) are over the successful episodes, in (brackets) the others;")
+    print("\nMSE, clearance and accuracy (range, shadow): successful episodes; in (brackets): the others if none did;")
     print("with 95 % intervals.")
 
 
 def print_comparisons(comparisons: list[Row]) -> None:
-    """What weathers and drivers change on the same seeds; nothing where there is one of each."""
+    """Print paired differences between weathers and drivers, if there are any."""
     if not comparisons:
         return
     print("\nDifferences on the same seeds, with 95 % intervals and p of no difference:\n")
@@ -51,27 +51,25 @@ def print_comparisons(comparisons: list[Row]) -> None:
         (*_sides(row), *_difference(row["success_rate"], 2), *_difference(row["path_mse_m2"], 3)) for row in comparisons
     ]
     print_table(header, lines, words=3)
-    print(
-        "\nSuccess over the planned seeds (McNemar's test), MSE where both succeeded (sign flips). Of many such p some"
-    )
-    print("are small by chance.")
+    print("\nSuccess over the planned seeds (McNemar's test), MSE where both succeeded (sign flips). Of many p values,")
+    print("some are small by chance.")
 
 
 def _sides(row: Row) -> tuple[str, str, str]:
-    """The cells that are compared: "rain - clear", or "vpf - pid"."""
+    """The compared cells, such as "rain - clear" or "vpf - pid"."""
     names = {key: row[key] for key in ("scenario", "weather", "driver")}
     names[row["of"]] += f" - {row['minus']}"
     return names["scenario"], names["weather"], names["driver"]
 
 
-def _difference(told: Row | None, digits: int) -> tuple[str, str, str]:
-    if told is None:
+def _difference(found: Row | None, digits: int) -> tuple[str, str, str]:
+    if found is None:
         return "-", "-", "0"
-    return within(told["difference"], told["interval"], digits), number(told["p"], 3), str(told["pairs"])
+    return within(found["difference"], found["interval"], digits), number(found["p"], 3), str(found["pairs"])
 
 
 def print_benchmark(rows: list[Row], seeds: str) -> None:
-    """The paper's table: for each scenario and weather its cell, then ours under the named definitions."""
+    """Print the paper's table: each of its cells, then our drivers in that cell."""
     print(f"Seeds {seeds}. Accuracy against the PID, shadow protocol, in %: range / span / tolerance.\n")
     header = ("scenario", "weather", "driver", "success", "MSE m2", "throttle", "steering", "clearance m")
     lines: list[tuple[str, ...]] = []
@@ -82,15 +80,13 @@ def print_benchmark(rows: list[Row], seeds: str) -> None:
         lines += [(*cell, _driver(row), *_benchmark_cells(row)) for row in ours]
     print_table(header, lines, words=3)
     _print_protocols(rows)
-    print(
-        "\nMeans over the successful episodes, with 95 % intervals; in (brackets): none succeeded, over all. The paper"
-    )
-    print('does not say how it computes accuracy; its rows are "Cloudy" and "Rain", its set-up Clear Noon and Hard')
+    print("\nMeans over the successful episodes, with 95 % intervals; in (brackets) over all if none succeeded. The")
+    print('paper does not define its accuracy; its rows are "Cloudy" and "Rain", its set-up Clear Noon and Hard')
     print("Rain; its camera and simulator are CARLA's.")
 
 
 def _print_protocols(rows: list[Row]) -> None:
-    """Accuracy by `range` in both protocols and by part of the route."""
+    """Print the accuracy `range` by protocol and part of the route."""
     print("\nAccuracy by range in %, throttle / steering:\n")
     header = (
         "scenario",
@@ -111,12 +107,12 @@ def _print_protocols(rows: list[Row]) -> None:
 
 
 def _cell(row: Row) -> tuple[str, str]:
-    """The paper's table has one entry for each."""
+    """The cell of the paper's table."""
     return row["scenario"], row["weather"]
 
 
 def _place(row: Row) -> tuple[int, int, int, str]:
-    """Where a row stands: scenarios, weathers and drivers as the benchmark lists them, then a user's own drivers."""
+    """Sort key: scenarios, weathers and drivers in the benchmark's order, then a user's drivers."""
     from vpf_sim.evaluation.analysis.benchmark import DRIVERS, SCENARIOS, WEATHERS
 
     driver = DRIVERS.index(row["driver"]) if row["driver"] in DRIVERS else len(DRIVERS)
@@ -124,7 +120,7 @@ def _place(row: Row) -> tuple[int, int, int, str]:
 
 
 def _driver(row: Row) -> str:
-    """The driver, and what it is told beyond its camera."""
+    """The driver with its privilege, if any."""
     privileged: str = row["privileged"]
     return str(row["driver"]) if privileged == "none" else f"{row['driver']} [{privileged}]"
 
@@ -172,12 +168,12 @@ def _cells(row: Row) -> tuple[str, ...]:
 
 
 def _interval(scores: Row, *path: str) -> Any:
-    """The 95 % interval of a score; the unsuccessful episodes have none."""
+    """The 95 % interval of a score; None for unsuccessful episodes."""
     return _at(scores, "intervals", *path)
 
 
 def _at(table: Any, *path: str) -> Any:
-    """What stands under nested keys; None where any of them leads nowhere."""
+    """The value under nested keys; None if one is missing."""
     for key in path:
         table = (table or {}).get(key)
     return table
@@ -189,7 +185,7 @@ def _definitions(scores: Row, signal: str) -> str:
 
 
 def _scores(row: Row) -> tuple[Row, Any]:
-    """The scores to show, and what to put about them: the successful episodes', or else the others' in brackets."""
+    """The scores of the successful episodes, or else the others', and a function that adds brackets to the others'."""
     if row["successes"]:
         return row, str
     return row["unsuccessful"], lambda text: text if set(text) <= set("-/ ") else f"({text})"

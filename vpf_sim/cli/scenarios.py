@@ -1,4 +1,4 @@
-"""`vpf-sim scenarios`: the catalog, one scenario, or a check of a file."""
+"""`vpf-sim scenarios`: list, show and check scenarios."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,12 +10,12 @@ from vpf_sim.cli.tables import print_table
 if TYPE_CHECKING:
     from vpf_sim.scenarios import Scenario
 
-app = typer.Typer(help="The scenarios that there are; check your own.", no_args_is_help=True, rich_markup_mode=None)
+app = typer.Typer(help="List and show scenarios; check your own.", no_args_is_help=True, rich_markup_mode=None)
 
 
 @app.command("list")
 def list_scenarios(json: JsonOption = False) -> None:
-    """The catalog."""
+    """List the catalog."""
     from vpf_sim import scenarios
 
     loaded = {name: scenarios.load(name) for name in scenarios.names()}
@@ -24,12 +24,12 @@ def list_scenarios(json: JsonOption = False) -> None:
         print_json({"scenarios": rows})
         return
     keys = ("name", "road_m", "route_m", "bodies")
-    cells = [tuple("drawn" if r[key] is None else str(r[key]) for key in keys) for r in rows]
-    print_table(("scenario", "road m", "route m", "bodies"), cells)
+    cells = [tuple("random" if r[key] is None else str(r[key]) for key in keys) for r in rows]
+    print_table(("scenario", "road m", "route m", "objects"), cells)
 
 
 def _row(name: str, one: "Scenario | None") -> dict[str, object]:
-    """One line of the list; what the seed draws is None."""
+    """One row of the list; None for values that the seed determines."""
     if one is None:
         return {"name": name, "road_m": None, "route_m": None, "bodies": None}
     route_m = round(one.goal.s_m - one.ego.s_m)
@@ -38,9 +38,9 @@ def _row(name: str, one: "Scenario | None") -> dict[str, object]:
 
 @app.command()
 def show(
-    name: str, seed: Annotated[int | None, typer.Option(min=0, help="Show what this seed makes of it.")] = None
+    name: str, seed: Annotated[int | None, typer.Option(min=0, help="Show the scenario as this seed draws it.")] = None
 ) -> None:
-    """What a scenario says, with its defaults, as JSON."""
+    """Show a scenario with its defaults as JSON."""
     from vpf_sim import scenarios
 
     scenario = scenarios.load(name)
@@ -50,8 +50,8 @@ def show(
 
 @app.command()
 def validate(file: Annotated[str, typer.Argument(metavar="FILE")]) -> None:
-    """Check a scenario file: one line a fault, exit code 2."""
+    """Check a scenario file; exit code 2 with one line per fault."""
     from vpf_sim import scenarios
 
     scenarios.load(file)
-    print(f"{file}: a good scenario")
+    print(f"{file}: valid")

@@ -1,4 +1,4 @@
-"""`vpf-sim score`: the scores of a run, made again from its steps."""
+"""`vpf-sim score`: recompute the scores of a run from its steps."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,12 +10,12 @@ from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
 if TYPE_CHECKING:
     from vpf_sim.evaluation.analysis.rescore import Rescored
 
-FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a run.")]
-MOST = 20  # changed records that are listed
+FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
+MOST = 20  # listed changed records
 
 
 def score(directory: FolderArgument, json: JsonOption = False) -> None:
-    """Score a run again from its stored steps, without driving, and store what changed."""
+    """Recompute a run's scores from its stored steps, without driving, and store the changes."""
     from vpf_sim.evaluation.analysis.rescore import rescore
 
     with prints_on_stderr():
@@ -35,7 +35,7 @@ def _print(done: "Rescored") -> None:
     else:
         print_rows(done.summary["rows"])
     print_comparisons(done.summary["comparisons"])
-    print(f"\n{len(done.records)} of {done.planned} planned episodes scored again, {len(done.changed)} changed")
+    print(f"\n{len(done.records)} of {done.planned} planned episodes rescored, {len(done.changed)} changed")
     for name, keys in sorted(done.changed.items())[:MOST]:
         print(f"  {name}: {', '.join(keys)}")
     if len(done.changed) > MOST:

@@ -1,4 +1,4 @@
-"""Standard output and error, so that the answer comes alone and whole, in whatever the terminal can show."""
+"""Standard output for the command's answer alone, in any encoding."""
 
 import io
 import os
@@ -6,8 +6,8 @@ import sys
 from typing import Any, TextIO
 
 
-class _Outlet(io.FileIO):
-    """A descriptor that goes on as if its reader were there when it has gone: `vpf-sim ... | head`."""
+class _PipeTolerantFile(io.FileIO):
+    """A file that ignores a closed reader, as in `vpf-sim ... | head`."""
 
     def write(self, data: Any) -> int:
         try:
@@ -16,24 +16,26 @@ class _Outlet(io.FileIO):
             return len(data)
 
 
-def take() -> None:
-    """Keep the descriptor of standard output for the answer alone: what is written to number 1 from here on, by native
-    code as well, goes to standard error. Characters that an output cannot take are written as escapes."""
+def reserve_stdout() -> None:
+    """Reserve standard output for the answer; all other writes to descriptor 1, also by native code, go to stderr.
+
+    Characters that the encoding lacks are written as escapes.
+    """
     try:
         answer = os.dup(1)
         os.dup2(2, 1)
-    except OSError:  # closed by who started us
+    except OSError:  # closed by the parent process
         return
-    sys.stdout = _opened(answer, sys.stdout)
-    sys.stderr = _opened(os.dup(2), sys.stderr)
+    sys.stdout = _text_stream(answer, sys.stdout)
+    sys.stderr = _text_stream(os.dup(2), sys.stderr)
 
 
-def _opened(descriptor: int, like: TextIO) -> TextIO:
-    """A text stream to a descriptor, line by line on a terminal and for errors."""
+def _text_stream(descriptor: int, like: TextIO) -> TextIO:
+    """A text stream on a descriptor, line-buffered on a terminal and for stderr."""
     os.set_inheritable(descriptor, False)
-    outlet = _Outlet(descriptor, "w")
-    by_line = like is sys.stderr or outlet.isatty()
+    file = _PipeTolerantFile(descriptor, "w")
+    by_line = like is sys.stderr or file.isatty()
     encoding = getattr(like, "encoding", None) or "utf-8"
     return io.TextIOWrapper(
-        io.BufferedWriter(outlet), encoding, errors="backslashreplace", line_buffering=by_line, write_through=by_line
+        io.BufferedWriter(file), encoding, errors="backslashreplace", line_buffering=by_line, write_through=by_line
     )

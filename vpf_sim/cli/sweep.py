@@ -5,63 +5,43 @@ from typing import Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import (
-    ClusterOption,
-    DriversOption,
-    JsonOption,
-    MixedOption,
-    OutOption,
-    ResumeOption,
-    ScenariosOption,
-    SeedsOption,
-    TimeoutOption,
-    WeathersOption,
-    WorkersOption,
-    print_json,
-)
+from vpf_sim.cli.options import DriversOption, ScenariosOption, WeathersOption, print_json
+from vpf_sim.cli.run_options import RunOptions, with_run_options
 from vpf_sim.shell import command
 
-FileArgument = Annotated[Path | None, typer.Argument(metavar="FILE", help="A sweep file; options win over it.")]
+FileArgument = Annotated[Path | None, typer.Argument(metavar="FILE", help="A sweep file; options override its values.")]
 DEFAULTS: dict[str, Any] = {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"}
 
 
+@with_run_options
 def sweep(
+    run: RunOptions,
     file: FileArgument = None,
     scenario: ScenariosOption = None,
     weather: WeathersOption = None,
     driver: DriversOption = None,
-    seeds: SeedsOption = None,
-    workers: WorkersOption = None,
-    timeout: TimeoutOption = None,
-    cluster: ClusterOption = None,
-    out: OutOption = None,
-    resume: ResumeOption = False,
-    mixed: MixedOption = False,
-    json: JsonOption = False,
 ) -> None:
-    """Drive the grid. With --resume and nothing else asked, the grid that the folder was made for."""
+    """Drive a grid of episodes. With --resume alone, the grid is the one stored in the folder."""
     from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, read_summary
-    from vpf_sim.cli.running import Means, fill, plan_of
-    from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, parse_seeds, read_plan
+    from vpf_sim.cli.running import fill, plan_of
+    from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
 
-    given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": seeds}
+    given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": run.seeds}
     given = {key: value for key, value in given.items() if value}
-    if seeds is not None:
-        parse_seeds(seeds)
 
     def make() -> Plan:
-        told = read_plan(file) if file else {}
-        defaults = {"driver": DEFAULTS["driver"]} if "drives" in told else DEFAULTS
-        return make_plan({**defaults, **told, **given}, str(file or "sweep"))
+        from_file = read_plan(file) if file else {}
+        defaults = {"driver": DEFAULTS["driver"]} if "drives" in from_file else DEFAULTS
+        return make_plan({**defaults, **from_file, **given}, str(file or "sweep"))
 
-    plan = plan_of(out, resume, bool(given or file), make)
-    path = fill("sweep", plan, Means(out, resume, mixed, workers, timeout, cluster))
+    plan = plan_of(run, bool(given or file), make)
+    path = fill("sweep", plan, run)
     summary = read_summary(path)
-    if json:
+    if run.json:
         print_json({"out": str(path), **summary})
     else:
         print_rows(summary["rows"])
         print_comparisons(summary["comparisons"])
         print(f"\nrecords and steps: {path}")
-        print(f"a page of all this: {command('report', path)}")
+        print(f"as a page: {command('report', path)}")
     raise typer.Exit(exit_code(summary))

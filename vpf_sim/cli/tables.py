@@ -1,10 +1,10 @@
-"""Tables in plain text: readable in a terminal, a log and a mail."""
+"""Plain-text tables."""
 
 from collections.abc import Sequence
 
 
 def print_table(header: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1) -> None:
-    """Columns aligned: the first `words` to the left, the others, numbers, to the right."""
+    """Print aligned columns: the first `words` to the left, the others to the right."""
     lines = [list(header), *([in_one_line(cell) for cell in row] for row in rows)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
     rule = ["-" * width for width in widths]
@@ -17,17 +17,17 @@ def print_table(header: Sequence[str], rows: Sequence[Sequence[str]], words: int
 
 
 def in_one_line(text: str) -> str:
-    """A user's text as a terminal can show it: a control character is written as an escape."""
+    """A user's text in one line, with control characters escaped."""
     return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
 
 
 def number(value: float | None, digits: int = 2) -> str:
-    """A number with so many decimals, or a dash where there is none."""
+    """A number with `digits` decimals, or a dash for None."""
     return "-" if value is None else f"{value:.{digits}f}"
 
 
 def measure(value: float | None, unit: str, digits: int = 2) -> str:
-    """A number with its unit, or a dash alone where there is none."""
+    """A number with its unit, or a dash for None."""
     return number(value, digits) if value is None else f"{number(value, digits)} {unit}"
 
 
@@ -37,7 +37,7 @@ def percent(share: float | None) -> str:
 
 
 def within(value: float | None, interval: Sequence[float] | None, digits: int = 2) -> str:
-    """A number with its 95 % interval, such as "0.43 [0.40, 0.47]"; without one where there is none."""
+    """A number with its interval if there is one, such as "0.43 [0.40, 0.47]"."""
     if value is None or interval is None:
         return number(value, digits)
     return f"{number(value, digits)} [{', '.join(number(end, digits) for end in interval)}]"

@@ -1,4 +1,4 @@
-"""`vpf-sim video`: an episode of a run folder as a film."""
+"""`vpf-sim video`: a video of a stored episode."""
 
 import sys
 from pathlib import Path
@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.options import check_place, prints_on_stderr
+from vpf_sim.cli.options import check_output, prints_on_stderr
 
 if TYPE_CHECKING:
     from vpf_sim.report.redraw import Redrawing
 
 RunArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
-IdOption = Annotated[str, typer.Option("--id", help="Which episode, such as town04.clear.vpf.1003.")]
+IdOption = Annotated[str, typer.Option("--id", help="The episode, such as town04.clear.vpf.1003.")]
 OverlayOption = Annotated[
-    bool, typer.Option("--overlay/--no-overlay", help="Draw in what the driver saw and wanted, by asking it again.")
+    bool, typer.Option("--overlay/--no-overlay", help="Draw the driver's perception and plan, recomputed.")
 ]
 FileOption = Annotated[
     Path | None, typer.Option("--out", help="The .mp4 to write; by default videos/ID.mp4 in the run folder.")
@@ -22,34 +22,34 @@ FileOption = Annotated[
 
 
 def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out: FileOption = None) -> None:  # noqa: A002
-    """Draw an episode again, from its steps and seed: the camera, the road from above, the signals."""
+    """Re-render an episode from its steps and seed: camera, top view and signals."""
     from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.report.redraw import redrawing
     from vpf_sim.report.stored_run import open_run
 
-    check_place("--out", out)
+    check_output("--out", out)
     limit_opencv()
     run = open_run(folder)
     with prints_on_stderr():
         drawn = redrawing(run, id, overlay)
         path = out or folder / "videos" / f"{id}.mp4"
-        _film(drawn, path)
+        _write(drawn, path)
     for remark in drawn.remarks:
         print(f"vpf-sim: {id}: {remark}", file=sys.stderr)
     print(path)
 
 
-def _film(drawn: "Redrawing", path: Path) -> None:
-    """All frames into a file."""
+def _write(drawn: "Redrawing", path: Path) -> None:
+    """Write all frames into a file."""
     from vpf_sim.report import episode_view
     from vpf_sim.report.video import Writer
 
     with Writer(path, episode_view.size_px(drawn.camera), drawn.rate_hz) as writer:
         for index, frame in episode_view.frames(drawn):
             writer.write(frame)
-            _tell(index + 1, len(drawn.table) + 1)
+            _show_progress(index + 1, len(drawn.table) + 1)
 
 
-def _tell(done: int, total: int) -> None:
+def _show_progress(done: int, total: int) -> None:
     if sys.stderr.isatty():
         print(f"\r{done}/{total} frames", end="\n" if done == total else "", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""Those who look on while an episode is driven: a video file, a window, a recording for the Rerun viewer."""
+"""Viewers of a running episode: a video file, a window, a recording for the Rerun viewer."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
@@ -20,7 +20,7 @@ SIGNALS = ("throttle", "steering", "pid_throttle", "pid_steering", "speed_mps", 
 
 @dataclass(frozen=True, slots=True)
 class Viewers:
-    """`show` is to be given each frame and plan, None where nobody looks on; `finish` the steps."""
+    """`show` receives each frame and plan, or is None without viewers; `finish` receives the steps."""
 
     show: Watcher | None
     log: "RerunLog | None"
@@ -28,12 +28,12 @@ class Viewers:
     def finish(self, table: StepTable) -> None:
         if self.log is not None and len(table):
             self.log.signals(table.time_s, {name: getattr(table, name) for name in SIGNALS})
-            self.log.way(table.positions_m)
+            self.log.trajectory(table.positions_m)
 
 
 @contextmanager
 def attached(video: Path | None, watch: bool, rerun: Path | None) -> Iterator[Viewers]:
-    """Those that are asked for, until the context is left."""
+    """The requested viewers; they close at the end of the context."""
     camera = Camera()
     with ExitStack() as stack:
         watchers: list[Watcher] = []
@@ -58,7 +58,7 @@ def attached(video: Path | None, watch: bool, rerun: Path | None) -> Iterator[Vi
 
 
 def _drawn(sink: Callable[[Image], None], camera: Camera) -> Watcher:
-    """With what the driver saw and wanted drawn in."""
+    """A watcher that passes on frames with the driver's perception and plan drawn in."""
 
     def show(frame: Image, plan: Plan | None) -> None:
         from vpf_sim.report import overlay

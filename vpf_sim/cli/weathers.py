@@ -1,4 +1,4 @@
-"""`vpf-sim weathers`: the weathers that there are, one of them, or a check of a file."""
+"""`vpf-sim weathers`: list, show and check weathers."""
 
 from typing import Annotated, Any
 
@@ -7,13 +7,13 @@ import typer
 from vpf_sim.cli.options import JsonOption, print_json
 from vpf_sim.cli.tables import print_table
 
-app = typer.Typer(help="The weathers that there are; check your own.", no_args_is_help=True, rich_markup_mode=None)
-SameJsonOption = Annotated[bool, typer.Option("--json", help="One JSON object; it is printed without this, too.")]
+app = typer.Typer(help="List and show weathers; check your own.", no_args_is_help=True, rich_markup_mode=None)
+SameJsonOption = Annotated[bool, typer.Option("--json", help="No effect: the output is always JSON.")]
 
 
 @app.command("list")
 def list_weathers(json: JsonOption = False) -> None:
-    """The presets with their aliases, and what they mean."""
+    """List the presets with their aliases and meaning."""
     from vpf_sim.envs.camera import weather
     from vpf_sim.evaluation.weather.weather_meaning import aliases, in_words
 
@@ -26,7 +26,7 @@ def list_weathers(json: JsonOption = False) -> None:
 
 @app.command()
 def show(name: str, json: SameJsonOption = False) -> None:  # noqa: ARG001
-    """The factors of a weather or a weather file and their physical meaning, as JSON."""
+    """Show the factors of a weather or weather file and their physical meaning as JSON."""
     from vpf_sim.envs.camera import weather
     from vpf_sim.evaluation.weather.weather_meaning import aliases, in_words, physical
 
@@ -37,15 +37,15 @@ def show(name: str, json: SameJsonOption = False) -> None:  # noqa: ARG001
 
 @app.command()
 def validate(file: Annotated[str, typer.Argument(metavar="FILE")]) -> None:
-    """Check a weather file: one line a fault, exit code 2."""
+    """Check a weather file; exit code 2 with one line per fault."""
     from vpf_sim.envs.camera import weather
 
     weather.load(file)
-    print(f"{file}: a good weather")
+    print(f"{file}: valid")
 
 
 def _row(name: str) -> dict[str, Any]:
-    """A name that can be asked for, the preset that it stands for, and what that means."""
+    """A name or alias with its preset and meaning."""
     from vpf_sim.envs.camera import weather
     from vpf_sim.evaluation.weather.weather_meaning import in_words
 

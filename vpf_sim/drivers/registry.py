@@ -91,7 +91,7 @@ def _load(path: str) -> Driver:
     """An instance of the class at "package.module:Class", checked against the driver's protocol."""
     module_name, _, class_name = path.partition(":")
     try:
-        with process_state.kept():
+        with process_state.preserved():
             module = import_module(module_name)
     except (ImportError, ValueError) as error:
         raise InputError(f"driver '{path}': cannot import '{module_name}': {error}") from error
@@ -104,8 +104,8 @@ def _load(path: str) -> Driver:
     if missing:
         raise InputError(f"driver '{path}': expected privileged, reset and act; missing: {', '.join(missing)}")
     try:
-        with process_state.kept():
-            driver = cast(Driver, process_state.InItsOwnPlace(found()))
+        with process_state.preserved():
+            driver = cast(Driver, process_state.Isolated(found()))
     except TypeError as error:
         raise InputError(f"driver '{path}': expected a class that is made without arguments: {error}") from error
     except Exception as error:

@@ -1,18 +1,18 @@
-"""Episodes driven, scored, repeated and compared. Where to begin: `episode/episode.py`, the loop.
+"""Drives episodes, scores them, and compares runs. Start reading at `episode/episode.py`, the closed loop.
 
-What all parts speak of lies here: `job` (what is to be driven), `steps` (what happened), `outcome` (how it went). Each
-package imports only those above it:
+Modules here are shared by all packages: `job` (an episode to drive), `steps` (its step table), `outcome` (its ending).
+Each package imports only packages above it:
 
 - metrics: the scores of an episode, and the record that holds them
-- truth: what the renderer and the road know and no driver is told
-- rendering: what the picture is worth, seen along scripted drives without a driver
-- weather: what a weather means, and does to the plain perception
-- processes: workers of one thread each, that may hang or die
-- episode: the loop, its log and its clock
-- sweeps: many episodes, and the folder that keeps them
-- analysis: what the records of a run say
+- truth: ground truth from renderer and road, hidden from drivers
+- rendering: statistics of rendered frames, on scripted drives without a driver
+- weather: physical meaning of a weather, and its effect on tracking
+- processes: single-threaded workers with timeouts and retries
+- episode: the closed loop, its step log and stage timing
+- sweeps: many episodes, and their run folder
+- analysis: statistics, comparisons and tables of a run's records
 - readings: a search over what the paper leaves open
-- perception: perception alone, on the poses of stored drives
-- gate: whether a run keeps the rules
-- machine: whether this machine drives as it should, and how fast
+- perception: open-loop evaluation of perception on the poses of stored drives
+- gate: pass/fail rules for a run, for CI
+- machine: installation checks and profiling
 """

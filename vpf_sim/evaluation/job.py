@@ -1,4 +1,4 @@
-"""One episode that is asked for: the names of what makes it, and the id that they make."""
+"""A planned episode and its id."""
 
 import re
 from typing import NamedTuple
@@ -16,10 +16,10 @@ class Job(NamedTuple):
 
     @property
     def id(self) -> str:
-        """Unique and fit for a file's name: "town04.clear.vpf.1003"."""
+        """Unique id, usable as a file name: "town04.clear.vpf.1003"."""
         return ".".join([_slug(self.scenario), _slug(self.weather), _slug(self.driver), str(self.seed)])
 
 
 def _slug(name: str) -> str:
-    """A plain name as it is; of a path the last part, told apart from others by a hash."""
+    """A plain name unchanged; of a path its last part with a hash."""
     return file_name(name, re.split(r"[/\\:]", name.removesuffix(".toml"))[-1])

@@ -1,4 +1,4 @@
-"""How an episode went, before any score."""
+"""The outcome of an episode, before scoring."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,11 +8,11 @@ from vpf_sim.evaluation.steps import StepTable
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What the loop leaves, and what a run folder keeps of it."""
+    """The closed loop's result."""
 
     status: str
     steps: StepTable
     collided_with: str | None
-    frames_sha256: str | None  # None: the driver was shown no frame
-    traceback: str | None = None  # of our own or the driver's exception
-    invalid_frame: dict[str, Any] | None = None  # its number, `time_s` and what was wrong with it
+    frames_sha256: str | None  # None: the driver uses no frames
+    traceback: str | None = None  # of an exception in the driver or the harness
+    invalid_frame: dict[str, Any] | None = None  # its number, `time_s` and fault

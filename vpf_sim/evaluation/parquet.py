@@ -1,4 +1,4 @@
-"""Tables of numbers as Parquet files, whole or not at all, with their faults told in plain words."""
+"""Atomic writing and checked reading of numeric Parquet tables."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ from vpf_sim.types import Floats
 
 
 def write(rows: Floats, names: Sequence[str], path: Path) -> None:
-    """The columns of (N, C) rows under their names."""
+    """Write (N, C) rows with one named column each."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -21,7 +21,7 @@ def write(rows: Floats, names: Sequence[str], path: Path) -> None:
 
 
 def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:
-    """(N, C) of a file that `write` stored: `what` it has, in a table of this `kind`; else InputError."""
+    """(N, C) rows that `write` stored; InputErrors call the content `what` and the table's format `kind`."""
     import pyarrow.parquet as pq
 
     try:
@@ -29,7 +29,7 @@ def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:
         columns = [stored[name].to_numpy() for name in names]
     except FileNotFoundError:
         raise InputError(f"{path}: expected {what}, found nothing") from None
-    except (OSError, ValueError, KeyError) as error:  # pyarrow's own are among them
+    except (OSError, ValueError, KeyError) as error:  # includes pyarrow's errors
         reason = " ".join(str(error.args[0] if error.args else error).split())[:120]
         raise InputError(f"{path}: expected a {kind} table of this version, got: {reason}") from None
     return np.column_stack(columns)

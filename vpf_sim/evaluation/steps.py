@@ -1,4 +1,4 @@
-"""The step table: what happened in an episode, one row a frame; every score is a function of it."""
+"""The step table: one row per frame of an episode; every score is a function of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from vpf_sim.types import Floats
 
 
 class Step(NamedTuple):
-    """One row: the state that the driver saw, and the command that it gave there (nan in the last row)."""
+    """One row: the state, and the driver's command in it (nan in the last row)."""
 
     time_s: float
     x_m: float
@@ -23,43 +23,43 @@ class Step(NamedTuple):
     yaw_rate_radps: float
     route_m: float  # driven along the route
     lane_offset_m: float  # from the centre of the ego's lane, + is right
-    clearance_m: float  # between the ego's body and the nearest other; inf without bodies
-    ttc_s: float = inf  # until the ego touches a body ahead, if all keep their velocities
-    passing: float = 0.0  # 1 from 25 m before a body to 15 m after it
+    clearance_m: float  # from the ego's outline to the nearest object's; inf without objects
+    ttc_s: float = inf  # until the ego touches an object ahead at constant velocities
+    passing: float = 0.0  # 1 from 25 m before an obstacle to 15 m after it
     throttle: float = nan
     steering: float = nan
     pid_throttle: float = nan  # what the PID would do in this state
     pid_steering: float = nan
     paired_throttle: float = nan  # what the PID did at this distance in its own run without obstacles
     paired_steering: float = nan
-    foe_x_px: float = nan  # estimated; nan where the driver has no such thing or does not trust it
+    foe_x_px: float = nan  # estimated; nan without an estimate, or with confidence 0
     foe_y_px: float = nan
     true_foe_x_px: float = nan
     true_foe_y_px: float = nan
-    seen_left_m: float = nan  # distance from a point 10 m ahead to the left edge of the carriageway, as perceived
+    seen_left_m: float = nan  # perceived offset of the left edge from a point 10 m ahead
     seen_right_m: float = nan
     true_left_m: float = nan
     true_right_m: float = nan
-    flow_error_px: float = nan  # median end-point error of the flow, and relative error of the times to contact, of
-    ttc_error: float = nan  # the frames that were judged
-    objects_right: float = nan  # reports of the driver in its corridor that have a body there,
-    objects_wrong: float = nan  # that have none,
-    new_wrong_objects: float = nan  # and how many of these were not wrong before
-    met_kind: float = nan  # of a body in the corridor that the front bumper came to
-    met_confirmed_m: float = nan  # from the bumper to that body when it was first reported; nan if it never was
-    outside: float = 0.0  # 1 where a corner of the body is beyond the carriageway's edge
-    in_lane: float = 1.0  # 1 where all of its corners are in one lane
-    looked: float = 0.0  # 1 where the driver looked at the frame
-    near_bearing_rad: float = nan  # of the nearest body's centre from the rear axle, off the heading, + is right
-    near_bumper_m: float = nan  # from the front bumper to that body
-    near_speed_mps: float = nan  # of that body
+    flow_error_px: float = nan  # median end-point error of the flow, in scored frames
+    ttc_error: float = nan  # median relative error of the times to contact, in scored frames
+    objects_right: float = nan  # correct detections in the corridor
+    objects_wrong: float = nan  # false positives in the corridor
+    new_wrong_objects: float = nan  # false positives that were not false before
+    met_kind: float = nan  # index in KINDS of an obstacle that the front bumper reached in the corridor
+    met_confirmed_m: float = nan  # from the bumper to that obstacle at its first detection; nan if never detected
+    outside: float = 0.0  # 1 where a corner of the ego is beyond the carriageway's edge
+    in_lane: float = 1.0  # 1 where all corners of the ego are in one lane
+    looked: float = 0.0  # 1 where the driver used the frame
+    near_bearing_rad: float = nan  # of the nearest object's centre from the rear axle, off the heading, + is right
+    near_bumper_m: float = nan  # from the front bumper to that object
+    near_speed_mps: float = nan  # of that object
 
 
 @dataclass(frozen=True, slots=True)
 class StepTable:
-    """The rows of n steps and of the state in which they ended; `table.speed_mps` is the (n + 1,) column so called."""
+    """The rows of n steps and of the final state; `table.speed_mps` is the (n + 1,) column of that name."""
 
-    rows: Floats  # (n + 1, len(Step._fields)), or no row where the episode never began
+    rows: Floats  # (n + 1, len(Step._fields)); no row if the episode never began
 
     @classmethod
     def of(cls, steps: Sequence[Step]) -> "StepTable":
@@ -82,23 +82,23 @@ class StepTable:
         return np.column_stack([self.x_m, self.y_m])
 
     def replaced(self, columns: Mapping[str, Floats]) -> "StepTable":
-        """The same table with other values, one a row, in some columns."""
+        """A copy with new (n + 1,) values in some columns."""
         rows = self.rows.copy()
         for name, values in columns.items():
             rows[:, Step._fields.index(name)] = values
         return StepTable(rows)
 
     def states(self) -> bytes:
-        """What makes two episodes the same: poses, speeds and commands, bit by bit."""
+        """Poses, speeds and commands as bytes; two episodes are equal if these are."""
         names = ("time_s", "x_m", "y_m", "yaw_rad", "speed_mps", "yaw_rate_radps", "throttle", "steering")
         return np.column_stack([getattr(self, name) for name in names]).astype("<f8").tobytes()
 
 
 def write(table: StepTable, path: Path) -> None:
-    """A Parquet file, whole or not at all."""
+    """Write the table as a Parquet file, atomically."""
     parquet.write(table.rows, Step._fields, path)
 
 
 def read(path: Path) -> StepTable:
-    """The table that `write` stored; InputError where there is none of this version's."""
+    """The table that `write` stored; InputError where it is missing or of another version."""
     return StepTable(parquet.read(path, Step._fields, "the steps of an episode", "step"))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from vpf_sim.replay.scores import PARTS
-from vpf_sim.report.cells import worded
+from vpf_sim.report.cells import formatted
 
 PART_NAMES = {PARTS[0]: "no obstacles", PARTS[1]: "with obstacles", "not divided": "not divided"}
 NOTHING = "no recording"
@@ -71,13 +71,13 @@ def _score(row: dict[str, Any]) -> tuple[str, ...]:
     kinds = row["signals"]
     signals = f"a {kinds['throttle']}, δ {kinds['steering']}" if row["frames"] else NOTHING
     cells = [weather, PART_NAMES[row["part"]], signals, ", ".join(row["drives"]), str(row["frames"])]
-    cells.append(worded(row["unseen"] / row["frames"] if row["frames"] else None, 1, True))
+    cells.append(formatted(row["unseen"] / row["frames"] if row["frames"] else None, 1, True))
     for name in ("throttle", "steering"):
         scores, idle = row["accuracy"][name] or {}, row["idle"][name] or {}
-        cells += [worded(scores.get(key), 1, True) for key in ("range", "span", "tolerance")]
-        cells += [worded(scores.get("mae"), 3), worded(idle.get("range"), 1, True)]
+        cells += [formatted(scores.get(key), 1, True) for key in ("range", "span", "tolerance")]
+        cells += [formatted(scores.get("mae"), 3), formatted(idle.get("range"), 1, True)]
     paper = row["paper"] or {}
-    return (*cells, *(worded(paper.get(name), 1, True) for name in ("throttle", "steering")))
+    return (*cells, *(formatted(paper.get(name), 1, True) for name in ("throttle", "steering")))
 
 
 def drives(records: Sequence[dict[str, Any]]) -> Table:
@@ -120,7 +120,7 @@ def _drive(record: dict[str, Any]) -> tuple[str, ...]:
         str(record["gaps"]),
         str(record["segments"]),
         str(record["restarts"]),
-        worded(record["perception"]["road_found_share"], 1, True),
+        formatted(record["perception"]["road_found_share"], 1, True),
     )
 
 
@@ -139,7 +139,7 @@ def mountings(records: Sequence[dict[str, Any]]) -> Table:
     header = ("drive", "angle", "used", "deg", "from", "to", "straight s")
     keys = ("deg", "from_deg", "to_deg", "straight_s")
     rows = [
-        (record["name"], name, "yes" if one["used"] else "no", *(worded(one[key], 1) for key in keys))
+        (record["name"], name, "yes" if one["used"] else "no", *(formatted(one[key], 1) for key in keys))
         for record in records
         for name, one in (record.get("mounting") or {}).items()
     ]
@@ -168,14 +168,14 @@ def lanes(records: Sequence[dict[str, Any]]) -> Table:
 
 def _lane(name: str, words: str, part: dict[str, Any]) -> tuple[str, ...]:
     scores, idle = part["steering"] or {}, part["idle"] or {}
-    shares = [worded(scores.get(key), 1, True) for key in ("range", "span")]
-    return (name, words, str(part["frames"]), *shares, *(worded(one.get("mae"), 4) for one in (scores, idle)))
+    shares = [formatted(scores.get(key), 1, True) for key in ("range", "span")]
+    return (name, words, str(part["frames"]), *shares, *(formatted(one.get("mae"), 4) for one in (scores, idle)))
 
 
 def checks(records: Sequence[dict[str, Any]]) -> Table:
     """Independent signals checked by physics."""
     checked = [(record["name"], record["signal_checks"]["yaw_rate"]) for record in records]
-    rows = [(name, worded(one["gain"], 3), worded(one["correlation"], 3)) for name, one in checked if one]
+    rows = [(name, formatted(one["gain"], 3), formatted(one["correlation"], 3)) for name, one in checked if one]
     note = (
         "gain: slope of the yaw rate over v tan(δ) / 2.7 m; 1 for correct ratio, wheelbase and sign without slip, "
         "negative for a wrong sign, about 0.5 for an understeering car at 25 m/s."
@@ -202,12 +202,12 @@ def _perception_row(record: dict[str, Any]) -> tuple[str, ...]:
     spread, ttc = scores["foe"]["interquartile_range_px"] or {}, scores["ttc"] or {}
     return (
         record["name"],
-        *(worded(error.get(axis), 1) for error in errors for axis in ("x", "y")),
-        worded(scores["foe"]["share"], 1, True),
-        *(worded(spread.get(axis), 1) for axis in ("x", "y")),
-        worded(scores["yaw_rate_median_error_radps"], 4),
-        worded((scores["speed_scale"] or {}).get("median"), 2),
-        *(worded(ttc.get(key), 1, True) for key in ("median_error", "within_25_percent", "false_alarms")),
+        *(formatted(error.get(axis), 1) for error in errors for axis in ("x", "y")),
+        formatted(scores["foe"]["share"], 1, True),
+        *(formatted(spread.get(axis), 1) for axis in ("x", "y")),
+        formatted(scores["yaw_rate_median_error_radps"], 4),
+        formatted((scores["speed_scale"] or {}).get("median"), 2),
+        *(formatted(ttc.get(key), 1, True) for key in ("median_error", "within_25_percent", "false_alarms")),
     )
 
 
@@ -216,5 +216,5 @@ def compute(records: Sequence[dict[str, Any]], timing: Mapping[str, dict[str, An
     header = ("drive", "driver", "driver 95 %", "reading", "period", "times real time")
     keys = ("driver_ms", "driver_p95_ms", "reading_ms", "period_ms", "real_time")
     there = [record["name"] for record in records if record["driven"] and record["name"] in timing]
-    rows = [(name, *(worded(timing[name][key], 1) for key in keys)) for name in there]
+    rows = [(name, *(formatted(timing[name][key], 1) for key in keys)) for name in there]
     return Table("Time on one core, ms a frame", header, tuple(rows), notes=("medians of CPU time",))

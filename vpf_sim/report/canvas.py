@@ -1,4 +1,4 @@
-"""Drawing on a frame: anti-aliased strokes and fills, places on the road as the camera sees them, text."""
+"""Drawing on a frame: anti-aliased strokes, fills, text, and projection of points on the road."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ SHADE: Colour = (16, 20, 24)
 
 @dataclass(slots=True)
 class Canvas:
-    """A frame that is drawn on, in place; `unit` is 1 on a frame 640 px wide and scales strokes and text."""
+    """Draws on a frame in place; `unit` scales strokes and text, and is 1 for a width of 640 px."""
 
     frame: Image  # (H, W, 3) RGB
     camera: Camera
@@ -29,16 +29,16 @@ class Canvas:
         return float(np.clip(min(self.frame.shape[1] / 640.0, self.frame.shape[0] / 480.0), 0.6, 3.0))
 
     def stroke_px(self, width: float) -> int:
-        """Whole pixels of a stroke that is `width` wide on a frame of 640 px."""
+        """Stroke width in whole pixels, for a `width` on a frame of 640 px."""
         return max(1, round(width * self.unit))
 
     def lines(self, chains_px: list[Floats], colour: Colour, width: float, closed: bool = False) -> None:
-        """Each an (M, 2) chain of points; those that are not finite break it off."""
+        """Draw (M, 2) polylines; those with points that are not finite are skipped."""
         whole = [_fixed(chain) for chain in chains_px if len(chain) > 1 and np.all(np.isfinite(chain))]
         cv2.polylines(self.frame, whole, closed, colour, self.stroke_px(width), cv2.LINE_AA, SHIFT)
 
     def fill(self, polygons_px: list[Floats], colour: Colour, opacity: float, top_opacity: float | None = None) -> None:
-        """Translucent (M, 2) polygons, of one opacity or fading from the bottom to the top of them all."""
+        """Fill translucent (M, 2) polygons, with one opacity or a vertical gradient."""
         whole = [_fixed(polygon) for polygon in polygons_px if len(polygon) > 2 and np.all(np.isfinite(polygon))]
         if not whole:
             return
@@ -60,18 +60,18 @@ class Canvas:
         part[:] = np.rint(part + fade * (painted.astype(np.float32) - part)).astype(np.uint8)
 
     def disc(self, centre_px: Floats, radius_px: float, colour: Colour, opacity: float = 1.0) -> None:
-        """A filled circle."""
+        """Fill a circle."""
         angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
         self.fill([centre_px + radius_px * np.stack([np.cos(angle), np.sin(angle)], axis=1)], colour, opacity)
 
     def ring(self, centre_px: Floats, radius_px: float, colour: Colour, width: float) -> None:
-        """A circle."""
+        """Draw a circle."""
         angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
         ring: Floats = centre_px + radius_px * np.stack([np.cos(angle), np.sin(angle)], axis=1)
         self.lines([ring], colour, width, closed=True)
 
     def text(self, words: str, left_px: float, base_px: float, colour: Colour = INK, size: float = 0.42) -> None:
-        """Words on a dark plate, their lower left corner at (left, base)."""
+        """Draw text on a dark background, its lower left corner at (left, base)."""
         scale, margin = size * self.unit, 3.0 * self.unit
         right, top = left_px + self.text_width_px(words, size), base_px - 24.0 * scale
         bottom = base_px + 7.0 * scale
@@ -84,11 +84,11 @@ class Canvas:
     def text_width_px(self, words: str, size: float = 0.42) -> float:
         return float(cv2.getTextSize(words, FONT, size * self.unit, self.stroke_px(1))[0][0])
 
-    def seen(self, places_m: Floats) -> Floats:
-        """(..., 2) px of (..., 2) places on the road or (..., 3) above it, vehicle axes; nan behind the camera."""
-        if places_m.shape[-1] == 2:
-            places_m = np.concatenate([places_m, np.zeros_like(places_m[..., :1])], axis=-1)
-        return distort(self.camera, project(self.camera, places_m))
+    def project(self, points_m: Floats) -> Floats:
+        """(..., 2) px of (..., 2) points on the road or (..., 3) above it, vehicle axes; nan behind the camera."""
+        if points_m.shape[-1] == 2:
+            points_m = np.concatenate([points_m, np.zeros_like(points_m[..., :1])], axis=-1)
+        return distort(self.camera, project(self.camera, points_m))
 
 
 def _fixed(points_px: Floats) -> np.ndarray[tuple[int, ...], np.dtype[np.int32]]:

@@ -1,4 +1,4 @@
-"""The numbers of a summary as cells of tables: each with its exact value, its words and its interval."""
+"""Cells of a report's tables: exact value, formatted text and interval."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ NONE = "–"
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A score of a summary's row."""
+    """A score of a summary row."""
 
     key: str  # dotted, as in summary.json
     label: str
     unit: str
     digits: int
     percent: bool = False
-    of_failed: bool = True  # whether `unsuccessful` has it too
+    of_failed: bool = True  # whether `unsuccessful` has it
 
 
 MAIN = (
@@ -38,27 +38,27 @@ class Cell:
 
     label: str
     value: float | None
-    words: str
-    interval: str  # in words, or empty
-    grey: bool = False  # of the episodes without success, where none had any
+    text: str
+    interval: str  # formatted, or empty
+    grey: bool = False  # of unsuccessful episodes, where none succeeded
 
 
 @dataclass(frozen=True, slots=True)
 class DriverRow:
-    """What one driver did in one scenario and weather."""
+    """One driver's results in one scenario and weather."""
 
     driver: str
     privileged: str
     successes: int
     episodes: int
-    interval: str  # of the share, in words
-    endings: str  # of the others, in words
+    interval: str  # of the success rate, formatted
+    endings: str  # of the unsuccessful episodes, as text
     cells: tuple[Cell, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """The rows of one scenario and weather, and what the paper has for it."""
+    """The rows of one scenario and weather, with the paper's values."""
 
     scenario: str
     weather: str
@@ -67,12 +67,12 @@ class Group:
 
 
 def shown(name: str) -> str:
-    """A scenario or weather as a page names it: of a file the name without its folder."""
+    """The display name of a scenario or weather: a file's name without its folder."""
     return Path(name).stem if name.endswith(".toml") else name
 
 
 def at(row: Row, key: str) -> Any:
-    """The value under a dotted key, None where there is none."""
+    """The value under a dotted key; None if missing."""
     value: Any = row
     for part in key.split("."):
         value = value.get(part) if isinstance(value, dict) else None
@@ -80,36 +80,36 @@ def at(row: Row, key: str) -> Any:
 
 
 def interval_of(row: Row, key: str) -> tuple[float, float] | None:
-    """The 95 % interval of the value under a dotted key, where the summary has one."""
+    """The 95 % interval of the value under a dotted key; None if missing."""
     ends = at(row.get("intervals") or {}, key)
     return (float(ends[0]), float(ends[1])) if isinstance(ends, list | tuple) and len(ends) == 2 else None
 
 
-def worded(value: float | None, digits: int, percent: bool = False) -> str:
-    """A number to read, with a true minus sign."""
+def formatted(value: float | None, digits: int, percent: bool = False) -> str:
+    """A formatted number, with a true minus sign."""
     if value is None:
         return NONE
     text = f"{100.0 * value if percent else value:.{digits}f}"
     return text.removeprefix("-") if float(text) == 0.0 else text.replace("-", "−")
 
 
-def interval_words(ends: tuple[float, float] | None, digits: int, percent: bool = False) -> str:
-    return "" if ends is None else " to ".join(worded(end, digits, percent) for end in ends)
+def interval_text(ends: tuple[float, float] | None, digits: int, percent: bool = False) -> str:
+    return "" if ends is None else " to ".join(formatted(end, digits, percent) for end in ends)
 
 
 def cell(row: Row, column: Column) -> Cell:
-    """The mean of the successful episodes, or else that of the others, in grey."""
+    """The cell with the mean of the successful episodes, or else of the others in grey."""
     value = at(row, column.key)
     if value is not None or row["successes"] or not column.of_failed:
         ends = interval_of(row, column.key)
-        words = interval_words(ends, column.digits, column.percent)
-        return Cell(column.label, value, worded(value, column.digits, column.percent), words)
+        interval = interval_text(ends, column.digits, column.percent)
+        return Cell(column.label, value, formatted(value, column.digits, column.percent), interval)
     value = at(row.get("unsuccessful") or {}, column.key)
-    return Cell(column.label, value, worded(value, column.digits, column.percent), "", value is not None)
+    return Cell(column.label, value, formatted(value, column.digits, column.percent), "", value is not None)
 
 
 def groups(rows: Sequence[Row], order: "Order") -> list[Group]:
-    """The main table."""
+    """The main table, grouped by scenario and weather."""
     ordered = sorted(rows, key=order.place)
     return [
         Group(shown(scenario), shown(weather), _paper(found := list(group)), tuple(driver_row(row) for row in found))
@@ -118,52 +118,56 @@ def groups(rows: Sequence[Row], order: "Order") -> list[Group]:
 
 
 def driver_row(row: Row) -> DriverRow:
-    """A driver's cells."""
+    """The main table's row of a driver."""
     return DriverRow(
         row["driver"],
         row["privileged"],
         row["successes"],
         row["episodes"],
-        interval_words(interval_of(row, "success_rate"), 0, percent=True),
+        interval_text(interval_of(row, "success_rate"), 0, percent=True),
         endings(row),
         tuple(cell(row, column) for column in MAIN),
     )
 
 
 def endings(row: Row) -> str:
-    """How the episodes without success ended: "3 collision, 1 off road"."""
-    told = [
+    """How the unsuccessful episodes ended: "3 collision, 1 off road"."""
+    counts = [
         f"{count} {status.replace('_', ' ')}"
         for status, count in sorted(row["statuses"].items())
         if status != "success"
     ]
     missing = row["episodes"] - sum(row["statuses"].values())
-    return ", ".join([*told, *([f"{missing} not driven"] if missing else [])])
+    return ", ".join([*counts, *([f"{missing} not driven"] if missing else [])])
 
 
 def _paper(rows: Sequence[Row]) -> tuple[Cell, ...]:
-    """The paper's row, in the main table's columns; empty where it has none."""
+    """The paper's row in the main table's columns; empty if it has none."""
     paper = rows[0].get("paper")
     if not paper:
         return ()
-    known = {
-        "path_mse_m2": Cell("path MSE", paper["path_mse_m2"], worded(paper["path_mse_m2"], 2), ""),
-        "accuracy.shadow.throttle.range": Cell("throttle", paper["throttle"], worded(paper["throttle"], 2, True), ""),
-        "accuracy.shadow.steering.range": Cell("steering", paper["steering"], worded(paper["steering"], 2, True), ""),
+    values = {
+        "path_mse_m2": Cell("path MSE", paper["path_mse_m2"], formatted(paper["path_mse_m2"], 2), ""),
+        "accuracy.shadow.throttle.range": Cell(
+            "throttle", paper["throttle"], formatted(paper["throttle"], 2, True), ""
+        ),
+        "accuracy.shadow.steering.range": Cell(
+            "steering", paper["steering"], formatted(paper["steering"], 2, True), ""
+        ),
     }
-    return tuple(known.get(column.key, Cell(column.label, None, NONE, "")) for column in MAIN)
+    return tuple(values.get(column.key, Cell(column.label, None, NONE, "")) for column in MAIN)
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """The order in which the run was asked for its scenarios, weathers and drivers; colours follow the drivers'."""
+    """The order of scenarios, weathers and drivers in the plan; it also gives the drivers' colours."""
 
     scenarios: tuple[str, ...]
     weathers: tuple[str, ...]
     drivers: tuple[str, ...]
 
     def place(self, row: Row) -> tuple[int, int, int]:
-        """Where a row or a record stands."""
+        """The sort key of a row or a record."""
         return (
             self.scenarios.index(row["scenario"]),
             self.weathers.index(row["weather"]),
@@ -171,9 +175,9 @@ class Order:
         )
 
     def style(self, driver: str) -> str:
-        """The class of a driver's colour; eight of them, then they come again."""
+        """The CSS class of a driver's colour, one of eight."""
         return f"d{self.drivers.index(driver) % 8}"
 
     def cells(self) -> Iterator[tuple[str, str]]:
-        """Each scenario in each weather."""
+        """Every pair of scenario and weather."""
         return ((scenario, weather) for scenario in self.scenarios for weather in self.weathers)

@@ -1,4 +1,4 @@
-"""Charts as SVG by hand: text stays text, colours come from the page's style sheet, and a page of them stays small."""
+"""Small hand-written SVG charts; colours come from the page's style sheet."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,13 +11,13 @@ from markupsafe import Markup
 from vpf_sim.types import Floats
 
 LEFT, RIGHT, TOP, BOTTOM = 42.0, 10.0, 10.0, 32.0  # margins of a plot, px
-TICK = 30.0  # px between ticks of an upright axis, about
-POINTS = 260  # of a line, after thinning
+TICK = 30.0  # approximate px between ticks of a vertical axis
+POINTS = 260  # of a line, after downsampling
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """What a direction of a plot shows, from `low` (left or bottom) to `high`; low > high turns it about."""
+    """An axis from `low` (left or bottom) to `high`; low > high reverses it."""
 
     low: float
     high: float
@@ -31,7 +31,7 @@ class Axis:
 
 @dataclass(slots=True)
 class Plot:
-    """A plot that grows by strokes; `svg` closes it. Sizes are px at which its text has the page's size."""
+    """A plot to draw on; `svg` returns the result. Sizes are px at the page's text size."""
 
     width: float
     height: float
@@ -48,12 +48,12 @@ class Plot:
         return np.stack(np.broadcast_arrays(across, down), axis=-1)
 
     def line(self, x: Floats, y: Floats, style: str, closed: bool = False) -> None:
-        """A stroke through (N,) values; a gap where one is nan."""
+        """Draw a line through (N,) values, with gaps at nan."""
         for chain in _unbroken(self.place(x, y)):
             self._parts.append(f'<path class="{style}" d="{_path(chain, closed)}"/>')
 
     def signal(self, x: Floats, y: Floats, style: str) -> None:
-        """A line of many values, thinned so that no peak is lost."""
+        """Draw a line of many values, downsampled without losing peaks."""
         self.line(*thinned(x, y, POINTS // 2), style)
 
     def dot(self, x: float, y: float, style: str, radius: float = 4.0) -> None:
@@ -71,12 +71,12 @@ class Plot:
         )
 
     def text_at(self, words: str, x: float, y: float, style: str = "label", anchor: str = "start") -> None:
-        """Words at a value."""
+        """Draw text at data coordinates."""
         px, py = self.place(x, y)
         self.text(words, float(px), float(py), style, anchor)
 
     def grid(self) -> None:
-        """Rules, ticks and labels of both axes."""
+        """Draw grid lines, ticks and labels of both axes."""
         left, right, top, bottom = self.margins
         for value in self.x.ticks or ticks(self.x.low, self.x.high, 5):
             px = float(self.place(value, self.y.low)[0])
@@ -90,7 +90,7 @@ class Plot:
         self.text(self.y.label, 2.0, self.height - 4.0, "axis")
 
     def svg(self, meaning: str) -> Markup:
-        """The whole; `meaning` is for those who do not see it."""
+        """The SVG element; `meaning` is its description for screen readers."""
         size = f'viewBox="0 0 {self.width:g} {self.height:g}"'
         body = "".join(self._parts)
         return Markup(f'<svg {size} role="img" aria-label="{escape(meaning)}">{body}</svg>')
@@ -100,7 +100,7 @@ class Plot:
 
 
 def ticks(low: float, high: float, count: int) -> tuple[float, ...]:
-    """Round values between the two, at most about `count`."""
+    """Round tick values in [low, high], about `count` of them."""
     low, high = min(low, high), max(low, high)
     if not (isfinite(low) and isfinite(high)) or high <= low:
         return ()
@@ -112,19 +112,19 @@ def ticks(low: float, high: float, count: int) -> tuple[float, ...]:
 
 
 def plain(value: float) -> str:
-    """A tick's number, with a true minus sign."""
+    """A tick label, with a true minus sign."""
     return f"{value:g}".replace("-", "−")
 
 
 def thinned(x: Floats, y: Floats, bins: int) -> tuple[Floats, Floats]:
-    """The least and the greatest of each bin of values, in their order; all of them where there are few."""
+    """Minimum and maximum of each bin in order; all values if they are few."""
     if len(x) <= 2 * bins:
         return x, y
     chosen: set[int] = {0, len(x) - 1}
     for part in np.array_split(np.arange(len(x)), bins):
-        there = part[np.isfinite(y[part])]
-        if len(there):
-            chosen |= {int(there[np.argmin(y[there])]), int(there[np.argmax(y[there])])}
+        finite = part[np.isfinite(y[part])]
+        if len(finite):
+            chosen |= {int(finite[np.argmin(y[finite])]), int(finite[np.argmax(y[finite])])}
         else:
             chosen.add(int(part[0]))
     index = sorted(chosen)
@@ -132,14 +132,14 @@ def thinned(x: Floats, y: Floats, bins: int) -> tuple[Floats, Floats]:
 
 
 def _unbroken(points: Floats) -> list[Floats]:
-    """The pieces of a chain between its gaps."""
-    there = np.all(np.isfinite(points), axis=1)
-    edges = np.flatnonzero(np.diff(there)) + 1
+    """The pieces of a polyline between its gaps."""
+    finite = np.all(np.isfinite(points), axis=1)
+    edges = np.flatnonzero(np.diff(finite)) + 1
     return [piece for piece in np.split(points, edges) if len(piece) > 1 and np.all(np.isfinite(piece))]
 
 
 def _path(points: Floats, closed: bool) -> str:
-    """Relative moves with one decimal, summed so that rounding does not add up."""
+    """SVG path of relative moves with one decimal, without accumulating rounding errors."""
     whole = np.rint(np.clip(points, -1e4, 1e4) * 10.0).astype(int)
     steps = np.diff(whole, axis=0)
     steps = steps[np.any(steps != 0, axis=1)]
@@ -152,12 +152,12 @@ def _tenth(number: int) -> str:
 
 
 def legend_key(style: str) -> Markup:
-    """A short stroke of a style, for a legend in the page's text."""
+    """A short line in a style, for a legend."""
     return Markup(f'<svg class="key" viewBox="0 0 26 10" aria-hidden="true"><path class="{style}" d="M2 5h22"/></svg>')
 
 
 def reach(values: Sequence[float], least: float, margin: float = 0.08) -> tuple[float, float]:
-    """An axis' ends about values, at least `least` wide."""
+    """The ends of an axis around values, at least `least` apart."""
     low, high = min(values), max(values)
     widen = max(0.5 * (least - (high - low)), margin * (high - low))
     return low - widen, high + widen

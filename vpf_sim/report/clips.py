@@ -1,4 +1,4 @@
-"""Short films of how episodes failed, small enough to lie inside a page."""
+"""Short video clips of failures, small enough to embed in a page."""
 
 from base64 import b64encode
 from collections import Counter
@@ -24,7 +24,7 @@ POSTER_QUALITY = 70  # of JPEG
 
 @dataclass(frozen=True, slots=True)
 class Clip:
-    """The end of an episode."""
+    """A video of the end of an episode."""
 
     episode: str
     ending: str
@@ -36,7 +36,7 @@ class Clip:
 
 
 def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> list[Record]:
-    """Up to `count` episodes without success: of each way to fail and each cell one first, drivers in their order."""
+    """Up to `count` unsuccessful episodes, different kinds of failure and cells first."""
     order = {driver: number for number, driver in enumerate(drivers)}
     failed = [record for record in records if record["status"] != "success" and record["steps"] > 0]
     failed.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
@@ -53,8 +53,8 @@ def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> lis
 
 
 def make(run: StoredRun, record: Record) -> Clip:
-    """Live through the episode again and film its end."""
-    drawn = redrawing(run, record["id"], think=True)
+    """Re-render the episode and encode its end."""
+    drawn = redrawing(run, record["id"], replan=True)
     last = len(drawn.table)
     first, stride = max(0, last - round(LENGTH_S * drawn.rate_hz)), max(1, round(drawn.rate_hz / RATE_HZ))
     size = tuple(round(SCALE * side / 2) * 2 for side in episode_view.size_px(drawn.camera))

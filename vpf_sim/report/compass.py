@@ -1,4 +1,4 @@
-"""The planner's forces and its reference heading as a small compass: ahead of the vehicle is up."""
+"""A compass of the planner's forces and reference heading; up is ahead."""
 
 from math import cos, sin
 
@@ -17,7 +17,7 @@ RADIUS = 44.0  # px on a frame of 640
 
 
 def draw_compass(canvas: Canvas, plan: Plan) -> None:
-    """In the lower right corner, with its legend below."""
+    """Draw the compass in the lower right corner, with a legend below."""
     radius = RADIUS * canvas.unit
     height, width = canvas.frame.shape[:2]
     centre = np.array([width - radius - 14 * canvas.unit, height - radius - 24 * canvas.unit])
@@ -31,7 +31,7 @@ def draw_compass(canvas: Canvas, plan: Plan) -> None:
     for vector, colour in arrows:
         length = float(np.hypot(*vector))
         if np.isfinite(length) and longest > 0.0 and length > 1e-3 * longest:
-            # The square root keeps the small force readable beside the large one.
+            # The square root keeps small forces visible beside large ones.
             _arrow(canvas, centre, np.arctan2(vector[1], vector[0]), 0.82 * radius * np.sqrt(length / longest), colour)
     _pointer(canvas, centre, wrap_angle(plan.reference.heading_rad - float(plan.perception.pose[2])), radius)
     _legend(canvas, centre, radius)
@@ -53,7 +53,7 @@ def _arrow(canvas: Canvas, centre: Floats, angle: float, length: float, colour: 
 
 
 def _pointer(canvas: Canvas, centre: Floats, angle: float, radius: float) -> None:
-    """The reference heading: a wedge on the rim."""
+    """Draw the reference heading as a wedge on the rim."""
     tip = _ray(centre, angle, 0.84 * radius, 0.84 * radius)[0]
     base = [_ray(centre, angle + side, 1.1 * radius, 1.1 * radius)[0] for side in (-0.13, 0.13)]
     wedge = np.stack([tip, *base])
@@ -62,7 +62,7 @@ def _pointer(canvas: Canvas, centre: Floats, angle: float, radius: float) -> Non
 
 
 def _legend(canvas: Canvas, centre: Floats, radius: float) -> None:
-    words = (("goal", TARGET), ("road", ROAD), ("body", OBSTACLE))
+    words = (("goal", TARGET), ("road", ROAD), ("obstacle", OBSTACLE))
     size = 0.32
     widths = [canvas.text_width_px(word, size) for word, _ in words]
     gap = 6 * canvas.unit

@@ -1,10 +1,10 @@
-"""An episode as frames of a film: the camera with the overlay, the road from above, the signals below."""
+"""An episode as video frames: camera with overlay, top view, and signals below."""
 
 from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from vpf_sim.report import from_above, overlay
+from vpf_sim.report import overlay, top_view
 from vpf_sim.report.canvas import INK, Canvas
 from vpf_sim.report.redraw import Moment, Redrawing
 from vpf_sim.report.signals import PAPER, SOFT, Strips, write
@@ -16,12 +16,12 @@ SIGNALS_PX = 212
 
 
 def size_px(camera: Camera) -> tuple[int, int]:
-    """(width, height) of the film."""
+    """(width, height) of the video."""
     return camera.width_px + round(SIDE * camera.width_px), TITLE_PX + camera.height_px + SIGNALS_PX
 
 
 def frames(drawn: Redrawing, wanted: Callable[[int], bool] = lambda _: True) -> Iterator[tuple[int, Image]]:
-    """(row, (H, W, 3) RGB) of the moments that are wanted; the others are only lived through."""
+    """Yield (row, (H, W, 3) RGB) of the wanted steps; the others are computed and not drawn."""
     strips = Strips(drawn.table, size_px(drawn.camera)[0], SIGNALS_PX)
     for moment in drawn.moments():
         if wanted(moment.index):
@@ -29,7 +29,7 @@ def frames(drawn: Redrawing, wanted: Callable[[int], bool] = lambda _: True) -> 
 
 
 def ending(drawn: Redrawing) -> str:
-    """How the episode ended, in words."""
+    """How the episode ended, as text."""
     record = drawn.record
     with_what = f" with a {record['collided_with']}" if record.get("collided_with") else ""
     return f"{record['status'].replace('_', ' ')}{with_what} after {drawn.table.time_s[-1]:.1f} s"
@@ -43,7 +43,7 @@ def _compose(drawn: Redrawing, moment: Moment, strips: Strips) -> Image:
     trail = table.positions_m[: row + 1]
     width, height = size_px(camera)
     side = width - camera.width_px
-    above = from_above.draw(drawn.scene, moment.bodies, trail, pose, moment.plan, side, camera.height_px)
+    above = top_view.draw(drawn.scene, moment.objects, trail, pose, moment.plan, side, camera.height_px)
     frame = np.empty((height, width, 3), np.uint8)
     frame[:TITLE_PX] = PAPER
     frame[TITLE_PX : TITLE_PX + camera.height_px, : camera.width_px] = picture
@@ -54,7 +54,7 @@ def _compose(drawn: Redrawing, moment: Moment, strips: Strips) -> Image:
 
 
 def _title(canvas: Canvas, drawn: Redrawing, row: int) -> None:
-    """Which episode, how it ends, and what time it is."""
+    """Draw the episode's id, ending, time and distance."""
     camera = drawn.camera
     write(canvas, drawn.record["id"], 12, 19, INK, 0.48)
     write(canvas, ending(drawn), round(0.55 * camera.width_px), 19, SOFT, 0.44)

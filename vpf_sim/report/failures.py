@@ -1,17 +1,17 @@
-"""The episodes without success, told in few lines: those of a cell that ended alike stand together."""
+"""Unsuccessful episodes, grouped by cell and kind of ending."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-from vpf_sim.report.cells import shown, worded
+from vpf_sim.report.cells import formatted, shown
 from vpf_sim.report.stored_run import Record
 
 
 @dataclass(frozen=True, slots=True)
-class Ending:
-    """How some episodes of one cell and driver ended."""
+class FailureGroup:
+    """Episodes of one cell and driver with the same ending."""
 
     scenario: str
     weather: str
@@ -20,12 +20,12 @@ class Ending:
     collided_with: str | None
     reason: str
     seeds: tuple[int, ...]
-    way: str  # driven, in percent: "12.0 to 55.2"
-    example: str  # the id of one, to film
+    way: str  # route completion in percent: "12.0 to 55.2"
+    example: str  # the id of one episode
 
 
-def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> list[Ending]:
-    """The failed records, cell by cell as they come; `reason` knows what an id's error was."""
+def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> list[FailureGroup]:
+    """The failed records grouped, in their order of cells; `reason` returns the error of an id."""
 
     def alike(record: Record) -> tuple[str, ...]:
         cell = tuple(str(record[key]) for key in ("scenario", "weather", "driver", "status"))
@@ -37,7 +37,7 @@ def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> li
 
 
 def ranges(seeds: Sequence[int]) -> str:
-    """Sorted seeds with those in a row drawn together: "3, 5, 7–9"."""
+    """Sorted seeds with ranges: "3, 5, 7–9"."""
     runs: list[list[int]] = []
     for seed in seeds:
         if runs and seed == runs[-1][-1] + 1:
@@ -51,12 +51,12 @@ def _cell(record: Record) -> tuple[Any, ...]:
     return record["scenario"], record["weather"], record["driver"]
 
 
-def _ending(key: tuple[str, ...], found: list[Record]) -> Ending:
+def _ending(key: tuple[str, ...], found: list[Record]) -> FailureGroup:
     scenario, weather, driver, status, collided_with, reason = key
     driven = sorted(float(record["route_completion"]) for record in found)
-    words = list(dict.fromkeys(worded(share, 1, percent=True) for share in (driven[0], driven[-1])))
+    shares = list(dict.fromkeys(formatted(share, 1, percent=True) for share in (driven[0], driven[-1])))
     seeds = tuple(int(record["seed"]) for record in found)
-    return Ending(
+    return FailureGroup(
         shown(scenario),
         shown(weather),
         driver,
@@ -64,6 +64,6 @@ def _ending(key: tuple[str, ...], found: list[Record]) -> Ending:
         collided_with or None,
         reason,
         seeds,
-        " to ".join(words),
+        " to ".join(shares),
         found[0]["id"],
     )

@@ -1,4 +1,4 @@
-"""The field from above: the road ahead, the bodies on it, the potential across it, its parts and its minimum."""
+"""Top view of the potential field: road, obstacles, and the potential across the road with its minimum."""
 
 from typing import Any
 
@@ -18,10 +18,7 @@ PAPER: Colour = (28, 33, 40)
 
 
 def draw(plan: Plan, width_px: int = 640, height_px: int = 480) -> Image:
-    """(H, W, 3) RGB, for a plan of the variant `robust`, whose potential is a function of the place across the road.
-
-    Raises InputError for a plan without one.
-    """
+    """(H, W, 3) RGB view of a plan with a potential across the road (variant `robust`); InputError without one."""
     potential: Any = plan.extra.get("potential")
     if potential is None:
         raise InputError("field view: expected a plan with a potential across the road, as of the driver vpf")
@@ -31,7 +28,7 @@ def draw(plan: Plan, width_px: int = 640, height_px: int = 480) -> Image:
     view = _View(lane.left_m - MARGIN_M, lane.right_m + MARGIN_M, width_px, base)
     _tint(canvas, view, potential.y_m, potential.total)
     _edges(canvas, view, lane.left_m, lane.right_m)
-    _bodies(canvas, view, plan.extra["obstacles"])
+    _draw_obstacles(canvas, view, plan.extra["obstacles"])
     _vehicle(canvas, view, lane.y_m)
     _curves(canvas, view, potential)
     _minimum(canvas, view, potential.minimum_m, plan.extra["reference_y_m"])
@@ -40,7 +37,7 @@ def draw(plan: Plan, width_px: int = 640, height_px: int = 480) -> Image:
 
 
 class _View:
-    """From lane coordinates to pixels: y to the right, along the road upwards."""
+    """Maps lane coordinates to pixels: y to the right, along the road upwards."""
 
     def __init__(self, left_m: float, right_m: float, width_px: int, base_px: float) -> None:
         self.left_m, self.scale, self.base_px = left_m, width_px / (right_m - left_m), base_px
@@ -55,10 +52,10 @@ class _View:
 
 
 def _tint(canvas: Canvas, view: _View, y_m: Floats, total: Floats) -> None:
-    """The height of the potential as colour, dark where it is low."""
+    """Colour the road by the potential, dark where it is low."""
     columns = view.left_m + (np.arange(canvas.frame.shape[1]) + 0.5) / view.scale
     height = np.clip(np.interp(columns, y_m, total) / HIGHEST, 0.0, 1.0)
-    levels = np.asarray(np.rint(215.0 * np.sqrt(height)), np.uint8)[None]  # short of the map's glaring end
+    levels = np.asarray(np.rint(215.0 * np.sqrt(height)), np.uint8)[None]  # below the brightest end of the colour map
     colours = cv2.cvtColor(cv2.applyColorMap(levels, cv2.COLORMAP_INFERNO), cv2.COLOR_BGR2RGB)
     canvas.frame[: int(view.base_px)] = colours
 
@@ -68,9 +65,9 @@ def _edges(canvas: Canvas, view: _View, left_m: float, right_m: float) -> None:
         canvas.lines([view.across(y, 0.0, AHEAD_M)], ROAD, 2)
 
 
-def _bodies(canvas: Canvas, view: _View, bodies: Any) -> None:
-    """Faces as they are believed to stand, with a body's length behind."""
-    for along, left, right in zip(bodies.along_m, bodies.left_m, bodies.right_m, strict=True):
+def _draw_obstacles(canvas: Canvas, view: _View, obstacles: Any) -> None:
+    """Draw obstacles from their estimated face, with a fixed length."""
+    for along, left, right in zip(obstacles.along_m, obstacles.left_m, obstacles.right_m, strict=True):
         y, x = np.array([left, right, right, left]), along + np.array([0.0, 0.0, 4.0, 4.0])
         if along > AHEAD_M:
             continue
@@ -87,7 +84,7 @@ def _vehicle(canvas: Canvas, view: _View, y_m: float) -> None:
 
 
 def _curves(canvas: Canvas, view: _View, potential: Any) -> None:
-    """U(y) below the road: its three parts, and their sum."""
+    """Plot U(y) below the road: its three parts and their sum."""
     bottom = canvas.frame.shape[0] - 8.0
     for values, colour, width in (
         (potential.target, TARGET, 1),
@@ -110,6 +107,11 @@ def _minimum(canvas: Canvas, view: _View, minimum_m: float, reference_m: float) 
 
 def _legend(canvas: Canvas) -> None:
     left = 12.0
-    for word, colour in (("potential: goal", TARGET), ("+ road", ROAD), ("+ bodies", OBSTACLE), ("minimum", REFERENCE)):
+    for word, colour in (
+        ("potential: goal", TARGET),
+        ("+ road", ROAD),
+        ("+ obstacles", OBSTACLE),
+        ("minimum", REFERENCE),
+    ):
         canvas.text(word, left, 22.0, colour, 0.42)
         left += canvas.text_width_px(word) + 14.0

@@ -1,19 +1,19 @@
-"""The charts of a report: paths and commands of each scenario and weather, scores as dots."""
+"""The charts of a report: paths and commands by scenario and weather, and dot charts of scores."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from vpf_sim.errors import InputError
-from vpf_sim.report import commands, dots, paths
+from vpf_sim.report import commands, interval_chart, paths
 from vpf_sim.report.cells import Order, Row, at, interval_of, shown
 from vpf_sim.report.commands import CommandCharts
 from vpf_sim.report.paths import Chart, Track
-from vpf_sim.report.places import places
+from vpf_sim.report.road_layout import layouts
+from vpf_sim.report.run_data import RunData
 from vpf_sim.report.stored_run import Record, StoredRun
-from vpf_sim.report.subject import Subject
 
-MOST_TRACKS = 30  # seeds whose paths are drawn
-MOST_PATHS, MOST_COMMANDS = 12, 6  # scenarios in a weather
+MOST_TRACKS = 30  # seeds with drawn paths
+MOST_PATHS, MOST_COMMANDS = 12, 6  # pairs of scenario and weather
 DOTS = (  # key, title, scale, ends of the axis
     ("success_rate", "Episodes that reached the goal, %", 100.0, (0.0, 100.0)),
     ("path_mse_m2", "Path MSE, m²", 1.0, None),
@@ -41,49 +41,49 @@ class Section:
 
 @dataclass(slots=True)
 class Sections:
-    """What is drawn, and what is not and why."""
+    """The drawn sections, and reasons for those left out."""
 
     drawn: list[Section] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
 
 
-def sections(subject: Subject) -> Sections:
-    """Paths over the road, and commands beside the PID's."""
-    found, changed = Sections(), subject.changed()
-    for number, (scenario, weather) in enumerate(subject.order.cells()):
+def sections(run_data: RunData) -> Sections:
+    """Charts of paths and commands for each scenario and weather."""
+    found, changed = Sections(), run_data.changed()
+    for number, (scenario, weather) in enumerate(run_data.order.cells()):
         title = f"{shown(scenario)}, {shown(weather)}"
         if number >= MOST_PATHS:
             found.left_out.append(f"{title}: only the first {MOST_PATHS} are drawn")
         elif scenario in changed:
             found.left_out.append(f"{title}: the scenario has changed since the run")
         else:
-            _add(found, subject, scenario, weather, title)
+            _add(found, run_data, scenario, weather, title)
     return found
 
 
-def _add(found: Sections, subject: Subject, scenario: str, weather: str, title: str) -> None:
-    here = subject.at(scenario, weather)
+def _add(found: Sections, run_data: RunData, scenario: str, weather: str, title: str) -> None:
+    here = run_data.at(scenario, weather)
     seeds = sorted({int(record["seed"]) for record in here})[:MOST_TRACKS]
-    tracks = list(_tracks(subject, [record for record in here if record["seed"] in seeds]))
+    tracks = list(_tracks(run_data, [record for record in here if record["seed"] in seeds]))
     if not tracks:
         return
     try:
-        where = places(scenario, seeds)
+        where = layouts(scenario, seeds)
     except InputError as error:
         found.left_out.append(f"{title}: {error}")
         return
     first = [record for record in here if record["seed"] == seeds[0] and record["driver"] != "pid"]
-    beside = tuple(_commands(subject.run, subject.order, first)) if len(found.drawn) < MOST_COMMANDS else ()
+    beside = tuple(_commands(run_data.run, run_data.order, first)) if len(found.drawn) < MOST_COMMANDS else ()
     drivers = tuple(dict.fromkeys(record["driver"] for record in here))
     found.drawn.append(Section(title, drivers, tuple(paths.charts(where, tracks, title)), beside))
 
 
-def _tracks(subject: Subject, records: Sequence[Record]) -> Iterator[Track]:
-    """The first driver's come last, and so lie on top."""
+def _tracks(run_data: RunData, records: Sequence[Record]) -> Iterator[Track]:
+    """The paths; the first driver's come last and are drawn on top."""
     for record in reversed(records):
-        table = subject.run.steps(record["id"])
+        table = run_data.run.steps(record["id"])
         if table is not None:
-            yield Track(record["seed"], subject.order.style(record["driver"]), record["status"] == "success", table)
+            yield Track(record["seed"], run_data.order.style(record["driver"]), record["status"] == "success", table)
 
 
 def _commands(run: StoredRun, order: Order, records: Sequence[Record]) -> Iterator[CommandCharts]:
@@ -94,14 +94,16 @@ def _commands(run: StoredRun, order: Order, records: Sequence[Record]) -> Iterat
 
 
 def scores(rows: Sequence[Row], order: Order) -> Iterator[Chart]:
-    """One a score, with the paper's values where it has them."""
+    """One chart per score, with the paper's values."""
     for key, title, scale, ends in DOTS:
         found = [dot for row in rows if (dot := _dot(row, key, scale, order))]
         if found:
-            yield Chart(title, dots.chart(found, _marks(rows, order, PAPER_KEYS.get(key), scale), title, ends))
+            yield Chart(
+                title, interval_chart.chart(found, _marks(rows, order, PAPER_KEYS.get(key), scale), title, ends)
+            )
 
 
-def _dot(row: Row, key: str, scale: float, order: Order) -> dots.Dot | None:
+def _dot(row: Row, key: str, scale: float, order: Order) -> interval_chart.Dot | None:
     value, grey = at(row, key), False
     if value is None:
         value, grey = at(row.get("unsuccessful") or {}, key), True
@@ -110,15 +112,16 @@ def _dot(row: Row, key: str, scale: float, order: Order) -> dots.Dot | None:
     weather = order.weathers.index(row["weather"])
     ends = None if grey else interval_of(row, key)
     scaled = ends and (scale * ends[0], scale * ends[1])
-    return dots.Dot(
+    return interval_chart.Dot(
         shown(row["scenario"]), row["driver"], weather, order.style(row["driver"]), scale * value, scaled, grey
     )
 
 
-def _marks(rows: Sequence[Row], order: Order, key: str | None, scale: float) -> list[dots.Mark]:
+def _marks(rows: Sequence[Row], order: Order, key: str | None, scale: float) -> list[interval_chart.Mark]:
     if key is None:
         return []
     found = {(row["scenario"], row["weather"]): scale * row["paper"][key] for row in rows if row.get("paper")}
     return [
-        dots.Mark(shown(scenario), order.weathers.index(weather), value) for (scenario, weather), value in found.items()
+        interval_chart.Mark(shown(scenario), order.weathers.index(weather), value)
+        for (scenario, weather), value in found.items()
     ]

@@ -1,4 +1,4 @@
-"""Every weather at fixed poses and on a short drive, as files beside one page."""
+"""The gallery: images of every weather at fixed poses, a short video each, and a page."""
 
 import shutil
 from collections.abc import Callable, Sequence
@@ -20,7 +20,10 @@ from vpf_sim.report.video import Writer
 from vpf_sim.types import Image
 
 QUALITY = 92  # of JPEG
-LEAD_S, LEAD_HZ = 3.2, 15.0  # of the way to a pose, on which rain gathers on the glass; it ends between two sweeps
+LEAD_S, LEAD_HZ = (
+    3.2,
+    15.0,
+)  # of the drive to a pose, on which rain wets the windscreen; it ends between two wiper sweeps
 VIDEO_S, VIDEO_HZ = 5.0, 30.0
 
 
@@ -36,21 +39,21 @@ class Entry:
 
     name: str
     aliases: tuple[str, ...]
-    meaning: str  # in a line of words
+    meaning: str  # in one line of text
     factors: tuple[tuple[str, str, str], ...]  # name, value, meaning
-    pictures: tuple[Picture, ...]  # one a pose, in the same order in every entry
+    pictures: tuple[Picture, ...]  # one per pose, in the same order in every entry
     video: str
 
 
 def page(entries: Sequence[Entry]) -> str:
-    """The page as HTML, a row a weather and a column a pose."""
+    """The page as HTML, one row per weather and one column per pose."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = files("vpf_sim.report").joinpath("gallery.html.jinja").read_text("utf-8")
     return environment.from_string(template).render(entries=entries)
 
 
-def make(folder: Path, weathers: Sequence[Weather], workers: int, tell: Callable[[Entry], None]) -> Path:
-    """Fill a new or empty folder and give its page; what was begun is removed if anything goes wrong."""
+def make(folder: Path, weathers: Sequence[Weather], workers: int, notify: Callable[[Entry], None]) -> Path:
+    """Write the gallery into a new or empty folder; returns its page. On an exception the folder is removed."""
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: expected a new or empty folder for the gallery, got one with something in it")
     folder.mkdir(parents=True, exist_ok=True)
@@ -61,7 +64,7 @@ def make(folder: Path, weathers: Sequence[Weather], workers: int, tell: Callable
             if done.result is None:
                 raise RuntimeError(f"the process that drew {done.task[1].name} died")
             entries[done.task[0]] = done.result
-            tell(done.result)
+            notify(done.result)
         index = folder / "index.html"
         write_text(index, page([entries[number] for number, _ in tasks]))
     except BaseException:
@@ -71,7 +74,7 @@ def make(folder: Path, weathers: Sequence[Weather], workers: int, tell: Callable
 
 
 def make_entry(folder: Path, task: tuple[int, Weather]) -> Entry:
-    """The files of one weather."""
+    """Write the images and the video of one weather."""
     number, weather = task
     stem = f"{number + 1:02d}-{file_name(weather.name)}"
     pictures = []
@@ -85,7 +88,7 @@ def make_entry(folder: Path, task: tuple[int, Weather]) -> Entry:
 
 
 def picture(pose: Pose, weather: Weather) -> Image:
-    """(H, W, 3) what the camera sees at a pose, with what the weather has done to its glass on the way."""
+    """(H, W, 3) the frame at a pose, after a drive that wets the windscreen."""
     count = round(LEAD_S * LEAD_HZ) + 1
     *_, last = pose.drive(LEAD_S, LEAD_HZ).shots(weather, SEED, count)
     return last.image

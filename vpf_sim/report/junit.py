@@ -1,6 +1,6 @@
-"""What the gate found as JUnit XML, which GitLab reads by itself and GitHub by any of several actions.
+"""Writes the gate's checks as JUnit XML, which GitLab and several GitHub actions read.
 
-One test case a rule and cell. The elements and attributes are those of Jenkins' schema, which the readers share:
+One test case per rule and cell. The elements and attributes are those of Jenkins' schema, which the readers share:
 https://github.com/jenkinsci/xunit-plugin/blob/master/src/main/resources/org/jenkinsci/plugins/xunit/types/model/xsd/junit-10.xsd
 """
 
@@ -13,11 +13,11 @@ from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.files import write_bytes
 
 SUITE = "vpf-sim check"
-FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # in XML 1.0, even escaped
+FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # invalid in XML 1.0, even escaped
 
 
 def write_junit(checks: Sequence[Check], path: Path) -> None:
-    """The file; it has no times, so that the same run gives the same bytes."""
+    """Write the file, without times, so that the same run gives the same bytes."""
     counts = {"tests": len(checks), "failures": _count(checks, "failed"), "errors": 0}
     totals = {"name": SUITE, **{key: str(count) for key, count in counts.items()}}
     root = Xml.Element("testsuites", totals)

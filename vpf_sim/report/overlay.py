@@ -1,4 +1,4 @@
-"""What the planner sees and wants, drawn into its frame."""
+"""Draws a driver's perception and plan into its frame."""
 
 from typing import Any
 
@@ -11,28 +11,28 @@ from vpf_sim.report.compass import OBSTACLE, REFERENCE, draw_compass
 from vpf_sim.types import Camera, Floats, Image, Perception, Plan, RoadEdges
 
 EDGE: Colour = (92, 220, 255)
-WAY: Colour = (120, 255, 150)
+PATH: Colour = (120, 255, 150)
 UNKNOWN: Colour = (205, 212, 220)
-# Time to contact: red where there is little left, then yellow, then green.
+# Time to contact from short to long: red, yellow, green.
 TTC_S = np.array([0.8, 1.8, 3.5, 8.0])
 TTC_STEPS_S = np.array([0.8, 1.2, 1.8, 2.5, 3.5, 5.0, 8.0, 1e6])
 TTC_RGB = np.array([(255, 40, 40), (255, 110, 40), (255, 220, 60), (70, 225, 120)], float)
 
 ROAD_AHEAD_M = np.linspace(2.0, 45.0, 60)  # along the road
-WAY_AHEAD_M = np.linspace(2.0, 24.0, 40)
-WAY_WIDTH_M = 1.9
-SHIFT_M = 16.0  # of road over which the way is drawn from the vehicle to where it is wanted
-BODY_HEIGHT_M = 1.4
-BODY_LENGTH_M = 3.0
+PATH_AHEAD_M = np.linspace(2.0, 24.0, 40)
+PATH_WIDTH_M = 1.9
+SHIFT_M = 16.0  # length of the drawn transition to the planned lateral position
+OBSTACLE_HEIGHT_M = 1.4
+OBSTACLE_LENGTH_M = 3.0
 
 
 def draw(frame_rgb: Image, plan: Plan, camera: Camera) -> Image:
-    """A new (H, W, 3) RGB frame with the plan drawn in; works with the frame of any camera."""
+    """A copy of an (H, W, 3) RGB frame of any camera, with the plan drawn in."""
     canvas = Canvas(frame_rgb.copy(), camera)
     _map_tint(canvas, plan.perception)
     _road(canvas, plan)
     _flow(canvas, plan.perception)
-    _bodies(canvas, plan.perception)
+    _draw_obstacles(canvas, plan.perception)
     _expansion(canvas, plan.perception)
     draw_compass(canvas, plan)
     _words(canvas, plan)
@@ -40,7 +40,7 @@ def draw(frame_rgb: Image, plan: Plan, camera: Camera) -> Image:
 
 
 def road_line(road: RoadEdges, right_m: Floats | float, along_m: Floats) -> Floats:
-    """(M, 2) m, vehicle axes: the line `right_m` right of the pose and parallel to the road, `along_m` along it."""
+    """(M, 2) m, vehicle axes: points at `along_m` on the road-parallel line `right_m` right of the pose."""
     k = road.curvature_per_m
     heading = road.heading_rad + k * along_m
     half = 0.5 * k * along_m
@@ -52,7 +52,7 @@ def road_line(road: RoadEdges, right_m: Floats | float, along_m: Floats) -> Floa
 
 
 def _map_tint(canvas: Canvas, perception: Perception) -> None:
-    """Where points stand out from the road, the picture turns a little red."""
+    """Tint the obstacle map's area slightly red."""
     plane = perception.features.obstacle_map.plane
     if not np.any(plane):
         return
@@ -65,25 +65,25 @@ def _map_tint(canvas: Canvas, perception: Perception) -> None:
 
 
 def _road(canvas: Canvas, plan: Plan) -> None:
-    """The carriageway's edges, and the way that the planner wants along them."""
+    """Draw the carriageway's edges and the planned path."""
     road = plan.perception.road
     edges = [road_line(road, offset, ROAD_AHEAD_M) for offset in (road.left_m, road.right_m)]
     strokes = [_in_front(canvas, edge) for edge in edges]
     canvas.lines(strokes, SHADE, 4)
     canvas.lines(strokes, EDGE if road.confidence > 0.0 else UNKNOWN, 2)
-    middle = _wanted_m(plan)
+    middle = _planned_m(plan)
     if middle is None:
         return
-    share = np.clip((WAY_AHEAD_M - WAY_AHEAD_M[0]) / SHIFT_M, 0.0, 1.0)
+    share = np.clip((PATH_AHEAD_M - PATH_AHEAD_M[0]) / SHIFT_M, 0.0, 1.0)
     place = middle * share**2 * (3.0 - 2.0 * share)
-    sides = [road_line(road, place + side * 0.5 * WAY_WIDTH_M, WAY_AHEAD_M) for side in (-1.0, 1.0)]
-    left, right = (canvas.seen(side) for side in sides)
+    sides = [road_line(road, place + side * 0.5 * PATH_WIDTH_M, PATH_AHEAD_M) for side in (-1.0, 1.0)]
+    left, right = (canvas.project(side) for side in sides)
     near = np.all(np.isfinite(left) & np.isfinite(right), axis=1)
-    canvas.fill([np.concatenate([left[near], right[near][::-1]])], WAY, 0.5, top_opacity=0.15)
+    canvas.fill([np.concatenate([left[near], right[near][::-1]])], PATH, 0.5, top_opacity=0.15)
 
 
-def _wanted_m(plan: Plan) -> float | None:
-    """Where the planner wants to be, right of the pose: its reference place, or else the preferred one."""
+def _planned_m(plan: Plan) -> float | None:
+    """The planned lateral position, m right of the pose; None for a plan without a lane frame."""
     lane: Any = plan.extra.get("lane")
     if lane is None:
         return None
@@ -91,13 +91,13 @@ def _wanted_m(plan: Plan) -> float | None:
 
 
 def _in_front(canvas: Canvas, line_m: Floats) -> Floats:
-    """(M, 2) px, the part of a line on the road that lies before the camera."""
-    pixels = canvas.seen(line_m)
+    """(M, 2) px, the part of a line on the road in front of the camera."""
+    pixels = canvas.project(line_m)
     return pixels[np.all(np.isfinite(pixels), axis=1)]
 
 
 def ttc_colour(ttc_s: float) -> Colour:
-    """Red for little time left, over yellow to green; grey where it is unknown."""
+    """The colour of a time to contact: red, yellow, green; grey if unknown."""
     if not np.isfinite(ttc_s):
         return UNKNOWN
     red, green, blue = (int(np.interp(ttc_s, TTC_S, TTC_RGB[:, i])) for i in range(3))
@@ -105,7 +105,7 @@ def ttc_colour(ttc_s: float) -> Colour:
 
 
 def _flow(canvas: Canvas, perception: Perception) -> None:
-    """Each point's way over its window, coloured by its time to contact."""
+    """Draw each point's flow, coloured by time to contact."""
     flow = perception.flow
     step = np.digitize(perception.features.ttc_s, TTC_STEPS_S)
     for i, colour in enumerate([*(ttc_colour(float(ttc)) for ttc in TTC_STEPS_S), UNKNOWN]):
@@ -117,14 +117,14 @@ def _flow(canvas: Canvas, perception: Perception) -> None:
             cv2.circle(canvas.frame, _whole(point), canvas.stroke_px(1.6), colour, -1, cv2.LINE_AA)
 
 
-def _bodies(canvas: Canvas, perception: Perception) -> None:
-    """Each body as an open box on the road, with its distance and its time to contact."""
-    bodies = perception.obstacles
-    for i in np.argsort(-bodies.forward_m):
-        near, left, right = float(bodies.forward_m[i]), float(bodies.left_m[i]), float(bodies.right_m[i])
-        corners = [(near, left), (near, right), (near + BODY_LENGTH_M, right), (near + BODY_LENGTH_M, left)]
-        foot = canvas.seen(np.array(corners))
-        head = canvas.seen(np.array([(x, y, BODY_HEIGHT_M) for x, y in corners]))
+def _draw_obstacles(canvas: Canvas, perception: Perception) -> None:
+    """Draw each obstacle as a box on the road, with distance and time to contact."""
+    obstacles = perception.obstacles
+    for i in np.argsort(-obstacles.forward_m):
+        near, left, right = float(obstacles.forward_m[i]), float(obstacles.left_m[i]), float(obstacles.right_m[i])
+        corners = [(near, left), (near, right), (near + OBSTACLE_LENGTH_M, right), (near + OBSTACLE_LENGTH_M, left)]
+        foot = canvas.project(np.array(corners))
+        head = canvas.project(np.array([(x, y, OBSTACLE_HEIGHT_M) for x, y in corners]))
         if not (np.all(np.isfinite(foot)) and np.all(np.isfinite(head))):
             continue
         face = np.stack([foot[0], foot[1], head[1], head[0]])
@@ -134,14 +134,14 @@ def _bodies(canvas: Canvas, perception: Perception) -> None:
         canvas.lines([np.stack([foot[j], head[j]]) for j in range(4)], OBSTACLE, 1)
         canvas.lines([face], SHADE, 3, closed=True)
         canvas.lines([face], OBSTACLE, 2, closed=True)
-        ttc = float(bodies.ttc_s[i])
+        ttc = float(obstacles.ttc_s[i])
         words = f"{near:.1f} m" + (f"  {ttc:.1f} s" if np.isfinite(ttc) else "")
         centre = 0.5 * float(head[0, 0] + head[1, 0])
         canvas.text(words, centre - 0.5 * canvas.text_width_px(words), float(head[0, 1]) - 6 * canvas.unit)
 
 
 def _expansion(canvas: Canvas, perception: Perception) -> None:
-    """The focus of expansion: a cross in a ring, grey when it is not to be used."""
+    """Draw the focus of expansion, grey with confidence 0."""
     expansion = perception.expansion
     centre = np.array([expansion.x_px, expansion.y_px])
     if not np.all(np.isfinite(centre)):
@@ -157,15 +157,15 @@ def _expansion(canvas: Canvas, perception: Perception) -> None:
 
 
 def _words(canvas: Canvas, plan: Plan) -> None:
-    """Speed, and what is asked for, in the upper left corner."""
+    """Draw actual and reference speed in the upper left corner."""
     speed = _speed_mps(plan.perception)
     now = "-- m/s" if speed is None else f"{speed:.1f} m/s"
     canvas.text(now, 12 * canvas.unit, 26 * canvas.unit, size=0.62)
-    canvas.text(f"wanted {plan.reference.speed_mps:.1f} m/s", 12 * canvas.unit, 43 * canvas.unit, REFERENCE, 0.36)
+    canvas.text(f"reference {plan.reference.speed_mps:.1f} m/s", 12 * canvas.unit, 43 * canvas.unit, REFERENCE, 0.36)
 
 
 def _speed_mps(perception: Perception) -> float | None:
-    """From the poses at both ends of the longest window."""
+    """Speed from the poses at both ends of the longest flow window; None without one."""
     flow = perception.flow
     if not len(flow) or flow.gap_s.max() <= 0.0:
         return None

@@ -1,4 +1,4 @@
-"""The paper's figures from a run of ours: paths, flow and obstacle map, and the forces along the way."""
+"""The paper's figures from a run: paths, flow and obstacle map, and forces along the route."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,60 +11,60 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vpf_sim.evaluation.analysis.reproduction import CELLS, Drive
-from vpf_sim.report.places import Place, Standing
 from vpf_sim.report.redraw import Moment, Redrawing
+from vpf_sim.report.road_layout import RoadLayout, StaticObstacle
 from vpf_sim.types import Floats
 
 matplotlib.use("agg")  # no display
 ZOOM_M = 45.0  # of the route, in the close view
-LOOK_M = 12.0  # from the bumper to the obstacle in the picture of the flow
-OWN, PLANNED, BODY, EDGE = "#c2410c", "#1d4ed8", "#444444", "#9ca3af"
+FLOW_FIGURE_M = 12.0  # from the bumper to the obstacle in the figure of the flow
+OWN, PLANNED, OBSTACLE, EDGE = "#c2410c", "#1d4ed8", "#444444", "#9ca3af"
 FORCES = {"target": "#15803d", "obstacle": "#c2410c", "road": "#1d4ed8"}
 NAMES = {"town04-clean": "no obstacles", "town04": "obstacles", "clear": "clear", "rain": "hard rain"}
 
 
 @dataclass(frozen=True, slots=True)
 class Along:
-    """What the driver of one episode believed along its way."""
+    """The driver's forces along one episode, and one moment before the first obstacle."""
 
     route_m: Floats  # (n,)
     forces: Mapping[str, Floats]  # "target", "obstacle", "road" -> (n, 2) in vehicle axes
     moment: Moment | None  # before the first obstacle
 
 
-def look_along(drawing: Redrawing, first_face_m: float) -> Along:
-    """Ask the driver again on its frames; the moment is `LOOK_M` before `first_face_m` of the route."""
+def forces_along(drawing: Redrawing, first_face_m: float) -> Along:
+    """Recompute the driver's plans; the moment is FLOW_FIGURE_M before `first_face_m` of the route."""
     route, forces, moment = [], [], None
     for one in drawing.moments():
         here = float(drawing.table.route_m[one.index])
         if one.plan is not None:
             route.append(here)
             forces.append([getattr(one.plan.force, name) for name in FORCES])
-            if moment is None and here >= first_face_m - LOOK_M:
+            if moment is None and here >= first_face_m - FLOW_FIGURE_M:
                 moment = one
     stacked = np.array(forces).reshape(-1, len(FORCES), 2)
     return Along(np.array(route), {name: stacked[:, i] for i, name in enumerate(FORCES)}, moment)
 
 
-def paths(drives: Sequence[Drive], places: Mapping[tuple[str, int], Place]) -> bytes:
-    """PNG: the paths in the four conditions, the whole way and close by, as in the paper's figures."""
+def paths(drives: Sequence[Drive], layouts: Mapping[tuple[str, int], RoadLayout]) -> bytes:
+    """PNG of the paths in the four conditions, overview and detail, as in the paper's figures."""
     figure = Figure(figsize=(11.0, 13.0), layout="constrained")
     axes = figure.subplots(len(CELLS), 2, squeeze=False)
     for (scenario, weather), (whole, near) in zip(CELLS, axes, strict=True):
         here = [drive for drive in drives if (drive.scenario, drive.weather) == (scenario, weather)]
-        place = next((places[scenario, int(drive.record["seed"])] for drive in here), None)
-        if place is None:
+        layout = next((layouts[scenario, int(drive.record["seed"])] for drive in here), None)
+        if layout is None:
             continue
-        bodies = place.standing
-        middle = _middle(place, bodies)
+        obstacles = layout.static_obstacles
+        middle = _middle(layout, obstacles)
         for axis in (whole, near):
-            _road(axis, place, bodies)
+            _road(axis, layout, obstacles)
             for drive in here:
                 axis.plot(drive.table.x_m, drive.table.y_m, color=OWN, linewidth=1.1, alpha=0.8)
             axis.set_aspect("equal")
             axis.invert_yaxis()
         whole.set_title(f"{NAMES[weather]}, {NAMES[scenario]}", fontsize=10)
-        near.set_title("close by", fontsize=10)
+        near.set_title("detail", fontsize=10)
         near.set_xlim(middle[0] - 0.5 * ZOOM_M, middle[0] + 0.5 * ZOOM_M)
         near.set_ylim(middle[1] + 0.25 * ZOOM_M, middle[1] - 0.25 * ZOOM_M)
         whole.set_ylabel("y, m")
@@ -83,7 +83,7 @@ def paths(drives: Sequence[Drive], places: Mapping[tuple[str, int], Place]) -> b
 
 
 def forces(found: Mapping[tuple[str, str], Along]) -> bytes:
-    """PNG: the lateral part of each force along the way; + pushes to the right."""
+    """PNG of the lateral component of each force along the route; + is to the right."""
     figure = Figure(figsize=(11.0, 10.0), layout="constrained")
     axes = figure.subplots(len(CELLS), 1, sharex=True, squeeze=False)[:, 0]
     for cell, axis in zip(CELLS, axes, strict=True):
@@ -102,7 +102,7 @@ def forces(found: Mapping[tuple[str, str], Along]) -> bytes:
 
 
 def flow(found: Mapping[tuple[str, str], Along]) -> bytes:
-    """PNG: flow and obstacle map before the first obstacle, in clear weather and in rain."""
+    """PNG of flow and obstacle map before the first obstacle, in clear weather and in rain."""
     figure = Figure(figsize=(11.0, 8.6), layout="constrained")
     axes = figure.subplots(2, 2, squeeze=False)
     for column, weather in enumerate(("clear", "rain")):
@@ -128,20 +128,20 @@ def flow(found: Mapping[tuple[str, str], Along]) -> bytes:
     return _png(figure)
 
 
-def _road(axis: Axes, place: Place, bodies: Sequence[Standing]) -> None:
-    for line in place.lane_lines_m:
+def _road(axis: Axes, layout: RoadLayout, obstacles: Sequence[StaticObstacle]) -> None:
+    for line in layout.lane_lines_m:
         axis.plot(line[:, 0], line[:, 1], color=EDGE, linewidth=0.8)
-    route = place.route_line_m
+    route = layout.route_line_m
     axis.plot(route[:, 0], route[:, 1], color=PLANNED, linestyle="--", linewidth=1.0)
-    for body in bodies:
-        axis.fill(body.corners_m[:, 0], body.corners_m[:, 1], color=BODY)
+    for obstacle in obstacles:
+        axis.fill(obstacle.corners_m[:, 0], obstacle.corners_m[:, 1], color=OBSTACLE)
 
 
-def _middle(place: Place, bodies: Sequence[Standing]) -> tuple[float, float]:
-    """Where to look closely: the first obstacle, or the middle of the way."""
-    if bodies:
-        return min(bodies, key=lambda body: body.s_m).centre_m
-    route = place.route_line_m
+def _middle(layout: RoadLayout, obstacles: Sequence[StaticObstacle]) -> tuple[float, float]:
+    """The centre of the detail view: the first obstacle, or the middle of the route."""
+    if obstacles:
+        return min(obstacles, key=lambda obstacle: obstacle.s_m).centre_m
+    route = layout.route_line_m
     x, y = route[len(route) // 2].tolist()
     return x, y
 

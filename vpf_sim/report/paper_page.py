@@ -1,4 +1,4 @@
-"""The page that holds a run against the paper: its table, the definitions, the claims and the figures."""
+"""The page that compares a run with the paper: its table, definitions, claims and figures."""
 
 import json
 from base64 import b64encode
@@ -10,31 +10,32 @@ import numpy as np
 
 from vpf_sim.evaluation.analysis import reproduction
 from vpf_sim.evaluation.analysis.benchmark import SCENARIOS
-from vpf_sim.evaluation.analysis.reproduction import CELLS, RIVAL, Drive
+from vpf_sim.evaluation.analysis.paper_claims import claims
+from vpf_sim.evaluation.analysis.reproduction import CELLS, REFERENCE_DRIVER, Drive
 from vpf_sim.evaluation.job import Job
 from vpf_sim.files import write_bytes, write_text
 from vpf_sim.report import paper_figures
-from vpf_sim.report.places import places
 from vpf_sim.report.redraw import Redrawing
+from vpf_sim.report.road_layout import layouts
 from vpf_sim.report.stored_run import StoredRun
 
 JSON, PAGE = "paper.json", "paper.html"
-NO_OBSTACLE_M = 40.0  # where to look on a road without obstacles
+NO_OBSTACLE_M = 40.0  # along the route, where to take the picture on a road without obstacles
 
 
 def drives_of(run: StoredRun, driver: str) -> list[Drive]:
-    """The episodes of a driver, each with the PID's way on the same seed, without obstacles: the planned trajectory."""
+    """The episodes of a driver, each with the PID's on the same seed without obstacles: the planned trajectory."""
     found = []
     for record in run.records.values():
         table = run.steps(record["id"])
         if record["driver"] == driver and table is not None:
-            rival = run.steps(Job(SCENARIOS[0], record["weather"], RIVAL, record["seed"]).id)
-            found.append(Drive(record["scenario"], record["weather"], record, table, rival))
+            pid = run.steps(Job(SCENARIOS[0], record["weather"], REFERENCE_DRIVER, record["seed"]).id)
+            found.append(Drive(record["scenario"], record["weather"], record, table, pid))
     return found
 
 
 def answer(run: StoredRun, driver: str, drives: list[Drive]) -> dict[str, Any]:
-    """What paper.json holds."""
+    """The content of paper.json."""
     rows = reproduction.cells(drives)
     stages = [run.timing.get(drive.record["id"], {}).get("stages_ms") or {} for drive in drives]
     times = [stage["driver"] for stage in stages if stage.get("driver") is not None]
@@ -42,7 +43,7 @@ def answer(run: StoredRun, driver: str, drives: list[Drive]) -> dict[str, Any]:
         "driver": driver,
         "cells": rows,
         "definitions": reproduction.definitions(rows),
-        "claims": reproduction.claims(rows, drives, float(np.median(times)) if times else None),
+        "claims": claims(rows, drives, float(np.median(times)) if times else None),
     }
 
 
@@ -67,17 +68,17 @@ def _figures(drives: list[Drive]) -> dict[str, bytes]:
         for scenario, _ in CELLS
     }
     where = {
-        (scenario, seed): place for scenario, some in seeds.items() for seed, place in places(scenario, some).items()
+        (scenario, seed): layout for scenario, some in seeds.items() for seed, layout in layouts(scenario, some).items()
     }
     found = {}
     for cell in CELLS:
         here = [drive for drive in drives if (drive.scenario, drive.weather) == cell]
-        shown = min(here, key=lambda drive: (not drive.good, drive.record["seed"]), default=None)
+        shown = min(here, key=lambda drive: (not drive.succeeded, drive.record["seed"]), default=None)
         if shown is not None:
-            bodies = where[cell[0], int(shown.record["seed"])].standing
-            face_m = min((body.route_m[0] for body in bodies), default=NO_OBSTACLE_M)
-            drawing = Redrawing(dict(shown.record), shown.table, think=True)
-            found[cell] = paper_figures.look_along(drawing, face_m)
+            obstacles = where[cell[0], int(shown.record["seed"])].static_obstacles
+            face_m = min((obstacle.route_m[0] for obstacle in obstacles), default=NO_OBSTACLE_M)
+            drawing = Redrawing(dict(shown.record), shown.table, replan=True)
+            found[cell] = paper_figures.forces_along(drawing, face_m)
     return {
         "paths": paper_figures.paths(drives, where),
         "flow": paper_figures.flow(found),

@@ -1,4 +1,4 @@
-"""Paths over the road: the whole way, zooms where it matters, and the offset from the lane's centre unrolled."""
+"""Charts of paths: overview, zooms at obstacles, and offset from the lane's centre over distance."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.report.chart import Axis, Plot, reach, thinned
-from vpf_sim.report.places import Place, Standing
+from vpf_sim.report.road_layout import RoadLayout, StaticObstacle
 from vpf_sim.types import Floats
 
 WIDTH, TALLEST = 420.0, 330.0
@@ -20,11 +20,11 @@ Turn = Callable[[Floats], Floats]  # from the world to the axes of a plot
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """Where one episode led."""
+    """The path of one episode."""
 
     seed: int
     style: str  # of its driver
-    good: bool
+    succeeded: bool
     table: StepTable
 
 
@@ -34,18 +34,18 @@ class Chart:
     svg: Markup
 
 
-def charts(places: Mapping[int, Place], tracks: Sequence[Track], title: str) -> list[Chart]:
-    """The charts of one scenario in one weather. Where each seed has a road of its own, the maps show the first's."""
-    first = places[min(places)]
-    alike = {seed: place for seed, place in places.items() if place.scenario.road == first.scenario.road}
-    one_road = len(alike) == len(places)
-    shown = alike if one_road else {min(places): first}
+def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: str) -> list[Chart]:
+    """The charts of one scenario in one weather; if each seed has its own road, the maps show the first seed."""
+    first = layouts[min(layouts)]
+    alike = {seed: layout for seed, layout in layouts.items() if layout.scenario.road == first.scenario.road}
+    one_road = len(alike) == len(layouts)
+    shown = alike if one_road else {min(layouts): first}
     here = [track for track in tracks if track.seed in shown]
-    which = "" if one_road else f", seed {min(places)} (each seed has its own road)"
-    standing = [body for place in places.values() for body in place.standing] if one_road else []
+    which = "" if one_road else f", seed {min(layouts)} (each seed has its own road)"
+    obstacles = [obstacle for layout in layouts.values() for obstacle in layout.static_obstacles] if one_road else []
     maps = [
-        Chart(f"The whole way{which}; world axes, m.", overview(first, list(shown.values()), here, title)),
-        Chart(_offset_caption(places, one_road), offsets(places, standing, tracks, title)),
+        Chart(f"Overview{which}; world axes, m.", overview(first, list(shown.values()), here, title)),
+        Chart(_offset_caption(layouts, one_road), offsets(layouts, obstacles, tracks, title)),
     ]
     for number, (s_m, what) in enumerate(zooms(list(shown.values()))[:MOST_ZOOMS], start=1):
         caption = f"Zoom {number}: {what}{which}; driving to the right, to scale."
@@ -53,9 +53,9 @@ def charts(places: Mapping[int, Place], tracks: Sequence[Track], title: str) -> 
     return maps
 
 
-def overview(place: Place, places: Sequence[Place], tracks: Sequence[Track], title: str) -> Markup:
-    """The carriageway and all paths in world axes: x to the right, y down, as the axes of the world lie."""
-    line = np.concatenate(place.lane_lines_m)
+def overview(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Track], title: str) -> Markup:
+    """The carriageway and all paths in world axes, x to the right, y down."""
+    line = np.concatenate(layout.lane_lines_m)
     low, high = line.min(axis=0) - 6.0, line.max(axis=0) + 6.0
     margins = (40.0, 8.0, 8.0, 30.0)
     inner = WIDTH - margins[0] - margins[1]
@@ -70,19 +70,19 @@ def overview(place: Place, places: Sequence[Place], tracks: Sequence[Track], tit
         margins,
     )
     plot.grid()
-    _road(plot, place, np.asarray)
-    _bodies(plot, places, np.asarray)
+    _road(plot, layout, np.asarray)
+    _draw_obstacles(plot, layouts, np.asarray)
     for track in tracks:
         points = _sampled(track.table, 2.0 * EVERY_M)
         plot.line(points[:, 0], points[:, 1], f"path {track.style}")
-    _ends(plot, place)
-    return plot.svg(f"{title}: paths over the road, whole way")
+    _ends(plot, layout)
+    return plot.svg(f"{title}: paths over the road, overview")
 
 
-def zooms(places: Sequence[Place]) -> list[tuple[float, str]]:
-    """(s along the carriageway, what is there): rows of bodies as one meets them, or else the middle of the way."""
-    ego, goal = places[0].scenario.ego, places[0].scenario.goal
-    spots = sorted(body.s_m for body in places[0].standing)
+def zooms(layouts: Sequence[RoadLayout]) -> list[tuple[float, str]]:
+    """(s, caption) of each zoom: rows of obstacles in driving order, or else the start and middle of the route."""
+    ego, goal = layouts[0].scenario.ego, layouts[0].scenario.goal
+    spots = sorted(obstacle.s_m for obstacle in layouts[0].static_obstacles)
     if ego.s_m > goal.s_m:
         spots.reverse()
     rows: list[float] = []
@@ -91,15 +91,15 @@ def zooms(places: Sequence[Place]) -> list[tuple[float, str]]:
             rows.append(s_m)
     if not rows:
         ahead = 0.5 * ZOOM_M * (1.0 if goal.s_m > ego.s_m else -1.0)
-        return [(ego.s_m + ahead, "the start"), (0.5 * (ego.s_m + goal.s_m), "the middle of the way")]
+        return [(ego.s_m + ahead, "the start"), (0.5 * (ego.s_m + goal.s_m), "the middle of the route")]
     names = ("the first obstacle", "the second obstacle", "the third obstacle")
     return [(s_m, names[number] if number < len(names) else "") for number, s_m in enumerate(rows)]
 
 
-def zoom(place: Place, places: Sequence[Place], tracks: Sequence[Track], s_m: float, title: str) -> Markup:
-    """Part of the road, turned so that driving goes to the right."""
-    centre = np.array(place.centre.position_at(s_m, 0.0))
-    heading = place.centre.heading_at(s_m)
+def zoom(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Track], s_m: float, title: str) -> Markup:
+    """A section of the road, rotated so that driving goes to the right."""
+    centre = np.array(layout.centre.position_at(s_m, 0.0))
+    heading = layout.centre.heading_at(s_m)
     along, right = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
     turn = np.stack([along, right], axis=1)
     half = 0.5 * ZOOM_M
@@ -110,8 +110,8 @@ def zoom(place: Place, places: Sequence[Place], tracks: Sequence[Track], s_m: fl
         turned: Floats = (points_m - centre) @ turn
         return turned
 
-    _road(plot, place, local)
-    _bodies(plot, places, local)
+    _road(plot, layout, local)
+    _draw_obstacles(plot, layouts, local)
     for track in tracks:
         points = local(_sampled(track.table, EVERY_M / 2.0))
         near = np.abs(points[:, 0]) < half + 4.0
@@ -121,52 +121,54 @@ def zoom(place: Place, places: Sequence[Place], tracks: Sequence[Track], s_m: fl
     return plot.svg(f"{title}: paths over the road, zoom at {s_m:.0f} m of the carriageway")
 
 
-def offsets(places: Mapping[int, Place], standing: Sequence[Standing], tracks: Sequence[Track], title: str) -> Markup:
-    """The offset from the lane's centre over the distance driven; left is up, as the driver sees it.
+def offsets(
+    layouts: Mapping[int, RoadLayout], obstacles: Sequence[StaticObstacle], tracks: Sequence[Track], title: str
+) -> Markup:
+    """The offset from the lane's centre over the distance driven; left is up, .
 
     Edges are drawn where all places have them.
     """
-    left, right = _sides(standing, tracks)
+    left, right = _sides(obstacles, tracks)
     plot = Plot(
         WIDTH,
         200.0,
-        Axis(0.0, max(place.route.length_m for place in places.values()), "distance, m"),
+        Axis(0.0, max(layout.route.length_m for layout in layouts.values()), "distance, m"),
         Axis(right, left, "m right of the lane's centre"),
     )
     plot.grid()
     length = plot.x.high
-    for edge in set.intersection(*(set(place.edges_m) for place in places.values())):
+    for edge in set.intersection(*(set(layout.edges_m) for layout in layouts.values())):
         if left < edge < right:
             plot.line(np.array([0.0, length]), np.array([edge, edge]), "edge")
     plot.line(np.array([0.0, length]), np.zeros(2), "centre")
-    for body in standing:
-        x, y = np.array(body.route_m)[[0, 1, 1, 0]], np.array(body.offset_m)[[0, 0, 1, 1]]
-        plot.line(x, np.clip(y, left, right), "body", closed=True)
+    for obstacle in obstacles:
+        x, y = np.array(obstacle.route_m)[[0, 1, 1, 0]], np.array(obstacle.offset_m)[[0, 0, 1, 1]]
+        plot.line(x, np.clip(y, left, right), "obstacle", closed=True)
     for track in tracks:
         x, y = thinned(track.table.route_m, track.table.lane_offset_m, 90)
         plot.line(x, np.where((y >= left) & (y <= right), y, np.nan), f"path {track.style}")
-        if not track.good:
+        if not track.succeeded:
             _cross(plot, float(track.table.route_m[-1]), float(track.table.lane_offset_m[-1]), track.style)
     return plot.svg(f"{title}: offset from the lane's centre over distance")
 
 
-def _sides(standing: Sequence[Standing], tracks: Sequence[Track]) -> tuple[float, float]:
-    """The least and the greatest offset to show: all of bodies and of good drives; of others what lies between."""
-    found = [track.table.lane_offset_m for track in tracks if track.good] or [np.zeros(1)]
-    bodies = [side for body in standing for side in body.offset_m]
-    left, right = reach([0.0, *bodies, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
+def _sides(obstacles: Sequence[StaticObstacle], tracks: Sequence[Track]) -> tuple[float, float]:
+    """The range of offsets to show: that of the obstacles and the successful drives."""
+    found = [track.table.lane_offset_m for track in tracks if track.succeeded] or [np.zeros(1)]
+    sides = [side for obstacle in obstacles for side in obstacle.offset_m]
+    left, right = reach([0.0, *sides, *(float(end) for one in found for end in (one.min(), one.max()))], 2.0)
     return max(left, -12.0), min(right, 12.0)
 
 
-def _offset_caption(places: Mapping[int, Place], one_road: bool) -> str:
+def _offset_caption(layouts: Mapping[int, RoadLayout], one_road: bool) -> str:
     caption = "Offset from the lane's centre over distance, across the road enlarged; × is where an episode failed."
     if not one_road:
         return f"{caption} Each seed has its own road and obstacles, which are not drawn."
-    return f"{caption} Moving cars are not drawn." if max(place.moving for place in places.values()) else caption
+    return f"{caption} Moving cars are not drawn." if max(layout.moving for layout in layouts.values()) else caption
 
 
 def _sampled(table: StepTable, every_m: float) -> Floats:
-    """(M, 2) m, the path at places about `every_m` apart."""
+    """(M, 2) m, the path resampled about every `every_m`."""
     points = table.positions_m
     driven = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     count = max(2, int(driven[-1] / every_m) + 1)
@@ -174,27 +176,27 @@ def _sampled(table: StepTable, every_m: float) -> Floats:
     return np.stack([np.interp(wanted, driven, points[:, axis]) for axis in (0, 1)], axis=1)
 
 
-def _road(plot: Plot, place: Place, local: Turn) -> None:
-    lines = [local(line) for line in place.lane_lines_m]
+def _road(plot: Plot, layout: RoadLayout, local: Turn) -> None:
+    lines = [local(line) for line in layout.lane_lines_m]
     whole = np.concatenate([lines[0], lines[-1][::-1]])
     plot.line(whole[:, 0], whole[:, 1], "asphalt", closed=True)
     for line in lines[1:-1]:
         plot.line(line[:, 0], line[:, 1], "dash")
     for line in (lines[0], lines[-1]):
         plot.line(line[:, 0], line[:, 1], "edge")
-    route = local(place.route_line_m)
+    route = local(layout.route_line_m)
     plot.line(route[:, 0], route[:, 1], "centre")
 
 
-def _bodies(plot: Plot, places: Sequence[Place], local: Turn) -> None:
-    for place in places:
-        for body in place.standing:
-            corners = local(body.corners_m)
-            plot.line(corners[:, 0], corners[:, 1], "body", closed=True)
+def _draw_obstacles(plot: Plot, layouts: Sequence[RoadLayout], local: Turn) -> None:
+    for layout in layouts:
+        for obstacle in layout.static_obstacles:
+            corners = local(obstacle.corners_m)
+            plot.line(corners[:, 0], corners[:, 1], "obstacle", closed=True)
 
 
-def _ends(plot: Plot, place: Place) -> None:
-    start, goal = place.route_line_m[0], place.route_line_m[-1]
+def _ends(plot: Plot, layout: RoadLayout) -> None:
+    start, goal = layout.route_line_m[0], layout.route_line_m[-1]
     plot.dot(start[0], start[1], "start")
     plot.dot(goal[0], goal[1], "goal")
     for words, (x, y) in (("start", start), ("goal", goal)):
@@ -204,7 +206,7 @@ def _ends(plot: Plot, place: Place) -> None:
 
 
 def _scale(plot: Plot, half: float, across: float) -> None:
-    """A bar of ten metres."""
+    """Draw a scale bar of ten metres."""
     y = across - 1.4
     plot.line(np.array([-half + 2.0, -half + 12.0]), np.array([y, y]), "bar")
     plot.text_at("10 m", -half + 13.0, y + 0.6, "tick")

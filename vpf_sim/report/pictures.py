@@ -1,4 +1,4 @@
-"""Pictures side by side, and as JPEG."""
+"""Image sheets and JPEG encoding."""
 
 from collections.abc import Sequence
 
@@ -9,15 +9,15 @@ from vpf_sim.types import Image
 
 
 def jpeg(image: Image, quality: int) -> bytes:
-    """An RGB picture (H, W, 3) as a JPEG file; quality 0 to 100."""
+    """JPEG bytes of an RGB image (H, W, 3); quality 0 to 100."""
     options = [cv2.IMWRITE_JPEG_QUALITY, quality]
     done, encoded = cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), options)
     if not done:
-        raise RuntimeError("the picture could not be encoded")
+        raise RuntimeError("the image could not be encoded")
     return encoded.tobytes()
 
 
 def sheet(pictures: Sequence[Image], columns: int) -> Image:
-    """Pictures of one size in rows of so many."""
+    """Images of one size in a grid with this many columns."""
     rows = [np.hstack(pictures[i : i + columns]) for i in range(0, len(pictures), columns)]
     return np.vstack(rows)

@@ -1,7 +1,7 @@
-"""An episode of a run folder, drawn again from its steps and its seed.
+"""Re-renders an episode of a run folder from its steps and seed.
 
-The steps say where the car was, so it takes no decision to put it there; what the driver thought is had by asking it
-again, on the same frames. Both are as in the run wherever code and machine are: the frames' hash tells.
+The stored poses give the frames, and the driver recomputes its plans on them. With the run's code and machine both are
+identical to the run; the hash of the frames verifies it.
 """
 
 from collections.abc import Iterator
@@ -18,33 +18,33 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.episode.on_rails import SAME, OnRails, rate_of
+from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback, rate_of
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.report.from_above import Body, Scene
 from vpf_sim.report.stored_run import Record, StoredRun
+from vpf_sim.report.top_view import Rectangle, Scene
 from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
 
-BEYOND_M = 60.0  # of the road's ends that is drawn
+BEYOND_M = 60.0  # drawn beyond the road's ends
 EVERY_M = 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """One frame of the episode, and the world about it."""
+    """One frame of the episode, with plan and objects."""
 
     index: int  # the row of the step table
     image: Image  # (H, W, 3) RGB
     plan: Plan | None
-    bodies: tuple[Body, ...]
+    objects: tuple[Rectangle, ...]
 
 
 @dataclass(slots=True)
 class Redrawing:
-    """An episode to be drawn; after `moments` has ended, `remarks` says in what it is not the run's own."""
+    """An episode to re-render; after `moments` ends, `remarks` lists deviations from the run."""
 
     record: Record
     table: StepTable
-    think: bool  # whether the driver is asked again
+    replan: bool  # whether the driver recomputes its plans
     remarks: list[str] = field(default_factory=list)
     camera: Camera = field(init=False)
     scene: Scene = field(init=False)
@@ -57,39 +57,39 @@ class Redrawing:
             self.camera, self.scene = world.camera, scene_of(world)
 
     def moments(self) -> Iterator[Moment]:
-        """Every frame in its order, with the driver's plan for it if it is asked and makes one."""
+        """Yield every frame in order, with the driver's plan if `replan` is set and it has one."""
         digest = sha256()
         with closing(self._world()) as world:
             observed, _ = world.reset(seed=self.record["seed"])
-            thinker = _Thinker(self.record["driver"], world, self.table, self.record["seed"]) if self.think else None
+            replanner = (
+                _Replanner(self.record["driver"], world, self.table, self.record["seed"]) if self.replan else None
+            )
             for index in range(len(self.table) + 1):
                 observation = read(observed)
-                bodies = tuple(body_of(body) for body in solid_objects(world.ego))
+                objects = tuple(rectangle_of(obj) for obj in solid_objects(world.ego))
                 if self.table.looked[index]:
                     digest.update(np.ascontiguousarray(observation.image).data)
-                plan = thinker.plan(index, observation) if thinker else None
-                yield Moment(index, observation.image, plan, bodies)
+                plan = replanner.plan(index, observation) if replanner else None
+                yield Moment(index, observation.image, plan, objects)
                 if index < len(self.table):
                     observed = world.step(np.array([self.table.throttle[index], self.table.steering[index]]))[0]
-        same = self.record.get("frames_sha256") in (None, digest.hexdigest())  # None: its driver looked at no frame
-        self._remark(same, world.moved_m, thinker)
+        same = self.record.get("frames_sha256") in (None, digest.hexdigest())  # None: its driver used no frames
+        self._remark(same, world.largest_correction_m, replanner)
 
-    def _world(self) -> OnRails:
-        return OnRails(self.record["scenario"], self.record["weather"], self.table)
+    def _world(self) -> PosePlayback:
+        return PosePlayback(self.record["scenario"], self.record["weather"], self.table)
 
-    def _remark(self, same: bool, moved_m: float, thinker: "_Thinker | None") -> None:
+    def _remark(self, same: bool, moved_m: float, replanner: "_Replanner | None") -> None:
         if not same:
-            self.remarks.append(
-                "the frames are not the run's own to the bit: another version of the code or the machine"
-            )
-        if moved_m > SAME:
-            self.remarks.append(f"the car would now be up to {moved_m:.2f} m elsewhere: it is drawn where it was")
-        if thinker is not None:
-            self.remarks += thinker.remarks
+            self.remarks.append("the frames differ from the run's: another version of the code, or another machine")
+        if moved_m > TOLERANCE:
+            self.remarks.append(f"the car would now deviate by up to {moved_m:.2f} m; its stored poses are drawn")
+        if replanner is not None:
+            self.remarks += replanner.remarks
 
 
-class _Thinker:
-    """The driver, asked again what it makes of each frame."""
+class _Replanner:
+    """Recomputes the driver's plans."""
 
     def __init__(self, name: str, world: Any, table: StepTable, seed: int) -> None:
         self.remarks: list[str] = []
@@ -98,33 +98,33 @@ class _Thinker:
         self._driver.reset(setup_for(self._driver, world, seed))
 
     def plan(self, index: int, observation: Observation) -> Plan | None:
-        """Its plan for a frame, None where it makes none, broke down, or was not asked in the run."""
+        """The plan for a frame; None if the driver has none, failed, or gave no command in the run."""
         if self._driver is None or not isfinite(self._table.throttle[index]):
             return None
         try:
             command = drivers.command_of(self._driver, observation)
-        except Exception as error:  # the driver's own
+        except Exception as error:  # raised by the driver
             self.remarks.append(f"the driver fails on frame {index}: {type(error).__name__}: {error}")
             self._driver = None
             return None
         if not self.remarks and command != Command(
             float(self._table.throttle[index]), float(self._table.steering[index])
         ):
-            self.remarks.append(f"from frame {index} on the driver decides otherwise than in the run")
+            self.remarks.append(f"from frame {index} on the driver's commands differ from the run")
         return drivers.trace_of(self._driver)
 
 
-def redrawing(run: StoredRun, episode_id: str, think: bool) -> Redrawing:
-    """The episode of a run folder that has this id."""
+def redrawing(run: StoredRun, episode_id: str, replan: bool) -> Redrawing:
+    """The episode of a run folder with this id."""
     record = run.record(episode_id)
     table = run.steps(episode_id)
     if table is None:
         raise InputError(f"{episode_id}: expected an episode with steps, got one that never began ({record['status']})")
-    return Redrawing(record, table, think)
+    return Redrawing(record, table, replan)
 
 
 def scene_of(world: FourLane) -> Scene:
-    """What does not move, in world axes."""
+    """The static scene of an environment in world axes."""
     network = world.road.network
     along = np.arange(-BEYOND_M, network.centre.length_m + BEYOND_M, EVERY_M)
     lanes = round(2.0 * network.half_width_m / network.lane_width_m)
@@ -132,7 +132,7 @@ def scene_of(world: FourLane) -> Scene:
     return Scene(tuple(network.centre.position(along, offset) for offset in offsets), world.route.copy(), world.goal_m)
 
 
-def body_of(body: Any) -> Body:
-    """A thing on the road as the picture from above needs it."""
-    x_m, y_m = (float(value) for value in body.position)
-    return Body(x_m, y_m, float(body.heading), float(body.LENGTH), float(body.WIDTH), str(body.kind))
+def rectangle_of(obj: Any) -> Rectangle:
+    """The outline of an object of the environment."""
+    x_m, y_m = (float(value) for value in obj.position)
+    return Rectangle(x_m, y_m, float(obj.heading), float(obj.LENGTH), float(obj.WIDTH), str(obj.kind))

@@ -1,4 +1,4 @@
-"""A drive as a recording for the Rerun viewer: frames, flow, fields, the scene from above, and the signals.
+"""Writes a drive as a Rerun recording: frames, flow, fields, top view and signals.
 
 `camera/...` is in pixels of the frame, `scene/...` in metres from the vehicle, forward up, `signals/...` over time.
 """
@@ -14,7 +14,7 @@ from vpf_sim.files import Draft
 from vpf_sim.geometry import distort
 from vpf_sim.report import field_view
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
-from vpf_sim.report.overlay import BODY_LENGTH_M, EDGE, ROAD_AHEAD_M, road_line, ttc_colour
+from vpf_sim.report.overlay import EDGE, OBSTACLE_LENGTH_M, ROAD_AHEAD_M, road_line, ttc_colour
 from vpf_sim.types import Camera, Floats, Image, Plan, VehicleModel
 
 MISSING = "--rerun: expected the Rerun SDK, which is not installed: pip install 'vpf_sim[viewer]'"
@@ -25,7 +25,7 @@ FORCES = {"target": TARGET, "obstacle": OBSTACLE, "road": ROAD, "total": REFEREN
 
 
 class RerunLog:
-    """A context that writes the file; give it each frame with the plan for it, and at the end the signals."""
+    """A context that writes the file from frames with plans (`show`) and final signals."""
 
     def __init__(self, path: Path, camera: Camera) -> None:
         self._rr = _rerun()
@@ -51,7 +51,7 @@ class RerunLog:
             self._draft.discard()
 
     def show(self, time_s: float, frame: Image, plan: Plan | None) -> None:
-        """What there is of one moment: the frame (H, W, 3) RGB, and the plan of a driver that makes one."""
+        """Log one step: the frame (H, W, 3) RGB, and the driver's plan if it has one."""
         self._stream.set_time(TIME, duration=time_s)
         self._log("camera", self._picture(frame))
         if plan is not None:
@@ -61,16 +61,16 @@ class RerunLog:
                 self._log("field", self._picture(field_view.draw(plan)))
 
     def signals(self, time_s: Floats, columns: dict[str, Floats]) -> None:
-        """Values over time, (N,) each; what is no number is left out."""
+        """Log (N,) values over time; nan and inf are left out."""
         for name, values in columns.items():
-            known = np.isfinite(values)
-            times = self._rr.TimeColumn(TIME, duration=time_s[known])
+            finite = np.isfinite(values)
+            times = self._rr.TimeColumn(TIME, duration=time_s[finite])
             entity = f"signals/{name}"
-            self._stream.send_columns(entity, [times], self._rr.Scalars.columns(scalars=values[known]))
+            self._stream.send_columns(entity, [times], self._rr.Scalars.columns(scalars=values[finite]))
 
-    def way(self, positions_m: Floats) -> None:
-        """Where the vehicle went, (N, 2) m in the world."""
-        self._stream.log("way", self._rr.LineStrips2D([positions_m]), static=True)
+    def trajectory(self, positions_m: Floats) -> None:
+        """Log the vehicle's trajectory, (N, 2) m in the world."""
+        self._stream.log("trajectory", self._rr.LineStrips2D([positions_m]), static=True)
 
     def _log(self, entity: str, what: Any) -> None:
         self._stream.log(entity, what)
@@ -79,27 +79,27 @@ class RerunLog:
         return self._rr.Image(frame).compress(jpeg_quality=JPEG_QUALITY)
 
     def _perceived(self, plan: Plan) -> None:
-        """Flow over its window in the colour of its time to contact, focus of expansion, points that stand out."""
-        rr, seen = self._rr, plan.perception
-        now = distort(self._camera, seen.flow.points_px)
-        past = distort(self._camera, seen.flow.points_px - seen.flow.displacement_px)
-        colours = [ttc_colour(float(ttc)) for ttc in seen.features.ttc_s]
+        """Log flow coloured by time to contact, focus of expansion, and obstacle points."""
+        rr, perception = self._rr, plan.perception
+        now = distort(self._camera, perception.flow.points_px)
+        past = distort(self._camera, perception.flow.points_px - perception.flow.displacement_px)
+        colours = [ttc_colour(float(ttc)) for ttc in perception.features.ttc_s]
         self._log("camera/flow", rr.Arrows2D(origins=past, vectors=now - past, colors=colours))
         self._log(
             "camera/obstacle_map",
-            rr.Points2D(now[seen.features.obstacle_map.on_obstacle], colors=[OBSTACLE], radii=3.0),
+            rr.Points2D(now[perception.features.obstacle_map.on_obstacle], colors=[OBSTACLE], radii=3.0),
         )
-        foe = np.array([[seen.expansion.x_px, seen.expansion.y_px]])
+        foe = np.array([[perception.expansion.x_px, perception.expansion.y_px]])
         self._log("camera/foe", rr.Points2D(foe[np.isfinite(foe).all(axis=1)], radii=6.0))
 
     def _scene(self, plan: Plan) -> None:
-        """The road's edges, the bodies and the forces, from above."""
-        rr, road, bodies = self._rr, plan.perception.road, plan.perception.obstacles
+        """Log road edges, obstacles and forces in the top view."""
+        rr, road, obstacles = self._rr, plan.perception.road, plan.perception.obstacles
         edges = [_up(road_line(road, side, ROAD_AHEAD_M)) for side in (road.left_m, road.right_m)]
         self._log("scene/edges", rr.LineStrips2D(edges, colors=[EDGE]))
-        corners = np.stack([bodies.left_m, -bodies.forward_m - BODY_LENGTH_M], axis=1)
-        sizes = np.stack([bodies.right_m - bodies.left_m, np.full(len(bodies), BODY_LENGTH_M)], axis=1)
-        self._log("scene/bodies", rr.Boxes2D(mins=corners, sizes=sizes, colors=[OBSTACLE]))
+        corners = np.stack([obstacles.left_m, -obstacles.forward_m - OBSTACLE_LENGTH_M], axis=1)
+        sizes = np.stack([obstacles.right_m - obstacles.left_m, np.full(len(obstacles), OBSTACLE_LENGTH_M)], axis=1)
+        self._log("scene/obstacles", rr.Boxes2D(mins=corners, sizes=sizes, colors=[OBSTACLE]))
         ego = VehicleModel()
         self._log("scene/ego", rr.Boxes2D(centers=[[0.0, 0.0]], sizes=[[ego.width_m, ego.length_m]]))
         for name, colour in FORCES.items():
@@ -108,7 +108,7 @@ class RerunLog:
 
 
 def _up(places_m: Floats) -> Floats:
-    """(..., 2) of vehicle axes as the viewer draws: x to the right, y down."""
+    """(..., 2) viewer coordinates (x to the right, y down) of points in vehicle axes."""
     return np.stack([places_m[..., 1], -places_m[..., 0]], axis=-1)
 
 

@@ -1,4 +1,4 @@
-"""What the car did over time, as strips with a cursor: commands, speed, place in the lane."""
+"""Strip charts of an episode's signals with a cursor: commands, speed, lane offset."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ RULE: Colour = (70, 78, 88)
 SOFT: Colour = (150, 160, 170)
 LINE: Colour = (92, 176, 255)
 PID: Colour = (200, 160, 90)
-DIM = 0.42  # of what is still to come
+DIM = 0.42  # brightness of the future part
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +24,13 @@ class Signal:
     name: str
     unit: str
     values: Floats  # (N,)
-    beside: Floats | None  # (N,) the PID's in the same states
+    beside: Floats | None  # (N,) the PID's commands in the same states
     low: float
     high: float
 
 
 def signals_of(table: StepTable) -> tuple[Signal, ...]:
-    """The four of an episode; commands end one step before the states do."""
+    """The four signals of an episode; commands have one value fewer than states."""
     widest = max(2.0, float(np.max(np.abs(table.lane_offset_m))))
     return (
         Signal("throttle", "", table.throttle, table.pid_throttle, -1.0, 1.0),
@@ -41,7 +41,7 @@ def signals_of(table: StepTable) -> tuple[Signal, ...]:
 
 
 class Strips:
-    """The strips of an episode: drawn once, then only the cursor moves."""
+    """The strip charts of an episode, drawn once; `at` adds the cursor."""
 
     def __init__(self, table: StepTable, width_px: int, height_px: int) -> None:
         self._signals = signals_of(table)
@@ -55,7 +55,7 @@ class Strips:
         self._future = (paper + DIM * (canvas.frame - paper)).astype(np.uint8)
 
     def at(self, index: int) -> Image:
-        """(H, W, 3) with what was until a row in full colour, and its values in words."""
+        """(H, W, 3) charts with the past of a row in full colour, and the row's values."""
         frame = self._future.copy()
         canvas = Canvas(frame, Camera(frame.shape[1], frame.shape[0]))
         for signal, box in zip(self._signals, self._boxes, strict=True):
@@ -68,7 +68,7 @@ class Strips:
 
 @dataclass(frozen=True, slots=True)
 class _Box:
-    """Where a strip is, px."""
+    """The position of a strip, px."""
 
     left: int
     top: int
@@ -83,7 +83,7 @@ class _Box:
 
 
 def _boxes(width_px: int, height_px: int) -> list[_Box]:
-    """Two by two."""
+    """The boxes of four strips, two by two."""
     half_width, half_height = width_px // 2, height_px // 2
     return [
         _Box(
@@ -119,7 +119,7 @@ def _words(canvas: Canvas, signal: Signal, box: _Box, index: int) -> None:
 
 
 def _reading(value: float, signal: Signal) -> str:
-    """A value in words, with a sign where the signal has two, and never a negative zero."""
+    """A formatted value with its unit; signed if the signal is, without negative zero."""
     if np.isnan(value):
         return "--"
     sign = "+" if signal.low < 0.0 else ""
@@ -127,5 +127,5 @@ def _reading(value: float, signal: Signal) -> str:
 
 
 def write(canvas: Canvas, words: str, left: int, base: int, colour: Colour, size: float = 0.42) -> None:
-    """Words without a plate behind them."""
+    """Draw text without a background."""
     cv2.putText(canvas.frame, words, (left, base), FONT, size, colour, 1, cv2.LINE_AA)

@@ -1,4 +1,4 @@
-"""A run folder as it lies on the disk, for those who only read it."""
+"""Read-only access to a run folder."""
 
 import json
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.run_folder import read_manifest, read_records
-from vpf_sim.evaluation.sweeps.shapes import Summary, Timing, checked
+from vpf_sim.evaluation.sweeps.schema import Summary, Timing, checked
 from vpf_sim.shell import command
 
 Record = dict[str, Any]
@@ -23,7 +23,7 @@ SUMMARY = "summary.json"
 
 @dataclass(frozen=True, slots=True)
 class StoredRun:
-    """What was asked for, what came of it, and how long it took."""
+    """The manifest, records and timing of a run."""
 
     path: Path
     manifest: dict[str, Any]
@@ -31,7 +31,7 @@ class StoredRun:
     timing: dict[str, dict[str, Any]]  # by id
 
     def record(self, episode_id: str) -> Record:
-        """The record of an episode; InputError names the nearest id if there is none of that name."""
+        """The record of an episode; InputError with the nearest id if it is unknown."""
         if not self.records:
             raise InputError(f"{self.path}: expected at least one finished episode, got none")
         if episode_id not in self.records:
@@ -39,7 +39,7 @@ class StoredRun:
         return self.records[episode_id]
 
     def steps(self, episode_id: str) -> StepTable | None:
-        """The steps of an episode, None where it never began."""
+        """The steps of an episode; None if it never began."""
         path = self.path / "steps" / f"{episode_id}.parquet"
         if not path.exists():
             return None
@@ -47,13 +47,13 @@ class StoredRun:
         return table if len(table) else None
 
     def reason(self, episode_id: str) -> str:
-        """The last line of what an episode that ended by an error left behind; empty where there is nothing."""
+        """The last line of an episode's error file; empty without one."""
         path = self.path / "errors" / f"{episode_id}.txt"
         lines = path.read_text("utf-8", errors="replace").strip().splitlines() if path.exists() else []
         return lines[-1] if lines else ""
 
     def summary(self, jobs: Sequence[Job]) -> dict[str, Any]:
-        """The table of the run as it is stored, or as far as it has come where it was stopped before its end."""
+        """The stored summary, or a new one of the finished episodes if the run was interrupted."""
         path = self.path / SUMMARY
         if not path.exists():
             return with_paper(summarize(jobs, self.records.values()))
@@ -62,23 +62,25 @@ class StoredRun:
         except ValueError:
             summary = None
         if not isinstance(summary, dict):
-            raise InputError(f"{path}: expected a JSON object, got something else; {self._anew}")
+            raise InputError(f"{path}: expected a JSON object, got something else; {self._remedy}")
         try:
-            told = checked(Summary, summary, str(path))
+            valid = checked(Summary, summary, str(path))
         except InputError as error:
-            raise InputError(f"{error}; {self._anew}") from None
+            raise InputError(f"{error}; {self._remedy}") from None
         cells = {job[:3] for job in jobs}
-        if {(row.scenario, row.weather, row.driver) for row in told.rows} != cells or not _known(told, cells):
-            raise InputError(f"{path}: expected the cells of the plan, got others; {self._anew}")
+        if {(row.scenario, row.weather, row.driver) for row in valid.rows} != cells or not _compares_cells(
+            valid, cells
+        ):
+            raise InputError(f"{path}: expected the cells of the plan, got others; {self._remedy}")
         return summary
 
     @property
-    def _anew(self) -> str:
-        return f"{command('score', self.path)} makes it anew"
+    def _remedy(self) -> str:
+        return f"{command('score', self.path)} recreates it"
 
 
-def _known(summary: Summary, cells: set[tuple[str, str, str]]) -> bool:
-    """Whether all comparisons are between cells."""
+def _compares_cells(summary: Summary, cells: set[tuple[str, str, str]]) -> bool:
+    """Whether all comparisons are between these cells."""
     for one in summary.comparisons:
         first = {"scenario": one.scenario, "weather": one.weather, "driver": one.driver}
         second = {**first, one.of: one.minus}

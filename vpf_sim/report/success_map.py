@@ -1,4 +1,4 @@
-"""The success map: how every planned seed ended, a row a cell and driver, ten seeds a block."""
+"""The success map: the ending of every planned seed by cell and driver, in blocks of ten seeds."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,7 +24,7 @@ Mark = tuple[int, str, str]  # seed, status, title
 
 @dataclass(frozen=True, slots=True)
 class MapRow:
-    """How each seed of a cell and driver ended."""
+    """The endings of a cell and driver by seed."""
 
     scenario: str
     weather: str
@@ -33,18 +33,18 @@ class MapRow:
 
     @property
     def blocks(self) -> list[tuple[Mark, ...]]:
-        """Ten marks each, so that a seed is found without counting far, however the row wraps."""
+        """The marks in blocks of ten, so that a seed is easy to find."""
         return [self.marks[start : start + BLOCK] for start in range(0, len(self.marks), BLOCK)]
 
 
 def signs(jobs: Sequence[Job], records: Mapping[str, Record]) -> list[tuple[str, str, int]]:
-    """(status, sign, how often) of what is on the map."""
+    """(status, sign, count) of the statuses on the map."""
     counts = Counter(records[job.id]["status"] if job.id in records else "missing" for job in jobs)
     return [(status, sign, counts[status]) for status, sign in SIGNS.items() if status in counts]
 
 
 def rows(jobs: Sequence[Job], records: Mapping[str, Record], order: Order) -> Iterator[MapRow]:
-    """A row a cell and driver, a mark a planned seed."""
+    """One row per cell and driver, one mark per planned seed."""
     cells: dict[tuple[str, str, str], list[Mark]] = {}
     for job in jobs:
         cells.setdefault((job.scenario, job.weather, job.driver), []).append(_mark(job, records.get(job.id)))
@@ -58,5 +58,5 @@ def rows(jobs: Sequence[Job], records: Mapping[str, Record], order: Order) -> It
 def _mark(job: Job, record: Record | None) -> Mark:
     status = record["status"] if record else "missing"
     hit = f" with a {record['collided_with']}" if record and record.get("collided_with") else ""
-    came = f", {100.0 * record['route_completion']:.0f} % of the way" if record else ""
+    came = f", {100.0 * record['route_completion']:.0f} % of the route" if record else ""
     return job.seed, status, f"{job.id}: {status.replace('_', ' ')}{hit}{came}"

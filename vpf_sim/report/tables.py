@@ -1,4 +1,4 @@
-"""The tables beside the main one: what was perceived, how comfortable it was, what it cost, what differs by pairs."""
+"""Further tables of a report: perception, comfort, compute, paired differences, seeds needed."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from statistics import median
 from typing import Any
 
 from vpf_sim.evaluation.analysis.summary import WIDTHS
-from vpf_sim.report.cells import NONE, Order, Row, at, interval_of, interval_words, shown, worded
+from vpf_sim.report.cells import NONE, Order, Row, at, formatted, interval_of, interval_text, shown
 from vpf_sim.report.stored_run import Record
 
 Labels = dict[str, tuple[str, int, bool]]  # key: label, digits, in percent
@@ -20,22 +20,24 @@ PERCEPTION: Labels = {
 }
 OBJECTS: Labels = {
     "objects.first_confirmed_m": ("objects first confirmed at, m", 1, False),
-    "objects.recall": ("objects in time, %", 0, True),
-    "objects.precision": ("reports that are right, %", 1, True),
-    "objects.wrong_per_minute": ("wrong objects a minute", 2, False),
+    "objects.recall": ("recall at the due distance, %", 0, True),
+    "objects.precision": ("precision, %", 1, True),
+    "objects.wrong_per_minute": ("false positives a minute", 2, False),
 }
-STAGES = {  # of a step, as timing.jsonl names them: what each column adds up
+STAGES = {  # column -> stages of timing.jsonl that it adds up
     "camera": ("render",),
-    "flow": ("grey", "flow"),
-    "FOE, TTC, obstacles": (
-        *("derotation", "foe", "steadiness", "steadiness_frames", "contrast", "look", "bodies", "second_look"),
-        *("carried", "ttc", "obstacle_map", "clusters", "landmarks"),  # the last four: of runs timed before
-    ),
+    "flow": ("grey", "flow", "keyframe"),
+    "FOE, pitch": ("derotation", "focus_of_expansion", "camera_pitch", "mount_pitch"),
     "road edges": ("road",),
+    "obstacles": (
+        *("contrast", "moving_prediction", "planar_parallax", "triangulation", "moving_obstacles", "track_refinement"),
+        *("static_obstacles", "all_obstacles", "close_range_verification", "sensing_range", "point_features"),
+        "prediction",
+    ),
     "plan and control": ("plan", "control"),
     "physics": ("physics", "ending", "observation", "info"),
 }
-COMFORT = {  # nuPlan's names and bounds
+COMFORT = {  # nuPlan's signals and bounds
     "longitudinal_acceleration_mps2": ("longitudinal acceleration", "−4.05 to 2.40 m/s²"),
     "lateral_acceleration_mps2": ("lateral acceleration", "±4.89 m/s²"),
     "jerk_mps3": ("jerk", "±8.37 m/s³"),
@@ -56,29 +58,31 @@ COMPARED = {
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A cell: words, what is said of them beside, and the exact number."""
+    """A cell: text, small text beside it, and the exact number."""
 
-    words: str
+    text: str
     beside: str = ""
     value: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows of words, the first few columns names."""
+    """Rows of cells; the first `names` columns are row names."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[Value, ...], ...]
-    names: int  # how many columns are names
+    names: int
 
 
 def perception(rows: Sequence[Row], order: Order, labels: Labels) -> Table | None:
-    """What the drivers that show their plan saw, against the truth; a line a cell that has any of it."""
+    """Perception metrics of drivers that expose their plan, one row per cell."""
     shown_plan = [row for row in sorted(rows, key=order.place) if _perceived(row, "foe_median_error_px")]
-    seen = [row for row in shown_plan if any(_perceived(row, key) is not None for key in labels)]
-    told = [key for key in labels if any(_perceived(row, key) is not None for row in seen)]
-    lines = tuple((*names(row), *(score(row, f"perception.{key}", *labels[key][1:]) for key in told)) for row in seen)
-    header = ("scenario", "weather", "driver", *(labels[key][0] for key in told))
+    scored_rows = [row for row in shown_plan if any(_perceived(row, key) is not None for key in labels)]
+    keys = [key for key in labels if any(_perceived(row, key) is not None for row in scored_rows)]
+    lines = tuple(
+        (*names(row), *(score(row, f"perception.{key}", *labels[key][1:]) for key in keys)) for row in scored_rows
+    )
+    header = ("scenario", "weather", "driver", *(labels[key][0] for key in keys))
     return Table(header, lines, 3) if lines else None
 
 
@@ -87,20 +91,20 @@ def _perceived(row: Row, key: str) -> Any:
 
 
 def score(row: Row, key: str, digits: int, percent: bool) -> Value:
-    """The mean of the successful episodes with its interval; where none was, that of the others, in brackets."""
+    """The mean of the successful episodes with its interval, or else that of the others in brackets."""
     value = at(scored(row), key)
-    words = worded(value, digits, percent)
+    text = formatted(value, digits, percent)
     if value is None or row["successes"]:
-        return Value(words, interval_words(interval_of(row, key), digits, percent), value)
-    return Value(f"({words})", value=value)
+        return Value(text, interval_text(interval_of(row, key), digits, percent), value)
+    return Value(f"({text})", value=value)
 
 
 def seeds_needed(rows: Sequence[Row], order: Order) -> Table | None:
-    """How many seeds would make the intervals of WIDTHS, a line a cell."""
-    told = [row for row in sorted(rows, key=order.place) if row.get("seeds_needed")]
-    lines = tuple((*names(row), Value(str(row["episodes"])), *_needed(row)) for row in told)
+    """Number of seeds for intervals of WIDTHS, one row per cell."""
+    found = [row for row in sorted(rows, key=order.place) if row.get("seeds_needed")]
+    lines = tuple((*names(row), Value(str(row["episodes"])), *_needed(row)) for row in found)
     success = f"for success within {100.0 * WIDTHS['success_rate']:g} points"
-    path_mse = f"for path MSE within {WIDTHS['path_mse_m2']:g} m² (seeds that arrive)"
+    path_mse = f"for path MSE within {WIDTHS['path_mse_m2']:g} m² (successful seeds)"
     header = ("scenario", "weather", "driver", "seeds so far", success, path_mse)
     return Table(header, lines, 3) if lines else None
 
@@ -112,7 +116,7 @@ def _needed(row: Row) -> Iterator[Value]:
 
 
 def comfort(records: Sequence[Record], order: Order) -> Table | None:
-    """Of each driver's successful episodes, the share inside each of nuPlan's bounds."""
+    """The share of each driver's successful episodes inside each of nuPlan's bounds."""
     lines = []
     for driver in order.drivers:
         found = [r["comfort"] for r in records if r["driver"] == driver and r["status"] == "success" and r["comfort"]]
@@ -125,7 +129,7 @@ def comfort(records: Sequence[Record], order: Order) -> Table | None:
 
 
 def compute(timing: Mapping[str, dict[str, Any]], records: Sequence[Record], order: Order) -> Table | None:
-    """What a clock measured, by driver and weather."""
+    """Wall times by driver and weather."""
     lines = [
         (Value(driver), Value(shown(weather)), *_rates(times), *_stages(times))
         for driver in order.drivers
@@ -149,23 +153,23 @@ def _timed(
 def _rates(times: Sequence[dict[str, Any]]) -> tuple[Value, ...]:
     rate = median(time["steps_per_s"] for time in times)
     return (
-        Value(worded(rate, 0), value=rate),
-        Value(worded(rate / REAL_TIME_HZ, 2)),
-        Value(worded(median(time["wall_s"] for time in times), 1)),
+        Value(formatted(rate, 0), value=rate),
+        Value(formatted(rate / REAL_TIME_HZ, 2)),
+        Value(formatted(median(time["wall_s"] for time in times), 1)),
         Value(str(sum(time.get("retries", 0) for time in times))),
     )
 
 
 def _stages(times: Sequence[dict[str, Any]]) -> Iterator[Value]:
-    """Medians over the episodes of what their steps take."""
+    """Median time per step of each group of stages."""
     for parts in STAGES.values():
         found = [[time.get("stages_ms", {}).get(part) for part in parts] for time in times]
         sums = [sum(value for value in values if value is not None) for values in found if any(values)]
-        yield Value(worded(median(sums), 2) if sums else NONE)
+        yield Value(formatted(median(sums), 2) if sums else NONE)
 
 
 def comparisons(found: Sequence[dict[str, Any]], of: str, order: Order) -> Table | None:
-    """Differences on the same seeds, of weathers or of drivers."""
+    """Paired differences of weathers or of drivers."""
     lines = []
     for one in sorted(found, key=order.place):
         if one["of"] == of:
@@ -182,22 +186,22 @@ def comparisons(found: Sequence[dict[str, Any]], of: str, order: Order) -> Table
 
 
 def _difference(one: dict[str, Any], key: str) -> Value:
-    """`compare` names its scores by dotted keys, flat."""
+    """The cell of a difference; `compare` uses dotted keys."""
     _, digits, percent = COMPARED[key]
-    told = one.get(key)
-    if not told:
+    found = one.get(key)
+    if not found:
         return Value(NONE)
-    value = float(told["difference"])
+    value = float(found["difference"])
     digits = _digits(value, digits, percent)
     sign = "+" if float(f"{100.0 * value if percent else value:.{digits}f}") > 0.0 else ""
-    ends = told.get("interval")
-    beside = [interval_words((ends[0], ends[1]), digits, percent)] if ends else []
-    beside.append(f"p {_probability(told['p'])}, n {told['pairs']}")
-    return Value(sign + worded(value, digits, percent), "\n".join(beside), value)
+    ends = found.get("interval")
+    beside = [interval_text((ends[0], ends[1]), digits, percent)] if ends else []
+    beside.append(f"p {_probability(found['p'])}, n {found['pairs']}")
+    return Value(sign + formatted(value, digits, percent), "\n".join(beside), value)
 
 
 def _digits(value: float, digits: int, percent: bool) -> int:
-    """More decimals for a difference that would read as none: a small one may well be sure."""
+    """The number of decimals; more for a small difference that would be rounded to 0."""
     size = 100.0 * abs(value) if percent else abs(value)
     return next((more for more in range(digits, MOST_DIGITS) if round(size, more) > 0.0 or size == 0.0), digits)
 
@@ -207,18 +211,18 @@ def _probability(p: float) -> str:
 
 
 def _inside(within: Sequence[bool | None]) -> Value:
-    there = [value for value in within if value is not None]
-    if not there:
+    known = [value for value in within if value is not None]
+    if not known:
         return Value(NONE)
-    return Value(worded(sum(there) / len(there), 0, True) + " %", f"{sum(there)} of {len(there)}")
+    return Value(formatted(sum(known) / len(known), 0, True) + " %", f"{sum(known)} of {len(known)}")
 
 
 def names(row: Row) -> tuple[Value, Value, Value]:
-    """The cell, as the first columns of a table."""
+    """Scenario, weather and driver as the first columns."""
     return Value(shown(row["scenario"])), Value(shown(row["weather"])), Value(row["driver"])
 
 
 def scored(row: Row) -> Row:
-    """Where a row's scores stand: the successful episodes', or the others' where none was."""
+    """The scores of a row: of the successful episodes, or else of the others."""
     found: Row = row if row["successes"] else row.get("unsuccessful") or {}
     return found

@@ -1,4 +1,4 @@
-"""Frames into an .mp4 that a browser plays."""
+"""Writes frames to an .mp4 that browsers play."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,15 +16,14 @@ from vpf_sim.types import Image
 
 
 class Writer:
-    """Writes frames as H.264 at their true speed; a context manager, the file is there, and whole, when it closes.
+    """Writes frames as H.264 at true speed; a context manager that commits the file when it closes.
 
-    A disk without room is told when it closes, so that what is filmed goes on; then a former file is still there.
-    yuv420p and an index at the front (faststart) are what browsers ask for. Frames whose sides are odd lose their last
-    row or column: the format has none.
+    A full disk raises at close, so that the recorded episode goes on; a former file is kept. Browsers need yuv420p and
+    an index at the front (faststart). The format has even sides only, so an odd last row or column is dropped.
     """
 
     def __init__(self, path: Path | str, size: tuple[int, int], rate_hz: float, crf: int = 20) -> None:
-        """`size` is (width, height) px; `rate_hz` frames a second; `crf` x264's quality, more is smaller and worse."""
+        """`size` is (width, height) px; `crf` is x264's quality: a higher value gives a smaller, worse video."""
         self.path = Path(path)
         if self.path.suffix.lower() != ".mp4":
             raise InputError(f"video '{path}': expected a file name that ends in .mp4")
@@ -42,21 +41,21 @@ class Writer:
         self._fault: OSError | None = None
 
     def write(self, frame_rgb: Image) -> None:
-        """Append one (H, W, 3) frame."""
+        """Append an (H, W, 3) frame."""
         cut = np.ascontiguousarray(frame_rgb[: self._height, : self._width])
         if cut.shape != (self._height, self._width, 3):
             expected = f"({self._height}, {self._width}, 3)"
             raise ValueError(f"frame: expected at least {expected}, got {frame_rgb.shape}")
         if self._fault is None:
-            with self._noticing():
+            with self._keeping_first_fault():
                 self._container.mux(self._stream.encode(av.VideoFrame.from_ndarray(cut, format="rgb24")))
 
     def close(self) -> None:
-        """Write what the encoder still holds, and the index; OSError where the film could not be written."""
+        """Flush the encoder and write the index; OSError if the video could not be written."""
         if self._fault is None:
-            with self._noticing():
+            with self._keeping_first_fault():
                 self._container.mux(self._stream.encode())
-        with self._noticing():
+        with self._keeping_first_fault():
             self._container.close()
         if self._fault is not None:
             self._draft.discard()
@@ -64,14 +63,14 @@ class Writer:
         self._draft.commit()
 
     def discard(self) -> None:
-        """Leave no film: half a one is none."""
-        with self._noticing():
+        """Remove the incomplete video."""
+        with self._keeping_first_fault():
             self._container.close()
         self._draft.discard()
 
     @contextmanager
-    def _noticing(self) -> Iterator[None]:
-        """Keep the first fault of the disk."""
+    def _keeping_first_fault(self) -> Iterator[None]:
+        """Store the first write error instead of raising it."""
         try:
             yield
         except (OSError, av.error.FFmpegError) as error:

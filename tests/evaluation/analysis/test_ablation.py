@@ -72,13 +72,13 @@ def test_the_grid_goes_from_the_full_frame_to_ours() -> None:
 
 @pytest.fixture
 def two_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = ablation.changes()
-    shown = {key: told[key] for key in ("vpf@valley", "vpf@memory")}
-    monkeypatch.setattr(ablation, "changes", lambda _="robust": shown)
+    steps = ablation.ablation_steps()
+    shown = {key: steps[key] for key in ("vpf@lane_planner", "vpf@memory")}
+    monkeypatch.setattr(ablation, "ablation_steps", lambda _="robust": shown)
 
 
 @pytest.mark.usefixtures("two_steps")
-def test_the_command_stores_an_ordinary_run_with_the_table_beside(
+def test_the_command_stores_a_run_folder_with_the_ablation_table(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     short, out = tmp_path / "short.toml", tmp_path / "out"
@@ -87,16 +87,16 @@ def test_the_command_stores_an_ordinary_run_with_the_table_beside(
     assert cli.run([*asked, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["rows"] == json.loads((out / "ablation.json").read_text())["rows"]
-    assert [row["driver"] for row in told["rows"]] == ["vpf@valley", "vpf@memory"]
+    assert [row["driver"] for row in told["rows"]] == ["vpf@lane_planner", "vpf@memory"]
     assert all(row["successes"] == 1 and row["driver_ms"] > 0.0 for row in told["rows"])
     steps = {path.stem for path in (out / "steps").iterdir()}
-    assert {stem.split(".")[2] for stem in steps} == {"vpf@valley", "vpf@memory"}
+    assert {stem.split(".")[2] for stem in steps} == {"vpf@lane_planner", "vpf@memory"}
     assert cli.run(["score", str(out), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["changed"] == []
     assert cli.run(["ablate", "--out", str(out), "--resume"]) == 0
     said = capsys.readouterr().out
     assert "vpf@memory: decisions are kept" in said
-    assert "Differences to the step before" in said
+    assert "Differences to the previous step" in said
 
 
 def test_wrong_use_is_one_clear_line(capsys: pytest.CaptureFixture[str]) -> None:

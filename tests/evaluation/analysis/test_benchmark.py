@@ -1,4 +1,4 @@
-"""The paper's table: the grid, the paper's cells, and the text."""
+"""The benchmark: its plan, the paper's values, and the printed tables."""
 
 import json
 from pathlib import Path
@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, print_rows
+from vpf_sim.cli.run_options import RunOptions
 from vpf_sim.cli.running import plan_of
 from vpf_sim.evaluation.analysis import benchmark
 from vpf_sim.evaluation.analysis.benchmark import with_paper
@@ -81,7 +82,7 @@ def test_the_papers_numbers_are_beside_ours(capsys: pytest.CaptureFixture[str]) 
     )
 
 
-def test_a_sweeps_table_marks_what_no_success_stands_behind(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_sweeps_table_brackets_scores_without_success(capsys: pytest.CaptureFixture[str]) -> None:
     print_rows([row("town04", "pid", 0), row("town04", "vpf", 5)])
     out = capsys.readouterr().out
     assert "(0.123)" in out
@@ -91,7 +92,7 @@ def test_a_sweeps_table_marks_what_no_success_stands_behind(capsys: pytest.Captu
     assert ours.split() in [line.split() for line in out.splitlines()]
 
 
-def test_differences_are_told_with_interval_p_and_seeds(capsys: pytest.CaptureFixture[str]) -> None:
+def test_differences_have_interval_p_and_seeds(capsys: pytest.CaptureFixture[str]) -> None:
     rate = {"difference": -0.2, "interval": [-0.4, 0.012], "p": 0.0625, "pairs": 30}
     mse = {"difference": 0.1234, "interval": None, "p": 1.0, "pairs": 2}
     cell = {"scenario": "town04", "weather": "rain", "driver": "vpf"}
@@ -126,7 +127,7 @@ def test_differences_are_told_with_interval_p_and_seeds(capsys: pytest.CaptureFi
     ("statuses", "code"),
     [({"success": 5}, 0), ({"collision": 5}, 0), ({"success": 4, "error": 1}, 1), ({"invalid_frame": 5}, 1)],
 )
-def test_a_crash_is_a_result_and_an_error_is_not(statuses: dict[str, int], code: int) -> None:
+def test_a_collision_is_a_result_and_an_error_is_a_fault(statuses: dict[str, int], code: int) -> None:
     assert exit_code({"rows": [row("town04", "pid", 5), row("town04", "vpf", 5, statuses=statuses)]}) == code
 
 
@@ -134,7 +135,7 @@ def test_a_crash_is_a_result_and_an_error_is_not(statuses: dict[str, int], code:
     ("resume", "asked", "stored", "seeds"),
     [(True, False, True, "5:9"), (True, True, True, "0:1"), (False, False, True, "0:1"), (True, True, False, "0:1")],
 )
-def test_a_run_that_goes_on_drives_what_it_was_made_for(
+def test_a_resumed_run_drives_its_stored_plan(
     resume: bool, asked: bool, stored: bool, seeds: str, tmp_path: Path
 ) -> None:
     grid = {"scenario": ["town04"], "weather": ["rain"], "driver": ["pid"]}
@@ -147,6 +148,6 @@ def test_a_run_that_goes_on_drives_what_it_was_made_for(
             "command": "benchmark",
         }
         (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    plan = plan_of(tmp_path, resume, asked, lambda: benchmark.plan("0:1", ["pid"]))
+    plan = plan_of(RunOptions(out=tmp_path, resume=resume), asked, lambda: benchmark.plan("0:1", ["pid"]))
     assert plan.seeds == seeds
-    assert plan_of(None, resume, asked, lambda: plan) is plan, "there is no folder to go on with"
+    assert plan_of(RunOptions(resume=resume), asked, lambda: plan) is plan, "there is no folder to go on with"

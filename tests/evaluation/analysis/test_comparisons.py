@@ -1,4 +1,4 @@
-"""Comparisons on the same seeds: which cells, which seeds, which sign."""
+"""Paired comparisons: which cells, which seeds, which sign."""
 
 from typing import Any
 
@@ -34,7 +34,7 @@ def test_drivers_are_compared_with_each_other_in_their_order() -> None:
     assert sorted(names) == ["fog a - pid", "fog b - a", "fog b - pid"]
 
 
-def test_without_a_clear_weather_the_first_is_what_the_others_are_compared_with() -> None:
+def test_without_clear_weather_the_first_is_the_reference() -> None:
     assert [*compared({}, ("fog", "dusk", "snow"), ("pid",))] == ["dusk pid - fog", "snow pid - fog"]
 
 

@@ -1,4 +1,4 @@
-"""The paper's table, definitions and claims, from made-up drives whose numbers follow by hand."""
+"""The paper's table, definitions and claims on synthetic drives whose values follow by hand."""
 
 from dataclasses import replace
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.analysis import reproduction
+from vpf_sim.evaluation.analysis import paper_claims, reproduction
 from vpf_sim.evaluation.analysis.reproduction import CELLS, Drive
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.types import Floats
@@ -57,7 +57,7 @@ def test_accuracies_of_a_constant_difference() -> None:
     assert found["correlation"] == pytest.approx(1.0)
 
 
-def test_the_same_commands_are_right_and_opposite_ones_have_no_sign_in_common() -> None:
+def test_equal_commands_score_one_and_opposite_commands_share_no_sign() -> None:
     pid = np.tile([0.5, -0.5], 60)
     assert all(
         value == pytest.approx(1.0) for value in reproduction.accuracies(table(pid, pid), "steering", "paired").values()
@@ -65,12 +65,23 @@ def test_the_same_commands_are_right_and_opposite_ones_have_no_sign_in_common() 
     assert reproduction.accuracies(table(-pid, pid), "steering", "shadow")["sign"] == 0.0
 
 
-def test_the_path_beside_the_pids_by_place_and_by_time() -> None:
+def test_span_has_no_value_where_the_pid_never_moved() -> None:
+    found = reproduction.accuracies(table(np.full(120, 0.2), np.full(120, 0.5)), "steering", "shadow")
+    assert found["span"] is None
+    assert found["range"] == pytest.approx(0.85)
+    still = drive(CELLS[0], table=table(np.full(120, 0.2), np.full(120, 0.5)))
+    rows = reproduction.cells([replace(still, scenario=scenario, weather=weather) for scenario, weather in CELLS])
+    span = {"protocol": "shadow", "definition": "span"}
+    (row,) = [row for row in reproduction.definitions(rows) if span.items() <= row.items()]
+    assert row["steering"] == {"values": [None] * 4, "off": None, "same_order": None}
+
+
+def test_path_errors_against_the_pid_by_nearest_point_and_by_time() -> None:
     own = drive(CELLS[0], table=table(np.zeros(120), np.zeros(120), beside_m=2.0))
     late = table(np.zeros(120), np.zeros(120))
     rows = late.rows.copy()
     rows[:, Step._fields.index("x_m")] -= 1.0  # the PID's car is 1 m behind
-    errors = reproduction.path_errors(replace(own, rival=StepTable(rows)))
+    errors = reproduction.path_errors(replace(own, pid=StepTable(rows)))
     assert errors["lane centre"] == ERRORS_M2[CELLS[0]]
     assert errors["PID at the same time"] == pytest.approx(5.0)
     assert errors["PID's path"] == pytest.approx(4.0, abs=0.1)
@@ -86,13 +97,13 @@ def test_jerkiness_is_the_yaw_acceleration_without_the_relays_ripple() -> None:
     assert restless == pytest.approx(calm, rel=0.05)
 
 
-def told(drives: list[Drive]) -> dict[str, bool | None]:
+def claims_hold(drives: list[Drive]) -> dict[str, bool | None]:
     rows = reproduction.cells(drives)
-    return {row["claim"]: row["holds"] for row in reproduction.claims(rows, drives, 5.0)}
+    return {row["claim"]: row["holds"] for row in paper_claims.claims(rows, drives, 5.0)}
 
 
 def test_claims_hold_by_what_was_measured() -> None:
-    holds = told([drive(cell) for cell in CELLS])
+    holds = claims_hold([drive(cell) for cell in CELLS])
     assert holds["The vehicle reaches its destination in all four conditions (here: in nine drives of ten)."]
     assert holds["The mean squared error of the path is below 1 on average."]
     assert holds["The error grows with obstacles and in rain."] is False, "0.6 m2 is not below 0.4 m2"
@@ -100,24 +111,24 @@ def test_claims_hold_by_what_was_measured() -> None:
     assert holds["It takes less computation than learning."] is None
 
 
-def test_jerkier_drives_with_obstacles_and_in_rain_are_told() -> None:
+def test_jerkier_drives_with_obstacles_and_in_rain_confirm_the_claims() -> None:
     def turning(size: float) -> StepTable:
         return table(np.zeros(240), np.zeros(240), size * np.sin(np.arange(241) / 30.0))
 
     sizes = dict(zip(CELLS, (0.1, 0.2, 0.2, 0.4), strict=True))
-    holds = told([drive(cell, table=turning(size)) for cell, size in sizes.items()])
+    holds = claims_hold([drive(cell, table=turning(size)) for cell, size in sizes.items()])
     assert holds["Its path is jerkier with obstacles."]
     assert holds["Its path is jerkier in rain."]
 
 
-def test_a_collision_refutes_and_a_cell_without_success_leaves_open() -> None:
-    holds = told([drive(cell, good=cell != CELLS[-1]) for cell in CELLS])
+def test_a_cell_without_success_refutes_reaching_the_goal_and_leaves_other_claims_undecided() -> None:
+    holds = claims_hold([drive(cell, good=cell != CELLS[-1]) for cell in CELLS])
     assert holds["The vehicle reaches its destination in all four conditions (here: in nine drives of ten)."] is False
     assert holds["The error grows with obstacles and in rain."] is None
     assert holds["The accuracies fall in the order of the table."] is None
 
 
-def test_a_definition_in_the_papers_order_is_named() -> None:
+def test_the_claim_names_definitions_whose_order_matches_the_paper() -> None:
     """Steering and throttle that differ from the PID as the paper's accuracies do, by 1 - mean |d|."""
     drives = []
     for cell in CELLS:
@@ -134,4 +145,4 @@ def test_a_definition_in_the_papers_order_is_named() -> None:
     for signal in ("throttle", "steering"):
         assert shadow[signal]["off"] == pytest.approx(0.0, abs=1e-9)
         assert shadow[signal]["same_order"]
-    assert told(drives)["The accuracies fall in the order of the table."]
+    assert claims_hold(drives)["The accuracies fall in the order of the table."]

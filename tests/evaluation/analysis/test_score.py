@@ -1,4 +1,4 @@
-"""Scoring again: the same records from the stored steps alone, and one line for a folder that is torn or foreign."""
+"""Rescoring from stored steps, and one-line errors for an incomplete or foreign folder."""
 
 import json
 import shutil
@@ -54,7 +54,7 @@ def no_world(*_: Any, **__: Any) -> None:
     raise AssertionError("a world was built")
 
 
-def test_an_unchanged_run_scores_as_it_did_and_nothing_is_driven(
+def test_rescoring_an_unchanged_run_changes_nothing_and_drives_nothing(
     run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("vpf_sim.envs.four_lane.FourLane.__init__", no_world)
@@ -65,10 +65,10 @@ def test_an_unchanged_run_scores_as_it_did_and_nothing_is_driven(
     assert files(run) == before, "byte by byte"
     assert answer["rows"] == json.loads((run / "summary.json").read_text())["rows"]
     assert cli.run(["score", str(run)]) == 0
-    assert "4 of 4 planned episodes scored again, 0 changed" in capsys.readouterr().out
+    assert "4 of 4 planned episodes rescored, 0 changed" in capsys.readouterr().out
 
 
-def test_what_each_stage_took_is_in_the_timing_and_not_in_the_records(run: Path) -> None:
+def test_stage_times_are_in_the_timing_and_not_in_the_records(run: Path) -> None:
     stages = read_lines(run / "timing.jsonl")[0]["stages_ms"]
     whole, parts = {"world", "driver", "log"}, {"physics", "ending", "observation", "info"}
     assert stages.keys() == whole | parts, "no frame is taken for who looks at none"
@@ -76,7 +76,7 @@ def test_what_each_stage_took_is_in_the_timing_and_not_in_the_records(run: Path)
     assert "stages_ms" not in (run / "episodes.jsonl").read_text()
 
 
-def test_every_record_is_made_from_its_steps(run: Path) -> None:
+def test_every_record_follows_from_its_steps(run: Path) -> None:
     stored = read_lines(run / "episodes.jsonl")
     assert [record["steps"] > 0 for record in stored] == [True, True, True, False]
     spoilt = [{**record, "path_mse_m2": 9.0, "comfort": None} for record in stored]
@@ -174,7 +174,7 @@ def another_seed(record: dict[str, Any]) -> None:
         (shutil.rmtree, "manifest.json: expected the manifest of a run"),
     ],
 )
-def test_a_torn_or_foreign_folder_is_one_clear_line(
+def test_an_incomplete_or_foreign_folder_is_one_clear_line(
     spoil: Callable[[Path], Any], sentence: str, run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     spoil(run)
@@ -187,7 +187,7 @@ def test_a_torn_or_foreign_folder_is_one_clear_line(
     assert (files(run) if run.exists() else {}) == before, "it is left as it was"
 
 
-def test_a_run_that_is_being_driven_is_not_touched(run: Path) -> None:
+def test_a_running_sweep_is_not_rescored(run: Path) -> None:
     asked = json.loads((run / "manifest.json").read_text())
     folder = RunFolder(run, asked, resume=True)
     with pytest.raises(InputError, match="in use by another run"):

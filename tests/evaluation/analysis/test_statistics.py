@@ -1,4 +1,4 @@
-"""Intervals that hold what they say, on data whose truth is known; tests whose p is known in closed form."""
+"""Coverage of intervals on synthetic data, and tests whose p is known in closed form."""
 
 from functools import lru_cache
 from itertools import product
@@ -43,7 +43,7 @@ def coverage(samples: Floats, mean: float) -> float:
 
 @pytest.mark.parametrize(("count", "least", "most"), [(10, 0.92, 0.96), (30, 0.93, 0.97)])
 @pytest.mark.usefixtures("quick")
-def test_the_bootstrap_holds_the_mean_of_normal_values_in_95_percent(count: int, least: float, most: float) -> None:
+def test_the_bootstrap_covers_the_mean_of_normal_values_in_95_percent(count: int, least: float, most: float) -> None:
     """Of 1500 intervals that are each right with 0.95 (0.94 for ten values), the share is so within 0.006 (1 sigma)."""
     assert least <= coverage(RANDOM.normal(3.0, 2.0, (1500, count)), 3.0) <= most
 
@@ -71,7 +71,7 @@ def test_a_normal_means_interval_is_as_wide_as_students() -> None:
 
 
 @pytest.mark.parametrize("count", [5, 30, 300])
-def test_the_bootstrap_is_scipys_but_for_its_level(count: int) -> None:
+def test_the_bootstrap_equals_scipys_except_for_its_level(count: int) -> None:
     """Both draw their own resamples, so the ends agree to a few hundredths of the width."""
     values = RANDOM.exponential(1.0, count)
     level = 1.0 - 2.0 * stats.norm.sf(stats.t.ppf(0.975, count - 1) * np.sqrt(count / (count - 1)))
@@ -94,7 +94,7 @@ def test_an_interval_scales_with_its_values(scale: float) -> None:
 
 
 @pytest.mark.parametrize("count", [2, 3, 5, 30, 300])
-def test_one_outlier_is_no_trouble(count: int) -> None:
+def test_one_outlier_gives_a_finite_interval(count: int) -> None:
     low, high = mean_interval(np.arange(count) == 0) or (1.0, 0.0)
     assert 0.0 <= low < 1.0 / count < high <= 1.0
 
@@ -113,7 +113,7 @@ def test_one_in_thirty() -> None:
 
 
 @pytest.mark.parametrize("episodes", [1, 5, 30, 300])
-def test_an_interval_of_a_share_holds_it_in_at_least_95_percent_of_all_outcomes(episodes: int) -> None:
+def test_an_interval_of_a_share_covers_it_in_at_least_95_percent_of_outcomes(episodes: int) -> None:
     """The exact coverage, by summing over the binomial distribution, at 99 shares."""
     ends = [share_interval(count, episodes) for count in range(episodes + 1)]
     for share in np.arange(1, 100) / 100.0:
@@ -129,7 +129,7 @@ def test_an_interval_of_a_share_in_closed_form() -> None:
     assert share_interval(17, 30) == pytest.approx((by_scipy.low, by_scipy.high))
 
 
-def test_ten_pairs_that_all_agree_have_the_least_p_that_there_is() -> None:
+def test_ten_pairs_of_one_sign_have_the_least_possible_p() -> None:
     first = np.arange(10.0)
     found = paired_difference(first, first - np.linspace(0.5, 1.5, 10))
     assert found is not None
@@ -138,7 +138,7 @@ def test_ten_pairs_that_all_agree_have_the_least_p_that_there_is() -> None:
     assert found.interval.low > 0.0
 
 
-def test_a_permutations_p_is_counted() -> None:
+def test_the_p_of_a_permutation_test_is_counted_exactly() -> None:
     """Of the 8 sign patterns of (1, 2, 3) only two means are as far from 0 as that of (1, 2, 3), six as (1, -2, 3)."""
     zeros = np.zeros(3)
     assert [
@@ -147,7 +147,7 @@ def test_a_permutations_p_is_counted() -> None:
     ] == pytest.approx([2.0 / 8.0, 6.0 / 8.0, 1.0])
 
 
-def test_the_permutation_test_is_scipys() -> None:
+def test_the_permutation_test_equals_scipys() -> None:
     for count, error in ((7, 1e-12), (30, 0.02)):
         difference = RANDOM.normal(0.3, 1.0, count)
         found = paired_difference(difference, np.zeros(count))
@@ -156,7 +156,7 @@ def test_the_permutation_test_is_scipys() -> None:
         assert found.p == pytest.approx(theirs.pvalue, abs=error)
 
 
-def test_pairs_find_what_two_means_do_not() -> None:
+def test_paired_differences_detect_more_than_unpaired_means() -> None:
     """Seeds differ by 1, the drivers by 0.1 on each of them."""
     seeds = RANDOM.normal(0.0, 1.0, 30)
     found = paired_difference(seeds + 0.1 + RANDOM.normal(0.0, 0.05, 30), seeds)
@@ -170,7 +170,7 @@ def test_pairs_find_what_two_means_do_not() -> None:
     assert one.low < other.high
 
 
-def test_the_permutation_test_is_wrong_as_often_as_it_says() -> None:
+def test_the_permutation_test_has_its_nominal_error_rate() -> None:
     """Without a difference all sign patterns are as likely: over the 64 of six pairs p <= 2 k / 64 for 2 k of them."""
     sizes = RANDOM.exponential(1.0, 6)
     patterns = [np.array(signs) for signs in product((-1.0, 1.0), repeat=6)]
@@ -179,7 +179,7 @@ def test_the_permutation_test_is_wrong_as_often_as_it_says() -> None:
     assert chances == pytest.approx(np.repeat(np.arange(1, 33) / 32.0, 2))
 
 
-def test_one_pair_tells_nothing() -> None:
+def test_one_pair_has_no_interval() -> None:
     assert paired_difference(np.array([2.0]), np.array([0.5])) == (1.5, None, 1.0, 1)
 
 
@@ -201,7 +201,7 @@ def test_mcnemar_counts_the_pairs_that_differ() -> None:
 
 
 @pytest.mark.parametrize(("only_first", "only_second"), [(0.1, 0.1), (0.3, 0.05), (0.02, 0.02)])
-def test_the_interval_of_a_difference_of_shares_holds_it(only_first: float, only_second: float) -> None:
+def test_the_interval_of_a_difference_of_shares_covers_it(only_first: float, only_second: float) -> None:
     """The exact coverage over all outcomes of 20 pairs, each by its multinomial chance."""
     pairs, held = 20, 0.0
     true = only_first - only_second

@@ -1,4 +1,4 @@
-"""Rows of numbers as text."""
+"""Tables of numbers as text."""
 
 from vpf_sim.evaluation.analysis.text_table import text_table
 

@@ -1,4 +1,4 @@
-"""The episode loop: what drivers are shown and told, what is recorded, and how episodes end."""
+"""The episode loop: what drivers receive, what is recorded, and how episodes end."""
 
 from collections.abc import Callable
 from dataclasses import fields
@@ -41,7 +41,7 @@ def test_both_are_reset_for_each_episode() -> None:
 
 
 @pytest.mark.parametrize(("privileged", "route", "world"), [("none", 0, 0), ("route", 1, 0), ("world", 1, 1)])
-def test_a_driver_is_told_no_more_than_it_declares(privileged: str, route: bool, world: bool) -> None:
+def test_a_driver_receives_only_its_declared_privilege(privileged: str, route: bool, world: bool) -> None:
     driver = Constant()
     driver.privileged = privileged
     roll_out(TinyWorld(), driver, Constant(), seed=0)
@@ -81,7 +81,7 @@ class Blind(Constant):
     uses_images = False
 
 
-def test_the_hash_of_the_frames_is_none_for_who_is_shown_none() -> None:
+def test_the_frame_hash_is_none_without_frames() -> None:
     assert roll_out(TinyWorld(), Blind(), Constant(), seed=3).frames_sha256 is None
 
 
@@ -93,7 +93,7 @@ class EachThird(Constant):
         return len(self.seen) % 3 == 0
 
 
-def test_only_what_the_driver_looks_at_is_drawn_and_hashed() -> None:
+def test_only_frames_that_the_driver_uses_are_rendered_and_hashed() -> None:
     world, driver = TinyWorld(), EachThird()
     outcome = roll_out(world, driver, Constant(), seed=3)
     assert world.looks == [step % 3 == 0 for step in range(1, 11)]
@@ -103,7 +103,7 @@ def test_only_what_the_driver_looks_at_is_drawn_and_hashed() -> None:
     assert outcome.steps.looked.tolist() == [float(step % 3 == 0) for step in range(10)] + [0.0]
 
 
-def test_a_watcher_changes_neither_the_hash_nor_what_the_driver_looks_at() -> None:
+def test_a_watcher_changes_neither_the_hash_nor_the_drivers_frames() -> None:
     world, shown = TinyWorld(), []
     outcome = roll_out(world, EachThird(), Constant(), seed=3, watch=lambda image, _: shown.append(int(image[0, 0, 0])))
     assert shown == list(range(3, 13))
@@ -165,7 +165,7 @@ def test_a_drivers_exception_ends_its_episode_as_an_error(
     assert len(outcome.steps.rows) == rows
 
 
-def test_a_world_that_fails_ends_the_episode_too() -> None:
+def test_an_exception_of_the_environment_ends_the_episode() -> None:
     world = TinyWorld()
     del world.route
     outcome = roll_out(world, Constant(), Constant(), seed=0)
@@ -183,19 +183,19 @@ def test_commands_beyond_the_limits_are_clipped_and_recorded_so() -> None:
     assert outcome.steps.x_m[1] == 1.0
 
 
-def test_an_invalid_frame_is_said() -> None:
+def test_an_invalid_frame_is_recorded() -> None:
     outcome = roll_out(TinyWorld(invalid_after=3), Constant(), Constant(), seed=0)
     assert (outcome.status, len(outcome.steps)) == ("invalid_frame", 3)
     assert outcome.invalid_frame == {"frame": 3, "time_s": 0.3, "fault": "stale"}
 
 
-def test_no_driver_is_shown_a_first_frame_that_is_none() -> None:
+def test_no_driver_receives_an_invalid_first_frame() -> None:
     driver = Constant()
     outcome = roll_out(TinyWorld(invalid_after=0), driver, Constant(), seed=0)
     assert (outcome.status, len(outcome.steps), len(driver.seen)) == ("invalid_frame", 0, 0)
 
 
-def test_a_watcher_is_shown_every_frame() -> None:
+def test_a_watcher_receives_every_frame() -> None:
     shown: list[tuple[int, object]] = []
     roll_out(
         TinyWorld(), Constant(), Constant(), 5, watch=lambda image, plan: shown.append((int(image[0, 0, 0]), plan))

@@ -1,4 +1,4 @@
-"""Whole episodes of the drivers over the catalog, and the same bytes wherever they are driven."""
+"""Whole episodes of drivers over the catalog, and their reproducibility."""
 
 import gc
 import json
@@ -35,7 +35,7 @@ def test_the_pid_follows_its_route(scenario: str) -> None:
 
 
 @pytest.mark.parametrize("driver", ["pid", "pure-pursuit", "stanley", "idm", "neutral"])
-def test_who_looks_at_no_frame_drives_the_same_without(driver: str, tmp_path: Path) -> None:
+def test_a_driver_without_a_camera_drives_the_same_without_rendering(driver: str, tmp_path: Path) -> None:
     job = (str(write_short(tmp_path)), "rain", driver, 5)
     frames: list[Image] = []
     alone, watched = episode.run(*job), episode.run(*job, watch=lambda image, _: frames.append(image))
@@ -47,7 +47,7 @@ def test_who_looks_at_no_frame_drives_the_same_without(driver: str, tmp_path: Pa
     assert "render" not in alone.timing["stages_ms"]
 
 
-def test_no_world_outlives_its_episode(tmp_path: Path) -> None:
+def test_no_environment_outlives_its_episode(tmp_path: Path) -> None:
     """Worlds are large and hold themselves: those that linger let a worker's memory grow from episode to episode."""
     gc.collect()
     before = roads_alive()
@@ -63,7 +63,7 @@ def roads_alive() -> int:
     return sum(isinstance(thing, Road) for thing in gc.get_objects())
 
 
-def test_the_pid_is_blind_to_obstacles() -> None:
+def test_the_pid_ignores_obstacles() -> None:
     record = drive("town04", "pid", seed=5)
     assert (record["status"], record["collided_with"], record["collisions"]) == ("collision", "car", 1)
     assert record["min_clearance_m"] == 0.0

@@ -1,4 +1,4 @@
-"""A camera that breaks ends the episode, and every command that drives says so loudly."""
+"""An invalid camera frame ends the episode, and every command that drives warns of it."""
 
 import json
 import os
@@ -43,7 +43,7 @@ def vpf_sim(folder: Path, *arguments: str) -> "subprocess.CompletedProcess[str]"
     [["drive", "short.toml"], ["sweep", "--scenario", "short.toml", "--seeds", "0:1", "--workers", "1"]],
     ids=["drive", "sweep"],
 )
-def test_a_broken_camera_is_said_loudly(command: list[str], tmp_path: Path) -> None:
+def test_a_broken_camera_prints_a_warning(command: list[str], tmp_path: Path) -> None:
     write_short(tmp_path)
     (tmp_path / "breaking.py").write_text(BREAKING)
     done = vpf_sim(tmp_path, *command)
@@ -60,7 +60,7 @@ def record(number: int, **changes: Any) -> dict[str, Any]:
     return {"id": f"town04.{number}", "status": "invalid_frame", "invalid_frame": invalid, **changes}
 
 
-def test_only_broken_cameras_are_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
+def test_only_invalid_frames_are_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
     invalid_frames.warn([record(1, status="success", invalid_frame=None), record(2, status="error")])
     assert capsys.readouterr().err == ""
 

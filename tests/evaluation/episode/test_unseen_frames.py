@@ -1,4 +1,4 @@
-"""Frames that nobody looks at are not drawn: those that are drawn are the same to the last bit, and so is the drive."""
+"""Frames that the driver does not use are not rendered; the others and the drive are unchanged."""
 
 from collections.abc import Callable, Iterator
 from contextlib import closing
@@ -65,14 +65,14 @@ def frames(weather: weathers.Weather, looks: Callable[[int], bool]) -> Iterator[
 
 
 @pytest.mark.parametrize("weather", WEATHERS)
-def test_frames_after_unseen_ones_are_what_they_would_be(weather: str) -> None:
+def test_frames_after_skipped_ones_are_unchanged(weather: str) -> None:
     every = dict(frames(WEATHERS[weather], lambda _: True))
     for looks in (THIRD, SECOND, SELDOM):
         for step, image in frames(WEATHERS[weather], looks):
             assert np.array_equal(image, every[step]), f"step {step}"
 
 
-def test_a_step_that_is_not_looked_at_tells_the_rest_the_same() -> None:
+def test_a_step_without_a_frame_has_the_same_observation() -> None:
     seen, unseen = (FourLane("town04", "rain", truth=("foe", "depth")) for _ in range(2))
     with closing(seen), closing(unseen):
         for env in (seen, unseen):
@@ -97,7 +97,7 @@ class Stuck(FakeRenderer):
         """Nothing is drawn."""
 
 
-def test_a_stale_frame_is_told_across_unseen_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stale_frame_is_detected_across_skipped_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vpf_sim.envs.camera.Renderer", Stuck)
     env = FourLane(straight(FAR), rig=SMALL)
     env.reset(seed=0)
@@ -106,7 +106,7 @@ def test_a_stale_frame_is_told_across_unseen_ones(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize("driver", ["vpf", "vpf@full-frame"])
-def test_a_field_driver_says_at_which_frames_it_looks(driver: str) -> None:
+def test_a_field_driver_declares_which_frames_it_uses(driver: str) -> None:
     """It does the same where all others are kept from it, and another thing where one of its own is."""
 
     def done(blinded: Callable[[bool, int], bool]) -> tuple[list[tuple[Command, bytes]], int]:

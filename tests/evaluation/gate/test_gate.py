@@ -12,8 +12,8 @@ from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.gate.rules import BOUNDS
 
 
-def test_every_bound_of_the_rules_is_judged() -> None:
-    assert set(gate.KINDS) == set(BOUNDS)
+def test_every_bound_of_the_rules_has_a_check() -> None:
+    assert set(gate.BOUND_KINDS) == set(BOUNDS)
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_the_upper_end_of_the_interval_is_above_the_mean(tmp_path: Path) -> None
     assert found.seeds == (9, 8, 7, 6)
 
 
-def test_the_upper_end_where_all_are_equal_is_their_value(tmp_path: Path) -> None:
+def test_the_upper_end_of_equal_values_is_their_value(tmp_path: Path) -> None:
     assert only(tmp_path, "path_mse_m2_upper_at_most = 0.4", lambda _: {}).outcome == "passed"
 
 
@@ -106,18 +106,18 @@ def test_one_episode_has_no_upper_end_and_is_shown(tmp_path: Path) -> None:
     assert (found.outcome, found.actual, found.seeds) == ("failed", "no interval (1 episode)", (4,))
 
 
-def test_without_bodies_there_is_no_clearance_to_keep(tmp_path: Path) -> None:
+def test_clearance_is_skipped_without_obstacles(tmp_path: Path) -> None:
     found = only(tmp_path, "clearance_m_at_least = 0.3", lambda _: {"min_clearance_m": None})
-    assert (found.outcome, found.actual) == ("skipped", "no bodies")
+    assert (found.outcome, found.actual) == ("skipped", "no obstacles")
 
 
 @pytest.mark.parametrize("bound", ["clearance_m_at_least = 0.0", "path_mse_m2_at_most = 99"])
-def test_without_any_success_every_score_is_a_failure(bound: str, tmp_path: Path) -> None:
+def test_without_success_every_score_fails(bound: str, tmp_path: Path) -> None:
     found = only(tmp_path, bound, lambda _: {"status": "off_road", "min_clearance_m": None})
     assert (found.outcome, found.actual, found.seeds) == ("failed", "no successful episode", tuple(range(10)))
 
 
-def test_a_rule_is_for_the_cells_that_it_names(tmp_path: Path) -> None:
+def test_a_rule_applies_to_the_cells_that_it_names(tmp_path: Path) -> None:
     bound = "\ncollisions_at_most = 0\n"
     rules = f'[[rules]]{bound}[[rules]]\nscenario = "t*"\ndriver = "v?f"\nsuccess_rate_at_least = 1{bound}'
     found = [(one.cell.scenario, one.expected, one.outcome) for one in checks(tmp_path, rules)]
@@ -136,7 +136,7 @@ def test_a_rule_is_for_the_cells_that_it_names(tmp_path: Path) -> None:
         ('driver = "vfp"', "rules[0].driver: not in {run}: unknown driver 'vfp': did you mean 'vpf'?"),
     ],
 )
-def test_a_rule_for_no_cell_is_a_mistake(rule: str, sentence: str, tmp_path: Path) -> None:
+def test_a_rule_without_a_cell_is_an_error(rule: str, sentence: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         checks(tmp_path, f"[[rules]]\n{rule}\ncollisions_at_most = 0")
     assert str(caught.value) == f"{tmp_path / 'rules.toml'}: " + sentence.format(run=tmp_path / "run")

@@ -1,4 +1,4 @@
-"""The gate against a run of before: what counts as worse, pair by pair and by intervals."""
+"""The gate against a baseline: what counts as worse, by pairs and by intervals."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -37,7 +37,7 @@ def test_on_the_same_seeds_a_small_but_steady_loss_is_found(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("change", [lambda k: k + 0.02 * (-1) ** k, lambda k: k - 0.5, float])
-def test_noise_gains_and_the_same_are_no_loss(change: Callable[[int], float], tmp_path: Path) -> None:
+def test_noise_gains_and_equal_scores_are_no_loss(change: Callable[[int], float], tmp_path: Path) -> None:
     found = against(tmp_path, "path_mse_m2", mse(change), mse(float))
     assert (found.outcome, found.seeds) == ("passed", ())
 
@@ -71,7 +71,7 @@ def test_on_other_seeds_the_baselines_interval_counts(score: str, file: str, tmp
     assert against(tmp_path / "same", score, good, good, file, seeds="0:11").outcome == "passed"
 
 
-def test_a_baseline_of_another_world_is_refused(tmp_path: Path) -> None:
+def test_a_baseline_of_another_scenario_is_refused(tmp_path: Path) -> None:
     run(tmp_path / "before", lambda _: {}, world="with one more car")
     with pytest.raises(InputError, match=r"before: expected scenario 'town04' as in .*run, got another of that name"):
         checks(tmp_path, AGAINST.format(file="", score="collisions"))
@@ -86,7 +86,7 @@ def test_a_baseline_without_the_cell_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"rows": 3}', '{"rows": [{"scenario": "town04"}]}', '{"rows": [1]}'])
-def test_what_is_no_summary_is_refused(text: str, tmp_path: Path) -> None:
+def test_a_file_without_a_summary_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "before").mkdir()
     (tmp_path / "before" / "summary.json").write_text(text)
     with pytest.raises(InputError, match=r"summary\.json: expected the summary\.json of a run, got something else"):
@@ -100,7 +100,7 @@ def test_an_episode_without_a_record_is_no_match_for_the_baseline(score: str, tm
     assert found.actual.endswith("on 9 same seeds, 1 without a record")
 
 
-def test_what_there_never_was_cannot_get_worse(tmp_path: Path) -> None:
+def test_a_score_without_a_baseline_value_is_skipped(tmp_path: Path) -> None:
     found = against(tmp_path, "path_mse_m2", lambda _: {}, lambda _: {"status": "stuck"})
     assert (found.outcome, found.actual) == ("skipped", "the baseline has none")
 

@@ -1,4 +1,4 @@
-"""Rules on perception, held to figures that are written by hand."""
+"""Perception rules on hand-written metrics."""
 
 import json
 from pathlib import Path
@@ -34,8 +34,8 @@ def perceived(path: Path, of_drives: dict[int, dict[str, Any]], row: dict[str, A
         {"drive": Job("town04", "clear", "pid", seed).id, "seed": seed, "bodies": [], **names, **GOOD, **figures}
         for seed, figures in of_drives.items()
     ]
-    told = [{"states_sha256": f"states {one['seed']}", **one} for one in records]
-    tables.write(path / tables.NAME, {"records": told, "rows": [{**names, **GOOD, **row}]})
+    stored = [{"states_sha256": f"states {one['seed']}", **one} for one in records]
+    tables.write(path / tables.NAME, {"records": stored, "rows": [{**names, **GOOD, **row}]})
     return path
 
 
@@ -74,7 +74,7 @@ def test_bounds(bound: str, outcome: str, actual: str, seeds: tuple[int, ...], t
     )
 
 
-def test_the_command_sees_the_worst_drives_again(tmp_path: Path) -> None:
+def test_the_rerun_command_has_the_worst_drives(tmp_path: Path) -> None:
     found = held(perceived(tmp_path / "run", {0: {}, 1: BAD, 2: {}}, {"recall": 0.8}), "recall_at_least = 0.9")
     assert found.rerun == f"vpf-sim perception {tmp_path / 'run'} --driver vpf --id town04.clear.pid.1"
 
@@ -86,7 +86,7 @@ def test_the_command_sees_the_worst_drives_again(tmp_path: Path) -> None:
         ({0: {}, 1: {"states_sha256": "before it was driven anew"}, 2: {}}, "1 over 3 drives, 1 not perceived"),
     ],
 )
-def test_a_drive_that_was_not_perceived_breaks_the_rule(
+def test_a_drive_without_perception_fails_the_rule(
     of_drives: dict[int, dict[str, Any]], actual: str, tmp_path: Path
 ) -> None:
     found = held(perceived(tmp_path / "run", of_drives, {}), "recall_at_least = 0.9")
@@ -94,14 +94,14 @@ def test_a_drive_that_was_not_perceived_breaks_the_rule(
     assert found.rerun == f"vpf-sim perception {tmp_path / 'run'} --driver vpf", "all of them"
 
 
-def test_where_no_body_was_met_there_is_no_recall_and_no_distance(tmp_path: Path) -> None:
+def test_without_met_objects_recall_and_distance_are_skipped(tmp_path: Path) -> None:
     nothing = {"recall": None, "precision": None, "distance_error_m": None}
     run = perceived(tmp_path / "run", {0: nothing, 1: nothing, 2: nothing}, nothing)
     bounds = ("recall_at_least = 1", "precision_at_least = 1", "distance_error_m_at_most = 0")
     assert [held(run, bound).outcome for bound in bounds] == ["skipped"] * 3
 
 
-def test_every_bound_has_a_figure(tmp_path: Path) -> None:
+def test_every_bound_has_a_metric(tmp_path: Path) -> None:
     run = read_run(perceived(tmp_path / "run", {0: {}, 1: {}, 2: {}}, {}))
     bounds = PerceptionBounds(
         **{key: 1.0 if key.endswith("least") else 2.0 for key in PerceptionBounds.__dataclass_fields__}
@@ -113,7 +113,7 @@ def test_every_bound_has_a_figure(tmp_path: Path) -> None:
     assert {one.outcome for one in found} == {"passed"}
 
 
-def test_other_bounds_of_the_rule_are_for_who_drove(tmp_path: Path) -> None:
+def test_other_bounds_of_the_rule_apply_to_the_driver_of_the_run(tmp_path: Path) -> None:
     path = perceived(tmp_path / "run", {0: {}, 1: {}, 2: {}}, {})
     file = tmp_path / "rules.toml"
     file.write_text("[[rules]]\ncollisions_at_most = 0\nperception.recall_at_least = 1\n")
@@ -125,13 +125,13 @@ def test_other_bounds_of_the_rule_are_for_who_drove(tmp_path: Path) -> None:
     ("change", "sentence"),
     [
         (lambda _: [], "expected a JSON object, got something else"),
-        (lambda told: {**told, "rows": 3}, "rows: expected a valid list, got 3"),
-        (lambda told: {key: told[key] for key in ("rows", "schema")}, "key 'records' is missing"),
+        (lambda stored: {**stored, "rows": 3}, "rows: expected a valid list, got 3"),
+        (lambda stored: {key: stored[key] for key in ("rows", "schema")}, "key 'records' is missing"),
     ],
 )
-def test_a_spoilt_table_is_told_by_file_and_key(change: Any, sentence: str, tmp_path: Path) -> None:
+def test_an_invalid_table_is_reported_by_file_and_key(change: Any, sentence: str, tmp_path: Path) -> None:
     file = perceived(tmp_path / "run", {0: {}}, {}) / tables.NAME
     file.write_text(json.dumps(change(json.loads(file.read_text()))))
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as stored:
         tables.read(tmp_path / "run")
-    assert str(told.value) == f"{file}: {sentence}"
+    assert str(stored.value) == f"{file}: {sentence}"

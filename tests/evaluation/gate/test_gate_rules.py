@@ -1,4 +1,4 @@
-"""The rules of the gate: wrong files told by key, and the guide that names them all."""
+"""The rules of the gate: faults reported by key, and the guide with all keys."""
 
 import re
 from pathlib import Path
@@ -52,7 +52,7 @@ RULES = [
 
 
 @pytest.mark.parametrize(("text", "sentence"), RULES)
-def test_a_wrong_rules_file_is_told_by_file_and_key(
+def test_a_wrong_rules_file_is_reported_by_file_and_key(
     text: str, sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     folder, rules = run(tmp_path / "run", lambda _: {}), tmp_path / "rules.toml"

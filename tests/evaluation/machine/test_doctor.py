@@ -1,4 +1,4 @@
-"""The doctor finds what is wrong: tried on cameras, versions and machines that are made wrong."""
+"""The doctor on simulated broken cameras, versions and machines."""
 
 import json
 from collections.abc import Callable
@@ -47,7 +47,7 @@ def squares(count: int) -> Image:
     return frame
 
 
-def test_a_picture_needs_corners() -> None:
+def test_a_frame_needs_corners() -> None:
     assert driving_checks.corners(squares(30)) == Check("corners", True, "120 to track")
     few = driving_checks.corners(squares(5))
     assert (few.ok, few.found) == (False, "20, expected at least 100")
@@ -57,7 +57,7 @@ def test_a_picture_needs_corners() -> None:
 RUN = Run("timeout", "a" * 64, "b" * 64, 90, 1.5)
 
 
-def test_speed_is_told_and_crawling_is_a_fault() -> None:
+def test_speed_is_reported_and_a_slow_machine_fails() -> None:
     assert driving_checks.speed(RUN) == Check("speed", True, "60 steps a second in hard rain; the camera takes 60")
     assert not driving_checks.speed(replace(RUN, wall_s=60.0)).ok
 
@@ -77,7 +77,7 @@ def test_the_same_run_is_the_same_however_long_it_took() -> None:
         ({"status": "invalid_frame"}, "the short episode ended by invalid_frame"),
     ],
 )
-def test_another_outcome_is_a_fault(change: dict[str, str], found: str) -> None:
+def test_a_different_outcome_fails(change: dict[str, str], found: str) -> None:
     other = replace(RUN, **change)  # type: ignore[arg-type]
     for first, again in ((RUN, other), (other, RUN)):
         check = driving_checks.same("same again", first, again)
@@ -85,7 +85,7 @@ def test_another_outcome_is_a_fault(change: dict[str, str], found: str) -> None:
         assert check.remedy
 
 
-def test_versions_are_held_against_what_is_asked_for() -> None:
+def test_versions_are_compared_with_the_required_ones() -> None:
     asked = installation.lower_bounds()
     assert asked.keys() >= {"numpy", "highway-env", "pygame-ce", "gymnasium"}
     assert "pytest" not in asked, "an extra is asked of nobody"
@@ -112,13 +112,13 @@ def test_the_other_pygame_is_found(is_ce: bool, distributions: list[str], found:
     assert installation.pygame_in_use(True, ["pygame-ce"]).ok
 
 
-def test_the_driver_that_makes_pictures_black_is_found() -> None:
+def test_the_dummy_video_driver_is_found() -> None:
     assert not installation.sdl({"SDL_VIDEODRIVER": "dummy"}).ok
     assert installation.sdl({"SDL_VIDEODRIVER": "offscreen"}) == Check("SDL", True, "SDL_VIDEODRIVER=offscreen")
     assert installation.sdl({}).ok
 
 
-def test_no_display_is_no_fault_but_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_display_is_ok_and_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "offscreen")
     check = installation.display()
     assert check.ok
@@ -175,7 +175,7 @@ def failed(monkeypatch: pytest.MonkeyPatch, camera: type[Renderer]) -> dict[str,
         (Restless, {}),
     ],
 )
-def test_the_camera_is_examined_as_it_is(
+def test_the_installed_camera_is_checked(
     camera: type[Renderer], found: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     said = failed(monkeypatch, camera)
@@ -200,7 +200,7 @@ def test_a_check_that_raises_has_failed(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 @pytest.mark.parametrize(("ok", "code"), [(True, 0), (False, 1)])
-def test_the_answer_is_one_line_a_check_and_the_exit_code(
+def test_the_output_is_one_line_per_check_and_the_exit_code(
     ok: bool, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     checks = [Check("SDL", True, "fine"), Check("corners", ok, "3", "" if ok else "call us")]

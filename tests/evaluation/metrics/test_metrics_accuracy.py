@@ -42,7 +42,7 @@ def test_the_parts_add_up_to_the_whole() -> None:
     assert scores["throttle"]["mae"] == pytest.approx(0.3 * 0.5 + 0.7 * 0.1)  # type: ignore[index]
 
 
-def test_a_part_that_never_was_has_no_score() -> None:
+def test_an_empty_part_has_no_score() -> None:
     scores = protocol({"steering": SINE}, {"steering": SINE}, np.zeros(1000, bool))
     assert scores["passing"] == {"steering": None}
     assert scores["clear_of_obstacles"] == {"steering": scores["steering"]}

@@ -1,4 +1,4 @@
-"""Restlessness of signals whose direction changes and variation are known."""
+"""Chattering of signals with known direction changes and variation."""
 
 from typing import Any
 
@@ -44,7 +44,7 @@ def test_a_ramp_never_turns_and_its_rate_is_its_slope() -> None:
     assert found["steering_rate_radps"]["p95"] == pytest.approx(0.1 * LIMIT_RAD)
 
 
-def test_pauses_and_rounding_are_no_turns() -> None:
+def test_pauses_and_rounding_are_no_direction_changes() -> None:
     assert direction_changes(np.array([0.0, 0.1, 0.1, 0.1, 0.2])) == 0
     assert direction_changes(np.array([0.0, 0.1, 0.1, 0.0])) == 1
     assert direction_changes(0.5 + 1e-9 * np.array([0.0, 1.0, 0.0, 1.0])) == 0

@@ -36,7 +36,7 @@ def ended(
         (ended(5.0, 3.0, bearing_deg=90.0, bumper_m=2.0, in_lane=False), "active_lateral", True),
     ],
 )
-def test_each_class_and_whose_fault_it_was(table: StepTable, kind: str, at_fault: bool) -> None:
+def test_each_collision_type_and_its_fault(table: StepTable, kind: str, at_fault: bool) -> None:
     assert collision_type(table) == kind
     assert is_at_fault(kind, table) is at_fault
 

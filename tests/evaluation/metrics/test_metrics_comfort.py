@@ -86,7 +86,7 @@ def test_an_episode_that_is_too_short_to_filter_has_no_comfort() -> None:
     assert comfort(table) == dict.fromkeys(("comfortable", "signals", "min_ttc_s", "ttc_within", "raw_p95"))
 
 
-def test_raw_percentiles_see_what_the_filters_hide() -> None:
+def test_raw_percentiles_include_unfiltered_peaks() -> None:
     chattering = np.where(np.arange(len(TIME_S)) % 2 == 0, 5.0, 5.05)  # +-3 m/s2 at 60 Hz
     table = drive(chattering)
     assert raw_percentiles(table)["longitudinal_acceleration_mps2"] == pytest.approx(3.0)

@@ -1,4 +1,4 @@
-"""Errors of what was perceived, where the errors were made."""
+"""Perception errors of synthetic estimates."""
 
 import numpy as np
 import pytest
@@ -31,6 +31,6 @@ def test_edge_errors() -> None:
     assert found == pytest.approx({"median": 0.05, "p95": 0.095}, abs=1e-3)
 
 
-def test_clearance_is_none_without_bodies() -> None:
+def test_clearance_is_none_without_objects() -> None:
     assert clearance.min_clearance_m(np.full(4, np.inf)) is None
     assert clearance.min_clearance_m(np.array([np.inf, 0.8, 0.5, 2.0])) == 0.5

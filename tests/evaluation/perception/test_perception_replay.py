@@ -1,4 +1,4 @@
-"""A stored drive seen again by perception alone: as in the run, to the last bit; and the command that scores it."""
+"""Open-loop replay of a stored drive: equal to the run bit by bit; and the command that scores it."""
 
 import json
 from contextlib import closing
@@ -13,9 +13,9 @@ from vpf_sim import cli, drivers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
-from vpf_sim.evaluation.episode.on_rails import OnRails
+from vpf_sim.evaluation.episode.pose_playback import PosePlayback
 from vpf_sim.evaluation.perception import poses, replay, scores, store
-from vpf_sim.evaluation.perception.judgement import JUDGED, Judgement
+from vpf_sim.evaluation.perception.scorer import SCORED_COLUMNS, DriveEvaluation
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
@@ -59,9 +59,9 @@ def drive(run: Path) -> replay.StoredDrive:
 
 
 @pytest.fixture(scope="module")
-def judged(drive: replay.StoredDrive) -> Judgement:
-    (judged,) = replay.judge(("vpf",), drive)
-    return judged
+def evaluation(drive: replay.StoredDrive) -> DriveEvaluation:
+    (evaluation,) = replay.evaluate(("vpf",), drive)
+    return evaluation
 
 
 def same(first: Any, second: Any) -> bool:
@@ -73,21 +73,21 @@ def same(first: Any, second: Any) -> bool:
     return callable(first) or bool(first == second)
 
 
-def test_the_driver_that_made_the_run_perceives_what_it_perceived_then(
-    drive: replay.StoredDrive, plans: list[DrivingPlan]
-) -> None:
+def test_the_runs_own_driver_perceives_the_same_again(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
     table, again = drive.steps(), list[Perception]()
-    with closing(OnRails(drive.record["scenario"], "rain", table, truth=("foe",))) as world:
-        replay.watch(world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen))
+    with closing(PosePlayback(drive.record["scenario"], "rain", table, truth=("foe",))) as world:
+        replay.perceive_drive(world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen))
     assert len(again) == len(plans) == len(table) > 50
     assert all(same(seen, plan.perception) for seen, plan in zip(again, plans, strict=True))
-    assert world.moved_m == 0.0
+    assert world.largest_correction_m == 0.0
 
 
-def test_it_is_scored_as_in_the_run(drive: replay.StoredDrive, judged: Judgement) -> None:
-    for name in JUDGED:
-        assert np.array_equal(getattr(judged.table, name)[:-1], getattr(drive.steps(), name)[:-1], equal_nan=True), name
-    assert judged.remarks == ()
+def test_it_is_scored_as_in_the_run(drive: replay.StoredDrive, evaluation: DriveEvaluation) -> None:
+    for name in SCORED_COLUMNS:
+        assert np.array_equal(
+            getattr(evaluation.table, name)[:-1], getattr(drive.steps(), name)[:-1], equal_nan=True
+        ), name
+    assert evaluation.remarks == ()
 
 
 class EachFourth:
@@ -113,9 +113,9 @@ class EachFourth:
     seen: Perception
 
 
-def test_frames_are_drawn_where_perception_looks(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
+def test_only_frames_that_perception_uses_are_rendered(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
     EachFourth.seen = plans[0].perception
-    (found,) = replay.judge((f"{__name__}:EachFourth",), drive)
+    (found,) = replay.evaluate((f"{__name__}:EachFourth",), drive)
     assert EachFourth.shown == [row % 4 == 0 for row in range(len(drive.steps()))]
     assert found.driver.endswith("EachFourth")
 
@@ -150,11 +150,11 @@ def short(drive: replay.StoredDrive, folder: Path, rows: int = 4) -> replay.Stor
     return drive._replace(folder=folder)
 
 
-def test_a_driver_without_perceive_is_judged_by_its_plan(
+def test_a_driver_without_perceive_is_scored_by_its_plan(
     drive: replay.StoredDrive, plans: list[DrivingPlan], tmp_path: Path
 ) -> None:
     Acts.plan = plans[-1]
-    (found,) = replay.judge((f"{__name__}:Acts",), short(drive, tmp_path))
+    (found,) = replay.evaluate((f"{__name__}:Acts",), short(drive, tmp_path))
     assert np.isfinite(found.table.seen_left_m[:-1]).all()
 
 
@@ -165,27 +165,31 @@ def test_a_driver_without_perceive_is_judged_by_its_plan(
         ("Silent", "expected one that shows what it perceives, by `perceive` or `trace`"),
     ],
 )
-def test_a_driver_that_perceives_nothing_is_told_in_a_line(
+def test_a_driver_without_perception_is_refused_in_one_line(
     name: str, sentence: str, drive: replay.StoredDrive, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError) as told:
-        replay.judge((f"{__name__}:{name}",), short(drive, tmp_path))
+        replay.evaluate((f"{__name__}:{name}",), short(drive, tmp_path))
     assert str(told.value) == f"driver '{__name__}:{name}': {sentence}"
 
 
-def test_a_car_that_would_be_elsewhere_is_put_where_it_was(drive: replay.StoredDrive, tmp_path: Path) -> None:
+def test_a_deviating_car_is_moved_to_the_stored_pose(drive: replay.StoredDrive, tmp_path: Path) -> None:
     rows = drive.steps().rows[:5].copy()
     rows[2:, Step._fields.index("y_m")] += 0.5
     steps.write(StepTable(rows), tmp_path / "steps" / f"{drive.record['id']}.parquet")
-    (found,) = replay.judge(("vpf",), drive._replace(folder=tmp_path))
-    assert found.remarks == ("the car would now be up to 0.50 m elsewhere: it was put where it was",)
+    (found,) = replay.evaluate(("vpf",), drive._replace(folder=tmp_path))
+    assert found.remarks == ("the car would now deviate by up to 0.50 m; its stored poses are used",)
 
 
 def test_the_command_scores_stores_and_compares(
-    run: Path, drive: replay.StoredDrive, judged: Judgement, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    run: Path,
+    drive: replay.StoredDrive,
+    evaluation: DriveEvaluation,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     before, out = tmp_path / "before.json", tmp_path / "new" / "table.json"
-    store.write(before, scores.table([judged]))
+    store.write(before, scores.table([evaluation]))
     command = ["perception", str(run), "--workers", "1", "--against", str(before), "--out", str(out), "--json"]
     assert cli.run(command) == 0
     said = capsys.readouterr()
@@ -217,7 +221,7 @@ def _rules(folder: Path) -> Path:
     ("arguments", "sentence"),
     [
         (["gone"], "gone: expected a run folder, got nothing of that name"),
-        (["RUN", "--driver", "pid"], "driver 'pid': expected one that perceives, got one that looks at no frame"),
+        (["RUN", "--driver", "pid"], "driver 'pid': expected one that perceives, got one that uses no frames"),
         (["RUN", "--driver", "vfp"], "unknown driver 'vfp': did you mean 'vpf'?"),
         (
             ["RUN", "--against", "gone.json"],
@@ -226,7 +230,7 @@ def _rules(folder: Path) -> Path:
         (["RUN", "--id", "other"], "unknown drive 'other'"),
     ],
 )
-def test_wrong_use_is_told_in_a_line(
+def test_wrong_use_is_one_line(
     arguments: list[str], sentence: str, run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.run(["perception", *(str(run) if word == "RUN" else word for word in arguments)]) == 2
@@ -246,12 +250,12 @@ def test_the_fixed_set_is_driven_once(
         assert cli.run(["perception", "--id", "other", "--workers", "1"]) == 2
         lines.append(capsys.readouterr().err.splitlines())
     (folder,) = (tmp_path / "runs").iterdir()
-    assert lines[0][0] == f"driving the 1 drives whose poses are used, once: runs/{folder.name}"
+    assert lines[0][0] == f"driving the 1 drives of the fixed set once: runs/{folder.name}"
     assert lines[1] == lines[0][-1:], "the second time nothing is driven"
     assert [drive.record["status"] for drive in poses.stored_drives([folder])] == ["success"]
 
 
-def test_a_run_without_steps_and_one_of_another_world_are_refused(run: Path, tmp_path: Path) -> None:
+def test_a_run_without_steps_or_with_changed_scenarios_is_refused(run: Path, tmp_path: Path) -> None:
     text = (run / "manifest.json").read_text()
     (tmp_path / "manifest.json").write_text(text)
     with pytest.raises(InputError, match="expected at least one episode with steps, got none"):

@@ -1,4 +1,4 @@
-"""Figures of a made-up perception on a straight road: the errors that were made, and no others."""
+"""Metrics of a synthetic perception on a straight road with known errors."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -24,23 +24,23 @@ FRAMES = 100.0 / SPEED_MPS * RATE_HZ
 
 
 def test_a_perfect_perception_has_recall_and_precision_1_and_no_error() -> None:
-    found = scores.figures([drive(BODIES, perfect(BODIES))])
+    found = scores.metrics([drive(BODIES, perfect(BODIES))])
     assert (found["recall"], found["precision"], found["false_positives_per_minute"]) == (1.0, 1.0, 0.0)
     assert (found["bodies_met"], found["edge_share"], found["lane_share"]) == (4, 1.0, 1.0)
     for key in scores.ERRORS:
         assert (found[key]["median"], found[key]["p95"]) == pytest.approx((0.0, 0.0), abs=1e-9), key
 
 
-def test_errors_are_those_that_were_made() -> None:
+def test_known_errors_are_measured() -> None:
     def see(x_m: float, seconds: float) -> Seen:
         wrong = [
             replace(one, forward_m=one.forward_m + 0.3, left_m=one.left_m - 0.2, right_m=one.right_m - 0.1)
-            for one in perfect(BODIES)(x_m, seconds).told
+            for one in perfect(BODIES)(x_m, seconds).detections
         ]
         told = [replace(one, speed_mps=one.speed_mps - 0.5) if one.speed_mps else one for one in wrong]
         return Seen(told, left_m=0.05, right_m=-0.05, lane_m=0.02, foe_px=(3.0, -4.0))
 
-    found = scores.figures([drive(BODIES, see)])
+    found = scores.metrics([drive(BODIES, see)])
     assert (found["recall"], found["precision"]) == (1.0, 1.0)
     made = {"distance_error_m": 0.3, "left_error_m": 0.2, "right_error_m": -0.1, "speed_error_mps": -0.5}
     for key, bias in {**made, "lane_error_m": 0.02}.items():
@@ -51,17 +51,17 @@ def test_errors_are_those_that_were_made() -> None:
     assert (found["foe_error_px"]["median"], found["foe_error_px"]["x"], found["foe_error_px"]["y"]) == (5.0, 3.0, 4.0)
 
 
-def test_the_speed_of_what_stands_and_is_told_so_is_no_error_that_counts() -> None:
+def test_the_speed_of_a_static_object_detected_as_static_is_not_scored() -> None:
     still = (Stands("car", 40.0),)
-    assert scores.figures([drive(still, perfect(still))])["speed_error_mps"] is None
+    assert scores.metrics([drive(still, perfect(still))])["speed_error_mps"] is None
 
     def drives(x_m: float, seconds: float) -> Seen:
-        return Seen([replace(one, speed_mps=2.0) for one in perfect(still)(x_m, seconds).told])
+        return Seen([replace(one, speed_mps=2.0) for one in perfect(still)(x_m, seconds).detections])
 
-    assert scores.figures([drive(still, drives)])["speed_error_mps"]["bias"] == 2.0
+    assert scores.metrics([drive(still, drives)])["speed_error_mps"]["bias"] == 2.0
 
 
-def test_a_phantom_is_a_false_positive_once_and_wrong_in_each_of_its_frames() -> None:
+def test_a_phantom_counts_once_as_false_positive_and_in_every_frame_for_precision() -> None:
     """20 s of driving; a phantom 20 m before the bumper for 10 frames, another 5 m before it for 30."""
     phantoms = {7: (20.0, range(10)), 8: (5.0, range(100, 130))}
 
@@ -78,15 +78,15 @@ def test_a_phantom_is_a_false_positive_once_and_wrong_in_each_of_its_frames() ->
     assert by_band == pytest.approx({0.0: 3.0, 6.0: 0.0, 10.0: 0.0, 15.0: 3.0, 25.0: 0.0})
 
 
-def test_precision_is_the_share_of_right_reports_and_a_mean_over_drives() -> None:
+def test_precision_is_the_share_of_correct_detections_averaged_over_drives() -> None:
     car = (Stands("car", 90.0),)
 
     def half(x_m: float, seconds: float) -> Seen:
         return Seen([truth(car[0], x_m, seconds, 1), Told(10.0, -1.0, 1.0, identity=2)])
 
     drives = [drive(car, half, length_m=50.0), drive(car, perfect(car, 200.0), length_m=50.0, seed=1)]
-    assert [scores.figures([one])["precision"] for one in drives] == [0.5, 1.0]
-    assert scores.figures(drives)["precision"] == 0.75
+    assert [scores.metrics([one])["precision"] for one in drives] == [0.5, 1.0]
+    assert scores.metrics(drives)["precision"] == 0.75
 
 
 @pytest.mark.parametrize(
@@ -107,34 +107,34 @@ def test_recall_is_at_the_due_distance_of_each_kind(bumper_m: float, known: dict
     assert at_band == {edge: float(bumper_m > edge) for edge in (0.0, 6.0, 10.0, 15.0, 25.0)}
 
 
-def test_a_row_that_is_told_as_one_has_the_sides_of_the_row() -> None:
+def test_a_row_detected_as_one_has_the_sides_of_the_row() -> None:
     row = tuple(Stands("pedestrian", 50.0 + 0.2 * k, LANE_M + k - 1.0) for k in range(3))
 
     def see(x_m: float, _: float) -> Seen:
         return Seen([Told(50.0 - 0.2 - x_m, -1.25, 1.25)] if x_m < 47.0 else [])
 
-    found = scores.figures([drive(row, see)])
+    found = scores.metrics([drive(row, see)])
     assert (found["bodies_met"], found["recall"]) == (3, 1.0)
     for key in ("distance_error_m", "left_error_m", "right_error_m"):
         assert found[key]["p95"] == pytest.approx(0.0, abs=1e-9), key
 
 
-def test_who_stands_in_a_row_and_is_told_alone_counts_alone() -> None:
+def test_an_object_of_a_row_detected_alone_counts_alone() -> None:
     row = (Stands("car", 50.0, LANE_M - 1.5), Stands("cone", 50.0, LANE_M + 1.5))
 
     def see(x_m: float, seconds: float) -> Seen:
         car, cone = (truth(body, x_m, seconds, k) for k, body in enumerate(row))
         return Seen([replace(car, right_m=2.0), cone] if x_m < 45.0 else [])
 
-    right_m = scores.figures([drive(row, see)])["right_error_m"]
+    right_m = scores.metrics([drive(row, see)])["right_error_m"]
     assert right_m["p95"] == pytest.approx(2.0 + 0.5), "the car ends 0.5 m left of the ego's axis"
 
 
-def test_the_road_that_is_not_seen_has_no_error() -> None:
+def test_an_undetected_road_has_no_error() -> None:
     def see(x_m: float, _: float) -> Seen:
         return Seen(lane_m=0.1, left_m=0.1, right_m=0.1, road=float(x_m < 25.0))
 
-    found = scores.figures([drive((), see)])
+    found = scores.metrics([drive((), see)])
     assert (found["edge_share"], found["lane_share"]) == (0.25, 0.25)
     assert [found[key]["median"] for key in ("lane_error_m", "edge_error_m")] == pytest.approx([0.1, 0.1])
 
@@ -147,9 +147,7 @@ def test_the_road_that_is_not_seen_has_no_error() -> None:
         (0.3, Extent(20.0 - 2.0 * np.cos(0.3) - np.sin(0.3), -2.0 * np.sin(0.3) - np.cos(0.3), np.nan)),
     ],
 )
-def test_the_true_place_of_a_body_is_that_of_the_end_that_is_turned_to_the_ego(
-    turned_rad: float, extent: Extent
-) -> None:
+def test_the_true_extent_of_an_object_is_its_end_towards_the_ego(turned_rad: float, extent: Extent) -> None:
     """A box of 4 x 2 m, 20 m ahead of an ego that looks along Y."""
     ego: Any = SimpleNamespace(position=np.array([5.0, 5.0]), heading=0.5 * np.pi, LENGTH=4.5, WIDTH=1.9)
     box: Any = SimpleNamespace(position=np.array([5.0, 25.0]), heading=0.5 * np.pi + turned_rad, LENGTH=4.0, WIDTH=2.0)
@@ -160,7 +158,7 @@ def test_the_true_place_of_a_body_is_that_of_the_end_that_is_turned_to_the_ego(
 
 def test_the_tables_fit_a_page(capsys: pytest.CaptureFixture[str]) -> None:
     def see(x_m: float, seconds: float) -> Seen:
-        told = perfect(BODIES)(x_m, seconds).told
+        told = perfect(BODIES)(x_m, seconds).detections
         return Seen([replace(one, forward_m=one.forward_m + 0.1 * seconds) for one in told], lane_m=0.01 * seconds)
 
     drives = [
@@ -181,13 +179,13 @@ def records(*judgements: Any) -> list[Record]:
     return [Record.model_validate(scores.record(one)) for one in judgements]
 
 
-def test_two_drivers_are_compared_on_the_same_drives_and_bodies() -> None:
+def test_two_drivers_are_compared_on_the_same_drives_and_objects() -> None:
     bodies = (Stands("car", 60.0), Stands("cone", 80.0, LANE_M + 2.0))
 
     def off(error_m: float, sight_m: float) -> Any:
         def see(x_m: float, seconds: float) -> Seen:
             seen = perfect(bodies, sight_m)(x_m, seconds)
-            return Seen([replace(one, forward_m=one.forward_m + error_m) for one in seen.told])
+            return Seen([replace(one, forward_m=one.forward_m + error_m) for one in seen.detections])
 
         return see
 

@@ -1,4 +1,4 @@
-"""Worker processes that die, hang, fail, or are left."""
+"""Worker processes that die, hang, fail, or are abandoned."""
 
 import importlib
 import os
@@ -76,7 +76,7 @@ def test_every_task_is_done_once() -> None:
     assert {one.attempts for one in done} == {1}
 
 
-def test_a_task_whose_worker_died_is_done_again(tmp_path: Path) -> None:
+def test_a_task_whose_worker_died_is_retried(tmp_path: Path) -> None:
     done = {one.task: one for one in pool.run(partial(die_once, tmp_path), range(6), workers=2, limit_s=minute)}
     assert {task: one.result for task, one in done.items()} == {n: n for n in range(6)}
     assert {task for task, one in done.items() if one.attempts == 2} == {3}
@@ -89,13 +89,13 @@ def test_a_task_that_kills_its_worker_twice_is_given_up_and_no_other() -> None:
     assert done[3].attempts == 2
 
 
-def test_a_task_that_hangs_is_ended_and_done_again(tmp_path: Path) -> None:
+def test_a_task_that_hangs_is_ended_and_retried(tmp_path: Path) -> None:
     done = {one.task: one for one in pool.run(partial(hang_once, tmp_path), range(6), workers=2, limit_s=second)}
     assert {task: one.result for task, one in done.items()} == {n: n for n in range(6)}
     assert done[3].attempts == 2
 
 
-def test_a_task_that_hangs_twice_is_given_up_with_where_it_hung() -> None:
+def test_a_task_that_hangs_twice_is_given_up_with_its_stack() -> None:
     done = {one.task: one for one in pool.run(hang, range(5), workers=1, limit_s=second)}
     assert {task: one.result for task, one in done.items()} == {0: 0, 1: 1, 2: 2, 3: None, 4: 4}
     assert done[3].reason.startswith("took longer than 1 s, 2 times of 2\nTimeout")
@@ -125,7 +125,7 @@ def test_a_worker_that_never_starts_is_given_up(monkeypatch: pytest.MonkeyPatch)
     assert done.reason.startswith("took longer than 1 s, 2 times of 2")
 
 
-def test_what_a_worker_raises_ends_all() -> None:
+def test_an_exception_of_a_worker_ends_all() -> None:
     with pytest.raises(OSError, match="no space for 0"):
         list(pool.run(fail, range(6), workers=1, limit_s=minute))
 

@@ -1,4 +1,4 @@
-"""The space of readings makes variants that do what their gains say; the search stops early and repeats itself."""
+"""The space of readings gives variants with the requested gains; the search stops early and is reproducible."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 
 from vpf_sim import cli, configuration
 from vpf_sim.evaluation.readings import outcome, search, space
-from vpf_sim.evaluation.readings.search import Asked, Tried
+from vpf_sim.evaluation.readings.search import SearchSettings, Trial
 from vpf_sim.evaluation.readings.space import Reading
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.perception.paper.obstacle_map import rasterise, smoothed_gradient
@@ -42,7 +42,7 @@ def test_every_reading_of_every_quantity_is_a_variant_and_no_two_are_the_same(tm
 
 @pytest.mark.parametrize("sigma", ["half-width", "eighth-width"])
 @pytest.mark.parametrize("area", ["frame", "obstacles"])
-def test_push_is_the_turn_that_an_obstacle_asks_for(sigma: str, area: str, tmp_path: Path) -> None:
+def test_push_is_the_turn_that_an_obstacle_causes(sigma: str, area: str, tmp_path: Path) -> None:
     """An obstacle of 60 x 60 px, 100 px right of the middle, against a target straight ahead."""
     reading = {**FIRST, "sigma": sigma, "area": area, "goal": "two-horizons", "push": 0.1}
     made, line = built(reading, tmp_path), line_of(reading, tmp_path)
@@ -58,7 +58,7 @@ def test_push_is_the_turn_that_an_obstacle_asks_for(sigma: str, area: str, tmp_p
     ("minimum", "edges_m"), [("carriageway", (5.25, -8.75)), ("lane", (1.75, -1.75)), ("preferred", (5.25, -5.25))]
 )
 @pytest.mark.parametrize("steepness", ["printed", "half"])
-def test_stiffness_is_the_turn_that_the_road_asks_for_beside_its_minimum(
+def test_stiffness_is_the_turn_that_the_road_causes_beside_its_minimum(
     minimum: str, edges_m: tuple[float, float], steepness: str, tmp_path: Path
 ) -> None:
     reading = {**FIRST, "minimum": minimum, "steepness": steepness, "goal": "two-horizons", "stiffness": 0.02}
@@ -117,9 +117,9 @@ class World:
         return records
 
 
-def test_who_fails_a_cell_does_not_drive_the_next(tmp_path: Path) -> None:
+def test_a_reading_that_fails_a_cell_does_not_drive_the_next(tmp_path: Path) -> None:
     world, optimiser = World(), Scripted()
-    tried = search.search(Asked(readings=6, generation=4), tmp_path, world.drive, optimiser)
+    tried = search.search(SearchSettings(readings=6, generation=4), tmp_path, world.drive, optimiser)
     assert [one.number for one in tried] == [0, 1, 2, 3, 4, 5]
     assert [outcome.passed(one) for one in tried] == [4, 0, 4, 0, 4, 0]
     driven = [driver for *_, driver in world.driven]
@@ -128,14 +128,14 @@ def test_who_fails_a_cell_does_not_drive_the_next(tmp_path: Path) -> None:
     assert sorted(tried, key=lambda one: -one.score)[0].number == 4, "the smallest error of those that pass"
 
 
-def test_who_strays_far_more_than_the_paper_does_not_drive_the_next(tmp_path: Path) -> None:
+def test_a_reading_with_a_large_path_error_does_not_drive_the_next(tmp_path: Path) -> None:
     world = World(error_m2=2.0)  # 2, 0.67 and 0.4 m2 of numbers 0, 2 and 4; the paper's first two cells: 0.74, 0.42
-    tried = search.search(Asked(readings=6, generation=6), tmp_path, world.drive, Scripted())
+    tried = search.search(SearchSettings(readings=6, generation=6), tmp_path, world.drive, Scripted())
     assert [len(one.cells) for one in tried] == [1, 1, 2, 1, 4, 1]
 
 
 def test_the_best_drive_again_on_other_seeds(tmp_path: Path) -> None:
-    world, asked = World(), Asked(readings=5, generation=5, finalists=2, final_seeds="10:13")
+    world, asked = World(), SearchSettings(readings=5, generation=5, finalists=2, final_seeds="10:13")
     tried = search.search(asked, tmp_path, world.drive, Scripted())
     world.driven.clear()
     best = search.finals(asked, tried, tmp_path, world.drive)
@@ -148,7 +148,7 @@ def cell(successes: int, mse: float | None, route: float = 1.0) -> dict[str, Any
     return {"successes": successes, "episodes": 2, "route": route, "path_mse_m2": mse}
 
 
-def test_a_score_counts_cells_then_the_way_then_the_error() -> None:
+def test_a_score_counts_cells_then_the_route_then_the_error() -> None:
     name = "town04.clear"  # the paper's error there is 0.74 m2
     assert search.score({name: cell(2, 0.74)}) == pytest.approx(1.25)
     assert search.score({name: cell(2, 0.0)}) == 1.5
@@ -161,11 +161,11 @@ def test_a_score_counts_cells_then_the_way_then_the_error() -> None:
     assert search.score({}) == 0.0
 
 
-def test_the_map_counts_each_choice_and_each_part_of_a_range() -> None:
+def test_results_are_counted_by_choice_and_part_of_a_range() -> None:
     passes = {f"{scenario}.{weather}": cell(2, 0.5) for scenario, weather in search.CELLS}
     tried = [
-        Tried(0, {**FIRST, "push": 0.011}, "a", passes, 5.0),
-        Tried(1, {**FIRST, "push": 0.4, "region": "horizon-corridor"}, "b", {"town04.clear": cell(1, None)}, 0.5),
+        Trial(0, {**FIRST, "push": 0.011}, "a", passes, 5.0),
+        Trial(1, {**FIRST, "push": 0.4, "region": "horizon-corridor"}, "b", {"town04.clear": cell(1, None)}, 0.5),
     ]
     rows = outcome.by_choice(SPACE, tried)
     region = {row["choice"]: row for row in rows if row["quantity"] == "region"}
@@ -203,6 +203,6 @@ def test_the_command_lists_the_space(capsys: pytest.CaptureFixture[str]) -> None
     assert all(one.name in told for one in SPACE)
 
 
-def test_a_folder_that_exists_is_not_searched_into(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_existing_folder_is_not_used_for_a_new_search(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["readings", "--out", str(tmp_path)]) == 2
     assert "expected a new folder, or --resume" in capsys.readouterr().err

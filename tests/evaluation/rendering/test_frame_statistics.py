@@ -1,4 +1,4 @@
-"""Statistics of pictures whose numbers are known."""
+"""Frame statistics of images with known values."""
 
 import cv2
 import numpy as np
@@ -49,7 +49,7 @@ def test_a_moving_texture_is_followed_to_where_it_moved() -> None:
     assert frame_statistics.survival(frames)[0] > 0.95
 
 
-def test_what_vanishes_is_not_followed() -> None:
+def test_a_vanished_point_is_not_tracked() -> None:
     rng = np.random.default_rng(3)
     strangers = [rng.integers(0, 256, (240, 320)).astype(np.uint8) for _ in range(7)]
     one, six = frame_statistics.survival(strangers)
@@ -63,7 +63,7 @@ def test_lost_points_stay_lost() -> None:
     assert not (alive[1] & ~alive[0]).any()
 
 
-def test_measure_is_the_mean_over_the_frames_looked_at() -> None:
+def test_measure_is_the_mean_over_the_sampled_frames() -> None:
     frames = [texture(k) for k in range(13)]
     every = [frame_statistics.gradient_percentiles(frame)[1] for frame in frames[:7]]
     assert frame_statistics.measure(frames).gradient_p90 == pytest.approx(np.mean(every))

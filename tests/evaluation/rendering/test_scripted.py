@@ -1,4 +1,4 @@
-"""Drives on a known path."""
+"""Scripted drives on a known path."""
 
 import numpy as np
 import pytest
@@ -36,11 +36,11 @@ def test_every_weather_shows_the_same_poses() -> None:
     assert np.hypot(*np.diff(seen["ClearNoon"][:, :2], axis=0).T) == pytest.approx([0.1] * 3, rel=0.2)
 
 
-def test_a_standing_drive_stays() -> None:
+def test_a_stationary_drive_stays() -> None:
     poses = [shot.pose for shot in drive(0.0).shots(weathers.load("ClearNoon"), 1, 3)]
     assert np.array_equal(poses[0], poses[2])
 
 
-def test_the_smooth_step_goes_from_none_to_all() -> None:
+def test_the_smooth_step_goes_from_0_to_1() -> None:
     values = [smooth_step(10.0, 20.0, s) for s in (0.0, 10.0, 15.0, 20.0, 30.0)]
     assert values == pytest.approx([0.0, 0.0, 0.5, 1.0, 1.0])

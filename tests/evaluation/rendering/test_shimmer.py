@@ -1,4 +1,4 @@
-"""Nothing shimmers, and the instrument would see it if something did."""
+"""Rendered frames do not shimmer, and the measure detects shimmer."""
 
 import numpy as np
 import pytest
@@ -8,11 +8,11 @@ from vpf_sim.evaluation.rendering import shimmer
 
 
 @pytest.mark.parametrize("name", ["ClearNoon", "CloudySunset", "WetNoon", "FoggyNoon"])
-def test_standing_in_still_weather_every_frame_is_the_same(name: str) -> None:
+def test_a_stationary_camera_in_still_weather_has_equal_frames(name: str) -> None:
     assert shimmer.changes_standing(weathers.load(name), "bend", seed=2, count=4) == 0
 
 
-def test_rain_changes_what_a_standing_camera_sees() -> None:
+def test_rain_changes_the_frames_of_a_stationary_camera() -> None:
     assert shimmer.changes_standing(weathers.load("HardRainNoon"), "bend", seed=2, count=3) > 1000
 
 
@@ -25,7 +25,7 @@ def test_creeping_the_distant_ground_moves_as_it_should(road: str, speed_mps: fl
     assert seen.off_6 < 0.01
 
 
-def test_the_distant_ground_keeps_off_what_stands_up() -> None:
+def test_distant_ground_excludes_surroundings_of_objects() -> None:
     depth = np.tile(np.linspace(5.0, 100.0, 200)[::-1, None], (1, 300))
     instance = np.zeros((200, 300), np.int32)
     instance[80:90, 140:150] = 3

@@ -1,4 +1,4 @@
-"""A sweep on a Dask cluster: a real scheduler with worker processes makes the same records as this machine alone."""
+"""A sweep on a real Dask scheduler makes the same records as this machine alone."""
 
 import json
 import os
@@ -89,7 +89,7 @@ def test_a_cluster_that_loses_a_worker_makes_the_same_records(tmp_path: Path, sc
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_lost_is_told_with_the_way_back(tmp_path: Path) -> None:
+def test_a_lost_scheduler_is_reported_with_the_resume_command(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with scheduling(tmp_path) as (address, child), worker(address, tmp_path):
         driving = subprocess.Popen(sweep(tmp_path, out, "--cluster", address), stderr=subprocess.PIPE, text=True)
@@ -130,7 +130,7 @@ def test_an_episode_that_hangs_on_a_cluster_is_given_up(tmp_path: Path, schedule
     assert record["status"] == "error"
     (reason,) = (out / "errors").iterdir()
     assert "took longer than 15 s" in reason.read_text()
-    assert f"the reason is in {reason}" in done.stderr
+    assert f"see {reason}" in done.stderr
     assert "in act" in (tmp_path / "dask.log").read_text(), "the worker's log tells where it hung"
 
 
@@ -169,7 +169,7 @@ def refused(arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[
     return capsys.readouterr().err.splitlines()[-1]
 
 
-def test_without_dask_one_line_says_how_to_get_it(
+def test_without_dask_one_line_says_how_to_install_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
@@ -189,6 +189,6 @@ def test_no_scheduler_is_one_line(
     assert not (tmp_path / "out").exists()
 
 
-def test_workers_of_here_and_of_a_cluster_are_not_mixed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_workers_and_cluster_together_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     said = refused(["--cluster", "tcp://127.0.0.1:1", "--workers", "2"], tmp_path, capsys)
-    assert said == "vpf-sim: --workers: the cluster's workers drive, expected --workers or --cluster, got both"
+    assert said == "vpf-sim: --workers: expected --workers or --cluster, got both; the cluster has its own workers"

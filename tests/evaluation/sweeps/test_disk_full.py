@@ -1,4 +1,4 @@
-"""A disk without room: nothing that is stored is lost, one line says which file, and the run goes on later."""
+"""A full disk: stored data is kept, one line names the file, and the run can be resumed."""
 
 import json
 import os
@@ -54,7 +54,7 @@ def contents(out: Path) -> tuple[list[str], Any]:
 
 
 @pytest.mark.slow
-def test_a_sweep_that_runs_out_of_room_goes_on_later(tmp_path: Path) -> None:
+def test_a_sweep_on_a_full_disk_can_be_resumed(tmp_path: Path) -> None:
     write_short(tmp_path)
     subprocess.run(sweep(tmp_path, tmp_path / "whole"), check=True, capture_output=True)
     size = (tmp_path / "whole" / "episodes.jsonl").stat().st_size
@@ -77,7 +77,7 @@ def test_a_sweep_that_runs_out_of_room_goes_on_later(tmp_path: Path) -> None:
     assert contents(out) == contents(tmp_path / "whole")
 
 
-def test_a_film_that_finds_no_room_costs_nothing_but_itself(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_video_on_a_full_disk_loses_only_itself(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The record and the steps are stored, the answer is given, and a former film is still there."""
     film, out = tmp_path / "drive.mp4", tmp_path / "run"
     film.write_text("the former film")
@@ -104,7 +104,7 @@ def test_a_film_that_finds_no_room_costs_nothing_but_itself(tmp_path: Path, caps
     assert json.loads(said.out)["states_sha256"] == record["states_sha256"]
 
 
-def test_a_replay_whose_film_finds_no_room_keeps_the_record_and_films_later(
+def test_a_replay_on_a_full_disk_keeps_the_record_and_writes_the_video_later(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, drive = tmp_path / "run", layouts.general(tmp_path / "cam")

@@ -1,4 +1,4 @@
-"""What makes two runs comparable: any edit of the code is another fingerprint."""
+"""The fingerprint: any edit of the code changes it."""
 
 import re
 import tomllib
@@ -22,14 +22,14 @@ def code(tmp_path: Path) -> dict[str, Path]:
 
 
 @pytest.mark.parametrize("name", ["package/inside/a.py", "package/inside/gains.toml", "beside/b.py"])
-def test_an_edit_is_another_hash(code: dict[str, Path], tmp_path: Path, name: str) -> None:
+def test_an_edit_changes_the_hash(code: dict[str, Path], tmp_path: Path, name: str) -> None:
     before = hash_of_files(code)
     assert hash_of_files(code) == before
     (tmp_path / name).write_text("# edited\n")
     assert hash_of_files(code) != before
 
 
-def test_a_new_name_and_a_new_file_are_another_hash(code: dict[str, Path], tmp_path: Path) -> None:
+def test_a_new_name_and_a_new_file_change_the_hash(code: dict[str, Path], tmp_path: Path) -> None:
     hashes = {hash_of_files(code)}
     (tmp_path / "beside" / "b.py").rename(tmp_path / "beside" / "c.py")
     hashes.add(hash_of_files(code))
@@ -38,7 +38,7 @@ def test_a_new_name_and_a_new_file_are_another_hash(code: dict[str, Path], tmp_p
     assert len(hashes) == 3
 
 
-def test_what_is_no_code_does_not_count(code: dict[str, Path], tmp_path: Path) -> None:
+def test_other_files_do_not_change_the_hash(code: dict[str, Path], tmp_path: Path) -> None:
     before = hash_of_files(code)
     (tmp_path / "package" / "__pycache__").mkdir()
     (tmp_path / "package" / "__pycache__" / "a.cpython-311.pyc").write_bytes(b"3")

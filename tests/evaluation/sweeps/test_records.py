@@ -1,4 +1,4 @@
-"""Records: their keys, their values, and the folder that keeps them."""
+"""Records: keys, values, and the run folder."""
 
 import json
 import subprocess
@@ -15,7 +15,7 @@ from tiny_world import Constant, TinyWorld
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode.episode import roll_out
-from vpf_sim.evaluation.episode.paired import OwnRun, matched
+from vpf_sim.evaluation.episode.paired import PidRun, matched
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import records
 from vpf_sim.evaluation.outcome import Outcome
@@ -30,7 +30,7 @@ KEYS = {
     *("invalid_frame", "comfort", "perception", "steps", "states_sha256", "frames_sha256", "chattering"),
     *("collision_type", "at_fault_collisions", "path_mse_parts_m2"),
 }
-OWN_RUN = OwnRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
+PID_RUN = PidRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
 ASKED: dict[str, Any] = {
     "schema": 1,
     "command": "sweep",
@@ -44,7 +44,7 @@ ASKED: dict[str, Any] = {
 def outcome(driver: Constant, **changes: Any) -> Outcome:
     world = TinyWorld(**changes)
     driven = roll_out(world, driver, Constant(0.25, 0.1), seed=7)
-    return replace(driven, steps=matched(driven.steps, OWN_RUN)) if len(driven.steps) else driven
+    return replace(driven, steps=matched(driven.steps, PID_RUN)) if len(driven.steps) else driven
 
 
 def score(driver: Constant, **changes: Any) -> dict[str, Any]:
@@ -101,7 +101,7 @@ def test_a_collision_costs_its_factor() -> None:
 
 
 @pytest.mark.parametrize("steps_before", [0, 3])
-def test_a_record_says_which_frame_was_none(steps_before: int) -> None:
+def test_a_record_has_the_invalid_frame(steps_before: int) -> None:
     record = score(Constant(), invalid_after=steps_before)
     assert (record["status"], record["steps"]) == ("invalid_frame", steps_before)
     assert record["invalid_frame"] == {"frame": steps_before, "time_s": steps_before / 10.0, "fault": "stale"}
@@ -126,7 +126,7 @@ def test_steps_are_read_as_they_were_written(tmp_path: Path) -> None:
     assert np.array_equal(steps.read(tmp_path / "steps" / "a.parquet").rows, table.rows, equal_nan=True)
 
 
-def test_a_torn_last_line_is_dropped_and_written_over(tmp_path: Path) -> None:
+def test_an_incomplete_last_line_is_dropped_and_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "episodes.jsonl"
     path.write_text('{"id": "a"}\n{"id": "b", "sta')
     assert read_lines(path) == [{"id": "a"}]
@@ -136,14 +136,14 @@ def test_a_torn_last_line_is_dropped_and_written_over(tmp_path: Path) -> None:
     assert path.read_text() == '{"id": "a"}\n{"id": "c"}\n'
 
 
-def test_any_other_spoilt_line_is_told(tmp_path: Path) -> None:
+def test_any_other_invalid_line_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "episodes.jsonl"
     path.write_text('{"id": "a"}\n[1]\n{"id": "b"}\n')
     with pytest.raises(InputError, match=r"episodes.jsonl: line 2: expected a JSON object, got b'\[1\]'"):
         read_lines(path)
 
 
-def test_a_line_that_is_no_record_is_told(tmp_path: Path) -> None:
+def test_a_line_without_a_record_is_reported(tmp_path: Path) -> None:
     RunFolder(tmp_path, ASKED).close()
     (tmp_path / "episodes.jsonl").write_text('{"seed": 3}\n')
     with pytest.raises(InputError, match=r"episodes.jsonl: expected a record with an id on each line"):
@@ -163,7 +163,7 @@ def test_a_folder_with_records_needs_resume(tmp_path: Path) -> None:
         RunFolder(tmp_path / "file", ASKED)
 
 
-def test_a_run_that_was_killed_before_its_manifest_leaves_its_folder_free(tmp_path: Path) -> None:
+def test_a_run_killed_before_its_manifest_leaves_its_folder_usable(tmp_path: Path) -> None:
     for name in ("episodes.jsonl", "timing.jsonl", "manifest.json.draft"):
         (tmp_path / name).write_text("")
     RunFolder(tmp_path, ASKED).close()
@@ -174,7 +174,7 @@ def test_a_run_that_was_killed_before_its_manifest_leaves_its_folder_free(tmp_pa
         RunFolder(tmp_path, ASKED)
 
 
-def test_a_resumed_folder_knows_what_is_done(tmp_path: Path) -> None:
+def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path, ASKED)
     folder.add(records.failed(JOB), {"id": JOB.id})
     folder.close()
@@ -250,7 +250,7 @@ def test_a_killed_run_leaves_no_lock(tmp_path: Path) -> None:
     JsonLines(path).close()
 
 
-def test_a_folder_that_cannot_be_used_is_not_held(tmp_path: Path) -> None:
+def test_an_unusable_folder_is_not_locked(tmp_path: Path) -> None:
     RunFolder(tmp_path, ASKED).close()
     (tmp_path / "episodes.jsonl").write_text('{"seed": 3}\n')
     for _ in range(2):
@@ -258,7 +258,7 @@ def test_a_folder_that_cannot_be_used_is_not_held(tmp_path: Path) -> None:
             RunFolder(tmp_path, ASKED, resume=True)
 
 
-def test_a_discarded_folder_keeps_what_is_not_ours(tmp_path: Path) -> None:
+def test_a_discarded_folder_keeps_other_files(tmp_path: Path) -> None:
     RunFolder(tmp_path / "run", ASKED).discard()
     assert not (tmp_path / "run").exists()
     folder = RunFolder(tmp_path / "run", ASKED)
@@ -268,12 +268,12 @@ def test_a_discarded_folder_keeps_what_is_not_ours(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"plan": 1', '{"command": "sweep", "plan": 3, "fingerprint": {}}'])
-def test_a_manifest_that_is_none_is_told(tmp_path: Path, text: str) -> None:
+def test_an_invalid_manifest_is_reported(tmp_path: Path, text: str) -> None:
     (tmp_path / "manifest.json").write_text(text)
     with pytest.raises(InputError, match=r"manifest.json: expected"):
         RunFolder(tmp_path, ASKED, resume=True)
 
 
-def test_new_folders_never_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_new_folders_are_distinct(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert len({new_path("sweep") for _ in range(5)}) == 5

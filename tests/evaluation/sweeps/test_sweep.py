@@ -1,4 +1,4 @@
-"""Sweeps: the same records however many workers, and after whatever end."""
+"""Sweeps: equal records for any number of workers, and after any interruption."""
 
 import json
 import os
@@ -57,7 +57,7 @@ def wait_for(out: Path, records: int) -> None:
         time.sleep(0.02)
 
 
-def test_a_run_folder_holds_what_was_asked_and_what_came(undisturbed: Path) -> None:
+def test_a_run_folder_has_plan_and_results(undisturbed: Path) -> None:
     records = read_lines(undisturbed / "episodes.jsonl")
     manifest = json.loads((undisturbed / "manifest.json").read_text())
     assert len(records) == len({record["id"] for record in records}) == 6
@@ -95,7 +95,7 @@ def listen_to_ctrl_c() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def test_ctrl_c_stops_and_says_how_to_go_on(folder: Path, undisturbed: Path) -> None:
+def test_ctrl_c_stops_and_prints_the_resume_command(folder: Path, undisturbed: Path) -> None:
     out = folder / "stopped"
     with subprocess.Popen(
         command(folder, out, "--workers", "1"), stderr=subprocess.PIPE, text=True, preexec_fn=listen_to_ctrl_c
@@ -112,7 +112,7 @@ def test_ctrl_c_stops_and_says_how_to_go_on(folder: Path, undisturbed: Path) -> 
     assert json.loads(done.stdout)["rows"] == json.loads((out / "summary.json").read_text())["rows"]
 
 
-def test_what_changes_while_a_sweep_runs_stops_it(tmp_path: Path) -> None:
+def test_an_edit_during_a_sweep_stops_it(tmp_path: Path) -> None:
     path = write_short(tmp_path)
     plan = Plan((str(path),), ("clear",), ("pid",), "0:1")
     asked, (job,) = manifest("sweep", plan), plan.jobs()
@@ -155,7 +155,7 @@ def test_a_plan_of_single_drives_has_no_others() -> None:
         ({"seeds": "0:3"}, "seeds: expected drives or a grid, got both"),
     ],
 )
-def test_wrong_drives_of_a_plan_are_told(changes: dict[str, Any], sentence: str) -> None:
+def test_wrong_drives_of_a_plan_are_reported(changes: dict[str, Any], sentence: str) -> None:
     with pytest.raises(InputError) as told:
         make_plan({"driver": ["pid"], "drives": [["a", "rain", 9]], **changes}, "sweep.toml")
     assert str(told.value) == f"sweep.toml: {sentence}"
@@ -171,7 +171,7 @@ def record(seed: int, status: str, mse: float, throttle: float | None) -> dict[s
     return {"id": f"a.clear.pid.{seed}", "seed": seed, "status": status, **scores, **rest}
 
 
-def test_means_take_the_successful_episodes_and_all_planned_ones_count() -> None:
+def test_means_are_over_successful_and_rates_over_planned_episodes() -> None:
     records = [record(0, "success", 1.0, 0.5), record(1, "collision", 9.0, 0.1), record(2, "success", 3.0, None)]
     (row,) = summarize(Plan(("a",), ("clear",), ("pid",), "0:4").jobs(), records)["rows"]
     assert (row["episodes"], row["successes"], row["statuses"]) == (4, 2, {"success": 2, "collision": 1})

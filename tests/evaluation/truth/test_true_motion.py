@@ -8,19 +8,19 @@ import pytest
 from highway_scenes import add_ego, add_object, bent_road, on_bend
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
-from vpf_sim.evaluation.truth.true_motion import Shot, TrueMotion, at, carried, ttc_errors
+from vpf_sim.evaluation.truth.true_motion import Shot, TrueMotion, at, moved_points, ttc_errors
 from vpf_sim.types import Camera, Floats
 
 CAMERA = Camera()
 
 
-def noted(poses: list[Floats], bodies: list[Any] | None = None) -> TrueMotion:
-    """After frames at these poses; `bodies` says for each frame where the only body is."""
+def motion_of(poses: list[Floats], objects: list[Any] | None = None) -> TrueMotion:
+    """True motion after frames at these poses; `objects` has the pose of the only object in each frame."""
     motion = TrueMotion(CAMERA, len(poses) - 1)
     for k, pose in enumerate(poses):
-        body = [] if bodies is None else [SimpleNamespace(position=bodies[k][:2], heading=bodies[k][2])]
-        renderer: Any = SimpleNamespace(objects=body)
-        motion.note(Shot(k, np.empty((0, 0, 3), np.uint8), pose, renderer))
+        obj = [] if objects is None else [SimpleNamespace(position=objects[k][:2], heading=objects[k][2])]
+        renderer: Any = SimpleNamespace(objects=obj)
+        motion.add(Shot(k, np.empty((0, 0, 3), np.uint8), pose, renderer))
     return motion
 
 
@@ -34,7 +34,7 @@ def test_driving_at_a_wall_expands_it_from_the_principal_point() -> None:
     points = np.array([[400.0, 300.0], [100.0, 50.0]])
     expected = (points - (319.5, 239.5)) * 1.5 / (10.0 + 1.5)  # three steps on, 10 m before it
     frames = np.array([3, 3])
-    motion = noted(poses)
+    motion = motion_of(poses)
     assert motion.errors_px(points, expected, frames, wall(10.0, -1)).max() < 1e-9
     missed = motion.errors_px(points, expected + np.array([0.0, 30.0]), frames, wall(10.0, -1))
     assert missed == pytest.approx([30.0, 30.0], abs=0.2)
@@ -45,7 +45,7 @@ def test_each_track_has_its_own_number_of_frames() -> None:
     points = np.array([[400.0, 300.0]] * 3)
     away = points[0] - (319.5, 239.5)
     expected = np.array([away * d / (10.0 + d) for d in (0.5, 1.0, 1.5)])
-    assert noted(poses).errors_px(points, expected, np.array([1, 2, 3]), wall(10.0, -1)).max() < 1e-9
+    assert motion_of(poses).errors_px(points, expected, np.array([1, 2, 3]), wall(10.0, -1)).max() < 1e-9
 
 
 def test_the_sky_moves_with_the_turn_alone() -> None:
@@ -53,24 +53,24 @@ def test_the_sky_moves_with_the_turn_alone() -> None:
     points = np.array([[319.0, 100.0]])
     x = -0.5 / 320.0
     expected = np.array([[320.0 * (x - np.tan(np.arctan(x) + 0.02)), 0.0]])
-    error = noted(poses).errors_px(points, expected, np.array([1]), wall(np.inf, 0))
+    error = motion_of(poses).errors_px(points, expected, np.array([1]), wall(np.inf, 0))
     assert error[0] < 1.5  # rows away from the horizon move a little too
     assert error[0] < 0.3 * abs(expected[0, 0])
 
 
 def test_a_leader_that_keeps_its_distance_does_not_move() -> None:
     poses = [np.array([k, 0.0, 0.0], float) for k in range(2)]
-    motion = noted(poses, [(12.0 + k, 0.0, 0.0) for k in range(2)])
+    motion = motion_of(poses, [(12.0 + k, 0.0, 0.0) for k in range(2)])
     still = np.zeros((1, 2))
     assert motion.errors_px(np.array([[350.0, 250.0]]), still, np.array([1]), wall(10.0, 1))[0] < 1e-9
     assert motion.errors_px(np.array([[600.0, 400.0]]), still, np.array([1]), wall(10.0, -1))[0] > 5.0
 
 
-def test_a_carried_point_keeps_its_place_on_the_body() -> None:
+def test_a_moved_point_keeps_its_position_on_the_object() -> None:
     now, then = np.array([5.0, 2.0, 0.4]), np.array([1.0, -3.0, -0.2])
-    back = carried(carried(np.array([[6.0, 3.0, 1.2]]), now, then), then, now)
+    back = moved_points(moved_points(np.array([[6.0, 3.0, 1.2]]), now, then), then, now)
     assert back == pytest.approx(np.array([[6.0, 3.0, 1.2]]))
-    assert carried(np.array([[5.0, 2.0, 0.0]]), now, then) == pytest.approx(np.array([[1.0, -3.0, 0.0]]))
+    assert moved_points(np.array([[5.0, 2.0, 0.0]]), now, then) == pytest.approx(np.array([[1.0, -3.0, 0.0]]))
 
 
 def test_one_frame_of_a_rendered_bend_agrees_with_the_truth() -> None:
@@ -83,7 +83,7 @@ def test_one_frame_of_a_rendered_bend_agrees_with_the_truth() -> None:
         place, ego.heading = on_bend(2.0 + 0.1 * k, 1.75)
         ego.position = np.array(place)
         image = renderer.render(ego, k / 60.0)
-        motion.note(Shot(k, image, np.array([*ego.position, ego.heading]), renderer))
+        motion.add(Shot(k, image, np.array([*ego.position, ego.heading]), renderer))
     truth = renderer.truth(("depth", "instance", "flow"))
     points = np.random.default_rng(0).uniform((0.0, 0.0), (639.0, 479.0), (400, 2)).round()
     flow = at(truth["flow"], points, CAMERA).astype(float)

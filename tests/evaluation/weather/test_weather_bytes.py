@@ -34,14 +34,12 @@ def here() -> dict[str, str]:
     return digests(7)
 
 
-def test_every_weather_looks_its_own_way(here: dict[str, str]) -> None:
+def test_every_weather_gives_different_frames(here: dict[str, str]) -> None:
     assert len(set(here.values())) == len(NAMES)
 
 
 @pytest.mark.parametrize("name", ["ClearNoon", "MidRainSunset", "HardRainNoon"])
-def test_again_with_the_same_seed_gives_the_same_bytes_and_with_another_does_not(
-    here: dict[str, str], name: str
-) -> None:
+def test_the_same_seed_gives_the_same_bytes_and_another_does_not(here: dict[str, str], name: str) -> None:
     assert digest(name, 7) == here[name]
     assert digest(name, 8) != here[name]
 

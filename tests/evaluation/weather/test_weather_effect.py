@@ -1,10 +1,10 @@
-"""The scripted drive in one weather and another: the paper's effect shows in it."""
+"""The scripted drive in different weathers shows their effect."""
 
 import numpy as np
 import pytest
 
 from vpf_sim.evaluation.weather import weather_effect
-from vpf_sim.evaluation.weather.judge import Score
+from vpf_sim.evaluation.weather.scorer import Score
 from vpf_sim.evaluation.weather.weather_effect import Factor
 
 FACTORS = {factor.name: factor for factor in weather_effect.factors()}
@@ -24,7 +24,7 @@ def test_single_factors_leave_the_others_clear() -> None:
         "no noise": set(),
         "slippery road": {"road_friction"},
         "wiper on dry glass": {"wiper_period_s"},
-        "wet mirror": {"wetness"},
+        "wet road reflections": {"wetness"},
         "puddles": {"precipitation_deposits"},
         "streaks": {"precipitation", "wind_intensity"},
         "droplets": {"droplets"},
@@ -34,14 +34,14 @@ def test_single_factors_leave_the_others_clear() -> None:
         assert {key for key in clear if factors[key] != clear[key]} == changed, name
 
 
-def test_grip_does_not_show() -> None:
+def test_road_friction_does_not_change_frames() -> None:
     def frames(factor: Factor) -> list[bytes]:
         return [shot.image.tobytes() for shot in weather_effect.drive().shots(factor.weather, 0, 3)]
 
     assert frames(FACTORS["slippery road"]) == frames(FACTORS["clear"])
 
 
-def test_in_clear_weather_nothing_differs_from_clear_weather() -> None:
+def test_clear_weather_has_no_difference_from_itself() -> None:
     score = measured("clear")
     assert score.changed == 0.0
     assert score.hidden == 0.0
@@ -53,12 +53,12 @@ def test_in_clear_weather_nothing_differs_from_clear_weather() -> None:
 
 
 @pytest.mark.slow
-def test_water_on_the_glass_and_on_the_road_is_what_misleads() -> None:
-    """Noise and veil do next to nothing to the tracks, drops do, and mostly where the truth says that they hide."""
-    score = {name: measured(name) for name in ("clear", "noise of sd 4", "veil: fog of 50", "droplets", "HardRainNoon")}
+def test_water_on_windscreen_and_road_causes_most_errors() -> None:
+    """Noise and haze hardly affect tracks, drops do, mostly where the truth says that they hide."""
+    score = {name: measured(name) for name in ("clear", "noise of sd 4", "haze: fog of 50", "droplets", "HardRainNoon")}
     clear = score["clear"].off
     assert abs(score["noise of sd 4"].off - clear) < 0.05
-    assert abs(score["veil: fog of 50"].off - clear) < 0.05
+    assert abs(score["haze: fog of 50"].off - clear) < 0.05
     for name in ("droplets", "HardRainNoon"):
         assert score[name].off > clear + 0.15, name
         assert score[name].off_seen < clear + 0.5 * (score[name].off - clear), name

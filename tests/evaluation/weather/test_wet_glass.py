@@ -1,4 +1,4 @@
-"""Water added to a drawn drive is found, taken out and scored."""
+"""Water added to a synthetic drive is detected, removed and scored."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def drive() -> wet_glass.Drive:
     return wet_glass.Drive(camera, recorded_street.RATE_HZ, flat, truth, frames)
 
 
-def test_a_dry_drive_has_a_focus_and_no_water_to_judge(drive: wet_glass.Drive) -> None:
+def test_a_dry_drive_has_a_focus_and_no_water(drive: wet_glass.Drive) -> None:
     score = wet_glass.measure(drive, None, 0)
     assert np.isnan(score.iou)
     assert np.isnan(score.psnr_restored)
@@ -31,7 +31,7 @@ def test_a_dry_drive_has_a_focus_and_no_water_to_judge(drive: wet_glass.Drive) -
     assert score.foe_confidence > 0.3
 
 
-def test_water_is_found_and_what_is_behind_it_comes_back_in_part(drive: wet_glass.Drive) -> None:
+def test_water_is_detected_and_partly_removed(drive: wet_glass.Drive) -> None:
     rain = weather.load("HardRainNoon").model_copy(update={"wiper_period_s": 0.0})
     score = wet_glass.measure(drive, rain, 0)
     assert 0.02 < score.cover < 0.5
@@ -48,7 +48,7 @@ def test_gaps_are_left_out(drive: wet_glass.Drive) -> None:
     assert wet_glass.measure(gapped, None, 0).foe_present > 0.8
 
 
-def test_the_ratio_of_signal_to_noise_is_of_the_named_pixels() -> None:
+def test_psnr_is_over_the_given_pixels() -> None:
     truth, where = np.zeros((4, 4), np.uint8), np.zeros((4, 4), bool)
     image = truth.copy()
     image[0], where[0] = 255, True

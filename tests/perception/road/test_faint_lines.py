@@ -10,7 +10,7 @@ from road_picture import RoadPicture
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.truth.surroundings import seen_edges, true_edges
+from vpf_sim.evaluation.truth.surroundings import perceived_edges, true_edges
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road import edge_tracker as road_edges
 from vpf_sim.perception.road.birds_eye import BirdsEye
@@ -46,7 +46,7 @@ def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int, tmp_path: P
             now = read(observed)
             pose = np.array([now.x_m, now.y_m, now.yaw_rad])
             edges = tracker.update(now.image, grey(now.image), pose, now.speed_mps, now.yaw_rate_radps, None)
-            errors_m.append(np.subtract(seen_edges(edges), true_edges(env.ego, env.road.network)))
+            errors_m.append(np.subtract(perceived_edges(edges), true_edges(env.ego, env.road.network)))
             command = drivers.command_of(pilot, now)
             observed, *_ = env.step(np.array([command.throttle, command.steering]))
     assert np.mean(np.abs(errors_m).max(axis=1) > 0.5) < 0.02

@@ -1,1 +1,1 @@
-"""What the records of a run say: intervals, paired differences, tables; and the records scored once more."""
+"""Statistics, comparisons and tables of a run's records, and their rescoring."""

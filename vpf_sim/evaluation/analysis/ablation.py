@@ -1,4 +1,4 @@
-"""The ablations: from one variant to another one change at a time, on the same seeds; what each change buys."""
+"""Ablations: from one variant to another in single steps, compared on the same seeds."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, get_args
@@ -38,8 +38,8 @@ Record = dict[str, Any]
 Row = dict[str, Any]
 
 
-def changes(chain: Chain = "robust") -> dict[str, str]:
-    """What each driver of a chain changes, in order; `robust` ends with `vpf`, `paper` with `vpf-paper`."""
+def ablation_steps(chain: Chain = "robust") -> dict[str, str]:
+    """The drivers of a chain in order, with what each changes; `robust` ends with `vpf`, `paper` with `vpf-paper`."""
     from vpf_sim import drivers
     from vpf_sim.planning import variant
 
@@ -55,16 +55,15 @@ def plan(seeds: str | None, scenarios: Sequence[str], weathers: Sequence[str], c
     """The grid of an ablation."""
     where = tuple(scenarios) or SCENARIOS.get(chain, benchmark.SCENARIOS)
     when = tuple(weathers) or WEATHERS.get(chain, benchmark.WEATHERS)
-    return Plan(where, when, tuple(changes(chain)), seeds or SEEDS)
+    return Plan(where, when, tuple(ablation_steps(chain)), seeds or SEEDS)
 
 
 def table(jobs: Iterable[Job], records: Iterable[Record], timing: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """`{"rows": [...]}`: each step's scores in each scenario and weather, and their differences to the step before.
+    """`{"rows": [...]}`: scores of each step by scenario and weather, and differences to the previous step.
 
-    Where one repair or mechanism is left out, the difference is to the variant with all of them.
-    Success is over the planned seeds; path MSE and clearance over the successful episodes, or, of two steps, over the
-    seeds at which both succeeded; the others over all that were driven. Comfort is that of a successful and comfortable
-    episode among all planned. `driver_ms`, what a clock measured, is the time of the driver in a step.
+    In the chains `without` and `mechanisms`, the difference is to the whole variant. Success and comfort are over the
+    planned seeds; path MSE and clearance over successful episodes, differences over seeds where both succeeded; the
+    others over all driven episodes. `driver_ms` is the driver's wall time per step.
     """
     clock = {row["id"]: (row.get("stages_ms") or {}).get("driver") for row in timing}
     by_id = {record["id"]: {**record, "driver_ms": clock.get(record["id"])} for record in records}
@@ -76,14 +75,14 @@ def table(jobs: Iterable[Job], records: Iterable[Record], timing: Iterable[Mappi
 
 
 def _rows(cell: tuple[str, str], steps: Mapping[str, Mapping[int, Record | None]]) -> list[Row]:
-    told = {driver: summary for chain in get_args(Chain) for driver, summary in changes(chain).items()}
+    summaries = {driver: summary for chain in get_args(Chain) for driver, summary in ablation_steps(chain).items()}
     order, rows = [*steps], []
     for before, step in zip([None, *order], order, strict=False):
         if before is not None and step.startswith((f"{BETWEEN}{WITHOUT}", f"{BETWEEN}{NO}")):
             before = order[0]
         scores = _scores([*steps[step].values()])
         change = None if before is None else _differences(steps[step], steps[before])
-        row = {"scenario": cell[0], "weather": cell[1], "driver": step, "changes": told.get(step, "")}
+        row = {"scenario": cell[0], "weather": cell[1], "driver": step, "changes": summaries.get(step, "")}
         rows.append({**row, **scores, "difference": change})
     return rows
 
@@ -115,9 +114,9 @@ def _differences(step: Mapping[int, Record | None], before: Mapping[int, Record 
     good = [(one, other) for one, other in there if succeeded(one) and succeeded(other)]
     shares = {"success_rate": succeeded, "comfortable_rate": _comfortable}
     return {
-        **{key: _told(_share_difference(pairs, of)) for key, of in shares.items()},
-        **{key: _told(_mean_difference(good, key)) for key in OF_SUCCESSES},
-        **{key: _told(_mean_difference(there, key)) for key in OF_ALL},
+        **{key: _as_row(_share_difference(pairs, of)) for key, of in shares.items()},
+        **{key: _as_row(_mean_difference(good, key)) for key in OF_SUCCESSES},
+        **{key: _as_row(_mean_difference(there, key)) for key in OF_ALL},
     }
 
 
@@ -143,7 +142,7 @@ def _value(record: Record, key: str) -> float | None:
     return value_at(record, PLACES.get(key, key))
 
 
-def _told(difference: Difference | None) -> Row | None:
+def _as_row(difference: Difference | None) -> Row | None:
     return None if difference is None else {**difference._asdict(), "interval": _listed(difference.interval)}
 
 

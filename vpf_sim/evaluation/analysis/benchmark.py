@@ -1,4 +1,4 @@
-"""The paper's simulator table: what is driven for it, and the paper's own cells to stand beside ours."""
+"""The benchmark: the grid of the paper's simulator table, and the printed values."""
 
 from typing import Any
 
@@ -8,9 +8,8 @@ SCENARIOS = ("town04-clean", "town04")
 WEATHERS = ("clear", "rain")
 DRIVERS = ("vpf", "vpf-paper", "vpf-literal", "pid")
 SEEDS = "1000:1030"
-# Table "Simulator results", rows "Cloudy" (the set-up of the same paper says Clear Noon) and "Rain" (there: Hard Rain):
-# throttle and steering accuracy with respect to the PID, by a definition that it does not give, and the mean squared
-# error of the path, whose unit it prints as m.
+# Table "Simulator results", rows "Cloudy" (set-up: Clear Noon) and "Rain" (set-up: Hard Rain): throttle and steering
+# accuracy with respect to the PID, without a definition, and the mean squared error of the path, with its unit as m.
 PAPER: dict[tuple[str, str], dict[str, float]] = {
     ("town04-clean", "clear"): {"throttle": 0.8234, "steering": 0.7214, "path_mse_m2": 0.42},
     ("town04", "clear"): {"throttle": 0.7851, "steering": 0.7167, "path_mse_m2": 0.74},
@@ -20,11 +19,11 @@ PAPER: dict[tuple[str, str], dict[str, float]] = {
 
 
 def plan(seeds: str | None, drivers: list[str]) -> Plan:
-    """The benchmark's grid, for all its drivers or for some."""
+    """The benchmark's plan, for the given drivers or all."""
     return Plan(SCENARIOS, WEATHERS, tuple(drivers) or DRIVERS, seeds or SEEDS)
 
 
 def with_paper(summary: dict[str, Any]) -> dict[str, Any]:
-    """The summary with the paper's cell in each row that it has one for."""
+    """The summary with the paper's values in each row of its cells."""
     rows = [{**row, "paper": PAPER.get((row["scenario"], row["weather"]))} for row in summary["rows"]]
     return {**summary, "rows": rows}

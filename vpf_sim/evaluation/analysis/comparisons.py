@@ -1,4 +1,4 @@
-"""What a weather or a driver changes: differences of two cells over the same seeds, where chance has the least say."""
+"""Paired differences between weathers and between drivers, on the same seeds."""
 
 from collections.abc import Iterable, Mapping
 from itertools import combinations
@@ -11,7 +11,7 @@ from vpf_sim.evaluation.job import Job
 
 Record = dict[str, Any]
 Cell = tuple[str, str, str]  # scenario, weather, driver
-BASE_WEATHER, BASE_DRIVER = "clear", "pid"  # what the others are compared with, where they are there
+BASE_WEATHER, BASE_DRIVER = "clear", "pid"  # the preferred references
 OF_SUCCESSES = (
     "path_mse_m2",
     "min_clearance_m",
@@ -22,10 +22,10 @@ OF_ALL = ("route_completion", "driving_score_2_0", "driving_score_2_1")
 
 
 def compare(jobs: Iterable[Job], by_id: Mapping[str, Record]) -> list[dict[str, Any]]:
-    """Each weather less the clear one (else the first planned), each driver less each after it, the PID last.
+    """Each weather minus the clear one (else the first planned), each driver minus each later one, the PID last.
 
-    Success is compared over the seeds that are planned for both; scores over those at which both succeeded; completion
-    and driving scores over those that both drove. Where nothing is to compare the value is None.
+    Success is paired over the seeds planned for both; scores over seeds where both succeeded; completion and driving
+    scores over seeds that both drove. None without pairs.
     """
     cells: dict[Cell, dict[int, Record | None]] = {}
     for job in jobs:
@@ -61,19 +61,19 @@ def _comparison(first: Cell, second: Cell, cells: Mapping[Cell, Mapping[int, Rec
         "of": of,
         **dict(zip(("scenario", "weather", "driver"), first, strict=True)),
         "minus": second[1] if of == "weather" else second[2],
-        "success_rate": _told(rate),
-        **{path: _told(_difference(good, path)) for path in OF_SUCCESSES},
-        **{path: _told(_difference(both, path)) for path in OF_ALL},
+        "success_rate": _as_row(rate),
+        **{path: _as_row(_difference(good, path)) for path in OF_SUCCESSES},
+        **{path: _as_row(_difference(both, path)) for path in OF_ALL},
     }
 
 
 def succeeded(record: Record | None) -> bool:
-    """An episode that was planned and has no record has not."""
+    """Whether an episode succeeded; one without a record did not."""
     return record is not None and record["status"] == "success"
 
 
 def value_at(record: Record, path: str) -> float | None:
-    """The value of a record under a dotted path, such as "accuracy.shadow.steering.range"; None where it has none."""
+    """The value under a dotted key, such as "accuracy.shadow.steering.range"; None if missing."""
     value: Any = record
     for key in path.split("."):
         value = value.get(key) if isinstance(value, dict) else None
@@ -86,7 +86,7 @@ def _difference(pairs: Iterable[tuple[Record, Record]], path: str) -> Difference
     return paired_difference(there[:, 0], there[:, 1])
 
 
-def _told(difference: Difference | None) -> dict[str, Any] | None:
+def _as_row(difference: Difference | None) -> dict[str, Any] | None:
     if difference is None:
         return None
     return {**difference._asdict(), "interval": difference.interval and list(difference.interval)}

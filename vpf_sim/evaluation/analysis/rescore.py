@@ -1,4 +1,4 @@
-"""The records of a run folder made once more from its steps, without driving: for scores that changed their formula."""
+"""Recomputes the records of a run folder from its steps, after a change of score definitions."""
 
 from contextlib import closing
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, RunFolder, read_manif
 
 Record = dict[str, Any]
 SUMMARY = "summary.json"
-KEPT = ("status", "collided_with", "frames_sha256", "invalid_frame")  # what a record knows that its steps do not
+KEPT = ("status", "collided_with", "frames_sha256", "invalid_frame")  # values that the steps do not contain
 
 
 @dataclass(frozen=True, slots=True)
 class Rescored:
-    """What came of it: the keys whose values are others than before, by id, and the table."""
+    """The new records and summary, with the changed keys by id."""
 
     records: list[Record]
     changed: dict[str, list[str]]
@@ -40,10 +40,10 @@ class Rescored:
 
 
 def rescore(path: Path) -> Rescored:
-    """Score all records again, store those that changed, and the summary if no planned episode is missing.
+    """Rescore all records, store the changed ones, and the summary if no planned episode is missing.
 
-    Where nothing changed every record stays as it was, byte by byte. A record that another version of the code made
-    different is marked with this one's fingerprint, as `--mixed` does.
+    Unchanged records keep their bytes. A record changed by another version of the code gets this one's fingerprint, as
+    with `--mixed`.
     """
     manifest, plan = read_manifest(path), stored_plan(path)
     jobs = {job.id: job for job in plan.jobs()}
@@ -52,7 +52,7 @@ def rescore(path: Path) -> Rescored:
     mark = {} if now == manifest["fingerprint"] else {"fingerprint": digest(now)}
     with closing(RunFolder(path, manifest, resume=True)) as folder:
         stored = read_lines(path / "episodes.jsonl")
-        again = [_again(path, record, jobs) for record in stored]
+        again = [_rescored(path, record, jobs) for record in stored]
         changed = {old["id"]: _differences(old, new) for old, new in zip(stored, again, strict=True) if old != new}
         kept = [{**new, **mark} if new["id"] in changed else new for new in again]
         if changed:
@@ -64,14 +64,14 @@ def rescore(path: Path) -> Rescored:
 
 
 def score(job: Job, outcome: Outcome) -> Record:
-    """The record of an episode from its outcome: the route is that which the scenario has for the seed."""
+    """The record of an episode from its outcome, on the scenario's route for its seed."""
     drawn = scenarios.load(job.scenario).draw(job.seed)
     route = Route(CentreLine(drawn.road), drawn)
     return records.score(job, outcome, route.waypoints(), route.length_m)
 
 
-def _again(path: Path, record: Record, jobs: dict[str, Job]) -> Record:
-    """The record as its steps make it now; of an episode without steps, as it was."""
+def _rescored(path: Path, record: Record, jobs: dict[str, Job]) -> Record:
+    """The record recomputed from its steps; unchanged without steps."""
     where = f"{path / 'episodes.jsonl'}: {record.get('id')}"
     if record.get("id") not in jobs:
         raise InputError(f"{where}: expected an episode of the plan in {MANIFEST}, got another")
@@ -94,7 +94,7 @@ def _read_steps(path: Path, states_sha256: str) -> StepTable:
 
 
 def _check_scenarios(path: Path, manifest: dict[str, Any], plan: Plan) -> None:
-    """InputError where a scenario is no more what it was: its route would be another."""
+    """InputError where a scenario changed since the run, and with it its route."""
     for name, found in plan.check()["scenarios"].items():
         stored = (manifest.get("scenarios") or {}).get(name)
         if stored != found:

@@ -1,14 +1,13 @@
-"""How sure a number is: 95 % intervals, differences on the same seeds with their tests, and how many seeds it takes.
+"""95 % intervals, paired differences with tests, and required numbers of seeds.
 
-Means: bootstrap, bias corrected and accelerated (BCa: Efron, JASA 82, 1987), at the level that makes up for the
-bootstrap's narrowness on few values (Hesterberg, The American Statistician 69, 2015, section 3.2): instead of z the
-normal quantile takes sqrt(n / (n - 1)) t(n - 1). Measured on normal / exponential values, the share of intervals that
-hold the mean is 0.92 / 0.89 for n = 5, 0.94 / 0.93 for n = 10, 0.95 / 0.94 for n = 30; without that it is 0.85 / 0.80
-for n = 5.
+Means: bias-corrected and accelerated bootstrap (BCa: Efron, JASA 82, 1987), with sqrt(n / (n - 1)) t(n - 1) instead of
+the normal quantile z, which corrects the bootstrap's narrowness for few values (Hesterberg, The American Statistician
+69, 2015, section 3.2). Measured coverage on normal / exponential values: 0.92 / 0.89 for n = 5, 0.94 / 0.93 for n = 10,
+0.95 / 0.94 for n = 30; without the correction 0.85 / 0.80 for n = 5.
 
-Shares: Clopper and Pearson's exact interval (Biometrika 26, 1934), which holds the share in at least 95 % of cases.
+Shares: Clopper and Pearson's exact interval (Biometrika 26, 1934), with at least 95 % coverage.
 
-Everything is a pure function of its values: the resamples are drawn from a stream of their own.
+All functions are deterministic: resamples come from a random stream of their own.
 """
 
 from collections.abc import Callable
@@ -24,9 +23,9 @@ from vpf_sim.types import Bools, Floats
 
 LEVEL = 0.95
 RESAMPLES = 9999
-SAME = 1e-14  # times the largest: less than this is rounding
+SAME = 1e-14  # relative spread below which values count as equal
 ROUNDING = 1e-12
-MOST_DRAWS = 20_000_000  # of all resamples together: they are held in memory
+MOST_DRAWS = 20_000_000  # of all resamples together, which are held in memory
 Z = float(stats.norm.ppf(0.5 + 0.5 * LEVEL))
 
 
@@ -38,7 +37,7 @@ class Interval(NamedTuple):
 
 
 class Difference(NamedTuple):
-    """The mean of first - second over pairs, its interval, and p of a two-sided test that there is none."""
+    """The mean of first - second over pairs, its interval, and p of a two-sided test of no difference."""
 
     difference: float
     interval: Interval | None
@@ -49,8 +48,7 @@ class Difference(NamedTuple):
 def mean_interval(values: Floats) -> Interval | None:
     """The interval of the mean of (n,) values.
 
-    None for a single value, and where all are the same but for rounding: values without spread say nothing of what
-    others would be.
+    None for a single value, and for values that are equal up to rounding, since they have no spread.
     BCa's quantiles are those of the resampled means at Phi(z0 + (z0 + z) / (1 - a (z0 + z))), z the normal quantiles of
     the level, z0 that of the share of resampled means below the mean, a = sum d^3 / (6 (sum d^2)^1.5) with d the
     deviations from the mean.
@@ -72,7 +70,7 @@ def mean_interval(values: Floats) -> Interval | None:
 
 @lru_cache(maxsize=4)
 def _weights(count: int) -> Floats:
-    """(RESAMPLES, n) how much each value counts in each resampled mean of n values; fewer where they would be huge."""
+    """(resamples, n) weight of each of n values in each resampled mean."""
     resamples = _resamples(count)
     drawn = stream(count, "bootstrap").integers(0, count, (resamples, count))
     cells = drawn + count * np.arange(resamples)[:, None]
@@ -84,7 +82,7 @@ def _resamples(count: int) -> int:
 
 
 def share_interval(count: float, of: int) -> Interval:
-    """Clopper and Pearson's interval of a share that was seen `count` times in `of` episodes."""
+    """Clopper and Pearson's interval of the share `count` / `of`."""
     tail = 0.5 * (1.0 - LEVEL)
     low = special.betaincinv(count, of - count + 1.0, tail) if count > 0 else 0.0
     high = special.betaincinv(count + 1.0, of - count, 1.0 - tail) if count < of else 1.0
@@ -94,17 +92,18 @@ def share_interval(count: float, of: int) -> Interval:
 def paired_difference(first: Floats, second: Floats) -> Difference | None:
     """first - second, (n,) scores of the same seeds; p by flipping signs (Fisher, The Design of Experiments, 1935).
 
-    If there is no difference, each pair's is as likely with the other sign: p is the share of sign patterns (all of
-    them for n <= 13, else RESAMPLES and the one there is) whose mean is at least as far from 0. It is at least 2 / 2^n.
+    Without a difference, both signs of each pair's difference are equally likely: p is the share of sign patterns whose
+    mean is at least as far from 0, over all patterns for n <= 13, else over RESAMPLES and the observed one. The least p
+    is 2 / 2^n.
     """
     if len(first) == 0:
         return None
     difference = np.asarray(first, float) - np.asarray(second, float)
-    return Difference(float(np.mean(difference)), mean_interval(difference), _chance(difference), len(difference))
+    return Difference(float(np.mean(difference)), mean_interval(difference), _sign_flip_p(difference), len(difference))
 
 
-def _chance(difference: Floats) -> float:
-    """p of the mean of (n,) differences, whose signs are equally likely if there is none."""
+def _sign_flip_p(difference: Floats) -> float:
+    """p of the mean of (n,) differences by sign flips."""
     patterns = _signs(len(difference))
     shifts = np.abs(patterns @ difference)
     as_far = int(np.count_nonzero(shifts >= abs(np.sum(difference)) - ROUNDING * np.sum(np.abs(difference))))
@@ -114,7 +113,7 @@ def _chance(difference: Floats) -> float:
 
 @lru_cache(maxsize=4)
 def _signs(count: int) -> Floats:
-    """(m, n) signs of n values, 1 or -1 each: all patterns where they are no more than RESAMPLES, else so many."""
+    """(m, n) sign patterns of n values: all of them if at most RESAMPLES, else random ones."""
     if 2**count <= RESAMPLES:
         bits = np.arange(2**count)[:, None] >> np.arange(count) & 1
     else:
@@ -126,9 +125,9 @@ def _signs(count: int) -> Floats:
 def paired_shares(first: Bools, second: Bools) -> Difference:
     """Share of first - share of second, (n,) successes on the same seeds.
 
-    p: McNemar's exact test (Psychometrika 12, 1947), of the pairs in which one alone succeeded. The interval is Bonett
-    and Price's (J. Educ. Behav. Stat. 37, 2012): d +- z sqrt((p + q - d^2) / (n + 2)), where p and q are the shares of
-    those pairs with one more of each kind, and d = p - q.
+    p: McNemar's exact test (Psychometrika 12, 1947), on the pairs in which only one succeeded. Interval: Bonett and
+    Price (J. Educ. Behav. Stat. 37, 2012), d +- z sqrt((p + q - d^2) / (n + 2)), with p and q the shares of the two
+    kinds of these pairs, one pair added to each, and d = p - q.
     """
     first, second = np.asarray(first, bool), np.asarray(second, bool)
     pairs = len(first)
@@ -137,14 +136,14 @@ def paired_shares(first: Bools, second: Bools) -> Difference:
     half = Z * sqrt((p + q - (p - q) ** 2) / (pairs + 2))
     interval = Interval(max(p - q - half, -1.0), min(p - q + half, 1.0))
     discordant = only_first + only_second
-    chance = float(stats.binomtest(only_first, discordant).pvalue) if discordant else 1.0
-    return Difference((only_first - only_second) / pairs, interval, chance, pairs)
+    p_value = float(stats.binomtest(only_first, discordant).pvalue) if discordant else 1.0
+    return Difference((only_first - only_second) / pairs, interval, p_value, pairs)
 
 
 def seeds_for_mean(values: Floats, width: float) -> int | None:
-    """Seeds for an interval of a mean as wide as `width`, high - low: the least n with 2 t(n - 1) s / sqrt(n) <= width.
+    """Number of seeds for a mean's interval of width high - low: the least n with 2 t(n - 1) s / sqrt(n) <= width.
 
-    s is the standard deviation of the (n,) values so far. None where they do not tell.
+    s is the standard deviation of the (n,) values so far; None without a spread.
     """
     if len(values) < 2 or np.ptp(values) == 0.0:
         return None
@@ -153,7 +152,7 @@ def seeds_for_mean(values: Floats, width: float) -> int | None:
 
 
 def seeds_for_share(count: int, of: int, width: float) -> int:
-    """Seeds for an interval of a share as wide as `width`, if the share stays what it is so far."""
+    """Number of seeds for a share's interval of this width, if the share stays the same."""
 
     def fits(n: int) -> bool:
         low, high = share_interval(n * count / of, n)
@@ -168,12 +167,12 @@ def _t(count: int) -> float:
 
 
 def _expanded_z(count: int) -> float:
-    """What stands for z in the bootstrap of `count` values, so that it holds the mean in LEVEL of cases."""
+    """The replacement of z in the bootstrap of `count` values."""
     return _t(count) * sqrt(count / (count - 1))
 
 
 def _least(fits: Callable[[int], bool], start: int) -> int:
-    """The least n >= start that fits, of a condition that holds from some n on."""
+    """The least n >= start that satisfies a monotonic condition."""
     high = start
     while not fits(high):
         high *= 2

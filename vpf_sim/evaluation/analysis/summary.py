@@ -1,7 +1,7 @@
-"""The table of a run, one row a cell of scenario, weather and driver: sorted, and without a clock.
+"""The summary of a run: one row per cell (scenario, weather, driver), without wall times.
 
-Means take the successful episodes; the others' are given apart, with how far they came. Each mean and share has its
-95 % interval, and what weathers and drivers change is compared on the same seeds.
+Means are over successful episodes; those of the others are separate, with their route completion. Means and shares have
+95 % intervals. Weathers and drivers are compared on the same seeds.
 """
 
 from collections import Counter
@@ -27,11 +27,11 @@ MEANS = (
     "perception",
 )
 OF_ALL = ("route_completion", "driving_score_2_0", "driving_score_2_1")
-WIDTHS = {"success_rate": 0.1, "path_mse_m2": 0.1}  # of the intervals whose number of seeds is told
+WIDTHS = {"success_rate": 0.1, "path_mse_m2": 0.1}  # of the intervals whose required seeds are computed
 
 
 def summarize(jobs: Iterable[Job], records: Iterable[Record]) -> dict[str, Any]:
-    """`{"rows": [...], "comparisons": [...]}`; the planned episodes are the denominator, whatever became of them."""
+    """`{"rows": [...], "comparisons": [...]}`; rates are over all planned episodes."""
     jobs = list(jobs)
     by_id = {record["id"]: record for record in records}
     cells: dict[tuple[str, str, str], list[Record | None]] = {}
@@ -67,7 +67,7 @@ def _row(cell: tuple[str, str, str], found: Sequence[Record | None]) -> dict[str
 
 
 def _intervals(success: Sequence[Record], driven: Sequence[Record], planned: int) -> dict[str, Any]:
-    """[low, high] under the key of each share and mean."""
+    """[low, high] for the key of each share and mean."""
     comfortable = [value for value in _comfortable(success) if value is not None]
     return {
         "success_rate": list(share_interval(len(success), planned)),
@@ -78,7 +78,7 @@ def _intervals(success: Sequence[Record], driven: Sequence[Record], planned: int
 
 
 def _seeds_needed(success: Sequence[Record], planned: int) -> dict[str, int | None]:
-    """How many seeds would make the intervals as wide as WIDTHS; of a mean, successful ones."""
+    """Number of seeds for intervals of WIDTHS; for a mean, of successful seeds."""
     return {
         "success_rate": seeds_for_share(len(success), planned, WIDTHS["success_rate"]),
         "path_mse_m2": seeds_for_mean(np.array(_present(success, "path_mse_m2")), WIDTHS["path_mse_m2"]),
@@ -86,12 +86,12 @@ def _seeds_needed(success: Sequence[Record], planned: int) -> dict[str, int | No
 
 
 def mean(values: Sequence[Any]) -> Any:
-    """The mean of what is there, key by key where the values are tables; None where nothing is."""
+    """The mean of the values that are not None, key by key for tables; None without any."""
     return _by_key(values, fmean)
 
 
 def interval(values: Sequence[Any]) -> Any:
-    """[low, high] of that mean, key by key likewise; None where the values tell nothing of it."""
+    """[low, high] of the mean, key by key for tables; None without a spread."""
     return _by_key(values, _ends)
 
 
@@ -101,13 +101,13 @@ def _ends(values: Sequence[float]) -> list[float] | None:
 
 
 def _by_key(values: Sequence[Any], of: Callable[[Sequence[Any]], Any]) -> Any:
-    there = [value for value in values if value is not None]
-    if not there:
+    present = [value for value in values if value is not None]
+    if not present:
         return None
-    if isinstance(there[0], dict):
-        keys = {key for value in there for key in value}
-        return {key: _by_key([value.get(key) for value in there], of) for key in sorted(keys)}
-    return of(there)
+    if isinstance(present[0], dict):
+        keys = {key for value in present for key in value}
+        return {key: _by_key([value.get(key) for value in present], of) for key in sorted(keys)}
+    return of(present)
 
 
 def _comfortable(records: Sequence[Record]) -> list[bool | None]:

@@ -1,4 +1,4 @@
-"""Rows of numbers as aligned text."""
+"""Tables of numbers as aligned text."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,7 +8,7 @@ GAP = 2
 
 
 def text_table(rows: Sequence[Mapping[str, float | str]], header: bool = True) -> str:
-    """A line a row, three digits a number; the first column is the row's name, the others are as wide as their keys.
+    """One line per row with three digits per number; the first column is the row's name.
 
     >>> print(text_table([{"drive": "A", "speed_mps": 5.5512}]))
     drive                   speed_mps

@@ -1,1 +1,1 @@
-"""The loop: one episode, driven, noted step by step, timed and scored."""
+"""One episode: the closed loop, its step log, timing and scores."""

@@ -1,4 +1,4 @@
-"""One episode: a driver in a world, from reset to end."""
+"""One closed-loop episode: a driver in an environment, from reset to end."""
 
 import gc
 from collections.abc import Callable
@@ -30,18 +30,18 @@ NO_FRAME: Image = np.empty((0, 0, 3), np.uint8)
 class EpisodeResult:
     record: dict[str, Any]
     steps: StepTable
-    timing: dict[str, Any]  # what a clock measured, and the traceback of an error
+    timing: dict[str, Any]  # wall times, and the traceback of an error
 
 
 def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None = None) -> EpisodeResult:
-    """Drive one episode and score it; `watch` is shown each frame with the driver's plan for it.
+    """Drive one episode and score it; `watch` receives each frame with the driver's plan for it.
 
-    Where nobody watches, only the frames that the driver looks at are drawn; the drive is the same. What the driver
-    changes of the process is put back.
+    Without `watch`, only the frames that the driver uses are rendered; the drive is the same. Process settings that the
+    driver changes are restored.
     """
-    with process_state.kept():
+    with process_state.preserved():
         result = _run(scenario, weather, driver, seed, watch)
-    # A world's objects hold each other: left until the collector comes by, the last few worlds would scatter the heap.
+    # The objects of an environment reference each other; without a collection here, old ones fragment the heap.
     gc.collect()
     return result
 
@@ -57,8 +57,8 @@ def _run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | N
             outcome = roll_out(env, tested, drivers.create("pid"), seed, watch, stopwatch.end_step)
         wall_s = perf_counter() - started_s
         if len(outcome.steps):
-            own_run = pid_without_obstacles(env.scenario, seed)
-            outcome = replace(outcome, steps=matched(outcome.steps, own_run))
+            pid_run = pid_without_obstacles(env.scenario, seed)
+            outcome = replace(outcome, steps=matched(outcome.steps, pid_run))
         record = records.score(job, outcome, env.route, env.route_length_m)
     steps_per_s = len(outcome.steps) / wall_s
     timing = {"id": job.id, "wall_s": wall_s, "steps_per_s": steps_per_s, "stages_ms": stopwatch.typical_ms()}
@@ -75,11 +75,11 @@ def roll_out(
     watch: Watcher | None = None,
     tick: Callable[[], None] = lambda: None,
 ) -> Outcome:
-    """Reset, then observe, act, step and record until the episode ends; the shadow is asked but never obeyed.
+    """Reset, then observe, act, step and record until the episode ends.
 
-    `tick` is called once a step.
+    The shadow driver's commands are recorded and not executed. `tick` is called once per step.
     """
-    traceback, looks = None, drivers.uses_images(driver)
+    traceback, uses_frame = None, drivers.uses_images(driver)
     with FrameHasher() as frames:
         log = StepLog()
         try:
@@ -89,19 +89,19 @@ def roll_out(
             ended = info["status"] != "running"
             while not ended:
                 observation = read(observed)
-                if looks:
+                if uses_frame:
                     frames.add(observation.image)
-                log.observe(observation, info, env, looks)
+                log.observe(observation, info, env, uses_frame)
                 command = drivers.command_of(driver, observation)
                 log.act(command, shadow.act(observation), plan := drivers.trace_of(driver))
                 if watch is not None:
                     watch(observation.image, plan)
                 tick()
-                looks = drivers.needs_next_frame(driver)
+                uses_frame = drivers.needs_next_frame(driver)
                 action = np.array([command.throttle, command.steering])
-                observed, _, terminated, truncated, info = env.step(action, with_frame=looks or watch is not None)
+                observed, _, terminated, truncated, info = env.step(action, with_frame=uses_frame or watch is not None)
                 ended = terminated or truncated
-            log.observe(read(observed), info, env, looked=False)
+            log.observe(read(observed), info, env, used=False)
             status = info["status"]
         except (Exception, SystemExit):
             status, traceback, info = "error", format_exc(), {}
@@ -110,7 +110,7 @@ def roll_out(
 
 
 def setup_for(driver: Driver, env: Any, seed: int) -> DriverSetup:
-    """What the driver is told before the episode, and not more than the privilege that it declares."""
+    """The driver's setup; route and world only with the privilege that it declares."""
     return DriverSetup(
         camera=env.camera,
         vehicle=env.vehicle_model,
@@ -124,7 +124,7 @@ def setup_for(driver: Driver, env: Any, seed: int) -> DriverSetup:
 
 
 def read(observed: dict[str, Any]) -> Observation:
-    """The environment's observation as the driver's; `info` never comes along."""
+    """The driver's observation from the environment's; drivers never receive `info`."""
     x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps = observed["ego"].tolist()
     goal_x_m, goal_y_m = observed["goal"].tolist()
     time_s = float(observed["time"][0])

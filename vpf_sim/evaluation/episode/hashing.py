@@ -1,4 +1,4 @@
-"""SHA-256 of all frames of an episode, on a helper thread: hashlib releases the GIL, so it costs no step time."""
+"""SHA-256 of all frames of an episode, on a thread: hashlib releases the GIL, so steps do not wait."""
 
 from hashlib import sha256
 from queue import SimpleQueue
@@ -9,7 +9,7 @@ from vpf_sim.types import Image
 
 
 class FrameHasher:
-    """A context: `add` each frame, ask for `hexdigest` after it is left. Frames must not change any more."""
+    """A context manager: `add` each frame, read `hexdigest` after its end. Frames must not change."""
 
     def __init__(self) -> None:
         self._digest = sha256()
@@ -28,13 +28,13 @@ class FrameHasher:
         self._thread.join()
 
     def add(self, frame: Image) -> None:
-        """Queue a frame, and make it read-only, for it is read later."""
+        """Queue a frame, and make it read-only, since the thread reads it later."""
         frame.flags.writeable = False
         self._frames += 1
         self._queue.put(frame)
 
     def hexdigest(self) -> str | None:
-        """None where there was no frame."""
+        """The hash; None without frames."""
         return self._digest.hexdigest() if self._frames else None
 
     def _work(self) -> None:

@@ -1,4 +1,4 @@
-"""The book that the episode loop keeps: what was observed, what was commanded, what the truth was."""
+"""The step log of an episode: state, command and ground truth at each step."""
 
 from dataclasses import replace
 from math import hypot, nan
@@ -7,34 +7,31 @@ from typing import Any
 from vpf_sim.envs.rectangles import nearest, solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
-from vpf_sim.evaluation.truth.sight import Sight
+from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
 from vpf_sim.timing import timed
 from vpf_sim.types import Command, Observation, Perception, Plan
 
-NOWHERE_PX = (nan, nan)  # the focus of expansion of a car that stands
+NO_FOE_PX = (nan, nan)  # a stationary car has no focus of expansion
 
 
 class StepLog:
-    """Row by row: `observe` opens one, `act` completes it; the last stays open, as the state in which all ended."""
+    """Builds the step table: `observe` adds a row, `act` completes it; the last row has no command."""
 
     def __init__(self) -> None:
         self._steps: list[Step] = []
-        self._sight = Sight()
+        self._perception_errors = PerceptionErrors()
 
     @timed("log")
-    def observe(self, observation: Observation, info: dict[str, Any], env: Any, looked: bool) -> None:
-        """A new row with the state, which sensors that err do not tell, and what the harness measures of the world.
-
-        `looked` tells whether the driver looks at this frame.
-        """
-        observation = _true(observation, info)
+    def observe(self, observation: Observation, info: dict[str, Any], env: Any, used: bool) -> None:
+        """Add a row with the true state and the ground truth; `used` is whether the driver uses this frame."""
+        observation = _with_true_state(observation, info)
         ego, network = env.ego, env.road.network
-        self._sight.observe(observation, env)
+        self._perception_errors.observe(observation, env)
         others, (_, near) = solid_objects(ego), nearest(ego)
         laterals_m = surroundings.corner_laterals(ego, network)
         in_lane = surroundings.is_in_lane(laterals_m, network)
         true_left_m, true_right_m = surroundings.true_edges(ego, network)
-        true_foe_x_px, true_foe_y_px = info.get("foe", NOWHERE_PX)
+        true_foe_x_px, true_foe_y_px = info.get("foe", NO_FOE_PX)
         self._steps.append(
             Step(
                 time_s=observation.time_s,
@@ -55,26 +52,26 @@ class StepLog:
                 true_foe_y_px=true_foe_y_px,
                 true_left_m=true_left_m,
                 true_right_m=true_right_m,
-                looked=float(looked),
+                looked=float(used),
             )
         )
 
     def act(self, command: Command, pid: Command, plan: Plan | None) -> None:
-        """What was done in this state, what the PID would have done, and what the driver had perceived."""
+        """Complete the row with the driver's command, the PID's, and the perception."""
         self._steps[-1] = self._steps[-1]._replace(
             throttle=command.throttle,
             steering=command.steering,
             pid_throttle=pid.throttle,
             pid_steering=pid.steering,
-            **({} if plan is None else perceived(plan.perception) | self._sight.columns(plan)),
+            **({} if plan is None else perceived(plan.perception) | self._perception_errors.columns(plan)),
         )
 
     def table(self) -> StepTable:
         return StepTable.of(self._steps)
 
 
-def _true(observation: Observation, info: dict[str, Any]) -> Observation:
-    """The observation with the true state in it."""
+def _with_true_state(observation: Observation, info: dict[str, Any]) -> Observation:
+    """The observation with the true state instead of the sensors' values."""
     if "ego" not in info:
         return observation
     x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps = info["ego"].tolist()
@@ -83,7 +80,7 @@ def _true(observation: Observation, info: dict[str, Any]) -> Observation:
 
 
 def _nearest(ego: Any, near: Any) -> dict[str, float]:
-    """The columns of the nearest body."""
+    """The columns of the nearest object."""
     return {
         "near_bearing_rad": surroundings.bearing_rad(ego, near),
         "near_bumper_m": surroundings.bumper_gap_m(ego, near),
@@ -92,12 +89,12 @@ def _nearest(ego: Any, near: Any) -> dict[str, float]:
 
 
 def perceived(perception: Perception) -> dict[str, float]:
-    """The columns of focus of expansion and road; what the driver itself does not trust is left out."""
+    """The columns of focus of expansion and road edges; those with confidence 0 are left out."""
     columns: dict[str, float] = {}
     expansion, road = perception.expansion, perception.road
     if expansion.confidence > 0.0:
         columns |= {"foe_x_px": expansion.x_px, "foe_y_px": expansion.y_px}
     if road.confidence > 0.0:
-        left_m, right_m = surroundings.seen_edges(road)
+        left_m, right_m = surroundings.perceived_edges(road)
         columns |= {"seen_left_m": left_m, "seen_right_m": right_m}
     return columns

@@ -1,6 +1,6 @@
 """The PID's own run, for the paired protocol: the same scenario and seed with the obstacles removed.
 
-The PID looks at no frame, so none is rendered, and the run costs a fraction of a second.
+The PID uses no frames, so none is rendered and the run takes a fraction of a second.
 """
 
 from contextlib import closing
@@ -18,16 +18,16 @@ from vpf_sim.types import DriverSetup, Floats, Image, Observation
 NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
 
 
-class OwnRun(NamedTuple):
-    """(N,) where the PID was along its route, m, and what it commanded there."""
+class PidRun(NamedTuple):
+    """(N,) the PID's positions along its route, m, and its commands there."""
 
     route_m: Floats
     throttle: Floats
     steering: Floats
 
 
-def pid_without_obstacles(drawn: Scenario, seed: int, rate_hz: float = 60.0) -> OwnRun:
-    """Drive the PID to the goal, or for as long as the scenario allows."""
+def pid_without_obstacles(drawn: Scenario, seed: int, rate_hz: float = 60.0) -> PidRun:
+    """Drive the PID to the goal, or until the scenario's time limit."""
     with closing(FourLane(drawn.model_copy(update={"bodies": ()}), rate_hz=rate_hz, frames=False)) as env:
         env.reset(seed=seed)
         pid = drivers.create("pid")
@@ -41,14 +41,14 @@ def pid_without_obstacles(drawn: Scenario, seed: int, rate_hz: float = 60.0) -> 
             command = pid.act(_observation(env, len(rows) / rate_hz))
             rows.append((env.route_m, command.throttle, command.steering))
             env.advance(np.array([command.throttle, command.steering]))
-    return OwnRun(*np.array(rows).T)
+    return PidRun(*np.array(rows).T)
 
 
-def matched(table: StepTable, own_run: OwnRun) -> StepTable:
-    """The table with what the PID did in its own run at the distance of each row but the last, which has no command."""
+def matched(table: StepTable, pid_run: PidRun) -> StepTable:
+    """The table with the PID's commands of its own run at each row's distance; nan in the last row."""
     columns = {}
     for name in ("throttle", "steering"):
-        own = at_distance(table.route_m, own_run.route_m, getattr(own_run, name))
+        own = at_distance(table.route_m, pid_run.route_m, getattr(pid_run, name))
         columns[f"paired_{name}"] = np.append(own[:-1], np.nan)
     return table.replaced(columns)
 

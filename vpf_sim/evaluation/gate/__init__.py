@@ -1,1 +1,1 @@
-"""Whether a run keeps the rules, and is no worse than a run before."""
+"""The gate: whether a run satisfies rules, and is no worse than a baseline."""

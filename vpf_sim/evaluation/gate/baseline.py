@@ -1,4 +1,4 @@
-"""A stored run to be no worse than: on the same seeds where there are such, else against its interval."""
+"""Comparison with a baseline run: paired on common seeds, else against the baseline's interval."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,7 +20,11 @@ from vpf_sim.evaluation.analysis.statistics import (
 from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Run, read_run, values_of, worst_first
 from vpf_sim.evaluation.gate.rules import Score
 
-SHARES = ("success_rate", "collisions", "comfortable_share")  # of the planned episodes; one ends at its first collision
+SHARES = (
+    "success_rate",
+    "collisions",
+    "comfortable_share",
+)  # of the planned episodes; an episode ends at its first collision
 HIGHER_IS_BETTER = ("success_rate", "clearance_m", "comfortable_share")
 
 
@@ -30,7 +34,7 @@ class Intervals(BaseModel):
 
 
 class Row(BaseModel):
-    """Of a row of a summary what is compared."""
+    """The compared values of a summary row."""
 
     model_config = ConfigDict(allow_inf_nan=False)
 
@@ -52,28 +56,28 @@ class Table(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """The table of a run alone, by cell."""
+    """A run's summary without its records, by cell."""
 
     path: Path
     rows: dict[Cell, Row]
 
 
-class Before(NamedTuple):
+class BaselineScore(NamedTuple):
     """A score in a cell of the baseline."""
 
-    by_seed: Mapping[int, float]  # empty where a summary is all there is
+    by_seed: Mapping[int, float]  # empty for a summary without records
     mean: float | None
     interval: Interval | None
 
 
 class Comparison(NamedTuple):
-    told: str
+    text: str
     worse: bool
-    seeds: tuple[int, ...]  # that became worse, the worst first
+    seeds: tuple[int, ...]  # that got worse, worst first
 
 
 def read(path: Path) -> Run | Summary:
-    """A run folder, or the file of its summary."""
+    """The run in a folder, or a summary.json file."""
     if path.suffix != ".json":
         return read_run(path)
     try:
@@ -85,12 +89,12 @@ def read(path: Path) -> Run | Summary:
     return Summary(path, {Cell(row.scenario, row.weather, row.driver): row for row in rows})
 
 
-def before(baseline: Run | Summary, run: Run, cell: Cell, score: Score) -> Before:
-    """The score in the same cell of the baseline, which must have been driven in the same world."""
+def baseline_score(baseline: Run | Summary, run: Run, cell: Cell, score: Score) -> BaselineScore:
+    """The baseline's score in a cell; InputError where scenario or weather differ from the run's."""
     cells = baseline.rows if isinstance(baseline, Summary) else baseline.cells
     if cell not in cells:
-        known = "; ".join(", ".join(one) for one in cells)
-        raise InputError(f"{baseline.path}: expected the cell {', '.join(cell)}, got none; known: {known}")
+        available = "; ".join(", ".join(one) for one in cells)
+        raise InputError(f"{baseline.path}: expected the cell {', '.join(cell)}, got none; known: {available}")
     if isinstance(baseline, Summary):
         return _of_row(baseline.rows[cell], score)
     for kind, name in (("scenarios", cell.scenario), ("weathers", cell.weather)):
@@ -99,11 +103,11 @@ def before(baseline: Run | Summary, run: Run, cell: Cell, score: Score) -> Befor
                 f"{baseline.path}: expected {kind[:-1]} '{name}' as in {run.path}, got another of that name"
             )
     values = values_of(score, baseline.cells[cell])
-    return Before(values, fmean(values.values()) if values else None, _interval(score, list(values.values())))
+    return BaselineScore(values, fmean(values.values()) if values else None, _interval(score, list(values.values())))
 
 
-def compare(score: Score, ours: Mapping[int, float], theirs: Before) -> Comparison:
-    """Whether ours are worse by more than the interval: of the paired differences, or else of the baseline's mean."""
+def compare(score: Score, ours: Mapping[int, float], theirs: BaselineScore) -> Comparison:
+    """Whether ours are worse beyond the interval of the paired differences, or else of the baseline's mean."""
     sign = 1.0 if score in HIGHER_IS_BETTER else -1.0
     common = sorted(ours.keys() & theirs.by_seed.keys())
     if not common:
@@ -113,33 +117,33 @@ def compare(score: Score, ours: Mapping[int, float], theirs: Before) -> Comparis
     assert found is not None
     low, high = found.interval or (found.difference, found.difference)
     lost = {seed: loss for seed, loss in zip(common, (sign * (then - now)).tolist(), strict=True) if loss > 0.0}
-    told = f"{np.mean(now):.3g}, was {np.mean(then):.3g}: {found.difference:+.3g} [{low:+.3g}, {high:+.3g}]"
+    text = f"{np.mean(now):.3g}, was {np.mean(then):.3g}: {found.difference:+.3g} [{low:+.3g}, {high:+.3g}]"
     worse = max(sign * low, sign * high) < 0.0
-    return Comparison(f"{told} on {len(common)} same seed" + "s" * (len(common) != 1), worse, tuple(worst_first(lost)))
+    return Comparison(f"{text} on {len(common)} same seed" + "s" * (len(common) != 1), worse, tuple(worst_first(lost)))
 
 
-def _unpaired(sign: float, ours: Mapping[int, float], theirs: Before) -> Comparison:
+def _unpaired(sign: float, ours: Mapping[int, float], theirs: BaselineScore) -> Comparison:
     mean = fmean(ours.values())
     assert theirs.mean is not None
     low, high = theirs.interval or (theirs.mean, theirs.mean)
     worst = low if sign > 0.0 else high
     lost = {seed: sign * (worst - value) for seed, value in ours.items() if sign * (worst - value) > 0.0}
     where = "on other seeds" if theirs.by_seed else "in the summary"
-    told = f"{mean:.3g}, was {theirs.mean:.3g} [{low:.3g}, {high:.3g}] {where}"
-    return Comparison(told, sign * (worst - mean) > 0.0, tuple(worst_first(lost)))
+    text = f"{mean:.3g}, was {theirs.mean:.3g} [{low:.3g}, {high:.3g}] {where}"
+    return Comparison(text, sign * (worst - mean) > 0.0, tuple(worst_first(lost)))
 
 
-def _of_row(row: Row, score: Score) -> Before:
+def _of_row(row: Row, score: Score) -> BaselineScore:
     if score in SHARES:
         count = _count(row, score)
-        return Before({}, count / row.episodes, share_interval(count, row.episodes))
+        return BaselineScore({}, count / row.episodes, share_interval(count, row.episodes))
     key = "min_clearance_m" if score == "clearance_m" else score
     ends = getattr(row.intervals, key)
-    return Before({}, getattr(row, key), None if ends is None else Interval(*ends))
+    return BaselineScore({}, getattr(row, key), None if ends is None else Interval(*ends))
 
 
 def _count(row: Row, score: Score) -> int:
-    """Of how many episodes a share is, as `value_of` counts them."""
+    """The number of episodes in a share, counted as in `value_of`."""
     if score == "success_rate":
         return row.successes
     if score == "comfortable_share":

@@ -1,4 +1,4 @@
-"""The cells of a stored run - scenario, weather, driver - with what the gate judges of each planned episode."""
+"""The cells (scenario, weather, driver) of a stored run, with the checked values of each planned episode."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.gate.rules import Score
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.run_folder import read_manifest, stored_plan
-from vpf_sim.evaluation.sweeps.shapes import checked
+from vpf_sim.evaluation.sweeps.schema import checked
 
-FAULTS = ("error", "invalid_frame")  # these episodes were not driven to an end
+FAULTS = ("error", "invalid_frame")  # statuses of episodes that did not finish
 
 
 class Cell(NamedTuple):
@@ -27,7 +27,7 @@ class Comfort(BaseModel):
 
 
 class Episode(BaseModel):
-    """Of a record what the gate looks at."""
+    """The values of a record that rules check."""
 
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
 
@@ -44,12 +44,12 @@ class Episode(BaseModel):
         return self.status == "success"
 
 
-Episodes = Mapping[int, Episode | None]  # by seed, all that were planned; None: no record of it
+Episodes = Mapping[int, Episode | None]  # by seed, all planned ones; None without a record
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A run's episodes by cell, and the hashes of what its scenarios and weathers said."""
+    """A run's episodes by cell, and the hashes of its scenarios and weathers."""
 
     path: Path
     cells: dict[Cell, Episodes]
@@ -57,7 +57,7 @@ class Run:
 
 
 def read_run(path: Path) -> Run:
-    """The run in a folder, checked to be one."""
+    """The validated run in a folder."""
     if not path.is_dir():
         raise InputError(f"{path}: expected a run folder, got {'a file' if path.exists() else 'nothing of that name'}")
     manifest, jobs = read_manifest(path), stored_plan(path).jobs()
@@ -72,10 +72,10 @@ def read_run(path: Path) -> Run:
 
 
 def value_of(score: Score, episode: Episode | None) -> float | None:
-    """What an episode counts in the mean of a score.
+    """An episode's value in the mean of a score.
 
-    One that is missing, or was not driven to an end, is no success, not comfortable, and as bad as a collision.
-    Path MSE and clearance are of successful episodes only; clearance is None without bodies, too.
+    A missing or unfinished episode counts as unsuccessful, uncomfortable, and a collision. Path MSE and clearance are
+    None for unsuccessful episodes, clearance also without obstacles.
     """
     if score == "collisions":
         return 1.0 if episode is None or episode.status in FAULTS else float(episode.collisions)
@@ -90,11 +90,11 @@ def value_of(score: Score, episode: Episode | None) -> float | None:
 
 
 def values_of(score: Score, episodes: Episodes) -> dict[int, float]:
-    """By seed, for the episodes that count in a score."""
+    """Values by seed of the episodes that count in a score."""
     values = {seed: value_of(score, episode) for seed, episode in episodes.items()}
     return {seed: value for seed, value in values.items() if value is not None}
 
 
 def worst_first(losses: Mapping[int, float]) -> list[int]:
-    """Seeds by how much was lost."""
+    """Seeds sorted by loss, largest first."""
     return sorted(losses, key=lambda seed: (-losses[seed], seed))

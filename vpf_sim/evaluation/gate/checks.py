@@ -1,4 +1,4 @@
-"""What the gate says of a rule in a cell, and which cells a rule is for."""
+"""The check of a rule in a cell, and the cells that a rule matches."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -18,9 +18,9 @@ Outcome = Literal["passed", "failed", "skipped"]
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """A rule in a cell. `seeds` are those to drive again, the worst first.
+    """The result of a rule in a cell; `seeds` are those to repeat, worst first.
 
-    Of a rule on perception they are to be seen again: as the episodes `drives` of the run in `folder`, or all of it.
+    A perception rule is repeated on the episodes `drives` of the run in `folder`, or on the whole run.
     """
 
     cell: Cell
@@ -33,19 +33,19 @@ class Check:
 
     @property
     def rerun(self) -> str | None:
-        """The command that drives the seeds again, or sees the drives again."""
+        """The command that repeats the seeds or the perception drives."""
         if self.folder:
-            seen_again = command("perception", self.folder, driver=self.cell.driver)
-            return " ".join([seen_again, *(f"--id {drive}" for drive in self.drives)])
-        return again(self.cell, self.seeds) if self.seeds else None
+            rerun = command("perception", self.folder, driver=self.cell.driver)
+            return " ".join([rerun, *(f"--id {drive}" for drive in self.drives)])
+        return drive_command(self.cell, self.seeds) if self.seeds else None
 
     def first(self, count: int) -> "Check":
-        """The same with so many of the seeds."""
+        """A copy with the first `count` seeds."""
         return replace(self, seeds=self.seeds[:count], drives=self.drives[:count])
 
 
-def again(cell: Cell, seeds: Sequence[int]) -> str:
-    """A command that drives some seeds of a cell, for a shell."""
+def drive_command(cell: Cell, seeds: Sequence[int]) -> str:
+    """The shell command that drives some seeds of a cell."""
     drive = command("drive", cell.scenario, weather=cell.weather, driver=cell.driver)
     if len(seeds) == 1:
         return f"{drive} --seed {seeds[0]}"
@@ -53,7 +53,7 @@ def again(cell: Cell, seeds: Sequence[int]) -> str:
 
 
 def matching(rule: Rule, cells: Iterable[Cell], path: Path, where: str) -> list[Cell]:
-    """The cells of a run that a rule is for; a rule for none would hold whatever happens."""
+    """The cells that a rule matches; InputError for none, since such a rule would always pass."""
     cells, wanted = list(cells), Cell(rule.scenario, rule.weather, rule.driver)
     for kind, pattern in wanted._asdict().items():
         names = {getattr(cell, kind) for cell in cells}
@@ -66,6 +66,6 @@ def matching(rule: Rule, cells: Iterable[Cell], path: Path, where: str) -> list[
 
 
 def number(value: float, limit: float) -> str:
-    """Three digits, or as many as tell the value from the limit."""
+    """The value with three digits, or as many as distinguish it from the limit."""
     texts = (f"{value:.{digits}g}" for digits in range(max(3, len(f"{value:.0f}")), 18))
     return next(text for text in texts if np.sign(float(text) - limit) == np.sign(value - limit))

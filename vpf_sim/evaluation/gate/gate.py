@@ -1,6 +1,6 @@
-"""The gate: whether a run keeps the rules, and if not, which seeds to drive again to see why.
+"""The gate: checks a run against rules, and lists the seeds to repeat for each failure.
 
-The planned episodes are the denominator: one without a record is a failure, in every rule.
+All planned episodes count; an episode without a record fails every rule.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ from vpf_sim.evaluation.gate.rules import SCORES, Rule, Score
 
 
 def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
-    """Every rule in every cell that it is for; the paths of baselines start where the rules' `file` is."""
+    """Check every rule in every matching cell; paths of baselines are relative to the rules' `file`."""
     checks: list[Check] = []
     for i, rule in enumerate(rules):
         if rule.perception is not None:
@@ -30,91 +30,93 @@ def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
         checks += [_bound(key, limit, cell, run.cells[cell]) for cell in cells for key, limit in rule.bounds().items()]
         if rule.no_worse_than is not None:
             checks += _no_worse(rule, run, cells, file.parent / rule.no_worse_than)
-    return list(dict.fromkeys(checks))  # two rules may ask for the same
+    return list(dict.fromkeys(checks))  # two rules may be equal
 
 
 def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
-    kind, expected = KINDS[key], f"{key} {limit:g}"
-    values = values_of(kind.score, episodes)
+    bound, expected = BOUND_KINDS[key], f"{key} {limit:g}"
+    values = values_of(bound.score, episodes)
     if not values:
-        return _nothing_to_judge(cell, expected, episodes)
-    value = kind.of(list(values.values()))
+        return _without_values(cell, expected, episodes)
+    value = bound.of(list(values.values()))
     sign = 1.0 if key.endswith("_at_least") else -1.0
     kept = value is not None and sign * (value - limit) >= 0.0
-    good = PERFECT.get(kind.score, limit)
+    good = PERFECT.get(bound.score, limit)
     short = {seed: sign * (good - value) for seed, value in values.items()}
     worst = worst_first(short)
     seeds = [seed for seed in worst if short[seed] > 0.0] or worst[:1]
-    told = "no interval" if value is None else number(value, limit) + kind.unit
-    actual = f"{told} ({len(values)} episode{'s' * (len(values) != 1)})"
-    return _checked(Check(cell, expected, actual, "passed" if kept else "failed", tuple(seeds)), kind.score, episodes)
+    text = "no interval" if value is None else number(value, limit) + bound.unit
+    actual = f"{text} ({len(values)} episode{'s' * (len(values) != 1)})"
+    return _checked(Check(cell, expected, actual, "passed" if kept else "failed", tuple(seeds)), bound.score, episodes)
 
 
 def _checked(check: Check, score: Score, episodes: Episodes) -> Check:
-    """With the episodes that were not driven to an end told.
+    """The check with the counts of missing and unfinished episodes.
 
-    Those without a record count in shares anyway, and break the rules on other scores.
+    A missing episode already counts in shares; it fails rules on other scores.
     """
     missing = tuple(seed for seed, episode in episodes.items() if episode is None)
     faults = sum(episode is not None and episode.status in FAULTS for episode in episodes.values())
-    told = ((len(missing), "without a record"), (faults, "ended by a fault"))
-    check = replace(check, actual=", ".join([check.actual, *(f"{count} {what}" for count, what in told if count)]))
+    counts = ((len(missing), "without a record"), (faults, "ended by a fault"))
+    check = replace(check, actual=", ".join([check.actual, *(f"{count} {what}" for count, what in counts if count)]))
     if missing and score not in PERFECT:
         seeds = check.seeds if check.outcome == "failed" else ()
         check = replace(check, outcome="failed", seeds=tuple(dict.fromkeys([*missing, *seeds])))
     return check if check.outcome == "failed" else replace(check, seeds=())
 
 
-def _nothing_to_judge(cell: Cell, expected: str, episodes: Episodes) -> Check:
-    """Scores are of successful episodes; those that have none for another reason met no body."""
+def _without_values(cell: Cell, expected: str, episodes: Episodes) -> Check:
+    """The check of a cell without values: no obstacles, or no successful episode."""
     if any(episode is not None and episode.succeeded for episode in episodes.values()):
-        return Check(cell, expected, "no bodies", "skipped")
+        return Check(cell, expected, "no obstacles", "skipped")
     return Check(cell, expected, "no successful episode", "failed", tuple(sorted(episodes)))
 
 
 def _no_worse(rule: Rule, run: Run, cells: Sequence[Cell], path: Path) -> list[Check]:
-    """The scores of one rule against its baseline."""
+    """Check the scores of one rule against its baseline."""
     stored = baseline.read(path)
     return [
-        _against(baseline.before(stored, run, cell, score), score, cell, run.cells[cell], str(rule.no_worse_than))
+        _against(
+            baseline.baseline_score(stored, run, cell, score), score, cell, run.cells[cell], str(rule.no_worse_than)
+        )
         for cell in cells
         for score in rule.scores or SCORES
     ]
 
 
-def _against(before: baseline.Before, score: Score, cell: Cell, episodes: Episodes, name: str) -> Check:
+def _against(before: baseline.BaselineScore, score: Score, cell: Cell, episodes: Episodes, name: str) -> Check:
     expected, ours = f"{score} no worse than {name}", values_of(score, episodes)
     if before.mean is None:
         return Check(cell, expected, "the baseline has none", "skipped")
     if not ours:
-        return _nothing_to_judge(cell, expected, episodes)
+        return _without_values(cell, expected, episodes)
     found = baseline.compare(score, ours, before)
-    judged = Check(cell, expected, found.told, "failed" if found.worse else "passed", found.seeds)
-    return _checked(judged, score, episodes)
+    check = Check(cell, expected, found.text, "failed" if found.worse else "passed", found.seeds)
+    return _checked(check, score, episodes)
 
 
 def _upper(values: Sequence[float]) -> float | None:
-    """The upper end of the mean's interval; equal values have their mean, a single one tells nothing of others."""
+    """The upper end of the mean's interval; the mean for equal values, None for a single one."""
     interval = mean_interval(np.array(values))
     if interval is not None:
         return interval.high
     return fmean(values) if len(values) > 1 else None
 
 
-class Kind(NamedTuple):
-    """What a bound is on: a score, what is made of its values, and the unit of that."""
+class BoundKind(NamedTuple):
+    """The score of a bound, the aggregate of its values, and the aggregate's unit."""
 
     score: Score
     of: Callable[[list[float]], float | None]
     unit: str = ""
 
 
-KINDS = {
-    "success_rate_at_least": Kind("success_rate", fmean),
-    "collisions_at_most": Kind("collisions", sum),
-    "path_mse_m2_at_most": Kind("path_mse_m2", fmean, " m2"),
-    "path_mse_m2_upper_at_most": Kind("path_mse_m2", _upper, " m2"),
-    "clearance_m_at_least": Kind("clearance_m", min, " m"),
-    "comfortable_share_at_least": Kind("comfortable_share", fmean),
+BOUND_KINDS = {
+    "success_rate_at_least": BoundKind("success_rate", fmean),
+    "collisions_at_most": BoundKind("collisions", sum),
+    "path_mse_m2_at_most": BoundKind("path_mse_m2", fmean, " m2"),
+    "path_mse_m2_upper_at_most": BoundKind("path_mse_m2", _upper, " m2"),
+    "clearance_m_at_least": BoundKind("clearance_m", min, " m"),
+    "comfortable_share_at_least": BoundKind("comfortable_share", fmean),
 }
 PERFECT: dict[Score, float] = {"success_rate": 1.0, "collisions": 0.0, "comfortable_share": 1.0}

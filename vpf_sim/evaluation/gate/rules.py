@@ -1,4 +1,4 @@
-"""The rules of the gate: a TOML file of what a run must keep, each rule for some cells or for all."""
+"""The rules of the gate, read from a TOML file; each rule applies to some cells or all."""
 
 from collections.abc import Iterable
 from dataclasses import fields
@@ -18,7 +18,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 @settings
 class PerceptionBounds:
-    """Bounds on what `vpf-sim perception` stored; of errors on the median, and on the 95th percentile."""
+    """Bounds on perception metrics; bounds on errors are on the median, with _p95 on the 95th percentile."""
 
     recall_at_least: Share | None = None
     precision_at_least: Share | None = None
@@ -43,13 +43,13 @@ class PerceptionBounds:
             raise ValueError("expected a bound, such as recall_at_least, got none")
 
     def bounds(self) -> dict[str, float]:
-        """The bounds that are given, by their keys."""
+        """The given bounds by key."""
         return _given(self, [field.name for field in fields(self)])
 
 
 @settings
 class Rule:
-    """Bounds for the cells that `scenario`, `weather` and `driver` name; "*" and "?" stand for any letters."""
+    """Bounds for the cells that match `scenario`, `weather` and `driver`; "*" and "?" are wildcards."""
 
     scenario: str = "*"
     weather: str = "*"
@@ -61,8 +61,8 @@ class Rule:
     clearance_m_at_least: NotNegative | None = None
     comfortable_share_at_least: Share | None = None
     perception: PerceptionBounds | None = None
-    no_worse_than: str | None = setting("a run folder, or a summary.json; from where the rules file is", default=None)
-    scores: tuple[Score, ...] | None = setting("that no_worse_than compares; left out: all", default=None, min_length=1)
+    no_worse_than: str | None = setting("a run folder or summary.json, relative to the rules file", default=None)
+    scores: tuple[Score, ...] | None = setting("compared by no_worse_than; default: all", default=None, min_length=1)
 
     def __post_init__(self) -> None:
         if not self.bounds() and self.no_worse_than is None and self.perception is None:
@@ -71,7 +71,7 @@ class Rule:
             raise ValueError("scores: expected no_worse_than beside them, got none")
 
     def bounds(self) -> dict[str, float]:
-        """The bounds that are given, by their keys."""
+        """The given bounds by key."""
         return _given(self, BOUNDS)
 
 
@@ -84,7 +84,7 @@ class Rules:
 
 
 def read_rules(path: Path) -> list[Rule]:
-    """The rules of a file; InputError with a line for each fault."""
+    """The rules of a file; InputError with one line per fault."""
     return list(configuration.build(Rules, configuration.read_file(path, "rules"), str(path)).rules)
 
 

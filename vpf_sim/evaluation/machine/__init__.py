@@ -1,1 +1,1 @@
-"""Whether this machine has all that is needed, drives as it should, and how fast."""
+"""Checks of this machine's installation, determinism and speed."""

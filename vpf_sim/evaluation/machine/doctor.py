@@ -1,4 +1,4 @@
-"""All that `vpf-sim doctor` checks."""
+"""All checks of `vpf-sim doctor`."""
 
 from collections.abc import Callable, Iterator, Mapping
 
@@ -7,18 +7,18 @@ from vpf_sim.evaluation.machine.installation import BROKEN, Check
 
 
 def examine() -> Iterator[Check]:
-    """Each check as soon as it is done; those that drive come last, for they need all else."""
-    yield from _tried(installation.checks())
+    """Yield each check when it is done; driving checks come last, since they depend on the others."""
+    yield from _run(installation.checks())
     try:
         from vpf_sim.evaluation.machine import driving_checks
-    except Exception as error:  # a library that is there and does not load
+    except Exception as error:  # an installed library that cannot be imported
         yield _failed("driving", error)
         return
-    yield from _tried(driving_checks.checks())
+    yield from _run(driving_checks.checks())
 
 
-def _tried(checks: Mapping[str, Callable[[], Check]]) -> Iterator[Check]:
-    """A check that raises has failed."""
+def _run(checks: Mapping[str, Callable[[], Check]]) -> Iterator[Check]:
+    """Run checks; a check that raises has failed."""
     for name, check in checks.items():
         try:
             yield check()

@@ -1,4 +1,4 @@
-"""Whether this machine drives as it should, for `vpf-sim doctor`: a picture that is one, in time, always the same."""
+"""Checks for `vpf-sim doctor`: valid frames, sufficient speed, and reproducible episodes."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -24,14 +24,14 @@ from vpf_sim.types import Camera, Image
 SCENARIO, DRIVER, SEED = "town04", "vpf", 7
 EPISODE_S = 1.5
 FRAMES = 12
-FEWEST_CORNERS = 100  # of the 300 that are asked for; a driver cannot steer by less
+FEWEST_CORNERS = 100  # of 300 requested; a driver cannot steer by fewer
 SLOWEST_HZ = 5.0
-UNSTEADY = "sweeps cannot be compared or resumed here; look for another OpenCV or CPU, or report it"
+UNSTEADY = "sweeps cannot be compared or resumed here; try another OpenCV or CPU, or report it"
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A short episode: what must be the same whenever it is driven, and how fast it was."""
+    """A short episode: its reproducible results, and its speed."""
 
     status: str
     states_sha256: str
@@ -41,20 +41,20 @@ class Run:
 
 
 def checks() -> dict[str, Callable[[], Check]]:
-    """By name, in the order in which one thing needs the other; what several look at is made once."""
+    """The checks by name, in order of dependence; they share frames and an episode."""
     limit_opencv()
-    here = _Here()
+    samples = _Samples()
     return {
-        "frames": lambda: frames(here.frames, here.shape),
-        "corners": lambda: corners(here.frames[-1]),
-        "speed": lambda: speed(here.run),
-        "same again": lambda: same("same again", here.run, short_episode(SEED)),
-        "same elsewhere": lambda: same("same elsewhere", here.run, in_fresh_process(SEED)),
+        "frames": lambda: frames(samples.frames, samples.shape),
+        "corners": lambda: corners(samples.frames[-1]),
+        "speed": lambda: speed(samples.run),
+        "same again": lambda: same("same again", samples.run, short_episode(SEED)),
+        "same elsewhere": lambda: same("same elsewhere", samples.run, in_fresh_process(SEED)),
     }
 
 
 def frames(taken: Sequence[Image], shape: tuple[int, ...]) -> Check:
-    """Frames of a car that moves are of the camera's shape, of more than one colour, and each unlike the last."""
+    """Whether frames of a moving car have the camera's shape, more than one colour, and change."""
     faults = [frame_fault(taken[0], shape), *(frame_fault(now, shape, before) for before, now in pairwise(taken))]
     wrong = [f"frame {number} is {fault}" for number, fault in enumerate(faults) if fault]
     if wrong:
@@ -64,7 +64,7 @@ def frames(taken: Sequence[Image], shape: tuple[int, ...]) -> Check:
 
 
 def corners(frame: Image) -> Check:
-    """There is something in the picture that can be tracked."""
+    """Whether a frame has enough corners to track."""
     found = cv2.goodFeaturesToTrack(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), 300, 0.01, 8)
     count = 0 if found is None else len(found)
     if count < FEWEST_CORNERS:
@@ -73,7 +73,7 @@ def corners(frame: Image) -> Check:
 
 
 def speed(run: Run) -> Check:
-    """Steps a second: the driver, the camera in hard rain, and physics."""
+    """Whether the whole loop in hard rain is fast enough."""
     rate_hz = run.steps / run.wall_s
     found = f"{rate_hz:.0f} steps a second in hard rain; the camera takes 60"
     if rate_hz < SLOWEST_HZ:
@@ -82,7 +82,7 @@ def speed(run: Run) -> Check:
 
 
 def same(name: str, first: Run, again: Run) -> Check:
-    """Two runs of one episode have the same states and frames, bit by bit."""
+    """Whether two runs of one episode have equal states and frames, bit by bit."""
     for run in (first, again):
         if run.status in ("error", "invalid_frame"):
             return Check(name, False, f"the short episode ended by {run.status}", BROKEN)
@@ -96,7 +96,7 @@ def same(name: str, first: Run, again: Run) -> Check:
 
 
 def short_episode(seed: int) -> Run:
-    """The first moments of a drive past a parked car, in hard rain, where most is drawn at random."""
+    """Drive the beginning of an episode in hard rain, which uses the most random streams."""
     scenario = scenarios.load(SCENARIO).draw(seed).model_copy(update={"limits": Limits(time_s=EPISODE_S)})
     with closing(FourLane(scenario, "rain", truth=("foe",))) as env:
         started_s = perf_counter()
@@ -107,22 +107,22 @@ def short_episode(seed: int) -> Run:
 
 
 def in_fresh_process(seed: int) -> Run:
-    """The short episode in a process that has nothing of ours but the code."""
+    """The short episode in a new process."""
     done = next(iter(pool.run(short_episode, [seed], 1)))
     if done.result is None:
         raise RuntimeError("the other process died")
     return done.result
 
 
-class _Here:
-    """What several checks look at, made when the first asks for it."""
+class _Samples:
+    """Frames and an episode that several checks share, created on first use."""
 
     camera = Camera()
     shape = (camera.height_px, camera.width_px, 3)
 
     @cached_property
     def frames(self) -> list[Image]:
-        """What the camera sees from a car that rolls on in clear weather."""
+        """Frames of a rolling car in clear weather."""
         with closing(FourLane(SCENARIO, "clear")) as env:
             observed, _ = env.reset(seed=SEED)
             return [observed["image"], *(env.step(np.zeros(2, np.float32))[0]["image"] for _ in range(FRAMES - 1))]

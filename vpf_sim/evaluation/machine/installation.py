@@ -1,4 +1,4 @@
-"""Whether what is installed is what we need, as checks for `vpf-sim doctor`."""
+"""Checks of the installation for `vpf-sim doctor`."""
 
 import os
 import platform
@@ -15,7 +15,7 @@ BROKEN = "vpf_sim is broken here; run its tests (make test), and report what fai
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One line of the doctor's answer; `remedy` says what to do where it is not ok."""
+    """One line of the doctor's output; `remedy` says what to do if it is not ok."""
 
     name: str
     ok: bool
@@ -24,7 +24,7 @@ class Check:
 
 
 def checks() -> dict[str, Callable[[], Check]]:
-    """By name."""
+    """The checks by name."""
     return {
         "versions": lambda: versions(lower_bounds()),
         "fingerprint": fingerprint_in_use,
@@ -35,13 +35,13 @@ def checks() -> dict[str, Callable[[], Check]]:
 
 
 def lower_bounds() -> dict[str, str]:
-    """The packages that vpf_sim asks for, and the version from which on."""
+    """The required packages with their lowest versions."""
     asked = [re.fullmatch(r"([\w.-]+)>=([\d.]+)", one) for one in requires("vpf_sim") or []]  # extras do not match
     return {match[1]: match[2] for match in asked if match}
 
 
 def versions(lowest: Mapping[str, str]) -> Check:
-    """Each package of `lowest` is installed, in that version or a later one."""
+    """Whether each package of `lowest` is installed in that version or a later one."""
     found = {name: _version(name) for name in lowest}
     wrong = [
         f"{name} {found[name] or 'is missing'}, expected {least} or later"
@@ -55,14 +55,14 @@ def versions(lowest: Mapping[str, str]) -> Check:
 
 
 def fingerprint_in_use() -> Check:
-    """What the bytes of an episode depend on beside its inputs."""
+    """The fingerprint of code and machine."""
     found = fingerprint()
     features = found["opencv_cpu_features"]
     return Check("fingerprint", True, f"{digest(found)} (source {found['source'][:12]}, OpenCV on {features})")
 
 
 def pygame_in_use(is_ce: bool, distributions: Collection[str]) -> Check:
-    """highway-env needs pygame-ce; the distribution pygame overwrites the same files."""
+    """Whether pygame-ce is installed alone: the distribution pygame overwrites its files."""
     if is_ce and "pygame" not in distributions:
         return Check("pygame", True, f"pygame-ce {_version('pygame-ce')}")
     found = "pygame over pygame-ce" if "pygame-ce" in distributions else "pygame"
@@ -71,7 +71,7 @@ def pygame_in_use(is_ce: bool, distributions: Collection[str]) -> Check:
 
 
 def installed_pygame() -> Check:
-    """The same of the pygame that is imported here."""
+    """`pygame_in_use` for this environment."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     import pygame
 
@@ -79,19 +79,19 @@ def installed_pygame() -> Check:
 
 
 def sdl(environment: Mapping[str, str]) -> Check:
-    """SDL_VIDEODRIVER does not make windows, and with them highway-env's own pictures, black without a word.
+    """Whether SDL_VIDEODRIVER keeps highway-env's own windows and images from being black.
 
-    Our camera does not go through SDL.
+    The camera of vpf_sim does not use SDL.
     """
     driver = environment.get("SDL_VIDEODRIVER")
     if driver == "dummy":
-        found = "SDL_VIDEODRIVER=dummy: highway-env's own rgb_array pictures are black, without a word"
+        found = "SDL_VIDEODRIVER=dummy: highway-env's own rgb_array images are silently black"
         return Check("SDL", False, found, "unset SDL_VIDEODRIVER, or use offscreen")
     return Check("SDL", True, "SDL_VIDEODRIVER is not set" if driver is None else f"SDL_VIDEODRIVER={driver}")
 
 
 def display() -> Check:
-    """Whether a window could be seen; nothing but a window needs one, so that none is right too."""
+    """Whether a window can be opened; no display is ok, since only windows need one."""
     import pygame
 
     from vpf_sim.envs.window import require_display
@@ -104,7 +104,7 @@ def display() -> Check:
         return Check(
             "display",
             True,
-            'none: --watch is refused, render_mode "human" draws where nobody sees it, nothing else needs one',
+            'none: --watch is refused, render_mode "human" has no visible window, nothing else needs one',
         )
     except pygame.error as error:
         return Check("display", False, f"SDL cannot open it: {error}", "unset SDL_VIDEODRIVER, or correct DISPLAY")

@@ -1,4 +1,4 @@
-"""Where the time of a step goes, in multiples of a yardstick on frames of the same drive, in the same run."""
+"""Time of a step and its stages, in multiples of a yardstick on frames of the same drive."""
 
 from contextlib import closing
 from hashlib import sha256
@@ -19,20 +19,19 @@ from vpf_sim.types import Image
 
 WARM_UP_STEPS = 30
 WHOLE = ("step", "world", "driver")  # these are made of the other stages
-PAIRS = 6  # of frames that follow each other, on which the yardstick is timed after each WINDOW_STEPS
+PAIRS = 6  # of consecutive frames for the yardstick, after each WINDOW_STEPS
 
 
 def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
-    """What a step of the driver `vpf`, its stages and the yardstick take, in ms, and in yardsticks, over `steps` steps.
+    """Times of a step of the driver `vpf`, its stages and the yardstick, in ms and in yardsticks.
 
-    As many whole half seconds are driven as these take: in fewer steps no frame may be looked at.
+    `steps` is rounded up to whole half seconds. A step is act and step: render, perceive, plan, control, physics, as in
+    an episode without a viewer. Its time and those of its stages are medians of the means over half seconds, since two
+    steps of three use no frame. `once_ms` is a stage's median over the steps in which it runs, `camera_ratio` that of
+    rendering in yardsticks.
 
-    A step is act and step: render, perceive, plan, control, physics, as in an episode that nobody watches. What it and
-    its stages take is the median of the means over half seconds, for two steps of three look at no frame; `once_ms` is
-    what a stage takes where it runs, the median over these steps, and `camera_ratio` that of a frame.
-
-    After each half second the yardstick is timed on frames that follow each other; the steps between these are not.
-    `hash`, done by a helper thread in an episode, is timed apart from the step.
+    After each half second the yardstick is timed on consecutive frames. `hash`, which runs on a thread in an episode,
+    is timed separately.
     """
     limit_opencv()
     watch, yardstick = Stopwatch(), Stopwatch()
@@ -58,14 +57,14 @@ def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
 
 
 class _Drive:
-    """The driver `vpf` in episodes that follow each other."""
+    """Drives the driver `vpf` through consecutive episodes."""
 
     def __init__(self, env: FourLane) -> None:
         self._env, self._driver, self._seed = env, drivers.create("vpf"), 0
         self.ended = True
 
     def begin(self) -> None:
-        """The next episode, a little way."""
+        """Start the next episode, with some warm-up steps."""
         self._observed, _ = self._env.reset(seed=self._seed)
         self._driver.reset(setup_for(self._driver, self._env, self._seed))
         self._seed, self.ended = self._seed + 1, False
@@ -73,7 +72,7 @@ class _Drive:
             self.step()
 
     def step(self, look: bool = False) -> Image | None:
-        """Act and step; the frame, if the driver or `look` asks for it."""
+        """Act and step; returns the frame if the driver uses it or `look` is set."""
         command = drivers.command_of(self._driver, read(self._observed))
         action = np.array([command.throttle, command.steering])
         self._observed, _, *ends, _ = self._env.step(action, with_frame=look or drivers.needs_next_frame(self._driver))
@@ -81,7 +80,7 @@ class _Drive:
         return self._observed.get("image")
 
     def frames(self, number: int) -> list[Image]:
-        """Grey frames that follow each other, fewer where the episode ends."""
+        """Consecutive grey frames; fewer where the episode ends."""
         found: list[Image] = []
         while len(found) < number and not self.ended:
             image = self.step(look=True)
@@ -91,7 +90,7 @@ class _Drive:
 
 
 def _yardstick(before: Image, now: Image) -> None:
-    """Corners of a frame, and where they went in the next: about what any visual odometry spends on a frame."""
+    """Detect corners and track them into the next frame, the least work of any visual odometry."""
     corners = cv2.goodFeaturesToTrack(before, 300, 0.01, 8)
     if corners is not None:
         none: Any = None

@@ -1,15 +1,15 @@
-"""Throttle and steering beside the PID's: what the paper calls accuracy, under three named definitions.
+"""The paper's accuracy of throttle and steering against the PID, by three definitions.
 
-The paper gives no formula for its "prediction accuracy (%) with respect to PID", and its pairs of numbers follow from
-none alone (METHOD A19). So each is computed, as a share (1 is best), for a signal u and the PID's w, d = u - w:
+The paper gives no formula for its "prediction accuracy (%) with respect to PID", and no single definition yields its
+pairs of numbers (METHOD A19). Each is a share (1 is best), for a signal u and the PID's w, d = u - w:
 
-    range      1 - mean |d| / 2                   2 is the width of the commands' range [-1, 1]
-    span       1 - mean |d| / (max w - min w)     the width of what the PID used in the whole episode
+    range      1 - mean |d| / 2                   2 is the width of the command range [-1, 1]
+    span       1 - mean |d| / (max w - min w)     the range that the PID used in the whole episode
     tolerance  share of samples with |d| <= 0.1
     mae        mean |d|
 
-Protocols. shadow: the PID is asked at every state that the driver visited. paired: the PID's own run, without
-obstacles, matched by the distance along the route.
+Protocols. shadow: the PID's command at every state that the driver visited. paired: the PID's own run without
+obstacles, matched by distance along the route.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ Accuracy = dict[str, float | None]
 
 
 def accuracy(signal: Floats, pid: Floats, span: float) -> Accuracy | None:
-    """The definitions above for (N,) samples; `span` None-s its own where the PID's signal never moved."""
+    """The definitions for (N,) samples, None without samples; "span" is None for a span of 0."""
     if len(signal) == 0:
         return None
     difference = np.abs(signal - pid)
@@ -35,7 +35,7 @@ def accuracy(signal: Floats, pid: Floats, span: float) -> Accuracy | None:
 
 
 def protocol(commands: dict[str, Floats], pid: dict[str, Floats], passing: Bools) -> dict[str, object]:
-    """Accuracy of each signal (throttle, steering), whole and in two parts: clear of obstacles, and passing one."""
+    """Accuracy of each signal over the whole route, and in two parts: clear of obstacles, and passing one."""
     parts = {"whole": np.ones_like(passing), "clear_of_obstacles": ~passing, "passing": passing}
     by_part = {
         part: {name: accuracy(commands[name][mask], pid[name][mask], _span(pid[name])) for name in commands}
@@ -46,9 +46,9 @@ def protocol(commands: dict[str, Floats], pid: dict[str, Floats], passing: Bools
 
 
 def at_distance(route_m: Floats, own_route_m: Floats, own_signal: Floats) -> Floats:
-    """(N,) the PID's own signal where its run was at the distances `route_m`; the ends are held.
+    """(N,) the PID's signal at the distances `route_m` of its own run, interpolated; the ends are held.
 
-    Between two of its frames the signal goes evenly from one to the other. Where a run stands, its first frame counts.
+    While the PID's run stands still, its first frame counts.
     """
     furthest = np.maximum.accumulate(own_route_m)
     first = np.concatenate([[True], np.diff(furthest) > 0.0])

@@ -1,11 +1,11 @@
-"""How restless the hands are: what a sliding mode controller is feared for.
+"""Chattering of the commands, the known weakness of sliding mode control.
 
 For a signal u_k, k = 1 .. n, commanded over T seconds in [-1, 1], with d_k = u_k+1 - u_k:
 
-    direction_changes_per_s   times that d changes its sign / T; pauses and steps of rounding size do not count
+    direction_changes_per_s   sign changes of d / T; pauses and steps of rounding size do not count
     total_variation_per_s     sum |d| / T, 1/s
 
-and of the steering angle that is asked for, u times the limit of 40 degrees, the rate |d| / dt in rad/s (METHOD A17).
+and the rate |d| / dt, rad/s, of the commanded steering angle, u times the limit of 40 degrees (METHOD A17).
 """
 
 import numpy as np
@@ -41,7 +41,7 @@ def chattering(table: StepTable) -> dict[str, object] | None:
 
 
 def direction_changes(signal: Floats) -> int:
-    """How often an (n,) signal turns from rising to falling or back."""
+    """How often an (n,) signal changes between rising and falling."""
     steps = np.diff(signal)
     directions = np.sign(steps[np.abs(steps) > ROUNDING])
     return int(np.count_nonzero(np.diff(directions)))

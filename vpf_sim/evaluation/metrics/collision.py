@@ -1,14 +1,14 @@
-"""Whose fault a collision was, as nuPlan classifies it.
+"""Collision types and fault, as nuPlan classifies them.
 
-Source: nuplan-devkit, planning/metrics/evaluation_metrics/common/no_ego_at_fault_collisions.py. In this order:
+Source: nuplan-devkit, planning/metrics/evaluation_metrics/common/no_ego_at_fault_collisions.py. The first that applies:
 
-    stopped_ego     the ego stands (at most 0.05 m/s)
-    stopped_track   the other stands
+    stopped_ego     the ego is stationary (at most 0.05 m/s)
+    stopped_track   the other is stationary
     active_rear     the other is behind: its centre more than 150 degrees off the heading, seen from the rear axle
     active_front    the ego's front bumper touches the other
     active_lateral  anything else
 
-At fault are stopped_track and active_front, and active_lateral if the ego was not in one lane of the road.
+The ego is at fault for stopped_track, active_front, and active_lateral if it was not within one lane.
 """
 
 from math import radians
@@ -21,10 +21,10 @@ ROUNDING_M = 0.01
 
 
 def collision_type(table: StepTable) -> str:
-    """The class of the collision in which an episode ended, from its last row and the nearest body there.
+    """The type of the collision that ended an episode, from the last row and its nearest object.
 
-    The simulator stops at the latest one frame before two bodies would touch, so the bumper touches what is no farther
-    than both move in a frame.
+    The simulator stops at most one frame before contact, so the bumper touches an object that is no farther than both
+    move in a frame.
     """
     ego_mps, other_mps = table.speed_mps[-1], table.near_speed_mps[-1]
     if ego_mps <= STOPPED_MPS:
@@ -39,5 +39,5 @@ def collision_type(table: StepTable) -> str:
 
 
 def is_at_fault(kind: str, table: StepTable) -> bool:
-    """Whether the ego could have prevented a collision of this class by driving otherwise."""
+    """Whether the ego is at fault for a collision of this type."""
     return kind in ("stopped_track", "active_front") or (kind == "active_lateral" and not table.in_lane[-1])

@@ -1,4 +1,4 @@
-"""Comfort as nuPlan computes it, and the raw percentiles beside it.
+"""Comfort as nuPlan computes it, and percentiles of the unfiltered signals.
 
 Source: nuplan-devkit, planning/metrics/utils/state_extractors.py and evaluation_metrics/common/ego_*.py: states at
 10 Hz; accelerations smoothed by Savitzky-Golay (window 8, order 2); jerks as its derivative of those (window 15, order
@@ -38,16 +38,16 @@ BOUNDS = {
 
 
 def comfort(table: StepTable) -> dict[str, object]:
-    """Least and greatest of each signal with whether it kept its bounds, least TTC, and whether all of them held."""
+    """Minimum, maximum and bound check of each signal, least TTC, and whether all bounds hold."""
     signals = nuplan_signals(table.time_s, table.speed_mps, table.yaw_rad, table.yaw_rate_radps)
     if signals is None:
         return {"comfortable": None, "signals": None, "min_ttc_s": None, "ttc_within": None, "raw_p95": None}
-    kept = {name: _kept(signals[name], bound) for name, bound in BOUNDS.items()}
+    checked = {name: _against_bound(signals[name], bound) for name, bound in BOUNDS.items()}
     ttc_s = min_ttc_s(table.ttc_s)
     far = ttc_s is None or ttc_s >= TTC_BOUND_S
     return {
-        "comfortable": far and all(row["within"] for row in kept.values()),
-        "signals": kept,
+        "comfortable": far and all(row["within"] for row in checked.values()),
+        "signals": checked,
         "min_ttc_s": ttc_s,
         "ttc_within": far,
         "raw_p95": raw_percentiles(table),
@@ -57,7 +57,7 @@ def comfort(table: StepTable) -> dict[str, object]:
 def nuplan_signals(
     time_s: Floats, speed_mps: Floats, yaw_rad: Floats, yaw_rate_radps: Floats
 ) -> dict[str, Floats] | None:
-    """The signals of BOUNDS at 10 Hz from (N,) states; None if there are fewer than the filters need (0.5 s)."""
+    """The signals of BOUNDS at 10 Hz from (N,) states; None for fewer than the filters need (0.5 s)."""
     duration_s = time_s[-1] - time_s[0] if len(time_s) else 0.0
     samples = int(np.floor(duration_s * RATE_HZ + 1e-6)) + 1
     if samples <= HEADING_WINDOW:
@@ -78,7 +78,7 @@ def nuplan_signals(
 
 
 def raw_percentiles(table: StepTable) -> dict[str, float]:
-    """95th percentiles of the absolute signals at the full rate, unsmoothed; the steering's is in commands a second."""
+    """95th percentiles of the absolute unfiltered signals at the full rate; steering in commands a second."""
     dt_s = np.diff(table.time_s)
     acceleration = np.diff(table.speed_mps) / dt_s
     signals = {
@@ -101,6 +101,6 @@ def _derivative(signal: Floats, window: int, order: int, times: int) -> Floats:
     return derivative
 
 
-def _kept(signal: Floats, bound: Bound) -> dict[str, float | bool]:
+def _against_bound(signal: Floats, bound: Bound) -> dict[str, float | bool]:
     low, high = float(np.min(signal)), float(np.max(signal))
     return {"min": low, "max": high, "within": bound.low <= low and high <= bound.high}

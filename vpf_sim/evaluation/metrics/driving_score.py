@@ -1,7 +1,7 @@
-"""CARLA's driving score, 2.0 and 2.1, as one number for how far and how cleanly a car drove. No unit, 0 to 1.
+"""CARLA's driving scores 2.0 and 2.1: route completion reduced by infractions, 0 to 1.
 
-Source: CARLA Autonomous Driving Leaderboard, https://leaderboard.carla.org/evaluation_v2_0/ and evaluation_v2_1. Of its
-infractions ours are the collisions and driving beside the road; the others need traffic lights and scenarios.
+Source: CARLA Autonomous Driving Leaderboard, https://leaderboard.carla.org/evaluation_v2_0/ and evaluation_v2_1. Only
+collisions and driving off the road are scored; the other infractions need traffic lights and scripted scenarios.
 """
 
 from collections.abc import Iterable
@@ -27,9 +27,9 @@ def driving_score_2_1(completion: float, kinds_hit: Iterable[str], off_lane_shar
 
 
 def off_lane_share(route_m: Floats, outside: Floats) -> float:
-    """Share of the way driven with a corner of the body beyond the carriageway, 0 to 1, from (N,) steps.
+    """Share of the driven distance with a corner of the ego off the carriageway, 0 to 1, from (N,) steps.
 
-    All four lanes run one way, so leaving the own lane to pass is no infraction.
+    All lanes run one way, so a lane change is no infraction.
     """
     driven = np.abs(np.diff(route_m))
     total = float(np.sum(driven))

@@ -1,4 +1,4 @@
-"""How closely a path was followed, and how much of it."""
+"""Path tracking error and route completion."""
 
 import numpy as np
 
@@ -10,8 +10,8 @@ def path_mse(positions_m: Floats, path_m: Floats) -> float | None:
 
         MSE = 1/n sum |p_i - q(p_i)|^2,  q(p) the nearest point of the path
 
-    The paper's MSE_XY (its brackets are missing, its unit is printed as m; METHOD A19), by the nearest point and not by
-    the same time, which would measure the lag along the road.
+    The paper's MSE_XY (its brackets are missing, its unit is printed as m; METHOD A19). The nearest point is used
+    because the point at the same time would measure the lag along the road.
     """
     if len(positions_m) == 0:
         return None
@@ -31,7 +31,7 @@ def distances(positions_m: Floats, path_m: Floats) -> Floats:
 
 
 def shorten(path_m: Floats, length_m: float) -> Floats:
-    """The first `length_m` of a polyline (M, 2): the way from the start to the goal."""
+    """The first `length_m` of a polyline (M, 2)."""
     reached = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path_m, axis=0).T))])
     if length_m >= reached[-1]:
         return path_m
@@ -40,7 +40,7 @@ def shorten(path_m: Floats, length_m: float) -> Floats:
 
 
 def completion(route_m: Floats, length_m: float) -> float:
-    """Share of the route that was driven, 0 to 1: the furthest place reached / the length, both m along the route."""
+    """Share of the route that was driven, 0 to 1: furthest position / length, both m along the route."""
     if len(route_m) == 0:
         return 0.0
     return float(np.clip(np.max(route_m) / length_m, 0.0, 1.0))

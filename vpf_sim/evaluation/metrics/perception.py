@@ -1,4 +1,4 @@
-"""What the driver saw, against the truth of the renderer."""
+"""Perception metrics of an episode against the renderer's ground truth."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.types import Floats
 
 KINDS = tuple(SIZES)
-# From bumper to face, in clear weather, what a driver should know by then: all but the small and the flat at 15 m.
+# Distance from bumper to face at which a driver should have confirmed an obstacle; small and flat ones later.
 DUE_M: dict[ObjectKind, float] = {**dict.fromkeys(KINDS, 15.0), "cone": 10.0, "pallet": 6.0}
 
 
 def foe(x_px: Floats, y_px: Floats, true_x_px: Floats, true_y_px: Floats) -> dict[str, object]:
-    """Error of the focus of expansion, px: medians of |dx|, |dy| and the distance, over the frames where it was given.
+    """Error of the focus of expansion, px: medians of |dx|, |dy| and the distance over frames with an estimate.
 
-    `foe_share` is how many of the frames with a true one (the car moves) those are.
+    `foe_share` is their share among the frames that have a true one (the car moves).
     """
     known = np.isfinite(true_x_px)
     given = known & np.isfinite(x_px)
@@ -26,9 +26,9 @@ def foe(x_px: Floats, y_px: Floats, true_x_px: Floats, true_y_px: Floats) -> dic
     return {"foe_median_error_px": medians, "foe_share": float(given.sum() / known.sum())}
 
 
-def edges(seen_m: Floats, true_m: Floats) -> dict[str, object]:
-    """Error of the carriageway's edges 10 m ahead, m: median and 95th percentile of the (N,) absolute differences."""
-    error = np.abs(seen_m - true_m)
+def edges(estimated_m: Floats, true_m: Floats) -> dict[str, object]:
+    """Error of the carriageway's edges 10 m ahead, m: median and 95th percentile of (N,) absolute differences."""
+    error = np.abs(estimated_m - true_m)
     error = error[np.isfinite(error)]
     if len(error) == 0:
         return {"edge_error_10m_m": None}
@@ -36,19 +36,19 @@ def edges(seen_m: Floats, true_m: Floats) -> dict[str, object]:
 
 
 def points(flow_error_px: Floats, ttc_error: Floats) -> dict[str, object]:
-    """Medians over the judged frames of the flow's end-point error, px, and of |TTC - true| / true of its points.
+    """Medians over the scored frames of the flow's end-point error, px, and of |TTC - true| / true.
 
-    Of the points only those count whose true time to contact is at most 10 s; where none is told the error is 1.
+    Only points with a true time to contact of at most 10 s count; a missing estimate has error 1.
     """
     return {"flow_median_error_px": _median(flow_error_px), "ttc_median_error": _median(ttc_error)}
 
 
 def objects(table: StepTable) -> dict[str, object] | None:
-    """The bodies that the ego came to in its corridor and the driver's reports of them; None without any report column.
+    """Detection metrics of the obstacles in the ego's corridor; None for a driver that reports none.
 
-    met: how many; confirmed: of how many there was a right report before; first_confirmed_m: the median distance, m,
-    from bumper to face, of the first; recall: the share whose first was as early as DUE_M asks, of the met;
-    precision: right reports / all, over all frames; wrong_per_minute: new wrong objects a minute of driving.
+    met: obstacles that the ego reached; confirmed: those with a correct detection before; first_confirmed_m: median
+    distance, m, from bumper to face, of the first; recall: share of the met that were confirmed by DUE_M; precision:
+    correct detections / all, over all frames; wrong_per_minute: new false positives a minute of driving.
     """
     reported = np.isfinite(table.objects_right)
     if not reported.any():

@@ -1,4 +1,4 @@
-"""The record of an episode: all its scores, a pure function of scenario, weather, driver, seed and fingerprint."""
+"""The record of an episode: its scores, a function of scenario, weather, driver, seed and fingerprint."""
 
 from hashlib import sha256
 from math import isfinite
@@ -15,7 +15,7 @@ from vpf_sim.types import Floats
 
 
 def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> dict[str, Any]:
-    """The record. `route` holds waypoints (M, 2) from the start to beyond the goal, at `route_length_m`."""
+    """The record of an episode; `route` has waypoints (M, 2) from the start to beyond the goal at `route_length_m`."""
     table = outcome.steps
     if len(table) == 0:
         return failed(job, outcome.status, outcome.invalid_frame)
@@ -33,7 +33,7 @@ def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> d
             "accuracy": _accuracy(table),
             "collisions": len(hits),
             "collided_with": outcome.collided_with,
-            **_blame(table, hits),
+            **_fault(table, hits),
             "min_clearance_m": clearance.min_clearance_m(table.clearance_m),
             "driving_score_2_0": driving_score.driving_score_2_0(completion, hits, off_lane),
             "driving_score_2_1": driving_score.driving_score_2_1(completion, hits, off_lane),
@@ -49,18 +49,18 @@ def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> d
 
 
 def failed(job: Job, status: str = "error", invalid_frame: dict[str, Any] | None = None) -> dict[str, Any]:
-    """The record of an episode that never began, or whose worker died: nothing to score."""
-    of_the_drive = ("path_mse_m2", "path_mse_parts_m2", "max_lane_offset_m", "accuracy", "min_clearance_m")
-    of_the_hands = ("comfort", "chattering", "perception", "collided_with", "collision_type")
-    scores = dict.fromkeys((*of_the_drive, *of_the_hands))
-    none_driven = dict.fromkeys(("route_completion", "driving_score_2_0", "driving_score_2_1"), 0.0)
-    none_driven |= {"collisions": 0, "at_fault_collisions": 0}
+    """The record of an episode without scores: it never began, or its worker died."""
+    drive_keys = ("path_mse_m2", "path_mse_parts_m2", "max_lane_offset_m", "accuracy", "min_clearance_m")
+    other_keys = ("comfort", "chattering", "perception", "collided_with", "collision_type")
+    scores = dict.fromkeys((*drive_keys, *other_keys))
+    zeros = dict.fromkeys(("route_completion", "driving_score_2_0", "driving_score_2_1"), 0.0)
+    zeros |= {"collisions": 0, "at_fault_collisions": 0}
     hashes = {"steps": 0, "states_sha256": None, "frames_sha256": None}
-    return {**_identity(job), "status": status, "invalid_frame": invalid_frame, **scores, **none_driven, **hashes}
+    return {**_identity(job), "status": status, "invalid_frame": invalid_frame, **scores, **zeros, **hashes}
 
 
 def finite(value: Any) -> Any:
-    """Plain Python values all through, with None for what is no number."""
+    """The value with plain Python numbers, and None for nan and inf."""
     if isinstance(value, dict):
         return {key: finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -75,7 +75,7 @@ def _identity(job: Job) -> dict[str, Any]:
 
 
 def _path_mse(table: StepTable, reference: Floats) -> dict[str, Any]:
-    """Whole and in the two parts of the way."""
+    """Path MSE of the whole route and of its two parts."""
     passing = table.passing > 0.0
     parts = {"clear_of_obstacles": ~passing, "passing": passing}
     return {
@@ -85,17 +85,17 @@ def _path_mse(table: StepTable, reference: Floats) -> dict[str, Any]:
 
 
 def _accuracy(table: StepTable) -> dict[str, Any]:
-    """Both protocols, over the n states in which a command was given."""
+    """Accuracy by both protocols, over the n states with a command."""
     driven = slice(0, len(table))
-    commands, asked, matched = (
+    commands, shadow, paired = (
         {name: getattr(table, f"{whose}{name}")[driven] for name in ("throttle", "steering")}
         for whose in ("", "pid_", "paired_")
     )
     passing = table.passing[driven] > 0.0
-    return {"shadow": protocol(commands, asked, passing), "paired": protocol(commands, matched, passing)}
+    return {"shadow": protocol(commands, shadow, passing), "paired": protocol(commands, paired, passing)}
 
 
-def _blame(table: StepTable, hits: list[str]) -> dict[str, Any]:
+def _fault(table: StepTable, hits: list[str]) -> dict[str, Any]:
     if not hits:
         return {"collision_type": None, "at_fault_collisions": 0}
     kind = collision.collision_type(table)
@@ -103,11 +103,11 @@ def _blame(table: StepTable, hits: list[str]) -> dict[str, Any]:
 
 
 def _perception(table: StepTable) -> dict[str, Any]:
-    seen = np.concatenate([table.seen_left_m, table.seen_right_m])
+    estimated = np.concatenate([table.seen_left_m, table.seen_right_m])
     true = np.concatenate([table.true_left_m, table.true_right_m])
     return {
         **perception.foe(table.foe_x_px, table.foe_y_px, table.true_foe_x_px, table.true_foe_y_px),
-        **perception.edges(seen, true),
+        **perception.edges(estimated, true),
         **perception.points(table.flow_error_px, table.ttc_error),
         "objects": perception.objects(table),
     }

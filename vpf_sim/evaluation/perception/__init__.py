@@ -1,1 +1,1 @@
-"""Perception alone: stored drives seen again, and what a driver perceives at each frame scored against truth."""
+"""Open-loop evaluation of perception: stored drives are re-rendered and scored against ground truth."""

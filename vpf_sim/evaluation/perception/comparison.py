@@ -1,4 +1,4 @@
-"""What another driver, or another version of the code, perceives differently on the same poses."""
+"""Paired differences of perception metrics between drivers or code versions, on the same poses."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -9,14 +9,14 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import Difference, paired_difference, paired_shares
 from vpf_sim.evaluation.metrics.perception import DUE_M
 from vpf_sim.evaluation.perception.scores import ALL, ERRORS, RATE
-from vpf_sim.evaluation.perception.store import Body, Record
+from vpf_sim.evaluation.perception.store import MetObject, Record
 
 Row = dict[str, Any]
 Pair = tuple[Record, Record]
 
 
 def between_drivers(records: Sequence[Record]) -> list[Row]:
-    """Each driver less the first, in every weather and in all."""
+    """Each driver minus the first, by weather and over all weathers."""
     first, *others = dict.fromkeys(one.driver for one in records)
     base = [one for one in records if one.driver == first]
     found = []
@@ -27,7 +27,7 @@ def between_drivers(records: Sequence[Record]) -> list[Row]:
 
 
 def between_versions(now: Sequence[Record], before: Sequence[Record], name: str) -> list[Row]:
-    """Each driver less the same in an earlier table, which is called `name`; InputError where they share no drive."""
+    """Each driver minus itself in an earlier table called `name`; InputError without a common drive."""
     found = []
     for driver in dict.fromkeys(one.driver for one in now):
         ours, theirs = ([one for one in table if one.driver == driver] for table in (now, before))
@@ -42,9 +42,9 @@ def between_versions(now: Sequence[Record], before: Sequence[Record], name: str)
 
 
 def _pairs(ours: Iterable[Record], theirs: Iterable[Record]) -> list[Pair]:
-    """Those of the same drive with the same poses."""
-    known = {(one.drive, one.states_sha256): one for one in theirs}
-    matched = ((one, known.get((one.drive, one.states_sha256))) for one in ours)
+    """Pairs of records of the same drive with the same poses."""
+    by_drive = {(one.drive, one.states_sha256): one for one in theirs}
+    matched = ((one, by_drive.get((one.drive, one.states_sha256))) for one in ours)
     return [(one, other) for one, other in matched if other is not None]
 
 
@@ -53,32 +53,31 @@ def _differences(pairs: Sequence[Pair], driver: str, minus: str) -> list[Row]:
     groups = {weather: [pair for pair in pairs if pair[0].weather == weather] for weather in weathers}
     groups |= {ALL: list(pairs)} if len(weathers) > 1 else {}
     return [
-        {"driver": driver, "minus": minus, "weather": weather, "drives": len(group), **_figures(group)}
+        {"driver": driver, "minus": minus, "weather": weather, "drives": len(group), **_metrics(group)}
         for weather, group in groups.items()
     ]
 
 
-def _figures(pairs: Sequence[Pair]) -> Row:
-    """Recall over the bodies met, all else over the drives."""
+def _metrics(pairs: Sequence[Pair]) -> Row:
+    """Recall is paired by object, all else by drive."""
     return {
-        "recall": _told(_recall(pairs)),
-        "precision": _told(_mean(pairs, "precision")),
-        RATE: _told(_mean(pairs, RATE)),
-        **{key: _told(_mean(pairs, key)) for key in ERRORS},
+        "recall": _as_row(_recall(pairs)),
+        "precision": _as_row(_mean(pairs, "precision")),
+        RATE: _as_row(_mean(pairs, RATE)),
+        **{key: _as_row(_mean(pairs, key)) for key in ERRORS},
     }
 
 
 def _recall(pairs: Sequence[Pair]) -> Difference | None:
-    bodies = [(one, other) for ours, theirs in pairs for one, other in zip(ours.bodies, theirs.bodies, strict=True)]
-    if not bodies:
+    objects = [(one, other) for ours, theirs in pairs for one, other in zip(ours.bodies, theirs.bodies, strict=True)]
+    if not objects:
         return None
-    first, second = (np.array([_known(pair[side]) for pair in bodies]) for side in (0, 1))
+    first, second = (np.array([_confirmed_in_time(pair[side]) for pair in objects]) for side in (0, 1))
     return paired_shares(first, second)
 
 
-def _known(body: Body) -> bool:
-    """Whether it was confirmed in time."""
-    return body.first_confirmed_m is not None and body.first_confirmed_m >= DUE_M[body.kind]  # type: ignore[index]
+def _confirmed_in_time(met: MetObject) -> bool:
+    return met.first_confirmed_m is not None and met.first_confirmed_m >= DUE_M[met.kind]  # type: ignore[index]
 
 
 def _mean(pairs: Sequence[Pair], key: str) -> Difference | None:
@@ -88,11 +87,11 @@ def _mean(pairs: Sequence[Pair], key: str) -> Difference | None:
 
 
 def _value(record: Record, key: str) -> float | None:
-    """A figure of a drive; of errors the median."""
+    """A metric of a drive; the median for errors."""
     value: Any = getattr(record, key)
     found: float | None = value["median"] if isinstance(value, dict) else value
     return found
 
 
-def _told(found: Difference | None) -> Row | None:
+def _as_row(found: Difference | None) -> Row | None:
     return None if found is None else {**found._asdict(), "interval": found.interval and list(found.interval)}

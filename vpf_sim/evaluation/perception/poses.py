@@ -1,4 +1,4 @@
-"""The stored drives whose poses are used: those of runs, or of a fixed set that is driven once."""
+"""The stored drives whose poses are replayed: of given runs, or of a fixed set that is driven once."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -15,25 +15,25 @@ PACKAGE, FIXED = "vpf_sim.evaluation.perception", "drives.toml"
 
 
 def fixed_set() -> Plan:
-    """The drives on which perception is measured where no run is named."""
+    """The fixed set of drives, used where no run is named."""
     return make_plan(configuration.read(PACKAGE, FIXED), FIXED)
 
 
 def folder_of(plan: Plan) -> Path:
-    """Where the poses of a plan are kept; another plan, scenario or weather has another folder."""
+    """The run folder of a plan, named by a hash of plan, scenarios and weathers."""
     return Path("runs") / f"perception-{digest([plan.jobs(), plan.hashes()])[:8]}"
 
 
 def stored_drives(folders: Iterable[Path], ids: Sequence[str] = ()) -> list[StoredDrive]:
-    """The episodes of run folders that have steps, those named by `ids` alone if there are some."""
+    """The episodes with steps in run folders, only those named by `ids` if given."""
     found: dict[tuple[str, str], StoredDrive] = {}
     for folder in folders:
         for drive in _of_run(folder):
             found.setdefault((drive.record["id"], drive.record["states_sha256"]), drive)
-    known = {name for name, _ in found}
+    available = {name for name, _ in found}
     for name in ids:
-        if name not in known:
-            raise unknown_name("drive", name, known)
+        if name not in available:
+            raise unknown_name("drive", name, available)
     return [drive for (name, _), drive in found.items() if not ids or name in ids]
 
 
@@ -51,7 +51,7 @@ def _of_run(folder: Path) -> list[StoredDrive]:
 
 
 def _check_world(folder: Path, manifest: dict[str, Any], drives: Sequence[StoredDrive]) -> None:
-    """InputError where a scenario or weather no longer says what it said: its road would be another."""
+    """InputError where a scenario or weather changed since the run."""
     names = [tuple(sorted({drive.record[key] for drive in drives})) for key in ("scenario", "weather")]
     now = Plan(names[0], names[1], ("neutral",), "0:1").hashes()
     for kind in ("scenarios", "weathers"):

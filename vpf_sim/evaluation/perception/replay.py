@@ -1,7 +1,7 @@
-"""A stored drive seen again: its frames are drawn where perception looks, and nobody plans or steers.
+"""Open-loop replay of a stored drive: frames are re-rendered at its poses, and drivers only perceive.
 
-Sensors read what they read in the episode. So the driver that made the run perceives what it perceived then, to the
-last bit, wherever code and machine are the same.
+Sensors repeat their readings of the episode, so with the same code and machine the run's own driver perceives the same,
+bit by bit.
 """
 
 import gc
@@ -17,8 +17,8 @@ from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.episode.on_rails import SAME, OnRails
-from vpf_sim.evaluation.perception.judgement import Judge, Judgement
+from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback
+from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Driver, Observation, Perception
@@ -33,91 +33,95 @@ class StoredDrive(NamedTuple):
     record: Record
 
     def steps(self) -> StepTable:
-        """What happened in it; InputError where that is not stored."""
+        """The step table; InputError where it is not stored."""
         return steps.read(self.folder / "steps" / f"{self.record['id']}.parquet")
 
 
-Judged = tuple[StoredDrive, list[Judgement]]
+Evaluated = tuple[StoredDrive, list[DriveEvaluation]]
 
 
-def replay(drives: Iterable[StoredDrive], names: Sequence[str], workers: int) -> Iterator[Judged]:
-    """Each drive as each of the drivers of these names perceives it, in the order in which they are ready."""
+def replay(drives: Iterable[StoredDrive], names: Sequence[str], workers: int) -> Iterator[Evaluated]:
+    """Yield each drive with its evaluation by every named driver, as they are ready."""
     for name in names:
         if not drivers.uses_images(drivers.create(name)):
-            raise InputError(f"driver '{name}': expected one that perceives, got one that looks at no frame")
+            raise InputError(f"driver '{name}': expected one that perceives, got one that uses no frames")
     longest_first = sorted(drives, key=lambda drive: -drive.record["steps"])
-    for done in pool.run(partial(judge, tuple(names)), longest_first, workers):
+    for done in pool.run(partial(evaluate, tuple(names)), longest_first, workers):
         if done.result is None:
             raise InputError(f"{done.task.record['id']}: {done.reason.splitlines()[0]}")
         yield done.task, done.result
 
 
-def judge(names: Sequence[str], drive: StoredDrive) -> list[Judgement]:
-    """One drive as each of some drivers perceives it; all of them see the same frames."""
+def evaluate(names: Sequence[str], drive: StoredDrive) -> list[DriveEvaluation]:
+    """The evaluation of each named driver on one drive, on the same frames."""
     try:
-        return _judge(names, drive)
+        return _evaluate(names, drive)
     finally:
-        gc.collect()  # a world's objects hold each other
+        gc.collect()  # the objects of an environment reference each other
 
 
-def _judge(names: Sequence[str], drive: StoredDrive) -> list[Judgement]:
+def _evaluate(names: Sequence[str], drive: StoredDrive) -> list[DriveEvaluation]:
     record, table = drive.record, drive.steps()
-    judges = [Judge(len(table.rows)) for _ in names]
+    scorers = [PerceptionScorer(len(table.rows)) for _ in names]
     perceivers = [drivers.create(name) for name in names]
-    with closing(OnRails(record["scenario"], record["weather"], table, truth=("foe",))) as world:
+    with closing(PosePlayback(record["scenario"], record["weather"], table, truth=("foe",))) as world:
 
-        def show(row: int, seen: Sequence[Perception], info: dict[str, Any]) -> None:
-            for each, perception in zip(judges, seen, strict=True):
-                each.judge(row, perception, world, info)
+        def show(row: int, perceptions: Sequence[Perception], info: dict[str, Any]) -> None:
+            for scorer, perception in zip(scorers, perceptions, strict=True):
+                scorer.add(row, perception, world, info)
 
-        watch(world, table, record["seed"], dict(zip(names, perceivers, strict=True)), show)
-        moved_m = world.moved_m
-    far = (f"the car would now be up to {moved_m:.2f} m elsewhere: it was put where it was",) if moved_m > SAME else ()
+        perceive_drive(world, table, record["seed"], dict(zip(names, perceivers, strict=True)), show)
+        moved_m = world.largest_correction_m
+    remarks = (
+        (f"the car would now deviate by up to {moved_m:.2f} m; its stored poses are used",)
+        if moved_m > TOLERANCE
+        else ()
+    )
     identity = (record["id"], record["scenario"], record["weather"], record["seed"])
     return [
-        Judgement(
+        DriveEvaluation(
             *identity,
             name,
             record["states_sha256"],
-            table.replaced(each.columns),
-            each.lane_error_m,
-            each.reports_table(),
-            far,
+            table.replaced(scorer.columns),
+            scorer.lane_error_m,
+            scorer.detections_table(),
+            remarks,
         )
-        for name, each in zip(names, judges, strict=True)
+        for name, scorer in zip(names, scorers, strict=True)
     ]
 
 
-def watch(
-    world: OnRails,
+def perceive_drive(
+    world: PosePlayback,
     table: StepTable,
     seed: int,
     perceivers: dict[str, Driver],
     show: Callable[[int, Sequence[Perception], dict[str, Any]], None],
 ) -> None:
-    """Let drivers perceive the frames of a drive, up to the last in which a command was given.
+    """Let drivers perceive the frames of a drive, up to the last with a command.
 
-    A frame is drawn where one of them looks. `show` is told of each row of the table what each perceived there, in
-    their order, with the environment's info.
+    A frame is rendered if any driver uses it. `show` receives the table's row, the perception of each driver in order,
+    and the environment's info.
     """
     observed, info = world.reset(seed=seed)
     for driver in perceivers.values():
         driver.reset(setup_for(driver, world, seed))
     commands = np.stack([table.throttle, table.steering], axis=1)
     for row, command in enumerate(commands[:-1]):
-        if not np.isfinite(command).all():  # here the driver of the run broke down
+        if not np.isfinite(command).all():  # the run's driver failed here
             break
         observation = read(observed)
         show(row, [_perceived(name, driver, observation, row) for name, driver in perceivers.items()], info)
-        looks = any(map(drivers.needs_next_frame, perceivers.values()))
-        observed, _, _, _, info = world.step(command, with_frame=looks)
+        uses_frame = any(map(drivers.needs_next_frame, perceivers.values()))
+        observed, _, _, _, info = world.step(command, with_frame=uses_frame)
 
 
 def _perceived(name: str, driver: Driver, observation: Observation, row: int) -> Perception:
     try:
-        seen = drivers.perception_of(driver, observation)
-    except Exception as error:  # the driver's own
+        perception = drivers.perception_of(driver, observation)
+    except Exception as error:  # raised by the driver
         raise InputError(f"driver '{name}': fails on frame {row}: {type(error).__name__}: {error}") from error
-    if seen is None:
+    if perception is None:
         raise InputError(f"driver '{name}': expected one that shows what it perceives, by `perceive` or `trace`")
-    return seen
+    return perception

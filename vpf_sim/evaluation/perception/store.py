@@ -1,4 +1,4 @@
-"""The table of figures as a file: `perception.json` in a run folder, or where a user wants it."""
+"""Reads and writes the table of perception metrics, by default `perception.json` in a run folder."""
 
 import json
 from pathlib import Path
@@ -7,15 +7,15 @@ from typing import Any
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint
 from vpf_sim.evaluation.sweeps.run_folder import write_json
-from vpf_sim.evaluation.sweeps.shapes import Number, Numbers, Shape, checked
+from vpf_sim.evaluation.sweeps.schema import Number, Numbers, Schema, checked
 from vpf_sim.shell import command
 
 NAME = "perception.json"
 SCHEMA = 1
 
 
-class Figures(Shape):
-    """What is compared and held to rules."""
+class Metrics(Schema):
+    """The metrics that comparisons and rules use."""
 
     recall: Number
     precision: Number
@@ -29,13 +29,13 @@ class Figures(Shape):
     foe_error_px: Numbers | None
 
 
-class Body(Shape):
+class MetObject(Schema):
     kind: str
     first_confirmed_m: Number
 
 
-class Record(Figures):
-    """One drive as one driver perceives it."""
+class Record(Metrics):
+    """One driver's metrics on one drive."""
 
     drive: str
     scenario: str
@@ -43,35 +43,35 @@ class Record(Figures):
     driver: str
     seed: int
     states_sha256: str
-    bodies: list[Body]
+    bodies: list[MetObject]
 
 
-class Row(Figures):
-    """The drives of a cell."""
+class Row(Metrics):
+    """The metrics of a cell's drives."""
 
     scenario: str
     weather: str
     driver: str
 
 
-class Table(Shape):
+class Table(Schema):
     records: list[Record]
     rows: list[Row]
 
 
 def write(path: Path, table: dict[str, Any]) -> None:
-    """The table with the fingerprint of the code that perceived; whole or not at all."""
+    """Write the table with the code's fingerprint, atomically."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_json(path, {"schema": SCHEMA, "fingerprint": fingerprint(), **table})
 
 
 def read(path: Path) -> Table:
-    """The table that is stored in a file, or in a run folder."""
+    """The table stored in a file or a run folder."""
     file = path / NAME if path.is_dir() else path
     try:
         stored: Any = json.loads(file.read_text("utf-8"))
     except OSError as error:
-        hint = f"; {command('perception', path)} makes it" if path.is_dir() else ""
+        hint = f"; {command('perception', path)} creates it" if path.is_dir() else ""
         raise InputError(f"{file}: expected a table of perception, got: {error.strerror}{hint}") from None
     except (ValueError, RecursionError):
         raise InputError(f"{file}: expected JSON, got something else") from None

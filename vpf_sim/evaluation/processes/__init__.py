@@ -1,1 +1,1 @@
-"""Worker processes of one thread each, that may hang or die."""
+"""Single-threaded worker processes with timeouts and retries."""

@@ -1,4 +1,4 @@
-"""One thread a process: episodes run side by side in workers, and results must not depend on the number of cores."""
+"""One thread per process: workers run side by side, and results must not depend on the number of cores."""
 
 import os
 from collections.abc import Iterator
@@ -8,13 +8,13 @@ LIMITS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THRE
 
 
 def are_limited() -> bool:
-    """Whether the numeric libraries were told so before they were loaded."""
+    """Whether the environment limits the numeric libraries to one thread."""
     return all(os.environ.get(name) == value for name, value in LIMITS.items())
 
 
 @contextmanager
 def limited_environment() -> Iterator[None]:
-    """The environment in which to start a process; ours is restored behind it."""
+    """Set the limits in the environment while a process starts, and restore it."""
     before = {name: os.environ.get(name) for name in LIMITS}
     os.environ.update(LIMITS)
     try:
@@ -28,7 +28,7 @@ def limited_environment() -> Iterator[None]:
 
 
 def limit_opencv() -> None:
-    """The same for OpenCV, which takes it at run time; and no GPU, whose results would differ."""
+    """Limit OpenCV to one thread and no GPU, whose results would differ."""
     import cv2
 
     cv2.setNumThreads(1)

@@ -1,4 +1,4 @@
-"""A limit to what runs in this process, whatever it hangs in: Python's watchdog is a thread that needs no GIL."""
+"""A time limit for this process, by faulthandler's watchdog thread, which needs no GIL."""
 
 import faulthandler
 from collections.abc import Iterator
@@ -8,9 +8,9 @@ from math import isfinite
 
 @contextmanager
 def at_most(limit_s: float, log: int) -> Iterator[None]:
-    """A context that ends the process after `limit_s`; where the code was then, or crashed, is written to file `log`.
+    """A context that ends the process after `limit_s`; the stack at that time or at a crash is written to `log`.
 
-    A process has one watchdog, so contexts must not be nested or run side by side.
+    A process has one watchdog, so contexts must not nest or overlap.
     """
     faulthandler.enable(log)
     if isfinite(limit_s):

@@ -1,1 +1,1 @@
-"""The readings of the paper: the space of what it leaves open (`space`), and a search over it (`search`)."""
+"""Readings of the paper: the space of its unspecified quantities, and a search over it."""

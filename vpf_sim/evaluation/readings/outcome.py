@@ -1,19 +1,19 @@
-"""What a search says: the best reading, and how each choice of each quantity fared."""
+"""The results of a search by choice of each quantity."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from vpf_sim.evaluation.readings.search import CELLS, Tried
+from vpf_sim.evaluation.readings.search import CELLS, Trial
 from vpf_sim.evaluation.readings.space import Quantity
 
 Row = dict[str, Any]
 PARTS = 4  # of a range, equal on the logarithmic scale
 
 
-def by_choice(quantities: Sequence[Quantity], tried: Sequence[Tried]) -> list[Row]:
-    """A row a choice: how many readings had it, how many passed each cell in the order of the search, the best score.
+def by_choice(quantities: Sequence[Quantity], trials: Sequence[Trial]) -> list[Row]:
+    """One row per choice: readings tried, readings that passed each cell in search order, and the best score.
 
-    A range has four rows. The optimiser looks more often where it found more, so the rows are no independent trials.
+    A range has four rows. The optimiser samples good regions more often, so the rows are not independent trials.
     """
     return [
         {
@@ -25,23 +25,23 @@ def by_choice(quantities: Sequence[Quantity], tried: Sequence[Tried]) -> list[Ro
             "best_score": max((one.score for one in having), default=None),
         }
         for quantity in quantities
-        for choice, having in _groups(quantity, tried).items()
+        for choice, having in _groups(quantity, trials).items()
     ]
 
 
-def passed(one: Tried) -> int:
-    """How many cells in a row it passed, each on all seeds."""
+def passed(one: Trial) -> int:
+    """Number of consecutive cells passed on all seeds."""
     results = [one.cells.get(f"{scenario}.{weather}") for scenario, weather in CELLS]
     whole = [result is not None and result["successes"] == result["episodes"] for result in results]
     return next((i for i, right in enumerate(whole) if not right), len(whole))
 
 
-def _groups(quantity: Quantity, tried: Sequence[Tried]) -> dict[str, list[Tried]]:
+def _groups(quantity: Quantity, trials: Sequence[Trial]) -> dict[str, list[Trial]]:
     if quantity.choices:
-        return {choice: [one for one in tried if one.reading[quantity.name] == choice] for choice in quantity.choices}
+        return {choice: [one for one in trials if one.reading[quantity.name] == choice] for choice in quantity.choices}
     step = (quantity.high / quantity.low) ** (1.0 / PARTS)
     bounds = [(quantity.low * step**part, quantity.low * step ** (part + 1)) for part in range(PARTS)]
     return {
-        f"{low:.2g} to {high:.2g}": [one for one in tried if low <= float(one.reading[quantity.name]) < high]
+        f"{low:.2g} to {high:.2g}": [one for one in trials if low <= float(one.reading[quantity.name]) < high]
         for low, high in bounds
     }

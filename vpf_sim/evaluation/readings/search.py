@@ -1,12 +1,12 @@
-"""The search for the best reading: proposals of an optimiser, dropped at the first drive that fails.
+"""Searches the best reading with an optimiser and early stopping.
 
-A generation of readings drives the paper's four cells one after the other, the hardest to reach first. A reading that
-fails, or whose path MSE is half more than the paper's, does not go on (early stopping). Its score goes back to the
-optimiser, a tree-structured Parzen estimator (Bergstra et al. 2011, optuna's TPESampler), which proposes the next
-generation. The best ones drive more seeds in the end.
+A generation of readings drives the paper's four cells in order, the hardest first. A reading that fails, or whose path
+MSE is more than 1.5 times the paper's, stops early. The scores go to the optimiser, a tree-structured Parzen estimator
+(Bergstra et al. 2011, optuna's TPESampler), which proposes the next generation. Finally, the best readings drive more
+seeds.
 
-Proposals depend on the seed and on the scores alone, and drives repeat to the bit. So a search that was stopped starts
-again from its first proposal: the folders of its generations hold what has been driven already.
+Proposals depend on seed and scores alone, and drives are reproducible. So an interrupted search restarts from its first
+proposal and finds the driven episodes in the folders of its generations.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -22,18 +22,20 @@ from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
 from vpf_sim.files import write_text
 
 CELLS = (("town04", "clear"), ("town04-clean", "clear"), ("town04", "rain"), ("town04-clean", "rain"))
-PATIENCE = 1.5  # times the paper's path MSE with which a reading goes on to the next cell
+PATIENCE = 1.5  # times the paper's path MSE: above it, a reading stops early
 Record = dict[str, Any]
-Drive = Callable[[Plan, Path], Sequence[Record]]  # drives what the folder lacks of a plan, and gives its records
+Drive = Callable[
+    [Plan, Path], Sequence[Record]
+]  # drives the missing episodes of a plan in a folder; returns all records
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
-    """What is searched, and how far."""
+class SearchSettings:
+    """The settings of a search."""
 
     readings: int = 200
     generation: int = 20
-    seeds: str = "0:1"  # of each drive on the way
+    seeds: str = "0:1"  # during the search
     finalists: int = 4
     final_seeds: str = "10:20"
     seed: int = 0  # of the optimiser
@@ -47,8 +49,8 @@ class Asked:
 
 
 @dataclass(frozen=True, slots=True)
-class Tried:
-    """A reading, and how far it came."""
+class Trial:
+    """A reading and its results."""
 
     number: int
     reading: Reading
@@ -58,16 +60,16 @@ class Tried:
 
 
 class Optimiser(Protocol):
-    """Proposes readings, and hears how good they were."""
+    """Proposes readings (`ask`), and receives their scores (`tell`)."""
 
     def ask(self, count: int) -> list[Reading]: ...
 
     def tell(self, scores: Sequence[float]) -> None:
-        """Of those that were asked for last, in their order; higher is better."""
+        """Scores of the last proposals, in order; higher is better."""
 
 
 class Tpe:
-    """optuna's tree-structured Parzen estimator: first the `known` readings, then 30 drawn at random, then its own."""
+    """optuna's tree-structured Parzen estimator: the `known` readings, then 30 random ones, then its proposals."""
 
     def __init__(self, quantities: Sequence[Quantity], seed: int, known: Sequence[Reading] = ()) -> None:
         try:
@@ -97,15 +99,17 @@ class Tpe:
         return float(trial.suggest_float(quantity.name, quantity.low, quantity.high, log=True))
 
 
-def search(asked: Asked, folder: Path, drive: Drive, optimiser: Optimiser) -> list[Tried]:
-    """Every reading that was tried, in the order of the search."""
-    tried: list[Tried] = []
-    while len(tried) < asked.readings:
-        proposals = optimiser.ask(min(asked.generation, asked.readings - len(tried)))
+def search(settings: SearchSettings, folder: Path, drive: Drive, optimiser: Optimiser) -> list[Trial]:
+    """All trials, in the order of the search."""
+    tried: list[Trial] = []
+    while len(tried) < settings.readings:
+        proposals = optimiser.ask(min(settings.generation, settings.readings - len(tried)))
         names = [write(folder, len(tried) + i, reading) for i, reading in enumerate(proposals)]
-        results = _climb(names, asked.seeds, folder / f"generation-{len(tried) // asked.generation:02}", drive)
+        results = _drive_generation(
+            names, settings.seeds, folder / f"generation-{len(tried) // settings.generation:02}", drive
+        )
         found = [
-            Tried(len(tried) + i, reading, name, results[name], score(results[name]))
+            Trial(len(tried) + i, reading, name, results[name], score(results[name]))
             for i, (reading, name) in enumerate(zip(proposals, names, strict=True))
         ]
         optimiser.tell([one.score for one in found])
@@ -113,21 +117,21 @@ def search(asked: Asked, folder: Path, drive: Drive, optimiser: Optimiser) -> li
     return tried
 
 
-def finals(asked: Asked, tried: Sequence[Tried], folder: Path, drive: Drive) -> list[Tried]:
-    """The best of them once more in all cells, on other seeds; the best first."""
-    best = sorted(tried, key=lambda one: -one.score)[: asked.finalists]
+def finals(settings: SearchSettings, tried: Sequence[Trial], folder: Path, drive: Drive) -> list[Trial]:
+    """The best trials repeated in all cells on other seeds, best first."""
+    best = sorted(tried, key=lambda one: -one.score)[: settings.finalists]
     cells: dict[str, dict[str, dict[str, Any]]] = {one.driver: {} for one in best}
     for scenario, weather in CELLS:
         drivers = tuple(one.driver for one in best)
-        plan = Plan((scenario,), (weather,), drivers, asked.final_seeds)
+        plan = Plan((scenario,), (weather,), drivers, settings.final_seeds)
         for name, result in _results(drive(plan, folder / "finals" / f"{scenario}.{weather}")).items():
             cells[name][f"{scenario}.{weather}"] = result
-    again = [Tried(one.number, one.reading, one.driver, cells[one.driver], score(cells[one.driver])) for one in best]
+    again = [Trial(one.number, one.reading, one.driver, cells[one.driver], score(cells[one.driver])) for one in best]
     return sorted(again, key=lambda one: -one.score)
 
 
 def write(folder: Path, number: int, reading: Reading) -> str:
-    """Store the variant of a reading; the name of its driver."""
+    """Write the variant file of a reading; returns the name of its driver."""
     path = folder / "variants" / f"reading-{number:03}.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, space.toml(space.variant_table(reading)))
@@ -135,10 +139,10 @@ def write(folder: Path, number: int, reading: Reading) -> str:
 
 
 def score(cells: Mapping[str, Mapping[str, Any]]) -> float:
-    """Higher is better: cells passed, what the others drove, and how near the path MSE is to the paper's or below.
+    """The score of a reading's cells; higher is better.
 
-    A cell counts 1 by its share of successes and half by its path MSE: 0.5 at 0, 0.25 at the paper's value, 0 from
-    twice that on. A cell that was not driven any more counts nothing.
+    A cell adds up to 1 for its success rate and up to 0.5 for its path MSE: 0.5 at 0, 0.25 at the paper's value, 0 from
+    twice that on. Failures add half their route completion. Cells that were not driven add nothing.
     """
     total = 0.0
     for name, cell in cells.items():
@@ -151,8 +155,10 @@ def score(cells: Mapping[str, Mapping[str, Any]]) -> float:
     return total
 
 
-def _climb(names: Sequence[str], seeds: str, folder: Path, drive: Drive) -> dict[str, dict[str, dict[str, Any]]]:
-    """Cell by cell, those that were good enough in all before: driver -> cell -> result."""
+def _drive_generation(
+    names: Sequence[str], seeds: str, folder: Path, drive: Drive
+) -> dict[str, dict[str, dict[str, Any]]]:
+    """Drive cell by cell with the readings that passed the previous cells: driver -> cell -> result."""
     results: dict[str, dict[str, dict[str, Any]]] = {name: {} for name in names}
     left = tuple(names)
     for scenario, weather in CELLS:
@@ -162,11 +168,11 @@ def _climb(names: Sequence[str], seeds: str, folder: Path, drive: Drive) -> dict
         found = _results(drive(plan, folder / f"{scenario}.{weather}"))
         for name in left:
             results[name][f"{scenario}.{weather}"] = found[name]
-        left = tuple(name for name in left if _goes_on(found[name], PAPER[scenario, weather]["path_mse_m2"]))
+        left = tuple(name for name in left if _passes(found[name], PAPER[scenario, weather]["path_mse_m2"]))
     return results
 
 
-def _goes_on(result: Mapping[str, Any], paper_m2: float) -> bool:
+def _passes(result: Mapping[str, Any], paper_m2: float) -> bool:
     passed: bool = result["successes"] == result["episodes"]
     return passed and (result["path_mse_m2"] or 0.0) <= PATIENCE * paper_m2
 

@@ -1,8 +1,8 @@
-"""The space of readings, and the variant that a reading of it makes.
+"""The space of readings, and the variant of a reading.
 
-A reading has one value for each quantity of space.toml. Two gains that the paper does not print, gamma and lambda, are
-searched by what they do, so that one range serves all readings: a change of sigma or of the road's edges alone moves
-them by orders of magnitude.
+A reading has one value for each quantity of space.toml. Two unprinted gains, gamma and lambda, are parameterised by
+their effect, so that one range fits all readings: a change of sigma or of the road's edges shifts them by orders of
+magnitude.
 """
 
 from collections.abc import Mapping
@@ -19,34 +19,34 @@ from vpf_sim.planning import variant
 from vpf_sim.planning.variants.ablation_steps import Table, put
 from vpf_sim.types import Camera
 
-BASE = "full-frame"  # the variant that a reading is laid over
-WHOLE = "of robust"  # the value of a section that is taken whole from the variant `robust`
-FAR_M = 100.0  # stands for the distance of the far goal where its force is weighed against the others
+BASE = "full-frame"  # the base variant of all readings
+WHOLE = "of robust"  # marks a section that is copied from the variant `robust`
+FAR_M = 100.0  # assumed distance of the far goal when its force is compared with the others
 EDGES_M = {"carriageway": (5.25, -8.75), "lane": (1.75, -1.75), "preferred": (5.25, -5.25)}  # of the paper's road
-BOX_PX = (390.0, 450.0, 210.0, 270.0)  # left, right, top, bottom of the obstacle that `push` is measured with
+BOX_PX = (390.0, 450.0, 210.0, 270.0)  # left, right, top, bottom of the reference obstacle of `push`
 
 Reading = Mapping[str, str | float]  # quantity -> name of a choice, or number
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Something that the paper leaves open: choices by name, or a range."""
+    """A quantity that the paper leaves open: named choices, or a range."""
 
     name: str
     about: str
-    sources: Mapping[str, str]  # choice -> where it comes from; of a range, "" -> that
+    sources: Mapping[str, str]  # choice -> source; key "" for a range
     choices: Mapping[str, Mapping[str, Any]]  # choice -> dotted key of a variant -> value
     low: float = 0.0
     high: float = 0.0
 
 
 def quantities() -> tuple[Quantity, ...]:
-    """The space, as space.toml has it."""
+    """The quantities of space.toml."""
     return tuple(_quantity(name, table) for name, table in configuration.read(__package__, "space.toml").items())
 
 
 def known() -> tuple[Reading, ...]:
-    """Readings that are worth a first look, as known.toml has them."""
+    """The readings of known.toml, which are tried first."""
     return tuple(configuration.read(__package__, "known.toml").values())
 
 
@@ -62,7 +62,7 @@ def _quantity(name: str, table: Mapping[str, Any]) -> Quantity:
 
 
 def variant_table(reading: Reading) -> Table:
-    """The whole table of the variant that a reading makes."""
+    """The variant table of a reading."""
     table = {"base": BASE, **variant.table(BASE)}
     for quantity in quantities():
         for key, value in quantity.choices.get(str(reading[quantity.name]), {}).items():
@@ -77,7 +77,7 @@ def variant_table(reading: Reading) -> Table:
 
 
 def rounded(value: float) -> float:
-    """A gain with three digits: more would be a false promise."""
+    """A gain rounded to three digits."""
     return float(f"{value:.2e}")
 
 

@@ -1,1 +1,1 @@
-"""What the rendered picture is worth, seen along scripted drives without a driver: steady, and like recorded ones."""
+"""Statistics of rendered frames on scripted drives: shimmer, and comparison with recorded drives."""

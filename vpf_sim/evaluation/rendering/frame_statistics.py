@@ -1,7 +1,6 @@
-"""What a tracker finds in a sequence of frames: corners, gradients, contrast, and how long its tracks live.
+"""Frame statistics that matter to a tracker: corners, gradients, contrast, and track survival.
 
-The numbers by which rendered frames are compared with real ones. All frames are scaled to one width first, so that the
-numbers of different cameras compare.
+Used to compare rendered with recorded frames. Frames are scaled to one width, so that cameras are comparable.
 """
 
 from collections.abc import Sequence
@@ -16,46 +15,46 @@ from vpf_sim.types import Bools, Floats, Image
 
 WIDTH_PX = 640
 CORNERS, QUALITY, MIN_DISTANCE_PX = 400, 0.01, 7.0  # of Shi and Tomasi
-WINDOW_PX, MAX_LEVEL, RETURN_PX = 25, 2, 1.0  # of Lucas-Kanade: three levels, tracked there and back
+WINDOW_PX, MAX_LEVEL, RETURN_PX = 25, 2, 1.0  # of Lucas-Kanade: three levels, forward-backward check
 CONTRAST_PX = 31
-FRAMES_ON = 6  # the longer life that is looked at
-SOBEL_GAIN = 8.0  # of the 3 x 3 operator on a slope of one grey level per px
+FRAMES_ON = 6  # the longer survival horizon
+SOBEL_GAIN = 8.0  # of the 3 x 3 operator for a gradient of one grey level per px
 
 
 @dataclass(frozen=True, slots=True)
 class FrameStatistics:
-    """Means over the frames that were looked at."""
+    """Means over the sampled frames."""
 
-    corners_top: float  # in the upper third of the frame, of CORNERS at most in the whole of it
+    corners_top: float  # corners in the upper third; at most CORNERS in a frame
     corners_middle: float
     corners_bottom: float
     gradient_p50: float  # grey levels per px, percentiles over the pixels of a frame
     gradient_p90: float
     gradient_p99: float
-    contrast: float  # grey levels, median over the frame of the standard deviation in CONTRAST_PX x CONTRAST_PX
-    survive_1: float  # share of the corners that are still followed after one frame
-    survive_6: float  # and after FRAMES_ON
+    contrast: float  # grey levels: median of the local standard deviation in CONTRAST_PX x CONTRAST_PX
+    survive_1: float  # share of the corners tracked for one frame
+    survive_6: float  # and for FRAMES_ON
 
     @classmethod
     def mean(cls, parts: Sequence["FrameStatistics"]) -> "FrameStatistics":
-        """Number by number."""
+        """The mean of each statistic."""
         return cls(*np.mean([astuple(part) for part in parts], axis=0).tolist())
 
     def ratio(self, other: "FrameStatistics") -> dict[str, float]:
-        """Each number over that of `other`; inf over nothing."""
+        """Each statistic divided by that of `other`; inf for a divisor of 0."""
         pairs = {field.name: (getattr(self, field.name), getattr(other, field.name)) for field in fields(self)}
         return {name: mine / theirs if theirs else np.inf for name, (mine, theirs) in pairs.items()}
 
 
 def scaled_grey(image_rgb: Image) -> Image:
-    """(h, WIDTH_PX) grey of an (H, W, 3) RGB image, every pixel the mean of what it covers."""
+    """(h, WIDTH_PX) grey image of an (H, W, 3) RGB image, area-averaged."""
     height = round(image_rgb.shape[0] * WIDTH_PX / image_rgb.shape[1])
     scaled = cv2.resize(grey(image_rgb), (WIDTH_PX, height), interpolation=cv2.INTER_AREA)
     return scaled.astype(np.uint8, copy=False)
 
 
 def measure(greys: Sequence[Image], every: int = 1) -> FrameStatistics:
-    """The statistics of (h, w) grey frames in their order, looked at in every `every`-th."""
+    """The statistics of consecutive (h, w) grey frames, sampled at every `every`-th."""
     starts = range(0, len(greys) - FRAMES_ON, every)
     if not starts:
         raise ValueError(f"greys: expected more than {FRAMES_ON} frames, got {len(greys)}")
@@ -67,14 +66,14 @@ def measure(greys: Sequence[Image], every: int = 1) -> FrameStatistics:
 
 
 def corners(image: Image, mask: Bools | None = None) -> Floats:
-    """(N, 2) px, the corners of a grey frame, where an (H, W) mask allows."""
+    """(N, 2) px, the corners of a grey frame inside an (H, W) mask."""
     allowed = None if mask is None else mask.astype(np.uint8)
     found = cv2.goodFeaturesToTrack(image, CORNERS, QUALITY, MIN_DISTANCE_PX, mask=allowed)
     return np.empty((0, 2)) if found is None else found[:, 0].astype(np.float64)
 
 
 def corner_counts(image: Image) -> list[int]:
-    """How many corners lie in the upper, the middle and the lower third of a grey frame."""
+    """Number of corners in the upper, middle and lower third of a grey frame."""
     third = np.minimum(3 * corners(image)[:, 1] / image.shape[0], 2).astype(np.intp)
     return [int(count) for count in np.bincount(third, minlength=3)]
 
@@ -86,23 +85,23 @@ def gradient_percentiles(image: Image) -> list[float]:
 
 
 def contrast(image: Image) -> float:
-    """Grey levels, the median over the frame of the standard deviation in a square window."""
+    """Median over the frame of the standard deviation in a square window, grey levels."""
     values = image.astype(np.float32)
     mean, square = (cv2.blur(part, (CONTRAST_PX, CONTRAST_PX)) for part in (values, values * values))
     return float(np.median(np.sqrt(np.maximum(square - mean * mean, 0.0))))
 
 
 def survival(greys: Sequence[Image]) -> tuple[float, float]:
-    """Shares of the first frame's corners that are followed for one frame, and for FRAMES_ON."""
+    """Shares of the first frame's corners that are tracked for one frame, and for FRAMES_ON."""
     _, alive = follow(greys[: FRAMES_ON + 1], corners(greys[0]))
     shares = alive.mean(axis=1) if alive.shape[1] else np.zeros(len(alive))
     return float(shares[0]), float(shares[-1])
 
 
 def follow(greys: Sequence[Image], points_px: Floats) -> tuple[Floats, Bools]:
-    """Where N points (N, 2) of the first of K grey frames are in the last, (N, 2), and which of them are followed.
+    """Tracks N points (N, 2) through K grey frames: positions in the last (N, 2), and survival (K - 1, N).
 
-    (K - 1, N): so far, frame by frame. A point is lost where Lucas-Kanade back again misses its start by RETURN_PX.
+    A point is lost where tracking back misses its start by RETURN_PX.
     """
     points = points_px.astype(np.float32)
     alive = np.ones((len(greys) - 1, len(points)), np.bool_)

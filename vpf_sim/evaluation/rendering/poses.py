@@ -1,4 +1,4 @@
-"""Where the gallery looks: the same places in every weather, on roads of the catalog, with the same seed."""
+"""The camera poses of the gallery, equal in every weather."""
 
 from dataclasses import dataclass
 
@@ -8,12 +8,12 @@ from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.parts import ObjectSpec
 
 SEED = 12
-SUN_HEADING_DEG = 215.0  # where the sun stands in every preset
+SUN_HEADING_DEG = 215.0  # heading of the sun in every preset
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A place on a road, reached at a constant speed along a lane; bodies are where they are when it is reached."""
+    """A position on a road, reached at constant speed along a lane; `objects` have their positions at that time."""
 
     name: str
     caption: str
@@ -21,11 +21,11 @@ class Pose:
     s_m: float
     lane: int = 2  # counted from the right
     speed_mps: float = 10.0
-    bodies: tuple[ObjectSpec, ...] = ()
+    objects: tuple[ObjectSpec, ...] = ()
     heading_deg: float | None = None  # of the road's start; None: the scenario's own
 
     def drive(self, lead_s: float, rate_hz: float) -> ScriptedDrive:
-        """The way here, of `lead_s` seconds."""
+        """The drive of `lead_s` seconds that ends at the pose."""
         scenario = self._scenario(lead_s)
         offset_m = scenario.road.lane_offset_m(self.lane)
         path = Path(self.s_m - lead_s * self.speed_mps, self.speed_mps, lambda _: offset_m)
@@ -33,7 +33,7 @@ class Pose:
 
     def _scenario(self, lead_s: float) -> Scenario:
         plain = scenarios.load(self.scenario).draw(SEED)
-        started = (body.model_copy(update={"s_m": body.s_m - lead_s * body.speed_mps}) for body in self.bodies)
+        started = (body.model_copy(update={"s_m": body.s_m - lead_s * body.speed_mps}) for body in self.objects)
         road = plain.road
         if self.heading_deg is not None:
             road = road.model_copy(update={"heading_deg": self.heading_deg})
@@ -52,19 +52,19 @@ POSES = (
         "a car 14 m ahead, at the same speed",
         "straight",
         s_m=90.0,
-        bodies=(
+        objects=(
             _body("car", 107.0, 2, speed_mps=10.0),
             _body("van", 132.0, 3, speed_mps=11.0),
             _body("car", 121.0, 1, speed_mps=9.0),
         ),
     ),
-    Pose("bend", "into a bend to the right", "curve-right", s_m=52.0, bodies=(_body("car", 84.0, 3, speed_mps=10.0),)),
+    Pose("bend", "into a bend to the right", "curve-right", s_m=52.0, objects=(_body("car", 84.0, 3, speed_mps=10.0),)),
     Pose(
         "truck",
         "beside a truck",
         "straight",
         s_m=90.0,
-        bodies=(_body("truck", 99.0, 3, speed_mps=10.5), _body("car", 126.0, 2, speed_mps=10.0)),
+        objects=(_body("truck", 99.0, 3, speed_mps=10.5), _body("car", 126.0, 2, speed_mps=10.0)),
     ),
     Pose("empty-road", "an empty road and its puddles", "straight", s_m=70.0, lane=1, speed_mps=8.0),
     Pose(
@@ -74,7 +74,7 @@ POSES = (
         s_m=120.0,
         lane=3,
         heading_deg=SUN_HEADING_DEG,
-        bodies=(_body("car", 142.0, 2, speed_mps=10.0), _body("truck", 175.0, 1, speed_mps=9.0)),
+        objects=(_body("car", 142.0, 2, speed_mps=10.0), _body("truck", 175.0, 1, speed_mps=9.0)),
     ),
     Pose("town04", "the paper's road, before its first parked car", "town04", s_m=61.0, speed_mps=5.55),
     Pose(
@@ -84,7 +84,7 @@ POSES = (
         s_m=70.0,
         lane=3,
         speed_mps=5.55,
-        bodies=(
+        objects=(
             *(_body("cone", 78.0 + 5.0 * step, 2, 1.2 - 0.55 * step) for step in range(5)),
             _body("barrier", 95.0, 2, 0.4),
             _body("pallet", 84.0, 4, -0.6),
@@ -95,7 +95,7 @@ POSES = (
 
 
 def video_drive(rate_hz: float) -> ScriptedDrive:
-    """Past the paper's first parked car, behind traffic on the right."""
+    """A drive past the paper's first parked car, with traffic."""
     plain = scenarios.load("town04").draw(SEED)
     traffic = (_body("car", 64.0, 1, speed_mps=12.0), _body("van", 95.0, 3, speed_mps=10.0))
     scenario = plain.model_copy(update={"bodies": (*plain.bodies, *traffic)})

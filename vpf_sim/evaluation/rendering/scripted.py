@@ -1,4 +1,4 @@
-"""Drives without a driver: a camera is carried along a road on a known path, so that every weather shows the same."""
+"""Scripted drives: a camera follows a given path, so that every weather shows the same poses."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -15,12 +15,12 @@ from vpf_sim.scenarios import Scenario
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
-SLOPE_STEP_M = 0.1  # over which the direction of the path is taken
+SLOPE_STEP_M = 0.1  # half step of the path's finite-difference heading
 
 
 @dataclass(slots=True)
 class Carrier:
-    """What carries the camera."""
+    """The pose of the camera's carrier."""
 
     position: Floats = field(default_factory=lambda: np.zeros(2))  # (2,) m
     heading: float = 0.0  # rad
@@ -28,7 +28,7 @@ class Carrier:
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """A way along a scenario's road at a constant speed: metres right of the carriageway's centre as s grows."""
+    """A path along a road at constant speed: `offset_m(s)` right of the carriageway's centre."""
 
     start_m: float
     speed_mps: float
@@ -37,7 +37,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class ScriptedDrive:
-    """A camera on a path; moving bodies keep their lanes."""
+    """A camera on a path; traffic keeps its lanes."""
 
     scenario: Scenario
     path: Path
@@ -45,7 +45,7 @@ class ScriptedDrive:
     rate_hz: float = 60.0
 
     def shots(self, weather: Weather, seed: int, count: int) -> Iterator[Shot]:
-        """The first `count` frames in a weather."""
+        """Yield the first `count` frames in a weather."""
         road = build_road(self.scenario, stream(seed, "road"))
         place_objects(road, self.scenario)
         renderer = Renderer(road, self.rig, weather, seed)
@@ -59,7 +59,7 @@ class ScriptedDrive:
             road.step(1.0 / self.rate_hz)
 
     def pose(self, centre: CentreLine, s_m: float) -> Floats:
-        """(3,) where the path is at s, looking along it."""
+        """(3,) pose on the path at s, heading along it."""
         x, y = centre.position_at(s_m, self.path.offset_m(s_m))
         behind, ahead = (centre.position_at(s, self.path.offset_m(s)) for s in (s_m - SLOPE_STEP_M, s_m + SLOPE_STEP_M))
         return np.array([x, y, atan2(ahead[1] - behind[1], ahead[0] - behind[0])])

@@ -1,7 +1,7 @@
-"""Whether a picture shimmers: what changes in it though nothing moves, and what its ground does as the car creeps.
+"""Shimmer of rendered frames: changed pixels of a static scene, and track errors on distant ground.
 
-A pattern that is not carried with the road, or is drawn too coarsely for its distance, moves otherwise than the
-geometry says; trackers would follow it.
+A texture that does not move with the road, or is rendered too coarsely for its distance, violates the geometry, and
+trackers would follow it.
 """
 
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ from vpf_sim.evaluation.truth.true_motion import OFF_PX, TrueMotion, Truth
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.types import Bools, Floats, Image
 
-NEAREST_M, FARTHEST_M = 15.0, 60.0  # the ground that is looked at
+NEAREST_M, FARTHEST_M = 15.0, 60.0  # range of the scored ground
 STARTS_M = {"bend": 90.0, "straight": 200.0}  # of town04
 LANE = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Creep:
-    """Tracks on the distant ground at one speed; shares of those off the true flow by more than OFF_PX."""
+    """Tracks on distant ground at one speed; shares with an error above OFF_PX."""
 
     road: str
     speed_mps: float
@@ -35,7 +35,7 @@ class Creep:
 
 
 def course(road: str, speed_mps: float, noise_sd: float = 0.0) -> ScriptedDrive:
-    """The middle of a lane of town04 without bodies, in its bend or on its straight."""
+    """A drive along a lane of town04 without obstacles, in its bend or on its straight."""
     scenario = scenarios.load("town04-clean").draw(0)
     offset_m = scenario.road.lane_offset_m(LANE)
     path = Path(STARTS_M[road], speed_mps, lambda _: offset_m)
@@ -43,19 +43,19 @@ def course(road: str, speed_mps: float, noise_sd: float = 0.0) -> ScriptedDrive:
 
 
 def changes_standing(weather: Weather, road: str, seed: int, count: int) -> int:
-    """Pixels of `count` frames that differ from the first, with the car still and the sensor without noise."""
+    """Number of pixels in `count` frames that differ from the first, with a stationary car and no sensor noise."""
     shots = [shot.image for shot in course(road, 0.0).shots(weather, seed, count)]
     return sum(int(np.count_nonzero((image != shots[0]).any(axis=2))) for image in shots[1:])
 
 
 def creep(weather: Weather, road: str, speed_mps: float, seed: int, count: int, every: int = 10) -> Creep:
-    """Drive `count` frames; every `every`-th is compared with the truth."""
+    """Drive `count` frames; every `every`-th is scored."""
     drive = course(road, speed_mps)
     motion = TrueMotion(drive.rig.camera, frame_statistics.FRAMES_ON)
     greys: list[Image] = []
     single, chained = [np.empty(0)], [np.empty(0)]
     for shot in drive.shots(weather, seed, count):
-        motion.note(shot)
+        motion.add(shot)
         greys = [*greys[-frame_statistics.FRAMES_ON :], grey(shot.image)]
         if len(greys) > frame_statistics.FRAMES_ON and shot.index % every == 0:
             truth = shot.renderer.truth(("depth", "instance"))
@@ -67,7 +67,7 @@ def creep(weather: Weather, road: str, speed_mps: float, seed: int, count: int, 
 
 
 def _errors(greys: list[Image], motion: TrueMotion, truth: Truth) -> Floats:
-    """(N,) px by which corners of the last frame's distant ground, followed back to the first, miss the truth."""
+    """(N,) px, errors of corners on the last frame's distant ground, tracked back to the first frame."""
     now_px = frame_statistics.corners(greys[-1], distant_ground(truth))
     start_px, alive = frame_statistics.follow(greys[::-1], now_px)
     start_px, now_px = start_px[alive[-1]], now_px[alive[-1]]
@@ -75,7 +75,7 @@ def _errors(greys: list[Image], motion: TrueMotion, truth: Truth) -> Floats:
 
 
 def distant_ground(truth: Truth) -> Bools:
-    """(H, W) ground NEAREST_M to FARTHEST_M away, a tracker's window off whatever stands up or is nearer or farther."""
+    """(H, W) ground between NEAREST_M and FARTHEST_M, at least a tracking window from objects and sky."""
     depth, instance = truth["depth"].astype(np.float64), truth["instance"]
     other = (instance != 0) | ~np.isfinite(depth)
     window = np.ones((frame_statistics.WINDOW_PX, frame_statistics.WINDOW_PX), np.uint8)

@@ -1,1 +1,1 @@
-"""Many episodes: what is asked, who drives them, and the folder that keeps them so that a sweep can go on."""
+"""Sweeps: the plan, local and cluster workers, and a run folder that can be resumed."""

@@ -1,6 +1,6 @@
-"""A sweep on a Dask cluster: its workers drive; records and steps come back as they are ready, and are stored here.
+"""A sweep on a Dask cluster: workers drive, and this process stores their records and steps as they arrive.
 
-Workers need vpf_sim as it is here, and one thread each; of a common disk only a user's scenario and weather files.
+Workers need the same vpf_sim and one thread each; a shared disk is only needed for a user's scenario and weather files.
 """
 
 import socket
@@ -28,16 +28,16 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, change, read_manifest
 
 MISSING = "--cluster: expected Dask, which is not installed: pip install 'vpf_sim[cluster]'"
-CONNECT_S = 4.0  # to reach a scheduler: a name or a port that is none is told soon
-Asked = dict[str, Any]  # the manifest
+CONNECT_S = 4.0  # timeout for a scheduler, short so that a wrong address fails soon
+Manifest = dict[str, Any]
 
 
 def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limit, mixed: bool) -> sweep.Results:
-    """Results in the order in which they are ready. An episode whose workers died is submitted once more."""
+    """Yield results as they are ready; an episode whose worker died is submitted once more."""
     distributed = _distributed()
     asked = read_manifest(folder.path)
     ready, running = distributed.as_completed(loop=client.loop), {}
-    session = uuid4().hex  # a scheduler answers a key that it has seen with what it found then
+    session = uuid4().hex  # a scheduler returns its cached result for a known key
 
     def submit(job: Job, attempt: int) -> None:
         name = f"{job.id} attempt {attempt} {digest(asked)} {session}"
@@ -63,8 +63,8 @@ def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limi
 
 
 @contextmanager
-def connected(address: str | None, asked: Asked, mixed: bool) -> Iterator[Any]:
-    """A client of the scheduler at `address`, when it has a worker and none that is another; None without address."""
+def connected(address: str | None, asked: Manifest, mixed: bool) -> Iterator[Any]:
+    """A client of the scheduler at `address` once it has compatible workers; None without an address."""
     if address is None:
         yield None
         return
@@ -73,18 +73,18 @@ def connected(address: str | None, asked: Asked, mixed: bool) -> Iterator[Any]:
         if not client.nthreads():
             print(f"waiting for the first worker of {address}", file=sys.stderr, flush=True)
             client.wait_for_workers(1)
-        _refuse_others(client, asked, mixed)
+        _check_workers(client, asked, mixed)
         yield client
 
 
 def _client(address: str) -> Any:
-    """A client of the scheduler; InputError, soon and in one line, where there is none."""
+    """A client of the scheduler; InputError with one line where there is none."""
     if not _is_installed():
         raise InputError(MISSING)
     fault = _unreachable(address)
     if fault is None:
         for name in ("distributed", "asyncio", "tornado.application"):
-            getLogger(name).setLevel(CRITICAL)  # what goes wrong is told below, without their tracebacks
+            getLogger(name).setLevel(CRITICAL)  # the InputError below replaces their tracebacks
         try:
             return _distributed().Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
         except (OSError, ValueError) as error:
@@ -93,16 +93,16 @@ def _client(address: str) -> Any:
 
 
 def _unreachable(address: str) -> str | None:
-    """Why nothing answers at the host and port of an address; None if something does, or it names no such place.
+    """Why the host and port of an address do not answer; None if they do, or the address has none.
 
-    Dask itself would try again and again, and look up names for as long as that takes.
+    Dask itself would retry, and wait for name lookups without a limit.
     """
     try:
-        place = urlsplit(address if "://" in address else f"tcp://{address}")
-        if place.scheme not in ("tcp", "tls"):
-            return None if place.scheme in ("ws", "wss", "inproc", "ucx", "ucxx") else "an address of no known kind"
-        host, port = place.hostname, place.port
-    except ValueError as error:  # a port that is no number
+        parts = urlsplit(address if "://" in address else f"tcp://{address}")
+        if parts.scheme not in ("tcp", "tls"):
+            return None if parts.scheme in ("ws", "wss", "inproc", "ucx", "ucxx") else "an unknown kind of address"
+        host, port = parts.hostname, parts.port
+    except ValueError as error:  # a port that is not a number
         return str(error)
     if not host or port is None:
         return "no HOST:PORT"
@@ -115,7 +115,7 @@ def _unreachable(address: str) -> str | None:
         except OSError as error:
             outcome.put(error.strerror or str(error))
 
-    Thread(target=connect, daemon=True).start()  # which ends with us while a name is still looked up
+    Thread(target=connect, daemon=True).start()  # a daemon: a pending name lookup does not keep the process alive
     try:
         return outcome.get(timeout=CONNECT_S)
     except Empty:
@@ -123,7 +123,7 @@ def _unreachable(address: str) -> str | None:
 
 
 def _is_installed() -> bool:
-    """Whether there is Dask, which takes seconds to load."""
+    """Whether Dask is installed, without importing it, which takes seconds."""
     try:
         return find_spec("distributed") is not None
     except ValueError:  # it is marked as missing
@@ -138,8 +138,8 @@ def _distributed() -> Any:
     return distributed
 
 
-def _refuse_others(client: Any, asked: Asked, mixed: bool) -> None:
-    """InputError for a worker that would make other records. Those that come later refuse by themselves."""
+def _check_workers(client: Any, asked: Manifest, mixed: bool) -> None:
+    """InputError for a worker that would make different records; later workers check themselves."""
     for worker, threads in client.nthreads().items():
         if threads != 1:
             raise InputError(f"--cluster: worker {worker}: expected one thread (--nthreads 1), got {threads}")
@@ -150,14 +150,14 @@ def _refuse_others(client: Any, asked: Asked, mixed: bool) -> None:
             _compare(worker, found, asked)
 
 
-def _compare(worker: str, found: dict[str, str], asked: Asked) -> None:
+def _compare(worker: str, found: dict[str, str], asked: Manifest) -> None:
     if found != asked["fingerprint"]:
         what = change(asked["fingerprint"], found)
         raise InputError(f"--cluster: worker {worker}: another fingerprint: {what}; --mixed accepts it")
 
 
 def _result(future: Any) -> Any:
-    """What the worker returned or raised."""
+    """The worker's return value; raises its exception."""
     try:
         return future.result()
     except (CancelledError, OSError) as error:
@@ -174,9 +174,9 @@ def _reason(error: Any, limit_s: float) -> str:
 
 
 def _drive(
-    job: Job, asked: Asked, limit_s: float, mixed: bool
+    job: Job, asked: Manifest, limit_s: float, mixed: bool
 ) -> tuple[dict[str, Any], dict[str, Any], steps.StepTable | None]:
-    """On a worker: drive one episode, if that makes the record that is wanted."""
+    """Run on a worker: check fingerprint and inputs, then drive one episode."""
     worker = str(_distributed().get_worker().name)
     own = fingerprint()
     if not mixed:
@@ -188,8 +188,8 @@ def _drive(
     return record, {**timing, "worker": worker}, table
 
 
-def _check_inputs(worker: str, job: Job, asked: Asked) -> None:
-    """InputError where the scenario, weather or driver of that name says something else to this worker."""
+def _check_inputs(worker: str, job: Job, asked: Manifest) -> None:
+    """InputError where this worker has another scenario, weather or driver under the same name."""
     for kind, hashes in Plan.of(job).check().items():
         for name, value in hashes.items():
             if asked.get(kind, {}).get(name) != value:

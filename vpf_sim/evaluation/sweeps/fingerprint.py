@@ -1,4 +1,4 @@
-"""What the bytes of an episode depend on beside its inputs: versions, the code, and OpenCV's use of the CPU."""
+"""The fingerprint of code and machine: everything beside the inputs that an episode's bytes depend on."""
 
 import json
 import platform
@@ -7,12 +7,17 @@ from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 
-PACKAGES = ("vpf_sim", "vpf_sim.controllers", "vpf_sim.envs", "vpf_sim.scenarios")  # a checkout maps them to folders
+PACKAGES = (
+    "vpf_sim",
+    "vpf_sim.controllers",
+    "vpf_sim.envs",
+    "vpf_sim.scenarios",
+)  # a checkout maps some to other folders
 SUFFIXES = (".py", ".toml")
 
 
 def fingerprint() -> dict[str, str]:
-    """Versions, the code's hash and the CPU features that OpenCV found, in this process."""
+    """Versions, the code's hash, and the CPU features that OpenCV uses in this process."""
     from importlib.metadata import version
 
     import cv2
@@ -33,15 +38,12 @@ def fingerprint() -> dict[str, str]:
 
 @cache
 def source() -> str:
-    """SHA-256 over the files of the installed package, wherever they are: an edit is another fingerprint."""
+    """SHA-256 over the files of the installed package; any edit changes it."""
     return hash_of_files({package.replace(".", "/"): _folder(package) for package in PACKAGES})
 
 
 def own_code(driver: str) -> str | None:
-    """SHA-256 of what a driver of the user's own is made of; None for those that `source` covers.
-
-    Of "package.module:Class" it is all code of the outermost package, of a variant's file what it says.
-    """
+    """SHA-256 of a user's driver: its outermost package or its variant file; None for registered drivers."""
     from vpf_sim.drivers import FIELD
     from vpf_sim.planning import variant
 
@@ -52,7 +54,7 @@ def own_code(driver: str) -> str | None:
 
 @cache
 def _code_of(package: str) -> str | None:
-    """The hash of a package or module as it was when this process first asked; None of one that is no file."""
+    """The hash of a package or module at the first call; None for one without files."""
     spec = find_spec(package)
     if spec is not None and spec.submodule_search_locations:
         return hash_of_files({f"{package}/{i}": Path(at) for i, at in enumerate(spec.submodule_search_locations)})
@@ -60,7 +62,7 @@ def _code_of(package: str) -> str | None:
 
 
 def hash_of_files(folders: dict[str, Path]) -> str:
-    """SHA-256 over the names and contents of all code and configuration below `folders`, which go by other names."""
+    """SHA-256 over names and contents of code and configuration in `folders` (name -> folder)."""
     found = {
         f"{name}/{path.relative_to(folder).as_posix()}": path
         for name, folder in folders.items()
@@ -79,5 +81,5 @@ def _folder(package: str) -> Path:
 
 
 def digest(value: object) -> str:
-    """A short name for a value that JSON can hold."""
+    """A short hash of a JSON value."""
     return sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:16]

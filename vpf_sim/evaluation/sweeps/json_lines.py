@@ -1,4 +1,4 @@
-"""JSON lines that a crash cannot spoil: each is written by one call, and is on the disk before the next."""
+"""Crash-safe JSON lines: each line is one write, synced to disk before the next."""
 
 import errno
 import fcntl
@@ -13,13 +13,13 @@ from vpf_sim.files import write_bytes
 
 
 class JsonLines:
-    """Append rows to a file, as the only one who does; opening it drops a last line that a crash left torn."""
+    """Appends rows to a locked file; opening it drops an incomplete last line."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
         try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the end of the process, whatever ends it, frees it
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the lock ends with the process
         except BlockingIOError:
             os.close(self._file)
             raise InputError(f"{path.parent}: in use by another run") from None
@@ -27,7 +27,7 @@ class JsonLines:
         os.ftruncate(self._file, stored.rfind(b"\n") + 1)
 
     def append(self, row: dict[str, Any]) -> None:
-        """One line, keys sorted; whole, or not there and OSError."""
+        """Append one line with sorted keys; on OSError nothing is appended."""
         line = _line(row)
         size = os.fstat(self._file).st_size
         try:
@@ -39,7 +39,7 @@ class JsonLines:
             raise OSError(error.errno, error.strerror, str(self._path)) from None
 
     def rewrite(self, rows: Iterable[dict[str, Any]]) -> None:
-        """Put these rows in the place of all that are there, whole or not at all; nothing can be appended after it."""
+        """Replace all rows atomically; no row can be appended afterwards."""
         write_bytes(self._path, b"".join(map(_line, rows)))
 
     def close(self) -> None:
@@ -47,7 +47,7 @@ class JsonLines:
 
 
 def read_lines(path: Path) -> list[dict[str, Any]]:
-    """The rows of a file, none if it does not exist; a torn last line is left out, any other fault is told."""
+    """The rows of a file, empty if it is missing; an incomplete last line is dropped, other faults are InputErrors."""
     if not path.exists():
         return []
     whole, _, _ = path.read_bytes().rpartition(b"\n")

@@ -1,4 +1,4 @@
-"""What a sweep is asked to do: a grid of scenarios, weathers, drivers and seeds."""
+"""The plan of a sweep: a grid of scenarios, weathers, drivers and seeds."""
 
 from collections.abc import Iterable
 from hashlib import sha256
@@ -14,7 +14,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 
 MOST_DIGITS = 18  # of a seed
-MOST_SEEDS = 1_000_000  # of one run: more is a slip of the pen, and would not fit into memory
+MOST_SEEDS = 1_000_000  # of one run: more is a typing error and does not fit into memory
 
 
 Drive = tuple[str, str, Annotated[int, Field(ge=0)]]  # scenario, weather and seed
@@ -22,7 +22,7 @@ Drive = tuple[str, str, Annotated[int, Field(ge=0)]]  # scenario, weather and se
 
 @settings
 class Plan:
-    """The grid of a sweep. With `drives`, of the grid only these."""
+    """The grid of a sweep, or the single `drives` of it."""
 
     scenario: tuple[str, ...] = setting("names or files", min_length=1)
     weather: tuple[str, ...] = setting("names or files", min_length=1)
@@ -31,7 +31,7 @@ class Plan:
     drives: tuple[Drive, ...] = setting("scenario, weather and seed of single drives", default=())
 
     def jobs(self) -> list[Job]:
-        """The planned episodes, seed by seed, so that a sweep that ends early has something of everything."""
+        """The planned episodes, seed by seed, so that an interrupted sweep has episodes of every cell."""
         if self.drives:
             jobs = [
                 Job(scenario, weather, driver, seed)
@@ -44,7 +44,7 @@ class Plan:
         return list(dict.fromkeys(jobs))
 
     def check(self) -> dict[str, dict[str, str]]:
-        """The hashes, once every driver has been made; InputError on a name or file that is none."""
+        """The hashes, after creating every driver; InputError for an unknown name or file."""
         from vpf_sim import drivers
 
         for name in self.driver:
@@ -52,7 +52,7 @@ class Plan:
         return self.hashes()
 
     def hashes(self) -> dict[str, dict[str, str]]:
-        """Of what the scenarios and weathers say, and of the code of drivers that are not ours."""
+        """Hashes of the scenarios, the weathers, and the code of users' drivers."""
         from vpf_sim import scenarios
         from vpf_sim.envs.camera import weather
         from vpf_sim.evaluation.sweeps.fingerprint import own_code
@@ -70,7 +70,7 @@ class Plan:
 
 
 def parse_seeds(text: str, where: str = "--seeds") -> range:
-    """The seeds that "A:B" means: A, A + 1, ..., B - 1."""
+    """The seeds A, A + 1, ..., B - 1 of "A:B"."""
     first, colon, last = text.partition(":")
     if not (colon and all(number.isdecimal() and len(number) <= MOST_DIGITS for number in (first, last))):
         raise InputError(f"{where}: expected A:B with whole numbers, such as 1000:1030, got '{text[:60]}'")
@@ -83,12 +83,12 @@ def parse_seeds(text: str, where: str = "--seeds") -> range:
 
 
 def read_plan(path: Path) -> dict[str, Any]:
-    """The keys that a sweep file gives."""
+    """The keys and values of a sweep file."""
     return configuration.read_file(path, "sweep")
 
 
 def make_plan(table: dict[str, Any], where: str) -> Plan:
-    """A plan from keys and values, each checked; `where` is what messages call their source."""
+    """A validated plan from keys and values; messages call their source `where`."""
     plan = configuration.build(Plan, table, where) if "drives" not in table else _of_drives(table, where)
     if not plan.drives:
         parse_seeds(plan.seeds, f"{where}: seeds")
@@ -96,7 +96,7 @@ def make_plan(table: dict[str, Any], where: str) -> Plan:
 
 
 def _of_drives(table: dict[str, Any], where: str) -> Plan:
-    """The plan of single drives: the grid is the least that has them all."""
+    """The plan of single drives, with the smallest grid that contains them."""
     drives = configuration.build(_Drives, {"drives": table["drives"]}, where).drives
     names = [[*dict.fromkeys(drive[i] for drive in drives)] for i in (0, 1)]
     seeds = sorted(drive[2] for drive in drives)

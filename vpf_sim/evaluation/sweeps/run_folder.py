@@ -1,4 +1,4 @@
-"""The folder of a run: what was asked, the records as they come, and what is needed to go on after any crash."""
+"""The run folder: manifest, records, timing and steps; a run can be resumed after any crash."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from vpf_sim.evaluation.metrics.records import failed
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
-from vpf_sim.evaluation.sweeps.shapes import Manifest, Record, checked
+from vpf_sim.evaluation.sweeps.schema import Manifest, Record, checked
 from vpf_sim.files import DRAFT, write_text
 
 MANIFEST = "manifest.json"
@@ -23,7 +23,7 @@ NO_JOB = Job("", "", "", 0)
 
 
 def new_path(command: str) -> Path:
-    """A new folder under runs/, named by the time and the command."""
+    """Create a folder under runs/, named by time and command."""
     stem = f"runs/{datetime.now():%Y%m%d-%H%M%S}-{command}"
     for name in [stem, *(f"{stem}-{number}" for number in range(2, 1000))]:
         try:
@@ -35,17 +35,17 @@ def new_path(command: str) -> Path:
 
 
 def manifest(command: str, plan: Plan) -> dict[str, Any]:
-    """What was asked, where, and of which scenarios, weathers and drivers."""
+    """The manifest: command, plan, fingerprint, and hashes of scenarios, weathers and drivers."""
     asked = {key: value for key, value in asdict(plan).items() if value}
     return {"schema": 1, "command": command, "plan": asked, "fingerprint": fingerprint(), **plan.check()}
 
 
 class RunFolder:
-    """An open run folder. `done` holds the ids of the records that it has."""
+    """An open, locked run folder; `done` has the ids of its records."""
 
     def __init__(self, path: Path, asked: dict[str, Any], resume: bool = False, mixed: bool = False) -> None:
         self.path = path
-        self.mark: str | None = None  # the fingerprint's digest, where records are made on another than the manifest's
+        self.mark: str | None = None  # the fingerprint's digest, if it differs from the manifest's
         asked = json.loads(json.dumps(asked))
         self.asked: dict[str, Any] = asked
         new = not resume or not (path / MANIFEST).exists()
@@ -53,7 +53,7 @@ class RunFolder:
             self._make()
         elif self._continue(asked, mixed):
             self.mark = digest(asked["fingerprint"])
-        self._records = JsonLines(path / LINES[0])  # from here on the folder is locked
+        self._records = JsonLines(path / LINES[0])  # locks the folder
         self._timing = JsonLines(path / LINES[1])
         if new:
             self.write_json(MANIFEST, asked)
@@ -64,7 +64,7 @@ class RunFolder:
             raise
 
     def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
-        """Store a finished episode; the `traceback` of an error goes into a file of its own."""
+        """Store a finished episode; the `traceback` of an error is written to its own file."""
         timing = dict(timing)
         if "traceback" in timing:
             self._write_error(record["id"], timing.pop("traceback"))
@@ -73,11 +73,11 @@ class RunFolder:
         self.done.add(record["id"])
 
     def replace_records(self, records: list[dict[str, Any]]) -> None:
-        """Put these in the place of all records; nothing can be added after it."""
+        """Replace all records; none can be added afterwards."""
         self._records.rewrite(records)
 
     def error_file(self, episode: str) -> Path:
-        """Where the reason of an `error` is."""
+        """The file with the reason of an `error`."""
         return self.path / "errors" / f"{episode}.txt"
 
     def records(self) -> list[dict[str, Any]]:
@@ -85,7 +85,7 @@ class RunFolder:
         return read_records(self.path)
 
     def write_json(self, name: str, value: dict[str, Any]) -> None:
-        """A file of the folder, keys sorted, whole or not at all."""
+        """Write a JSON file of the folder with sorted keys, atomically."""
         write_json(self.path / name, value)
 
     def close(self) -> None:
@@ -97,7 +97,7 @@ class RunFolder:
         for name in (MANIFEST, *LINES):
             (self.path / name).unlink()
         self.close()
-        with suppress(OSError):  # something of the user's is in it
+        with suppress(OSError):  # it has files of the user
             self.path.rmdir()
 
     def _write_error(self, episode: str, reason: str) -> None:
@@ -113,7 +113,7 @@ class RunFolder:
         self.path.mkdir(parents=True, exist_ok=True)
 
     def _continue(self, asked: dict[str, Any], mixed: bool) -> bool:
-        """Check that the same is asked; whether the fingerprint is another, which only `mixed` allows."""
+        """Check that plan and inputs are unchanged; return whether the fingerprint differs, which needs `mixed`."""
         stored = read_manifest(self.path)
         for key in ("command", "plan", "scenarios", "weathers", "drivers"):
             if (stored.get(key) or None) != (asked.get(key) or None):
@@ -128,17 +128,17 @@ class RunFolder:
 
 
 def _is_unwritten(path: Path) -> bool:
-    """Whether a run that was killed before its manifest was there could have left this."""
+    """Whether a run that was killed before writing its manifest could have left this file."""
     return path.name == f"{MANIFEST}{DRAFT}" or (path.name in LINES and path.is_file() and path.stat().st_size == 0)
 
 
 def write_json(path: Path, value: dict[str, Any]) -> None:
-    """A file, keys sorted, whole or not at all."""
+    """Write a JSON file with sorted keys, atomically."""
     write_text(path, json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n")
 
 
 def read_records(path: Path) -> list[dict[str, Any]]:
-    """The records of a run folder, sorted by id, each checked to be one."""
+    """The validated records of a run folder, sorted by id."""
     file = path / "episodes.jsonl"
     records = read_lines(file)
     for record in records:
@@ -148,15 +148,15 @@ def read_records(path: Path) -> list[dict[str, Any]]:
         for key in failed(NO_JOB):
             if key not in record:
                 raise InputError(f"{where}: key '{key}' is missing")
-        told = checked(Record, record, where)
-        own = Job(told.scenario, told.weather, told.driver, told.seed).id
-        if own != told.id:
+        valid = checked(Record, record, where)
+        own = Job(valid.scenario, valid.weather, valid.driver, valid.seed).id
+        if own != valid.id:
             raise InputError(f"{where}: expected the id of its scenario, weather, driver and seed, which is {own}")
     return sorted(records, key=lambda record: str(record["id"]))
 
 
 def read_manifest(path: Path) -> dict[str, Any]:
-    """The manifest of a run folder, checked to be one."""
+    """The validated manifest of a run folder."""
     file = path / MANIFEST
     try:
         stored: Any = json.loads(file.read_text("utf-8"))
@@ -173,12 +173,12 @@ def read_manifest(path: Path) -> dict[str, Any]:
 
 
 def stored_plan(path: Path) -> Plan:
-    """What the run in a folder was asked to do."""
+    """The plan of the run in a folder."""
     return make_plan(read_manifest(path)["plan"], str(path / MANIFEST))
 
 
 def change(before: Any, after: Any) -> str:
-    """The differences of two tables, in words."""
+    """The differences of two tables as text."""
     if isinstance(before, dict) and isinstance(after, dict):
         keys = [key for key in sorted(before.keys() | after.keys()) if before.get(key) != after.get(key)]
         return ", ".join(f"{key}: was {_short(before.get(key))}, is {_short(after.get(key))}" for key in keys)

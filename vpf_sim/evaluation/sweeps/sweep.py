@@ -1,4 +1,4 @@
-"""A sweep: the planned episodes over worker processes into a run folder, from the start or from where it was left."""
+"""A sweep: drive the missing episodes of a plan with worker processes, into a run folder."""
 
 import os
 import platform
@@ -22,27 +22,29 @@ from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 Stored = tuple[dict[str, Any], dict[str, Any]]  # record, timing
 Limit = Callable[[Job], float]  # s of wall time
 Results = Generator[pool.Done[Job, Stored], None, None]
-START_S = 60.0  # to load all, and to score
+START_S = 60.0  # to import, and to score
 SLOWEST = 6.0  # times slower than the simulated clock: 10 steps a second
-LONGEST_S = 1e6  # beyond it the clock of a watchdog would not reach
+LONGEST_S = 1e6  # a watchdog accepts no longer limit
 
 
 def local(folder: RunFolder, jobs: Iterable[Job], workers: int, limit_s: Limit) -> Results:
-    """Drive on this machine, and store the steps."""
+    """Drive on this machine; the workers store the steps."""
     return pool.run(partial(drive_and_store, folder.path, folder.mark, folder.asked), jobs, workers, limit_s)
 
 
-def store(folder: RunFolder, results: Iterable[pool.Done[Job, Stored]], tell: Callable[[dict[str, Any]], None]) -> None:
-    """Keep what comes; `tell` hears of each record as it is stored."""
+def store(
+    folder: RunFolder, results: Iterable[pool.Done[Job, Stored]], notify: Callable[[dict[str, Any]], None]
+) -> None:
+    """Store results as they arrive; `notify` is called with each record."""
     for done in results:
         record, timing = done.result or given_up(done.task, folder.mark, done.reason)
         timing |= {"worker": done.worker, "retries": done.attempts - 1}
         folder.add(record, timing)
-        tell(record)
+        notify(record)
 
 
 def limits(timeout_s: float | None) -> Limit:
-    """How long an episode may take: what is asked for, or what the scenario's own limit takes on a slow machine."""
+    """The wall-time limit of an episode: as given, or the scenario's limit on a slow machine."""
     if timeout_s is None:
         return _slow_s
     if not isfinite(timeout_s) or not 0.0 < timeout_s <= LONGEST_S:
@@ -55,10 +57,10 @@ def _slow_s(job: Job) -> float:
 
 
 def drive_and_store(folder: Path, mark: str | None, asked: dict[str, Any], job: Job) -> Stored:
-    """Drive one episode, store its steps, and give its record and timing; whatever goes wrong in it is an `error`.
+    """Drive one episode, store its steps, and return record and timing; an exception becomes status `error`.
 
-    InputError if anything is no longer as it was when the sweep was asked for: files may be edited meanwhile, and a
-    worker that is started in the place of one that died reads the code as it is then.
+    InputError if code or input files changed since the sweep began: a worker that replaces a dead one would load the
+    edited files.
     """
     changed = [*changes(asked, job)]
     if changed:
@@ -70,7 +72,7 @@ def drive_and_store(folder: Path, mark: str | None, asked: dict[str, Any], job: 
 
 
 def changes(asked: Mapping[str, Any], job: Job) -> Iterator[str]:
-    """What an episode depends on that says something else here than in the manifest."""
+    """Names of fingerprint entries and inputs that differ from the manifest."""
     own = fingerprint()
     yield from (key for key in own if own[key] != asked["fingerprint"].get(key))
     for kind, hashes in Plan.of(job).hashes().items():
@@ -90,15 +92,15 @@ def drive(mark: str | None, job: Job) -> tuple[dict[str, Any], dict[str, Any], s
 
 
 def default_workers() -> int:
-    """One a core that this process may use."""
+    """The number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def given_up(job: Job, mark: str | None, reason: str) -> Stored:
-    """What is stored of an episode without a result."""
+    """Record and timing of an episode without a result."""
     return marked(records.failed(job), mark), {"id": job.id, "traceback": reason, "host": platform.node()}
 
 
 def marked(record: dict[str, Any], mark: str | None) -> dict[str, Any]:
-    """A record made on another fingerprint than the run's says so."""
+    """The record, with the fingerprint's digest if it differs from the run's."""
     return record if mark is None else {**record, "fingerprint": mark}

@@ -1,1 +1,1 @@
-"""What the renderer and the road know and no driver is told: what is around the car, what moved, what stands where."""
+"""Ground truth from renderer and road that drivers never receive."""

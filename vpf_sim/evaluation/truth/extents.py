@@ -1,7 +1,7 @@
-"""What a right report is off by: distance, sides and speed against those of the body that it is about.
+"""Errors of a correct detection in distance, sides and speed.
 
-The truth of a body is the end of its box that is turned to the ego, in the ego's axes: its nearest corner ahead, its
-corners to the left and to the right. A row that is reported as one has the extent of all its bodies.
+The true extent of an object is the end of its box that faces the ego, in the ego's axes: the nearest corner ahead and
+the corners to the left and right. A row that is detected as one has the extent of all its objects.
 """
 
 from collections.abc import Iterable, Sequence
@@ -9,12 +9,12 @@ from math import cos, nan
 from typing import Any, NamedTuple
 
 from vpf_sim.envs.rectangles import corners, to_local
-from vpf_sim.evaluation.truth.objects import Report
+from vpf_sim.evaluation.truth.detections import Detection
 from vpf_sim.types import Obstacles
 
 
 class Extent(NamedTuple):
-    """In the ego's axes, m from its centre."""
+    """Nearest distance and lateral sides in the ego's axes, m from its centre."""
 
     forward_m: float
     left_m: float
@@ -22,18 +22,18 @@ class Extent(NamedTuple):
 
 
 class ExtentErrors(NamedTuple):
-    """Reported less true: distance + is told too far, a side + is told too far out, speed + is told too fast."""
+    """Detected - true: distance + is too far, a side + is too far out, speed + is too fast."""
 
     distance_m: float
     left_m: float
     right_m: float
-    speed_mps: float  # nan where the body stands and is reported so
+    speed_mps: float  # nan where both detected and true speed are 0
 
 
-def errors(report: Report, reports: Iterable[Report], reported: Obstacles, ego: Any) -> ExtentErrors:
-    """Of a right report; `reports` are all of its frame."""
-    k, true, body = report.index, true_extent(report, reports, ego), report.owners[0]
-    speed_mps, seen_mps = float(body.speed), float(reported.speed_mps[k])
+def errors(detection: Detection, detections: Iterable[Detection], reported: Obstacles, ego: Any) -> ExtentErrors:
+    """Errors of a correct detection; `detections` are all of its frame."""
+    k, true, obj = detection.index, true_extent(detection, detections, ego), detection.owners[0]
+    speed_mps, seen_mps = float(obj.speed), float(reported.speed_mps[k])
     return ExtentErrors(
         float(reported.forward_m[k]) - true.forward_m,
         true.left_m - float(reported.left_m[k]),
@@ -42,17 +42,17 @@ def errors(report: Report, reports: Iterable[Report], reported: Obstacles, ego: 
     )
 
 
-def true_extent(report: Report, reports: Iterable[Report], ego: Any) -> Extent:
-    """Of the body nearest to the report's foot, with those of its row that no other report is nearest to."""
-    taken = {id(other.owners[0]) for other in reports if other.owners}
-    bodies = [report.owners[0], *(body for body in report.passed if id(body) not in taken)]
-    return _union([near_end(body, ego) for body in bodies])
+def true_extent(detection: Detection, detections: Iterable[Detection], ego: Any) -> Extent:
+    """Extent of the nearest object and of the objects of its row that no other detection matches."""
+    taken = {id(other.owners[0]) for other in detections if other.owners}
+    objects = [detection.owners[0], *(obj for obj in detection.passed if id(obj) not in taken)]
+    return _union([near_end(obj, ego) for obj in objects])
 
 
-def near_end(body: Any, ego: Any) -> Extent:
-    """The end of a body's box that is turned to the ego."""
-    front_left, front_right, rear_right, rear_left = to_local(ego, corners(body))
-    runs_away = cos(body.heading - ego.heading) >= 0.0
+def near_end(obj: Any, ego: Any) -> Extent:
+    """The extent of an object's face towards the ego."""
+    front_left, front_right, rear_right, rear_left = to_local(ego, corners(obj))
+    runs_away = cos(obj.heading - ego.heading) >= 0.0
     end = (rear_left, rear_right) if runs_away else (front_left, front_right)
     return Extent(min(x for x, _ in end), min(y for _, y in end), max(y for _, y in end))
 

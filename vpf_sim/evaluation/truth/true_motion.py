@@ -1,4 +1,4 @@
-"""How tracks really moved over several frames, from the truth of the last frame and what the poses were before."""
+"""True motion of tracked points over several frames, from the last frame's ground truth and earlier poses."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -11,15 +11,15 @@ from vpf_sim.envs.camera import Renderer
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 
-OFF_PX = 1.0  # a track farther from the truth is off
-LONGEST_TTC_S = 10.0  # of the points whose time to contact is scored
+OFF_PX = 1.0  # a track with a larger error counts as off
+LONGEST_TTC_S = 10.0  # points with a longer true time to contact are not scored
 NEIGHBOURS = [(x, y) for y in (-1, 0, 1) for x in (-1, 0, 1)]
 Truth = dict[str, NDArray[np.generic]]
 
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """One frame of a drive and its renderer, which tells the truth of it until the next is taken."""
+    """One frame of a drive and its renderer, which has the frame's ground truth until the next frame."""
 
     index: int
     image: Image  # (H, W, 3) RGB
@@ -29,33 +29,33 @@ class Shot:
 
 @dataclass(frozen=True, slots=True)
 class Instant:
-    """Where the camera and the bodies were at one frame."""
+    """Poses of the camera and the objects at one frame."""
 
     view: View
-    bodies: list[Floats]  # (3,) x m, y m, heading rad of each
+    objects: list[Floats]  # (3,) x m, y m, heading rad of each
 
 
 class TrueMotion:
-    """Remembers the poses of the last frames.
+    """Keeps the poses of the last frames and computes true displacements and times to contact.
 
-    The scene is rigid but for its bodies, which move as a whole: the point that a pixel shows now, by its depth, was
-    then at a known place, and was seen where that projects to. The lens is a pinhole.
+    The scene is static except for rigid objects: a pixel's depth gives its point, the poses give the point's earlier
+    position, and that is projected into the earlier frame. The lens is a pinhole.
     """
 
     def __init__(self, camera: Camera, frames: int) -> None:
         self._camera = camera
         self._instants: deque[Instant] = deque(maxlen=frames + 1)  # newest first
 
-    def note(self, shot: Shot) -> None:
-        """Remember a frame; every one in its order."""
-        bodies = [np.array([*body.position, body.heading], float) for body in shot.renderer.objects]
-        self._instants.appendleft(Instant(View.at(self._camera, shot.pose[:2], shot.pose[2]), bodies))
+    def add(self, shot: Shot) -> None:
+        """Add a frame; call for every frame in order."""
+        objects = [np.array([*obj.position, obj.heading], float) for obj in shot.renderer.objects]
+        self._instants.appendleft(Instant(View.at(self._camera, shot.pose[:2], shot.pose[2]), objects))
 
     def errors_px(self, points_px: Floats, displacement_px: Floats, frames: NDArray[np.int64], truth: Truth) -> Floats:
-        """(N,) px by which displacements (N, 2) of points (N, 2) over `frames` (N,) miss the true ones.
+        """(N,) px, errors of displacements (N, 2) of points (N, 2) over `frames` (N,).
 
-        `truth` has `depth` and `instance` of the frame noted last. Of the nine pixels about a point the one that agrees
-        best counts, as a corner on an outline may belong to either side.
+        `truth` has `depth` and `instance` of the last frame. The best of the nine pixels around a point counts, since a
+        corner on an outline may belong to either side.
         """
         errors = np.full(len(points_px), np.inf)
         for back in np.unique(frames):
@@ -66,9 +66,9 @@ class TrueMotion:
         return errors
 
     def ttc_s(self, points_px: Floats, gap_s: float, truth: Truth) -> Floats:
-        """(N,) s, depth / closing speed of what is seen at points (N, 2); inf where the gap does not close.
+        """(N,) s, depth / closing speed at points (N, 2); inf where the depth does not decrease.
 
-        The closing speed is that of the last `gap_s` seconds, one frame.
+        The closing speed is the mean over the last frame, `gap_s`.
         """
         then, depth = self._earlier(pixels(points_px, self._camera), 1, truth)
         closed_m = then[:, 2] - depth
@@ -76,15 +76,15 @@ class TrueMotion:
         return found
 
     def _displacement(self, pixel: NDArray[np.intp], back: int, truth: Truth) -> Floats:
-        """(N, 2) px that what is seen at pixels (N, 2) moved in the last `back` frames."""
+        """(N, 2) px, displacement over the last `back` frames of the scene points at pixels (N, 2)."""
         then, _ = self._earlier(pixel, back, truth)
         displacement: Floats = pixel - self._instants[back].view.pixels(then)
         return displacement
 
     def _earlier(self, pixel: NDArray[np.intp], back: int, truth: Truth) -> tuple[Floats, Floats]:
-        """(N, 3) where what is seen at pixels (N, 2) was `back` frames ago, in the camera's axes; (N,) its depth now.
+        """(N, 3) positions `back` frames ago, camera axes, of the scene points at pixels (N, 2); (N,) their depth now.
 
-        Of what has no end it is a direction.
+        A direction for points at infinity.
         """
         now, then = self._instants[0], self._instants[back]
         column, row = pixel.T
@@ -94,15 +94,15 @@ class TrueMotion:
         direction = ray.T @ now.view.axes
         endless = np.isinf(depth)
         world = now.view.centre + direction * np.where(endless, 0.0, depth)[:, None]
-        for body in np.unique(instance[instance > 0]):
-            moved = instance == body
-            world[moved] = carried(world[moved], now.bodies[body - 1], then.bodies[body - 1])
+        for obj in np.unique(instance[instance > 0]):
+            moved = instance == obj
+            world[moved] = moved_points(world[moved], now.objects[obj - 1], then.objects[obj - 1])
         seen: Floats = np.where(endless[:, None], direction @ then.view.axes.T, then.view.camera_axes(world))
         return seen, depth
 
 
 def pixels(points_px: Floats, camera: Camera) -> NDArray[np.intp]:
-    """(N, 2) the pixels, column and row, that points (N, 2) lie in; at the frame's edge the nearest."""
+    """(N, 2) pixels (column, row) of points (N, 2), clipped to the frame."""
     return np.clip(np.rint(points_px), 0, [camera.width_px - 1, camera.height_px - 1]).astype(np.intp)
 
 
@@ -113,16 +113,16 @@ def at(values: NDArray[np.generic], points_px: Floats, camera: Camera) -> NDArra
     return found
 
 
-def ttc_errors(seen_s: Floats, true_s: Floats) -> Floats:
-    """(M,) |TTC - true| / true of those of N points whose true time is at most LONGEST_TTC_S; 1 where none was seen."""
+def ttc_errors(estimated_s: Floats, true_s: Floats) -> Floats:
+    """(M,) |TTC - true| / true of the points whose true time is at most LONGEST_TTC_S; 1 without an estimate."""
     near = true_s <= LONGEST_TTC_S
     with np.errstate(invalid="ignore"):
-        errors = np.abs(seen_s[near] - true_s[near]) / true_s[near]
-    return np.where(np.isfinite(seen_s[near]), errors, 1.0)
+        errors = np.abs(estimated_s[near] - true_s[near]) / true_s[near]
+    return np.where(np.isfinite(estimated_s[near]), errors, 1.0)
 
 
-def carried(points: Floats, now: Floats, then: Floats) -> Floats:
-    """Where points (N, 3) of a body at pose `now` were when its pose (x, y, heading) was `then`."""
+def moved_points(points: Floats, now: Floats, then: Floats) -> Floats:
+    """(N, 3) positions of an object's points at its pose `then` (x, y, heading), given them at pose `now`."""
     turn = then[2] - now[2]
     c, s = np.cos(turn), np.sin(turn)
     flat = (points[:, :2] - now[:2]) @ np.array([[c, s], [-s, c]]) + then[:2]

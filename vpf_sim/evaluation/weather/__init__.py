@@ -1,1 +1,1 @@
-"""What a weather means, and what it does to the plain perception."""
+"""Physical meaning of a weather, its effect on tracking, and water on the windscreen."""

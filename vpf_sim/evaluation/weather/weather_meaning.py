@@ -1,18 +1,18 @@
-"""What a weather means: its factors in physical units, and in a line of words."""
+"""A weather's factors in physical units and as a line of text."""
 
 from math import hypot
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.weather import ALIASES, PRESETS, Weather
 
-FOG_FROM_M = 5000.0  # a visibility below this is worth a word
-BREEZE_MPS = 4.0  # and a wind above this
+FOG_FROM_M = 5000.0  # a lower visibility is mentioned
+BREEZE_MPS = 4.0  # a stronger wind is mentioned
 
 
 def physical(weather: Weather) -> dict[str, float]:
-    """The factors as `vpf_sim.envs.camera.atmosphere` reads them; the keys hold the units.
+    """The factors in the units of their keys, as `vpf_sim.envs.camera.atmosphere` interprets them.
 
-    `visibility_m` is that through fog and rain together: the distance at which contrast falls to 5 %.
+    `visibility_m` is through fog and rain together: the distance at which contrast falls to 5 %.
     """
     air = Atmosphere.of(weather)
     meaning = {
@@ -30,21 +30,21 @@ def physical(weather: Weather) -> dict[str, float]:
 
 
 def factors(weather: Weather) -> tuple[tuple[str, str, str], ...]:
-    """Each factor with its value, and its meaning, in physical units where it has them."""
+    """(name, value, meaning) of each factor, in physical units where it has them."""
     found = physical(weather)
     friction = weather.road_friction
     meaning = {
         "cloudiness": "0 clear, 100 overcast",
         "precipitation": f"{found['rain_mmph']:g} mm/h of rain",
-        "precipitation_deposits": "puddles; 100: the most that there are",
+        "precipitation_deposits": "puddles; 100 is the maximum",
         "wind_intensity": f"{found['wind_mps']:g} m/s",
         "fog_density": f"visibility {_distance(found['fog_visibility_m'])}",
         "wetness": "of the road between the puddles",
         "sun_altitude_angle": "degrees above the horizon",
         "sun_azimuth_angle": "degrees clockwise from the world's X axis",
-        "droplets": "on the glass: as many as rain of such a precipitation brings",
+        "droplets": "drops on the windscreen, as many as rain of this precipitation brings",
         "wiper_period_s": f"{found['wiper_cycles_per_min']:.0f} cycles a minute" if weather.wiper_period_s else "off",
-        "streak_gain": "times the brightness that falling drops have",
+        "streak_gain": "factor on the brightness of falling drops",
         "road_friction": "the tyres never slip" if friction is None else "grip of the tyres",
     }
     if found["rain_mmph"] > 0.0:
@@ -54,12 +54,12 @@ def factors(weather: Weather) -> tuple[tuple[str, str, str], ...]:
 
 
 def aliases(weather: Weather) -> list[str]:
-    """The other names of a preset; a weather of a file has none."""
+    """The other names of a preset; empty for a weather file."""
     return sorted(alias for alias, name in ALIASES.items() if PRESETS[name] == weather)
 
 
 def in_words(weather: Weather) -> str:
-    """Sky, sun, rain, fog, wind, road and glass in one line, each where there is something to say."""
+    """Sky, sun, rain, fog, wind, road and windscreen in one line."""
     meaning = physical(weather)
     parts = [_sky(weather.cloudiness), f"sun {weather.sun_altitude_angle:g}° high", *_rain(meaning["rain_mmph"])]
     if (visibility_m := meaning["fog_visibility_m"]) < FOG_FROM_M:
@@ -69,14 +69,14 @@ def in_words(weather: Weather) -> str:
     if meaning["wetness"] > 0.0:
         parts.append("wet road" if meaning["puddles"] == 0.0 else "wet road with puddles")
     if weather.droplets > 0.0:
-        parts.append("drops on the glass")
+        parts.append("drops on the windscreen")
     if weather.wiper_period_s > 0.0:
         parts.append(f"wipers every {weather.wiper_period_s:g} s")
     return ", ".join(parts)
 
 
 def _distance(metres: float) -> str:
-    """In two digits."""
+    """A distance with two digits."""
     rounded = float(f"{metres:.2g}")
     return f"{rounded:g} m" if rounded < 1000.0 else f"{rounded / 1000.0:g} km"
 
@@ -86,7 +86,7 @@ def _sky(cloudiness: float) -> str:
 
 
 def _rain(rate_mmph: float) -> list[str]:
-    """The rate with the words of weather services: heavy from 10, violent from 50 mm/h."""
+    """Rain rate in the terms of weather services: heavy from 10, violent from 50 mm/h."""
     if rate_mmph == 0.0:
         return []
     strength = "light" if rate_mmph < 2.0 else "moderate" if rate_mmph < 10.0 else "heavy"

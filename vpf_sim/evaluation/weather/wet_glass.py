@@ -1,7 +1,7 @@
-"""How well water on the glass is found and taken out of a recording, and what it does to the focus of expansion.
+"""Scores the detection and removal of water on the windscreen, and its effect on the focus of expansion.
 
-To a recording in dry weather water is added, so that what is behind it is known: the glass of the renderer is drawn
-before its frames. A recording whose glass is wet already is measured as it is.
+The renderer's windscreen water is added to a dry recording, so that the ground truth behind it is known. A recording
+with real water is measured as it is.
 """
 
 from collections.abc import Iterable
@@ -15,7 +15,7 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
-from vpf_sim.evaluation.weather.glass_removal import GlassMask, Restoration
+from vpf_sim.evaluation.weather.windscreen_removal import Restoration, WindscreenMask
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
@@ -23,13 +23,13 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Expansion, Floats, Flow, Image
 
 VARIANT = "robust"
-SETTLED_S = 0.5  # after which frames count
-LEAST_SHARE = 0.002  # of a frame, that water must hide for its picture to be judged
+SETTLED_S = 0.5  # earlier frames are not scored
+LEAST_SHARE = 0.002  # least hidden share of a frame that is scored
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """A recording: its camera, and N frames with poses (N, 3) and the true foci (N, 2) px, nan where unknown."""
+    """A recording: camera, N frames, poses (N, 3) and true foci of expansion (N, 2) px, nan where unknown."""
 
     camera: Camera
     rate_hz: float
@@ -40,13 +40,13 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Medians over the frames, or sums over all; nan where there is nothing to judge."""
+    """Medians over the frames, or ratios of sums over all frames; nan without samples."""
 
     cover: float  # share of the frames that water hides
-    iou: float  # of the mask and what is hidden
+    iou: float  # of the mask and the hidden pixels
     precision: float
     recall: float
-    psnr_wet: float  # dB, of what is hidden, against the dry frame
+    psnr_wet: float  # dB, of the hidden pixels against the dry frame
     psnr_inpainted: float
     psnr_restored: float
     foe_present: float  # share of the frames with a focus of expansion
@@ -54,14 +54,14 @@ class Score:
     foe_iqr_x_px: float
     foe_iqr_y_px: float
     foe_confidence: float
-    masked_foe_px: float  # the same, with no corners on what is found on the glass
+    masked_foe_px: float  # the same without corners on the detected mask
     masked_foe_iqr_x_px: float
     masked_foe_iqr_y_px: float
     masked_foe_confidence: float
 
 
-class Eye:
-    """Flow and focus of expansion, of the frames as they are or without what is on the glass."""
+class ExpansionEstimator:
+    """Flow and focus of expansion, with or without a mask for corners."""
 
     def __init__(self, drive: Drive) -> None:
         self._camera, self._variant = drive.camera, variant.load(VARIANT)
@@ -70,7 +70,8 @@ class Eye:
         self.foe: Expansion | None = None
         self.rows: list[tuple[float, float, float, float]] = []
 
-    def see(self, image: Image, pose: Floats, foe_px: Floats, hidden: Image | None, counts: bool) -> Flow:
+    def add(self, image: Image, pose: Floats, foe_px: Floats, hidden: Image | None, counts: bool) -> Flow:
+        """The flow of a grey frame; its focus of expansion is scored if `counts`."""
         flow = self._tracker.update(image, pose, hidden)
         self.foe = expansion.estimate(flow, self._camera, self._variant.focus_of_expansion, self._random, self.foe)
         if counts:
@@ -79,15 +80,15 @@ class Eye:
         return flow
 
     def summary(self) -> tuple[float, float, float, float, float]:
-        """Share with a focus; its median error, quartile ranges of x and y, median confidence."""
+        """Share of frames with a focus, its median error, interquartile ranges of x and y, and median confidence."""
         x, y, confidence, error = np.reshape(np.array(self.rows), (-1, 4)).T
-        seen = confidence > 0.0
-        return float(np.mean(seen)), _median(error[seen]), _spread(x[seen]), _spread(y[seen]), _median(confidence)
+        valid = confidence > 0.0
+        return float(np.mean(valid)), _median(error[valid]), _spread(x[valid]), _spread(y[valid]), _median(confidence)
 
 
 @dataclass(slots=True)
-class _Pictures:
-    """What is added up of the masks and pictures."""
+class _MaskSums:
+    """Pixel counts of the masks, and PSNR of the images."""
 
     overlap: int = 0
     found: int = 0
@@ -103,10 +104,14 @@ class _Pictures:
 
 
 def measure(drive: Drive, weather: Weather | None, seed: int) -> Score:
-    """Look at a drive through the wet glass of a weather, or with None as it is."""
+    """The score of a drive with the windscreen water of a weather, or with None as recorded."""
     water = None if weather is None else Glass(drive.camera, weather, Light.of(weather), seed)
-    plain, masked, mask = Eye(drive), Eye(drive), GlassMask(drive.camera, drive.rate_hz)
-    restoration, pictures = Restoration(drive.camera), _Pictures()
+    plain, masked, mask = (
+        ExpansionEstimator(drive),
+        ExpansionEstimator(drive),
+        WindscreenMask(drive.camera, drive.rate_hz),
+    )
+    restoration, pictures = Restoration(drive.camera), _MaskSums()
     before: Snapshot | None = None
     for k, frame in enumerate(drive.frames):
         if frame is None:
@@ -114,33 +119,35 @@ def measure(drive: Drive, weather: Weather | None, seed: int) -> Score:
         counts = k >= SETTLED_S * drive.rate_hz
         dry, pose = grey(frame), drive.poses[k]
         now = Snapshot(View.at(drive.camera, pose[:2], float(pose[2])), k / drive.rate_hz, [], {})
-        wet = dry if water is None else grey(_through(water, frame, now, before))
+        wet = dry if water is None else grey(_with_water(water, frame, now, before))
         before = now
         spots = mask.update(wet, pose)
         covered = mask.with_rim(spots)
-        plain.see(wet, pose, drive.foe_px[k], None, counts)
-        flow = masked.see(wet, pose, drive.foe_px[k], covered, counts)
+        plain.add(wet, pose, drive.foe_px[k], None, counts)
+        flow = masked.add(wet, pose, drive.foe_px[k], covered, counts)
         if water is not None and masked.foe is not None:
             restored = restoration.update(wet, covered, flow, masked.foe)
             if counts:
-                _judge(pictures, spots, water.hidden(), (wet, _inpainted(wet, covered), restored), dry)
+                _add_restored(pictures, spots, water.hidden(), (wet, _inpainted(wet, covered), restored), dry)
     return _score(pictures, plain, masked)
 
 
-def _through(water: Glass, frame: Image, now: Snapshot, before: Snapshot | None) -> Image:
-    seen = frame.copy()
-    water.draw(seen, now, before or now)
-    return seen
+def _with_water(water: Glass, frame: Image, now: Snapshot, before: Snapshot | None) -> Image:
+    wet = frame.copy()
+    water.draw(wet, now, before or now)
+    return wet
 
 
 def _inpainted(wet: Image, covered: Image) -> Image:
     return np.asarray(cv2.inpaint(wet, covered, 3.0, cv2.INPAINT_TELEA), np.uint8)
 
 
-def _judge(pictures: _Pictures, spots: Image, hidden: Bools, tries: tuple[Image, Image, Image], dry: Image) -> None:
+def _add_restored(
+    pictures: _MaskSums, spots: Image, hidden: Bools, images: tuple[Image, Image, Image], dry: Image
+) -> None:
     pictures.add(spots, hidden)
     if hidden.mean() > LEAST_SHARE:
-        wet, inpainted, restored = (psnr(one, dry, hidden) for one in tries)
+        wet, inpainted, restored = (psnr(one, dry, hidden) for one in images)
         pictures.psnr.append((wet, inpainted, restored))
 
 
@@ -150,7 +157,7 @@ def psnr(image: Image, truth: Image, where: Bools) -> float:
     return float(10.0 * np.log10(255.0**2 / max(float(np.mean(error**2)), 1e-9)))
 
 
-def _score(pictures: _Pictures, plain: Eye, masked: Eye) -> Score:
+def _score(pictures: _MaskSums, plain: ExpansionEstimator, masked: ExpansionEstimator) -> Score:
     wet, inpainted, restored = (_median(values) for values in np.reshape(np.array(pictures.psnr), (-1, 3)).T)
     present, error, spread_x, spread_y, confidence = plain.summary()
     return Score(

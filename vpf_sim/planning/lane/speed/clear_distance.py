@@ -40,7 +40,7 @@ def safe_speed(sight_m: float, config: ClearDistanceConfig, vehicle: VehicleMode
 def speed_within_clear_distance(
     sight_m: tuple[float, float], speed_reference_mps: float, config: ClearDistanceConfig, vehicle: VehicleModel
 ) -> float:
-    """m/s at most by what is not seen, inf where that is no reason; `sight_m` as in `Perception.low_sensing_range_m`.
+    """m/s at most by what is not seen, inf where that is no reason; `sight_m` as in `Perception.low_range_m`.
 
     Who wants to go no faster than `least_mps` is never too fast.
     """

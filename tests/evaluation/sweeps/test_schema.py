@@ -1,4 +1,4 @@
-"""Files of run folders whose inside is not what it should be: one line with the file, the place and the fault."""
+"""Invalid files of run folders: one line with file, position and fault."""
 
 import json
 from collections.abc import Callable
@@ -46,7 +46,7 @@ def spoil(path: Path, change: Break) -> None:
     path.write_text(json.dumps(change(json.loads(first))) + "\n" + rest)
 
 
-def test_what_we_write_is_of_that_shape(run: Path) -> None:
+def test_written_files_match_the_schema(run: Path) -> None:
     found = open_run(run)
     assert len(found.records) == 4
     assert len(found.summary(PLAN.jobs())["rows"]) == 2
@@ -78,7 +78,7 @@ def test_what_we_write_is_of_that_shape(run: Path) -> None:
         ),
     ],
 )
-def test_what_does_not_fit_is_one_line(
+def test_an_invalid_file_is_one_line(
     run: Path, file: str, change: Break, sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     spoil(run / file, change)

@@ -1,4 +1,4 @@
-"""Spots and a blade before a road that moves: they are found, and what is behind them comes back."""
+"""Spots and a wiper blade before a moving road: detection, mask and restoration."""
 
 from functools import lru_cache
 
@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.weather.glass_blade import BladeWatch
-from vpf_sim.evaluation.weather.glass_removal import GlassMask, Restoration
-from vpf_sim.evaluation.weather.glass_spots import SpotConfig, SpotWatch
+from vpf_sim.evaluation.weather.windscreen_removal import Restoration, WindscreenMask
+from vpf_sim.evaluation.weather.windscreen_spots import SpotConfig, SpotDetector
+from vpf_sim.evaluation.weather.wiper_detector import WiperDetector
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker
@@ -57,8 +57,8 @@ def overlap(found: Bools, truth: Bools) -> float:
     return float(np.count_nonzero(found & truth) / max(1, np.count_nonzero(found | truth)))
 
 
-def test_spots_are_found_and_the_road_is_not() -> None:
-    watch, clean, mask = (SpotWatch(CAMERA, SpotConfig(), RATE_HZ) for _ in range(2)), None, spots()
+def test_spots_are_detected_and_the_road_is_not() -> None:
+    watch, clean, mask = (SpotDetector(CAMERA, SpotConfig(), RATE_HZ) for _ in range(2)), None, spots()
     wet, dry = watch
     for k in range(14):
         frame = road(k)
@@ -69,8 +69,8 @@ def test_spots_are_found_and_the_road_is_not() -> None:
     assert clean.mean() < 0.02
 
 
-def test_a_line_along_the_way_is_no_spot() -> None:
-    watch = SpotWatch(CAMERA, SpotConfig(), RATE_HZ)
+def test_a_line_along_the_motion_is_no_spot() -> None:
+    watch = SpotDetector(CAMERA, SpotConfig(), RATE_HZ)
     for k in range(14):
         frame = road(k).copy()
         cv2.line(frame, (199, 40), (80, 239), 255, 5, cv2.LINE_AA)
@@ -80,26 +80,26 @@ def test_a_line_along_the_way_is_no_spot() -> None:
     assert (watch.spots()[line > 0] != 0).mean() < 0.1
 
 
-def test_a_standing_car_learns_nothing() -> None:
-    watch, mask = SpotWatch(CAMERA, SpotConfig(), RATE_HZ), spots()
+def test_a_stationary_car_adds_no_samples() -> None:
+    watch, mask = SpotDetector(CAMERA, SpotConfig(), RATE_HZ), spots()
     for _ in range(14):
         assert not watch.update(dirty(road(0), mask), pose_at(0))
     assert not watch.spots().any()
 
 
-def test_what_is_wiped_is_forgotten() -> None:
-    watch, mask = SpotWatch(CAMERA, SpotConfig(), RATE_HZ), spots()
+def test_wiped_spots_are_cleared() -> None:
+    watch, mask = SpotDetector(CAMERA, SpotConfig(), RATE_HZ), spots()
     for k in range(14):
         watch.update(dirty(road(k), mask), pose_at(k))
     assert watch.spots()[:, 200:].any()
-    watch.wiped(np.where(np.arange(400) >= 200, 255, 0).astype(np.uint8)[None].repeat(240, 0))
+    watch.reset(np.where(np.arange(400) >= 200, 255, 0).astype(np.uint8)[None].repeat(240, 0))
     assert not watch.spots()[:, 200:].any()
     assert watch.spots()[:, :200].any()
 
 
-def test_a_reduced_picture_serves_a_sharper_camera() -> None:
+def test_a_reduced_image_works_for_a_larger_camera() -> None:
     camera = Camera(800, 480, 640.0, 640.0, 399.5, 80.0, height_m=1.4, forward_m=0.0)
-    assert SpotWatch(camera, SpotConfig(), RATE_HZ).shape == (240, 400)
+    assert SpotDetector(camera, SpotConfig(), RATE_HZ).shape == (240, 400)
 
 
 def with_blade(frame: Image, x_px: int) -> Image:
@@ -109,8 +109,8 @@ def with_blade(frame: Image, x_px: int) -> Image:
     return np.rint(frame * (1.0 - cover) + 20.0 * cover).astype(np.uint8)
 
 
-def test_a_blade_is_seen_while_it_is_there() -> None:
-    watch = BladeWatch(CAMERA, RATE_HZ)
+def test_a_blade_is_detected_while_visible() -> None:
+    watch = WiperDetector(CAMERA, RATE_HZ)
     for k in range(12):
         assert watch.update(road(k)) is None
     seen = watch.update(with_blade(road(12), 200))
@@ -121,7 +121,7 @@ def test_a_blade_is_seen_while_it_is_there() -> None:
 
 
 def test_a_post_beside_the_road_is_no_blade() -> None:
-    watch = BladeWatch(CAMERA, RATE_HZ)
+    watch = WiperDetector(CAMERA, RATE_HZ)
     for k in range(12):
         watch.update(road(k))
     post = road(12).copy()
@@ -129,9 +129,9 @@ def test_a_post_beside_the_road_is_no_blade() -> None:
     assert watch.update(post) is None
 
 
-def test_a_line_that_is_a_little_off_the_way_is_no_spot() -> None:
+def test_a_line_slightly_off_the_motion_is_no_spot() -> None:
     """The direction of motion is not known exactly: the camera may look 2 deg aside."""
-    watch = SpotWatch(CAMERA, SpotConfig(), RATE_HZ)
+    watch = SpotDetector(CAMERA, SpotConfig(), RATE_HZ)
     line = np.zeros((240, 400), np.uint8)
     cv2.line(line, (210, 40), (80, 239), 255, 9)
     for k in range(14):
@@ -142,8 +142,8 @@ def test_a_line_that_is_a_little_off_the_way_is_no_spot() -> None:
 
 
 @pytest.mark.parametrize("mode", ["grey", "colour"])
-def test_what_was_seen_before_fills_the_spots_better_than_what_is_around_them(mode: str) -> None:
-    mask, restoration, glass = spots(), Restoration(CAMERA), GlassMask(CAMERA, RATE_HZ)
+def test_the_warped_frame_fills_spots_better_than_inpainting(mode: str) -> None:
+    mask, restoration, glass = spots(), Restoration(CAMERA), WindscreenMask(CAMERA, RATE_HZ)
     tracker = FlowTracker(CAMERA, FlowConfig(max_level=3), RATE_HZ)
     for k in range(14):
         clean = road(k)
@@ -161,7 +161,7 @@ def test_what_was_seen_before_fills_the_spots_better_than_what_is_around_them(mo
 
 
 def test_the_mask_of_a_frame_has_spots_and_blade() -> None:
-    glass, mask = GlassMask(CAMERA, RATE_HZ), spots()
+    glass, mask = WindscreenMask(CAMERA, RATE_HZ), spots()
     for k in range(14):
         found = glass.update(dirty(road(k), mask), pose_at(k))
     assert overlap(found != 0, mask) > 0.5
@@ -171,6 +171,6 @@ def test_the_mask_of_a_frame_has_spots_and_blade() -> None:
 
 
 @pytest.mark.parametrize(("change", "said"), [({"coherence": 1.0}, "coherence"), ({"memory_s": 0.0}, "memory_s")])
-def test_nonsense_is_refused(change: dict[str, float], said: str) -> None:
+def test_invalid_settings_are_refused(change: dict[str, float], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         SpotConfig(**change)

@@ -1,6 +1,6 @@
-"""What the files of a run folder look like inside: they may be torn, edited, or another version's.
+"""Schemas of the files in a run folder, which may be incomplete, edited, or of another version.
 
-Keys that are not named here are left alone; what is no number is None.
+Unknown keys are ignored; nan and inf are stored as None.
 """
 
 from collections.abc import Mapping
@@ -14,13 +14,13 @@ Number = float | None
 Numbers = dict[str, Number]
 
 
-class Shape(BaseModel):
-    """No value is bent to fit."""
+class Schema(BaseModel):
+    """Strict: no value is converted."""
 
     model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
 
 
-class Signals(Shape):
+class Signals(Schema):
     throttle: Numbers | None = None
     steering: Numbers | None = None
 
@@ -30,24 +30,24 @@ class Protocol(Signals):
     passing: Signals | None = None
 
 
-class Accuracies(Shape):
+class Accuracies(Schema):
     shadow: Protocol | None = None
     paired: Protocol | None = None
 
 
-class Kept(Shape):
+class Bounded(Schema):
     min: Number = None
     max: Number = None
     within: bool | None = None
 
 
-class Comfort(Shape):
+class Comfort(Schema):
     comfortable: bool | None = None
-    signals: dict[str, Kept] | None = None
+    signals: dict[str, Bounded] | None = None
     min_ttc_s: Number = None
 
 
-class Perception(Shape):
+class Perception(Schema):
     foe_median_error_px: Numbers | None = None
     foe_share: Number = None
     edge_error_10m_m: Numbers | None = None
@@ -56,8 +56,8 @@ class Perception(Shape):
     objects: Numbers | None = None
 
 
-class Scores(Shape):
-    """What a record has, and the mean of some."""
+class Scores(Schema):
+    """Scores of a record, or their means in a row."""
 
     path_mse_m2: Number
     path_mse_parts_m2: Numbers | None = None
@@ -91,7 +91,7 @@ class Record(Scores):
     frames_sha256: str | None
 
 
-class Timing(Shape):
+class Timing(Schema):
     """A line of timing.jsonl."""
 
     id: str
@@ -102,8 +102,8 @@ class Timing(Shape):
     retries: int = 0
 
 
-class Manifest(Shape):
-    """Of manifest.json what makes it one."""
+class Manifest(Schema):
+    """The required keys of manifest.json."""
 
     command: str
     plan: dict[str, Any]
@@ -113,7 +113,7 @@ class Manifest(Shape):
     drivers: dict[str, str] = {}
 
 
-class Paper(Shape):
+class Paper(Schema):
     path_mse_m2: float
     throttle: float
     steering: float
@@ -146,15 +146,15 @@ class Row(Scores):
         return value
 
 
-class Difference(Shape):
+class Difference(Schema):
     difference: float
     interval: list[float] | None
     p: float
     pairs: int
 
 
-class Comparison(Shape):
-    """A difference of two cells in summary.json; its other keys are those of scores."""
+class Comparison(Schema):
+    """A difference of two cells in summary.json; its extra keys are scores."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Difference | None]
@@ -166,7 +166,7 @@ class Comparison(Shape):
     minus: str
 
 
-class Summary(Shape):
+class Summary(Schema):
     rows: list[Row]
     comparisons: list[Comparison] = []
 
@@ -174,10 +174,10 @@ class Summary(Shape):
 Checked = TypeVar("Checked", bound=BaseModel)
 
 
-def checked(shape: type[Checked], value: Mapping[str, Any], where: str) -> Checked:
-    """The value as that shape; InputError with one line for the first fault, after `where`."""
+def checked(schema: type[Checked], value: Mapping[str, Any], where: str) -> Checked:
+    """The value validated by a schema; InputError with `where` and the first fault in one line."""
     try:
-        return shape.model_validate(value)
+        return schema.model_validate(value)
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         key = ".".join(map(str, fault["loc"]))
@@ -190,7 +190,7 @@ def _wrong(fault: Mapping[str, Any]) -> str:
 
 
 def _are_ends(value: object) -> bool:
-    """[low, high], None, or a table of such."""
+    """Whether the value is [low, high], None, or a table of these."""
     if isinstance(value, dict):
         return all(map(_are_ends, value.values()))
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""Where the episodes of a run took place: the road of each scenario, and what stands on it for each seed."""
+"""The road and static obstacles of a scenario for each seed."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.envs.route import Route
-from vpf_sim.report.from_above import Body
+from vpf_sim.report.top_view import Rectangle
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.kinds import SIZES
 from vpf_sim.types import Floats
@@ -18,8 +18,8 @@ EVERY_M = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
-    """A body that does not move."""
+class StaticObstacle:
+    """An obstacle that does not move."""
 
     corners_m: Floats  # (4, 2) in the world
     centre_m: tuple[float, float]
@@ -29,8 +29,8 @@ class Standing:
 
 
 @dataclass(frozen=True)
-class Place:
-    """A scenario as its seed draws it."""
+class RoadLayout:
+    """The road and static obstacles of a scenario drawn by a seed."""
 
     scenario: Scenario
 
@@ -44,7 +44,7 @@ class Place:
 
     @cached_property
     def lane_lines_m(self) -> tuple[Floats, ...]:
-        """(M, 2) each, from the left edge of the carriageway to the right, as far as the route needs them."""
+        """(M, 2) each, lane lines from the left edge to the right, along the route."""
         road = self.scenario.road
         ends = self.scenario.ego.s_m, self.scenario.goal.s_m
         s = np.arange(min(ends) - MARGIN_M, max(ends) + MARGIN_M + EVERY_M, EVERY_M)
@@ -64,35 +64,37 @@ class Place:
         return -half - self.route.offset_m, half - self.route.offset_m
 
     @cached_property
-    def standing(self) -> tuple[Standing, ...]:
+    def static_obstacles(self) -> tuple[StaticObstacle, ...]:
         return tuple(
-            self._standing(number) for number, body in enumerate(self.scenario.bodies) if body.speed_mps == 0.0
+            self._static_obstacle(number)
+            for number, obstacle in enumerate(self.scenario.bodies)
+            if obstacle.speed_mps == 0.0
         )
 
     @property
     def moving(self) -> int:
-        """How many bodies drive."""
-        return len(self.scenario.bodies) - len(self.standing)
+        """Number of moving objects."""
+        return len(self.scenario.bodies) - len(self.static_obstacles)
 
-    def _standing(self, number: int) -> Standing:
-        body = self.scenario.bodies[number]
-        size = SIZES[body.kind]
-        lateral = self.scenario.road.lane_offset_m(body.lane) + body.lateral_m
-        x, y = self.centre.position_at(body.s_m, lateral)
-        heading = self.centre.heading_at(body.s_m)
-        drawn = Body(x, y, heading, size.length_m, size.width_m, body.kind)
-        middle, offset = self.route.progress(body.s_m), lateral - self.route.offset_m
+    def _static_obstacle(self, number: int) -> StaticObstacle:
+        obstacle = self.scenario.bodies[number]
+        size = SIZES[obstacle.kind]
+        lateral = self.scenario.road.lane_offset_m(obstacle.lane) + obstacle.lateral_m
+        x, y = self.centre.position_at(obstacle.s_m, lateral)
+        heading = self.centre.heading_at(obstacle.s_m)
+        drawn = Rectangle(x, y, heading, size.length_m, size.width_m, obstacle.kind)
+        middle, offset = self.route.progress(obstacle.s_m), lateral - self.route.offset_m
         half_length, half_width = 0.5 * size.length_m, 0.5 * size.width_m
-        return Standing(
+        return StaticObstacle(
             drawn.corners_m,
             (x, y),
-            body.s_m,
+            obstacle.s_m,
             (middle - half_length, middle + half_length),
             (offset - half_width, offset + half_width),
         )
 
 
-def places(scenario: str, seeds: list[int]) -> dict[int, Place]:
-    """A scenario's place for each seed."""
+def layouts(scenario: str, seeds: list[int]) -> dict[int, RoadLayout]:
+    """The layout of a scenario for each seed."""
     undrawn = scenarios.load(scenario)
-    return {seed: Place(undrawn.draw(seed)) for seed in seeds}
+    return {seed: RoadLayout(undrawn.draw(seed)) for seed in seeds}

@@ -1,4 +1,4 @@
-"""Reported objects against bodies, on a straight road where every distance is known."""
+"""Detections against true objects, on a straight road with known distances."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -11,7 +11,7 @@ from vpf_sim.envs.road import Carriageway
 from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.evaluation.truth.objects import ObjectBook
+from vpf_sim.evaluation.truth.detections import DetectionScorer
 from vpf_sim.scenarios.parts import Road
 from vpf_sim.types import Obstacles
 
@@ -26,19 +26,19 @@ def road() -> Any:
     return SimpleNamespace(network=Carriageway(straight), vehicles=[], objects=[])
 
 
-def body(road: Any, x: float, y: float, length: float = 5.0, width: float = 2.0, kind: str = "car") -> Any:
+def box(road: Any, x: float, y: float, length: float = 5.0, width: float = 2.0, kind: str = "car") -> Any:
     return Thing(position=np.array([x, y]), heading=0.0, LENGTH=length, WIDTH=width, place=(x, y), kind=kind, road=road)
 
 
-def reports(*feet: tuple[float, float], identity: int = 1) -> Obstacles:
+def detections(*feet: tuple[float, float], identity: int = 1) -> Obstacles:
     """Objects 2 m wide whose nearest face is at (forward, right)."""
     forward, right = np.array(feet, float).reshape(-1, 2).T
     some = np.ones(len(feet))
     return Obstacles(forward, right - 1.0, right + 1.0, some, some, np.arange(identity, identity + len(feet)))
 
 
-def columns(book: ObjectBook, road: Any, x: float, reported: Obstacles) -> dict[str, float]:
-    return book.columns(reported, body(road, x, 0.0, LENGTH_M, 1.9), road.network)
+def columns(scorer: DetectionScorer, road: Any, x: float, reported: Obstacles) -> dict[str, float]:
+    return scorer.columns(reported, box(road, x, 0.0, LENGTH_M, 1.9), road.network)
 
 
 @pytest.mark.parametrize(
@@ -57,35 +57,37 @@ def columns(book: ObjectBook, road: Any, x: float, reported: Obstacles) -> dict[
         ((-8.0, 0.0), 0, 0),
     ],
 )
-def test_a_report_is_right_if_its_foot_is_within_a_metre_and_a_half(
+def test_a_detection_is_correct_if_its_foot_is_within_a_metre_and_a_half(
     road: Any, foot: tuple[float, float], right: int, wrong: int
 ) -> None:
-    road.objects.append(body(road, 140.0, 0.0))
-    found = columns(ObjectBook(), road, 100.0, reports(foot))
+    road.objects.append(box(road, 140.0, 0.0))
+    found = columns(DetectionScorer(), road, 100.0, detections(foot))
     assert (found["objects_right"], found["objects_wrong"], found["new_wrong_objects"]) == (right, wrong, wrong)
 
 
 def test_the_corridor_turns_with_the_road_and_not_with_the_car(road: Any) -> None:
-    ego = body(road, 100.0, 0.0, LENGTH_M, 1.9)
+    ego = box(road, 100.0, 0.0, LENGTH_M, 1.9)
     ego.heading = 0.3
-    found = ObjectBook().columns(reports((20.0, -20.0 * np.tan(0.3))), ego, road.network)
+    found = DetectionScorer().columns(detections((20.0, -20.0 * np.tan(0.3))), ego, road.network)
     assert found["objects_wrong"] == 1, "straight ahead along the road"
-    assert ObjectBook().columns(reports((20.0, 0.0)), ego, road.network)["objects_wrong"] == 0, "5.9 m to the right"
+    assert DetectionScorer().columns(detections((20.0, 0.0)), ego, road.network)["objects_wrong"] == 0, (
+        "5.9 m to the right"
+    )
 
 
-def test_a_wrong_object_is_new_once(road: Any) -> None:
-    book = ObjectBook()
-    seen = [columns(book, road, x, reports((20.0, 0.0), identity=i)) for x, i in ((0.0, 7), (1.0, 7), (2.0, 8))]
+def test_a_false_positive_is_new_once(road: Any) -> None:
+    scorer = DetectionScorer()
+    seen = [columns(scorer, road, x, detections((20.0, 0.0), identity=i)) for x, i in ((0.0, 7), (1.0, 7), (2.0, 8))]
     assert [found["new_wrong_objects"] for found in seen] == [1, 0, 1]
     assert [found["objects_wrong"] for found in seen] == [1, 1, 1]
 
 
-def test_a_body_is_met_once_with_the_distance_at_which_it_was_first_confirmed(road: Any) -> None:
-    road.objects += [body(road, 140.0, 0.5), body(road, 140.0, -4.0), body(road, 170.1, 0.0, 0.4, 0.4, "cone")]
-    book, met = ObjectBook(), []
+def test_an_object_is_met_once_with_its_first_confirmation_distance(road: Any) -> None:
+    road.objects += [box(road, 140.0, 0.5), box(road, 140.0, -4.0), box(road, 170.1, 0.0, 0.4, 0.4, "cone")]
+    scorer, met = DetectionScorer(), []
     for x in np.arange(100.0, 180.0, 0.25):
-        seen = reports((137.5 - x, 0.5)) if 118.0 <= x <= 121.0 else reports()
-        found = columns(book, road, x, seen)
+        seen = detections((137.5 - x, 0.5)) if 118.0 <= x <= 121.0 else detections()
+        found = columns(scorer, road, x, seen)
         if np.isfinite(found["met_kind"]):
             met.append((x, KINDS[int(found["met_kind"])], found["met_confirmed_m"]))
     gap_m = 140.0 - 118.0 - 0.5 * (5.0 + LENGTH_M)
@@ -95,12 +97,12 @@ def test_a_body_is_met_once_with_the_distance_at_which_it_was_first_confirmed(ro
     assert len(met) == 2, "the car at 4 m aside is not in the corridor"
 
 
-def test_a_body_seen_from_the_next_lane_is_confirmed_before_the_ego_turns_to_it(road: Any) -> None:
-    road.objects.append(body(road, 40.0, 4.0))
-    book = ObjectBook()
-    far = book.columns(reports((37.5 - 10.0, 4.0)), body(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
+def test_an_object_detected_from_the_next_lane_is_confirmed(road: Any) -> None:
+    road.objects.append(box(road, 40.0, 4.0))
+    scorer = DetectionScorer()
+    far = scorer.columns(detections((37.5 - 10.0, 4.0)), box(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
     assert (far["objects_right"], far["objects_wrong"]) == (0, 0), "4 m aside it is not in the corridor"
-    met = [book.columns(reports(), body(road, x, 2.0, LENGTH_M, 1.9), road.network) for x in (30.0, 35.2)]
+    met = [scorer.columns(detections(), box(road, x, 2.0, LENGTH_M, 1.9), road.network) for x in (30.0, 35.2)]
     assert met[-1]["met_confirmed_m"] == 40.0 - 10.0 - 0.5 * (5.0 + LENGTH_M)
 
 
@@ -115,30 +117,30 @@ def test_a_body_seen_from_the_next_lane_is_confirmed_before_the_ego_turns_to_it(
         (20.0, -10.9, 1.0, [False, False, False]),  # its middle is 1.7 m beside the first, so it is wrong
     ],
 )
-def test_a_row_that_is_reported_as_one_is_confirmed_as_far_as_its_face_reaches(
+def test_a_row_detected_as_one_is_confirmed_behind_its_face(
     road: Any, face: float, left: float, right: float, known: list[bool]
 ) -> None:
-    road.objects += [body(road, 120.0 + 0.2 * i, 3.0 * (i - 1), 0.4, 0.5, "pedestrian") for i in range(3)]
+    road.objects += [box(road, 120.0 + 0.2 * i, 3.0 * (i - 1), 0.4, 0.5, "pedestrian") for i in range(3)]
     some = np.ones(1)
     seen = Obstacles(np.array([face]), np.array([left]), np.array([right]), some, some, np.ones(1, np.int64))
-    book, met = ObjectBook(), []
+    scorer, met = DetectionScorer(), []
     for x in np.arange(100.0, 122.0, 0.1):
-        found = columns(book, road, x, seen if x == 100.0 else reports())
+        found = columns(scorer, road, x, seen if x == 100.0 else detections())
         if np.isfinite(found["met_kind"]):
             met.append(bool(np.isfinite(found["met_confirmed_m"])))
     assert met == known
 
 
-def test_two_that_are_met_at_once_come_one_after_the_other(road: Any) -> None:
-    road.objects += [body(road, 10.0, 1.5, 0.4, 0.4, "cone"), body(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
-    book = ObjectBook()
-    kinds = [columns(book, road, x, reports())["met_kind"] for x in (0.0, 7.6, 7.7, 7.8)]
+def test_two_objects_met_at_once_are_recorded_one_after_the_other(road: Any) -> None:
+    road.objects += [box(road, 10.0, 1.5, 0.4, 0.4, "cone"), box(road, 10.0, -1.5, 0.8, 0.8, "pallet")]
+    scorer = DetectionScorer()
+    kinds = [columns(scorer, road, x, detections())["met_kind"] for x in (0.0, 7.6, 7.7, 7.8)]
     assert [KINDS[int(kind)] for kind in kinds[1:3]] == ["cone", "pallet"]
     assert np.isnan([kinds[0], kinds[3]]).all()
 
 
-def test_nothing_reported_and_nobody_there(road: Any) -> None:
-    found = columns(ObjectBook(), road, 10.0, reports())
+def test_no_detections_and_no_objects(road: Any) -> None:
+    found = columns(DetectionScorer(), road, 10.0, detections())
     assert {key: found[key] for key in NONE} == NONE
     assert np.isnan([found["met_kind"], found["met_confirmed_m"]]).all()
 
@@ -149,7 +151,7 @@ def table(*rows: dict[str, float]) -> StepTable:
     return StepTable.of([Step(10.0 * k, *[0.0] * 7, np.inf, **row) for k, row in enumerate(rows)])
 
 
-def test_scores_of_objects() -> None:
+def test_detection_metrics() -> None:
     car, cone = float(KINDS.index("car")), float(KINDS.index("cone"))
     scores = perception.objects(
         table(
@@ -169,7 +171,7 @@ def test_scores_of_objects() -> None:
     }
 
 
-def test_a_driver_that_shows_no_plan_has_no_score_of_objects() -> None:
+def test_a_driver_without_a_plan_has_no_detection_metrics() -> None:
     assert perception.objects(table({})) is None
     empty = perception.objects(table({**NONE}))
     assert empty is not None

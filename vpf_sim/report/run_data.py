@@ -1,4 +1,4 @@
-"""What a report is about: a run with its plan, its records and its summary, read once."""
+"""The data of a report: a run with its plan, records and summary, read once."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +12,8 @@ from vpf_sim.report.stored_run import Record, StoredRun
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
-    """A run, as far as it has come."""
+class RunData:
+    """A complete or interrupted run."""
 
     run: StoredRun
     plan: Plan
@@ -23,8 +23,8 @@ class Subject:
     summary: dict[str, Any]
 
     @classmethod
-    def of(cls, run: StoredRun) -> "Subject":
-        """The subject that a run folder holds."""
+    def of(cls, run: StoredRun) -> "RunData":
+        """The data of a stored run."""
         plan = stored_plan(run.path)
         jobs = plan.jobs()
         records = {job.id: run.records[job.id] for job in jobs if job.id in run.records}
@@ -36,7 +36,7 @@ class Subject:
 
     @property
     def rows(self) -> list[Row]:
-        """Of the summary, in the order in which they were asked for."""
+        """The summary's rows in the order of the plan."""
         return sorted(self.summary["rows"], key=self.order.place)
 
     def at(self, scenario: str, weather: str) -> list[Record]:
@@ -47,15 +47,15 @@ class Subject:
         return sorted(found, key=lambda record: (*self.order.place(record), record["seed"]))
 
     def failures(self) -> list[Record]:
-        """The records without success."""
+        """The unsuccessful records."""
         failed = [record for record in self.records.values() if record["status"] != "success"]
         return sorted(failed, key=lambda record: (*self.order.place(record), record["seed"]))
 
     def changed(self) -> set[str]:
-        """Scenarios and weathers that no longer say what they said in the run."""
+        """Scenarios, weathers and drivers that changed since the run."""
         try:
             now = self.plan.check()
-        except InputError:  # one is not to be had here, or a driver; what needs it will say so
+        except InputError:  # one is missing here; the code that needs it reports it
             return set()
         before = {kind: self.run.manifest.get(kind) or {} for kind in now}
-        return {name for kind in now for name, told in now[kind].items() if before[kind].get(name, told) != told}
+        return {name for kind in now for name, found in now[kind].items() if before[kind].get(name, found) != found}

@@ -1,15 +1,14 @@
-"""Water on the glass before the camera taken out of the picture: where it is, and what is behind it.
+"""Removes water on the windscreen from the image: a mask of hidden pixels, and a restored image.
 
-The mask serves the flow, which looks for no corners on it. The picture is for looking at, or for whatever follows that
-has no use for a mask.
+The flow tracker detects no corners on the mask. The restored image is for display, or for stages without a mask.
 """
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.evaluation.weather.glass_blade import BladeWatch
-from vpf_sim.evaluation.weather.glass_spots import SpotConfig, SpotWatch
+from vpf_sim.evaluation.weather.windscreen_spots import SpotConfig, SpotDetector
+from vpf_sim.evaluation.weather.wiper_detector import WiperDetector
 from vpf_sim.geometry import distort, undistort
 from vpf_sim.perception.egomotion.focus_of_expansion import derotate
 from vpf_sim.perception.egomotion.windscreen_points import scene_motion
@@ -17,52 +16,54 @@ from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
 
 Singles = NDArray[np.float32]
 
-RIM_RAD = 0.006  # what a spot covers beyond what is seen of it
-SMOOTH_RAD = 0.12  # reach of a point's motion on its neighbours
-CELLS_ALONG = 64  # of the picture's width, in which the scene moves alike
-ROAD_WEIGHT = 0.01  # of what the flat road's motion says, in points
-RADIAL_SHARE = 0.25  # of a motion, that may be across the direction away from the focus of expansion
+RIM_RAD = 0.006  # soft rim of a spot beyond its detected edge
+SMOOTH_RAD = 0.12  # smoothing radius of measured motion
+CELLS_ALONG = 64  # cells across the image's width, each with one motion
+ROAD_WEIGHT = 0.01  # weight of the flat road's motion, in points
+RADIAL_SHARE = 0.25  # largest share of a motion perpendicular to the direction from the focus of expansion
 INPAINT_PX, AROUND_PX = 3.0, 8.0
-LARGEST_ERROR = 55.0  # grey levels, beyond which one is like another
-SURE = 1.0  # grey levels^2
+LARGEST_ERROR = 55.0  # grey levels, where errors saturate
+REGULARISATION = 1.0  # grey levels^2
 
 
-class GlassMask:
-    """Is shown every frame, and says what of it water or the wiper's blade hides."""
+class WindscreenMask:
+    """The mask of water and the wiper's blade; receives every frame."""
 
     def __init__(self, camera: Camera, rate_hz: float, config: SpotConfig | None = None) -> None:
         self._size = (camera.width_px, camera.height_px)
-        self._watch = SpotWatch(camera, config or SpotConfig(), rate_hz)
-        self._blade = BladeWatch(camera, rate_hz)
-        self._spots: Image = np.zeros(self._watch.shape, np.uint8)
+        self._spot_detector = SpotDetector(camera, config or SpotConfig(), rate_hz)
+        self._wiper_detector = WiperDetector(camera, rate_hz)
+        self._spots: Image = np.zeros(self._spot_detector.shape, np.uint8)
         rim = 2 * max(1, round(RIM_RAD * camera.fx_px)) + 1
         self._rim = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (rim, rim))
 
     def update(self, image: Image, pose: Floats) -> Image:
-        """(H, W) 255 where the grey frame (H, W) taken at `pose` (x, y, yaw) shows what is on the glass, else 0."""
-        sampled = self._watch.update(image, pose)
-        blade = self._blade.update(image)
+        """(H, W) 255 where the grey frame (H, W) at `pose` (x, y, yaw) shows the windscreen, else 0."""
+        sampled = self._spot_detector.update(image, pose)
+        blade = self._wiper_detector.update(image)
         if blade is not None:
-            swept = np.asarray(cv2.resize(blade, self._watch.shape[::-1], interpolation=cv2.INTER_NEAREST), np.uint8)
-            self._watch.wiped(swept)
+            swept = np.asarray(
+                cv2.resize(blade, self._spot_detector.shape[::-1], interpolation=cv2.INTER_NEAREST), np.uint8
+            )
+            self._spot_detector.reset(swept)
             self._spots[swept != 0] = 0
         if sampled:
-            self._spots = self._watch.spots()
+            self._spots = self._spot_detector.spots()
         mask = cv2.resize(self._spots, self._size, interpolation=cv2.INTER_NEAREST)
         if blade is not None:
             mask = cv2.max(mask, cv2.resize(blade, self._size, interpolation=cv2.INTER_NEAREST))
         return np.asarray(mask, np.uint8)
 
     def with_rim(self, mask: Image) -> Image:
-        """The mask with the soft rim of what is on the glass."""
+        """The mask dilated by the soft rim of spots."""
         return cv2.dilate(mask, self._rim).astype(np.uint8, copy=False)
 
 
 class Restoration:
-    """Fills what is hidden by what was seen there a frame ago, moved as the scene has moved, and from around it.
+    """Fills hidden pixels from the last frame, warped by the scene's motion, and by inpainting.
 
-    Both are mixed by how well they fit what is seen around the spot: inpainting (Telea 2004) where the picture is
-    smooth, the past where it matches.
+    Both are blended by how well they match the visible surroundings: inpainting (Telea 2004) where the image is smooth,
+    the warped frame where it fits.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -84,7 +85,7 @@ class Restoration:
         return self._camera.width_px, self._camera.height_px
 
     def update(self, frame: Image, hidden: Image, flow: Flow, expansion: Expansion) -> Image:
-        """The frame (H, W) or (H, W, 3) without what is `hidden` (H, W); `flow` and `expansion` are of this frame."""
+        """The frame (H, W) or (H, W, 3) with `hidden` (H, W) pixels filled; `flow` and `expansion` of this frame."""
         around = cv2.inpaint(frame, hidden, INPAINT_PX, cv2.INPAINT_TELEA).astype(np.uint8, copy=False)
         result = around
         if self._last is not None and hidden.any():
@@ -100,9 +101,9 @@ class Restoration:
         return result
 
     def _motion(self, flow: Flow, expansion: Expansion) -> Floats:
-        """(H, W, 2) px of the frame, from the last frame to this: away from the focus by the rate of the points near.
+        """(H, W, 2) px, scene motion from the last frame: away from the focus at the rate of nearby points.
 
-        Where there are none, it is that of the flat road and of scenery as far above it.
+        Without nearby points, the rate is that of the flat road, mirrored above the horizon.
         """
         camera, focus = self._camera, np.array([expansion.x_px, expansion.y_px])
         past = np.tile(self._pose, (len(self._centres), 1))
@@ -116,7 +117,7 @@ class Restoration:
         return np.asarray(cv2.resize(motion, self._size))
 
     def _measured(self, flow: Flow, focus_px: Floats) -> tuple[Floats, Floats]:
-        """(rows, columns) each: sum of the points' rates a frame about each cell, and their number."""
+        """(rows, columns) each: smoothed sum of the points' rates a frame by cell, and smoothed count."""
         moved, away = derotate(flow, self._camera), flow.points_px - focus_px
         square, frames = np.sum(away**2, axis=1) + 1.0, np.maximum(np.minimum(flow.age_frames, _window(flow)), 1)
         rate = np.sum(moved * away, axis=1) / square / frames
@@ -133,19 +134,19 @@ class Restoration:
 
 
 def _window(flow: Flow) -> int:
-    """Frames of the longest windows."""
+    """Length of the longest flow window, frames."""
     longest = flow.gap_s >= flow.gap_s.max(initial=0.0) - 1e-9
     return int(flow.age_frames[longest].min(initial=1))
 
 
-def _share_of_past(frame: Image, past: Image, seen: Singles, inside: Singles) -> Singles:
-    """(H, W) 0..1: variance of the picture around each pixel, over that and the error of the past around it."""
+def _share_of_past(frame: Image, past: Image, visible: Singles, inside: Singles) -> Singles:
+    """(H, W) 0..1, blending weight of the warped frame: local variance / (variance + local error)."""
     now, then = (values.astype(np.float32).reshape(*frame.shape[:2], -1).mean(axis=2) for values in (frame, past))
     error = np.minimum((then - now) ** 2, LARGEST_ERROR**2)
-    count, compared = _blur(seen), _blur(seen * inside)
-    mean = _blur(now * seen) / count
-    variance = _blur((now - mean) ** 2 * seen) / count
-    share = variance / (variance + _blur(error * seen * inside) / compared + SURE)
+    count, compared = _blur(visible), _blur(visible * inside)
+    mean = _blur(now * visible) / count
+    variance = _blur((now - mean) ** 2 * visible) / count
+    share = variance / (variance + _blur(error * visible * inside) / compared + REGULARISATION)
     return np.asarray(share * inside, np.float32)
 
 

@@ -1,4 +1,4 @@
-"""Flow and times to contact judged against a wall that a camera drives at: both are known in closed form."""
+"""Errors of flow and time to contact for a camera that drives at a wall, in closed form."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.evaluation.metrics import perception
-from vpf_sim.evaluation.truth.sight import Sight
+from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
 from vpf_sim.types import Camera, Floats, Observation
 
 RATE_HZ, STEP_M, DISTANCE_M = 20.0, 0.5, 10.0
@@ -36,14 +36,14 @@ def plan(displacement_px: Floats, ttc_s: float, frames: int = 2) -> Any:
     return SimpleNamespace(perception=SimpleNamespace(flow=flow, ttc_s=times, obstacles=np.empty(0)))
 
 
-def judged(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0) -> dict[str, float]:
-    """The columns of the frame at 2 s, the first that is judged, or of one so much later that the driver looks at."""
+def scored(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0) -> dict[str, float]:
+    """The columns of the first scored frame at 2 s, or of one `late` frames later that the driver uses."""
     network = SimpleNamespace()
     ego = SimpleNamespace(road=SimpleNamespace(vehicles=[], objects=[]), place=(0.0, 0.0), position=np.zeros(2))
     ego.heading = 0.0
     wall = Wall()
     env = SimpleNamespace(renderer=wall, camera=CAMERA, rate_hz=RATE_HZ, ego=ego, road=SimpleNamespace(network=network))
-    sight, made = Sight(), plan(displacement_px, ttc_s, frames)
+    sight, made = PerceptionErrors(), plan(displacement_px, ttc_s, frames)
     for k in range(40 + late):
         observation = Observation(np.zeros((1, 1, 3), np.uint8), k / RATE_HZ, k * STEP_M, 0.0, 0.0, 10.0, 0.0, (0, 0))
         sight.observe(observation, env)
@@ -64,24 +64,24 @@ def expansion(frames: int) -> Floats:
 
 @pytest.mark.parametrize("late", [0, 2])
 def test_true_flow_and_true_times_have_no_error(late: int) -> None:
-    found = judged(expansion(2), ttc_s=DISTANCE_M / (STEP_M * RATE_HZ), late=late)
+    found = scored(expansion(2), ttc_s=DISTANCE_M / (STEP_M * RATE_HZ), late=late)
     assert found["flow_error_px"] == pytest.approx(0.0, abs=1e-9)
     assert found["ttc_error"] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_errors_are_those_that_were_made() -> None:
-    found = judged(expansion(1) + np.array([30.0, 40.0]), ttc_s=1.25, frames=1)
+def test_known_errors_are_measured() -> None:
+    found = scored(expansion(1) + np.array([30.0, 40.0]), ttc_s=1.25, frames=1)
     assert found["flow_error_px"] == pytest.approx(50.0, abs=0.2), "the best of nine pixels counts"
     assert found["ttc_error"] == pytest.approx(0.25)
 
 
-def test_what_was_followed_for_longer_than_the_truth_reaches_is_left_out() -> None:
-    found = judged(expansion(3), ttc_s=np.inf, frames=3)
+def test_tracks_longer_than_the_known_poses_are_left_out() -> None:
+    found = scored(expansion(3), ttc_s=np.inf, frames=3)
     assert np.isnan(found["flow_error_px"])
-    assert found["ttc_error"] == 1.0, "nothing was told"
+    assert found["ttc_error"] == 1.0, "no estimate"
 
 
-def test_medians_over_the_frames_that_were_judged() -> None:
+def test_medians_over_the_scored_frames() -> None:
     nan = np.nan
     assert perception.points(np.array([nan, 0.2, nan, 0.4, 0.3]), np.array([nan] * 5)) == {
         "flow_median_error_px": pytest.approx(0.3),

@@ -1,4 +1,4 @@
-"""A driver on trial: whether it drives a short episode without and with an obstacle, and gives commands."""
+"""Smoke test of a driver: a short episode without and with an obstacle."""
 
 from contextlib import closing
 from traceback import extract_tb
@@ -26,27 +26,27 @@ speed_reference_mps = 5.55
 s_m = 13.0
 """
 CAR = '[[bodies]]\nkind = "car"\ns_m = 30.0\nlane = 2\n'
-TRIALS = {"without obstacles": ROAD, "with an obstacle": ROAD + CAR}
+ROADS = {"without obstacles": ROAD, "with an obstacle": ROAD + CAR}
 
 
 def check(name: str) -> Driver:
-    """The driver of a name, after its trial; InputError with the place and the frame where it fails."""
-    with process_state.kept():
-        for what, text in TRIALS.items():
+    """The driver, after the smoke test; InputError with code position and frame where it fails."""
+    with process_state.preserved():
+        for what, text in ROADS.items():
             driver = drivers.create(name)
             _drive(driver, f"driver '{name}': {what}", text)
     return driver
 
 
 def _drive(driver: Driver, where: str, text: str) -> None:
-    """Up to the goal, or for MOST_FRAMES."""
-    with closing(FourLane(scenarios.parse(text, "trial.toml"), frames=drivers.uses_images(driver))) as env:
+    """Drive to the goal, or for MOST_FRAMES."""
+    with closing(FourLane(scenarios.parse(text, "check.toml"), frames=drivers.uses_images(driver))) as env:
         observed, _ = env.reset(seed=0)
-        place = "reset"
+        stage = "reset"
         try:
             driver.reset(setup_for(driver, env, 0))
             for frame in range(MOST_FRAMES):
-                place = f"frame {frame}"
+                stage = f"frame {frame}"
                 command = drivers.command_of(driver, read(observed))
                 drivers.trace_of(driver)
                 look = drivers.needs_next_frame(driver)
@@ -57,5 +57,5 @@ def _drive(driver: Driver, where: str, text: str) -> None:
                     break
         except (Exception, SystemExit) as error:
             last = extract_tb(error.__traceback__)[-1]
-            told = " ".join(f"{type(error).__name__}: {error}".split())
-            raise InputError(f"{where}: {place}: {told} ({last.filename}, line {last.lineno})") from error
+            text = " ".join(f"{type(error).__name__}: {error}".split())
+            raise InputError(f"{where}: {stage}: {text} ({last.filename}, line {last.lineno})") from error

@@ -1,4 +1,4 @@
-"""Scores as dots with their intervals: a row a driver, a mark a weather, the paper's value beside."""
+"""Dot charts of scores with intervals: one row per driver, one mark per weather, and the paper's values."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,27 +11,27 @@ from vpf_sim.report.chart import Axis, Plot, reach, ticks
 WIDTH = 360.0
 ROW, HEAD, FOOT, NAMES = 20.0, 20.0, 18.0, 92.0  # px
 APART = 7.0  # between the weathers of a row
-FAR_OUT = 46.0  # px between the numbers of marks that are beyond the axis
-MARKS = ((False, False), (True, True), (False, True), (True, False))  # of each weather: a diamond? hollow?
-SIGNS = "●◇○◆"  # the same in words
+FAR_OUT = 46.0  # px between the labels of values beyond the axis
+MARKS = ((False, False), (True, True), (False, True), (True, False))  # of each weather: (diamond, hollow)
+SIGNS = "●◇○◆"  # the same marks as text
 
 
 @dataclass(frozen=True, slots=True)
 class Dot:
-    """A value with what is known of it."""
+    """A value with its interval."""
 
     scenario: str
     driver: str
-    weather: int  # which of the run's
+    weather: int  # index in the plan
     style: str
     value: float
     interval: tuple[float, float] | None
-    grey: bool = False  # of episodes without success
+    grey: bool = False  # of unsuccessful episodes
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """What the paper gives for a scenario in a weather."""
+    """The paper's value for a scenario in a weather."""
 
     scenario: str
     weather: int
@@ -39,7 +39,7 @@ class Mark:
 
 
 def chart(dots: Sequence[Dot], marks: Sequence[Mark], label: str, ends: tuple[float, float] | None) -> Markup:
-    """`ends` of the axis, or None: as the values say."""
+    """The SVG chart; `ends` of the axis, or None for automatic ends."""
     rows = list(dict.fromkeys((dot.scenario, dot.driver) for dot in dots))
     heads = list(dict.fromkeys(dot.scenario for dot in dots))
     low, high = ends or _ends(dots, marks)
@@ -62,7 +62,7 @@ def chart(dots: Sequence[Dot], marks: Sequence[Mark], label: str, ends: tuple[fl
 
 
 def _ends(dots: Sequence[Dot], marks: Sequence[Mark]) -> tuple[float, float]:
-    """Of an axis that shows the successful episodes' values; the others' may lie beyond it."""
+    """Axis ends for the successful episodes' values; the others may lie beyond them."""
     good = [dot for dot in dots if not dot.grey] or dots
     values = [dot.value for dot in good] + [end for dot in good for end in dot.interval or ()]
     low, high = reach([0.0, *values, *(mark.value for mark in marks)], 0.1)

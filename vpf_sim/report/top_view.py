@@ -1,4 +1,4 @@
-"""The road from above, the vehicle's way up: lanes, bodies, the route and its goal, the trail, what is perceived."""
+"""Top view of the road, heading up: lanes, objects, route, goal, trail, and perceived obstacles."""
 
 from dataclasses import dataclass
 
@@ -13,15 +13,15 @@ BEHIND_M = 14.0
 MEADOW: Colour = (38, 46, 42)
 ASPHALT: Colour = (66, 70, 76)
 MARKING: Colour = (150, 155, 160)
-BODY: Colour = (214, 120, 92)
+OBJECT: Colour = (214, 120, 92)
 EGO: Colour = (92, 176, 255)
 EGO_SIZE_M = (4.5, 1.9)
 DASH_M, GAP_M = 3.0, 6.0
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
-    """A rectangle in world axes."""
+class Rectangle:
+    """The outline of an object in world axes."""
 
     x_m: float
     y_m: float
@@ -32,7 +32,7 @@ class Body:
 
     @property
     def corners_m(self) -> Floats:
-        """(4, 2) in order round the body."""
+        """(4, 2) m, the corners in order."""
         cosine, sine = np.cos(self.heading_rad), np.sin(self.heading_rad)
         along = 0.5 * self.length_m * np.array([cosine, sine])
         across = 0.5 * self.width_m * np.array([-sine, cosine])
@@ -42,7 +42,7 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What does not move, in world axes."""
+    """The static scene in world axes."""
 
     lines_m: tuple[Floats, ...]  # (M, 2) each, lane lines from the left edge to the right, M points side by side
     route_m: Floats  # (M, 2)
@@ -51,37 +51,37 @@ class Scene:
 
 def draw(
     scene: Scene,
-    bodies: tuple[Body, ...],
+    objects: tuple[Rectangle, ...],
     trail_m: Floats,
     pose: Floats,
     plan: Plan | None,
     width_px: int,
     height_px: int,
 ) -> Image:
-    """(H, W, 3) RGB; `trail_m` (N, 2) is where the car was, `pose` (3,) x m, y m, yaw rad where it is."""
+    """(H, W, 3) RGB top view; `trail_m` (N, 2) has past positions, `pose` (3,) is x m, y m, yaw rad."""
     canvas = Canvas(np.full((height_px, width_px, 3), MEADOW, np.uint8), Camera(width_px, height_px))
     view = _View(pose, width_px, height_px)
     _road(canvas, view, scene)
     canvas.lines([view.place(trail_m)], EGO, 2)
-    for body in bodies:
-        _rectangle(canvas, view, body, BODY)
+    for obj in objects:
+        _rectangle(canvas, view, obj, OBJECT)
     if plan is not None:
         _perceived(canvas, view, plan)
     _goal(canvas, view, scene.goal_m)
     _legend(canvas, plan is not None)
-    _rectangle(canvas, view, Body(float(pose[0]), float(pose[1]), float(pose[2]), *EGO_SIZE_M, "car"), EGO)
+    _rectangle(canvas, view, Rectangle(float(pose[0]), float(pose[1]), float(pose[2]), *EGO_SIZE_M, "car"), EGO)
     return canvas.frame
 
 
 class _View:
-    """From world axes to pixels: the vehicle near the bottom, its heading up."""
+    """Maps world axes to pixels: vehicle near the bottom, heading up."""
 
     def __init__(self, pose: Floats, width_px: int, height_px: int) -> None:
         self.scale = height_px / (AHEAD_M + BEHIND_M)
         self.centre_px = np.array([0.5 * width_px, self.scale * AHEAD_M])
         self.size_px = np.array([width_px, height_px])
         self.position_m, yaw = pose[:2], float(pose[2])
-        # Columns: the image's x is what lies to the right, its y what lies behind.
+        # Columns: image x is to the right of the vehicle, image y is behind it.
         self.turn = np.array([[-np.sin(yaw), -np.cos(yaw)], [np.cos(yaw), -np.sin(yaw)]])
 
     def place(self, points_m: Floats) -> Floats:
@@ -94,7 +94,7 @@ class _View:
         return self.centre_px + self.scale * np.stack([points_m[..., 1], -points_m[..., 0]], axis=-1)
 
     def near(self, points_m: Floats) -> Floats:
-        """Those of a chain that the picture may show."""
+        """The points of a polyline near the image."""
         reach_m = 1.5 * (AHEAD_M + BEHIND_M)
         near: Floats = points_m[np.hypot(*(points_m - self.position_m).T) < reach_m]
         return near
@@ -111,20 +111,20 @@ def _road(canvas: Canvas, view: _View, scene: Scene) -> None:
 
 
 def _dashes(line_px: Floats) -> list[Floats]:
-    """Every third piece of a chain."""
+    """Every third segment of a polyline."""
     return [line_px[start : start + 2] for start in range(0, len(line_px) - 1, 3)]
 
 
-def _rectangle(canvas: Canvas, view: _View, body: Body, colour: Colour) -> None:
-    corners = view.place(body.corners_m)
+def _rectangle(canvas: Canvas, view: _View, obj: Rectangle, colour: Colour) -> None:
+    corners = view.place(obj.corners_m)
     canvas.fill([corners], colour, 1.0)
     canvas.lines([corners], INK, 1, closed=True)
 
 
 def _perceived(canvas: Canvas, view: _View, plan: Plan) -> None:
-    """The faces of the bodies that the planner believes in, and the heading that it wants."""
-    bodies = plan.perception.obstacles
-    for forward, left, right in zip(bodies.forward_m, bodies.left_m, bodies.right_m, strict=True):
+    """Draw the faces of perceived obstacles and the reference heading."""
+    objects = plan.perception.obstacles
+    for forward, left, right in zip(objects.forward_m, objects.left_m, objects.right_m, strict=True):
         face = np.array([(forward + 1.0, left), (forward, left), (forward, right), (forward + 1.0, right)])
         canvas.lines([view.from_vehicle(face)], OBSTACLE, 3)
     heading = plan.reference.heading_rad - float(plan.perception.pose[2])
@@ -133,7 +133,7 @@ def _perceived(canvas: Canvas, view: _View, plan: Plan) -> None:
 
 
 def _goal(canvas: Canvas, view: _View, goal_m: tuple[float, float]) -> None:
-    """A disc where the goal is, at the rim where it lies beyond."""
+    """Draw the goal as a disc, on the image's border if it is outside."""
     place = view.place(np.array(goal_m))
     inside = np.clip(place, 10.0, view.size_px - 10.0)
     canvas.disc(inside, 5.0, TARGET)
@@ -145,10 +145,10 @@ def _goal(canvas: Canvas, view: _View, goal_m: tuple[float, float]) -> None:
         canvas.text(words, left, float(inside[1]) + 5.0, TARGET, 0.5)
 
 
-def _legend(canvas: Canvas, thinks: bool) -> None:
-    words = [("route", TARGET), ("bodies", BODY)]
-    if thinks:
-        words += [("perceived", OBSTACLE), ("wanted heading", REFERENCE)]
+def _legend(canvas: Canvas, has_plan: bool) -> None:
+    words = [("route", TARGET), ("objects", OBJECT)]
+    if has_plan:
+        words += [("perceived", OBSTACLE), ("reference heading", REFERENCE)]
     left = 12.0
     for word, colour in words:
         canvas.text(word, left, canvas.frame.shape[0] - 12.0, colour, 0.5)

@@ -1,0 +1,138 @@
+"""Matches a driver's detections with the true objects, frame by frame.
+
+The corridor is the strip of road within CORRIDOR_M on both sides of the ego's centre, ahead of its front bumper. A
+detection is correct if its foot, the middle of its nearest face, is within FOOT_M of an object's outline. Only
+detections in the corridor are counted. An object is confirmed by the first correct detection anywhere, since the ego
+may turn towards it later. A row of objects may be detected as one: a correct detection confirms every object whose
+centre lies behind its face within FOOT_M.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from math import cos, hypot, nan, sin
+from typing import Any
+
+from vpf_sim.envs.rectangles import solid_objects, to_local
+from vpf_sim.evaluation.metrics.perception import KINDS
+from vpf_sim.types import Obstacles
+
+CORRIDOR_M = 3.0
+FOOT_M = 1.5
+REACHED_M = 0.3  # along the road: a nearer object counts as met, since a collision ends the episode
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """A detection ahead of the ego, and its matching objects."""
+
+    index: int  # row in the driver's obstacles
+    ahead_m: float  # along the road from the front bumper to its foot
+    in_corridor: bool
+    owners: tuple[Any, ...]  # objects within FOOT_M of its foot, nearest first; empty for a false positive
+    passed: tuple[Any, ...]  # objects of a row whose centres lie behind its face
+    is_new: bool  # a false positive that was not false before
+
+
+class DetectionScorer:
+    """Scores the detections of every frame; remembers first confirmations and earlier false positives."""
+
+    def __init__(self) -> None:
+        self.detections: list[Detection] = []  # of the last frame
+        self._confirmed_m: dict[Any, float] = {}  # by object: bumper to face at its first confirmation
+        self._ahead: set[Any] = set()  # objects
+        self._wrong: set[int] = set()  # identities of detections
+        self._met: deque[tuple[float, float]] = deque()
+
+    def columns(self, reported: Obstacles, ego: Any, network: Any) -> dict[str, float]:
+        """Step-table columns: correct, false and new false detections in the corridor, and an object that was met.
+
+        `met_kind` is the object's index in KINDS, `met_confirmed_m` the distance of its first confirmation, nan if
+        never. Of several objects met in one frame, the others follow in the next frames.
+        """
+        objects = solid_objects(ego)
+        self.detections = [self._matched(reported, *foot, ego, objects) for foot in self._feet(reported, ego, network)]
+        for detection in self.detections:
+            for obj in (*detection.owners, *detection.passed):
+                self._confirmed_m.setdefault(obj, _ahead_m(ego, obj))
+        self._meet(ego, objects)
+        kind, confirmed_m = self._met.popleft() if self._met else (nan, nan)
+        counted = [detection for detection in self.detections if detection.in_corridor]
+        right = sum(bool(detection.owners) for detection in counted)
+        return {
+            "objects_right": right,
+            "objects_wrong": len(counted) - right,
+            "new_wrong_objects": sum(detection.is_new for detection in counted),
+            "met_kind": kind,
+            "met_confirmed_m": confirmed_m,
+        }
+
+    def _matched(
+        self,
+        reported: Obstacles,
+        index: int,
+        foot: tuple[float, float],
+        ahead_m: float,
+        in_corridor: bool,
+        ego: Any,
+        objects: list[Any],
+    ) -> Detection:
+        gaps_m = [(_gap_m(obj, foot), obj) for obj in objects]
+        owners = [obj for gap_m, obj in sorted(gaps_m, key=lambda pair: pair[0]) if gap_m <= FOOT_M]
+        passed = _passed(reported, index, ego, objects) if owners else []
+        wrong, identity = in_corridor and not owners, int(reported.identity[index])
+        is_new = wrong and identity not in self._wrong
+        self._wrong |= {identity} if wrong else set()
+        return Detection(index, ahead_m, in_corridor, tuple(owners), tuple(passed), is_new)
+
+    def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float], float, bool]]:
+        """Index, foot in the world, distance ahead (m) and corridor flag of each detection ahead of the bumper."""
+        feet = []
+        s, lateral = ego.place
+        for index in range(len(reported)):
+            right = 0.5 * float(reported.left_m[index] + reported.right_m[index])
+            foot = _in_world(ego, float(reported.forward_m[index]), right)
+            foot_s, foot_lateral = network.centre.local_at(*foot)
+            ahead_m = foot_s - s - 0.5 * ego.LENGTH
+            if ahead_m > 0.0:
+                feet.append((index, foot, ahead_m, abs(foot_lateral - lateral) <= CORRIDOR_M))
+        return feet
+
+    def _meet(self, ego: Any, objects: list[Any]) -> None:
+        """Queue the objects in the corridor that the bumper reaches in this frame."""
+        for obj in objects:
+            ahead_m = _ahead_m(ego, obj)
+            if ahead_m > REACHED_M:
+                self._ahead.add(obj)
+            elif obj in self._ahead:
+                self._ahead.remove(obj)
+                if abs(obj.place[1] - ego.place[1]) <= CORRIDOR_M:
+                    self._met.append((float(KINDS.index(obj.kind)), self._confirmed_m.get(obj, nan)))
+
+
+def _passed(reported: Obstacles, index: int, ego: Any, objects: list[Any]) -> list[Any]:
+    """The objects whose centres lie behind a detection's face, with the face within FOOT_M of their outline."""
+    face, left, right = (float(side[index]) for side in (reported.forward_m, reported.left_m, reported.right_m))
+    passed = []
+    for obj in objects:
+        ((_, aside),) = to_local(ego, [tuple(obj.position.tolist())])
+        if left <= aside <= right and _gap_m(obj, _in_world(ego, face, aside)) <= FOOT_M:
+            passed.append(obj)
+    return passed
+
+
+def _in_world(ego: Any, forward: float, right: float) -> tuple[float, float]:
+    """World coordinates, m, of a point in the ego's axes."""
+    x, y = ego.position.tolist()
+    cosine, sine = cos(ego.heading), sin(ego.heading)
+    return x + cosine * forward - sine * right, y + sine * forward + cosine * right
+
+
+def _ahead_m(ego: Any, obj: Any) -> float:
+    """Distance, m, along the road from the front bumper to an object's nearest face."""
+    return float(obj.place[0] - ego.place[0] - 0.5 * (obj.LENGTH + ego.LENGTH))
+
+
+def _gap_m(obj: Any, point: tuple[float, float]) -> float:
+    """Distance, m, from a point to an object's outline; 0 inside."""
+    ((along, right),) = to_local(obj, [point])
+    return hypot(max(abs(along) - 0.5 * obj.LENGTH, 0.0), max(abs(right) - 0.5 * obj.WIDTH, 0.0))
