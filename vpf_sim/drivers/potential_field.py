@@ -41,7 +41,7 @@ class FieldDriver:
         observation = self._measured(observation)
         plan = self._planner.step(observation)
         command = self._controller.command(observation, plan.reference)
-        self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
+        self._plan = replace(plan, reaching=self._controller.reaching.holds)
         return command
 
     def perceive(self, observation: Observation) -> Perception:

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Any
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, LimitsConfig
 from vpf_sim.planning.lane.lateral_cost import LanePotential, LateralCost
 from vpf_sim.planning.lane.lateral_cost_config import LateralCostConfig
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
+from vpf_sim.planning.lane.plan import LanePlan
 from vpf_sim.planning.lane.recovery import Recovery, RecoveryConfig
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
@@ -48,7 +48,7 @@ class LanePlanner:
         self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
         self._recovery = Recovery(config.recovery, setup.vehicle, setup.rate_hz) if config.recovery else None
 
-    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
+    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, LanePlan]:
         road, out = perception.road, self._recovery
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane)
@@ -60,8 +60,8 @@ class LanePlanner:
         slowed = self._slowed(wanted, perception, lane, potential.minimum_m, observation.speed_mps)
         turned = self._turned_out(lane, perception.obstacles, observation, wanted)
         reference = slowed if turned is None else turned
-        extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
-        return _force(potential, lane.y_m), reference, extra
+        plan = LanePlan(lane, obstacles, potential, self._reference.y_m)
+        return _force(potential, lane.y_m), reference, plan
 
     def _neighbours(self, bodies: LaneObstacles) -> ObstacleGeometry:
         return ObstacleGeometry(bodies, self._field_config, self._vehicle, self._speed_mps)

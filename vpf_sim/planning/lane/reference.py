@@ -51,7 +51,7 @@ class LaneReference:
         self._shift_m = config.shift_s * speed_reference_mps
         self._pace = SpeedLimits(config, speed_reference_mps, rate_hz, reach)
         self._reach = reach
-        self.y_m: float | None = None
+        self.y_m = 0.0  # of the reference, after an update
         self.restart(speed_reference_mps)
 
     def restart(self, speed_mps: float) -> None:
