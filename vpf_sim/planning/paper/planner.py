@@ -1,7 +1,8 @@
-"""The paper's way: the fields' total force at the vehicle, turned into the world; its direction is the heading."""
+"""The paper's planner: the heading is the direction of the total force at the vehicle, turned into the world."""
 
 from dataclasses import dataclass
 
+from vpf_sim.configuration import settings
 from vpf_sim.planning.lane.frame import Lane, locate
 from vpf_sim.planning.paper import obstacle_field, road_field, target_field, total_field
 from vpf_sim.planning.paper.obstacle_field import ObstacleFieldConfig
@@ -12,7 +13,7 @@ from vpf_sim.planning.paper.total_field import TotalFieldConfig
 from vpf_sim.types import DriverSetup, Force, Observation, Perception, PlanDetails, Reference
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class PaperPlannerConfig:
     target_field: TargetFieldConfig
     obstacle_field: ObstacleFieldConfig
@@ -30,7 +31,7 @@ class PaperPlan(PlanDetails):
 
 
 class PaperPlanner:
-    """Follows the line of the total force from frame to frame."""
+    """Follows the direction of the total force."""
 
     def __init__(self, setup: DriverSetup, config: PaperPlannerConfig) -> None:
         self._setup = setup
