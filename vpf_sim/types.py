@@ -380,10 +380,16 @@ class Reference:
 
 
 @dataclass(frozen=True, slots=True)
+class PlanDetails:
+    """Base of the records in which a planner hands on more than its reference."""
+
+
+@dataclass(frozen=True, slots=True)
 class Plan:
     """One pass of the planner, for the controller, the overlay and the scores."""
 
     perception: Perception
     force: Force
     reference: Reference
-    extra: dict[str, Any] = field(default_factory=dict)  # what a variant adds for its overlay
+    extra: PlanDetails | None = None  # LanePlan or PaperPlan; None of a reference without a potential field
+    reaching: bool | None = None  # whether the reaching condition of the controller holds; None: not yet controlled

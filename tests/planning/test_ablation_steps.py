@@ -74,12 +74,12 @@ def written(folder: Path, text: str) -> str:
 
 
 def test_a_variant_of_ones_own_says_what_it_starts_from_and_what_it_changes(tmp_path: Path) -> None:
-    own = variant.load(written(tmp_path, "[road_edges]\nlanes = 3\n[lane_planner.lateral_cost]\nclearance_m = 0.7\n"))
+    own = variant.load(written(tmp_path, "[road_edges]\nlanes = 3\n[lane_planner.clearance]\nwanted_m = 0.7\n"))
     robust = variant.load("robust")
     assert own.road_edges.lanes == 3
     assert own.lane_planner is not None
     assert robust.lane_planner is not None
-    assert own.lane_planner.lateral_cost.clearance_m == 0.7
+    assert own.lane_planner.clearance.wanted_m == 0.7
     assert own.lane_planner.reference == robust.lane_planner.reference
     assert own.flow == robust.flow
     assert variant.load(written(tmp_path, 'base = "lane_planner"')) == variant.load("lane_planner")

@@ -7,8 +7,9 @@ import pytest
 from test_overlay import plan
 
 from vpf_sim.errors import InputError
-from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.frame import NOTHING, Lane
 from vpf_sim.planning.lane.lateral_cost import LanePotential
+from vpf_sim.planning.lane.plan import LanePlan
 from vpf_sim.report import field_view
 from vpf_sim.report.compass import REFERENCE
 from vpf_sim.types import Camera, Plan
@@ -20,13 +21,9 @@ def bowl(minimum_m: float) -> Plan:
     """A plan whose potential is a parabola about its minimum."""
     y = np.linspace(-9.0, 9.0, 361)
     none = np.zeros_like(y)
-    extra = {
-        "lane": Lane(0.0, RIGHT_M, LEFT_M, 0.0, 0.0),
-        "obstacles": LaneObstacles(np.empty(0), np.empty(0), np.empty(0)),
-        "potential": LanePotential(y, 0.1 * (y - minimum_m) ** 2, none, none, minimum_m),
-        "reference_y_m": minimum_m,
-    }
-    return replace(plan(Camera()), extra=extra)
+    potential = LanePotential(y, 0.1 * (y - minimum_m) ** 2, none, none, minimum_m)
+    lane = Lane(0.0, RIGHT_M, LEFT_M, 0.0, 0.0)
+    return replace(plan(Camera()), extra=LanePlan(lane, NOTHING, potential, minimum_m))
 
 
 def column(y_m: float) -> int:

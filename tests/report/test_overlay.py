@@ -1,12 +1,13 @@
 """The overlay: drawn at the right pixels, without changing the input frame."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from vpf_sim.geometry import project
+from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.report import overlay
 from vpf_sim.report.compass import RADIUS, TOTAL
 from vpf_sim.types import (
@@ -48,7 +49,7 @@ def plan(camera: Camera, points: Floats | None = None, ahead_m: float | None = N
     perception = Perception(flow, expansion, salience, obstacles, road, flow.pose)
     none = np.zeros(2)
     force = Force(np.array([1.0, 0.0]), none, none, np.array([1.0, 0.0]))
-    return Plan(perception, force, Reference(0.2, 5.5), {"lane": SimpleNamespace(y_m=0.0)})
+    return Plan(perception, force, Reference(0.2, 5.5), PaperPlan(Lane(0.0, 5.25, -8.75, 0.0, 0.0), 0))
 
 
 def drawn(camera: Camera, made: Plan) -> Floats:

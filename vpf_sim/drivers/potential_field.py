@@ -45,7 +45,7 @@ class FieldDriver(Driver):
         perception = self._perceiver.perceive(observation)
         plan = call("plan", self._plan_step, perception, observation)
         command = call("control", self._controller.command, observation, plan.reference)
-        self._plan = replace(plan, extra={**plan.extra, "reaching": self._controller.reaching})
+        self._plan = replace(plan, reaching=self._controller.reaching.holds)
         return command
 
     def perceive(self, observation: Observation) -> Perception:

@@ -9,6 +9,8 @@ from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
 from vpf_sim.drivers import FieldDriver
 from vpf_sim.drivers.perceiver import Perceiver
+from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
@@ -144,7 +146,7 @@ class ModelVehicleDriver:
         """The plan in the axes of the recorded car: its lane and its path."""
         half, middle = 0.5 * perception.road.lane_width_m, perception.road.lane_m
         road = replace(perception.road, left_m=middle - half, right_m=middle + half)
-        extra = dict(plan.extra)
-        if "lane" in extra:
-            extra["lane"] = replace(extra["lane"], y_m=-middle)
+        extra = plan.extra
+        if isinstance(extra, LanePlan | PaperPlan):
+            extra = replace(extra, lane=replace(extra.lane, y_m=-middle))
         return Plan(replace(perception, road=road), plan.force, plan.reference, extra)

@@ -1,11 +1,12 @@
 """Top view of the potential field: road, obstacles, and the potential across the road with its minimum."""
 
-from typing import Any
-
 import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.planning.lane.frame import LaneObstacles
+from vpf_sim.planning.lane.lateral_cost import LanePotential
+from vpf_sim.planning.lane.plan import LanePlan
 from vpf_sim.report.canvas import INK, Canvas, Colour
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
 from vpf_sim.types import Camera, Floats, Image, Plan
@@ -18,20 +19,20 @@ PAPER: Colour = (28, 33, 40)
 
 
 def draw(plan: Plan, width_px: int = 640, height_px: int = 480) -> Image:
-    """(H, W, 3) RGB view of a plan with a potential across the road (variant `robust`); InputError without one."""
-    potential: Any = plan.extra.get("potential")
-    if potential is None:
+    """(H, W, 3) RGB view of a plan of the lane planner; InputError for another plan."""
+    details = plan.extra
+    if not isinstance(details, LanePlan):
         raise InputError("field view: expected a plan with a potential across the road, as of the driver vpf")
-    lane = plan.extra["lane"]
+    lane, potential = details.lane, details.potential
     canvas = Canvas(np.full((height_px, width_px, 3), PAPER, np.uint8), Camera(width_px, height_px))
     base = (1.0 - PROFILE_SHARE) * height_px
     view = _View(lane.left_m - MARGIN_M, lane.right_m + MARGIN_M, width_px, base)
     _tint(canvas, view, potential.y_m, potential.total)
     _edges(canvas, view, lane.left_m, lane.right_m)
-    _draw_obstacles(canvas, view, plan.extra["obstacles"])
+    _draw_obstacles(canvas, view, details.obstacles)
     _vehicle(canvas, view, lane.y_m)
     _curves(canvas, view, potential)
-    _minimum(canvas, view, potential.minimum_m, plan.extra["reference_y_m"])
+    _minimum(canvas, view, potential.minimum_m, details.reference_y_m)
     _legend(canvas)
     return canvas.frame
 
@@ -65,7 +66,7 @@ def _edges(canvas: Canvas, view: _View, left_m: float, right_m: float) -> None:
         canvas.lines([view.across(y, 0.0, AHEAD_M)], ROAD, 2)
 
 
-def _draw_obstacles(canvas: Canvas, view: _View, obstacles: Any) -> None:
+def _draw_obstacles(canvas: Canvas, view: _View, obstacles: LaneObstacles) -> None:
     """Draw obstacles from their estimated face, with a fixed length."""
     for along, left, right in zip(obstacles.along_m, obstacles.left_m, obstacles.right_m, strict=True):
         y, x = np.array([left, right, right, left]), along + np.array([0.0, 0.0, 4.0, 4.0])
@@ -83,7 +84,7 @@ def _vehicle(canvas: Canvas, view: _View, y_m: float) -> None:
     canvas.fill([place], INK, 1.0)
 
 
-def _curves(canvas: Canvas, view: _View, potential: Any) -> None:
+def _curves(canvas: Canvas, view: _View, potential: LanePotential) -> None:
     """Plot U(y) below the road: its three parts and their sum."""
     bottom = canvas.frame.shape[0] - 8.0
     for values, colour, width in (

@@ -1,11 +1,11 @@
 """Draws a driver's perception and plan into its frame."""
 
-from typing import Any
-
 import cv2
 import numpy as np
 
 from vpf_sim.geometry import distort
+from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.report.canvas import INK, SHADE, Canvas, Colour
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, draw_compass
 from vpf_sim.types import Camera, Floats, Image, Perception, Plan, RoadEdges
@@ -84,10 +84,12 @@ def _road(canvas: Canvas, plan: Plan) -> None:
 
 def _planned_m(plan: Plan) -> float | None:
     """The planned lateral position, m right of the pose; None for a plan without a lane frame."""
-    lane: Any = plan.extra.get("lane")
-    if lane is None:
-        return None
-    return float(plan.extra.get("reference_y_m", 0.0)) - float(lane.y_m)
+    match plan.extra:
+        case LanePlan(lane=lane, reference_y_m=y_m):
+            return y_m - lane.y_m
+        case PaperPlan(lane=lane):
+            return -lane.y_m
+    return None
 
 
 def _in_front(canvas: Canvas, line_m: Floats) -> Floats:

@@ -1,13 +1,16 @@
 """Speed by what can be seen: a stop within it, from any speed that is allowed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from lane_planner import ROBUST, unwrap
 
-from vpf_sim.planning.lane.speed.clear_distance import ClearDistanceConfig, safe_speed, speed_within_clear_distance
+from vpf_sim.planning.lane.speed.clear_distance import safe_speed, speed_within_clear_distance
 from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import VehicleModel
 
-CONFIG = ClearDistanceConfig(brake_mps2=3.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)
+CONFIG = replace(unwrap(ROBUST.clear_distance), brake_mps2=3.0)
 VEHICLE = VehicleModel()
 
 
@@ -64,4 +67,4 @@ def test_what_cannot_be_seen_at_that_speed_or_is_not_judged_slows_nobody(good_m:
 
 def test_a_stop_that_makes_no_sense_is_refused() -> None:
     with pytest.raises(ValueError, match="brake_mps2: expected > 0"):
-        ClearDistanceConfig(brake_mps2=0.0, reaction_s=0.3, standoff_m=0.5, least_mps=2.8)
+        replace(CONFIG, brake_mps2=0.0)

@@ -9,16 +9,14 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 from ideal import Body, Eyes, Road, clearance, perception
+from lane_planner import CLEARANCE, ROBUST
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
-from vpf_sim.planning import variant
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Floats
 
-ROBUST = variant.load("robust").lane_planner
-assert ROBUST is not None
-KEPT_M = ROBUST.lateral_cost.clearance_m - 0.1  # of the clearance that is asked for
+KEPT_M = CLEARANCE.wanted_m - 0.1  # of the clearance that is asked for
 
 
 @dataclass

@@ -6,36 +6,36 @@ from math import hypot, inf
 import numpy as np
 import pytest
 from bicycle import Bicycle
+from lane_planner import (
+    CAR,
+    CLEARANCE,
+    LIMITS,
+    ROBUST,
+    SPEED_MPS,
+    geometry,
+    lane_reference,
+    lateral_cost,
+    straight_lane,
+)
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
-from vpf_sim.planning import variant
-from vpf_sim.planning.lane.frame import Lane, LaneObstacles, locate, place
-from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane.lateral_cost import LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.planning.lane.reference import LaneReference
-from vpf_sim.types import Command, Obstacles, RoadEdges, VehicleModel
+from vpf_sim.types import Command, Obstacles, RoadEdges
 
-ROBUST = variant.load("robust").lane_planner
-assert ROBUST is not None
-CAR, SPEED_MPS = VehicleModel(), 5.55
-REACH = KinematicLimits(ROBUST.limits, CAR)
-LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
+LANE = straight_lane()
 
 
 def bodies(*rows: tuple[float, float, float]) -> ObstacleGeometry:
     """Each by its face along the road, and its left and right side."""
-    return about(LaneObstacles(*np.array(rows).T))
-
-
-def about(bodies: LaneObstacles) -> ObstacleGeometry:
-    return ObstacleGeometry(bodies, ROBUST.lateral_cost, CAR, SPEED_MPS)
+    return geometry(LaneObstacles(*np.array(rows).T))
 
 
 def field(lane: Lane = LANE) -> LateralCost:
     """One that has seen the empty road: it remembers to be where the car is."""
-    one = LateralCost(ROBUST.lateral_cost, CAR, SPEED_MPS, REACH)
-    one.update(lane, about(LaneObstacles(np.empty(0), np.empty(0), np.empty(0))))
+    one = lateral_cost()
+    one.update(lane, geometry(NOTHING))
     return one
 
 
@@ -45,7 +45,7 @@ def test_the_worst_body_pushes_nobody_off_the_road(side: float) -> None:
     lane = Lane(side * 3.0, 7.0, -7.0, 0.0, 0.0)
     left, right = sorted((-side * 7.0, side * 5.5))
     minimum = field(lane).update(lane, bodies((20.0, left, right))).minimum_m
-    assert abs(minimum) + 0.5 * CAR.width_m <= 7.0 - ROBUST.lateral_cost.edge_gap_m + ROBUST.lateral_cost.spacing_m
+    assert abs(minimum) + 0.5 * CAR.width_m <= 7.0 - CLEARANCE.edge_m + ROBUST.lateral_cost.spacing_m
 
 
 def test_a_body_that_leaves_no_way_before_it_is_not_crossed() -> None:
@@ -86,21 +86,21 @@ def tightest(way_m: float) -> float:
 
 @pytest.mark.parametrize("way_m", [3.0, 4.0, 6.0])
 def test_what_is_in_reach_is_in_reach(way_m: float) -> None:
-    reach = float(REACH.aside(np.array([way_m]))[0])
+    reach = float(LIMITS.aside(np.array([way_m]))[0])
     assert 0.6 * tightest(way_m) < reach < tightest(way_m)
 
 
 def test_the_way_decides_the_speed() -> None:
     """By t = sqrt(4.4 s / a), or by the steering's rate, and what the heading brings; inf where nothing is left."""
     way, shift = np.array([20.0, 5.0, 20.0, 3.0, 3.0]), np.array([1.0, 1.0, -0.2, 2.0, 0.0])
-    speed = REACH.speed(way, shift, 0.0, 0.0)
+    speed = LIMITS.speed(way, shift, 0.0, 0.0)
     assert speed[0] == pytest.approx(20.0 / (np.sqrt(4.4 / ROBUST.limits.acceleration_mps2) + 0.3))
-    assert REACH.steering(speed[1]) == pytest.approx(15.0 / (5.0 - 0.3 * speed[1]) ** 3, rel=0.05)
+    assert LIMITS.steering(speed[1]) == pytest.approx(15.0 / (5.0 - 0.3 * speed[1]) ** 3, rel=0.05)
     assert speed[2] == inf
     assert speed[3] < ROBUST.limits.walking_mps
     assert speed[4] == inf
-    assert REACH.reaches(way, shift, 0.0).tolist() == [True, True, True, False, True]
-    assert REACH.reaches(way[3:4], shift[3:4], 0.55)[0]
+    assert LIMITS.reaches(way, shift, 0.0).tolist() == [True, True, True, False, True]
+    assert LIMITS.reaches(way[3:4], shift[3:4], 0.55)[0]
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.1, 0.45])
@@ -111,34 +111,34 @@ def test_a_turned_car_that_goes_straight_on_clears_what_that_brings(way_m: float
     sine, cosine = np.sin(heading), np.cos(heading)
     ahead = way_m + 0.5 * CAR.length_m
     at_face = -side * cosine + (ahead - side * sine) * sine / cosine
-    assert REACH.brought(np.array([way_m]), slope)[0] == pytest.approx(at_face + side)
+    assert LIMITS.brought(np.array([way_m]), slope)[0] == pytest.approx(at_face + side)
 
 
 @pytest.mark.parametrize("speed_mps", [3.0, 5.0])
 def test_who_is_on_the_way_aside_already_is_as_far_as_one_who_began_before(speed_mps: float) -> None:
     """Headed at a slope on the curve of least radius, as if from straight on a way longer by R slope."""
-    slope, shift, radius = 0.2, 2.0, float(1.0 / REACH.tightest(speed_mps))
+    slope, shift, radius = 0.2, 2.0, float(1.0 / LIMITS.tightest(speed_mps))
     whole = shift + 0.5 * radius * slope**2
     way = (
-        float(REACH.way(whole, speed_mps))
+        float(LIMITS.way(whole, speed_mps))
         - radius * slope
-        + 0.3 * speed_mps * (1.0 - slope / float(REACH.ratio(speed_mps)))
+        + 0.3 * speed_mps * (1.0 - slope / float(LIMITS.ratio(speed_mps)))
     )
-    assert REACH.speed(np.array([way]), np.array([shift]), 0.0, slope)[0] == pytest.approx(speed_mps, rel=0.02)
+    assert LIMITS.speed(np.array([way]), np.array([shift]), 0.0, slope)[0] == pytest.approx(speed_mps, rel=0.02)
 
 
 def test_the_first_half_of_a_shift_to_a_far_goal_takes_half_of_its_way() -> None:
     """The car need not rest where it is clear of a body, if its path leads on."""
     way, half = np.array([8.0]), np.array([1.0])
-    rests, goes_on = REACH.speed(way, half, 0.0, 0.0)[0], REACH.speed(way, half, 2.0, 0.0)[0]
-    assert 0.5 * float(REACH.way(2.0, goes_on)) + 0.3 * goes_on == pytest.approx(8.0, rel=0.03)
+    rests, goes_on = LIMITS.speed(way, half, 0.0, 0.0)[0], LIMITS.speed(way, half, 2.0, 0.0)[0]
+    assert 0.5 * float(LIMITS.way(2.0, goes_on)) + 0.3 * goes_on == pytest.approx(8.0, rel=0.03)
     assert goes_on > 1.1 * rests
 
 
 def test_near_an_edge_the_car_turns_no_more_than_its_corners_allow() -> None:
     for gap in (0.3, 0.8, 1.5):
         lane = replace(LANE, y_m=LANE.right_m - 0.5 * CAR.width_m - gap)
-        left, right = REACH.between(lane, 1.0)
+        left, right = LIMITS.between(lane, 1.0)
         assert left == ROBUST.limits.walking_ratio
         corner = (
             0.5 * hypot(CAR.length_m, CAR.width_m) * np.sin(np.arcsin(right) + np.arctan(CAR.width_m / CAR.length_m))
@@ -151,7 +151,11 @@ def seen(*rows: tuple[float, float, float, int]) -> LaneObstacles:
     forward, left, right, identity = np.array(rows).T
     unknown = np.full(len(rows), 0.1)
     road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5)
-    return place(Obstacles(forward, left, right, unknown, unknown, identity.astype(np.int64)), locate(road))
+    return place(
+        Obstacles(forward, left, right, unknown, unknown, identity.astype(np.int64)),
+        locate(road),
+        ROBUST.obstacles.parts,
+    )
 
 
 def test_a_part_of_a_body_is_no_body_of_its_own() -> None:
@@ -186,7 +190,7 @@ def test_a_gap_beside_the_edge_is_chosen_before_a_place_that_touches(side: float
     """
     edges, barrier = sorted((-12.0 * side, 5.25 * side)), sorted((-12.0 * side, (5.25 - gap_m) * side))
     lane = Lane(2.0 * side, edges[1], edges[0], 0.0, 0.0)
-    watch = LateralCost(ROBUST.lateral_cost, CAR, SPEED_MPS, REACH)
+    watch = lateral_cost()
     minimum_m = watch.update(lane, bodies((12.0, barrier[0], barrier[1]))).minimum_m
     free_m = side * minimum_m - (5.25 - gap_m) - 0.5 * CAR.width_m
     assert (free_m > 0.11) == passes
@@ -237,7 +241,7 @@ def test_a_gap_beside_the_edge_that_is_chosen_is_gone_through(way_m: float) -> N
     """The same row, in a closed loop from 5.55 m/s: what has been begun is not given up halfway."""
     row, car, past = [(-2.2, 2.65), (-12.0, -6.2)], Bicycle(speed_mps=SPEED_MPS), way_m + CAR.length_m + 2.0
     one, hands = field(replace(LANE, left_m=-12.0)), Gtsmc(load_gains("robust"), CAR, 60.0)
-    path = LaneReference(ROBUST.reference, CAR, SPEED_MPS, 60.0, REACH)
+    path = lane_reference()
     one.keep(4.0)
     while car.x_m < past and car.time_s < 15.0:
         lane = Lane(car.y_m, 5.25, -12.0, -car.yaw_rad, 0.0)
@@ -253,15 +257,15 @@ def test_a_gap_beside_the_edge_that_is_chosen_is_gone_through(way_m: float) -> N
 def test_the_way_to_an_edge_is_that_of_the_law_by_which_the_path_comes_near(gap_m: float, slope: float) -> None:
     """Integrated: turning on the tightest curve, then g' = -g / arm, until the rear axle is abreast of the face."""
     left_m, step_m = np.array([0.3, 0.8, 1.2]), 1e-3
-    told = REACH.edge_way(gap_m, left_m, slope)
+    told = LIMITS.edge_way(gap_m, left_m, slope)
     gap, way, reached = gap_m, -0.5 * CAR.length_m - CAR.l_r_m, np.full(3, np.inf)
     while gap > left_m[0]:
-        slope = min(slope + step_m / REACH.radius_m, ROBUST.limits.walking_ratio, gap / REACH.path_arm_m)
+        slope = min(slope + step_m / LIMITS.radius_m, ROBUST.limits.walking_ratio, gap / LIMITS.path_arm_m)
         gap, way = gap - slope * step_m, way + step_m
         reached = np.where((gap <= left_m) & (reached == np.inf), way, reached)
     assert told == pytest.approx(reached, abs=0.3)
-    assert REACH.edge_way(0.0, left_m, slope).tolist() == [-np.inf] * 3
-    assert REACH.edge_way(gap_m, np.array([-0.1, gap_m + 0.1]), slope).tolist() == [np.inf, -np.inf]
+    assert LIMITS.edge_way(0.0, left_m, slope).tolist() == [-np.inf] * 3
+    assert LIMITS.edge_way(gap_m, np.array([-0.1, gap_m + 0.1]), slope).tolist() == [np.inf, -np.inf]
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
+from lane_planner import ROBUST, geometry
 
-from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
-from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.types import Obstacles, VehicleModel
+from vpf_sim.types import Obstacles
 
-VEHICLE = VehicleModel()
 LANE = Lane(y_m=0.0, right_m=5.25, left_m=-8.75, heading_rad=0.0, curvature_per_m=0.0)
 
 
@@ -28,20 +26,18 @@ def told(*rows: tuple[float, float, float]) -> Obstacles:
 
 
 def weights(bodies: LaneObstacles) -> list[float]:
-    valley = variant.load("robust").lane_planner
-    assert valley is not None
-    weight: list[float] = ObstacleGeometry(bodies, valley.lateral_cost, VEHICLE, 5.55).weight.tolist()
+    weight: list[float] = geometry(bodies).weight.tolist()
     return weight
 
 
 def test_a_side_told_in_parts_is_one_body_as_long_as_they_reach() -> None:
-    truck = place(told((6.0, -4.4, -1.9), (8.4, -2.5, -1.9), (12.9, -2.5, -1.9)), LANE)
+    truck = place(told((6.0, -4.4, -1.9), (8.4, -2.5, -1.9), (12.9, -2.5, -1.9)), LANE, ROBUST.obstacles.parts)
     assert len(truck) == 1
     assert truck.length_m == pytest.approx([6.9])
 
 
 def test_bodies_that_are_no_parts_have_no_length() -> None:
-    alone = place(told((6.0, -4.4, -1.9), (20.0, -4.4, -1.9), (8.0, 1.0, 2.0)), LANE)
+    alone = place(told((6.0, -4.4, -1.9), (20.0, -4.4, -1.9), (8.0, 1.0, 2.0)), LANE, ROBUST.obstacles.parts)
     assert alone.length_m.tolist() == [0.0, 0.0, 0.0]
 
 

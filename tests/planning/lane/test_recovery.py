@@ -8,24 +8,22 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 from ideal import Body, Eyes, Road, clearance, perception
+from lane_planner import CAR, HALF_M, RECOVERY, ROBUST, recovery, unwrap
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
 from vpf_sim.planning.lane.planner import LanePlanner, LanePlannerConfig
-from vpf_sim.planning.lane.recovery import BEGINS_M, NEXT_M, Recovery
-from vpf_sim.planning.lane.recovery_candidates import BEYOND_M, LOCKS, STEP_M, Blockers, courses, separation
-from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges, VehicleModel
+from vpf_sim.planning.lane.recovery import Recovery
+from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, courses, separation
+from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges
 
-ROBUST = variant.load("robust").lane_planner
-assert ROBUST is not None
-CONFIG = ROBUST.recovery
-assert CONFIG is not None
-CAR = VehicleModel()
+CONFIG = RECOVERY
+BEYOND_M, LOCKS = CONFIG.candidates.beyond_m, CONFIG.candidates.locks
+NEXT_M, BEGINS_M = unwrap(CONFIG.new_obstacles).beyond_m, unwrap(CONFIG.begin).way_m
 SETUP = DriverSetup(Camera(), CAR, 60.0, 5.55, (1e3, 0.0), 0)
 LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
-FRONT_M, HALF_M = CAR.l_r_m + 0.5 * CAR.length_m, 0.5 * CAR.width_m  # from the rear axle
+FRONT_M = CAR.l_r_m + 0.5 * CAR.length_m  # from the rear axle
 DEAD_END = (Body(28.0, 0.0, width_m=3.0), Body(28.0, 2.9))  # no gap to the right edge
 CLOSED = (*DEAD_END, Body(28.0, -3.5, width_m=3.0), Body(28.0, -7.0, width_m=3.0))
 
@@ -79,7 +77,7 @@ def test_the_car_is_turned_as_its_course_is(curvature_per_m: float) -> None:
     eyes, off = Eyes(road, DEAD_END, 16.0), []
     while car.time_s < 40.0 and road.local(car.x_m, car.y_m)[0] < 40.0:
         _, reference, _ = way.step(perception(road.edges(car), eyes.look(car)), car.observe())
-        if way._recovery is not None and way._recovery.is_driven:
+        if way.is_recovering:
             off.append(abs(wrap_angle(reference.heading_rad - car.yaw_rad)))
         car.step(hands.command(car.observe(), reference))
     assert len(off) > 300
@@ -95,7 +93,7 @@ def corner(along_m: Floats, y_m: Floats, turned_rad: Floats, side: float) -> tup
 @pytest.mark.parametrize("lock", LOCKS)
 def test_turning_asks_for_no_more_way_ahead_than_the_circle_does(lock: float) -> None:
     """sqrt((R + b)^2 + a^2) - a with wheels that are turned at once."""
-    course = courses(LANE, 0.0, CAR, per_m=1e3, lock=lock)
+    course = courses(LANE, 0.0, CAR, per_m=1e3, lock=lock, config=CONFIG.candidates)
     radius = CAR.wheelbase_m / tan(lock * CAR.steering_limit_rad)
     ahead = hypot(radius + HALF_M, FRONT_M) - FRONT_M
     far = np.flatnonzero(np.abs(course.turned_rad).max(axis=1) > radians(75.0))
@@ -110,7 +108,7 @@ def test_turning_asks_for_no_more_way_ahead_than_the_circle_does(lock: float) ->
 
 
 def test_courses_keep_the_limits_of_the_steering_and_end_in_the_roads_direction() -> None:
-    course = courses(replace(LANE, heading_rad=0.2), 0.3, CAR, per_m=1.4, lock=1.0)
+    course = courses(replace(LANE, heading_rad=0.2), 0.3, CAR, per_m=1.4, lock=1.0, config=CONFIG.candidates)
     assert np.abs(np.diff(course.steering_rad)).max() <= 1.4 * STEP_M + 1e-9
     assert np.abs(course.steering_rad).max() <= CAR.steering_limit_rad + 1e-9
     ended = course.end < course.along_m.shape[1]
@@ -120,13 +118,13 @@ def test_courses_keep_the_limits_of_the_steering_and_end_in_the_roads_direction(
 
 
 def test_the_separation_of_rectangles() -> None:
-    straight = courses(LANE, 0.0, CAR, per_m=1e3, lock=1e-9)  # goes on as it is
+    straight = courses(LANE, 0.0, CAR, per_m=1e3, lock=1e-9, config=CONFIG.candidates)  # goes on as it is
     beside = LaneObstacles(np.array([4.0]), np.array([1.5]), np.array([2.5]))
     ahead = LaneObstacles(np.array([5.0]), np.array([-0.5]), np.array([0.5]))
-    apart, edges = separation(straight, LANE, Blockers.of(beside, 2.0, BEYOND_M), CAR)
+    apart, edges = separation(straight, LANE, Blockers.of(beside, 2.0, BEYOND_M), CAR, BEYOND_M)
     assert apart[0, 40] == pytest.approx(1.5 - HALF_M)
     assert edges[0] == pytest.approx(12.0 - HALF_M)
-    apart, _ = separation(straight, LANE, Blockers.of(ahead, 1.0, BEYOND_M), CAR)
+    apart, _ = separation(straight, LANE, Blockers.of(ahead, 1.0, BEYOND_M), CAR, BEYOND_M)
     assert apart[0, 0] == pytest.approx(5.0 - 0.5 * CAR.length_m)
     assert apart[0].min() < 0.0
 
@@ -149,7 +147,7 @@ ON_THE_WAY = narrow(2.3, 0.0, 0.5, 1)
 
 def stood_before(bodies: Obstacles) -> Recovery:
     """After it has stood for so long that it looks for a way."""
-    out, car = Recovery(CONFIG, CAR, 60.0), Bicycle(speed_mps=0.0)
+    out, car = recovery(), Bicycle(speed_mps=0.0)
     for _ in range(round(60.0 * CONFIG.standing_s) + 2):
         out.update(LANE, bodies, car.observe(), Reference(0.0, 0.0))
     return out
@@ -192,9 +190,9 @@ def test_after_it_the_own_lane_is_the_one_it_was() -> None:
 def test_what_is_told_on_the_way_ends_it_no_farther_than_a_little_past_the_course(past_m: float, drives: bool) -> None:
     """A narrow body, told with the course begun, so far before the front of the car at the course's end."""
     out, car = began(), Bicycle(0.2, 0.0, 0.0, CONFIG.speed_mps)
-    assert out._course is not None
-    end = int(out._course.end[0])
-    front_m, y_m = float(out._course.along_m[0, end]) + FRONT_M, float(out._course.y_m[0, end])
+    course = unwrap(out.manoeuvre)
+    end = int(course.end[0])
+    front_m, y_m = float(course.along_m[0, end]) + FRONT_M, float(course.y_m[0, end])
     new = narrow(front_m + past_m - car.x_m, y_m, 0.2, 1)
     for _ in range(30):
         out.update(LANE, new, car.observe(), Reference(0.0, 0.0))
@@ -206,9 +204,9 @@ def test_who_stands_near_a_body_keeps_the_clearance_from_all_that_follows() -> N
     beside = narrow(0.5 * CAR.length_m, HALF_M + 0.1 + 1.05, 1.05, 0)
     both = beside.concatenate(narrow(4.6, -1.2, 0.3, 1))
     out = stood_before(both)
-    assert out._course is not None
-    bodies = Blockers.of(place(both, LANE), CONFIG.body_length_m, BEYOND_M)
-    apart, _ = separation(out._course, LANE, bodies, CAR)
+    course = unwrap(out.manoeuvre)
+    bodies = Blockers.of(place(both, LANE, ROBUST.obstacles.parts), ROBUST.obstacles.length_m, BEYOND_M)
+    apart, _ = separation(course, LANE, bodies, CAR, BEYOND_M)
     assert apart[0, 0] == pytest.approx(0.1)
     assert apart[0, round(BEGINS_M / STEP_M) :].min() >= CONFIG.clearance_m
 
@@ -242,10 +240,10 @@ def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
 def test_what_was_told_on_a_course_is_held_no_farther_against_the_next() -> None:
     """A narrow body, told before that one begins, farther past its end than what is told on the way counts."""
     first, lane = begun_again(told(0.0))
-    assert first._course is not None
-    end = int(first._course.end[0])
-    along = float(first._course.along_m[0, end]) + FRONT_M + NEXT_M + 0.5
-    across = float(first._course.y_m[0, end]) - lane.y_m
+    course = unwrap(first.manoeuvre)
+    end = int(course.end[0])
+    along = float(course.along_m[0, end]) + FRONT_M + NEXT_M + 0.5
+    across = float(course.y_m[0, end]) - lane.y_m
     cosine, sine = np.cos(lane.heading_rad), np.sin(lane.heading_rad)
     new = narrow(cosine * along - sine * across, sine * along + cosine * across, 0.2, 2)
     out, lane = begun_again(new)

@@ -5,12 +5,13 @@ from math import sqrt
 import numpy as np
 import pytest
 from ideal import Body, Road
+from lane_planner import BUMPER_M, CLEARANCE, HALF_M, RATE_HZ, ROBUST, SPEED, geometry, speed_limits, unwrap
 from test_closed_loop import drive
-from test_speed_limits import BUMPER_M, CONFIG, HALF_M, LANE, RATE_HZ, ROBUST, about, pace, wanted
+from test_speed_limits import FULL_MPS2, LANE, NEAR_M, TURNS_M, wanted
 
 from vpf_sim.planning.lane.frame import LaneObstacles
 from vpf_sim.planning.lane.speed.creep import STAGES
-from vpf_sim.planning.lane.speed.limits import EASY_MPS, FULL_MPS2, HARD_MPS, NEAR_M, TURNS_M
+from vpf_sim.planning.lane.speed.limits import EASY_MPS, HARD_MPS
 from vpf_sim.types import Bools
 
 ROW_S_M = 60.0
@@ -46,7 +47,7 @@ def row(*bodies: tuple[float, float, float]) -> LaneObstacles:
 
 def shut(bodies: LaneObstacles) -> Bools:
     """(K,) which stand in a row that leaves no way through where the car is."""
-    return about(bodies).shut_rows(0.0, CONFIG.walking_clearance_m, CONFIG.minimum_clearance_m)
+    return geometry(bodies).shut_rows(0.0, CLEARANCE.least_m, CLEARANCE.full_speed_m)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -66,7 +67,7 @@ def test_what_stands_behind_the_first_must_leave_more(
 def test_a_body_of_another_row_or_beside_the_car_shuts_none() -> None:
     in_way = (-0.5, 0.5)
     truck = (5.0, HALF_M + 1.0, HALF_M + 3.5)
-    far = row(truck, (5.0 + ROBUST.lateral_cost.long_m + 2.0, *in_way))
+    far = row(truck, (5.0 + ROBUST.obstacles.long_m + 2.0, *in_way))
     assert shut(far).tolist() == [False, True]
     assert shut(row((-1.0, *truck[1:]), (3.0, *in_way))).tolist() == [False, True]
 
@@ -74,13 +75,16 @@ def test_a_body_of_another_row_or_beside_the_car_shuts_none() -> None:
 def test_the_car_stops_before_the_first_of_a_row_that_is_shut() -> None:
     """As before a body in its way, until it has stood for long enough to walk up to what shuts the row."""
     truck, low = (3.5, HALF_M + 1.0, HALF_M + 3.5), (7.1, -0.5, 0.5)
-    stop = sqrt(2.0 * CONFIG.brake_mps2 * (3.5 - CONFIG.standoff_m))
+    stop = sqrt(2.0 * ROBUST.reference.brake_mps2 * (3.5 - SPEED.standoff_m))
     assert wanted(row(truck, low), 1.5) == pytest.approx(stop)
     assert wanted(row(low), 1.5) > stop
-    watch, standing = pace(), about(row((1.0, *truck[1:]), (4.6, *low[1:])))
-    wants = [watch.update(LANE, standing, 0.0, 0.0) for _ in range(round((STAGES * CONFIG.standing_s + 1.0) * RATE_HZ))]
+    watch, standing = speed_limits(), geometry(row((1.0, *truck[1:]), (4.6, *low[1:])))
+    wants = [
+        watch.update(LANE, standing, 0.0, 0.0)
+        for _ in range(round((STAGES * unwrap(SPEED.creep).standing_s + 1.0) * RATE_HZ))
+    ]
     assert wants[0] == 0.0
-    assert wants[-1] == pytest.approx(CONFIG.creep_mps)
+    assert wants[-1] == pytest.approx(unwrap(SPEED.creep).speed_mps)
 
 
 def test_the_car_brakes_beyond_comfort_where_that_leaves_a_turn_and_not_where_it_does_not() -> None:

@@ -5,56 +5,48 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from lane_planner import (
+    BUMPER_M,
+    CAR,
+    CLEARANCE,
+    HALF_M,
+    LIMITS,
+    RATE_HZ,
+    ROBUST,
+    SPEED,
+    SPEED_MPS,
+    geometry,
+    lateral_path,
+    speed_limits,
+    straight_lane,
+    unwrap,
+)
 
 from vpf_sim.controllers import gtsmc
 from vpf_sim.controllers.gtsmc import load_gains
-from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.gap_cost import ROW_M
-from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.lateral_path import LateralPath
-from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.limits import (
-    CLOSED_M,
     EASY_MPS,
-    EASY_SHARE,
-    FALL_BACK_MPS,
-    FIRM_MPS2,
-    FULL_MPS2,
     HARD_LEAST_MPS,
     HARD_MPS,
     HARD_SHARE,
-    LEAST_MPS,
-    LOOKED_M,
-    LOOKING_MPS,
-    MET_S,
-    NEAR_M,
-    TURNS_M,
     SpeedLimits,
+    eased,
 )
-from vpf_sim.types import Floats, VehicleModel
+from vpf_sim.types import Floats
 
-ROBUST = variant.load("robust").lane_planner
-assert ROBUST is not None
-CONFIG = ROBUST.reference
-CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
-HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
-REACH = KinematicLimits(ROBUST.limits, CAR)
-NARROW_M = 0.5 * (CONFIG.walking_clearance_m + CONFIG.minimum_clearance_m)
-LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
-
-
-def about(bodies: LaneObstacles) -> ObstacleGeometry:
-    return ObstacleGeometry(bodies, ROBUST.lateral_cost, CAR, SPEED_MPS)
-
-
-def pace() -> SpeedLimits:
-    return SpeedLimits(CONFIG, SPEED_MPS, RATE_HZ, REACH)
+CONFIG, LOOK = ROBUST.reference, unwrap(SPEED.look)
+NEAR_M, TURNS_M, FULL_MPS2 = SPEED.near_m, SPEED.turn_m, CAR.full_brake_mps2
+FIRM_MPS2, MET_S = unwrap(SPEED.easing).firm_mps2, unwrap(SPEED.headed_at).time_s
+FALL_BACK_MPS, FAR_STANDOFF_M = unwrap(SPEED.follow).fall_back_mps, unwrap(SPEED.far_standoff).most_m
+NARROW_M = 0.5 * (CLEARANCE.least_m + CLEARANCE.full_speed_m)
+LANE = straight_lane()
 
 
 def wanted(obstacles: LaneObstacles, speed_mps: float = 3.0) -> float:
     """v_d at first sight, the minimum being where the car is."""
-    return pace().update(LANE, about(obstacles), 0.0, speed_mps)
+    return speed_limits().update(LANE, geometry(obstacles), 0.0, speed_mps)
 
 
 def gate(gap_m: float, way_m: float) -> LaneObstacles:
@@ -65,18 +57,18 @@ def gate(gap_m: float, way_m: float) -> LaneObstacles:
 
 
 def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
-    gaps = np.linspace(CONFIG.walking_clearance_m + 1e-6, CONFIG.minimum_clearance_m + 0.05, 50)
+    gaps = np.linspace(CLEARANCE.least_m + 1e-6, CLEARANCE.full_speed_m + 0.05, 50)
     speeds = np.array([wanted(gate(gap, 2.0)) for gap in gaps])
     assert speeds[0] == pytest.approx(ROBUST.limits.walking_mps, abs=1e-3)
     assert speeds[-1] == SPEED_MPS
     assert np.all(np.diff(speeds) >= 0.0)
     assert np.diff(speeds).max() < 0.15
-    assert wanted(gate(CONFIG.walking_clearance_m - 0.01, 1.0)) == 0.0  # no longer far enough for a stop in comfort
+    assert wanted(gate(CLEARANCE.least_m - 0.01, 1.0)) == 0.0  # no longer far enough for a stop in comfort
 
 
 def test_a_gap_is_left_as_slowly_as_it_is_entered() -> None:
     """Until the rear has passed the bodies, which are 3.5 m long at least."""
-    through = 2.0 * BUMPER_M + ROBUST.lateral_cost.body_length_m
+    through = 2.0 * BUMPER_M + ROBUST.obstacles.length_m
     before, beside, past = (wanted(gate(NARROW_M, way_m)) for way_m in (0.5, 0.1 - through, -0.1 - through))
     assert beside == pytest.approx(before, abs=1e-6)
     assert before < SPEED_MPS == past
@@ -89,10 +81,10 @@ def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> No
 
 def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
     """(N,) m left to a body ahead of a car that follows what is wanted as the controller does."""
-    speed, watch, left = SPEED_MPS, pace(), []
+    speed, watch, left = SPEED_MPS, speed_limits(), []
     for _ in range(round(seconds * RATE_HZ)):
         body = LaneObstacles(*np.array([[way_m + BUMPER_M, -half_width_m, half_width_m]]).T)
-        error = watch.update(LANE, about(body), 0.0, speed) - speed
+        error = watch.update(LANE, geometry(body), 0.0, speed) - speed
         speed = max(0.0, speed + 3.6 * min(max(error, -1.0), 1.0) / RATE_HZ)
         way_m -= speed / RATE_HZ
         left.append(way_m)
@@ -101,12 +93,12 @@ def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
 
 def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up_to_what_blocks_it() -> None:
     """A body 1.6 m wide with a side 1.87 m aside, and a wider one."""
-    side = 0.8 + HALF_M + CONFIG.walking_clearance_m
-    least = float(REACH.least_way(np.array([side]))[0])
-    assert REACH.aside(np.array([least]))[0] == pytest.approx(side)
-    for half_width_m, first in ((0.8, min(least, CONFIG.far_standoff_m)), (3.0, CONFIG.far_standoff_m)):
+    side = 0.8 + HALF_M + CLEARANCE.least_m
+    least = float(LIMITS.least_way(np.array([side]))[0])
+    assert LIMITS.aside(np.array([least]))[0] == pytest.approx(side)
+    for half_width_m, first in ((0.8, min(least, FAR_STANDOFF_M)), (3.0, FAR_STANDOFF_M)):
         left = walk(half_width_m, 12.0, 60.0)
-        stops = np.array([first, CONFIG.standoff_m, CONFIG.creep_standoff_m])
+        stops = np.array([first, SPEED.standoff_m, CONFIG.closest_standoff_m])
         rests = left[np.flatnonzero(np.abs(np.diff(left)) < 1e-5)]
         beyond = stops[None] - rests[:, None]  # the car's speed falls a little late
         near = (beyond > -0.05) & (beyond < 0.35)
@@ -115,7 +107,7 @@ def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up
 
 
 def test_short_stands_do_not_add_up() -> None:
-    watch, walls = pace(), about(LaneObstacles(*np.array([[5.0, -1.0, 1.0]]).T))
+    watch, walls = speed_limits(), geometry(LaneObstacles(*np.array([[5.0, -1.0, 1.0]]).T))
     for second in range(10):
         for _ in range(round(2.0 * RATE_HZ)):
             assert watch.update(LANE, walls, 0.0, 0.0) == 0.0, second
@@ -133,14 +125,14 @@ def test_no_more_is_asked_for_than_comfort_gives_unless_a_body_is_too_near_for_t
         return wanted(LaneObstacles(*np.array([[way_m + BUMPER_M, -9.0, 9.0]]).T), speed_mps)
 
     for speed_mps in np.linspace(2.6, 8.0, 12).tolist():
-        eased = speed_mps - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)
+        least = eased(speed_mps)
         firm_m, full_m = (0.5 * speed_mps**2 / brake for brake in (FIRM_MPS2, FULL_MPS2))
-        assert before(TURNS_M + firm_m + 0.01) >= min(eased, SPEED_MPS)
-        assert before(TURNS_M + 0.5 * (firm_m + full_m)) < eased
+        assert before(TURNS_M + firm_m + 0.01) >= min(least, SPEED_MPS)
+        assert before(TURNS_M + 0.5 * (firm_m + full_m)) < least
         if firm_m + 0.02 < TURNS_M - NEAR_M + full_m:
-            assert before(TURNS_M + full_m - 0.01) == pytest.approx(eased)
-        assert before(NEAR_M + 0.5 * (firm_m + full_m)) < eased
-        assert before(min(NEAR_M + full_m, CONFIG.standoff_m) - 0.01) == 0.0
+            assert before(TURNS_M + full_m - 0.01) == pytest.approx(least)
+        assert before(NEAR_M + 0.5 * (firm_m + full_m)) < least
+        assert before(min(NEAR_M + full_m, SPEED.standoff_m) - 0.01) == 0.0
 
 
 @pytest.mark.parametrize(("speed_mps", "body_mps", "way_m"), [(4.5, 3.1, 6.8), (5.55, 3.0, 4.0), (5.55, 2.0, 5.0)])
@@ -149,11 +141,11 @@ def test_a_body_that_moves_and_is_told_late_is_fallen_in_behind_in_comfort(
 ) -> None:
     """What counts is how fast it is come nearer to, not how fast the car is; too near, it is let go ahead."""
     lead = LaneObstacles(*(np.array([one]) for one in (way_m + BUMPER_M, -0.9, 0.9, body_mps)))
-    assert pace().update(LANE, about(lead), 0.0, speed_mps) >= speed_mps - EASY_MPS
+    assert speed_limits().update(LANE, geometry(lead), 0.0, speed_mps) >= speed_mps - EASY_MPS
     too_near = replace(lead, along_m=np.array([NEAR_M + 0.1 + BUMPER_M]))
-    assert pace().update(LANE, about(too_near), 0.0, body_mps) == pytest.approx(body_mps - FALL_BACK_MPS)
+    assert speed_limits().update(LANE, geometry(too_near), 0.0, body_mps) == pytest.approx(body_mps - FALL_BACK_MPS)
     touching = replace(lead, along_m=np.array([0.1 + BUMPER_M]))
-    assert pace().update(LANE, about(touching), 0.0, speed_mps) < body_mps - FALL_BACK_MPS
+    assert speed_limits().update(LANE, geometry(touching), 0.0, speed_mps) < body_mps - FALL_BACK_MPS
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -164,7 +156,7 @@ def test_who_is_headed_at_a_body_leaves_the_time_to_turn_away_from_it(side: floa
         sides = sorted((side * (HALF_M + 0.5), side * 4.0))
         body = LaneObstacles(*(np.array([one]) for one in (BUMPER_M + 1.5, *sides, body_mps)))
         lane = Lane(0.0, 9.0, -9.0, -np.arctan(side * slope), 0.0)
-        return pace().update(lane, about(body), 0.0, speed_mps)
+        return speed_limits().update(lane, geometry(body), 0.0, speed_mps)
 
     assert towards(0.25, 0.0, 2.5) == pytest.approx(1.5 / MET_S)  # its face
     assert towards(0.1, 0.0, 4.5) == pytest.approx((0.5 / 0.1 - BUMPER_M) / MET_S)  # its flank, farther behind
@@ -180,23 +172,23 @@ def test_before_a_gap_that_one_body_more_would_close_the_car_looks_while_a_turn_
         wall = LaneObstacles(*(np.array([one]) for one in (way_m + BUMPER_M, -7.0, LANE.right_m - gap_m)))
         middle_m = LANE.right_m - 0.5 * gap_m
         lane = replace(LANE, y_m=middle_m)
-        return pace().update(lane, about(wall), middle_m, speed_mps)
+        return speed_limits().update(lane, geometry(wall), middle_m, speed_mps)
 
-    for way_m in (LOOKED_M + 0.01, 6.0, 8.0):
-        speed_mps = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (way_m - LOOKED_M))
+    for way_m in (LOOK.ahead_m + 0.01, 6.0, 8.0):
+        speed_mps = sqrt(LOOK.speed_mps**2 + 2.0 * CONFIG.brake_mps2 * (way_m - LOOK.ahead_m))
         assert towards(3.4, way_m, speed_mps) == pytest.approx(speed_mps)
-        assert towards(CLOSED_M + 0.1, way_m, SPEED_MPS) == SPEED_MPS
-    for way_m in (LOOKED_M - 0.01, TURNS_M + 0.01):
-        assert towards(3.4, way_m, LOOKING_MPS) == pytest.approx(LOOKING_MPS)
+        assert towards(LOOK.gap_m + 0.1, way_m, SPEED_MPS) == SPEED_MPS
+    for way_m in (LOOK.ahead_m - 0.01, TURNS_M + 0.01):
+        assert towards(3.4, way_m, LOOK.speed_mps) == pytest.approx(LOOK.speed_mps)
     assert towards(3.4, TURNS_M - 0.01, SPEED_MPS) == SPEED_MPS
 
 
 def test_a_gap_told_late_is_looked_at_in_comfort_and_bodies_behind_the_row_are_not_of_it() -> None:
     right = LANE.right_m - 4.0
-    late = LaneObstacles(*(np.array([one]) for one in (LOOKED_M + 0.1 + BUMPER_M, -7.0, right)))
+    late = LaneObstacles(*(np.array([one]) for one in (LOOK.ahead_m + 0.1 + BUMPER_M, -7.0, right)))
     lane = replace(LANE, y_m=right + 2.0)
-    assert pace().update(lane, about(late), lane.y_m, 5.5) == pytest.approx(5.5 - EASY_MPS)
-    for behind_m, slowed in ((ROW_M - 0.1, True), (ROW_M + 0.1, False)):
+    assert speed_limits().update(lane, geometry(late), lane.y_m, 5.5) == pytest.approx(5.5 - EASY_MPS)
+    for behind_m, slowed in ((ROBUST.obstacles.row_depth_m - 0.1, True), (ROBUST.obstacles.row_depth_m + 0.1, False)):
         rows = np.array([[6.0 + BUMPER_M, -7.0, -1.5], [6.0 + behind_m + BUMPER_M, 2.0, 4.0]])
         assert (wanted(LaneObstacles(*rows.T), SPEED_MPS) < SPEED_MPS) is slowed
 
@@ -212,7 +204,7 @@ def test_a_narrow_gap_behind_the_row_that_is_being_passed_is_slowed_down_for_in_
         cone = (cone_m + BUMPER_M, *sorted((side * half_gap_m, side * (half_gap_m + 0.4))), 0.0)
         return wanted(LaneObstacles(*np.array([truck, end, cone]).T), SPEED_MPS)
 
-    expected = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (cone_m - LOOKED_M))
+    expected = sqrt(LOOK.speed_mps**2 + 2.0 * CONFIG.brake_mps2 * (cone_m - LOOK.ahead_m))
     assert expected < SPEED_MPS
     for truck_m in (TURNS_M - 0.1, 1.0, 0.01, -0.01, -1.0):
         assert passing(truck_m) == pytest.approx(expected)
@@ -226,9 +218,12 @@ def test_what_stands_farther_aside_before_a_body_bounds_the_gap_with_it(side: fl
     """
     cone_m = 12.0
     cone = (cone_m + BUMPER_M, *sorted((side * (HALF_M + 0.6), side * (HALF_M + 1.0))), 0.0)
-    for wall_m, slowed in ((cone_m - ROW_M + 0.1, True), (cone_m - ROW_M - 0.1, False)):
+    for wall_m, slowed in (
+        (cone_m - ROBUST.obstacles.row_depth_m + 0.1, True),
+        (cone_m - ROBUST.obstacles.row_depth_m - 0.1, False),
+    ):
         wall = (wall_m + BUMPER_M, *sorted((-side * (HALF_M + 1.8), -side * 7.0)), 0.0)
-        expected = sqrt(LOOKING_MPS**2 + 2.0 * CONFIG.brake_mps2 * (wall_m - LOOKED_M)) if slowed else SPEED_MPS
+        expected = sqrt(LOOK.speed_mps**2 + 2.0 * CONFIG.brake_mps2 * (wall_m - LOOK.ahead_m)) if slowed else SPEED_MPS
         assert wanted(LaneObstacles(*np.array([wall, cone]).T), SPEED_MPS) == pytest.approx(expected)
 
 
@@ -239,18 +234,25 @@ def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:
     assert CAR.full_brake_mps2 == FULL_MPS2
 
 
+def unwound(obstacles: LaneObstacles, path: LateralPath) -> float:
+    """v_d where only the steering slows a path, which need not come to rest."""
+    config = replace(CONFIG, speed=replace(SPEED, rest=None, rise=None))
+    limits = SpeedLimits(config, CLEARANCE, SPEED_MPS, RATE_HZ, LIMITS)
+    return limits.update(LANE, geometry(obstacles), 0.0, 2.0, path)
+
+
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_the_wheels_are_straight_before_the_path_is_too_steep(side: float) -> None:
     """On p + b^2 / (2 j) the path is headed most steeply at the wall beside it, and not at all where it is straight."""
     wall = LaneObstacles(*(np.array([one]) for one in (BUMPER_M - 3.0, *sorted((side * 2.0, side * 5.0)))))
-    glide = LateralPath(CONFIG, REACH, 0.0, 5.0)
+    glide = lateral_path(0.0, 5.0)
     glide.slope, glide.bend_per_m = side * 0.05, side * 0.12
-    speed_mps = pace()._unwound(about(wall), LANE, glide)
+    speed_mps = unwound(wall, glide)
     assert ROBUST.limits.walking_mps < speed_mps < SPEED_MPS
-    allowed = REACH.path_between(about(wall).between(LANE, 0.0), 0.0)[side > 0.0]
-    assert 0.05 + 0.12**2 / (2.0 * REACH.steering(np.array([speed_mps]))[0]) == pytest.approx(allowed + 0.02, abs=0.01)
+    allowed = LIMITS.path_between(geometry(wall).between(LANE, 0.0), 0.0)[side > 0.0]
+    assert 0.05 + 0.12**2 / (2.0 * LIMITS.steering(np.array([speed_mps]))[0]) == pytest.approx(allowed + 0.02, abs=0.01)
     glide.slope, glide.bend_per_m = side * 0.3, 0.0
-    assert pace()._unwound(about(wall), LANE, glide) == np.inf
+    assert unwound(wall, glide) > SPEED_MPS - 0.1
 
 
 def test_who_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:
@@ -267,10 +269,10 @@ def bent(
     sign = -1.0 if mirrored else 1.0
     sides = [(face, *sorted((sign * left, sign * right))) for face, left, right in rows]
     y_m, slope, bend = (sign * one for one in path)
-    glide = LateralPath(CONFIG, REACH, y_m, 5.0)
+    glide = lateral_path(y_m, 5.0)
     glide.slope, glide.bend_per_m = slope, bend
     lane = Lane(y_m, 9.0, -9.0, -slope, 0.0)
-    return pace().update(lane, about(LaneObstacles(*np.array(sides).T)), sign * minimum_m, 5.0, glide)
+    return speed_limits().update(lane, geometry(LaneObstacles(*np.array(sides).T)), sign * minimum_m, 5.0, glide)
 
 
 def test_a_path_that_would_run_wide_into_what_stands_beyond_the_gap_is_slowed_and_its_mirror_image_alike() -> None:
@@ -286,7 +288,9 @@ def test_a_path_that_leads_away_from_the_only_body_is_not_slowed_by_how_it_comes
     y_m: float, slope: float, bend: float
 ) -> None:
     passed = [(BUMPER_M + 0.5, -1.0, 1.0)]
-    straight = pace().update(Lane(y_m, 9.0, -9.0, -slope, 0.0), about(LaneObstacles(*np.array(passed).T)), 2.3, 5.0)
+    straight = speed_limits().update(
+        Lane(y_m, 9.0, -9.0, -slope, 0.0), geometry(LaneObstacles(*np.array(passed).T)), 2.3, 5.0
+    )
     assert bent(passed, 2.3, (y_m, slope, bend), False) == straight
 
 
@@ -303,9 +307,9 @@ def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_co
 def test_the_nearer_side_is_one_where_no_other_body_stands() -> None:
     """Two bodies side by side: between them there is no room; their outer sides are 3.5 and 4.5 m from the middle."""
     rows = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 2.5)])
-    free = about(LaneObstacles(*rows.T)).nearer_side(LANE, 0.1)
+    free = geometry(LaneObstacles(*rows.T)).nearer_side(LANE, 0.1)
     assert free[0] == pytest.approx(1.0 + HALF_M + 0.1)
     to_the_left = np.array([(8.0, -1.0, 0.9), (8.0, -3.0, -1.5)])
-    assert about(LaneObstacles(*to_the_left.T)).nearer_side(LANE, 0.1)[0] == pytest.approx(0.9 + HALF_M + 0.1)
+    assert geometry(LaneObstacles(*to_the_left.T)).nearer_side(LANE, 0.1)[0] == pytest.approx(0.9 + HALF_M + 0.1)
     both = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 9.0), (8.0, -9.0, -1.5)])
-    assert np.all(about(LaneObstacles(*both.T)).nearer_side(LANE, 0.1) == 0.0)
+    assert np.all(geometry(LaneObstacles(*both.T)).nearer_side(LANE, 0.1) == 0.0)

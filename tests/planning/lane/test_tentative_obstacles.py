@@ -4,14 +4,13 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from lane_planner import ROBUST, unwrap
 
-from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.speed.tentative_obstacles import TentativeLimit, TentativeLimitConfig
+from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles
+from vpf_sim.planning.lane.speed.tentative_obstacles import TentativeLimit
 from vpf_sim.types import VehicleModel
 
-CONFIG = TentativeLimitConfig(
-    brake_mps2=3.0, reaction_s=0.3, standoff_m=3.0, clearance_m=0.3, least_mps=2.8, rise_mps2=1.5
-)
+CONFIG = unwrap(ROBUST.tentative_obstacles)
 VEHICLE = VehicleModel()
 REFERENCE_MPS, RATE_HZ = 5.55, 60.0
 LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
@@ -19,9 +18,6 @@ LANE = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
 
 def suspect(gap_m: float, y_m: float = 0.0) -> LaneObstacles:
     return LaneObstacles(np.array([gap_m + 0.5 * VEHICLE.length_m]), np.array([y_m - 0.4]), np.array([y_m + 0.4]))
-
-
-NOTHING = LaneObstacles(np.empty(0), np.empty(0), np.empty(0))
 
 
 def driven(
@@ -79,7 +75,7 @@ def test_a_car_that_is_slow_already_is_not_slowed_later() -> None:
     assert caution.update(LANE, suspect(5.0), 0.0, 3.5) == pytest.approx(3.5 - CONFIG.brake_mps2 / RATE_HZ)
 
 
-@pytest.mark.parametrize("name", [one.name for one in fields(TentativeLimitConfig)])
+@pytest.mark.parametrize("name", [one.name for one in fields(CONFIG)])
 def test_nonsense_is_refused(name: str) -> None:
     with pytest.raises(ValueError, match=f"{name}: expected > 0, got 0"):
         replace(CONFIG, **{name: 0.0})

@@ -1,16 +1,18 @@
 """F_rep from the obstacle map: its sign table, in closed form by error functions."""
 
+from dataclasses import replace
 from math import erf, exp, pi, sqrt
 
 import numpy as np
 import pytest
+from paper_planner import PAPER
 
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, smoothed_gradient
-from vpf_sim.planning.paper.obstacle_field import ObstacleFieldConfig, force
+from vpf_sim.planning.paper.obstacle_field import force
 from vpf_sim.types import Camera, Floats, ObstacleMap
 
 CAMERA = Camera()
-LATERAL = ObstacleFieldConfig(gamma=1.0, terms="lateral")
+LATERAL = replace(PAPER.obstacle_field, gamma=1.0)
 
 
 def box_map(centre_x: float, sigma_px: float = 320.0, half: float = 32.0) -> ObstacleMap:
@@ -61,7 +63,7 @@ def test_the_force_points_to_the_obstacle_and_grows_away_from_the_middle() -> No
 
 
 def test_the_printed_sum_of_the_ttc_grows_with_safety() -> None:
-    printed = ObstacleFieldConfig(gamma=640.0 * 480.0, terms="printed")
+    printed = replace(LATERAL, gamma=640.0 * 480.0, terms="printed")
     near, far = (force(box_map(320.0), np.full(40, ttc), CAMERA, printed)[1] for ttc in (1.0, 4.0))
     assert (near, far) == (pytest.approx(40.0), pytest.approx(160.0))
     some: Floats = np.array([2.0, np.inf, 3.0])

@@ -5,13 +5,14 @@ from math import exp
 
 import numpy as np
 import pytest
+from paper_planner import PAPER
 
-from vpf_sim.planning.paper.road_field import FoeBend, RoadFieldConfig, curved_printed, curved_repaired, force, straight
+from vpf_sim.planning.paper.road_field import FoeBend, curved_printed, curved_repaired, force, straight
 from vpf_sim.types import Camera
 
 RIGHT, LEFT = 5.25, -8.75
-PRINTED = RoadFieldConfig("printed", 0.5, 1.0, 0.005, 5e-6, 1e-10, 4.0, 0.5)
-REPAIRED = replace(PRINTED, shape="repaired")
+REPAIRED = PAPER.road_field
+PRINTED = replace(REPAIRED, shape="printed")
 
 
 def formula(y: float) -> tuple[float, float]:

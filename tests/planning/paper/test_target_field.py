@@ -1,17 +1,19 @@
 """The target's force: -grad of 1/2 alpha r^2, and what the printed angle makes of it."""
 
+from dataclasses import replace
 from math import atan2, degrees, hypot, radians
 
 import numpy as np
 import pytest
+from paper_planner import PAPER
 
 from vpf_sim.geometry import rotation
 from vpf_sim.planning.lane.frame import Lane
-from vpf_sim.planning.paper.target_field import TargetFieldConfig, force
+from vpf_sim.planning.paper.target_field import force
 
 STRAIGHT = Lane(0.0, 5.25, -8.75, 0.0, 0.0)
-REPAIRED = TargetFieldConfig(alpha=1.3, direction="repaired")
-PRINTED = TargetFieldConfig(alpha=1.3, direction="printed")
+REPAIRED = replace(PAPER.target_field, alpha=1.3, reach_m=None)
+PRINTED = replace(REPAIRED, direction="printed")
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])

@@ -5,11 +5,12 @@ from math import atan2, degrees, radians
 
 import numpy as np
 import pytest
+from paper_planner import PAPER
 
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.paper.total_field import TotalFieldConfig, compose, to_world
 
-REPAIRED = TotalFieldConfig(axes="mapped", rotation="repaired", lambda_x=0.5, lambda_y=0.25)
+REPAIRED = replace(PAPER.total_field, lambda_x=0.5, lambda_y=0.25)
 PRINTED = replace(REPAIRED, axes="printed", rotation="printed")
 AHEAD = np.array([10.0, 0.0])
 

@@ -1,7 +1,6 @@
-"""Rows of bodies: a gap between two of them, or between one and the road's edge, is worth less the narrower it is.
+"""Cost of gaps in a row of obstacles, between two of them or one and an edge: the narrower, the higher.
 
-Whoever put bodies in a row across the road may have put one more beside them. What is low is told last, in rain no
-sooner than the car needs to get to the other side of the row.
+In a row there may be one more obstacle. A low one is detected last, in rain hardly before the car must turn aside.
 """
 
 import numpy as np
@@ -9,35 +8,31 @@ import numpy as np
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.types import Bools, Floats
 
-ROW_M = 5.0  # what stands so far behind the first that is in our way is met with it
-BEYOND_M = 1.5  # what stands no farther behind where another may end is of its row
 
+def same_row(obstacles: LaneObstacles, length_m: Floats, beyond_m: float) -> Bools:
+    """(K, K) which obstacles are in one row: the face of one no more than `beyond_m` behind the rear of the other.
 
-def same_row(bodies: LaneObstacles, length_m: Floats) -> Bools:
-    """(K, K) which bodies stand in one row, wherever across the road; they are as long as (K,) at least.
-
-    Faces are as far apart as the bodies are long: of a truck and of who stands beside its middle.
+    `length_m` (K,) is their length, since a pedestrian may stand beside the rear of a truck.
     """
-    if len(bodies) < 2:
-        return np.ones((len(bodies), len(bodies)), np.bool_)
-    behind, reach = bodies.along_m[None] - bodies.along_m[:, None], length_m + BEYOND_M
+    behind, reach = obstacles.along_m[None] - obstacles.along_m[:, None], length_m + beyond_m
     row: Bools = np.where(behind > 0.0, behind < reach[:, None], -behind < reach[None])
     return row
 
 
 def narrowness(
-    bodies: LaneObstacles, in_row: Bools, weight: Floats, lane: Lane, y_m: Floats, widths_m: tuple[float, float]
+    obstacles: LaneObstacles, in_row: Bools, weight: Floats, lane: Lane, y_m: Floats, widths_m: tuple[float, float]
 ) -> Floats:
-    """(G,) 0 .. 1 at places across the road: how far the gap there, between two bodies of a row or one and an edge,
-    falls short of wide, the second of the widths; times the lesser of the weights (K,) of both. 0 elsewhere, and where
-    it is narrower than the first: that is no gap to be gone through. `in_row` (K, K) tells who is in one row with whom.
+    """(G,) 0 .. 1 at places across the road: how far the gap there falls short of the second width.
+
+    It is times the lesser of the weights (K,) of both sides, 0 elsewhere and in gaps below the first width, which no
+    car enters. `in_row` (K, K): which obstacles are in one row.
     """
     least_m, wide_m = widths_m
     narrow = np.zeros_like(y_m)
     if not weight.any():
         return narrow
-    alone = np.diag(in_row)  # each is in its own row, unless it moves or has been passed
-    begins, ends = np.append(bodies.right_m, lane.left_m), np.append(bodies.left_m, lane.right_m)  # of gaps
+    alone = np.diag(in_row)
+    begins, ends = np.append(obstacles.right_m, lane.left_m), np.append(obstacles.left_m, lane.right_m)  # of gaps
     pairs = np.block([[in_row, alone[:, None]], [alone[None], np.zeros((1, 1), np.bool_)]])
     weights = np.append(weight, 1.0)
     gap = ends[None] - begins[:, None]  # (K + 1, K + 1) from each body, or the left edge, to each, or the right one

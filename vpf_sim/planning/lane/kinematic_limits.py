@@ -12,47 +12,22 @@ least-jerk path with that as its bound needs the way (15 s L v / w)^(1/3) (`STEE
 """
 
 from dataclasses import dataclass
-from math import sin, tan
+from math import inf, sin, tan
 
 import numpy as np
 
+from vpf_sim.planning.lane.config import LimitsConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.steering_unwind import rest
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift D in T: 1.4 D / T and 4.4 D / T^2
 STEERED = 15.0  # 15 D / S^3 bounds the jerk, a quarter of what it begins with: it still ends without an overshoot
-REACTION_S = 0.3  # until the steering shows across the lane
-EASE = 1.35  # of the tightest curve: the steering takes time to get there
-TURNING_M = 2.5  # of way until a corner turns back from the edge
-LEAST_RATIO = 0.05  # where there is no room at all
 SLOWEST_MPS = 0.3  # for the rate of the steering: at standstill it turns on no way at all
 SPEEDS_MPS: Floats = np.linspace(0.5, 15.0, 30)  # at which the way that a shift needs is looked up
 SHARES: Floats = np.linspace(0.0, 1.0, 41)  # of the way of a least-jerk shift,
 PROFILE: Floats = SHARES**3 * (10.0 - 15.0 * SHARES + 6.0 * SHARES**2)  # and of the shift that is made on them
 MEAN_SLOPE = 1.2  # largest over mean slope of a shift that is in a hurry
-
-
-@dataclass(frozen=True, slots=True)
-class LimitsConfig:
-    """Limits of going aside; a ratio is the largest speed across as a share of the vehicle's."""
-
-    ratio: float  # at speed
-    walking_ratio: float  # when walking
-    walking_mps: float
-    fast_mps: float  # from here on it is `ratio`
-    acceleration_mps2: float  # largest across
-    steering_radps: float  # rate that a path asks of the steering at most
-    yaw_acceleration_radps2: float  # and of the car
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.ratio <= self.walking_ratio < 1.0:
-            raise ValueError(f"ratio, walking_ratio: expected 0 < ratio <= walking_ratio < 1, got {self}")
-        if not 0.0 < self.walking_mps < self.fast_mps:
-            raise ValueError(f"walking_mps: expected 0 < walking_mps < fast_mps, got {self}")
-        for name in ("acceleration_mps2", "steering_radps", "yaw_acceleration_radps2"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
 def rear_m(lane: Lane, vehicle: VehicleModel) -> float:
@@ -88,10 +63,11 @@ class KinematicLimits:
         self._config = config
         self._vehicle = vehicle
         slip = np.arctan(vehicle.l_r_m / vehicle.wheelbase_m * tan(vehicle.steering_limit_rad))
-        self._radius_m = EASE * vehicle.l_r_m / sin(slip)
-        self._arm_m = 0.5 * vehicle.length_m + TURNING_M
+        self._radius_m = config.radius_factor * vehicle.l_r_m / sin(slip)
+        self._arm_m = inf if config.edge is None else 0.5 * vehicle.length_m + config.edge.turning_m
         # m from the rear axle to where its path must have turned back for the corners to stay on the carriageway
         self.path_arm_m = self._arm_m + vehicle.l_r_m
+        self.full_brake_mps2 = vehicle.full_brake_mps2
         self._ratio_speeds = np.array([config.walking_mps, config.fast_mps])
         self._ratios = np.array([config.walking_ratio, config.ratio])
         self.at_speeds = self.limits(SPEEDS_MPS)  # those that are the same in each step
@@ -112,12 +88,16 @@ class KinematicLimits:
 
     def between(self, lane: Lane, speed_mps: float) -> tuple[float, float]:
         """The same to the left and to the right: no more than leaves the corners of our body on the carriageway."""
-        most, arm = float(self.ratio(speed_mps)), self._arm_m
+        most, arm, edge = float(self.ratio(speed_mps)), self._arm_m, self._config.edge
+        if edge is None:
+            return most, most
         left, right = self._gaps(lane, lane.y_m)
-        return min(max(left / arm, LEAST_RATIO), most), min(max(right / arm, LEAST_RATIO), most)
+        return min(max(left / arm, edge.least_ratio), most), min(max(right / arm, edge.least_ratio), most)
 
     def path_between(self, lane: Lane, rear_y_m: float) -> tuple[float, float]:
         """The same for the slope of the rear axle's path, at a place of it: it closes in as `path_arm_m` tells."""
+        if self._config.edge is None:
+            return inf, inf
         left, right = self._gaps(lane, rear_y_m)
         return left / self.path_arm_m, right / self.path_arm_m
 
@@ -128,7 +108,7 @@ class KinematicLimits:
         near by `path_between`, g' = -g / arm. The rear axle is there when it is abreast of the face; inf where no gap
         is left.
         """
-        if gap_m <= 0.0:
+        if self._config.edge is None or gap_m <= 0.0:
             return np.full_like(left_m, -np.inf)
         arm = self.path_arm_m
         steepest = min(gap_m / arm, self._config.walking_ratio)
@@ -214,7 +194,7 @@ class KinematicLimits:
         whole = np.maximum(goal_m + begun, shift)
         part = np.interp(shift / np.maximum(whole, 1e-6), PROFILE, SHARES)
         waits = 1.0 - np.minimum(slope / limits.ratio, 1.0)  # who turns already has no reaction to wait for
-        ways = part * limits.way(whole) - radius * slope + waits * REACTION_S * SPEEDS_MPS
+        ways = part * limits.way(whole) - radius * slope + waits * self._config.reaction_s * SPEEDS_MPS
         needed = np.maximum.accumulate(ways, axis=1)
         speed = np.array([np.interp(*row, SPEEDS_MPS) for row in zip(way_m, needed, strict=True)])
         return np.where(shift_m > 0.0, speed, np.inf)

@@ -28,21 +28,16 @@ from math import tan
 
 import numpy as np
 
+from vpf_sim.planning.lane.config import BesideConfig, ClearanceConfig, LatchConfig, LateralCostConfig, UnstoppedConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.gap_cost import narrowness
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
-from vpf_sim.planning.lane.lateral_cost_config import LateralCostConfig
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
-TURNED_RAD = 0.05  # to one side of a body, from the road: it has been chosen, however far off the body is
-NO_CHOICE = 1e3  # more than any body, side or memory costs
-CROSSING_S, CROSSING_M = 2.5, 1.0  # to the other side of a body that moves, and what is kept from it
-BEHIND_M = 0.5  # off its middle: who is not farther aside goes behind it, and has not chosen a side yet
-STOP_MPS2, STOP_REACTION_S = 3.0, 0.3  # of a stop in need
-WITHIN_M = 0.5  # a place that a body covers so far is on no side of it; its sides are told no better than this
+NO_CHOICE = 1e3  # more than any obstacle, side or memory costs
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +66,15 @@ class LateralCost:
     """Composes the field of each frame and finds its minimum; remembers the last one."""
 
     def __init__(
-        self, config: LateralCostConfig, vehicle: VehicleModel, speed_reference_mps: float, reach: KinematicLimits
+        self,
+        config: LateralCostConfig,
+        clearance: ClearanceConfig,
+        vehicle: VehicleModel,
+        speed_reference_mps: float,
+        reach: KinematicLimits,
     ) -> None:
         self._config = config
+        self._clearance = clearance
         self._reach = reach
         self._speed_reference_mps = speed_reference_mps
         self._half_width_m = 0.5 * vehicle.width_m
@@ -82,8 +83,8 @@ class LateralCost:
         self._target: Floats = config.target_per_m2 * self._y_m**2
         self._nothing: Floats = np.zeros(len(self._y_m))
         self._nothing.flags.writeable = False  # it is of all steps without a body
-        touching = config.obstacle_height + config.obstacle_slope_per_m * config.clearance_m + config.narrow_height
-        self._touching = touching  # U at no gap
+        touching = config.obstacle_height + config.obstacle_slope_per_m * clearance.wanted_m
+        self._touching = touching if config.narrow is None else touching + config.narrow.height  # U at no gap
         self._last_m: float | None = None
 
     def update(self, lane: Lane, neighbours: ObstacleGeometry, speed_mps: float = 0.0) -> LanePotential:
@@ -94,13 +95,14 @@ class LateralCost:
         obstacle = rows = self._nothing
         if len(neighbours):
             obstacle, shut = self._obstacle(neighbours), shut + self._unreached(neighbours, lane)
-            if not ((obstacle < self._touching) & (shut == 0.0)).any():
-                obstacle = self._obstacle(neighbours, self._unstopped(neighbours, speed_mps)[:, None])
+            if self._config.unstopped and not ((obstacle < self._touching) & (shut == 0.0)).any():
+                higher = self._unstopped(self._config.unstopped, neighbours, speed_mps)
+                obstacle = self._obstacle(neighbours, higher[:, None])
             rows = self._rows(neighbours, lane)
             obstacle = obstacle + rows
         kept = self._target + road + obstacle + shut
         if self._last_m is not None:
-            kept = kept + self._memory(neighbours, lane, rows)
+            kept = kept + self._memory(self._last_m, neighbours, lane, rows)
         self._last_m = self._minimum(kept, lane)
         return LanePotential(self._y_m, self._target, road, obstacle, self._last_m)
 
@@ -109,14 +111,16 @@ class LateralCost:
         self._last_m = y_m
 
     def _road(self, right_m: Floats, left_m: Floats) -> Floats:
-        config = self._config
-        reach = config.wall_reach_m
+        config = self._config.wall
+        if config is None:
+            return self._nothing
+        reach = config.reach_m
         wall: Floats = np.maximum(1.0 - right_m / reach, 0.0) ** 2 + np.maximum(1.0 - left_m / reach, 0.0) ** 2
-        return config.wall_height * wall
+        return config.height * wall
 
     def _beyond(self, right_m: Floats, left_m: Floats) -> Floats:
         """(G,) what keeps the minimum on the road: the worst body is one to stop before, not to leave the road for."""
-        return np.where(np.minimum(right_m, left_m) < self._config.edge_gap_m, NO_CHOICE, 0.0)
+        return np.where(np.minimum(right_m, left_m) < self._clearance.edge_m, NO_CHOICE, 0.0)
 
     def _edge_gaps(self, lane: Lane) -> tuple[Floats, Floats]:
         """(G,) m between our body at y and the right and the left edge."""
@@ -124,85 +128,114 @@ class LateralCost:
         left: Floats = self._y_m - lane.left_m - self._half_width_m
         return right, left
 
-    def _obstacle(self, neighbours: ObstacleGeometry, unstopped: Floats | float = 0.0) -> Floats:
+    def _obstacle(self, neighbours: ObstacleGeometry, higher: Floats | float = 0.0) -> Floats:
         config = self._config
         if not neighbours.weight.any():
             return self._nothing
-        lacking = config.clearance_m - neighbours.gap(self._y_m)
-        narrow = 1.0 - np.minimum(np.maximum((config.clearance_m - lacking) / config.narrow_m, 0.0), 1.0)
-        inside = config.obstacle_height + config.obstacle_slope_per_m * lacking + config.narrow_height * narrow
-        inside = inside * (1.0 + config.unstopped_share * unstopped)
-        outside = config.tail_height * np.exp(np.minimum(lacking, 0.0) / config.tail_decay_m)
+        wanted_m, least_m = self._clearance.wanted_m, self._clearance.least_m
+        lacking = wanted_m - neighbours.gap(self._y_m)
+        inside = config.obstacle_height + config.obstacle_slope_per_m * lacking
+        if config.narrow is not None:
+            narrow = 1.0 - np.minimum(np.maximum((wanted_m - lacking) / least_m, 0.0), 1.0)
+            inside = inside + config.narrow.height * narrow
+        inside = inside * (1.0 + higher)
+        outside: Floats = self._nothing
+        if config.tail is not None:
+            outside = config.tail.height * np.exp(np.minimum(lacking, 0.0) / config.tail.decay_m)
         each = neighbours.weight[:, None] * np.where(lacking > 0.0, inside, outside)
         worst: Floats = each.max(axis=0)
         return worst
 
     def _rows(self, neighbours: ObstacleGeometry, lane: Lane) -> Floats:
         """(G,) what a gap between two bodies of a row, or one and an edge, costs that is wide enough, but narrow."""
-        widths_m = 2.0 * (self._half_width_m + self._config.clearance_m), self._config.row_gap_m
+        config = self._config.row
+        if config is None:
+            return self._nothing
+        widths_m = 2.0 * (self._half_width_m + self._clearance.wanted_m), config.gap_m
         narrow = narrowness(neighbours.bodies, neighbours.in_row, neighbours.weight, lane, self._y_m, widths_m)
-        return self._config.row_height * narrow
+        return config.height * narrow
 
-    def _unstopped(self, neighbours: ObstacleGeometry, speed_mps: float) -> Floats:
-        """(K,) 0 .. 1, which bodies are too near for a stop."""
+    @staticmethod
+    def _unstopped(config: UnstoppedConfig, neighbours: ObstacleGeometry, speed_mps: float) -> Floats:
+        """(K,) the share by which the potential of obstacles is higher that are too near for a stop."""
         way = neighbours.way_m
         closing = np.maximum(speed_mps - neighbours.bodies.speed_mps, 0.0)
-        stop = stopping_way(closing, STOP_MPS2, STOP_REACTION_S)
-        return np.where(way > 0.0, np.clip(stop - way, 0.0, 1.0), 0.0)
+        stop = stopping_way(closing, config.brake_mps2, config.reaction_s)
+        return config.share * np.where(way > 0.0, np.clip(stop - way, 0.0, 1.0), 0.0)
 
-    def _memory(self, neighbours: ObstacleGeometry, lane: Lane, rows: Floats) -> Floats:
-        """(G,) what keeps the decision: leaving the last minimum costs, changing the side of a near body costs more.
-
-        As much if the car has turned to that side already; less if it has not and the gap there proves narrow.
-        """
-        config = self._config
-        last = self._last_m if self._last_m is not None else 0.0
-        away = np.abs(self._y_m - last) / config.memory_m
-        memory: Floats = config.memory_height * np.minimum(np.maximum(away - 1.0, 0.0), 1.0)
-        if not len(neighbours):
+    def _memory(self, last_m: float, neighbours: ObstacleGeometry, lane: Lane, rows: Floats) -> Floats:
+        """(G,) what keeps the decision: the cost of leaving the last minimum, and of changing sides."""
+        memory, config = self._nothing, self._config.memory
+        if config is not None:
+            away = np.abs(self._y_m - last_m) / config.reach_m
+            memory = config.height * np.minimum(np.maximum(away - 1.0, 0.0), 1.0)
+        latch, beside = self._config.latch, self._config.beside
+        if not len(neighbours) or (latch is None and beside is None):
             return memory
-        gap, middle = neighbours.way_m, neighbours.bodies.middle_m
-        turned = (abs(lane.heading_rad) > TURNED_RAD) & (-lane.heading_rad * (last - middle) > 0.0)
-        turned &= ~neighbours.moves
-        near = neighbours.present & ((gap < config.latch_m) | turned)
+        near, kept = self._latch(latch, last_m, neighbours, lane, rows)
         if not near.any():
             return memory
-        # Behind a body that moves there is room to change sides only if it is not reached meanwhile.
-        speed = neighbours.bodies.speed_mps
-        room = CROSSING_M + CROSSING_S * np.maximum(self._speed_reference_mps - speed, 0.0)
-        aside = (np.abs(lane.y_m - middle) > BEHIND_M) | (gap < CROSSING_M)
-        beside = (gap < np.where(neighbours.moves, room, 0.0)) & aside
-        chosen = np.where(beside, lane.y_m, last) - middle
-        other = (self._y_m[None] - middle[:, None]) * np.sign(chosen)[:, None] < 0.0
-        goes, wide = turned | (abs(lane.y_m - last) < config.memory_m), np.interp(last, self._y_m, rows) == 0.0
-        kept = np.where(goes | wide, config.latch_height, config.plan_height)
-        # A body told where the car was going has no side yet: that takes a place beside it.
-        covers = neighbours.overlap(last, 0.0)
-        kept = np.where(turned, kept, kept * np.minimum(np.maximum(1.0 - covers / WITHIN_M, 0.0), 1.0))
-        height = np.where(near, np.where(beside, config.beside_height, kept), 0.0)
+        chosen_m, middle = np.full(len(neighbours), last_m), neighbours.bodies.middle_m
+        if beside is not None:
+            abreast = self._abreast(beside, neighbours, lane)
+            chosen_m, kept = np.where(abreast, lane.y_m, last_m), np.where(abreast, beside.height, kept)
+        height = np.where(near, kept, 0.0)
+        other = (self._y_m[None] - middle[:, None]) * np.sign(chosen_m - middle)[:, None] < 0.0
         latched: Floats = memory + (other * height[:, None]).max(axis=0)
         return latched
 
-    def _unreached(self, neighbours: ObstacleGeometry, lane: Lane) -> Floats:
-        """(G,) what keeps the minimum this side of bodies that stand too near to get to their other side before them.
+    def _latch(
+        self, config: LatchConfig | None, last_m: float, neighbours: ObstacleGeometry, lane: Lane, rows: Floats
+    ) -> tuple[Bools, Floats]:
+        """(K,) which obstacles are near enough to have a side, and the cost of changing it."""
+        if config is None:
+            return neighbours.present, np.zeros(len(neighbours))
+        middle, turned = neighbours.bodies.middle_m, np.zeros(len(neighbours), np.bool_)
+        if config.turned is not None:
+            is_turned = abs(lane.heading_rad) > config.turned.angle_rad
+            turned = is_turned & (-lane.heading_rad * (last_m - middle) > 0.0) & ~neighbours.moves
+        kept = np.full(len(neighbours), config.height)
+        plan = config.narrow_plan
+        if plan is not None:
+            goes = turned | (abs(lane.y_m - last_m) < plan.near_m)
+            wide = np.interp(last_m, self._y_m, rows) == 0.0
+            kept = np.where(goes | wide, config.height, plan.height)
+        if config.overlap is not None:  # its side is reported no better than that
+            overlap = neighbours.overlap(last_m, 0.0)
+            sided = np.minimum(np.maximum(1.0 - overlap / config.overlap.within_m, 0.0), 1.0)
+            kept = np.where(turned, kept, kept * sided)
+        return neighbours.present & ((neighbours.way_m < config.ahead_m) | turned), kept
 
-        Beside a body, its other side and its own place are out of reach whatever else there is.
-        """
+    def _abreast(self, config: BesideConfig, neighbours: ObstacleGeometry, lane: Lane) -> Bools:
+        """(K,) which obstacles are beside the car, or move and would be reached while it changes sides behind them."""
+        way, crossing = neighbours.way_m, config.crossing
+        if crossing is None:
+            return way < 0.0
+        closing = np.maximum(self._speed_reference_mps - neighbours.bodies.speed_mps, 0.0)
+        room = crossing.gap_m + crossing.time_s * closing
+        aside = np.abs(lane.y_m - neighbours.bodies.middle_m) > crossing.behind_m
+        return (way < np.where(neighbours.moves, room, 0.0)) & (aside | (way < crossing.gap_m))
+
+    def _unreached(self, neighbours: ObstacleGeometry, lane: Lane) -> Floats:
+        """(G,) the cost of places beyond static obstacles beside the car, or too near to get past them in time."""
         if not neighbours.stands.any():
             return self._nothing
-        config, bodies, y, here = self._config, neighbours.bodies, self._y_m, lane.y_m
+        bodies, here = neighbours.bodies, lane.y_m
         least, most = bodies.left_m - self._half_width_m, bodies.right_m + self._half_width_m  # of the places it takes
-        beside = neighbours.stands & (neighbours.way_m <= 0.0)
-        from_m = least.min(where=beside & (here <= least), initial=np.inf)
-        up_to_m = most.max(where=beside & (here >= most), initial=-np.inf)
-        taken: Floats = config.beside_height * ((y > from_m) | (y < up_to_m))
+        taken = self._nothing
+        if self._config.beside is not None:
+            abreast = neighbours.stands & (neighbours.way_m <= 0.0)
+            from_m = least.min(where=abreast & (here <= least), initial=np.inf)
+            up_to_m = most.max(where=abreast & (here >= most), initial=-np.inf)
+            taken = self._config.beside.height * ((self._y_m > from_m) | (self._y_m < up_to_m))
         ahead = neighbours.stands & (neighbours.way_m > 0.0)
-        if not ahead.any():
+        if self._config.unreached is None or not ahead.any():
             return taken
         far_right, far_left = self._far(neighbours, least, most, lane)
         from_m = most.min(where=ahead & (here < most) & far_right, initial=np.inf)
         up_to_m = least.max(where=ahead & (here > least) & far_left, initial=-np.inf)
-        unreached: Floats = np.maximum(taken, config.unreached_height * ((y >= from_m) | (y <= up_to_m)))
+        beyond = (self._y_m >= from_m) | (self._y_m <= up_to_m)
+        unreached: Floats = np.maximum(taken, self._config.unreached.height * beyond)
         return unreached
 
     def _far(self, neighbours: ObstacleGeometry, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Bools, Bools]:

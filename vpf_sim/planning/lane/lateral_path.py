@@ -17,18 +17,17 @@ For a constant S that is a filter of third order; after a step D it is done in 1
 
 from math import copysign, inf, sqrt
 
+from vpf_sim.planning.lane.config import PathConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import PEAK_SPEED, KinematicLimits, Limits
-from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
 
-SHORTEST_S = 0.8  # of a shift
 STEEPEST = 0.95  # slope, whatever the bend was before: at a speed that jumps one step may be many metres long
 
 
 class LateralPath:
     """The path's place, slope and bend where the car is now."""
 
-    def __init__(self, config: LaneReferenceConfig, reach: KinematicLimits, y_m: float, way_m: float) -> None:
+    def __init__(self, config: PathConfig, reach: KinematicLimits, y_m: float, way_m: float) -> None:
         self._config = config
         self._reach = reach
         self._way_m = way_m  # S
@@ -65,7 +64,7 @@ class LateralPath:
         """S: what there is time for, and no less than the car needs."""
         config, pace = self._config, max(speed_mps, self._reach.walking_mps)
         by_speed = PEAK_SPEED * shift_m * pace / config.speed_mps
-        least = max(float(limits.way(shift_m)), by_speed, SHORTEST_S * pace)
+        least = max(float(limits.way(shift_m)), by_speed, config.shortest_s * pace)
         wanted = pace * min(config.shift_s, config.shift_share * time_s)
         # A hurry ends slowly: a longer way at full slope would carry the path past the minimum.
         self._way_m = max(least, min(wanted, self._way_m + step_m))

@@ -5,27 +5,28 @@ from math import inf, sqrt, tan
 
 import numpy as np
 
+from vpf_sim.planning.lane.config import ClearanceConfig, ObstacleConfig
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.gap_cost import ROW_M, same_row
-from vpf_sim.planning.lane.lateral_cost_config import LateralCostConfig
+from vpf_sim.planning.lane.gap_cost import same_row
 from vpf_sim.types import Bools, Floats, VehicleModel
 
-NEXT_M = 4.0  # ahead, what stands beside our way is passed next
-FREE_M = 1e-6  # a body's own side is free of it
-BOUNDS_M = 1.5  # of our body, what stands bounds the gap that it goes through
-SOON_S, SOON_M = 3.0, 5.0  # until a body that moves is met, and what is kept from it
-PASSING_M = 3.0  # from bumper to face: a body that moves is being passed
-CATCH_UP_S = 4.0  # a faster body behind counts if it is beside us within this time
+FREE_M = 1e-6  # an obstacle does not occupy its own side
 
 
 class ObstacleGeometry:
     """K bodies in lane coordinates, and ours, which asks for its ways past them; a y is that of its middle."""
 
     def __init__(
-        self, bodies: LaneObstacles, config: LateralCostConfig, vehicle: VehicleModel, speed_reference_mps: float
+        self,
+        bodies: LaneObstacles,
+        config: ObstacleConfig,
+        clearance: ClearanceConfig,
+        vehicle: VehicleModel,
+        speed_reference_mps: float,
     ) -> None:
         self.bodies = bodies
         self._config = config
+        self._clearance = clearance
         self._half_width_m = 0.5 * vehicle.width_m
         self._half_length_m = 0.5 * vehicle.length_m
         self._l_r_m = vehicle.l_r_m
@@ -37,9 +38,14 @@ class ObstacleGeometry:
         self.present: Bools = weight > 0.0  # (K,) the others count for the choice of a side at most
         self.stands: Bools = self.present & ~self.moves  # (K,)
         ahead = ~self.moves & (self.way_m > 0.0)
-        self.in_row: Bools = same_row(bodies, self.length_m) & ahead & ahead[:, None]  # (K, K) who stands beside whom
+        self.in_row: Bools = self._rows() & ahead & ahead[:, None]  # (K, K) static, ahead and in one row
         # (K,) w of the field. The side is chosen for a row: all of it counts as soon as the first of it does.
         self.weight: Floats = np.maximum(weight, (weight * self.in_row).max(axis=1, initial=0.0))
+
+    @property
+    def row_depth_m(self) -> float:
+        """Obstacles whose faces are nearer along the road are met together."""
+        return self._config.row_depth_m
 
     def __len__(self) -> int:
         return len(self.bodies)
@@ -60,7 +66,7 @@ class ObstacleGeometry:
 
     def hinders(self, y_m: float) -> Bools:
         """(K,) which bodies ahead have not the clearance that is wanted from our body at y."""
-        hinders: Bools = self.present & (self.way_m > 0.0) & (self.overlap(y_m, self._config.clearance_m) > 0.0)
+        hinders: Bools = self.present & (self.way_m > 0.0) & (self.overlap(y_m, self._clearance.wanted_m) > 0.0)
         return hinders
 
     def beside(self, some: Bools) -> Bools:
@@ -89,7 +95,7 @@ class ObstacleGeometry:
 
     def nearer_side(self, lane: Lane, clearance_m: float) -> Floats:
         """(K,) m from here to the nearer side of each body that lies on the road and where no other stands; else 0."""
-        margin = self._half_width_m + self._config.edge_gap_m
+        margin = self._half_width_m + self._clearance.edge_m
         here, aside = lane.y_m, self._half_width_m + clearance_m
         least, most = self.bodies.left_m - aside, self.bodies.right_m + aside  # of the places that each takes
         sides = np.concatenate([least, most])
@@ -106,7 +112,11 @@ class ObstacleGeometry:
         A body that is passed next counts as well where neither the car nor its path, now at `path_m`, leads into it:
         who turns towards it reaches it with a corner first.
         """
-        passing = (self.way_m < NEXT_M) & (self.bodies.along_m + self.length_m > -self._half_length_m)
+        if self._config.passage is None:
+            return lane
+        passing = (self.way_m < self._config.passage.ahead_m) & (
+            self.bodies.along_m + self.length_m > -self._half_length_m
+        )
         if not passing.any():
             return lane
         left_m, right_m = self.bodies.left_m, self.bodies.right_m
@@ -124,6 +134,8 @@ class ObstacleGeometry:
         Ahead of the rear axle a side swings the way we turn: to the nearest corner of a body at (x, y) from there, the
         side of a car with the half width b, turned by a, has the gap y - x tan a - b / cos a across the road.
         """
+        if self._config.corner_swing is None:
+            return inf, inf
         ahead = self.bodies.along_m + self._l_r_m  # x
         abreast = (self.way_m < 0.0) & (ahead > 0.0)
         if not abreast.any():
@@ -137,21 +149,21 @@ class ObstacleGeometry:
         """The largest slope towards corners (K,) so far ahead of the rear axle and aside of its path."""
         cosine = sqrt(1.0 - slope**2)
         gap = aside_m - (ahead_m * slope + self._half_width_m) / cosine
-        room = aside_m - np.minimum(gap, self._config.narrow_m)
+        room = aside_m - np.minimum(gap, self._clearance.least_m)
         turned = np.arccos(np.minimum(self._half_width_m / np.hypot(room, ahead_m), 1.0)) - np.arctan2(ahead_m, room)
         return float(np.sin(turned).min(initial=inf))
 
-    def gaps(self, lane: Lane, y_m: float) -> Floats:
+    def gaps(self, lane: Lane, y_m: float, beside_m: float) -> Floats:
         """(K,) m, how wide the gap at y is between the edges and what stands in the row of each body, before or behind.
 
-        inf for a body that does not stand ahead within `BOUNDS_M` of our way.
+        inf for a body that does not stand ahead within `beside_m` of the car's side.
         """
         stands = self.stands & (self.way_m > 0.0)
-        row = stands & (np.abs(self.way_m - self.way_m[:, None]) < ROW_M)
+        row = stands & (np.abs(self.way_m - self.way_m[:, None]) < self._config.row_depth_m)
         beyond = self.bodies.middle_m > y_m
         right = np.where(row & beyond, self.bodies.left_m, lane.right_m).min(axis=1, initial=lane.right_m)
         left = np.where(row & ~beyond, self.bodies.right_m, lane.left_m).max(axis=1, initial=lane.left_m)
-        bounds = stands & (self.overlap(y_m, BOUNDS_M) > 0.0)
+        bounds = stands & (self.overlap(y_m, beside_m) > 0.0)
         return np.where(bounds, right - left, np.inf)
 
     def kept_beside(self, y_m: float, minimum_m: float) -> float:
@@ -159,10 +171,12 @@ class ObstacleGeometry:
 
         Their sides are told with large errors, and what is farther ahead must not push the path towards them.
         """
-        passing = self.present & self.moves & (self.way_m < PASSING_M)
+        if self._config.keep_aside is None:
+            return minimum_m
+        passing = self.present & self.moves & (self.way_m < self._config.keep_aside.ahead_m)
         if not passing.any():
             return minimum_m
-        margin = self._half_width_m + self._config.clearance_m
+        margin = self._half_width_m + self._clearance.wanted_m
         middle = self.bodies.middle_m
         least = float((self.bodies.right_m + margin).max(where=passing & (middle < y_m), initial=-inf))
         most = float((self.bodies.left_m - margin).min(where=passing & (middle > y_m), initial=inf))
@@ -182,11 +196,17 @@ class ObstacleGeometry:
         meets = (beyond <= 0.0) | (nears & (further < self.length_m))
         return np.where(meets & (self.way_m > 0.0), self.way_m + further, np.inf)
 
+    def _rows(self) -> Bools:
+        """(K, K) which obstacles are in one row."""
+        if self._config.rows is None or len(self) < 2:
+            return np.eye(len(self), dtype=np.bool_)
+        return same_row(self.bodies, self.length_m, self._config.rows.beyond_m)
+
     def _lengths(self) -> Floats:
         """(K,) m; what is wide may be a truck or a barrier."""
         config = self._config
         long = self.moves | (self.bodies.width_m > config.truck_width_m)
-        length: Floats = np.maximum(np.where(long, config.long_m, config.body_length_m), self.bodies.length_m)
+        length: Floats = np.maximum(np.where(long, config.long_m, config.length_m), self.bodies.length_m)
         return length
 
     def _weights(self) -> Floats:
@@ -195,13 +215,17 @@ class ObstacleGeometry:
         nears = (self._visible() - self.way_m) / (config.visible_m - config.full_m)
         weight = np.minimum(np.maximum(nears, 0.0), 1.0)
         faster = speed - self._speed_reference_mps
-        runs = (faster > -config.slower_mps) & (self.way_m > config.beside_m)
-        catches_up = np.maximum(faster, 0.0) * CATCH_UP_S
+        runs = np.zeros(len(self), np.bool_)
+        if config.follow is not None:
+            runs = (faster > -config.follow.slower_mps) & (self.way_m > config.follow.beside_m)
+        catches_up = np.maximum(faster, 0.0) * (config.catch_up.time_s if config.catch_up is not None else 0.0)
         passed = self.bodies.along_m + self.length_m + catches_up < -self._half_length_m
         return np.where(passed | runs, 0.0, weight)
 
     def _visible(self) -> Floats:
         """(K,) m from bumper to face, from which each body begins to count: one that moves only when it is met soon."""
-        speed, visible_m = self.bodies.speed_mps, self._config.visible_m
+        speed, visible_m, meet = self.bodies.speed_mps, self._config.visible_m, self._config.meet
+        if meet is None:
+            return np.full(len(self), visible_m)
         closing = np.maximum(self._speed_reference_mps - speed, 0.0)
-        return np.where(self.moves, np.minimum(SOON_M + SOON_S * closing, visible_m), visible_m)
+        return np.where(self.moves, np.minimum(meet.gap_m + meet.time_s * closing, visible_m), visible_m)

@@ -1,34 +1,43 @@
 """The robust variant's way: to the lowest place of the field across the lane, along the road's direction."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
-from typing import Any
 
 import numpy as np
 
+from vpf_sim.configuration import setting, settings
+from vpf_sim.planning.lane.config import (
+    ClearanceConfig,
+    LaneReferenceConfig,
+    LateralCostConfig,
+    LimitsConfig,
+    ObstacleConfig,
+)
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
-from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, LimitsConfig
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.lateral_cost import LanePotential, LateralCost
-from vpf_sim.planning.lane.lateral_cost_config import LateralCostConfig
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.planning.lane.recovery import Recovery, RecoveryConfig
+from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.recovery import Recovery
+from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 from vpf_sim.planning.lane.reference import LaneReference
-from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
-from vpf_sim.planning.lane.speed.clear_distance import ClearDistanceConfig, speed_within_clear_distance
-from vpf_sim.planning.lane.speed.tentative_obstacles import TentativeLimit, TentativeLimitConfig
+from vpf_sim.planning.lane.speed.clear_distance import speed_within_clear_distance
+from vpf_sim.planning.lane.speed.tentative_obstacles import TentativeLimit
+from vpf_sim.planning.lane.speed_config import ClearDistanceConfig, LostRoadConfig, TentativeLimitConfig
 from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference, RoadEdges
 
-LOST_MPS, LOST_M = 1.0, 12.0  # while the road itself is not seen, and how far: some way or a wiper may bring it back
 
-
-@dataclass(frozen=True, slots=True)
+@settings
 class LanePlannerConfig:
+    clearance: ClearanceConfig
+    obstacles: ObstacleConfig
     lateral_cost: LateralCostConfig
     reference: LaneReferenceConfig
     limits: LimitsConfig
-    clear_distance: ClearDistanceConfig | None = None  # without it, as fast where little is seen
-    tentative_obstacles: TentativeLimitConfig | None = None  # without it, as fast before what is suspected
-    recovery: RecoveryConfig | None = None  # without it, the car stands for good in a dead end
+    clear_distance: ClearDistanceConfig | None = setting("Slows where little of the road is seen.", default=None)
+    lost_road: LostRoadConfig | None = setting("Slows, then stops, where the road itself is not seen.", default=None)
+    tentative_obstacles: TentativeLimitConfig | None = setting("Slows before tentative obstacles.", default=None)
+    recovery: RecoveryConfig | None = setting("Turns out of a dead end on the tightest curve.", default=None)
 
 
 class LanePlanner:
@@ -36,7 +45,7 @@ class LanePlanner:
 
     def __init__(self, setup: DriverSetup, config: LanePlannerConfig) -> None:
         reach, self._speed_mps = KinematicLimits(config.limits, setup.vehicle), setup.speed_reference_mps
-        self._sight, self._vehicle, self._field_config = config.clear_distance, setup.vehicle, config.lateral_cost
+        self._config, self._vehicle = config, setup.vehicle
         self._tentative_limit = (
             TentativeLimit(config.tentative_obstacles, setup.vehicle, self._speed_mps, setup.rate_hz)
             if config.tentative_obstacles
@@ -44,14 +53,25 @@ class LanePlanner:
         )
         self._dt_s, self._lost_m = 1.0 / setup.rate_hz, 0.0  # way since the road was seen
         self._alone = self._neighbours(NOTHING)
-        self._field = LateralCost(config.lateral_cost, setup.vehicle, self._speed_mps, reach)
-        self._reference = LaneReference(config.reference, setup.vehicle, self._speed_mps, setup.rate_hz, reach)
-        self._recovery = Recovery(config.recovery, setup.vehicle, setup.rate_hz) if config.recovery else None
+        self._field = LateralCost(config.lateral_cost, config.clearance, setup.vehicle, self._speed_mps, reach)
+        self._reference = LaneReference(
+            config.reference, config.clearance, setup.vehicle, self._speed_mps, setup.rate_hz, reach
+        )
+        self._recovery = (
+            Recovery(config.recovery, config.clearance.edge_m, config.obstacles, setup.vehicle, setup.rate_hz)
+            if config.recovery
+            else None
+        )
 
-    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
+    @property
+    def is_recovering(self) -> bool:
+        """Whether a manoeuvre out of a dead end is driven."""
+        return self._recovery is not None and self._recovery.is_driven
+
+    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, LanePlan]:
         road, out = perception.road, self._recovery
         lane = locate(road) if out is None else out.lane(road, observation)
-        obstacles = place(perception.obstacles, lane)
+        obstacles = place(perception.obstacles, lane, self._config.obstacles.parts)
         neighbours = self._neighbours(obstacles) if len(obstacles) else self._alone
         potential = self._field.update(lane, neighbours, observation.speed_mps)
         wanted = self._reference.update(
@@ -60,32 +80,35 @@ class LanePlanner:
         slowed = self._slowed(wanted, perception, lane, potential.minimum_m, observation.speed_mps)
         turned = self._turned_out(lane, perception.obstacles, observation, wanted)
         reference = slowed if turned is None else turned
-        extra = {"lane": lane, "obstacles": obstacles, "potential": potential, "reference_y_m": self._reference.y_m}
-        return _force(potential, lane.y_m), reference, extra
+        plan = LanePlan(lane, obstacles, potential, self._reference.y_m)
+        return _force(potential, lane.y_m), reference, plan
 
     def _neighbours(self, bodies: LaneObstacles) -> ObstacleGeometry:
-        return ObstacleGeometry(bodies, self._field_config, self._vehicle, self._speed_mps)
+        return ObstacleGeometry(bodies, self._config.obstacles, self._config.clearance, self._vehicle, self._speed_mps)
 
     def _slowed(
         self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
     ) -> Reference:
         """The reference, slowed by what is suspected on the way to a goal aside and by what cannot be seen."""
-        allowed = inf
-        if self._sight is not None:
-            allowed = speed_within_clear_distance(perception.low_range_m, self._speed_mps, self._sight, self._vehicle)
-            allowed = min(allowed, self._on_road(perception.road, speed_mps))
+        allowed, config = inf, self._config
+        if config.clear_distance is not None:
+            allowed = speed_within_clear_distance(
+                perception.low_range_m, self._speed_mps, config.clear_distance, self._vehicle
+            )
+        if config.lost_road is not None:
+            allowed = min(allowed, self._on_road(config.lost_road, perception.road, speed_mps))
         if self._tentative_limit is not None and perception.tentative is not None:
-            tentative = place(perception.tentative, lane)
+            tentative = place(perception.tentative, lane, self._config.obstacles.parts)
             allowed = self._tentative_limit.update(lane, tentative, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
-    def _on_road(self, road: RoadEdges, speed_mps: float) -> float:
+    def _on_road(self, config: LostRoadConfig, road: RoadEdges, speed_mps: float) -> float:
         """m/s at most by whether the road itself is seen, inf where it is: after some way without it the car stands."""
         if max(road.confidence, road.lane_confidence) > 0.0:
             self._lost_m = 0.0
             return inf
         self._lost_m += speed_mps * self._dt_s
-        return LOST_MPS if self._lost_m < LOST_M else 0.0
+        return config.speed_mps if self._lost_m < config.way_m else 0.0
 
     def _turned_out(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, wanted: Reference

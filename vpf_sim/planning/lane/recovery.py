@@ -14,49 +14,16 @@ from math import asin, atan, ceil, cos, sin, tan
 import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
+from vpf_sim.planning.lane.config import ObstacleConfig
 from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
-from vpf_sim.planning.lane.recovery_candidates import BEYOND_M, LOCKS, STEP_M, Blockers, Courses, courses, separation
+from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Courses, courses, separation
+from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 from vpf_sim.planning.lane.speed.creep import STANDING_MPS
 from vpf_sim.types import Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
 
-STEERS_MPS = 0.25  # from here on the yaw rate tells how the wheels stand
-RELEVANT_M = 25.0  # ahead: bodies that count
-LEAST_M = 0.05  # to bodies, wherever a course begins
-NARROW_M = 2.2  # a body told on the way counts if it is no wider, and so far past the course's end: farther on
-NEXT_M = 2.0  # it can be gone by as any other, if it is there, since a car that hardly moves is told much
-AGREES_M, AGREES_RAD = 0.6, 0.1  # the road is seen where the own motion says that it is,
-BACK_RAD = 0.3  # by a car that goes along it again;
-FORGOTTEN_M = 30.0  # after so much of the road's way the own motion says no more
-WIDE_BODY_M, LONGEST_M = 1.4, 9.0  # what is as wide may be a truck
-TIGHTER = (1.0, 0.7)  # shares of the clearance: with less only where there is no other way
-BEGINS_M = 2.0  # of a course, on which it may be as near to a body as the car stands
-FIRM = 0.5  # of what a course keeps to bodies: with less, its rest is no longer driven
-WIDE_M, WIDER = 0.5, 2.0  # more clearance than this is not better; rad of turning less are worth a metre of it
-FARTHER = 0.02  # rad of turning that a metre of way is worth
 COARSE = 8  # steps
-SETTLING = 10  # steps straight on after the end, since the car lags behind the course
-SOON, STRAIGHT_RAD = 5, 0.02  # steps ahead in which the wheels are turned, or are not
-PULL_PER_M, MOST_PULL = 0.5, 0.2  # back to the course, as an angle
-
-
-@dataclass(frozen=True, slots=True)
-class RecoveryConfig:
-    """When a way out is looked for and how it is driven."""
-
-    standing_s: float  # before a road without a free side in reach
-    again_s: float  # between looks for a way
-    clearance_m: float  # to bodies
-    edge_gap_m: float
-    body_length_m: float  # of bodies, at least: their rear is not seen
-    speed_mps: float
-    steering_mps: float  # while the wheels are turned
-    steering_radps: float  # how fast they are
-
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+STRAIGHT_RAD = 0.02  # wheels that turn by less do not slow the car
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,8 +49,12 @@ class _Start:
 class Recovery:
     """Looks for a course while the car stands, and remembers the one that is driven."""
 
-    def __init__(self, config: RecoveryConfig, vehicle: VehicleModel, rate_hz: float) -> None:
+    def __init__(
+        self, config: RecoveryConfig, edge_m: float, obstacles: ObstacleConfig, vehicle: VehicleModel, rate_hz: float
+    ) -> None:
         self._config = config
+        self._edge_m = edge_m
+        self._obstacles = obstacles
         self._vehicle = vehicle
         self._dt_s = 1.0 / rate_hz
         self._stood_s = 0.0
@@ -100,6 +71,11 @@ class Recovery:
         """Whether a course is."""
         return self._course is not None
 
+    @property
+    def manoeuvre(self) -> Courses | None:
+        """The one that is driven."""
+        return self._course
+
     def lane(self, road: RoadEdges, observation: Observation) -> Lane:
         """Where the car is on the road: as it is seen, or by the own motion until that is where the road is seen.
 
@@ -110,12 +86,17 @@ class Recovery:
             if self._left_road:
                 self._lanes = _lanes(self._last_m - seen.y_m, road)
             return self._counted(seen, road)
-        lane, along = self._start.lane_at(observation)
+        config, (lane, along) = self._config.relocation, self._start.lane_at(observation)
+        if config is None and self._course is None:
+            self._start = None
+            return self._counted(seen, road)
         lanes = _lanes(lane.y_m - seen.y_m, road)
         aside = seen.y_m + lanes * road.lane_width_m - lane.y_m
-        agrees = abs(aside) < AGREES_M and abs(seen.heading_rad - lane.heading_rad) < AGREES_RAD
-        is_back = agrees and abs(lane.heading_rad) < BACK_RAD
-        if self._course is None and (is_back or along > FORGOTTEN_M):
+        if config is None:
+            return lane
+        agrees = abs(aside) < config.lateral_m and abs(seen.heading_rad - lane.heading_rad) < config.heading_rad
+        is_back = agrees and abs(lane.heading_rad) < self._config.back_rad
+        if self._course is None and (is_back or along > config.way_m):
             self._start, self._lanes = None, lanes
             return self._counted(seen, road)
         return lane
@@ -134,7 +115,7 @@ class Recovery:
         A car that is still turned when its course turns out to lead nowhere stands until there is another.
         """
         self._feel(observation)
-        turned = self._start is not None and abs(lane.heading_rad) > BACK_RAD
+        turned = self._start is not None and abs(lane.heading_rad) > self._config.back_rad
         if self._course is None:
             stands = observation.speed_mps < STANDING_MPS and (turned or reference.speed_mps < STANDING_MPS)
             self._stood_s = self._stood_s + self._dt_s if stands else 0.0
@@ -149,7 +130,7 @@ class Recovery:
     def _feel(self, observation: Observation) -> None:
         """How the car slips and its wheels stand; they stay as they are while the car does."""
         vehicle = self._vehicle
-        if observation.speed_mps > STEERS_MPS:
+        if observation.speed_mps > self._config.measured_mps:
             bend = vehicle.l_r_m * observation.yaw_rate_radps / observation.speed_mps
             limit, slip = vehicle.steering_limit_rad, asin(min(max(bend, -1.0), 1.0))
             steering = atan(vehicle.wheelbase_m / vehicle.l_r_m * tan(slip))
@@ -157,15 +138,18 @@ class Recovery:
 
     def _begin(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> None:
         """Look for a course from here; before what moves the car waits."""
-        if np.any((obstacles.speed_mps > 0.0) & (obstacles.forward_m < RELEVANT_M)):
+        if np.any((obstacles.speed_mps > 0.0) & (obstacles.forward_m < self._config.ahead_m)):
             return
         bodies = self._bodies(lane, obstacles, observation)
         per_m = self._config.steering_radps / self._config.steering_mps
-        found = [courses(lane, self._steering_rad, self._vehicle, per_m, lock) for lock in LOCKS]
-        here, _ = separation(found[0].one(0), lane, bodies, self._vehicle)
-        clearances_m = [share * self._config.clearance_m for share in TIGHTER]
-        at_last_m = _kept(clearances_m[-1], here[0])  # from all what there is from the nearest now
-        for clearance_m, some in product(dict.fromkeys([*clearances_m, at_last_m]), found):
+        config = self._config.candidates
+        found = [courses(lane, self._steering_rad, self._vehicle, per_m, lock, config) for lock in config.locks]
+        here, _ = separation(found[0].one(0), lane, bodies, self._vehicle, config.beyond_m)
+        clearances_m = [self._config.clearance_m]
+        if self._config.tight is not None:
+            clearances_m += [self._config.tight.share * self._config.clearance_m]
+            clearances_m += [self._kept(clearances_m[-1], here[0])]  # as much as there is now
+        for clearance_m, some in product(dict.fromkeys(clearances_m), found):
             self._course = self._best(some, lane, bodies, clearance_m)
             if self._course is not None:
                 pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
@@ -180,34 +164,39 @@ class Recovery:
         A body's sides are told as seen from the car. One that is wide is seen at an angle as another body, and wide
         things that were not seen from the road's direction are none.
         """
-        length_m = self._config.body_length_m
+        length_m, parts, new_config = self._obstacles.length_m, self._obstacles.parts, self._config.new_obstacles
         if self._start is None:
-            bodies = Blockers.of(place(obstacles, lane), length_m, BEYOND_M)
+            bodies = Blockers.of(place(obstacles, lane, parts), length_m, self._config.candidates.beyond_m)
         else:
             _, gone = self._start.lane_at(observation)
             known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
+            if new_config is None:
+                return known.chosen(known.along_m < self._config.ahead_m)
             new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
-            fresh = place(obstacles.chosen(new & (obstacles.width_m < NARROW_M)), lane)
-            bodies = known.concatenate(Blockers.of(fresh, length_m, NEXT_M))
-        return bodies.chosen(bodies.along_m < RELEVANT_M)
+            fresh = place(obstacles.chosen(new & (obstacles.width_m < new_config.width_m)), lane, parts)
+            bodies = known.concatenate(Blockers.of(fresh, length_m, new_config.beyond_m))
+        return bodies.chosen(bodies.along_m < self._config.ahead_m)
 
     def _best(self, found: Courses, lane: Lane, bodies: Blockers, clearance_m: float) -> Courses | None:
         """Of the courses that keep far enough from all the one that turns least and keeps farthest.
 
         On the first BEGINS_M of one the car may be as near to a body as it is now.
         """
-        found = found.chosen(found.end + round(BEYOND_M / STEP_M) < found.along_m.shape[1])
+        found = found.chosen(found.end + round(self._config.candidates.beyond_m / STEP_M) < found.along_m.shape[1])
         for every in COARSE, 1:  # most courses fail at a coarse look
             if not len(found):
                 return None
-            apart, edges = separation(found, lane, bodies, self._vehicle, every)
-            least = apart[:, ceil(BEGINS_M / STEP_M / every) :].min(axis=1)
-            drivable = (apart.min(axis=1) >= _kept(clearance_m, apart[0])) & (least >= clearance_m)
-            drivable &= edges >= self._config.edge_gap_m
+            apart, edges = separation(found, lane, bodies, self._vehicle, self._config.candidates.beyond_m, every)
+            begins_m = self._config.begin.way_m if self._config.begin is not None else 0.0
+            least = apart[:, ceil(begins_m / STEP_M / every) :].min(axis=1)
+            drivable = (apart.min(axis=1) >= self._kept(clearance_m, apart[0])) & (least >= clearance_m)
+            drivable &= edges >= self._edge_m
             found, least = found.chosen(drivable), least[drivable]
         if not len(found):
             return None
-        cost = np.abs(found.turned_rad).max(axis=1) + FARTHER * found.end * STEP_M - WIDER * np.minimum(least, WIDE_M)
+        config = self._config.cost
+        cost = np.abs(found.turned_rad).max(axis=1) + config.length_per_m * found.end * STEP_M
+        cost = cost - config.clearance_per_m * np.minimum(least, config.enough_m)
         return found.one(int(np.argmin(cost)))
 
     def _follow(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Reference | None:
@@ -226,38 +215,45 @@ class Recovery:
                 return None
         return self._reference(rest, self._gone_m / STEP_M - step, lane, observation)
 
+    def _kept(self, clearance_m: float, apart_m: Floats) -> float:
+        """m to obstacles that a manoeuvre keeps: the clearance, or as much as there is where it begins."""
+        if self._config.begin is None:
+            return clearance_m
+        return min(clearance_m, max(float(apart_m[0]), self._config.begin.least_m))
+
     def _has_ended(self, step: int, bodies: Blockers) -> bool:
         """Whether the car goes along the road again and has passed all bodies that may be long: no side was seen."""
         assert self._course is not None
         if step + 2 >= self._course.along_m.shape[1]:
             return True
-        wide = bodies.width_m > WIDE_BODY_M
+        is_past = step > int(self._course.end[0]) + round(self._config.settling_m / STEP_M)
+        long = self._config.passing
+        if long is None or not is_past:
+            return is_past
         front = bodies.along_m - 0.5 * self._vehicle.length_m
-        beside = wide & (front < 0.0) & (bodies.along_m + LONGEST_M > -0.5 * self._vehicle.length_m)
-        return step > int(self._course.end[0]) + SETTLING and not bool(np.any(beside))
+        beside = (front < 0.0) & (bodies.along_m + long.length_m > -0.5 * self._vehicle.length_m)
+        return not bool(np.any(beside & (bodies.width_m > long.width_m)))
 
     def _is_free(self, rest: Courses, lane: Lane, bodies: Blockers) -> bool:
         """Whether what is left of a course still keeps from all, as far as is known now."""
+        if self._config.recheck is None:
+            return True
         here = -self._vehicle.l_r_m * cos(lane.heading_rad)
         rest = replace(rest, along_m=rest.along_m - rest.along_m[0, 0] + here)
-        apart, _ = separation(rest, lane, bodies, self._vehicle)
-        return bool(apart.min() >= FIRM * _kept(self._clearance_m, apart[0]))
+        apart, _ = separation(rest, lane, bodies, self._vehicle, self._config.candidates.beyond_m)
+        return bool(apart.min() >= self._config.recheck.share * self._kept(self._clearance_m, apart[0]))
 
     def _reference(self, rest: Courses, share: float, lane: Lane, observation: Observation) -> Reference:
         """Heading, its rate and speed where the course is now: a share of a step after the first that is left."""
         y = (1.0 - share) * float(rest.y_m[0, 0]) + share * float(rest.y_m[0, 1])
-        pull = PULL_PER_M * (y - rear_m(lane, self._vehicle)) * cos(lane.heading_rad)
+        pull = self._config.tracking.rad_per_m * (y - rear_m(lane, self._vehicle)) * cos(lane.heading_rad)
+        most = self._config.tracking.most_rad
         before, soon = rest.turned_rad[0, :2].tolist()
         turned = (1.0 - share) * before + share * soon
-        heading = observation.yaw_rad + lane.heading_rad + turned + min(max(pull, -MOST_PULL), MOST_PULL)
-        turns = np.ptp(rest.steering_rad[0, :SOON]) > STRAIGHT_RAD
+        heading = observation.yaw_rad + lane.heading_rad + turned + min(max(pull, -most), most)
+        turns = np.ptp(rest.steering_rad[0, : round(self._config.steering_ahead_m / STEP_M)]) > STRAIGHT_RAD
         speed = self._config.steering_mps if turns else self._config.speed_mps
         return Reference(wrap_angle(heading), speed, (soon - before) / STEP_M * observation.speed_mps)
-
-
-def _kept(clearance_m: float, apart_m: Floats) -> float:
-    """m to bodies that a course keeps: the clearance, or as much as there is where it begins."""
-    return min(clearance_m, max(float(apart_m[0]), LEAST_M))
 
 
 def _lanes(shift_m: float, road: RoadEdges) -> int:

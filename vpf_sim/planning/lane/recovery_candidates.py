@@ -18,14 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.recovery_config import CandidatesConfig
 from vpf_sim.types import Bools, Floats, LateralExtents, VehicleModel
 
 STEP_M = 0.1
-WAY_M = 28.0  # on which courses are looked at
-LOCKS = (0.9, 1.0)  # shares of the full lock: what is left is for following the course
-BEYOND_M = 8.0  # a course leads out where it is free so far behind its end
-ANGLES_RAD: Floats = np.radians([5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0])
-STRAIGHT_M, ASIDE_M = 7.5, 0.2  # the longest, and how much farther aside each leads than the one before
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,17 +54,19 @@ class Courses:
         return Courses(self.along_m[:, row], self.y_m[:, row], self.turned_rad[:, row], self.steering_rad[:, row], end)
 
 
-def courses(lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float) -> Courses:
+def courses(
+    lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float, config: CandidatesConfig
+) -> Courses:
     """All courses from here with a share of the full lock; `per_m` rad the steering turns on a metre of way at most."""
-    turn, wheels_straight = _turns(lane, steering_rad, vehicle, per_m, lock)
+    turn, wheels_straight = _turns(lane, steering_rad, vehicle, per_m, lock, config)
     steps = turn.along_m.shape[1]
     every = np.arange(len(turn))
     angle = turn.turned_rad[every, np.minimum(wheels_straight, steps - 1)]
-    aside = np.maximum(np.abs(np.sin(angle)), ASIDE_M / STRAIGHT_M)
-    count = np.where(wheels_straight < steps, (STRAIGHT_M * aside / ASIDE_M).astype(np.intp), 0) + 1
+    aside = np.maximum(np.abs(np.sin(angle)), config.aside_m / config.straight_m)
+    count = np.where(wheels_straight < steps, (config.straight_m * aside / config.aside_m).astype(np.intp), 0) + 1
     row = np.repeat(every, count)
     nth = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    straight = np.round(nth * ASIDE_M / aside[row] / STEP_M).astype(np.intp)[:, None]
+    straight = np.round(nth * config.aside_m / aside[row] / STEP_M).astype(np.intp)[:, None]
     step, begin = np.arange(steps)[None], wheels_straight[row][:, None]
     source = row[:, None] * steps + np.where(step <= begin, step, np.maximum(step - straight, begin))
     gone = np.clip(step - begin, 0, straight) * STEP_M
@@ -80,11 +78,13 @@ def courses(lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float
 
 
 def _turns(
-    lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float
+    lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float, config: CandidatesConfig
 ) -> tuple[Courses, "np.typing.NDArray[np.intp]"]:
     """The courses without a straight, and the step of each with which that could begin: T where there is none."""
-    side, angle = (one.ravel() for one in np.meshgrid(np.array([-1.0, 1.0]), ANGLES_RAD, indexing="ij"))
-    count, steps = len(side), round(WAY_M / STEP_M)
+    side, angle = (
+        one.ravel() for one in np.meshgrid(np.array([-1.0, 1.0]), np.radians(config.angles_deg), indexing="ij")
+    )
+    count, steps = len(side), round(config.way_m / STEP_M)
     turned, steering = np.full(count, -lane.heading_rad), np.full(count, steering_rad)
     along, y = -vehicle.l_r_m * np.cos(turned), lane.y_m - vehicle.l_r_m * np.sin(turned)
     stage, straight = np.zeros(count, np.intp), np.full(count, steps)
@@ -133,7 +133,7 @@ class Blockers(LateralExtents):
     left_m: Floats  # (K,) y of the left side
     right_m: Floats  # (K,) y of the right side
     length_m: Floats  # (K,) that they are taken to be long
-    beyond_m: Floats  # (K,) how far past its end a course is held against each, no farther than BEYOND_M
+    beyond_m: Floats  # (K,) how far past its end a course is held against each, no farther than the edges
 
     @classmethod
     def of(cls, bodies: LaneObstacles, length_m: float, beyond_m: float) -> "Blockers":
@@ -143,12 +143,12 @@ class Blockers(LateralExtents):
 
 
 def separation(
-    course: Courses, lane: Lane, bodies: Blockers, vehicle: VehicleModel, every: int = 1
+    course: Courses, lane: Lane, bodies: Blockers, vehicle: VehicleModel, beyond_m: float, every: int = 1
 ) -> tuple[Floats, Floats]:
     """(N, T) m by which our body is apart at least from all bodies, and (N,) from both edges, until it is past its end.
 
     Rectangles are apart by no less than along any of their sides' directions. Against the edges a course is held to
-    BEYOND_M past its end. Of `every` steps only one is looked at.
+    `beyond_m` past its end. Of `every` steps only one is looked at.
     """
     look = slice(None, None, every)
     cosine, sine = np.cos(course.turned_rad[:, look]), np.sin(course.turned_rad[:, look])
@@ -168,4 +168,4 @@ def separation(
         gap = np.maximum(gap, np.abs(own_forward) - own_long - half_length)
         gap = np.maximum(gap, np.abs(own_across) - own_wide - half_width)
         apart = np.where(past <= round(beyond / STEP_M), np.minimum(apart, gap), apart)
-    return apart, edges.min(axis=1, where=past <= round(BEYOND_M / STEP_M), initial=np.inf)
+    return apart, edges.min(axis=1, where=past <= round(beyond_m / STEP_M), initial=np.inf)

@@ -18,20 +18,14 @@ from math import asin, exp, sqrt
 import numpy as np
 
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.planning.lane.config import ClearanceConfig, HoldConfig, LaneReferenceConfig, PathConfig, WaitConfig
 from vpf_sim.planning.lane.frame import Lane
-from vpf_sim.planning.lane.gap_cost import ROW_M
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, rear_m
 from vpf_sim.planning.lane.lateral_path import LateralPath
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.planning.lane.reference_config import LaneReferenceConfig
 from vpf_sim.planning.lane.speed.limits import SpeedLimits
 from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import Reference, VehicleModel
-
-SLOWEST_CLOSING_MPS = 0.5
-RESTS_SLOPE = 0.02  # of a path that has not left its place yet
-HOLDS_M = 7.0  # bumper to face: from farther away a gap may still prove wider, and is entered from before it
-WAITS_S = 0.4  # besides the way that a shift takes
 
 
 class LaneReference:
@@ -40,18 +34,20 @@ class LaneReference:
     def __init__(
         self,
         config: LaneReferenceConfig,
+        clearance: ClearanceConfig,
         vehicle: VehicleModel,
         speed_reference_mps: float,
         rate_hz: float,
         reach: KinematicLimits,
     ) -> None:
         self._config = config
+        self._clearance = clearance
         self._vehicle = vehicle
         self._dt_s = 1.0 / rate_hz
-        self._shift_m = config.shift_s * speed_reference_mps
-        self._pace = SpeedLimits(config, speed_reference_mps, rate_hz, reach)
+        self._speed_reference_mps = speed_reference_mps
+        self._pace = SpeedLimits(config, clearance, speed_reference_mps, rate_hz, reach)
         self._reach = reach
-        self.y_m: float | None = None
+        self.y_m = 0.0  # of the reference, after an update
         self.restart(speed_reference_mps)
 
     def restart(self, speed_mps: float) -> None:
@@ -65,59 +61,68 @@ class LaneReference:
     ) -> Reference:
         """One step of 1 / rate_hz towards the field's minimum."""
         wanted = self._pace.update(lane, neighbours, minimum_m, speed_mps, self._glide)
-        if self._config.motion == "direct":
+        config = self._config.path
+        if config is None:
             self.y_m = minimum_m
             return Reference(self._straight(lane, minimum_m, yaw_rad, speed_mps), wanted)
         rear = rear_m(lane, self._vehicle)
         if self._glide is None:
-            self._glide = LateralPath(self._config, self._reach, rear, self._shift_m)
+            self._glide = LateralPath(config, self._reach, rear, config.shift_s * self._speed_reference_mps)
         between, time_s, flanks = lane, np.inf, (np.inf, np.inf)
         if len(neighbours):
             between = neighbours.between(lane, self._glide.y_m)
             flanks = neighbours.flanks(self._glide.y_m, self._glide.slope)
-            time_s = self._time_left(neighbours, self._glide.y_m, speed_mps)
-            minimum_m = self._goal(self._glide, neighbours, minimum_m, speed_mps)
+            time_s = self._time_left(config, neighbours, self._glide.y_m, speed_mps)
+            minimum_m = self._goal(config, self._glide, neighbours, minimum_m, speed_mps)
         self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s, flanks)
         self._glide.hold(rear)
         self.y_m = self._glide.y_m
         heading, rate = self._heading(lane, flanks, self._glide, yaw_rad, speed_mps)
         return Reference(heading, wanted, rate)
 
-    def _time_left(self, neighbours: ObstacleGeometry, y_m: float, speed_mps: float) -> float:
+    def _time_left(self, config: PathConfig, neighbours: ObstacleGeometry, y_m: float, speed_mps: float) -> float:
         """s until the first body is reached that stands where y_r is now."""
         way = neighbours.way_m
-        hit = (neighbours.overlap(y_m, self._config.minimum_clearance_m) > 0.0) & (way > 0.0)
-        closing = np.maximum(max(speed_mps, self._reach.walking_mps) - neighbours.bodies.speed_mps, SLOWEST_CLOSING_MPS)
+        hit = (neighbours.overlap(y_m, self._clearance.full_speed_m) > 0.0) & (way > 0.0)
+        closing = np.maximum(
+            max(speed_mps, self._reach.walking_mps) - neighbours.bodies.speed_mps, config.slowest_closing_mps
+        )
         return float((way / closing).min(where=hit, initial=np.inf))
 
-    def _goal(self, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
-        """Where the path shall lead now, on its way to the minimum past bodies."""
-        if self._waits(glide, neighbours, minimum_m, speed_mps):
+    def _goal(
+        self, config: PathConfig, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float
+    ) -> float:
+        """The lateral position to which the path leads now, on its way to the minimum."""
+        if config.wait is not None and self._waits(config.wait, glide, neighbours, minimum_m, speed_mps):
             minimum_m = glide.y_m
-        else:
-            minimum_m = self._held(glide, neighbours, minimum_m, speed_mps)
+        elif config.hold is not None:
+            minimum_m = self._held(config.hold, glide, neighbours, minimum_m, speed_mps)
         return neighbours.kept_beside(glide.y_m, minimum_m)
 
-    def _waits(self, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float) -> bool:
+    def _waits(
+        self, config: WaitConfig, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float
+    ) -> bool:
         """Whether there is more way than it takes before the first body for which the path must leave where it is.
 
         From nearer a body's side is known better, and the own lane is left no longer than it must be: the way back does
         not wait. Where there is no room to spare beside the bodies it does not wait either, nor before one that moves:
         who is still behind it when it is near is no longer let past (`LateralCost`).
         """
-        if abs(glide.slope) > RESTS_SLOPE or abs(minimum_m) < abs(glide.y_m):
+        if abs(glide.slope) > config.slope or abs(minimum_m) < abs(glide.y_m):
             return False
         hit = neighbours.hinders(glide.y_m)
         if not hit.any() or (hit & neighbours.moves).any():
             return False
-        narrow = neighbours.overlap(minimum_m, self._config.minimum_clearance_m) > 0.0
+        narrow = neighbours.overlap(minimum_m, self._clearance.full_speed_m) > 0.0
         if (narrow & neighbours.present).any():
             return False
         needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps))
-        needed += WAITS_S * max(speed_mps, self._reach.walking_mps)
+        needed += config.reaction_s * max(speed_mps, self._reach.walking_mps)
         return float(neighbours.way_m[hit].min()) > needed
 
-    def _held(self, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
+    def _held(
+        self, hold: HoldConfig, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float
+    ) -> float:
         """Where the path shall lead: to the minimum, or where it is soonest straight if no place is free there, either.
 
         Turned towards a gap that may be none a car has neither the way nor the angle left for another. It goes back to
@@ -130,12 +135,16 @@ class LaneReference:
             return minimum_m
         _, shift = self._reach.rest(glide.slope, glide.bend_per_m, np.array([speed_mps]))
         rest_m = glide.y_m + float(shift[0])
-        hit = neighbours.stands & (way > 0.0) & (neighbours.overlap(rest_m, config.walking_clearance_m) > 0.0)
+        hit = neighbours.stands & (way > 0.0) & (neighbours.overlap(rest_m, self._clearance.least_m) > 0.0)
         if abs(minimum_m) < abs(rest_m) or not hit.any():
             return minimum_m
         first_m, shut_m = float(way[hit].min()), float(way[shut].min())
-        stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.creep_standoff_m < first_m
-        return rest_m if stops and shut_m < first_m + ROW_M and min(first_m, shut_m) < HOLDS_M else minimum_m
+        stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.closest_standoff_m < first_m
+        return (
+            rest_m
+            if stops and shut_m < first_m + neighbours.row_depth_m and min(first_m, shut_m) < hold.ahead_m
+            else minimum_m
+        )
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""
@@ -145,9 +154,9 @@ class LaneReference:
 
     def _pull(self, error_m: float, speed_mps: float) -> float:
         """k (y_r - y) / v."""
-        config = self._config
-        pull = min(config.correction_per_s, config.correction_per_m * speed_mps) * error_m
-        most = min(config.correction_mps, config.correction_ratio * speed_mps)
+        config = self._config.correction
+        pull = min(config.per_s, config.per_m * speed_mps) * error_m
+        most = min(config.speed_mps, config.ratio * speed_mps)
         return min(max(pull, -most), most) / max(speed_mps, 1.0)
 
     def _heading(

@@ -7,30 +7,23 @@ printed "A as in eq. (A)" points at the matrix of the least squares (METHOD A9).
 goes over the frame. g points TO the obstacle, so that F_T = F_att - F_rep leads away from it.
 """
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from vpf_sim.configuration import setting, settings
 from vpf_sim.types import Camera, Floats, ObstacleMap
 
-NEVER_S = 1e9  # a time to contact of more is as much: their sum stays finite
+NEVER_S = 1e9  # longest time to contact, so that the sum stays finite
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class ObstacleFieldConfig:
-    """`printed`: both terms; `lateral`: F_x alone, since F_y grows with safety and always has one sign.
+    """F_y grows with safety and always has one sign, so it can be left out."""
 
-    `area`, |R|: the pixels of the frame, or those of the obstacles.
-    """
-
-    gamma: float
-    terms: Literal["printed", "lateral"]
-    area: Literal["frame", "obstacles"] = "frame"
-
-    def __post_init__(self) -> None:
-        if not self.gamma >= 0.0:
-            raise ValueError(f"gamma: expected >= 0, got {self.gamma}")
+    gamma: float = setting("gamma", ge=0.0)
+    terms: Literal["printed", "lateral"] = setting("printed: F_x and F_y; lateral: F_x alone")
+    area: Literal["frame", "obstacles"] = setting("|R|: the pixels of the frame, or those of the obstacles")
 
 
 def force(obstacle_map: ObstacleMap, ttc_s: Floats, camera: Camera, config: ObstacleFieldConfig) -> Floats:

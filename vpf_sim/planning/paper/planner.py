@@ -1,19 +1,19 @@
-"""The paper's way: the fields' total force at the vehicle, turned into the world; its direction is the heading."""
+"""The paper's planner: the heading is the direction of the total force at the vehicle, turned into the world."""
 
 from dataclasses import dataclass
-from typing import Any
 
-from vpf_sim.planning.lane.frame import locate
+from vpf_sim.configuration import settings
+from vpf_sim.planning.lane.frame import Lane, locate
 from vpf_sim.planning.paper import obstacle_field, road_field, target_field, total_field
 from vpf_sim.planning.paper.obstacle_field import ObstacleFieldConfig
 from vpf_sim.planning.paper.reference import HeadingReference, ReferenceConfig
-from vpf_sim.planning.paper.road_field import FoeBend, RoadFieldConfig
+from vpf_sim.planning.paper.road_field import Bend, FoeBend, RoadFieldConfig
 from vpf_sim.planning.paper.target_field import TargetFieldConfig
 from vpf_sim.planning.paper.total_field import TotalFieldConfig
-from vpf_sim.types import DriverSetup, Force, Observation, Perception, Reference
+from vpf_sim.types import DriverSetup, Force, Observation, Perception, PlanDetails, Reference
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class PaperPlannerConfig:
     target_field: TargetFieldConfig
     obstacle_field: ObstacleFieldConfig
@@ -22,8 +22,16 @@ class PaperPlannerConfig:
     reference: ReferenceConfig
 
 
+@dataclass(frozen=True, slots=True)
+class PaperPlan(PlanDetails):
+    """One step of the paper's planner."""
+
+    lane: Lane
+    bend: Bend
+
+
 class PaperPlanner:
-    """Follows the line of the total force from frame to frame."""
+    """Follows the direction of the total force."""
 
     def __init__(self, setup: DriverSetup, config: PaperPlannerConfig) -> None:
         self._setup = setup
@@ -31,7 +39,7 @@ class PaperPlanner:
         self._bend = FoeBend(config.road_field, setup.camera, setup.rate_hz)
         self._heading: HeadingReference | None = None
 
-    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, dict[str, Any]]:
+    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, PaperPlan]:
         config = self._config
         x, y, yaw = observation.x_m, observation.y_m, observation.yaw_rad
         if self._heading is None:
@@ -47,4 +55,4 @@ class PaperPlanner:
         force = total_field.compose(target, obstacle, road, config.total_field)
         world = total_field.to_world(force.total, yaw, config.total_field)
         heading = self._heading.update(world)
-        return force, Reference(heading, self._setup.speed_reference_mps), {"lane": lane, "bend": bend}
+        return force, Reference(heading, self._setup.speed_reference_mps), PaperPlan(lane, bend)

@@ -1,22 +1,22 @@
 """Heading and speed reference from the total force (paper, sections V and VI): psi_d = atan(F_Y' / F_X')."""
 
-from dataclasses import dataclass
 from math import atan, atan2, hypot
 from typing import Literal
 
+from vpf_sim.configuration import setting, settings
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Floats
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class ReferenceConfig:
-    """`printed`: atan, which cannot tell ahead from behind; `repaired`: atan2 (METHOD A13)."""
+    """How the force becomes a heading (METHOD A13)."""
 
-    heading: Literal["printed", "repaired"]
+    heading: Literal["printed", "repaired"] = setting("printed: atan, the same ahead and behind; repaired: atan2")
 
 
 class HeadingReference:
-    """psi_d of the force in the world; where the force vanishes it has no direction and the last one holds."""
+    """psi_d of the force in the world; the last one where the force vanishes."""
 
     def __init__(self, config: ReferenceConfig, yaw_rad: float) -> None:
         self._config = config

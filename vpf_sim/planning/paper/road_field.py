@@ -14,12 +14,12 @@ between the edges, 1.75 m left of the preferred position on four lanes of 3.5 m,
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import exp, sqrt
 from typing import Literal
 
 import numpy as np
 
+from vpf_sim.configuration import setting, settings
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.types import Camera, Floats
 
@@ -28,35 +28,30 @@ EXPONENT_LIMIT = 300.0  # keeps the square of a potential far off the road finit
 STEP_M = 1e-6  # of the numerical gradient
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class RoadFieldConfig:
-    """`printed`: the formulas as typed; `repaired`: the same field by the identity, with + bending to the right.
+    """The only minimum lies in the middle between the edges."""
 
-    `edges`, between which the only minimum lies in the middle: those of the carriageway; of the own lane; or as far to
-    the left of the own lane's middle as the right edge is to its right, so that the own lane is preferred.
-    """
-
-    shape: Literal["printed", "repaired"]
-    depth: float  # A
-    b_per_m: float
-    c2_straight: float  # with n = 1
-    c2_curved_per_m: float  # with n = 2
-    x_offset_m: float  # delta x, of the printed form
-    foe_dead_band_px: float  # the FOE nearer to the centre than this means a straight road
-    foe_median_s: float  # over which the FOE's median is taken
-    edges: Literal["carriageway", "lane", "preferred"] = "carriageway"
-
-    def __post_init__(self) -> None:
-        for key in ("depth", "b_per_m", "x_offset_m"):
-            if not getattr(self, key) > 0.0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
+    shape: Literal["printed", "repaired"] = setting(
+        "printed: the formulas as typed; repaired: the same field by the identity, + bends right"
+    )
+    depth: float = setting("A", gt=0.0)
+    b_per_m: float = setting("b", gt=0.0)
+    c2_straight: float = setting("c_2 of a straight road, n = 1")
+    c2_curved_per_m: float = setting("c_2 of a curved road, n = 2")
+    x_offset_m: float = setting("delta x, of the printed form", gt=0.0)
+    foe_dead_band_px: float = setting("of the FOE about the centre: the road is straight", ge=0.0)
+    foe_median_s: float = setting("over which the FOE's median is taken", ge=0.0)
+    edges: Literal["carriageway", "lane", "preferred"] = setting(
+        "of the carriageway; of the own lane; preferred: the right edge, mirrored at the own lane's middle"
+    )
 
 
 class FoeBend:
-    """Tells which way the road bends by the side on which the FOE lies (paper, section IV-C).
+    """Direction of the road's bend by the side on which the FOE lies (paper, section IV-C).
 
-    It measures the car's own present yaw rate and slip, not the road ahead (METHOD A3). "In the centre" has no
-    threshold in print; a dead band about the median of the last moments is ours.
+    It measures the car's own yaw rate and slip, not the road ahead (METHOD A3). Print has no threshold for "in the
+    centre": the dead band and the median are ours.
     """
 
     def __init__(self, config: RoadFieldConfig, camera: Camera, rate_hz: float) -> None:

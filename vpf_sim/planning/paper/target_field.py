@@ -5,37 +5,30 @@ angle theta_goal = atan((y - y_goal) / (x - x_goal)). Module alpha r belongs to 
 U_att that leads to the goal (METHOD A8).
 """
 
-from dataclasses import dataclass
 from math import atan, atan2, cos, hypot, sin
 from typing import Literal
 
 import numpy as np
 
+from vpf_sim.configuration import setting, settings
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.types import Floats
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class TargetFieldConfig:
-    """`printed`: atan, an angle of the world taken for one of the vehicle; `repaired`: atan2, in vehicle axes.
+    """With `reach_m` the weight against the other fields does not change along the way."""
 
-    `reach_m` limits the distance in the module, so that the weight against the other fields does not change along the
-    way. `at`: the goal's own direction, or that of the preferred lane's middle `reach_m` ahead, the "global minimum" of
-    each horizon.
-    """
-
-    alpha: float
-    direction: Literal["printed", "repaired"]
-    reach_m: float | None = None  # None: the module grows with the distance to the goal, as printed
-    at: Literal["goal", "horizon"] = "goal"
+    alpha: float = setting("alpha", gt=0.0)
+    direction: Literal["printed", "repaired"] = setting(
+        "printed: atan, an angle of the world used as one of the vehicle; repaired: atan2, in vehicle axes"
+    )
+    at: Literal["goal", "horizon"] = setting("goal; horizon: the preferred lane's middle `reach_m` ahead")
+    reach_m: float | None = setting("largest distance in the module; none: as printed", default=None, gt=0.0)
 
     def __post_init__(self) -> None:
-        if self.reach_m is not None and not self.reach_m > 0.0:
-            raise ValueError(f"reach_m: expected > 0, got {self.reach_m}")
         if self.at == "horizon" and (self.reach_m is None or self.direction != "repaired"):
             raise ValueError("at: horizon needs reach_m and the repaired direction")
-        if not self.alpha > 0.0:
-            raise ValueError(f"alpha: expected > 0, got {self.alpha}")
 
 
 def force(

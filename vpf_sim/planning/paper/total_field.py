@@ -6,27 +6,23 @@ F_X, F_Y there are the road's F_rep_rd. Image x (right) is summed with the vehic
 Y, and what the image says of time belongs on X (METHOD A11).
 """
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from vpf_sim.configuration import setting, settings
 from vpf_sim.geometry import rotation
 from vpf_sim.types import Floats, Force
 
 
-@dataclass(frozen=True, slots=True)
+@settings
 class TotalFieldConfig:
-    """`printed` axes: image (x, y) on (X, Y); `mapped`: image x on Y. `printed` rotation: the transposed matrix."""
+    """How the forces are summed and turned into the world."""
 
-    axes: Literal["printed", "mapped"]
-    rotation: Literal["printed", "repaired"]
-    lambda_x: float
-    lambda_y: float
-
-    def __post_init__(self) -> None:
-        if not (self.lambda_x > 0.0 and self.lambda_y > 0.0):
-            raise ValueError(f"lambda_x, lambda_y: expected > 0, got {self.lambda_x}, {self.lambda_y}")
+    axes: Literal["printed", "mapped"] = setting("printed: image (x, y) on (X, Y); mapped: image x on Y")
+    rotation: Literal["printed", "repaired"] = setting("printed: the transposed matrix; repaired: vehicle to world")
+    lambda_x: float = setting("lambda_X", gt=0.0)
+    lambda_y: float = setting("lambda_Y", gt=0.0)
 
 
 def compose(target: Floats, obstacle_image: Floats, road: Floats, config: TotalFieldConfig) -> Force:

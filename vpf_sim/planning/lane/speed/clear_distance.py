@@ -7,30 +7,13 @@ good view does not, it is cut by as much as the speed that does is less now than
 good view would allow has chosen not to stop for low bodies.
 """
 
-from dataclasses import dataclass, fields
 from math import inf, isinf, sqrt
 
+from vpf_sim.planning.lane.speed_config import ClearDistanceConfig, TentativeLimitConfig
 from vpf_sim.types import VehicleModel
 
-ENOUGH = 0.8  # of the reference speed: a good view that allows as much is one
 
-
-@dataclass(frozen=True, slots=True)
-class ClearDistanceConfig:
-    """The stop that must be possible."""
-
-    brake_mps2: float
-    reaction_s: float
-    standoff_m: float
-    least_mps: float  # however little is seen: as near as the car then comes, its other ways of seeing tell a body
-
-    def __post_init__(self) -> None:
-        for one in fields(self):
-            if not getattr(self, one.name) > 0.0:
-                raise ValueError(f"{one.name}: expected > 0, got {getattr(self, one.name)}")
-
-
-def safe_speed(sight_m: float, config: ClearDistanceConfig, vehicle: VehicleModel) -> float:
+def safe_speed(sight_m: float, config: ClearDistanceConfig | TentativeLimitConfig, vehicle: VehicleModel) -> float:
     """m/s from which the car stops within a distance from the pose: `stopping_way` the other way round."""
     way = max(sight_m - 0.5 * vehicle.length_m - config.standoff_m, 0.0)
     brake, reaction = config.brake_mps2, config.reaction_s
@@ -48,7 +31,7 @@ def speed_within_clear_distance(
         return inf
     now_m, good_m = sight_m
     with_good_view = safe_speed(good_m, config, vehicle)
-    if isinf(good_m) or with_good_view < ENOUGH * speed_reference_mps:
+    if isinf(good_m) or with_good_view < config.enough_share * speed_reference_mps:
         return inf
     share = safe_speed(now_m, config, vehicle) / min(with_good_view, speed_reference_mps)
     return max(min(share, 1.0) * speed_reference_mps, config.least_mps)

@@ -4,21 +4,12 @@ A low body is suspected one or two metres of way before it is believed. To slow 
 there; where something is, that way is not lost. The car never stops for a suspicion: near enough, looks decide.
 """
 
-from dataclasses import dataclass
 from math import inf
 
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.speed.clear_distance import ClearDistanceConfig, safe_speed
+from vpf_sim.planning.lane.speed.clear_distance import safe_speed
+from vpf_sim.planning.lane.speed_config import TentativeLimitConfig
 from vpf_sim.types import VehicleModel
-
-
-@dataclass(frozen=True, slots=True)
-class TentativeLimitConfig(ClearDistanceConfig):
-    """The stop that must be possible, its standoff where a way aside begins, and how the speed changes: suspicions
-    flash up. Nor is it braked harder until what is suspected is believed."""
-
-    clearance_m: float  # beside the car, in which something is in the way
-    rise_mps2: float  # once the suspicion is gone
 
 
 class TentativeLimit:

@@ -1,0 +1,62 @@
+"""Parts of the lane planner with the settings of the variant `robust`."""
+
+from typing import TypeVar
+
+from vpf_sim.planning import variant
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.lateral_cost import LateralCost
+from vpf_sim.planning.lane.lateral_path import LateralPath
+from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
+from vpf_sim.planning.lane.recovery import Recovery
+from vpf_sim.planning.lane.reference import LaneReference
+from vpf_sim.planning.lane.speed.limits import SpeedLimits
+from vpf_sim.types import VehicleModel
+
+Section = TypeVar("Section")
+CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
+HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
+
+
+def unwrap(section: Section | None) -> Section:
+    """An optional section that `robust` has."""
+    assert section is not None
+    return section
+
+
+ROBUST = unwrap(variant.load("robust").lane_planner)
+CLEARANCE = ROBUST.clearance
+SPEED, PATH, RECOVERY = unwrap(ROBUST.reference.speed), unwrap(ROBUST.reference.path), unwrap(ROBUST.recovery)
+LIMITS = KinematicLimits(ROBUST.limits, CAR)
+
+
+def geometry(obstacles: LaneObstacles, speed_mps: float = SPEED_MPS) -> ObstacleGeometry:
+    return ObstacleGeometry(obstacles, ROBUST.obstacles, CLEARANCE, CAR, speed_mps)
+
+
+def lateral_cost(last_m: float | None = None) -> LateralCost:
+    """With a minimum that was chosen before, if any."""
+    cost = LateralCost(ROBUST.lateral_cost, CLEARANCE, CAR, SPEED_MPS, LIMITS)
+    if last_m is not None:
+        cost.keep(last_m)
+    return cost
+
+
+def lane_reference(speed_mps: float = SPEED_MPS, rate_hz: float = RATE_HZ) -> LaneReference:
+    return LaneReference(ROBUST.reference, CLEARANCE, CAR, speed_mps, rate_hz, LIMITS)
+
+
+def speed_limits() -> SpeedLimits:
+    return SpeedLimits(ROBUST.reference, CLEARANCE, SPEED_MPS, RATE_HZ, LIMITS)
+
+
+def lateral_path(y_m: float, shift_m: float) -> LateralPath:
+    return LateralPath(PATH, LIMITS, y_m, shift_m)
+
+
+def recovery() -> Recovery:
+    return Recovery(RECOVERY, CLEARANCE.edge_m, ROBUST.obstacles, CAR, RATE_HZ)
+
+
+def straight_lane(y_m: float = 0.0, left_m: float = -8.75, right_m: float = 5.25) -> Lane:
+    return Lane(y_m, right_m, left_m, 0.0, 0.0)
