@@ -261,10 +261,10 @@ class MovingObstacleTracker:
         across = seen.bearing[chosen] * depth - right
         inside = (height > config.evidence.low_m) & (height < config.evidence.high_m)
         inside &= np.abs(across) < track.half_m + OVERLAP_M
-        is_vehicle = np.count_nonzero(face & inside) >= config.least_members
+        is_vehicle = bool(np.count_nonzero(face & inside) >= config.least_members)
         if config.shape is not None:
             low, high = np.min(height[face]), np.max(height[face])
-            is_vehicle &= low < config.shape.foot_m and high - low > config.shape.least_height_m
+            is_vehicle &= bool(low < config.shape.foot_m and high - low > config.shape.least_height_m)
             is_vehicle &= track.width_m > config.shape.least_width_m
         if is_vehicle and track.identity is None:
             is_vehicle = self._drives(track, across[face], height[face], own_mps)
