@@ -149,7 +149,7 @@ def test_beyond_the_noise_range_no_foot_is_compared() -> None:
     """So far away a faint obstacle looks like road."""
     residual, one, config = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), np.ones(1), CONFIG
     found = []
-    for forward in np.arange(0.0, PLATE_M[0, 0] - 8.0, SPEED_MPS / LOOKS_HZ).tolist():
+    for forward in np.arange(8.5, PLATE_M[0, 0] - 8.0, SPEED_MPS / LOOKS_HZ).tolist():
         residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
         face = (PLATE_M[0, 0] - forward) * one
         body = Obstacles(face, -0.3 * one, 0.3 * one, 0.2 * one, one, np.array([1]))
