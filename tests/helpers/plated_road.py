@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, rotation
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Image
+from vpf_sim.types import Camera, Floats, Image
 
 CAMERA = Camera()
 PLATE_M = np.array([[30.0, -0.2], [31.2, 0.6]])  # its near left and far right corner in the world
@@ -16,7 +16,16 @@ TOP_ROW, BOTTOM_ROW = 250, 340  # of the part of the frame that is drawn: the ro
 SHARP = 4  # rows and columns drawn for one of the frame, and averaged as a pixel does
 
 
-@lru_cache
+@lru_cache(maxsize=1)
+def _ground() -> Floats:
+    """(rows, columns, 2) m, the places on the road of the pixels drawn, in the axes of the vehicle."""
+    rows_px = TOP_ROW + (np.arange(SHARP * (BOTTOM_ROW - TOP_ROW)) + 0.5) / SHARP - 0.5
+    columns_px = (np.arange(SHARP * CAMERA.width_px) + 0.5) / SHARP - 0.5
+    columns, rows = np.meshgrid(columns_px, rows_px)
+    return ground_from_pixels(CAMERA, np.stack([columns, rows], axis=-1).astype(float))
+
+
+@lru_cache(maxsize=512)
 def frame(
     forward_m: float,
     height_m: float,
@@ -28,17 +37,15 @@ def frame(
     """What the camera of a car at (`forward_m`, `aside_m`) sees: asphalt, and a plate at `height_m`; with a painted
     dash so long that ends beneath it."""
     place, turn = np.array([forward_m, aside_m]), rotation(yaw_rad)
-    rows_px = TOP_ROW + (np.arange(SHARP * (BOTTOM_ROW - TOP_ROW)) + 0.5) / SHARP - 0.5
-    columns_px = (np.arange(SHARP * CAMERA.width_px) + 0.5) / SHARP - 0.5
-    columns, rows = np.meshgrid(columns_px, rows_px)
-    ground = ground_from_pixels(CAMERA, np.stack([columns, rows], axis=-1).astype(float))
-    cell = ((ground @ turn.T + place + [0.0, 8.0]) / 0.05).astype(np.float32)
+    ground = _ground()
+    seen = ground @ turn.T + place
+    cell = ((seen + np.array([0.0, 8.0])) / 0.05).astype(np.float32)
     road = cv2.remap(
         ROAD.astype(np.float32), cell[..., 1], cell[..., 0], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT
     )
-    seen = ground @ turn.T + place
-    painted = (np.abs(seen[..., 1] - PLATE_M[:, 1].mean()) < 0.08) & (np.abs(PLATE_M[0, 0] - seen[..., 0]) < dash_m)
-    road = np.where(painted, 215.0, road)
+    if dash_m > 0.0:
+        painted = (np.abs(seen[..., 1] - PLATE_M[:, 1].mean()) < 0.08) & (np.abs(PLATE_M[0, 0] - seen[..., 0]) < dash_m)
+        road = np.where(painted, 215.0, road)
     lens = np.array([CAMERA.forward_m, 0.0])
     plate = (lens + (ground - lens) * (CAMERA.height_m - height_m) / CAMERA.height_m) @ turn.T + place
     inside = np.all((plate > PLATE_M[0]) & (plate < PLATE_M[1]), axis=-1)

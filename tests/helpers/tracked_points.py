@@ -1,9 +1,9 @@
 """Tracks of standing points as a car sees them that drives by: what landmarks are made of."""
 
 import numpy as np
+from robust import static_obstacles
 
 from vpf_sim.geometry import project, vehicle_from_world
-from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, Obstacles, RoadEdges
@@ -15,7 +15,7 @@ CORNER = 100.0 * np.eye(2)
 
 
 def tracker() -> StaticObstacleTracker:
-    return StaticObstacleTracker(CAMERA, StaticObstacleConfig(), RATE_HZ)
+    return StaticObstacleTracker(CAMERA, static_obstacles(), RATE_HZ)
 
 
 class Drive:

@@ -19,7 +19,7 @@ from vpf_sim.perception.egomotion.flow_config import FlowConfig
 from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
 from vpf_sim.perception.egomotion.odometry import OdometryConfig
 from vpf_sim.perception.obstacles.close_range_verification import VerificationConfig
-from vpf_sim.perception.obstacles.moving.detection import MovingObstacleConfig
+from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig
 from vpf_sim.perception.paper.time_to_contact import ContactConfig

@@ -1,19 +1,24 @@
-"""The evidence of one look, from points whose likelihoods are known."""
+"""The evidence of one observation, from points whose likelihoods are known."""
 
 import numpy as np
 import pytest
+from robust import moving_obstacles, without
 
-from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig, Mirror, evidence
+from vpf_sim.perception.obstacles.moving.evidence import evidence
+from vpf_sim.perception.obstacles.moving.mirror import Reflectivity, faint_contrast, image_contrast
 from vpf_sim.types import Bools, Floats
 
-CONFIG = EvidenceConfig()
-WET = CONFIG.faint(1.0, 12.0)
+CONFIG = moving_obstacles().evidence
+CONTRAST, IMAGE = CONFIG.contrast, moving_obstacles().mirror_image
+assert CONTRAST is not None
+assert IMAGE is not None
+WET = faint_contrast(1.0, 12.0, CONTRAST)
 
 
 def points(
     moving: int, standing: int = 0, stray: int = 0, contrast: float = 0.0
 ) -> tuple[Bools, Floats, Floats, Floats]:
-    """So many points that only a moving, only a standing and no reading explains."""
+    """Points that only a moving, only a standing and no hypothesis explains."""
     own = np.repeat([1.0, 100.0, 100.0], [moving, standing, stray])
     other = np.repeat([100.0, 1.0, 100.0], [moving, standing, stray])
     return np.ones(len(own), np.bool_), own, other, np.full(len(own), contrast)
@@ -27,13 +32,13 @@ def test_points_speak_by_their_count() -> None:
 
 
 @pytest.mark.parametrize("against", [{"standing": 10}, {"stray": 50}, {"contrast": -1.2}])
-def test_what_stands_what_is_stray_and_what_is_faint_speak_against(against: dict[str, float]) -> None:
+def test_standing_stray_and_faint_points_speak_against_a_track(against: dict[str, float]) -> None:
     alone = {"contrast": -0.6}
     assert evidence(*points(5, **alone), WET, CONFIG) > 0.0
     assert evidence(*points(5, **alone | against), WET, CONFIG) < 0.0  # type: ignore[arg-type]
 
 
-def test_points_that_both_readings_explain_weigh_little_and_those_outside_nothing() -> None:
+def test_undecided_points_weigh_little_and_points_outside_nothing() -> None:
     inside, moving, standing, contrast = points(6)
     alone = evidence(inside, moving, standing, contrast, WET, CONFIG)
     both = np.concatenate([np.ones(3), np.full(6, 1.0)])
@@ -48,31 +53,31 @@ def test_points_that_both_readings_explain_weigh_little_and_those_outside_nothin
     assert evidence(*outside, WET, CONFIG) == pytest.approx(alone)
 
 
-def test_a_look_is_bounded() -> None:
+def test_evidence_of_one_observation_is_bounded() -> None:
     assert evidence(*points(500, contrast=3.0), WET, CONFIG) == CONFIG.most
     assert evidence(*points(2, standing=500, contrast=-5.0), WET, CONFIG) == CONFIG.least
 
 
-def test_what_is_faint_speaks_against_a_body_where_the_road_mirrors_and_where_it_may_be_far_asphalt() -> None:
+def test_faint_points_speak_against_a_track_on_a_wet_road_and_far_away() -> None:
     dark = points(5, contrast=-1.8)
-    values = [evidence(*dark, CONFIG.faint(mirror, 12.0), CONFIG) for mirror in (0.0, 0.5, 1.0)]
+    values = [evidence(*dark, faint_contrast(mirror, 12.0, CONTRAST), CONFIG) for mirror in (0.0, 0.5, 1.0)]
     assert values == sorted(values, reverse=True)
     assert values[0] > 0.0 > values[-1]
-    far = [evidence(*dark, CONFIG.faint(0.0, depth_m), CONFIG) for depth_m in (12.0, 17.0, 25.0)]
+    far = [evidence(*dark, faint_contrast(0.0, depth_m, CONTRAST), CONFIG) for depth_m in (12.0, 17.0, 25.0)]
     assert far == sorted(far, reverse=True)
     assert far[0] > 0.0 > far[-1]
 
 
 @pytest.mark.parametrize(("below", "degree"), [(3, 0.0), (40, 1.0)])
-def test_how_far_the_road_mirrors_is_told_by_the_points_below_it(below: int, degree: float) -> None:
-    mirror = Mirror(CONFIG, 0.05)
+def test_reflectivity_follows_the_share_of_points_below_the_road(below: int, degree: float) -> None:
+    mirror = Reflectivity(moving_obstacles().reflectivity, 0.05)
     assert mirror.degree == 1.0
     for _ in range(40):
         mirror.update(below, 100)
     assert mirror.degree == pytest.approx(degree, abs=0.05)
     for _ in range(200):
         mirror.update(0, 0)
-    assert mirror.degree == pytest.approx(degree, abs=0.05), "standing, nothing is learned and nothing forgotten"
+    assert mirror.degree == pytest.approx(degree, abs=0.05), "the estimate stays at standstill"
 
 
 @pytest.mark.parametrize(
@@ -80,12 +85,27 @@ def test_how_far_the_road_mirrors_is_told_by_the_points_below_it(below: int, deg
     [(0.3, -1.2), (-0.05, -1.2), (-0.9, -2.0), (-1.05, -1.675), (-1.5, -1.2)],
     ids=["bright", "plain", "dark", "in doubt", "an image"],
 )
-def test_a_body_s_image_is_fainter_than_what_is_above_it(own: float, wet: float) -> None:
+def test_a_mirror_image_is_fainter_than_the_upper_part_of_its_vehicle(own: float, wet: float) -> None:
     upper = own + np.array([-0.3, 0.0, 0.3])
-    assert CONFIG.image(1.0, upper) == pytest.approx(wet)
-    assert CONFIG.image(0.0, upper) == CONFIG.dry_image
-    assert CONFIG.image(0.5, upper) == pytest.approx(0.5 * (wet + CONFIG.dry_image))
+    assert image_contrast(1.0, upper, IMAGE) == pytest.approx(wet)
+    assert image_contrast(0.0, upper, IMAGE) == IMAGE.dry
+    assert image_contrast(0.5, upper, IMAGE) == pytest.approx(0.5 * (wet + IMAGE.dry))
 
 
-def test_where_nothing_is_above_an_image_is_told_by_its_contrast_alone() -> None:
-    assert CONFIG.image(1.0, np.empty(0)) == pytest.approx(CONFIG.wet_image)
+def test_without_upper_points_an_image_is_known_by_its_contrast_alone() -> None:
+    assert image_contrast(1.0, np.empty(0), IMAGE) == pytest.approx(IMAGE.wet)
+
+
+def test_without_transparency_or_contrast_these_points_no_longer_reject_a_track() -> None:
+    see_through = points(8, standing=20, contrast=0.5)
+    assert evidence(*see_through, WET, CONFIG) == CONFIG.least
+    assert evidence(*see_through, WET, without(CONFIG, "transparency")) > 0.0
+    faint = points(8, contrast=-3.0)
+    assert evidence(*faint, WET, CONFIG) == CONFIG.least
+    assert evidence(*faint, WET, without(CONFIG, "contrast")) > 0.0
+
+
+def test_without_an_estimate_the_road_mirrors() -> None:
+    mirror = Reflectivity(None, 0.05)
+    mirror.update(0, 1000)
+    assert mirror.degree == 1.0

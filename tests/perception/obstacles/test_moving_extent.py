@@ -1,68 +1,79 @@
-"""The place across of a body's face, from made-up points whose truth is known in closed form."""
+"""Middle and width of a vehicle's face, from synthetic points whose truth is known."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from robust import moving_obstacles, without
 
-from vpf_sim.perception.obstacles.moving.extent import Sides, TrackExtentConfig
+from vpf_sim.perception.obstacles.moving.extent import Sides
+from vpf_sim.perception.obstacles.moving.filter_config import ExtentConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
-CONFIG = TrackExtentConfig()
+CONFIG = moving_obstacles().filter.extent
+assert CONFIG is not None
 DEPTH_M, LOOK_S = 10.0, 0.05
+FRESH = 0.1  # weight of an observation
 FACE_M = np.linspace(-0.95, 0.95, 24)
 
 
 def followed(
-    points_m: Floats, odds: Floats | float, looks: int = 40, middle_m: float = 0.0, camera_m: float = 0.0
+    points_m: Floats,
+    odds: Floats | float,
+    looks: int = 40,
+    middle_m: float = 0.0,
+    camera_m: float = 0.0,
+    config: ExtentConfig = CONFIG,
 ) -> tuple[float, Sides]:
-    """m, the middle that points `points_m` (N,) right of the first middle lead to, with the belief after so many looks.
+    """m, the middle by points `points_m` (N,) right of the first middle, and the filter after `looks` observations.
 
-    The camera is `camera_m` right of the first middle too.
+    The camera is `camera_m` right of the first middle.
     """
-    sides = Sides(CONFIG)
+    sides = Sides(config)
     for _ in range(looks):
         sides.predict(LOOK_S)
         across = points_m - middle_m
-        middle_m += sides.look(across, np.broadcast_to(odds, across.shape), camera_m - middle_m, DEPTH_M, LOOK_S)
+        middle_m += sides.update(across, np.broadcast_to(odds, across.shape), camera_m - middle_m, DEPTH_M, FRESH)
     return middle_m, sides
 
 
 @pytest.mark.parametrize("true_m", [-0.8, 0.0, 0.5])
-def test_points_all_over_a_face_tell_its_middle_and_width(true_m: float) -> None:
+def test_points_all_over_a_face_fix_its_middle_and_width(true_m: float) -> None:
     middle, sides = followed(true_m + FACE_M, 4.0)
     assert middle == pytest.approx(true_m, abs=0.12)
     assert sides.half_m == pytest.approx(0.95, abs=0.12)
     assert sides.sigma_m < 0.25
 
 
-def test_points_narrower_than_a_body_bound_its_place_and_do_not_draw_its_middle_to_them() -> None:
+def test_a_narrow_cluster_bounds_a_vehicle_and_does_not_attract_its_middle() -> None:
     """A cluster .08 m wide at .7 m lies in a body at 0: half a second's low-pass of .2 s would move it by .64 m."""
     sides, middle, cluster = Sides(CONFIG), 0.0, 0.7 + np.linspace(-0.04, 0.04, 12)
     for points in [FACE_M] * 20 + [cluster] * 10:
         sides.predict(LOOK_S)
-        middle += sides.look(points - middle, np.full(len(points), 4.0), -middle, DEPTH_M, LOOK_S)
+        middle += sides.update(points - middle, np.full(len(points), 4.0), -middle, DEPTH_M, FRESH)
     assert abs(middle) < 0.1
     unknown, free = followed(cluster, 4.0)
     assert abs(unknown) < 0.7 - 0.15
     assert free.sigma_m > 0.3, "anywhere in an interval"
 
 
-def test_points_beyond_a_side_move_the_body_until_they_lie_in_it() -> None:
+def test_points_beyond_a_side_move_the_vehicle_until_they_lie_in_it() -> None:
     cluster = 1.6 + np.linspace(-0.04, 0.04, 12)
     middle, sides = followed(cluster, 4.0)
     assert 1.6 - sides.half_m - 0.3 < middle < 1.3
 
 
-def test_a_known_place_is_kept_against_few_points_that_slip_beside_it() -> None:
-    """Paint beside a body that is seen all over: its points are strays, however many of them share a window."""
+def test_paint_beside_a_well_seen_vehicle_does_not_move_it() -> None:
+    """Its points are outliers, however many of them share a window."""
     paint = 1.7 + np.linspace(-0.04, 0.04, 12)
     both = np.concatenate([FACE_M, paint])
     middle, _ = followed(both, 4.0)
     assert abs(middle) < 0.15
 
 
-def test_what_stands_behind_and_is_seen_beside_bounds_a_body_from_outside() -> None:
-    """Only the right half of a body at 0 has points; the wall behind it is seen up to its right side."""
+def test_the_background_beside_a_vehicle_bounds_it_from_outside() -> None:
+    """Only the right half of a vehicle at 0 has points; the wall behind it is seen up to its right side."""
     half = np.linspace(0.0, 0.95, 12)
     wall = np.linspace(1.05, 2.4, 14)
     odds = np.concatenate([np.full(12, 4.0), np.full(14, -4.0)])
@@ -70,9 +81,11 @@ def test_what_stands_behind_and_is_seen_beside_bounds_a_body_from_outside() -> N
     held, _ = followed(np.concatenate([half, wall]), odds, middle_m=0.6)
     assert abs(held) < 0.2
     assert drawn > 0.35
+    alone, _ = followed(np.concatenate([half, wall]), odds, middle_m=0.6, config=without(CONFIG, "background"))
+    assert alone > 0.35, "switched off"
 
 
-def test_points_of_neither_reading_say_nothing() -> None:
+def test_undecided_points_change_nothing() -> None:
     rng = stream(91, "neither")
     middle, sides = followed(rng.uniform(0.5, 2.4, 40), 0.0, looks=4)
     fresh = Sides(CONFIG)
@@ -83,8 +96,8 @@ def test_points_of_neither_reading_say_nothing() -> None:
 
 
 @pytest.mark.parametrize("mirror", [1.0, -1.0])
-def test_the_side_turned_to_us_is_not_taken_for_the_face(mirror: float) -> None:
-    """A car 2 m wide and 4.5 m long to one side of us: the points of its side are seen beside its face.
+def test_the_flank_turned_to_the_camera_does_not_widen_the_face(mirror: float) -> None:
+    """A car 2 m wide and 4.5 m long beside the camera: the points of its flank are seen beside its face.
 
     A point of the side at z behind the face is seen through the face's plane by the ray from the camera, at
     u = c + (s - c) depth / (depth + z) with s the side and c the camera; points grow rarer forward.
@@ -95,6 +108,9 @@ def test_the_side_turned_to_us_is_not_taken_for_the_face(mirror: float) -> None:
     assert seen.min() < side - 0.4
     middle, _ = followed(mirror * np.concatenate([FACE_M, seen]), 4.0, camera_m=mirror * camera)
     assert mirror * middle == pytest.approx(0.0, abs=0.15)
+    points = mirror * np.concatenate([FACE_M, seen])
+    off, _ = followed(points, 4.0, camera_m=mirror * camera, config=without(CONFIG, "flank"))
+    assert mirror * off < mirror * middle - 0.05, "switched off"
 
 
 def test_mirrored_points_give_the_mirrored_place() -> None:
@@ -107,5 +123,5 @@ def test_mirrored_points_give_the_mirrored_place() -> None:
 
 
 def test_widths_are_in_order() -> None:
-    with pytest.raises(ValueError, match=r"narrowest_m: expected 0 < it < widest_m = 2\.6, got 3\.0"):
-        TrackExtentConfig(narrowest_m=3.0)
+    with pytest.raises(ValueError, match=r"narrowest_m: expected < widest_m = 2\.6, got 3\.0"):
+        replace(CONFIG, narrowest_m=3.0)

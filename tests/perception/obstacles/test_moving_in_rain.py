@@ -1,14 +1,17 @@
-"""Bodies that move on a road that mirrors: simulated tracks of cars, of trees beside the road, and of their images."""
+"""Moving vehicles on a mirroring road: simulated point tracks of cars, of trees, and of their images."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from robust import moving_obstacles, without
 from test_moving_tracker import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
-from vpf_sim.perception.obstacles.moving.detection import Apparent, MovingObstacleConfig, appear, outlines
-from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig
-from vpf_sim.perception.obstacles.moving.track import MovingTrack, Sight
-from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
+from vpf_sim.perception.obstacles.moving.config import CandidateContrastConfig, MirrorImageConfig
+from vpf_sim.perception.obstacles.moving.detection import Apparent, appear, candidates
+from vpf_sim.perception.obstacles.moving.mirror import MirrorImages, faint_contrast
+from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow
 
@@ -38,7 +41,7 @@ def last_of(drive: Contrasted, frames: int) -> Flow:
 
 
 @pytest.mark.parametrize("dark", [0.0, -0.5, -0.9])
-def test_a_car_ahead_is_found_at_its_foot_and_not_at_that_of_its_image(dark: float) -> None:
+def test_a_car_ahead_is_detected_at_its_foot_and_not_at_its_images(dark: float) -> None:
     drive = wet((vehicle(27.0, 0.3), 3.0, float(np.exp(dark))))
     found = Seen().run(drive, range(round(4.5 * RATE_HZ)))
     first = next(k for k, bodies in enumerate(found) if (bodies.identity < 0).any())
@@ -50,13 +53,13 @@ def test_a_car_ahead_is_found_at_its_foot_and_not_at_that_of_its_image(dark: flo
 
 
 @pytest.mark.parametrize("image", [IMAGE, -0.8])
-def test_the_images_of_trees_are_no_bodies(image: float) -> None:
-    """Nor where they have more contrast than a body's own image: they would stand beside the road."""
+def test_mirror_images_of_trees_are_no_vehicles(image: float) -> None:
+    """Even with more contrast than a vehicle's own image: the trees stand beside the road."""
     found = Seen().run(wet(image=image), range(round(4.0 * RATE_HZ)))
     assert not any((bodies.identity < 0).any() for bodies in found)
 
 
-def test_a_truck_that_stands_on_the_road_has_no_body_for_an_image() -> None:
+def test_the_mirror_image_of_a_standing_truck_is_no_vehicle() -> None:
     """What would be mirrored stands on the road here; its image is fainter than it."""
     truck = vehicle(50.0, 0.3, 40, 2.5) * [1.0, 1.0, 2.0]
     found = Seen().run(wet((truck, 0.0, 1.0)), range(round(7.0 * RATE_HZ)))
@@ -64,15 +67,15 @@ def test_a_truck_that_stands_on_the_road_has_no_body_for_an_image() -> None:
     assert found[-1].forward_m == pytest.approx([50.0 - SPEED_MPS * (len(found) - 1) / RATE_HZ], abs=0.5)
 
 
-def test_a_suspect_goes_to_its_foot_wherever_that_is_and_a_body_rather_towards_us() -> None:
+def test_a_confirmed_track_moves_less_to_a_farther_foot_than_a_tentative_one() -> None:
     """From 14 m, within half a second: the share of the way to where its lowest points stand."""
     pose = np.zeros(3)
 
     def moved(foot_m: float, identity: int | None) -> float:
-        mover = MovingTrack(Sight(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, MovingObstacleConfig().filter)
+        mover = MovingTrack(Detection(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, moving_obstacles().filter)
         mover.identity = identity
         for _ in range(10):
-            mover.stand(foot_m, SPEED_MPS, pose, 0.05)
+            mover.update_range(foot_m, SPEED_MPS, pose, 0.05)
         return (mover.depth_m(pose) - 14.0) / (foot_m - 14.0)
 
     assert moved(17.0, None) > 0.4
@@ -82,7 +85,7 @@ def test_a_suspect_goes_to_its_foot_wherever_that_is_and_a_body_rather_towards_u
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize("depth_m", [2.0, 0.0, -2.5])
-def test_the_flank_of_a_body_that_is_passed_is_no_landmark(depth_m: float, side: float) -> None:
+def test_the_flank_of_a_passed_vehicle_is_masked(depth_m: float, side: float) -> None:
     """Its face is beside the camera, out of the picture; what stands on the other side is."""
     along = np.repeat(np.linspace(1.2, 4.0, 8), 3)
     flank = np.column_stack([CAMERA.forward_m + along, np.full(24, side * 2.3), np.tile([0.3, 0.7, 1.1], 8)])
@@ -100,7 +103,7 @@ def test_the_flank_of_a_body_that_is_passed_is_no_landmark(depth_m: float, side:
 
 
 @pytest.mark.parametrize("depth_m", [0.4, 0.0, -2.0])
-def test_a_body_that_would_be_where_we_are_hides_nothing(depth_m: float) -> None:
+def test_a_track_at_our_own_place_masks_nothing(depth_m: float) -> None:
     drive, seen = wet(), Seen()
     flow = last_of(drive, 10)
     seen.movers.tracks.append(believed(depth_m, 0.3, flow.pose))
@@ -110,7 +113,7 @@ def test_a_body_that_would_be_where_we_are_hides_nothing(depth_m: float) -> None
 def believed(depth_m: float, right_m: float, pose: Floats) -> MovingTrack:
     """A body that is sure to drive there at 3 m/s."""
     mover = MovingTrack(
-        Sight(depth_m, 3.0, 0.1, right_m - 1.0, right_m + 1.0), CAMERA, pose, 6.0, MovingObstacleConfig().filter
+        Detection(depth_m, 3.0, 0.1, right_m - 1.0, right_m + 1.0), CAMERA, pose, 6.0, moving_obstacles().filter
     )
     mover.identity = 1
     return mover
@@ -120,59 +123,67 @@ def believed(depth_m: float, right_m: float, pose: Floats) -> MovingTrack:
     ("speed_mps", "right_m", "is_on_road"),
     [(3.0, 0.3, True), (3.0, 2.8, False), (3.0, -4.5, False), (4.6, 0.3, False), (6.0, 0.3, False)],
 )
-def test_what_would_be_mirrored_stands_on_the_road_as_far_as_that_is_known(
+def test_contrast_counts_less_where_the_mirrored_object_would_stand_on_the_road(
     speed_mps: float, right_m: float, is_on_road: bool
 ) -> None:
     """A body at 18 m is the image of what stands 18 / (1 - v_b / v) m off: 39 m at 3 m/s, 105 m at 4.6, none faster."""
-    movers, evidence = MovingObstacleTracker(CAMERA, MovingObstacleConfig(), RATE_HZ), MovingObstacleConfig().evidence
-    sight = Sight(18.0, speed_mps, 0.5, right_m - 1.0, right_m + 1.0)
-    mover = MovingTrack(sight, CAMERA, np.zeros(3), 0.0, MovingObstacleConfig().filter)
+    images, contrast = MirrorImages(CAMERA, moving_obstacles(), 0.05), moving_obstacles().evidence.contrast
+    assert contrast is not None
+    sight = Detection(18.0, speed_mps, 0.5, right_m - 1.0, right_m + 1.0)
+    mover = MovingTrack(sight, CAMERA, np.zeros(3), 0.0, moving_obstacles().filter)
     for image in (-1.2, -2.5):  # above and below what asphalt is
-        expected = max(image, evidence.faint(0.0, 18.0)) if is_on_road else evidence.faint(1.0, 18.0)
-        assert movers._faint(mover, image, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(expected)
+        others = faint_contrast(1.0, 18.0, contrast)
+        expected = max(image, faint_contrast(0.0, 18.0, contrast)) if is_on_road else others
+        assert images.faint(mover, image, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(expected)
 
 
-def test_nearer_than_the_road_mirrors_a_body_is_not_compared_with_its_image() -> None:
-    movers, evidence = MovingObstacleTracker(CAMERA, MovingObstacleConfig(), RATE_HZ), MovingObstacleConfig().evidence
-    near = MovingTrack(Sight(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, MovingObstacleConfig().filter)
-    assert movers._faint(near, -2.5, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(evidence.faint(1.0, 5.0))
+def test_near_tracks_are_not_compared_with_their_image() -> None:
+    images, contrast = MirrorImages(CAMERA, moving_obstacles(), 0.05), moving_obstacles().evidence.contrast
+    assert contrast is not None
+    near = MovingTrack(Detection(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, moving_obstacles().filter)
+    limit = images.faint(near, -2.5, SPEED_MPS, np.zeros(3), wet().road)
+    assert limit == pytest.approx(faint_contrast(1.0, 5.0, contrast))
 
 
 def apparent(drive: Contrasted, frames: int) -> Apparent:
     flow = last_of(drive, frames)
-    return appear(flow, tracker().triangulate(flow), CAMERA, RATE_HZ, MovingObstacleConfig())
+    return appear(flow, tracker().triangulate(flow), CAMERA, RATE_HZ, moving_obstacles())
 
 
-def test_a_body_is_compared_with_its_image_by_what_of_it_is_half_a_metre_up_and_no_higher_than_a_car() -> None:
+def test_a_vehicle_is_compared_with_its_image_by_its_upper_part() -> None:
     """Its upper part has a contrast of -0.9, what is low -3, and trees above it 0."""
     heights = np.repeat([0.2, 0.8, 2.5], 6)
     place = np.column_stack([np.full(18, 15.0), np.tile(np.linspace(-0.8, 0.8, 6), 3), heights])
     parts = [
         (place[heights == high], 0.0, float(np.exp(share))) for high, share in ((0.2, -3.0), (0.8, -0.9), (2.5, 0.0))
     ]
-    seen, movers = apparent(wet(*parts), 30), MovingObstacleTracker(CAMERA, MovingObstacleConfig(), RATE_HZ)
+    seen, images = apparent(wet(*parts), 30), MirrorImages(CAMERA, moving_obstacles(), 0.05)
     depth = 15.0 - 29 * SPEED_MPS / RATE_HZ - CAMERA.forward_m
     mine = np.arange(18)
-    assert movers._image(seen, mine, depth) == pytest.approx(-2.0, abs=0.05)
-    assert movers._image(seen, mine, 0.99 * MovingObstacleConfig().steep_m) == -np.inf
+    assert images.own_image(seen, mine, depth) == pytest.approx(-2.0, abs=0.05)
+    assert images.own_image(seen, mine, 0.99 * moving_obstacles().steep_m) == -np.inf
 
 
-def test_who_is_brightest_is_suspected_first() -> None:
+def test_the_candidate_with_most_contrast_comes_first() -> None:
     """Two cars, the fainter with more points."""
     bright, faint = vehicle(16.0, -2.5, 10), vehicle(16.0, 2.5, 24)
     seen = apparent(wet((faint, 3.0, float(np.exp(-1.4))), (bright, 3.0, 1.0)), 40)
     feet = np.flatnonzero(seen.moves)
-    first = outlines(seen, feet, 1, CAMERA, MovingObstacleConfig())[0]
+    first = candidates(seen, feet, 1, CAMERA, moving_obstacles())[0]
     assert (seen.bearing[first] < 0.0).all()
+    off = without(moving_obstacles(), "candidate_contrast")
+    assert (seen.bearing[candidates(seen, feet, 1, CAMERA, off)[0]] > 0.0).all(), "switched off: the most points"
 
 
-@pytest.mark.parametrize("key", ["bright", "least_bright"])
-def test_weights_that_make_no_order_are_refused(key: str) -> None:
+@pytest.mark.parametrize(("key", "value"), [("contrast", (-0.8, -1.5)), ("least", 0.0)])
+def test_wrong_candidate_weights_are_refused(key: str, value: object) -> None:
     with pytest.raises(ValueError, match=key):
-        MovingObstacleConfig(**{key: {"bright": (-0.8, -1.5), "least_bright": 0.0}[key]})  # type: ignore[arg-type]
+        CandidateContrastConfig(**{"contrast": (-1.5, -0.8), "least": 0.1, key: value})  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(("key", "value"), [("dry_image", -1.0), ("image_ramp", 0.0)])
-def test_contrasts_of_images_that_make_no_order_are_refused(key: str, value: float) -> None:
+@pytest.mark.parametrize(("key", "value"), [("dry", -1.0), ("ramp", 0.0)])
+def test_wrong_contrasts_of_images_are_refused(key: str, value: float) -> None:
+    rule = moving_obstacles().mirror_image
+    assert isinstance(rule, MirrorImageConfig)
     with pytest.raises(ValueError, match=key):
-        EvidenceConfig(**{key: value})
+        replace(rule, **{key: value})

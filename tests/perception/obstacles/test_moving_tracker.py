@@ -1,15 +1,18 @@
-"""Bodies that move, from simulated tracks: boxes on wheels at known places and speeds beside what stands."""
+"""Moving vehicles from simulated point tracks: boxes on wheels at known places and speeds beside what stands."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from robust import moving_obstacles, optional_sections, without
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.obstacles.moving.detection import MovingObstacleConfig, appear
+from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
+from vpf_sim.perception.obstacles.moving.detection import appear
+from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, against
-from vpf_sim.perception.obstacles.moving.track import MovingTrack, Sight
+from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow, Obstacles
@@ -38,10 +41,10 @@ class Traffic(Drive):
 
 
 class Seen:
-    """Movers and landmarks together, as the planner has them."""
+    """Both obstacle trackers together, as the planner has them."""
 
-    def __init__(self) -> None:
-        self.movers = MovingObstacleTracker(CAMERA, MovingObstacleConfig(), RATE_HZ)
+    def __init__(self, config: MovingObstacleConfig | None = None) -> None:
+        self.movers = MovingObstacleTracker(CAMERA, config or moving_obstacles(), RATE_HZ)
         self.landmarks = tracker()
 
     def run(self, drive: Drive, frames: range) -> list[Obstacles]:
@@ -63,12 +66,12 @@ def traffic(*bodies: tuple[Floats, float], noise_px: float = 0.05) -> Traffic:
 
 
 @pytest.mark.parametrize("speed_mps", [3.0, 5.0, 9.0])
-def test_a_body_that_moves_has_the_inverse_depth_of_its_closing_speed(speed_mps: float) -> None:
+def test_a_moving_vehicle_has_the_inverse_depth_of_its_closing_speed(speed_mps: float) -> None:
     drive = traffic((vehicle(20.0, 1.0), speed_mps), noise_px=0.0)
     for frame in range(40):
         flow = drive.flow(frame)
     points = tracker().triangulate(flow)
-    seen = appear(flow, points, CAMERA, RATE_HZ, MovingObstacleConfig())
+    seen = appear(flow, points, CAMERA, RATE_HZ, moving_obstacles())
     mine = flow.identity < 18
     depth = 20.0 + (speed_mps - SPEED_MPS) * 39 / RATE_HZ - CAMERA.forward_m
     assert seen.inverse_per_m[mine] == pytest.approx((1.0 - speed_mps / SPEED_MPS) / depth, abs=1e-6)
@@ -109,7 +112,7 @@ def test_what_stands_does_not_move() -> None:
     assert not found[-1].speed_mps.any()
 
 
-def test_a_body_in_the_mirror_of_a_wet_road_does_not_move() -> None:
+def test_the_mirror_image_of_a_standing_car_does_not_move() -> None:
     """The mirror image of a standing car is seen as points below the road, at the car's distance."""
     rear = body(45.0, 0.0, 1.8, 1.4, 14)
     mirror = rear * [1.0, 1.0, -1.0]
@@ -124,7 +127,7 @@ def test_a_standing_cone_beside_a_moving_car_is_still_found() -> None:
     assert sorted(np.sign(found[-1].identity + 0.5)) == [-1.0, 1.0]
 
 
-def test_a_body_is_predicted_while_it_is_passed_and_then_forgotten() -> None:
+def test_a_vehicle_is_predicted_while_it_is_passed_and_then_pruned() -> None:
     """Its wheels are still seen when its face has left the picture; they must not hold it back."""
     side = np.column_stack(
         [14.0 + np.repeat([1.0, 3.7], 6), np.full(12, 2.3), np.tile([0.0, 0.1, 0.3, 0.5, 0.6, 0.9], 2)]
@@ -139,7 +142,7 @@ def test_a_body_is_predicted_while_it_is_passed_and_then_forgotten() -> None:
     assert not len(found[-1])
 
 
-def test_a_body_that_is_faster_comes_up_beside_and_draws_ahead() -> None:
+def test_a_faster_vehicle_is_tracked_from_beside_to_ahead() -> None:
     """It is seen from when its face is in the picture; its place and speed are those it has."""
     drive = traffic((vehicle(5.0, 3.2), 9.0))
     found = Seen().run(drive, range(round(4.0 * RATE_HZ)))
@@ -151,7 +154,7 @@ def test_a_body_that_is_faster_comes_up_beside_and_draws_ahead() -> None:
     assert 0.5 * (last.left_m[0] + last.right_m[0]) == pytest.approx(3.2, abs=0.5)
 
 
-def test_tracks_that_slip_along_a_line_are_no_body() -> None:
+def test_point_tracks_that_slip_along_a_line_are_no_vehicle() -> None:
     """Points at 20 m that seem to drive on at 3 m/s: as high and wide as a body is, but in one line."""
     along = np.linspace(0.0, 1.0, 9)
     line = np.column_stack([np.full(9, 20.0), -1.2 + 2.4 * along, 0.1 + 0.9 * along])
@@ -159,7 +162,7 @@ def test_tracks_that_slip_along_a_line_are_no_body() -> None:
     assert not any((bodies.identity < 0).any() for bodies in found)
 
 
-def test_what_the_road_shines_through_is_no_body() -> None:
+def test_an_outline_that_the_road_shines_through_is_no_vehicle() -> None:
     """A mirror image as wide as a vehicle is crossed by the road's own marks."""
     ghost = vehicle(20.0, 0.0)
     rng = stream(32, "road in it")
@@ -193,7 +196,7 @@ def before_trees(contrast: float) -> Contrasted:
     return Contrasted(np.concatenate([car, trees]), speeds, contrasts)
 
 
-def test_trees_behind_a_body_that_share_its_flow_do_not_hide_it() -> None:
+def test_trees_behind_a_vehicle_that_share_its_flow_do_not_hide_it() -> None:
     found = Seen().run(before_trees(1.0), range(round(1.5 * RATE_HZ)))
     last = found[-1]
     assert np.count_nonzero(last.identity < 0) == 1
@@ -202,28 +205,28 @@ def test_trees_behind_a_body_that_share_its_flow_do_not_hide_it() -> None:
     assert (last.left_m[mover], last.right_m[mover]) == pytest.approx((2.3, 4.1), abs=0.5)
 
 
-def test_an_image_as_faint_as_a_wet_road_mirrors_is_no_body() -> None:
+def test_an_image_as_faint_as_a_wet_road_mirrors_is_no_vehicle() -> None:
     found = Seen().run(before_trees(0.1), range(round(1.5 * RATE_HZ)))
     assert not any((bodies.identity < 0).any() for bodies in found)
 
 
-def test_a_body_that_is_believed_keeps_its_place_against_a_nearer_suspect() -> None:
-    """A second reading of the same tracks, with the same time to contact: as far as its points say, it may be right."""
+def test_a_confirmed_track_keeps_its_place_against_a_nearer_tentative_one() -> None:
+    """Both explain the same points with the same time to contact."""
     drive = traffic((vehicle(16.0, 0.0), 3.0))
     seen = Seen()
     seen.run(drive, range(round(2.0 * RATE_HZ)))
     (mover,) = [mover for mover in seen.movers.tracks if mover.identity is not None]
     pose = drive.pose(round(2.0 * RATE_HZ) - 1)
     place = mover.place(pose)
-    sight = Sight(place[0] - 3.0, 3.6, 0.5, -1.2, 1.2)
-    seen.movers.tracks.append(MovingTrack(sight, CAMERA, pose, 0.9, MovingObstacleConfig().filter))
+    sight = Detection(place[0] - 3.0, 3.6, 0.5, -1.2, 1.2)
+    seen.movers.tracks.append(MovingTrack(sight, CAMERA, pose, 0.9, moving_obstacles().filter))
     found = seen.run(drive, range(round(2.0 * RATE_HZ), round(2.2 * RATE_HZ)))
     assert [int(name) for name in found[-1].identity] == [-1]
     expected = 16.0 + (3.0 - SPEED_MPS) * 2.2
     assert found[-1].forward_m == pytest.approx([expected], abs=0.6)
 
 
-def test_a_believed_body_is_not_given_up_for_a_second_in_which_little_of_it_is_seen() -> None:
+def test_a_confirmed_track_survives_a_second_in_which_little_is_seen() -> None:
     """As while the wiper passes: of all its points three are left, side by side."""
     drive = traffic((vehicle(16.0, 0.0), 3.0))
     seen = Seen()
@@ -244,8 +247,8 @@ def two(ahead_m: float, right_m: float, pose: Floats) -> list[MovingTrack]:
     movers = []
     for name, (x, y) in enumerate([(12.0, 0.0), (12.0 + ahead_m, right_m)], start=1):
         forward, right = vehicle_from_world(np.array([x, y]), pose)
-        sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
-        mover = MovingTrack(sight, CAMERA, pose, 4.0, MovingObstacleConfig().filter)
+        sight = Detection(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+        mover = MovingTrack(sight, CAMERA, pose, 4.0, moving_obstacles().filter)
         mover.predict(0.0, 0.0, 0.0)
         mover.identity = name
         movers.append(mover)
@@ -254,17 +257,17 @@ def two(ahead_m: float, right_m: float, pose: Floats) -> list[MovingTrack]:
 
 @pytest.mark.parametrize(("ahead_m", "right_m", "count"), [(4.0, 3.5, 2), (4.0, -3.5, 2), (4.0, 0.0, 1), (0.0, 2.0, 1)])
 @pytest.mark.parametrize("yaw_rad", [-0.35, 0.0, 0.35])
-def test_two_bodies_are_one_by_how_they_lie_along_the_road_wherever_we_look(
+def test_tracks_merge_by_their_distance_along_the_road_at_any_yaw(
     ahead_m: float, right_m: float, count: int, yaw_rad: float
 ) -> None:
     """Cars in neighbouring lanes, 4 m apart along the road, are 1.9 m apart across the axis of one turned by .35."""
-    seen, pose = Seen(), np.array([0.0, 0.0, yaw_rad])
-    seen.movers.tracks = two(ahead_m, right_m, pose)
-    seen.movers._merge(pose)
-    assert len(seen.movers.tracks) == count
+    pose = np.array([0.0, 0.0, yaw_rad])
+    tracks = two(ahead_m, right_m, pose)
+    assert len(merged(tracks, pose, moving_obstacles())) == count
+    assert len(merged(tracks, pose, without(moving_obstacles(), "merging"))) == 2, "switched off"
 
 
-def test_no_point_is_of_two_bodies_the_nearer_of_which_hides_the_farther() -> None:
+def test_no_point_belongs_to_two_tracks() -> None:
     """Where both are met at one time the near one's side, seen beside the far one, grows as the far one does."""
     side = np.column_stack(
         [9.0 + np.repeat([2.5, 3.4, 4.2], 5), np.full(15, 2.4), np.tile(np.linspace(0.2, 1.2, 5), 3)]
@@ -277,7 +280,7 @@ def test_no_point_is_of_two_bodies_the_nearer_of_which_hides_the_farther() -> No
     for name, (start_m, right_m, speed_mps) in enumerate([(16.0, 1.3, 4.6), (9.0, 3.3, 5.05)], start=1):
         depth = start_m + speed_mps - SPEED_MPS - CAMERA.forward_m
         mover = MovingTrack(
-            Sight(depth, speed_mps, 0.2, right_m - 1.0, right_m + 1.0), CAMERA, pose, 5.0, MovingObstacleConfig().filter
+            Detection(depth, speed_mps, 0.2, right_m - 1.0, right_m + 1.0), CAMERA, pose, 5.0, moving_obstacles().filter
         )
         mover.identity = name
         seen.movers.tracks.append(mover)
@@ -288,25 +291,25 @@ def test_no_point_is_of_two_bodies_the_nearer_of_which_hides_the_farther() -> No
     assert sorted(0.5 * (found[-1].left_m + found[-1].right_m)) == pytest.approx([1.3, 3.3], abs=0.35)
 
 
-def test_tracks_older_than_a_fast_body_is_in_sight_are_not_of_it_and_do_not_spoil_it() -> None:
+def test_point_tracks_older_than_a_fast_vehicle_is_in_sight_do_not_belong_to_it() -> None:
     """It drives 9 m/s, 3 m before the camera: .9 s ago it was beside us, and an older track is of what stands."""
     drive = Drive(body(12.0, 3.2, 1.8, 1.2, 12))
     for frame in range(60):
         flow = drive.flow(frame)
     course, old = Course(9.0, 0.0, 0.0), flow.age_frames > 52
     assert old.any()
-    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, MovingObstacleConfig().noise)
-    mover = MovingTrack(Sight(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, MovingObstacleConfig().filter)
+    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, moving_obstacles().noise)
+    mover = MovingTrack(Detection(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, moving_obstacles().filter)
     chi2, _, change = mover.fit(tracks, np.ones(len(flow)), SPEED_MPS, 3.0, np.ones(len(flow), np.bool_))
     assert np.isfinite(change)
     assert (chi2[old] > 1e3).all()
 
 
-def test_a_body_that_is_only_predicted_hides_none_behind_it() -> None:
+def test_a_predicted_track_hides_none_behind_it() -> None:
     """Beside us, beyond the picture, one is believed still; where it would be the right half of another is seen."""
     drive, seen = traffic((vehicle(9.5, 3.2), 3.0)), Seen()
     seen.run(drive, range(60))
-    beside = MovingTrack(Sight(3.6, 3.0, 0.2, 4.7, 6.7), CAMERA, drive.pose(59), 5.0, MovingObstacleConfig().filter)
+    beside = MovingTrack(Detection(3.6, 3.0, 0.2, 4.7, 6.7), CAMERA, drive.pose(59), 5.0, moving_obstacles().filter)
     beside.identity = 99
     passed = next(mover for mover in seen.movers.tracks if mover.identity is not None)
     seen.movers.tracks.append(beside)
@@ -318,27 +321,35 @@ def test_a_body_that_is_only_predicted_hides_none_behind_it() -> None:
 
 
 @pytest.mark.parametrize("yaw_rad", [-0.3, 0.0, 0.3])
-def test_the_sides_of_a_body_are_where_they_are_in_the_world_however_the_car_is_turned(yaw_rad: float) -> None:
+def test_the_extent_does_not_depend_on_the_yaw_of_the_camera(yaw_rad: float) -> None:
     """Points all over a rear whose middle lies .5 m right of what is believed, on a road along the x axis."""
     pose, face_m = np.array([0.0, 0.0, yaw_rad]), 12.0
     forward, right = vehicle_from_world(np.array([face_m, 1.0]), pose)
-    sight = Sight(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
-    mover = MovingTrack(sight, CAMERA, pose, 4.0, MovingObstacleConfig().filter)
-    mover.course = Course(3.0, 0.0, 0.0)
+    sight = Detection(float(forward) - CAMERA.forward_m, 0.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+    mover = MovingTrack(sight, CAMERA, pose, 4.0, moving_obstacles().filter)
     rear = vehicle_from_world(np.column_stack([np.full(20, face_m), 1.5 + np.linspace(-0.95, 0.95, 20)]), pose)
+    bearing = rear[:, 1] / (rear[:, 0] - CAMERA.forward_m)
     for _ in range(20):
-        mover.spread(1.9, rear[:, 1] / (rear[:, 0] - CAMERA.forward_m), np.full(20, 4.0), pose, 0.05)
-        mover._sides.predict(0.05)
-    assert mover._place_m == pytest.approx([face_m, 1.5], abs=0.2)
-    assert mover.is_seen
+        mover.predict(0.05, 0.0, 0.0)
+        mover.update_extent((bearing.min(), bearing.max()), bearing, np.full(20, 4.0), pose, 0.05)
+    assert mover.place(np.zeros(3)) == pytest.approx([face_m, 1.5], abs=0.2)
+    assert mover.is_observed
 
 
-def test_a_body_seen_from_its_side_tells_nothing_of_its_rear() -> None:
+def test_a_vehicle_seen_from_its_side_does_not_update_its_extent() -> None:
     pose = np.array([0.0, 0.0, 1.2])
-    mover = MovingTrack(Sight(7.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 4.0, MovingObstacleConfig().filter)
+    mover = MovingTrack(Detection(7.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 4.0, moving_obstacles().filter)
     mover.predict(0.0, 0.0, 0.0)
     mover.predict(0.05, 0.0, 0.0)
-    before = mover._place_m.copy()
-    mover.spread(2.0, np.linspace(-0.2, 0.2, 9), np.full(9, 4.0), pose, 0.05)
-    assert mover._place_m == pytest.approx(before)
-    assert not mover.is_seen
+    before = mover.place(pose)
+    mover.update_extent((-0.15, 0.15), np.linspace(-0.2, 0.2, 9), np.full(9, 4.0), pose, 0.05)
+    assert mover.place(pose) == pytest.approx(before)
+    assert not mover.is_observed
+
+
+@pytest.mark.parametrize("path", [None, *optional_sections(moving_obstacles())])
+def test_a_car_ahead_is_tracked_with_each_mechanism_switched_off(path: str | None) -> None:
+    config = without(moving_obstacles(), path) if path else moving_obstacles()
+    last = Seen(config).run(traffic((vehicle(16.0, 0.0), 3.0)), range(round(1.2 * RATE_HZ)))[-1]
+    assert last.identity[0] == -1
+    assert last.forward_m[0] == pytest.approx(16.0 + (3.0 - SPEED_MPS) * 1.2, abs=1.5)

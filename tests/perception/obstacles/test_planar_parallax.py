@@ -1,22 +1,26 @@
-"""The road compared with how it looked from farther away: drawn roads with a plate on, in or under them."""
+"""Planar parallax on drawn roads with a plate on, in or under them, and the tracks of low obstacles."""
 
+from dataclasses import replace
 from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 from plated_road import CAMERA, PLATE_M, frame
+from robust import optional_sections, static_obstacles, without
 
 from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
-from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, ParallaxConfig, PlanarParallax
-from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, LowTrackConfig, in_sight
+from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig
+from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
+from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, in_sight
 from vpf_sim.perception.road.occlusion import OcclusionConfig, footprints
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 
 SPEED_MPS, LOOKS_HZ = 5.55, 10.0
 BUMPER_M = 2.25
+CONFIG, TRACKS = static_obstacles().residual, static_obstacles().spots
 STRAIGHT = RoadEdges(-7.0, 7.0, 0.0, 0.0, 0.05, 1.0, 0.0, 3.5)
 
 
@@ -29,9 +33,11 @@ def in_rain(image: Image, look: int) -> Image:
     return wet
 
 
-def looks(height_m: float, turn_rad: float = 0.0, rain: bool = False) -> list[tuple[Floats, list[LowObservation]]]:
-    """Poses and spots on the way to 6.5 m before the plate; all poses turned about the origin."""
-    residual, found = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), []
+def looks(
+    height_m: float, turn_rad: float = 0.0, rain: bool = False, config: ParallaxConfig = CONFIG
+) -> list[tuple[Floats, list[LowObservation]]]:
+    """Poses and observations on the way to 6.5 m before the plate; all poses turned about the origin."""
+    residual, found = PlanarParallax(CAMERA, config, LOOKS_HZ), []
     for look, forward in enumerate(np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist()):
         pose = np.array([*(rotation(turn_rad) @ np.array([forward, 0.0])), turn_rad])
         image = frame(forward, height_m)
@@ -41,7 +47,7 @@ def looks(height_m: float, turn_rad: float = 0.0, rain: bool = False) -> list[tu
     return found
 
 
-def test_a_flat_plate_is_seen_where_it_lies() -> None:
+def test_a_flat_plate_is_detected_where_it_lies() -> None:
     found = [(PLATE_M[0, 0] - pose[0], spot) for pose, spots in looks(0.15) for spot in spots]
     assert len(found) >= 3
     assert found[0][0] > 13.6, "from farther away than the noise is measured"
@@ -52,8 +58,8 @@ def test_a_flat_plate_is_seen_where_it_lies() -> None:
 
 @pytest.mark.parametrize("dash_m", [1.5, 3.0])
 def test_a_dash_that_ends_at_a_plate_does_not_bring_it_nearer(dash_m: float) -> None:
-    """A car that weaves a little sees the paint a cell aside of where it was."""
-    residual, off_m = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), []
+    """The car weaves a little, so that paint lies a cell aside of where it was."""
+    residual, off_m = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), []
     for way in np.arange(10.0, PLATE_M[0, 0] - 7.3, SPEED_MPS / LOOKS_HZ).tolist():
         pose = np.array([way, 0.02 * np.sin(way), 0.004 * np.cos(1.3 * way)])
         image = frame(way, 0.15, float(pose[1]), float(pose[2]), dash_m=dash_m)
@@ -63,12 +69,10 @@ def test_a_dash_that_ends_at_a_plate_does_not_bring_it_nearer(dash_m: float) -> 
 
 
 @pytest.mark.parametrize(("aside_m", "turn_radpm"), [(-2.6, 0.0), (3.0, 0.0), (-2.0, 0.05)])
-def test_a_plate_in_the_next_lane_or_in_a_swerve_is_seen_and_nothing_beside_it(
-    aside_m: float, turn_radpm: float
-) -> None:
+def test_a_plate_in_the_next_lane_or_in_a_swerve_is_detected_alone(aside_m: float, turn_radpm: float) -> None:
     """The car passes it in the next lane, or swerves towards it: by 13 deg between the frames that are compared."""
-    residual, on_plate = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), 0
-    for way in np.arange(8.0, PLATE_M[0, 0] - ParallaxConfig().near_m - 0.3, SPEED_MPS / LOOKS_HZ).tolist():
+    residual, on_plate = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), 0
+    for way in np.arange(8.0, PLATE_M[0, 0] - CONFIG.near_m - 0.3, SPEED_MPS / LOOKS_HZ).tolist():
         turning = max(0.0, way - 14.0)
         pose = np.array([way, aside_m + 0.5 * turn_radpm * turning**2, turn_radpm * turning])
         for spot in residual.update(frame(way, 0.15, float(pose[1]), float(pose[2])), pose) or []:
@@ -78,7 +82,7 @@ def test_a_plate_in_the_next_lane_or_in_a_swerve_is_seen_and_nothing_beside_it(
     assert on_plate >= 3
 
 
-def test_drops_on_the_glass_are_no_spots_and_hide_no_plate() -> None:
+def test_drops_on_the_windscreen_are_no_obstacles_and_hide_no_plate() -> None:
     gaps = [
         (spot.forward_m + pose[0] - PLATE_M[0, 0], spot) for pose, spots in looks(0.15, rain=True) for spot in spots
     ]
@@ -88,9 +92,9 @@ def test_drops_on_the_glass_are_no_spots_and_hide_no_plate() -> None:
 
 
 @pytest.mark.parametrize(("height_m", "bodies"), [(0.15, 1), (0.0, 0), (-0.15, 0), (-1.4, 0)])
-def test_only_what_stands_above_the_road_becomes_a_body(height_m: float, bodies: int) -> None:
-    """Not paint as bright as the plate, nor what the wet road mirrors."""
-    book = LowObstacleTracks(LowTrackConfig(), lambda: 7)
+def test_only_a_plate_above_the_road_is_confirmed(height_m: float, bodies: int) -> None:
+    """Paint as bright as the plate and its mirror image are not."""
+    book = LowObstacleTracks(TRACKS, lambda: 7)
     for pose, spots in looks(height_m):
         book.record(spots, pose)
     assert len(book.bodies(pose)) == bodies
@@ -114,11 +118,11 @@ def test_the_direction_of_travel_in_the_world_does_not_matter() -> None:
         (0.7, 1.2, 6.0, True),  # a short one
     ],
 )
-def test_a_known_body_is_left_out_with_what_it_hides_and_not_what_lies_beside_it(
+def test_a_known_obstacle_is_left_out_with_what_it_hides_only(
     left_m: float, right_m: float, ahead_m: float, seen: bool
 ) -> None:
     """The plate lies from 0.2 m left to 0.6 m right."""
-    residual, found, one = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), False, np.ones(1)
+    residual, found, one = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), False, np.ones(1)
     for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
         face = PLATE_M[0, 0] - forward - ahead_m
         body = Obstacles(face * one, left_m * one, right_m * one, 0.1 * one, one, np.array([1]))
@@ -128,9 +132,9 @@ def test_a_known_body_is_left_out_with_what_it_hides_and_not_what_lies_beside_it
 
 
 @pytest.mark.parametrize(("right_m", "is_road"), [(0.2, False), (-1.5, True)])
-def test_where_a_body_should_begin_the_road_is_seen_or_it_is_not(right_m: float, is_road: bool) -> None:
-    """A body is told where the plate is, or beside it."""
-    residual, one, found = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), np.ones(1), []
+def test_the_difference_at_a_foot_tells_road_from_obstacle(right_m: float, is_road: bool) -> None:
+    """An obstacle is reported where the plate is, or beside it."""
+    residual, one, found = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), np.ones(1), []
     for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
         residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
         face = (PLATE_M[0, 0] - forward) * one
@@ -141,11 +145,11 @@ def test_where_a_body_should_begin_the_road_is_seen_or_it_is_not(right_m: float,
     assert np.count_nonzero(seen < config.road) >= config.looks if is_road else np.median(seen) > config.body
 
 
-def test_where_the_noise_is_not_measured_no_road_is_seen_instead_of_a_body() -> None:
-    """So far away a faint body looks like road."""
-    residual, one, config = PlanarParallax(CAMERA, ParallaxConfig(), LOOKS_HZ), np.ones(1), ParallaxConfig()
+def test_beyond_the_noise_range_no_foot_is_compared() -> None:
+    """So far away a faint obstacle looks like road."""
+    residual, one, config = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), np.ones(1), CONFIG
     found = []
-    for forward in np.arange(0.0, PLATE_M[0, 0] - 8.0, SPEED_MPS / LOOKS_HZ).tolist():
+    for forward in np.arange(8.5, PLATE_M[0, 0] - 8.0, SPEED_MPS / LOOKS_HZ).tolist():
         residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
         face = (PLATE_M[0, 0] - forward) * one
         body = Obstacles(face, -0.3 * one, 0.3 * one, 0.2 * one, one, np.array([1]))
@@ -155,14 +159,14 @@ def test_where_the_noise_is_not_measured_no_road_is_seen_instead_of_a_body() -> 
     assert any(np.isfinite(difference) for _, difference in found)
 
 
-def test_between_looks_and_without_a_way_nothing_is_told() -> None:
-    residual = PlanarParallax(CAMERA, ParallaxConfig(), 60.0)
+def test_nothing_is_reported_without_a_baseline() -> None:
+    residual = PlanarParallax(CAMERA, CONFIG, 60.0)
     image = frame(0.0, 0.15)
     assert all(residual.update(image, np.zeros(3)) is None for _ in range(20))
 
 
-def test_a_look_waits_for_a_frame_without_a_wiper_and_the_next_is_a_period_later() -> None:
-    residual, image, looked = PlanarParallax(CAMERA, ParallaxConfig(), 60.0), frame(0.0, 0.15), []
+def test_an_observation_waits_while_the_wiper_hides_the_road() -> None:
+    residual, image, looked = PlanarParallax(CAMERA, CONFIG, 60.0), frame(0.0, 0.15), []
     for index in range(24):
         hidden = 4 <= index < 9  # it is due in frame 6
         looked += [index] if residual.looks and not hidden else []
@@ -170,10 +174,18 @@ def test_a_look_waits_for_a_frame_without_a_wiper_and_the_next_is_a_period_later
     assert looked == [0, 9, 15, 21]
 
 
-def recorded(places_m: list[float], speed_mps: float = SPEED_MPS) -> list[Obstacles]:
-    """Bodies after each look at spots told so far ahead, one each 0.1 s, straight on."""
+def changed(config: Any, keys: dict[str, Any]) -> Any:
+    """The configuration with other values at dotted keys."""
+    for path, value in keys.items():
+        key, _, rest = path.partition(".")
+        config = replace(config, **{key: changed(getattr(config, key), {rest: value}) if rest else value})
+    return config
+
+
+def recorded(places_m: list[float], speed_mps: float = SPEED_MPS, config: LowTrackConfig = TRACKS) -> list[Obstacles]:
+    """Confirmed tracks after each observation so far ahead, one each 0.1 s, straight on."""
     numbers = iter(range(5))
-    book, found = LowObstacleTracks(LowTrackConfig(), lambda: next(numbers)), []
+    book, found = LowObstacleTracks(config, lambda: next(numbers)), []
     for k, place in enumerate(places_m):
         pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
         book.record([LowObservation(place, -0.4, 0.4, 30.0)] if np.isfinite(place) else [], pose)
@@ -181,7 +193,7 @@ def recorded(places_m: list[float], speed_mps: float = SPEED_MPS) -> list[Obstac
     return found
 
 
-def test_a_spot_is_believed_when_it_stays_in_the_world() -> None:
+def test_a_track_is_confirmed_when_it_stays_in_the_world() -> None:
     step = SPEED_MPS / LOOKS_HZ
     found = recorded([12.0 - k * step for k in range(6)] + [np.nan] * 30)
     assert [len(bodies) for bodies in found[:4]] == [0, 0, 1, 1]
@@ -189,32 +201,33 @@ def test_a_spot_is_believed_when_it_stays_in_the_world() -> None:
     assert last.forward_m[0] == pytest.approx(12.0 - 20 * step)
     assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.4, 0.4))
     assert {int(name) for bodies in found for name in bodies.identity} == {0}
-    assert len(recorded([12.0 - k * step for k in range(6)] + [np.nan] * 40)[-1]) == 0, "forgotten once passed"
+    assert len(recorded([12.0 - k * step for k in range(6)] + [np.nan] * 40)[-1]) == 0, "pruned once passed"
 
 
 @pytest.mark.parametrize(
     "wrong",
     [
         {"hits": 0},
-        {"nearer_share": 1.1},
-        {"cut_share": 0.95},
-        {"usual_gain": 0.0},
-        {"counts": (1.5, 0.5)},
+        {"approach.share": 1.1},
+        {"truncated.share": 0.95},
+        {"gain_weight.usual_gain": 0.0},
+        {"gain_weight.least": 2.0},
+        {"tentative.hits": 0},
         {"low_hides_m": 0.5},
     ],
 )
-def test_what_no_spot_can_be_counted_by_is_refused(wrong: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        LowTrackConfig(**wrong)
+def test_wrong_track_settings_are_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=next(iter(wrong)).rpartition(".")[2]):
+        changed(TRACKS, wrong)
 
 
 @pytest.mark.parametrize("bend_per_m", [-0.07, 0.0, 0.07])
 @pytest.mark.parametrize(("mirrored", "told"), [(False, 1), (True, 0)])
-def test_a_spot_is_believed_as_soon_in_a_bend_and_a_mirror_image_is_not(
+def test_a_track_is_confirmed_as_soon_in_a_bend_and_a_mirror_image_is_not(
     bend_per_m: float, mirrored: bool, told: int
 ) -> None:
     """On the way of 5 m a mirror image moves on by a fifth of it, away from where the car is headed at first."""
-    book, place = LowObstacleTracks(LowTrackConfig(), lambda: 0), np.array([13.0, 2.0 * np.sign(bend_per_m)])
+    book, place = LowObstacleTracks(TRACKS, lambda: 0), np.array([13.0, 2.0 * np.sign(bend_per_m)])
     for way in np.arange(0.0, 5.0, 0.5):
         turn = bend_per_m * way
         pose = np.array([way * np.sinc(turn / np.pi), 0.5 * way * turn, turn])
@@ -226,16 +239,16 @@ def test_a_spot_is_believed_as_soon_in_a_bend_and_a_mirror_image_is_not(
 
 
 @pytest.mark.parametrize("speed_mps", [1.0, 3.0, 5.55])
-def test_a_drop_that_moves_with_the_car_is_never_believed(speed_mps: float) -> None:
+def test_a_drop_that_moves_with_the_car_is_never_confirmed(speed_mps: float) -> None:
     assert not any(len(bodies) for bodies in recorded([8.0] * 40, speed_mps))
 
 
 def suspected(sightings: list[tuple[float, bool, bool]], step_m: float = SPEED_MPS / LOOKS_HZ) -> list[tuple[int, int]]:
-    """How many are suspected and believed after each look at a spot so far ahead (nan: none), `sure`, `cut`."""
-    book, found = LowObstacleTracks(LowTrackConfig(), lambda: 0, near_m=6.5), []
+    """How many are tentative and confirmed after each observation so far ahead (nan: none), `sure`, `truncated`."""
+    book, found = LowObstacleTracks(TRACKS, lambda: 0, near_m=6.5), []
     for k, (place, sure, cut) in enumerate(sightings):
         pose = np.array([k * step_m, 0.0, 0.0])
-        gain = LowTrackConfig().usual_gain if sure else 4.0
+        gain = 12.0 if sure else 4.0
         book.record([LowObservation(place, -0.4, 0.4, gain, sure, cut)] if np.isfinite(place) else [], pose)
         found.append((len(book.tentative(pose)), len(book.bodies(pose))))
     return found
@@ -244,25 +257,23 @@ def suspected(sightings: list[tuple[float, bool, bool]], step_m: float = SPEED_M
 @pytest.mark.parametrize(
     ("sure", "cut", "step_m", "found"),
     [(True, True, 0.5, 1), (False, True, 0.5, 0), (True, False, 0.5, 0), (True, True, 0.05, 0)],
-    ids=["hidden until then", "doubtful", "not cut off", "as good as standing"],
+    ids=["hidden until then", "weak", "not truncated", "at standstill"],
 )
-def test_what_is_first_seen_where_looks_end_is_suspected_if_it_is_sure(
-    sure: bool, cut: bool, step_m: float, found: int
-) -> None:
-    """A pallet that drops hid until 6.8 m; it cannot be seen to come nearer than 6.7 m, where looks end."""
+def test_a_sure_truncated_track_is_tentative(sure: bool, cut: bool, step_m: float, found: int) -> None:
+    """Drops hid a pallet until 6.8 m; it cannot come nearer than 6.7 m, where the patch ends."""
     assert suspected([(6.8, sure, False), (6.7, sure, cut)], step_m) == [(0, 0), (found, 0)]
 
 
-def test_a_car_that_stands_suspects_nothing_that_shows_up_again() -> None:
-    """What sticks to the glass, while the pose trembles by a millimetre."""
-    book = LowObstacleTracks(LowTrackConfig(), lambda: 0)
+def test_at_standstill_nothing_is_tentative() -> None:
+    """Water stays on the windscreen, while the pose trembles by a millimetre."""
+    book = LowObstacleTracks(TRACKS, lambda: 0)
     for k in range(6):
         book.record([LowObservation(9.0 - 0.001 * k, -0.4, 0.4, 4.0, False)], np.array([0.001 * k, 0.0, 0.0]))
     assert len(book.tentative(np.zeros(3))) == 0
 
 
-def test_suspects_are_told_apart() -> None:
-    book, step = LowObstacleTracks(LowTrackConfig(), lambda: 0), SPEED_MPS / LOOKS_HZ
+def test_tentative_tracks_have_different_identities() -> None:
+    book, step = LowObstacleTracks(TRACKS, lambda: 0), SPEED_MPS / LOOKS_HZ
     for k in range(3):
         spots = [
             LowObservation(place - k * step, left, left + 0.8, 4.0, False) for place, left in ((9.0, 1.3), (11.0, -0.4))
@@ -272,14 +283,14 @@ def test_suspects_are_told_apart() -> None:
     assert len(set(tentative.identity.tolist())) == 2
 
 
-def test_what_is_seen_again_is_suspected_until_it_is_believed_and_never_believed_on_doubts_alone() -> None:
+def test_weak_observations_make_a_tentative_track_and_never_confirm_it() -> None:
     step = SPEED_MPS / LOOKS_HZ
     assert suspected([(12.0 - k * step, False, False) for k in range(9)]) == [(0, 0), *[(1, 0)] * 8]
     sure = [(12.0 - k * step, k > 1, False) for k in range(6)]
     assert suspected(sure) == [(0, 0), (1, 0), (1, 0), (1, 0), (0, 1), (0, 1)]
 
 
-def test_a_suspicion_ends_with_the_looks_that_do_not_show_it_but_not_where_none_can() -> None:
+def test_a_tentative_track_ends_with_misses_but_not_nearer_than_the_patch() -> None:
     step = SPEED_MPS / LOOKS_HZ
     far = [(12.0 - k * step, False, False) for k in range(3)] + [(np.nan, False, False)] * 5
     assert [one for one, _ in suspected(far)] == [0, 1, 1, 1, 1, 0, 0, 0]
@@ -288,8 +299,8 @@ def test_a_suspicion_ends_with_the_looks_that_do_not_show_it_but_not_where_none_
 
 
 @pytest.mark.parametrize(("gain", "looks"), [(6.0, 6), (12.0, 3), (60.0, 2)])
-def test_the_fainter_a_spot_the_more_looks_it_takes(gain: float, looks: int) -> None:
-    book, step = LowObstacleTracks(LowTrackConfig(way_m=0.5), lambda: 0), SPEED_MPS / LOOKS_HZ
+def test_the_fainter_an_obstacle_the_more_observations_it_takes(gain: float, looks: int) -> None:
+    book, step = LowObstacleTracks(replace(TRACKS, way_m=0.5), lambda: 0), SPEED_MPS / LOOKS_HZ
     for k in range(looks):
         pose = np.array([k * step, 0.0, 0.0])
         assert not len(book.bodies(pose))
@@ -298,9 +309,9 @@ def test_the_fainter_a_spot_the_more_looks_it_takes(gain: float, looks: int) -> 
 
 
 @pytest.mark.parametrize(("height_m", "believed"), [(0.0, True), (0.9, False)])
-def test_what_comes_nearer_by_less_than_the_way_is_mirrored(height_m: float, believed: bool) -> None:
-    """What stands 0.9 m high at D is seen in the road at D h / (h + 0.9), h that of the camera."""
-    book, height, numbers = LowObstacleTracks(LowTrackConfig(), lambda: next(numbers)), 1.4, iter(range(9))
+def test_a_track_that_approaches_by_less_than_the_way_is_a_mirror_image(height_m: float, believed: bool) -> None:
+    """The image of a point 0.9 m high at D lies on the road at D h / (h + 0.9), with h of the camera."""
+    book, height, numbers = LowObstacleTracks(TRACKS, lambda: next(numbers)), 1.4, iter(range(9))
     share = height / (height + height_m)
     for way in np.arange(0.0, 8.0, SPEED_MPS / LOOKS_HZ).tolist():
         pose = np.array([way, 0.0, 0.0])
@@ -308,11 +319,11 @@ def test_what_comes_nearer_by_less_than_the_way_is_mirrored(height_m: float, bel
     assert (len(book.bodies(pose)) > 0) == believed
 
 
-def test_a_drop_is_not_suspected_either() -> None:
+def test_a_drop_is_not_tentative_either() -> None:
     assert not any(one for one, _ in suspected([(8.0, True, False)] * 30))
 
 
-def test_the_near_end_of_one_cut_off_tells_no_place() -> None:
+def test_the_near_end_of_a_truncated_observation_is_no_place() -> None:
     step = SPEED_MPS / LOOKS_HZ
     assert not any(one or two for one, two in suspected([(6.7, True, True)] * 10))
     assert not any(two for _, two in suspected([(7.9, True, False), *[(6.7, True, True)] * 3]))
@@ -321,15 +332,15 @@ def test_the_near_end_of_one_cut_off_tells_no_place() -> None:
     assert suspected(seen)[-1] == (0, 1)
 
 
-def test_one_first_seen_near_is_believed_by_sightings_cut_off_if_there_are_more_of_them() -> None:
+def test_more_truncated_observations_confirm_a_track_that_begins_near() -> None:
     seen = [(7.9, True, False), (np.nan, False, False), *[(6.7, True, True)] * 4]
     told = suspected(seen, step_m=0.3)
     assert told[2:] == [(1, 0), (1, 0), (1, 0), (0, 1)]
     assert not any(two for _, two in suspected([(7.1, True, False), *[(6.7, True, True)] * 9], 0.3)), "a drop"
 
 
-def test_a_spot_that_turns_out_to_be_road_is_forgotten() -> None:
-    book, pose = LowObstacleTracks(LowTrackConfig(), lambda: 4), np.zeros(3)
+def test_a_track_that_turns_out_to_be_road_is_removed() -> None:
+    book, pose = LowObstacleTracks(TRACKS, lambda: 4), np.zeros(3)
     for forward in np.arange(0.0, 4.0, 0.555).tolist():
         pose = np.array([forward, 0.0, 0.0])
         book.record([LowObservation(14.0 - forward, -0.4, 0.4, 30.0)], pose)
@@ -339,14 +350,14 @@ def test_a_spot_that_turns_out_to_be_road_is_forgotten() -> None:
     assert len(book.bodies(pose)) == 0
 
 
-def test_what_flashes_up_is_forgotten() -> None:
+def test_a_track_of_single_flashes_is_pruned() -> None:
     assert not any(len(bodies) for bodies in recorded([12.0, np.nan, np.nan, np.nan, 9.8, np.nan, np.nan, np.nan, 7.6]))
 
 
 @pytest.mark.parametrize(("flashes", "hits"), [(0, 3), (2, 7)])
-def test_where_spots_flash_up_everywhere_it_takes_more_looks(flashes: int, hits: int) -> None:
+def test_in_clutter_a_track_takes_more_observations(flashes: int, hits: int) -> None:
     rng, numbers = stream(33, "flashes"), iter(range(50))
-    book, step = LowObstacleTracks(LowTrackConfig(), lambda: next(numbers)), SPEED_MPS / LOOKS_HZ
+    book, step = LowObstacleTracks(TRACKS, lambda: next(numbers)), SPEED_MPS / LOOKS_HZ
     for k in range(60):
         spots = [LowObservation(float(place), -2.4, -2.0, 12.0) for place in rng.uniform(7.0, 30.0, flashes)]
         if k >= 40:
@@ -357,8 +368,8 @@ def test_where_spots_flash_up_everywhere_it_takes_more_looks(flashes: int, hits:
     assert k - 40 + 1 == hits
 
 
-def test_behind_a_body_the_road_is_hidden_from_either_place() -> None:
-    none, config = np.full(1, np.inf), LowTrackConfig()
+def test_an_obstacle_hides_the_road_from_either_camera_position() -> None:
+    none, config = np.full(1, np.inf), TRACKS
     body = Obstacles(np.array([8.0]), np.array([-1.0]), np.array([1.0]), np.ones(1), none, np.zeros(1, np.int64))
     lens, before = np.array([0.8, 0.0]), np.array([-4.0, 5.0])
     assert in_sight(LowObservation(12.0, -0.4, 0.4, 30.0), lens, body, config) is None
@@ -371,9 +382,9 @@ def test_behind_a_body_the_road_is_hidden_from_either_place() -> None:
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_of_a_spot_half_behind_a_body_the_other_half_is_seen(side: float) -> None:
+def test_the_visible_half_of_an_observation_is_kept(side: float) -> None:
     """From 0.8 m, what is 1.3 m aside at 8 m hides up to 1.3 * 11.2 / 7.2 = 2.02 m aside at 12 m."""
-    none, config = np.full(1, np.inf), LowTrackConfig(margin_m=0.3)
+    none, config = np.full(1, np.inf), TRACKS
     body = Obstacles(np.array([8.0]), np.array([-1.0]), np.array([1.0]), np.ones(1), none, np.zeros(1, np.int64))
     lens = np.array([0.8, 0.0])
     ends = sorted((side * 1.5, side * 2.9))
@@ -385,12 +396,49 @@ def test_of_a_spot_half_behind_a_body_the_other_half_is_seen(side: float) -> Non
     )
 
 
-def test_nonsense_is_refused_with_what_was_given() -> None:
-    with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 16\.0"):
-        ParallaxConfig(near_m=20.0)
+def test_wrong_parallax_settings_are_refused_with_what_was_given() -> None:
+    with pytest.raises(ValueError, match=r"expected near < far, got 20\.0, 16\.0"):
+        replace(CONFIG, near_m=20.0)
     with pytest.raises(ValueError, match=r"noise_far_m: expected 6\.5 to 16\.0, got 17\.0"):
-        ParallaxConfig(noise_far_m=17.0)
-    with pytest.raises(ValueError, match=r"doubt_gain: expected > 0 and <= least_gain = 6\.0, got 7\.0"):
-        ParallaxConfig(doubt_gain=7.0)
-    with pytest.raises(ValueError, match="doubts: expected > 0, got 0"):
-        LowTrackConfig(doubts=0)
+        replace(CONFIG, noise_far_m=17.0)
+    with pytest.raises(ValueError, match=r"tentative\.least_gain: expected <= least_gain = 6\.0, got 7\.0"):
+        changed(CONFIG, {"tentative.least_gain": 7.0})
+
+
+@pytest.mark.parametrize("path", list(optional_sections(CONFIG)))
+def test_a_plate_is_detected_with_each_mechanism_of_the_detector_switched_off(path: str) -> None:
+    found = [
+        PLATE_M[0, 0] - pose[0] - spot.forward_m
+        for pose, spots in looks(0.15, config=without(CONFIG, path))
+        for spot in spots
+    ]
+    assert np.count_nonzero(np.abs(found) < 2.0) >= 3
+
+
+@pytest.mark.parametrize("path", list(optional_sections(TRACKS)))
+def test_an_obstacle_is_confirmed_with_each_mechanism_of_the_tracks_switched_off(path: str) -> None:
+    step = SPEED_MPS / LOOKS_HZ
+    found = recorded([12.0 - k * step for k in range(6)], config=without(TRACKS, path))
+    assert [len(bodies) for bodies in found[:4]] == [0, 0, 1, 1]
+
+
+def test_without_the_approach_rule_a_drop_is_confirmed() -> None:
+    assert len(recorded([8.0] * 40, 1.0, without(TRACKS, "approach"))[-1]) == 1
+
+
+def test_without_dash_rejection_a_dash_brings_the_plate_nearer() -> None:
+    def nearest(config: ParallaxConfig) -> float:
+        residual, off_m = PlanarParallax(CAMERA, config, LOOKS_HZ), []
+        for way in np.arange(10.0, PLATE_M[0, 0] - 7.3, SPEED_MPS / LOOKS_HZ).tolist():
+            pose = np.array([way, 0.02 * np.sin(way), 0.004 * np.cos(1.3 * way)])
+            image = frame(way, 0.15, float(pose[1]), float(pose[2]), dash_m=3.0)
+            off_m += [spot.forward_m - (PLATE_M[0, 0] - way) for spot in residual.update(image, pose) or []]
+        return min(off_m)
+
+    assert nearest(without(CONFIG, "dash")) < nearest(CONFIG)
+
+
+def test_a_range_that_is_not_measured_is_the_whole_patch() -> None:
+    sight = PlanarParallax(CAMERA, without(CONFIG, "sensing_range"), LOOKS_HZ).sight
+    needed = sight.needed_m(5.0, 2)
+    assert sight.distance_m(needed) == sight.good_m(needed) == CONFIG.far_m

@@ -6,12 +6,12 @@ from typing import cast
 
 import numpy as np
 import pytest
+from robust import static_obstacles
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses
-from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.static_obstacles import Bodies
 from vpf_sim.types import Floats, Flow, RoadEdges
 
@@ -66,7 +66,7 @@ def test_a_corner_that_stands_alone_is_the_higher_the_worse_its_depth_is_known(
         height_m=height_m * one,
         seed_weight=seed_weight * one,
     )
-    bodies = Bodies(CAMERA, StaticObstacleConfig(), cast("PointHypotheses", marks), RATE_HZ)
+    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
     assert bodies._are_tall(np.zeros(1, np.int64), np.zeros(1, np.int64)).tolist() == [told]
 
 
@@ -144,7 +144,7 @@ def test_a_body_with_a_name_keeps_it_though_points_of_another_join_it(
 ) -> None:
     """Corners of a truck's flank are seen beside a cone: under the truck's name it would be a part of it."""
     marks, one = SimpleNamespace(body=np.array(before)), np.ones(len(named), np.bool_)
-    bodies = Bodies(CAMERA, StaticObstacleConfig(), cast("PointHypotheses", marks), RATE_HZ)
+    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
     assert bodies._named(np.arange(len(label)), np.array(label), one, one, ~one).tolist() == named
     assert marks.body.tolist() == [named[k] for k in label]
 
@@ -153,7 +153,7 @@ def test_a_body_with_a_name_keeps_it_though_points_of_another_join_it(
 def test_a_badly_placed_splinter_of_a_body_is_not_told_under_its_name(placed: bool, named: int) -> None:
     """Two of a barrier's corners, seen only from afar, seemed to stand 4 m before the car that had passed it."""
     marks, both = SimpleNamespace(body=np.full(6, 2)), np.ones(2, np.bool_)
-    bodies = Bodies(CAMERA, StaticObstacleConfig(), cast("PointHypotheses", marks), RATE_HZ)
+    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
     label = np.array([0, 0, 0, 0, 1, 1])
     assert bodies._named(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
 
@@ -292,17 +292,17 @@ def test_low_points_and_what_the_look_at_the_road_shows_are_told_as_one_body() -
 
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match="least_width_m: expected >= 0, got -1"):
-        StaticObstacleConfig(least_width_m=-1.0)
+        replace(static_obstacles(), least_width_m=-1.0)
     with pytest.raises(ValueError, match=r"expected 0 < near < far, got 30\.0, 28\.0"):
-        StaticObstacleConfig(near_m=30.0)
+        replace(static_obstacles(), near_m=30.0)
     with pytest.raises(ValueError, match=r"turned_near_m: expected near_m <= it < far_m, got 1\.0"):
-        StaticObstacleConfig(turned_near_m=1.0)
+        replace(static_obstacles(), turned_near_m=1.0)
     with pytest.raises(ValueError, match=r"single_depth_ratio: expected 0 < first < second, got \(0\.1, 0\.07\)"):
-        StaticObstacleConfig(single_depth_ratio=(0.1, 0.07))
+        replace(static_obstacles(), single_depth_ratio=(0.1, 0.07))
     with pytest.raises(ValueError, match=r"high_share: expected 0 \.\. 1, 1 left out, got 1\.0"):
-        StaticObstacleConfig(high_share=1.0)
+        replace(static_obstacles(), high_share=1.0)
     with pytest.raises(ValueError, match=r"outdated_share: expected 0 \.\. 1, 1 left out, got 1\.0"):
-        StaticObstacleConfig(outdated_share=1.0)
+        replace(static_obstacles(), outdated_share=1.0)
 
 
 def test_what_lies_low_before_the_face_that_is_told_of_a_body_is_not_of_that_body() -> None:

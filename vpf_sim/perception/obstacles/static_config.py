@@ -6,8 +6,7 @@ from vpf_sim.perception.egomotion.triangulation import NoiseModel
 from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistencyConfig
 from vpf_sim.perception.obstacles.low_obstacles import LowObstacleConfig
-from vpf_sim.perception.obstacles.planar_parallax.detector import ParallaxConfig
-from vpf_sim.perception.obstacles.planar_parallax.tracker import LowTrackConfig
+from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig
 from vpf_sim.perception.obstacles.track_refinement import RefinementConfig
 from vpf_sim.perception.road.occlusion import OcclusionConfig
 
@@ -16,6 +15,8 @@ from vpf_sim.perception.road.occlusion import OcclusionConfig
 class StaticObstacleConfig:
     """Limits and time constants of `vpf_sim.perception.obstacles.static_tracker.StaticObstacleTracker`."""
 
+    residual: ParallaxConfig
+    spots: LowTrackConfig
     update_period_s: float = 0.05  # between judgements of the points
     window_px: int = 11  # of the flow, for the noise of a track
     grey_levels: float = 5.0  # noise of a track, see NoiseModel
@@ -65,9 +66,7 @@ class StaticObstacleConfig:
     least_width_m: float = 0.4  # a body is told no narrower: a cone's flow comes from its stripes, its base is wider
     behind_m: float = 11.0  # where a body is forgotten
     low: LowObstacleConfig = field(default_factory=LowObstacleConfig)
-    residual: ParallaxConfig = field(default_factory=ParallaxConfig)
     cover: OcclusionConfig = field(default_factory=OcclusionConfig)
-    spots: LowTrackConfig = field(default_factory=LowTrackConfig)
     spread: LoomingConsistencyConfig = field(default_factory=LoomingConsistencyConfig)
     clearing: FreeRoadConfig = field(default_factory=FreeRoadConfig)
     asked: RefinementConfig = field(default_factory=RefinementConfig)

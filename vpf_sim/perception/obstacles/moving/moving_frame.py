@@ -1,4 +1,4 @@
-"""Tracks in the frame of a body that moves along the road: where its points were seen first, if it drove so."""
+"""Point tracks in the frame of a vehicle that moves along the road."""
 
 from dataclasses import dataclass
 
@@ -19,15 +19,14 @@ NEVER_PX = 1e3  # residual of a point that would have been behind the camera
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """How a body drives: its speed along a road that has this direction in the world, and bend, where the body is."""
+    """Speed of a vehicle, with the road's direction in the world and curvature at its place."""
 
     speed_mps: float
     direction_rad: float
     curvature_per_m: float
 
     def way(self, time_s: Floats, speed_mps: Floats, turn_rad: Floats) -> Floats:
-        """(V, M, 2) m that it has driven in the last seconds (M,), along the chord of its arc, at V speeds (V, 1) and
-        turned by so much (V, 1)."""
+        """(V, M, 2) m driven in the last seconds (M,), along the arc's chord, at speeds and turned by angles (V, 1)."""
         way = speed_mps * time_s
         angle = self.direction_rad + turn_rad - 0.5 * self.curvature_per_m * way
         return np.stack([way * np.cos(angle), way * np.sin(angle)], axis=-1)
@@ -35,10 +34,10 @@ class Course:
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """M tracks against a body's course: residual of the first sighting and its derivatives, px."""
+    """Residuals of M point tracks against a vehicle's course, at their first sightings, and derivatives."""
 
-    residual_px: Floats  # (M, 2) seen less expected
-    by_depth: Floats  # (M, 2) px / m, of what is expected
+    residual_px: Floats  # (M, 2) observed less expected
+    by_depth: Floats  # (M, 2) px / m
     by_speed: Floats  # (M, 2) px / (m/s)
     by_turn: Floats  # (M, 2) px / rad, of the course
     weight: Floats  # (M, 2, 2) inverse covariance of a sighting, px^-2
@@ -55,11 +54,11 @@ def rays(camera: Camera, points_px: Floats) -> Floats:
 def against(
     flow: Flow, camera: Camera, course: Course, depth_m: Floats, rate_hz: float, window_px: int, noise: NoiseModel
 ) -> Residuals:
-    """The tracks of `flow` against a body on `course` that has each of them at `depth_m` (M,) now.
+    """Residuals of the point tracks of `flow` against a vehicle on `course` with each at `depth_m` (M,) now.
 
-    The point is put in space, and looked at from where the camera was when the track began, which has been moved on by
-    the body's own way since: in the frame of the body the camera alone has moved. A faster body came from behind: what
-    would have been behind the camera when its track began is not of it (`NEVER_PX`).
+    In the frame of the vehicle the camera alone moves: each point is projected into the camera of its first sighting,
+    moved on by the vehicle's way since. A point that would have been behind that camera does not belong to a faster
+    vehicle (`NEVER_PX`).
     """
     ray, age_s = rays(camera, flow.points_px), flow.age_frames / rate_hz
     depth = depth_m * FARTHER

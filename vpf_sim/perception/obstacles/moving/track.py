@@ -1,24 +1,25 @@
-"""One body that moves: where its face is, how fast it drives along the road, and how sure that is."""
+"""Track of one moving vehicle: range of its face, speed along the road, extent and confidence."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import exp
 
 import numpy as np
 
 from vpf_sim.geometry import rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.obstacles.moving.extent import Sides, TrackExtentConfig
+from vpf_sim.perception.obstacles.moving.extent import Sides
+from vpf_sim.perception.obstacles.moving.filter_config import FilterConfig
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, Residuals
 from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.types import Bools, Camera, Floats, Flow, LateralExtent
 
-FITS = 3
-NEAREST_M = 1.0  # before a face, from where its sides are looked at
-LEAST_SLOPE = 0.2  # of a ray along its course: a face is not seen along its plane
+FITS = 3  # iterations
+LEAST_DEPTH_M = 0.5
+LEAST_SLOPE = 0.2  # of a ray along the course: a face is not seen along its plane
 
 
 @dataclass(frozen=True, slots=True)
-class Sight(LateralExtent[float]):
-    """What the tracks of a body say when it is found."""
+class Detection(LateralExtent[float]):
+    """A new vehicle by its points, in the axes of the vehicle."""
 
     depth_m: float  # of the road behind its lowest point, from the camera
     speed_mps: float  # along the road
@@ -27,68 +28,48 @@ class Sight(LateralExtent[float]):
     right_m: float
 
 
-@dataclass(frozen=True, slots=True)
-class FilterConfig:
-    """Noise of the measurements and of the body's own driving."""
-
-    foot_height_m: float = 0.12  # of the lowest points that can be followed
-    foot_px: float = 1.5  # standard deviation of the foot's row
-    foot_ratio: float = 0.04  # and of its depth, as a share
-    foot_hidden: float = 2.5  # times as much where a believed one's seems farther: the lowest point need not be it
-    acceleration_mps2: float = 1.0  # over a second
-    slip_mps: float = 0.3  # of the place, what the model does not know
-    face_m: float = 0.3  # points of the face lie so far behind it on average,
-    face_sigma_m: float = 0.8  # give or take
-    side_m: float = 2.7  # and those of the sides so far,
-    side_sigma_m: float = 1.4
-    turn_rad: float = 0.04  # standard deviation of its course
-    memory_s: float = 0.5  # tracks that are looked at again within this time say the same
-    track_sigma_mps: float = 0.5  # of what one track tells of the speed
-    least_sigma_mps: float = 0.1
-    side_s: float = 0.2  # time constant of the width seen
-    drift_mps: float = 0.06  # by which its sides may lie farther out while they are predicted,
-    drift_m: float = 0.3  # and at most: it keeps its lane
-    clip: float = 2.0  # standard deviations of an innovation that are taken
-    chi2_limit: float = 9.0  # of a track that belongs to the body
-    sides: TrackExtentConfig = field(default_factory=TrackExtentConfig)
-
-
 class MovingTrack:
-    """Filters of the distance, of the speed along the road, and of the place across (`Sides`).
+    """Filters of the range, of the speed along the road, and of middle and width (`Sides`), in the world.
 
-    Tracks fix the rate (v - v_b) / Z at which the body grows, its foot the distance Z; so a correction of Z corrects
-    v_b with it, at the same rate. It lives in the world, so what is not seen for a while is predicted: along the road
-    at its speed.
+    Point tracks fix the rate (v - v_b) / Z at which the vehicle expands, its foot fixes the range Z. So a correction
+    of Z corrects v_b as well, at the same rate.
     """
 
-    def __init__(self, sight: Sight, camera: Camera, pose: Floats, log_odds: float, config: FilterConfig) -> None:
+    def __init__(
+        self, detection: Detection, camera: Camera, pose: Floats, log_odds: float, config: FilterConfig
+    ) -> None:
         self._camera, self._config = camera, config
-        self.speed_mps = sight.speed_mps
-        self.width_m = sight.width_m  # as it is seen
-        place = np.array([camera.forward_m + sight.depth_m, sight.middle_m])
+        self.speed_mps = detection.speed_mps
+        self.width_m = detection.width_m  # as observed
+        place = np.array([camera.forward_m + detection.depth_m, detection.middle_m])
         self._place_m = world_from_vehicle(place, pose)
-        self.sigma_m = 0.15 * sight.depth_m
-        self.sigma_mps = sight.sigma_mps  # at a known distance
-        self.identity: int | None = None  # once it is believed
-        self.log_odds = log_odds  # of a body that moves, against all that stands
-        self.credit = -np.inf  # log-odds that it has at least once it cannot be looked at
-        self.tracks = np.empty(0, np.int64)  # identities of those that were of it at the last look
-        self.course = Course(sight.speed_mps, float(pose[2]), 0.0)
-        self._predicted_s = 0.0  # since its sides were seen
-        self._sides = Sides(config.sides)
+        self.sigma_m = config.range_ratio * detection.depth_m
+        self.sigma_mps = detection.sigma_mps  # at a known range
+        self.identity: int | None = None  # once it is confirmed
+        self.log_odds = log_odds  # of a moving vehicle
+        self.credit = -np.inf  # log-odds that it keeps while it cannot be observed
+        self.tracks = np.empty(0, np.int64)  # identities of its points at the last observation
+        self.course = Course(detection.speed_mps, float(pose[2]), 0.0)
+        self._predicted_s = 0.0  # since its sides were observed
+        self._sides = Sides(config.extent) if config.extent else None
 
     def predict(self, dt_s: float, direction_rad: float, curvature_per_m: float) -> None:
-        """dt seconds on along the road, which has that direction in the world and that bend there."""
+        """Predict along the road, whose direction in the world and curvature are those at the track."""
         self._place_m = self._place_m + self.speed_mps * dt_s * rotation(direction_rad)[:, 0]
         config = self._config
-        self.sigma_m = float(np.sqrt((self.sigma_m + 0.3 * self.sigma_mps * dt_s) ** 2 + config.slip_mps**2 * dt_s))
-        self.sigma_mps = min(float(np.sqrt(self.sigma_mps**2 + config.acceleration_mps2**2 * dt_s)), 2.0)
+        self.sigma_m = float(
+            np.sqrt((self.sigma_m + config.speed_share * self.sigma_mps * dt_s) ** 2 + config.slip_mps**2 * dt_s)
+        )
+        self.sigma_mps = min(
+            float(np.sqrt(self.sigma_mps**2 + config.acceleration_mps2**2 * dt_s)), config.most_sigma_mps
+        )
         self.course = Course(self.speed_mps, direction_rad, curvature_per_m)
         self._predicted_s += dt_s
-        self._sides.predict(dt_s)
+        if self._sides is not None:
+            self._sides.predict(dt_s)
 
     def place(self, pose: Floats) -> tuple[float, float]:
-        """Forward m of the face and right m of its middle, in the axes of the vehicle."""
+        """Forward m of the face and right m of its middle, in the axes of the vehicle at `pose`."""
         forward, right = vehicle_from_world(self._place_m, pose).tolist()
         return forward, right
 
@@ -97,38 +78,38 @@ class MovingTrack:
         return self.place(pose)[0] - self._camera.forward_m
 
     def closing_share(self, own_mps: float) -> float:
-        """How fast we come nearer as a share of our speed: 1 to what stands, 0 to what is as fast, negative to what
-        runs away."""
+        """Closing speed as a share of the own speed: 1 for what stands, 0 for what is as fast, negative if faster."""
         return 1.0 - self.speed_mps / max(own_mps, 0.1)
 
     @property
     def half_m(self) -> float:
-        """m, half the width that it takes, as wide as a vehicle is."""
-        return self._sides.half_m
+        """m, half its width."""
+        return self._sides.half_m if self._sides is not None else 0.5 * self.width_m
 
     @property
     def reach_m(self) -> float:
         """m from its middle to where its sides may be by now."""
-        return self.half_m + min(self._config.drift_mps * self._predicted_s, self._config.drift_m)
+        drift = self._config.side_drift
+        return self.half_m + (min(drift.rate_mps * self._predicted_s, drift.most_m) if drift else 0.0)
 
     @property
-    def is_seen(self) -> bool:
-        """Whether its sides were seen since it was last predicted."""
+    def is_observed(self) -> bool:
+        """Whether its sides were observed since the last prediction."""
         return self._predicted_s == 0.0
 
-    def mine(self, flow: Flow) -> Bools:
-        """(N,) points that were of this body at the last look."""
+    def members(self, flow: Flow) -> Bools:
+        """(N,) points of the flow that belonged to this track at the last observation."""
         return among(flow.identity, self.tracks)
 
     def fit(
         self, tracks: Residuals, standing: Floats, own_mps: float, depth_m: float, counts: Bools
     ) -> tuple[Floats, Floats, float]:
-        """(M,) chi2 of the tracks on the one rigid body that explains those best that count (M,), (M,) m, by how much
-        each point lies behind its face, and the change of speed it has.
+        """Fit the rigid body that best explains the point tracks where `counts` (M,).
 
-        Speed, course and distance may differ from what is believed by what is not known of them, for all tracks alike;
-        a track by its own noise and by where on the face its point is. Reweighted least squares (Cauchy); a track that
-        has the chi2 `standing` (M,) as one that stands counts by the odds between the two.
+        Returns (M,) chi2, (M,) m, how far each point lies behind the face, and the change of speed. Speed, course and
+        range vary within their uncertainty, equally for all points; each point by its own noise and its place on the
+        face. Reweighted least squares (Cauchy). A point that fits the standing scene, chi2 `standing` (M,), counts by
+        the odds between the two.
         """
         rate = (own_mps - self.speed_mps) / depth_m
         slope = np.stack([tracks.by_speed, tracks.by_turn, tracks.by_depth - rate * tracks.by_speed], axis=2)
@@ -146,47 +127,65 @@ class MovingTrack:
         behind = self._config.face_sigma_m**2 * np.einsum("mi,mij,mj->m", tracks.by_depth, inverse, residual)
         return _quadratic(inverse, residual), self._config.face_m + behind, float(change[0])
 
-    def grow(self, change_mps: float, count: int, dt_s: float) -> None:
-        """One look at so many tracks of its face, dt seconds after the last: the speed at the distance believed."""
+    def _fresh(self, dt_s: float) -> float:
+        """The weight of an observation `dt_s` after the last, 1: independent of it."""
+        correlation = self._config.correlation
+        return min(dt_s / correlation.memory_s, 1.0) if correlation else 1.0
+
+    def update_speed(self, change_mps: float, count: int, dt_s: float) -> None:
+        """Update the speed at the current range by `count` point tracks of the face."""
         config = self._config
-        fresh = min(dt_s / config.memory_s, 1.0)
+        fresh = self._fresh(dt_s)
         variance = 1.0 / (1.0 / self.sigma_mps**2 + fresh * count / config.track_sigma_mps**2)
         gain = max(1.0 - variance / self.sigma_mps**2, fresh)
         self.speed_mps = max(self.speed_mps + gain * change_mps, 0.0)
         self.sigma_mps = max(float(np.sqrt(variance)), config.least_sigma_mps)
 
-    def stand(self, foot_m: float, own_mps: float, pose: Floats, dt_s: float) -> None:
-        """It stands on the road behind its lowest point: once it is believed, not beyond it, and with less weight not
-        before it. What is only suspected may have begun with a foot in its mirror image."""
+    def update_range(self, foot_m: float, own_mps: float, pose: Floats, dt_s: float) -> None:
+        """Update the range by the depth of the lowest point, taken to stand on the road.
+
+        A tentative track may have begun with its foot in its mirror image, so it moves either way alike.
+        """
         config = self._config
         forward, right = self.place(pose)
         depth = forward - self._camera.forward_m
         sigma = foot_m * (config.foot_ratio + config.foot_px * foot_m / (self._camera.fy_px * self._camera.height_m))
-        if foot_m > depth and self.identity is not None:
-            sigma *= config.foot_hidden
-        fresh = min(dt_s / config.memory_s, 1.0)
+        if config.hidden_foot is not None and foot_m > depth and self.identity is not None:
+            sigma *= config.hidden_foot.sigma_ratio
+        fresh = self._fresh(dt_s)
         variance = self.sigma_m**2 + sigma**2 / fresh
-        limit = config.clip * float(np.sqrt(variance))
+        limit = config.innovation.clip_sigma * float(np.sqrt(variance)) if config.innovation else np.inf
         change = self.sigma_m**2 / variance * min(max(foot_m - depth, -limit), limit)
-        change = max(change, 0.5 - depth)
+        change = max(change, LEAST_DEPTH_M - depth)
         self.sigma_m *= float(np.sqrt(1.0 - self.sigma_m**2 / variance))
         rate = (own_mps - self.speed_mps) / depth
         self.speed_mps = max(self.speed_mps - rate * change, 0.0)
         self._place_m = world_from_vehicle(np.array([forward + change, right * (1.0 + change / depth)]), pose)
 
-    def spread(self, width_m: float, bearing: Floats, odds: Floats, pose: Floats, dt_s: float) -> None:
-        """One look at its sides: how wide it seems, and the bearings (N,) of points about it, tangents, with their
-        log-odds (N,) to be of it and not of what stands behind it. From its side more than from behind nothing is."""
-        self.width_m += (1.0 - exp(-dt_s / self._config.side_s)) * (width_m - self.width_m)
+    def update_extent(
+        self, face: tuple[float, float], bearing: Floats, odds: Floats, pose: Floats, dt_s: float
+    ) -> None:
+        """Update middle and width by an observation of the sides.
+
+        `face` are the left and right bearings (tangents) of the face; `bearing` (N,) those of the points about it, with
+        their log-odds (N,) of the track against the background. A vehicle seen rather from its side shows no face.
+        """
+        config = self._config
         forward, right = self.place(pose)
-        own = rotation(self.course.direction_rad - pose[2])  # of its axes in the vehicle's
-        camera = own.T @ [self._camera.forward_m - forward, -right]  # in its axes, from the face's middle
-        if not len(bearing) or -camera[0] < max(NEAREST_M, abs(camera[1])):
+        depth = forward - self._camera.forward_m
+        newest = 1.0 - exp(-dt_s / config.side_s)
+        self.width_m += newest * ((face[1] - face[0]) * depth - self.width_m)
+        own = rotation(self.course.direction_rad - pose[2])  # of the track's axes in the vehicle's
+        camera = own.T @ [self._camera.forward_m - forward, -right]  # in the track's axes, from the face's middle
+        if not len(bearing) or -camera[0] < max(config.nearest_m, abs(camera[1])):
             return
         self._predicted_s = 0.0
-        ray = np.stack([np.ones(len(bearing)), bearing], axis=1) @ own
-        across = camera[1] - camera[0] * ray[:, 1] / np.maximum(ray[:, 0], LEAST_SLOPE)
-        change = self._sides.look(across, odds, float(camera[1]), -float(camera[0]), dt_s)
+        if self._sides is None:
+            change = newest * (0.5 * (face[0] + face[1]) * depth - right)
+        else:
+            ray = np.stack([np.ones(len(bearing)), bearing], axis=1) @ own
+            across = camera[1] - camera[0] * ray[:, 1] / np.maximum(ray[:, 0], LEAST_SLOPE)
+            change = self._sides.update(across, odds, float(camera[1]), -float(camera[0]), self._fresh(dt_s))
         self._place_m = world_from_vehicle(np.array([forward, right]) + change * own[:, 1], pose)
 
 

@@ -1,127 +1,111 @@
-"""Bodies that move: followed points that neither the road nor anything standing on it explains.
+"""Tracker of moving vehicles, from points that neither the road nor anything standing on it explains.
 
 A standing point has at least the inverse depth of the road behind it, 1 / Z >= 1 / Z_road: it cannot lie below the
-road. A body that drives our way at the speed v_b, seen from a car at v, is triangulated as if it stood at the inverse
-depth
+road. A vehicle that drives our way at the speed v_b, seen from a car at v, is triangulated as if it stood at the
+inverse depth
 
     w = (1 - v_b / v) / Z,
 
-farther off than it is, and so its lower part below the road; one that runs away (w < 0) behind the camera. w fixes the
-time to contact, never the distance. The distance comes from the foot: the lowest points of a body stand on the road.
+farther off than it is, and so its lower part below the road; one that is faster (w < 0) behind the camera. w fixes the
+time to contact, never the range. The range comes from the foot: the lowest points of a vehicle stand on the road.
 
-What is suspected so is then followed as one rigid body that drives along the road (`moving.moving_frame`,
-`moving.track`), and each look speaks for it or against it, by the likelihood of its points, one by one
-(`moving.evidence`): the mirror images of what stands, drops on the glass and tracks that slip along a line also lie
-below the road, but the road shines through them, they are faint, fill no upright outline as wide as a vehicle, and do
-not move as one when we move across. What stands behind a body and may share its flow says nothing of it, neither of its
-being nor of its shape.
+A tentative track is followed as one rigid body that drives along the road (`moving.moving_frame`, `moving.track`). The
+likelihood of its points confirms or rejects it (`moving.evidence`): mirror images, drops on the windscreen and point
+tracks that slip along a line also lie below the road. But they are faint, the road shines through them, and they fill
+no upright outline as wide as a vehicle.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.geometry import rotation
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarm
-from vpf_sim.perception.obstacles.moving.detection import Apparent, MovingObstacleConfig, appear, outlines, suspect
-from vpf_sim.perception.obstacles.moving.evidence import Mirror, evidence
-from vpf_sim.perception.obstacles.moving.moving_frame import Residuals, against
-from vpf_sim.perception.obstacles.moving.track import MovingTrack, Sight
+from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
+from vpf_sim.perception.obstacles.moving.detection import Apparent, appear, candidates, detect
+from vpf_sim.perception.obstacles.moving.evidence import evidence
+from vpf_sim.perception.obstacles.moving.merging import merged
+from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
+from vpf_sim.perception.obstacles.moving.moving_frame import against
+from vpf_sim.perception.obstacles.moving.place import in_outline, is_on_carriageway, thickness
+from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.point_hypotheses import Integers, among
 from vpf_sim.perception.quantiles import quantile
-from vpf_sim.perception.road.geometry import carriageway_offsets, near_edge_line
+from vpf_sim.perception.road.geometry import near_edge_line
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
+
+OVERLAP_M = 0.1  # of a point beside the silhouette that still speaks for it
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """One observed frame."""
+
+    seen: Apparent
+    flow: Flow
+    road: RoadEdges
+    own_mps: float
 
 
 class MovingObstacleTracker:
-    """Finds bodies that move, follows them, and keeps them in mind where they are not seen."""
+    """Detects moving vehicles, tracks them, and predicts those that are not observed."""
 
     def __init__(self, camera: Camera, config: MovingObstacleConfig, rate_hz: float) -> None:
         self.camera, self.config, self.rate_hz = camera, config, rate_hz
         self.tracks: list[MovingTrack] = []
         self._look = max(1, round(config.look_s * rate_hz))
         self._search = self._look * max(1, round(config.search_s / config.look_s))
-        self._closing = CollisionAlarm(camera, config.closing, self._look / rate_hz)
-        self._mirror = Mirror(config.evidence, self._look / rate_hz)
+        look_s = self._look / rate_hz
+        self._alarm = CollisionAlarm(camera, config.collision_alarm, look_s) if config.collision_alarm else None
+        self.mirror_images = MirrorImages(camera, config, look_s)
         self._frame = -1
         self._time_s = 0.0
-        self._hidden = np.empty(0, np.int64)  # identities of tracks
+        self._masked = np.empty(0, np.int64)  # identities of points
         self._next = 1
 
     @property
     def looks(self) -> bool:
-        """Whether the next frame is looked at; in the others bodies are only predicted."""
+        """Whether the next frame is observed; in the others tracks are only predicted."""
         return (self._frame + 1) % self._look == 0
 
     def update(
         self, flow: Flow, points: Triangulation | None, road: RoadEdges, speed_mps: float, time_s: float
     ) -> Bools:
-        """Follow all bodies to this frame; (N,) points of the flow that belong to one or shine through it.
+        """Bring all tracks to this frame; (N,) points of the flow that no static obstacle may use.
 
-        `points` are the flow's, as if all of them stood; where the frame is not looked at they may be left out.
+        `points` are the flow's, triangulated as if they stood; a frame that is not observed needs none.
         """
         dt_s, self._time_s = time_s - self._time_s, time_s
-        look = self.looks
+        observes = self.looks
         self._frame += 1
         for track in self.tracks:
             ahead = min(max(track.place(flow.pose)[0], -self.config.behind_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
             track.predict(dt_s, direction, road.curvature_per_m)
-        if look and points is not None:
+        if observes and points is not None:
             if self.tracks or self._searches:
-                self._look_at(flow, points, road, speed_mps)
-            self._closing.look(flow, points, road, speed_mps, ~among(flow.identity, self._hidden))
-        return among(flow.identity, self._hidden)
-
-    @property
-    def _searches(self) -> bool:
-        return self._frame % self._search == 0
-
-    def _look_at(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float) -> None:
-        seen = appear(flow, points, self.camera, self.rate_hz, self.config)
-        free = seen.moves.copy()
-        hidden = np.zeros(len(flow), np.bool_)
-        taken = np.zeros(len(flow), np.bool_)
-        self._reflect(seen, flow.pose)
-        for track in sorted(self.tracks, key=lambda track: track.place(flow.pose)[0]):
-            mine, within = self._follow(track, seen, flow, road, speed_mps, ~taken)
-            free &= ~mine
-            if track.identity is not None:
-                free &= ~within  # two bodies do not stand in one place
-            if track.identity is not None and track.is_seen:  # nor is the farther seen through the nearer
-                taken |= mine | self._outline(track, seen, flow.pose, 0.0)
-            if track.log_odds > self.config.sure:
-                hidden |= (mine | within) & seen.ripe
-        self._hidden = flow.identity[hidden]
-        self._merge(flow.pose)
-        self._believe()
-        self._forget(flow.pose, road)
-        if self._searches:
-            self._find(seen, free, flow, road)
-
-    def _reflect(self, seen: Apparent, pose: Floats) -> None:
-        """Look at how far the road mirrors, outside of all that moves."""
-        low = seen.ripe & ~seen.still & (seen.drop > self.config.least_drop)
-        for track in self.tracks:
-            low &= ~self._outline(track, seen, pose, self.config.margin_m)
-        self._mirror.update(int(np.count_nonzero(low & seen.moves)), int(np.count_nonzero(low)))
+                self._observe(flow, points, road, speed_mps)
+            if self._alarm is not None:
+                self._alarm.look(flow, points, road, speed_mps, ~among(flow.identity, self._masked))
+        return among(flow.identity, self._masked)
 
     @property
     def reports(self) -> bool:
-        """Whether there is anything to tell of."""
-        return self._closing.alarms or any(track.identity is not None for track in self.tracks)
+        """Whether there is anything to report."""
+        alarms = self._alarm is not None and self._alarm.alarms
+        return alarms or any(track.identity is not None for track in self.tracks)
 
     def obstacles(self, pose: Floats, speed_mps: float, standing: Obstacles) -> Obstacles:
-        """All bodies in the axes of the vehicle: the `standing`, the moving, whose identities are negative, and what is
-        met soon and is none of these."""
+        """All obstacles in the axes of the vehicle: the `standing`, the moving, and the collision alarm's."""
         known = standing.concatenate(self.moving(pose, speed_mps))
-        return known.concatenate(self._closing.obstacles(pose, speed_mps, known))
+        return known if self._alarm is None else known.concatenate(self._alarm.obstacles(pose, speed_mps, known))
 
     def moving(self, pose: Floats, speed_mps: float) -> Obstacles:
-        """Those believed to move, in the axes of the vehicle; their identities are negative."""
-        believed = [track for track in self.tracks if track.identity is not None]
-        place = np.array([track.place(pose) for track in believed]).reshape(-1, 2)
-        half = np.array([track.reach_m for track in believed])
-        speed = np.array([track.speed_mps for track in believed])
+        """The confirmed tracks, in the axes of the vehicle; their identities are negative."""
+        confirmed = [track for track in self.tracks if track.identity is not None]
+        place = np.array([track.place(pose) for track in confirmed]).reshape(-1, 2)
+        half = np.array([track.reach_m for track in confirmed])
+        speed = np.array([track.speed_mps for track in confirmed])
         forward, closing = place[:, 0], speed_mps - speed
         with np.errstate(divide="ignore", invalid="ignore"):
             ttc = np.where((forward > 0.0) & (closing > 0.0), forward / closing, np.inf)
@@ -129,131 +113,136 @@ class MovingObstacleTracker:
             forward_m=forward,
             left_m=place[:, 1] - half,
             right_m=place[:, 1] + half,
-            sigma_m=np.array([track.sigma_m for track in believed]),
+            sigma_m=np.array([track.sigma_m for track in confirmed]),
             ttc_s=ttc,
-            identity=-np.array([track.identity for track in believed], np.int64),
+            identity=-np.array([track.identity for track in confirmed], np.int64),
             speed_mps=speed,
         )
 
-    def _follow(
-        self, track: MovingTrack, seen: Apparent, flow: Flow, road: RoadEdges, own_mps: float, free: Bools
-    ) -> tuple[Bools, Bools]:
-        """Bring a body to this frame by its tracks; (N,) points that are of it, and (N,) those seen through it.
+    @property
+    def _searches(self) -> bool:
+        return self._frame % self._search == 0
 
-        Its tracks are among those that are `free` (N,): of no nearer body.
+    def _observe(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float) -> None:
+        config, pose = self.config, flow.pose
+        seen = appear(flow, points, self.camera, self.rate_hz, config)
+        frame = _Frame(seen, flow, road, speed_mps)
+        free = seen.moves.copy()
+        masked, taken = np.zeros(len(flow), np.bool_), np.zeros(len(flow), np.bool_)
+        self._measure_reflectivity(seen, pose)
+        for track in sorted(self.tracks, key=lambda track: track.place(pose)[0]):
+            mine, within = self._follow(track, frame, ~taken)
+            free &= ~mine
+            if track.identity is not None:
+                free &= ~within  # two vehicles do not stand in one place
+            if track.identity is not None and track.is_observed:  # nor is the farther seen through the nearer
+                taken |= mine | self._outline(track, seen, pose, 0.0)
+            if config.mask is not None and track.log_odds > config.mask.log_odds:
+                masked |= (mine | within) & seen.ripe
+        self._masked = flow.identity[masked]
+        self.tracks = merged(self.tracks, pose, config)
+        self._confirm()
+        self._prune(pose, road)
+        if self._searches:
+            self._find(frame, free)
+
+    def _measure_reflectivity(self, seen: Apparent, pose: Floats) -> None:
+        low = seen.ripe & ~seen.still & (seen.drop > self.config.least_drop)
+        for track in self.tracks:
+            low &= ~self._outline(track, seen, pose, self.config.margin_m)
+        count = int(np.count_nonzero(low))
+        self.mirror_images.reflectivity.update(int(np.count_nonzero(low & seen.moves)), count)
+
+    def _outline(self, track: MovingTrack, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
+        return in_outline(track, seen, pose, margin_m, self.camera, self.config)
+
+    def _follow(self, track: MovingTrack, frame: _Frame, free: Bools) -> tuple[Bools, Bools]:
+        """Bring a track to this frame by those of its points that are `free` (N,): of no nearer track.
+
+        Returns (N,) its points, and (N,) points of the background that are seen through its outline.
         """
         config, dt_s = self.config, self._look / self.rate_hz
+        seen, flow, own_mps = frame.seen, frame.flow, frame.own_mps
         within = self._outline(track, seen, flow.pose, config.margin_m)
         forward, right = track.place(flow.pose)
         depth = forward - self.camera.forward_m
         if not (depth > config.follow_m and abs(right) < config.follow_bearing * depth) or not seen.ripe.any():
-            self._fade(track, dt_s)
-            return track.mine(flow), within
-        follows = abs(own_mps - track.speed_mps) < config.equal_share * own_mps  # then what is on it stands still
+            self._decay(track, dt_s)
+            return track.members(flow), within
+        as_fast = abs(own_mps - track.speed_mps) < config.as_fast_share * own_mps
         about = self._outline(track, seen, flow.pose, config.margin_m + config.about_m)
-        chosen = np.flatnonzero(about & free & seen.ripe & (follows | ~seen.still))
-        image = self._image(seen, chosen[within[chosen]], depth)
+        chosen = np.flatnonzero(about & free & seen.ripe & (as_fast | ~seen.still))
+        image = self.mirror_images.own_image(seen, chosen[within[chosen]], depth)
         chosen = chosen[seen.contrast[chosen] > image]
-        tracks, standing, inner = flow.chosen(chosen), seen.standing[chosen], within[chosen]
-        fitted, behind, faster = track.fit(self._against(track, tracks, depth), standing, own_mps, depth, inner)
-        chi2 = np.where(inner & (fitted < standing + config.odds), fitted, np.inf)
-        face = chi2 < config.chi2_limit
-        track.tracks = flow.identity[chosen[face]]
-        gain = -config.speaks_against
-        if np.count_nonzero(face) >= 3:
-            track.grow(faster, int(np.count_nonzero(face)), dt_s)
-            sure = face & (standing > chi2 + config.chi2_limit)  # what else is in the outline may shine through
-            shape = sure if np.count_nonzero(sure) >= 3 else face
-            foot = self._foot(seen.drop[chosen[shape]])
-            if foot is not None:
-                track.stand(foot, own_mps, flow.pose, dt_s)
-            depth = track.depth_m(flow.pose)
-            front = shape & (behind < config.front_m)
-            front = front if np.count_nonzero(front) >= 3 else shape
-            self._looming(track, seen, chosen, front, fitted, flow.pose)
-            inside = self._upright(track, seen, chosen, face, own_mps, flow.pose)
-            if inside is not None:
-                faint = self._faint(track, image, own_mps, flow.pose, road)
-                gain = evidence(inside, chi2, standing, seen.contrast[chosen], faint, config.evidence)
+        gain, depth = self._update_track(track, frame, chosen, within[chosen], image)
         self._weigh(track, gain, dt_s)
         with np.errstate(invalid="ignore"):
-            return track.mine(flow), within & (seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0))
+            behind = seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0)
+        return track.members(flow), within & behind
+
+    def _update_track(
+        self, track: MovingTrack, frame: _Frame, chosen: Integers, inner: Bools, image: float
+    ) -> tuple[float, float]:
+        """Update a track by its `chosen` (M,) points, `inner` (M,) of them in its outline; log-odds and its depth."""
+        config, dt_s, pose = self.config, self._look / self.rate_hz, frame.flow.pose
+        seen, own_mps, depth = frame.seen, frame.own_mps, track.depth_m(frame.flow.pose)
+        tracks, standing = frame.flow.chosen(chosen), seen.standing[chosen]
+        depths = np.full(len(tracks), depth + config.filter.face_m)
+        residuals = against(tracks, self.camera, track.course, depths, self.rate_hz, config.window_px, config.noise)
+        fitted, behind, faster = track.fit(residuals, standing, own_mps, depth, inner)
+        chi2, limit = np.where(inner & (fitted < standing + config.odds), fitted, np.inf), config.filter.chi2_limit
+        face = chi2 < limit
+        track.tracks = frame.flow.identity[chosen[face]]
+        if np.count_nonzero(face) < 3:
+            return -config.speaks_against, depth
+        track.update_speed(faster, int(np.count_nonzero(face)), dt_s)
+        sure = face & (standing > chi2 + limit)  # background may shine through the outline
+        shape = sure if np.count_nonzero(sure) >= 3 else face
+        foot = self._foot(seen.drop[chosen[shape]])
+        if foot is not None:
+            track.update_range(foot, own_mps, pose, dt_s)
+        depth = track.depth_m(pose)
+        front = shape & (behind < config.front_m)
+        front = front if np.count_nonzero(front) >= 3 else shape
+        self._update_extent(track, seen, chosen, front, fitted, pose)
+        inside = self._upright(track, seen, chosen, face, own_mps, pose)
+        if inside is None:
+            return -config.speaks_against, depth
+        faint = self.mirror_images.faint(track, image, own_mps, pose, frame.road)
+        return evidence(inside, chi2, standing, seen.contrast[chosen], faint, config.evidence), depth
 
     def _weigh(self, track: MovingTrack, gain: float, dt_s: float) -> None:
-        """One look spoke for a body by so much."""
+        """Add the log-odds of one observation to those of a track."""
         config = self.config
-        if track.identity is not None:
-            gain = max(gain, -config.doubts)
+        if config.patience is not None and track.identity is not None:
+            gain = max(gain, -config.patience.most)
         track.log_odds = min(track.log_odds + gain * dt_s / config.independent_s, config.most)
-        if track.log_odds > config.sure:
-            track.credit = config.sure  # a body that was sure is not doubted for what the picture's edge leaves of it
+        if config.credit is not None and track.log_odds > config.credit.log_odds:
+            track.credit = config.credit.log_odds
 
-    def _fade(self, track: MovingTrack, dt_s: float) -> None:
-        """A body cannot be looked at: it is doubted more and more, and what is only suspected is forgotten."""
-        track.log_odds = max(track.log_odds, track.credit) - self.config.fade_per_s * dt_s
+    def _decay(self, track: MovingTrack, dt_s: float) -> None:
+        """Lower the confidence of a track that cannot be observed."""
+        if self.config.decay is None:
+            return
+        track.log_odds = max(track.log_odds, track.credit) - self.config.decay.per_s * dt_s
         track.credit = min(track.credit, track.log_odds)
         if track.identity is None:
             track.log_odds = -np.inf
 
-    def _image(self, seen: Apparent, within: Integers, depth_m: float) -> float:
-        """The contrast below which points are of the mirror image of a body that has these in its outline."""
-        if depth_m < self.config.steep_m:
-            return -np.inf
-        height = self.camera.height_m - seen.drop[within] * depth_m
-        evidence = self.config.evidence
-        upper = within[(height > evidence.image_above_m) & (height < evidence.high_m)]
-        return evidence.image(self._mirror.degree, seen.contrast[upper])
-
-    def _faint(self, track: MovingTrack, image: float, own_mps: float, pose: Floats, road: RoadEdges) -> float:
-        """The contrast below which points speak against a body: that of its own `image`, or of asphalt, if what it
-        would be the image of stood on the road, where hardly anything does."""
-        config = self.config
-        forward, right = track.place(pose)
-        depth = forward - self.camera.forward_m
-        share = track.closing_share(own_mps)  # and so of its depth in that of what stands and would move as it does
-        is_known = depth > config.steep_m and share * config.mirrored_m > depth
-        if is_known and self._is_on_carriageway(depth / share, right / share, road):
-            return max(image, config.evidence.faint(0.0, depth))
-        return config.evidence.faint(self._mirror.degree, depth)
-
-    def _looming(
+    def _update_extent(
         self, track: MovingTrack, seen: Apparent, chosen: Integers, front: Bools, chi2: Floats, pose: Floats
     ) -> None:
-        """Look at a body's sides by the chosen points, of which those in `front` (M,) make its face.
+        """Update a track's sides by the chosen points (M,), where those in `front` (M,) make its face.
 
-        What lies on the road tells nothing of them: paint is long, and tracks slip along it.
+        Points on the road do not count: paint is long, and point tracks slip along it.
         """
         config, depth = self.config, track.depth_m(pose)
         bearing, height = seen.bearing[chosen], self.camera.height_m - seen.drop[chosen] * depth
-        face = bearing[front]
-        left, right = quantile(face, config.side_quantile), quantile(face, 1.0 - config.side_quantile)
+        left, right = (quantile(bearing[front], at) for at in (config.side_quantile, 1.0 - config.side_quantile))
         upright = (height > config.evidence.low_m) & (height < config.evidence.high_m)
-        odds = np.minimum(seen.standing[chosen], config.chi2_limit) - np.minimum(chi2, config.chi2_limit)
-        track.spread((right - left) * depth, bearing[upright], 0.5 * odds[upright], pose, self._look / self.rate_hz)
-
-    def _outline(self, track: MovingTrack, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
-        """(N,) points in the outline of a body, or so near beside it."""
-        config = self.config
-        forward, right = track.place(pose)
-        depth = forward - self.camera.forward_m
-        near, far = max(depth, config.nearest_m), depth + config.length_m
-        margin = margin_m + 0.02 * near
-        left, right = right - track.half_m - margin, right + track.half_m + margin
-        is_in_us = depth < near and left < 0.0 < right  # it is not where it is believed to be, and would hide all
-        if far < near or is_in_us:
-            return np.zeros(len(seen.drop), np.bool_)
-        inside: Bools = (seen.bearing > min(left / near, left / far)) & (seen.bearing < max(right / near, right / far))
-        below = seen.drop * near
-        inside &= below > self.camera.height_m - config.tallest_m
-        inside &= below < 1.2 * self.camera.height_m
-        return inside
-
-    def _against(self, track: MovingTrack, tracks: Flow, depth_m: float) -> Residuals:
-        behind = depth_m + self.config.filter.face_m
-        depths = np.full(len(tracks), behind)
-        return against(
-            tracks, self.camera, track.course, depths, self.rate_hz, self.config.window_px, self.config.noise
-        )
+        limit = config.filter.chi2_limit
+        odds = np.minimum(seen.standing[chosen], limit) - np.minimum(chi2, limit)
+        track.update_extent((left, right), bearing[upright], 0.5 * odds[upright], pose, self._look / self.rate_hz)
 
     def _foot(self, drop: Floats) -> float | None:
         """m, the depth of the lowest point but one, taken to be just above the road: the lowest may be a shadow's."""
@@ -264,108 +253,82 @@ class MovingObstacleTracker:
     def _upright(
         self, track: MovingTrack, seen: Apparent, chosen: Integers, face: Bools, own_mps: float, pose: Floats
     ) -> Bools | None:
-        """(M,) of the chosen points, of which those in `face` (M,) are its, that speak in a look at a body; None where
-        its face is nothing upright that is as wide as a vehicle, and drives."""
+        """(M,) chosen points that count as evidence, by those in `face` (M,); None: the face is no vehicle's."""
         config = self.config
         forward, right = track.place(pose)
         depth = forward - self.camera.forward_m
         height = self.camera.height_m - seen.drop[chosen] * depth
         across = seen.bearing[chosen] * depth - right
         inside = (height > config.evidence.low_m) & (height < config.evidence.high_m)
-        inside &= np.abs(across) < track.half_m + 0.1
-        low, high = np.min(height[face]), np.max(height[face])
-        upright = np.count_nonzero(face & inside) >= config.least_members and low < config.foot_m
-        upright &= high - low > config.least_height_m and track.width_m > config.least_width_m
-        if not upright:
-            return None
-        if track.identity is None:
-            share = track.closing_share(own_mps)
-            as_fast = -0.5 * config.equal_share < share < config.equal_share  # like the mirror image of what is far off
-            thick = _thickness(across[face], height[face]) > config.least_thickness_m
-            if as_fast or not thick or track.speed_mps < config.least_mps:
-                return None
-        return inside
+        inside &= np.abs(across) < track.half_m + OVERLAP_M
+        is_vehicle = bool(np.count_nonzero(face & inside) >= config.least_members)
+        if config.shape is not None:
+            low, high = np.min(height[face]), np.max(height[face])
+            is_vehicle &= bool(low < config.shape.foot_m and high - low > config.shape.least_height_m)
+            is_vehicle &= track.width_m > config.shape.least_width_m
+        if is_vehicle and track.identity is None:
+            is_vehicle = self._drives(track, across[face], height[face], own_mps)
+        return inside if is_vehicle else None
 
-    def _merge(self, pose: Floats) -> None:
-        """Two parts of one body, side by side in one lane or one before the other, become one: the surer."""
-        if len(self.tracks) < 2:
-            return
+    def _drives(self, track: MovingTrack, across_m: Floats, height_m: Floats, own_mps: float) -> bool:
+        """Whether a tentative track with points at these places drives, and is no slipping line or mirror image."""
         config = self.config
-        kept: list[MovingTrack] = []
-        for track in sorted(self.tracks, key=lambda track: (-track.log_odds, track.place(pose)[0])):
-            forward, right = track.place(pose)
-            for other in kept:
-                apart = np.subtract((forward, right), other.place(pose))
-                ahead, aside = rotation(pose[2] - other.course.direction_rad) @ apart  # along its course and across
-                alike = abs(track.speed_mps - other.speed_mps) < 2.0
-                in_sight = other.depth_m(pose) > config.follow_m
-                near = other.half_m + track.half_m + 0.2 if in_sight else config.same_m  # a prediction may be off
-                if alike and abs(ahead) < config.length_m + in_sight and abs(aside) < near:
-                    names = [name for name in (track.identity, other.identity) if name is not None]
-                    other.identity = min(names, default=None)
-                    break
-            else:
-                kept.append(track)
-        self.tracks = kept
+        if (rule := config.equal_speed) is not None:
+            share = track.closing_share(own_mps)
+            if -rule.receding < share < rule.closing:
+                return False
+        if config.least_speed is not None and track.speed_mps < config.least_speed.least_mps:
+            return False
+        return config.thickness is None or thickness(across_m, height_m) > config.thickness.least_m
 
-    def _believe(self) -> None:
+    def _confirm(self) -> None:
         for track in self.tracks:
-            if track.identity is None and track.log_odds > self.config.believed:
+            if track.identity is None and track.log_odds > self.config.confirmed:
                 track.identity, self._next = self._next, self._next + 1
 
-    def _forget(self, pose: Floats, road: RoadEdges) -> None:
+    def _prune(self, pose: Floats, road: RoadEdges) -> None:
         config = self.config
 
         def kept(track: MovingTrack) -> bool:
             forward, right = track.place(pose)
-            on_road = abs(forward) > config.far_m or _is_on_road(forward, right, road, -0.5)
+            on_road = config.carriageway is None or abs(forward) > config.far_m
+            if config.carriageway is not None and not on_road:
+                on_road = is_on_carriageway(forward, right, road, -config.carriageway.outside_m)
             known = -config.behind_m < forward < 1.5 * config.far_m and track.sigma_m < config.vague_m
             least = 0.0 if track.identity is not None else config.dropped
             return bool(known and on_road and track.log_odds > least)
 
         self.tracks = [track for track in self.tracks if kept(track)]
 
-    def _find(self, seen: Apparent, free: Bools, flow: Flow, road: RoadEdges) -> None:
-        """New tentative from points that move and belong to none: the best outlines about one of them."""
-        config = self.config
-        spare = config.most_suspects - sum(track.identity is None for track in self.tracks)
+    def _find(self, frame: _Frame, free: Bools) -> None:
+        """Begin tentative tracks with the best candidates among the moving points `free` (N,): of no track."""
+        config, seen = self.config, frame.seen
+        spare = config.most_tentative - sum(track.identity is None for track in self.tracks)
         with np.errstate(divide="ignore"):
             free &= self.camera.height_m < config.far_m * seen.drop
         if spare <= 0 or np.count_nonzero(free) < config.least_points:
             return
-        free &= ~near_edge_line(self.camera, flow.points_px, road, config.edge_line_m, config.verge_m)
+        if (rule := config.edge_lines) is not None:
+            free &= ~near_edge_line(self.camera, frame.flow.points_px, frame.road, rule.inside_m, rule.outside_m)
         feet = np.flatnonzero(free)
         share = seen.inverse_per_m[feet] * self.camera.height_m / np.maximum(seen.drop[feet], 1e-3)
-        feet = feet[
-            (share < config.slowest_share) & ((share > config.equal_share) | (share < -0.5 * config.equal_share))
-        ]
-        for mine in outlines(seen, feet, spare, self.camera, config):
+        is_fast = share < config.slowest_share
+        if config.equal_speed is not None:
+            is_fast &= (share > config.equal_speed.closing) | (share < -config.equal_speed.receding)
+        for mine in candidates(seen, feet[is_fast], spare, self.camera, config):
             lowest_m = self.camera.height_m / float(np.max(seen.drop[mine]))
-            members = mine[seen.contrast[mine] > self._image(seen, mine, lowest_m)]
+            members = mine[seen.contrast[mine] > self.mirror_images.own_image(seen, mine, lowest_m)]
             if len(members) < config.least_members:
                 continue
-            sight = suspect(seen, members, self.camera, config)
-            if self._is_plausible(sight, road):
-                self.tracks.append(MovingTrack(sight, self.camera, flow.pose, config.prior, config.filter))
+            found = detect(seen, members, self.camera, config)
+            if self._is_plausible(found, frame.road):
+                prior = config.prior.log_odds if config.prior else 0.0
+                self.tracks.append(MovingTrack(found, self.camera, frame.flow.pose, prior, config.filter))
 
-    def _is_plausible(self, sight: Sight, road: RoadEdges) -> bool:
-        """It drives, and on the carriageway."""
+    def _is_plausible(self, found: Detection, road: RoadEdges) -> bool:
+        """Whether a candidate is in range, drives, and is on the carriageway."""
         config = self.config
-        if not config.near_m < sight.depth_m < config.far_m:
+        if not (config.near_m < found.depth_m < config.far_m and config.slow_mps < found.speed_mps < config.fast_mps):
             return False
-        return self._is_on_carriageway(sight.depth_m, sight.middle_m, road) and 1.0 < sight.speed_mps < 25.0
-
-    def _is_on_carriageway(self, depth_m: float, right_m: float, road: RoadEdges) -> bool:
-        """Whether the middle of a body may be so far from the camera: its sides within the edges."""
-        return _is_on_road(self.camera.forward_m + depth_m, right_m, road, self.config.edge_margin_m)
-
-
-def _is_on_road(forward_m: float, right_m: float, road: RoadEdges, inside_m: float) -> bool:
-    """Whether a place, vehicle axes, is at least so far inside the edges of the carriageway."""
-    left, right = carriageway_offsets(np.array([forward_m]), road)
-    return bool(left[0] + inside_m < right_m < right[0] - inside_m)
-
-
-def _thickness(across_m: Floats, height_m: Floats) -> float:
-    """m, root mean square distance of points from the straight line that fits them best: tracks on a line have none."""
-    return float(np.sqrt(np.linalg.eigvalsh(np.cov(across_m, height_m, ddof=0))[0]))
+        forward = self.camera.forward_m + found.depth_m
+        return config.carriageway is None or is_on_carriageway(forward, found.middle_m, road, config.edge_margin_m)

@@ -1,1 +1,1 @@
-"""Low obstacles, by where the road does not move in the picture as a plane does."""
+"""Low obstacles, by where the image of the road does not move as a plane does."""

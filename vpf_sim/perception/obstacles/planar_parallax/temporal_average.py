@@ -1,29 +1,27 @@
-"""Grids of the road ahead, averaged over several looks while the road moves by: what stands on it stays there."""
+"""Ego-aligned temporal average of grids of the road ahead."""
 
 from collections.abc import Callable
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from vpf_sim.perception.obstacles.planar_parallax.grids import Grid
 from vpf_sim.types import Floats
 
-Grid = NDArray[np.float32]
 
+class TemporalAverage:
+    """Exponential averages of grids that move with the road. What enters the grid begins at 0.
 
-class Evidence:
-    """Exponential averages of grids that move with the road.
-
-    Noise of single looks, as of rain, averages out; a body's difference does not. What comes into the grid begins at 0.
+    Noise of single observations, as of rain, averages out; an obstacle's difference does not.
     """
 
     def __init__(self, share: float) -> None:
-        self._share = np.float32(share)  # of the newest look
+        self._share = np.float32(share)  # of the newest observation
         self._grids: list[Grid] = []
         self._pose: Floats = np.zeros(3)
 
     def add(self, grids: list[Grid], pose: Floats, transform: Callable[[Floats, Floats], Grid]) -> list[Grid]:
-        """The averages, each (rows, columns), with a look at `pose`; `transform` leads to cells at a past pose."""
+        """The averages (rows, columns) with those observed at `pose`; `transform` leads to cells at a past pose."""
         self._grids = [
             self._share * grid + past for grid, past in zip(grids, self._moved(grids, pose, transform), strict=True)
         ]
@@ -31,11 +29,11 @@ class Evidence:
         return self._grids
 
     def fade(self) -> None:
-        """A look that shows nothing at all."""
+        """Add an observation that shows nothing at all."""
         self._grids = [(1 - self._share) * grid for grid in self._grids]
 
     def _moved(self, grids: list[Grid], pose: Floats, transform: Callable[[Floats, Floats], Grid]) -> list[Grid]:
-        """What stays of the averages, where it is now."""
+        """The past averages with their weight, moved to where the road is now."""
         if not self._grids:
             return [np.zeros_like(grid) for grid in grids]
         way, size = transform(self._pose, pose), grids[0].shape[::-1]
