@@ -106,7 +106,7 @@ def test_the_way_decides_the_speed() -> None:
 @pytest.mark.parametrize("slope", [0.0, 0.1, 0.45])
 @pytest.mark.parametrize("way_m", [0.1, 2.0])
 def test_a_turned_car_that_goes_straight_on_clears_what_that_brings(way_m: float, slope: float) -> None:
-    """Its side, half a width from the pose, as a straight line along its heading: where it meets the obstacle's face."""
+    """Its side, a straight line along its heading half a width from the pose, at the obstacle's face."""
     heading, side = np.arctan(slope), 0.5 * CAR.width_m
     sine, cosine = np.sin(heading), np.cos(heading)
     ahead = way_m + 0.5 * CAR.length_m

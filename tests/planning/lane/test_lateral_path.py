@@ -138,7 +138,7 @@ def test_the_corners_stay_clear_of_an_obstacle_that_is_passed_next(
 def test_a_car_that_is_turned_from_an_obstacle_beside_the_car_turns_back_behind_it(
     shift_m: float, gap_m: float, side: float
 ) -> None:
-    """Its corner is detected beside the bumper, and the road's edge, ahead, asks for turning back: the side would swing."""
+    """A corner is beside the bumper, and the edge ahead asks for turning back: the side would swing."""
     car, hands, road = Bicycle(speed_mps=3.0), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
     way, gaps = lane_reference(3.0), [gap_m]
 

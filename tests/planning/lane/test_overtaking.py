@@ -41,7 +41,7 @@ def test_a_slow_lead_is_overtaken_and_one_that_runs_away_is_not() -> None:
 
 
 def test_no_car_is_cut_off() -> None:
-    """We drive in the lane to the left and would go back; the obstacle is beside, behind and passed, behind and faster."""
+    """The car would go back from the lane to the left; the obstacle is beside, passed, or behind and faster."""
     left = replace(LANE, y_m=-3.5)
     for along_m, speed_mps, free in ((-4.0, 3.0, False), (-10.0, 3.0, True), (-20.0, 9.0, False), (6.0, 9.0, False)):
         watch = lateral_cost(-3.5)
@@ -50,7 +50,7 @@ def test_no_car_is_cut_off() -> None:
 
 @pytest.mark.parametrize("speed_mps", [2.0, 4.0])
 def test_an_obstacle_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -> None:
-    """v_d is the obstacle's speed where the gap is what is kept, less nearer by, more farther off; 0 behind what stands."""
+    """v_d is the obstacle's speed at the wanted gap, less nearer by, more farther off; 0 behind a static one."""
     kept = BUMPER_M + SPEED.standoff_m + unwrap(SPEED.follow).time_gap_s * speed_mps
 
     def wanted(along_m: float, body_mps: float, own_mps: float) -> float:
@@ -67,7 +67,7 @@ def test_an_obstacle_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: flo
 def test_the_car_does_not_change_sides_behind_an_obstacle_that_is_reached_meanwhile(
     speed_mps: float, room_m: float, crosses: bool
 ) -> None:
-    """An obstacle ahead in the lane to the right; the own lane and the one to the left become blocked by what stands."""
+    """An obstacle ahead in the lane to the right; a static one blocks the own lane and the one to the left."""
     along_m = 0.5 * CAR.length_m + room_m
     ahead = obstacle(along_m, 3.5, speed_mps)
     watch = lateral_cost(0.0)

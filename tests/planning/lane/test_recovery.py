@@ -31,7 +31,7 @@ CLOSED = (*DEAD_END, Body(28.0, -3.5, width_m=3.0), Body(28.0, -7.0, width_m=3.0
 def drive(
     bodies: Sequence[Body], config: LanePlannerConfig = ROBUST, curvature_per_m: float = 0.0, time_s: float = 40.0
 ) -> tuple[Bicycle, float, float]:
-    """The car, known obstacles 3 m before it, at standstill; least clearance m, and the largest angle to the road, rad."""
+    """The car, obstacles 3 m before it, from standstill; least clearance m, and largest angle to the road, rad."""
     road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
     x, y = road.point(20.0, 0.0)
     car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
@@ -190,7 +190,7 @@ def test_after_it_the_own_lane_is_the_one_it_was() -> None:
 def test_what_is_detected_on_the_way_ends_it_no_farther_than_a_little_past_the_manoeuvre(
     past_m: float, drives: bool
 ) -> None:
-    """A narrow obstacle, detected with the manoeuvre begun, so far before the front of the car at the manoeuvre's end."""
+    """A narrow obstacle, detected on the manoeuvre, so far before the front of the car at its end."""
     out, car = began(), Bicycle(0.2, 0.0, 0.0, CONFIG.speed_mps)
     course = unwrap(out.manoeuvre)
     end = int(course.end[0])
@@ -228,7 +228,7 @@ TURNED = Bicycle(1.0, 0.1, 0.35, 0.0)
 
 
 def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
-    """A narrow obstacle ends the manoeuvre, the car stands turned, and looks for another while the `new` is detected."""
+    """A narrow obstacle ends the manoeuvre; the car stands turned and searches again, with a `new` one detected."""
     out, moves = began(), replace(TURNED, speed_mps=0.5)
     lane = out.lane(road(0.1, -0.35), TURNED.observe())
     for _ in range(30):
@@ -240,7 +240,7 @@ def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
 
 
 def test_what_was_detected_on_a_manoeuvre_is_held_no_farther_against_the_next() -> None:
-    """A narrow obstacle, detected before that one begins, farther past its end than what is detected on the way counts."""
+    """A narrow obstacle, detected before it begins, too far past its end to count on the way."""
     first, lane = begun_again(told(0.0))
     course = unwrap(first.manoeuvre)
     end = int(course.end[0])

@@ -55,7 +55,7 @@ def shut(bodies: LaneObstacles) -> Bools:
 def test_what_stands_behind_the_first_must_leave_more(
     side: float, gap_m: float, behind_m: float, is_shut: bool
 ) -> None:
-    """A truck a metre beside our way, an obstacle so far behind its face on the other side; alone, 0.2 m would be enough."""
+    """A truck 1 m beside the car, an obstacle behind its face on the other side; alone, 0.2 m would be enough."""
     truck = (5.0, *sorted((side * (HALF_M + 1.0), side * (HALF_M + 3.5))))
     behind = (5.0 + behind_m, *sorted((-side * (HALF_M + gap_m), -side * (HALF_M + gap_m + 0.8))))
     assert shut(row(truck, behind)).all() == is_shut

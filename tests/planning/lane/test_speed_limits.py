@@ -265,7 +265,7 @@ def test_a_car_that_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_besid
 def bent(
     rows: list[tuple[float, float, float]], minimum_m: float, path: tuple[float, float, float], mirrored: bool
 ) -> float:
-    """v_d of a car at 5 m/s on a path at y with a slope and a bend, before obstacles (face, left, right), or mirrored."""
+    """v_d at 5 m/s on a path (y, slope, bend) before obstacles (face, left, right), or mirrored."""
     sign = -1.0 if mirrored else 1.0
     sides = [(face, *sorted((sign * left, sign * right))) for face, left, right in rows]
     y_m, slope, bend = (sign * one for one in path)
@@ -305,7 +305,7 @@ def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_co
 
 
 def test_the_nearer_side_is_one_where_no_other_obstacle_stands() -> None:
-    """Two obstacles side by side: between them there is no room; their outer sides are 3.5 and 4.5 m from the middle."""
+    """Two obstacles without room between them; their outer sides are 3.5 and 4.5 m from the middle."""
     rows = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 2.5)])
     free = geometry(LaneObstacles(*rows.T)).nearer_side(LANE, 0.1)
     assert free[0] == pytest.approx(1.0 + HALF_M + 0.1)

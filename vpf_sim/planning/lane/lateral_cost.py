@@ -77,7 +77,7 @@ class LateralCost:
         self._y_m: Floats = np.concatenate([-half[::-1], [0.0], half])  # symmetric to the last bit
         self._target: Floats = config.target_per_m2 * self._y_m**2
         self._nothing: Floats = np.zeros(len(self._y_m))
-        self._nothing.flags.writeable = False  # it is of all steps without a body
+        self._nothing.flags.writeable = False  # shared by all steps without an obstacle
         touching = config.obstacle_height + config.obstacle_slope_per_m * clearance.wanted_m
         self._touching = touching if config.narrow is None else touching + config.narrow.height  # U at no gap
         self._last_m: float | None = None

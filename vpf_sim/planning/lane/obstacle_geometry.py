@@ -14,7 +14,7 @@ FREE_M = 1e-6  # an obstacle does not occupy its own side
 
 
 class ObstacleGeometry:
-    """K obstacles in lane coordinates and the car; a y is that of the middle of its body."""
+    """K obstacles in lane coordinates and the car; a y is that of its middle."""
 
     def __init__(
         self,
@@ -33,7 +33,7 @@ class ObstacleGeometry:
         self._speed_reference_mps = speed_reference_mps
         self.way_m: Floats = obstacles.along_m - self._half_length_m  # (K,) from the bumper to each face
         self.moves: Bools = obstacles.speed_mps > 0.0  # (K,)
-        self.length_m = self._lengths()  # (K,) from each face to where the body ends, at least
+        self.length_m = self._lengths()  # (K,) from each face to its end, at least
         weight = self._weights()  # (K,) 0 .. 1
         self.present: Bools = weight > 0.0  # (K,) the others count for the choice of a side at most
         self.stands: Bools = self.present & ~self.moves  # (K,)

@@ -13,7 +13,7 @@ from vpf_sim.planning.lane.speed.creep import Creep
 from vpf_sim.planning.lane.speed_config import ApproachConfig, EasingConfig, LookConfig, RestConfig, SpeedConfig
 from vpf_sim.types import Bools, Floats
 
-SHORTEST_M = 0.1  # of a stop: a face is told no better
+SHORTEST_M = 0.1  # of a stop: the error of a face
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
 # v_d so far below the speed, or by that share of it but no less, asks the controller for a_0 at most:
 EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0
