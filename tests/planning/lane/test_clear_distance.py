@@ -32,12 +32,12 @@ def slowed(speed_mps: float, now_m: float, good_m: float, wanted_mps: float = 5.
 
 
 @pytest.mark.parametrize("wanted_mps", [3.0, 5.55, 15.0])
-def test_who_sees_all_that_can_be_seen_goes_as_fast_as_asked(wanted_mps: float) -> None:
+def test_a_car_that_sees_all_that_can_be_seen_goes_as_fast_as_asked(wanted_mps: float) -> None:
     assert slowed(wanted_mps, 10.0, 10.0, wanted_mps) == wanted_mps
 
 
 @pytest.mark.parametrize("wanted_mps", [4.5, 5.55])
-def test_who_sees_less_goes_as_fast_as_the_stop_allows(wanted_mps: float) -> None:
+def test_a_car_that_sees_less_goes_as_fast_as_the_stop_allows(wanted_mps: float) -> None:
     assert slowed(wanted_mps, 7.0, 10.0, wanted_mps) == pytest.approx(safe_speed(7.0, CONFIG, VEHICLE))
 
 
@@ -50,7 +50,7 @@ def test_where_a_good_view_is_not_enough_either_both_are_compared() -> None:
     assert slowed(6.5, 8.0, 10.0, 6.5) == pytest.approx(share * 6.5)
 
 
-def test_who_asks_for_more_than_a_good_view_allows_is_not_slowed_by_a_bad_one() -> None:
+def test_a_car_that_asks_for_more_than_a_good_view_allows_is_not_slowed_by_a_bad_one() -> None:
     assert slowed(15.0, 7.0, 10.0, wanted_mps=15.0) == 15.0
 
 
@@ -61,7 +61,7 @@ def test_the_reference_is_slowed_only() -> None:
 
 
 @pytest.mark.parametrize("good_m", [0.0, np.inf])
-def test_what_cannot_be_seen_at_that_speed_or_is_not_judged_slows_nobody(good_m: float) -> None:
+def test_what_cannot_be_seen_at_that_speed_or_is_not_judged_slows_no_car(good_m: float) -> None:
     assert slowed(15.0, good_m, good_m, wanted_mps=15.0) == 15.0
 
 

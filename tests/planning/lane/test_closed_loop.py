@@ -112,7 +112,7 @@ def test_it_takes_a_slalom_at_20_frames_a_second() -> None:
     assert np.abs(run.track[3]).max() < 3.0
 
 
-def test_a_body_dead_ahead_is_passed_on_the_side_with_more_road() -> None:
+def test_an_obstacle_dead_ahead_is_passed_on_the_side_with_more_road() -> None:
     run = drive(Road(), [Body(60.0, 0.0)], 110.0)
     assert run.clearance_m >= KEPT_M
     assert run.track[1].min() < -2.0

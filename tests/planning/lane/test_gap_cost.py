@@ -1,4 +1,4 @@
-"""Gaps in a row: between two bodies, and between one and an edge of the road."""
+"""Gaps in a row: between two obstacles, and between one and an edge of the road."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ WIDTHS_M = (2.0, 5.0)
 
 
 def narrow(sides_m: list[tuple[float, float]], weights: list[float]) -> dict[float, float]:
-    """Where it is narrow, of bodies in one row between these sides."""
+    """Where it is narrow, of obstacles in one row between these sides."""
     left, right = np.array(sides_m).T
     bodies = LaneObstacles(np.full(len(left), 12.0), left, right)
     one_row = np.ones((len(left), len(left)), np.bool_)
@@ -20,7 +20,7 @@ def narrow(sides_m: list[tuple[float, float]], weights: list[float]) -> dict[flo
     return {float(y): round(float(value), 9) for y, value in zip(PLACES_M, found, strict=True) if value > 0.0}
 
 
-def test_a_gap_beside_an_edge_is_one_between_two_bodies() -> None:
+def test_a_gap_beside_an_edge_is_one_between_two_obstacles() -> None:
     beside_edge = narrow([(-5.0, 2.0)], [1.0])
     between = narrow([(-5.0, 2.0), (5.0, 9.0)], [1.0, 1.0])
     assert beside_edge == between == dict.fromkeys(PLACES_M[PLACES_M > 2.0].tolist(), 0.4)
@@ -33,6 +33,6 @@ def test_what_is_wide_and_what_is_no_gap_at_all_costs_nothing(gap_m: float) -> N
     assert not narrow([(-5.0, 5.0 - gap_m)], [1.0])
 
 
-def test_a_body_that_counts_in_part_makes_a_gap_that_does() -> None:
+def test_an_obstacle_that_counts_in_part_makes_a_gap_that_does() -> None:
     assert set(narrow([(-5.0, 2.0)], [0.5]).values()) == {0.2}
     assert set(narrow([(-5.0, -1.0), (2.0, 5.0)], [1.0, 0.25]).values()) == {0.1}

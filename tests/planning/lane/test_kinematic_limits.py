@@ -1,4 +1,4 @@
-"""How far aside the way that is left allows, and what is no choice: places off the road or behind a near body."""
+"""How far aside the way that is left allows, and what is no choice: places off the road or behind a near obstacle."""
 
 from dataclasses import replace
 from math import hypot, inf
@@ -40,7 +40,7 @@ def field(lane: Lane = LANE) -> LateralCost:
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_the_worst_body_pushes_nobody_off_the_road(side: float) -> None:
+def test_the_worst_obstacle_pushes_no_car_off_the_road(side: float) -> None:
     """A wall across all but 1.5 m at one edge: no place is free, and the lowest one still lies on the road."""
     lane = Lane(side * 3.0, 7.0, -7.0, 0.0, 0.0)
     left, right = sorted((-side * 7.0, side * 5.5))
@@ -48,8 +48,8 @@ def test_the_worst_body_pushes_nobody_off_the_road(side: float) -> None:
     assert abs(minimum) + 0.5 * CAR.width_m <= 7.0 - CLEARANCE.edge_m + ROBUST.lateral_cost.spacing_m
 
 
-def test_a_body_that_leaves_no_way_before_it_is_not_crossed() -> None:
-    """Beyond a body lies the only free way; from far away it is chosen, from near by no longer."""
+def test_an_obstacle_that_leaves_no_way_before_it_is_not_crossed() -> None:
+    """Beyond an obstacle lies the only free way; from far away it is chosen, from near by no longer."""
     barrier, closes = (-0.5, 1.5), (-8.75, -0.4)
 
     def minimum(way_m: float) -> float:
@@ -62,7 +62,7 @@ def test_a_body_that_leaves_no_way_before_it_is_not_crossed() -> None:
 
 
 def test_what_is_left_to_be_made_is_counted_to_the_side_that_was_chosen() -> None:
-    """Our body covers one by more to the right; a second is crossed on the way to the left, a third is not."""
+    """the car covers one by more to the right; a second is crossed on the way to the left, a third is not."""
     row, margin = bodies((10.0, -1.6, 0.6), (10.0, -4.8, -2.8), (10.0, 4.0, 5.0)), 0.5 * CAR.width_m + 0.25
     left = row.shift(0.0, -6.0, 0.25)
     assert left[:2] == pytest.approx([1.6 + margin, 4.8 + margin])
@@ -106,7 +106,7 @@ def test_the_way_decides_the_speed() -> None:
 @pytest.mark.parametrize("slope", [0.0, 0.1, 0.45])
 @pytest.mark.parametrize("way_m", [0.1, 2.0])
 def test_a_turned_car_that_goes_straight_on_clears_what_that_brings(way_m: float, slope: float) -> None:
-    """Its side, half a width from the pose, as a straight line along its heading: where it meets the body's face."""
+    """Its side, a straight line along its heading half a width from the pose, at the obstacle's face."""
     heading, side = np.arctan(slope), 0.5 * CAR.width_m
     sine, cosine = np.sin(heading), np.cos(heading)
     ahead = way_m + 0.5 * CAR.length_m
@@ -115,7 +115,7 @@ def test_a_turned_car_that_goes_straight_on_clears_what_that_brings(way_m: float
 
 
 @pytest.mark.parametrize("speed_mps", [3.0, 5.0])
-def test_who_is_on_the_way_aside_already_is_as_far_as_one_who_began_before(speed_mps: float) -> None:
+def test_a_car_that_is_on_the_way_aside_already_is_as_far_as_one_that_began_before(speed_mps: float) -> None:
     """Headed at a slope on the curve of least radius, as if from straight on a way longer by R slope."""
     slope, shift, radius = 0.2, 2.0, float(1.0 / LIMITS.tightest(speed_mps))
     whole = shift + 0.5 * radius * slope**2
@@ -128,7 +128,7 @@ def test_who_is_on_the_way_aside_already_is_as_far_as_one_who_began_before(speed
 
 
 def test_the_first_half_of_a_shift_to_a_far_goal_takes_half_of_its_way() -> None:
-    """The car need not rest where it is clear of a body, if its path leads on."""
+    """The car need not rest where it is clear of an obstacle, if its path leads on."""
     way, half = np.array([8.0]), np.array([1.0])
     rests, goes_on = LIMITS.speed(way, half, 0.0, 0.0)[0], LIMITS.speed(way, half, 2.0, 0.0)[0]
     assert 0.5 * float(LIMITS.way(2.0, goes_on)) + 0.3 * goes_on == pytest.approx(8.0, rel=0.03)
@@ -147,7 +147,7 @@ def test_near_an_edge_the_car_turns_no_more_than_its_corners_allow() -> None:
 
 
 def seen(*rows: tuple[float, float, float, int]) -> LaneObstacles:
-    """What the lane has of bodies by face, left, right, identity."""
+    """What the lane has of obstacles by face, left, right, identity."""
     forward, left, right, identity = np.array(rows).T
     unknown = np.full(len(rows), 0.1)
     road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5)
@@ -158,7 +158,7 @@ def seen(*rows: tuple[float, float, float, int]) -> LaneObstacles:
     )
 
 
-def test_a_part_of_a_body_is_no_body_of_its_own() -> None:
+def test_a_part_of_an_obstacle_is_no_obstacle_of_its_own() -> None:
     """An edge low on its side, or points that fell away from its others; not what stands beside or far behind it."""
     car = (10.0, 0.0, 2.0, 1)
     assert len(seen(car, (14.0, -0.2, 0.4, 2))) == 1
@@ -219,7 +219,7 @@ def test_a_gap_beside_the_edge_is_not_chosen_from_too_near(side: float) -> None:
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_gap_that_the_edge_keeps_the_car_from_is_not_chosen_though_its_side_was(side: float) -> None:
-    """A row 10 m ahead closes the gap between two bodies that was meant, and leaves 2.5 m at the edge, or 4 m.
+    """A row 10 m ahead closes the gap between two obstacles that was meant, and leaves 2.5 m at the edge, or 4 m.
 
     With the edge farther off on that side as much is free beside the row, and the side is kept.
     """
@@ -269,7 +269,9 @@ def test_the_way_to_an_edge_is_that_of_the_law_by_which_the_path_comes_near(gap_
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_who_has_turned_to_one_side_of_a_body_keeps_to_it_though_the_body_is_told_wider(side: float) -> None:
+def test_a_car_that_has_turned_to_one_side_of_an_obstacle_keeps_to_it_though_the_obstacle_is_detected_wider(
+    side: float,
+) -> None:
     """12 m ahead, farther away than sides are kept to otherwise: the part seen first lies on the other side."""
     edges = sorted((-8.75 * side, 8.75 * side))
 
@@ -288,7 +290,9 @@ def test_who_has_turned_to_one_side_of_a_body_keeps_to_it_though_the_body_is_tol
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize(("last_m", "keeps"), [(0.3, False), (0.7, False), (1.3, True)])
-def test_a_body_that_is_told_where_the_car_was_going_has_no_side_yet(side: float, last_m: float, keeps: bool) -> None:
+def test_an_obstacle_that_is_detected_where_the_car_was_going_has_no_side_yet(
+    side: float, last_m: float, keeps: bool
+) -> None:
     """10 m ahead, its middle .1 m off: the shorter way leads past its other side; it is 1.3 m to be clear on this."""
     one = field(Lane(0.0, 8.75, -8.75, 0.0, 0.0))
     one.keep(side * last_m)
@@ -301,7 +305,7 @@ def test_a_body_that_is_told_where_the_car_was_going_has_no_side_yet(side: float
 def test_a_gap_that_proves_narrow_is_left_for_a_free_side(
     side: float, gap_m: float, heading_rad: float, leaves: bool
 ) -> None:
-    """A cone is to be passed on the side with more road, where 10 m ahead a body is told beside it.
+    """A cone is to be passed on the side with more road, where 10 m ahead an obstacle is detected beside it.
 
     Through a wide gap the car goes all the same, and who has turned to it through any that is wide enough.
     """
@@ -316,11 +320,11 @@ def test_a_gap_that_proves_narrow_is_left_for_a_free_side(
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize(("face_m", "width_m", "leaves"), [(12.0, 2.5, True), (12.0, 2.0, False), (22.0, 2.5, False)])
-def test_who_stands_beside_a_truck_is_of_its_row_though_his_face_is_farther(
+def test_a_pedestrian_beside_a_truck_is_of_its_row_though_his_face_is_farther(
     side: float, face_m: float, width_m: float, leaves: bool
 ) -> None:
-    """He stands 7 m behind its face, where a car has ended: farther off than bodies count otherwise. Between them it is
-    narrow, on the other side of the truck is more room. From far off neither is near enough for a choice."""
+    """He stands 7 m behind its face, where a car has ended: farther off than obstacles count otherwise. Between them it
+    is narrow, on the other side of the truck is more room. From far off neither is near enough for a choice."""
     lane = Lane(0.0, 8.75, -8.75, 0.0, 0.0)
     truck, person = ((a * side, b * side) for a, b in ((-0.5 - width_m, -0.5), (2.9, 3.4)))
     along_m = face_m + 0.5 * CAR.length_m

@@ -58,7 +58,7 @@ def test_a_reversal_overshoots_as_little_as_the_limits_of_the_car_allow(
     assert track[:, 0].max() < max(y, 0.7) + 0.02
 
 
-def test_who_stands_goes_along_no_path() -> None:
+def test_a_car_that_stands_goes_along_no_path() -> None:
     glide = lateral_path(0.0, 4.0)
     for _ in range(60):
         glide.advance(LANE, 3.0, np.inf, 1.0, 1.0 / RATE_HZ)
@@ -114,8 +114,10 @@ def test_the_corners_stay_on_the_carriageway(speed_mps: float, first_m: float) -
 @pytest.mark.parametrize("speed_mps", [1.2, 2.0, 3.0])
 @pytest.mark.parametrize("way_m", [0.5, 1.5, 2.5, 3.5])
 @pytest.mark.parametrize("gap_m", [0.8, 1.2])
-def test_the_corners_stay_clear_of_a_body_that_is_passed_next(gap_m: float, way_m: float, speed_mps: float) -> None:
-    """A body stands to the right, farther than the car shall go: it gets there turned, its corner first."""
+def test_the_corners_stay_clear_of_an_obstacle_that_is_passed_next(
+    gap_m: float, way_m: float, speed_mps: float
+) -> None:
+    """An obstacle stands to the right, farther than the car shall go: it gets there turned, its corner first."""
     car, hands, road = Bicycle(speed_mps=speed_mps), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
     way, front = lane_reference(speed_mps), []
     half_length, half_width = 0.5 * CAR.length_m, 0.5 * CAR.width_m
@@ -133,10 +135,10 @@ def test_the_corners_stay_clear_of_a_body_that_is_passed_next(gap_m: float, way_
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize("gap_m", [0.03, 0.06])
 @pytest.mark.parametrize("shift_m", [1.2, 1.5])
-def test_who_is_turned_from_a_body_beside_the_car_turns_back_behind_it(
+def test_a_car_that_is_turned_from_an_obstacle_beside_the_car_turns_back_behind_it(
     shift_m: float, gap_m: float, side: float
 ) -> None:
-    """Its corner is told beside the bumper, and the road's edge, ahead, asks for turning back: the side would swing."""
+    """A corner is beside the bumper, and the edge ahead asks for turning back: the side would swing."""
     car, hands, road = Bicycle(speed_mps=3.0), Gtsmc(load_gains("robust"), CAR, RATE_HZ), Road()
     way, gaps = lane_reference(3.0), [gap_m]
 
@@ -177,7 +179,7 @@ def test_near_a_gap_that_is_too_narrow_the_car_is_not_turned_towards_it(
 
 @pytest.mark.parametrize(("way_m", "right_m", "leaves"), [(16.0, 12.0, False), (9.0, 12.0, True), (16.0, 2.6, True)])
 def test_the_own_lane_is_left_no_sooner_than_it_must_be(way_m: float, right_m: float, leaves: bool) -> None:
-    """1.5 m aside before a body, at 5.55 m/s; at once where another body leaves no room to spare."""
+    """1.5 m aside before an obstacle, at 5.55 m/s; at once where another obstacle leaves no room to spare."""
     half = 0.5 * CAR.width_m
     faces = np.full(2, way_m + 0.5 * CAR.length_m)
     bodies = LaneObstacles(faces, np.array([-1.0, right_m]), np.array([1.5 - half - 0.43, right_m + 1.0]))
@@ -200,7 +202,7 @@ def test_a_slower_car_is_not_waited_for(speed_mps: float, leaves: bool) -> None:
     assert (way.y_m > 0.0) == leaves
 
 
-def test_between_two_bodies_the_path_is_that_of_the_mirrored_world() -> None:
+def test_between_two_obstacles_the_path_is_that_of_the_mirrored_world() -> None:
     """Where no slope is free to either side, it is neither's."""
 
     def ended(side: float) -> float:
@@ -213,7 +215,7 @@ def test_between_two_bodies_the_path_is_that_of_the_mirrored_world() -> None:
 
 
 def test_the_way_back_does_not_wait() -> None:
-    """A car 1.5 m aside, its lane free, and a body beside its present way far ahead."""
+    """A car 1.5 m aside, its lane free, and an obstacle beside its present way far ahead."""
     body = LaneObstacles(np.array([14.0]), np.array([1.0]), np.array([3.0]))
     way = lane_reference()
     for _ in range(30):

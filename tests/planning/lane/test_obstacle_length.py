@@ -1,4 +1,4 @@
-"""How long a body is, from its parts: the way back begins behind the last of them."""
+"""How long an obstacle is, from its parts: the way back begins behind the last of them."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ LANE = Lane(y_m=0.0, right_m=5.25, left_m=-8.75, heading_rad=0.0, curvature_per_
 
 
 def told(*rows: tuple[float, float, float]) -> Obstacles:
-    """Standing bodies of identities of their own: face, left and right side."""
+    """Standing obstacles of identities of their own: face, left and right side."""
     forward, left, right = np.array(rows).T
     count = len(rows)
     return Obstacles(
@@ -30,13 +30,13 @@ def weights(bodies: LaneObstacles) -> list[float]:
     return weight
 
 
-def test_a_side_told_in_parts_is_one_body_as_long_as_they_reach() -> None:
+def test_a_side_detected_in_parts_is_one_obstacle_as_long_as_they_reach() -> None:
     truck = place(told((6.0, -4.4, -1.9), (8.4, -2.5, -1.9), (12.9, -2.5, -1.9)), LANE, ROBUST.obstacles.parts)
     assert len(truck) == 1
     assert truck.length_m == pytest.approx([6.9])
 
 
-def test_bodies_that_are_no_parts_have_no_length() -> None:
+def test_obstacles_that_are_no_parts_have_no_length() -> None:
     alone = place(told((6.0, -4.4, -1.9), (20.0, -4.4, -1.9), (8.0, 1.0, 2.0)), LANE, ROBUST.obstacles.parts)
     assert alone.length_m.tolist() == [0.0, 0.0, 0.0]
 

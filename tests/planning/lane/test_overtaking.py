@@ -1,4 +1,4 @@
-"""Past bodies that move, or behind them: when they count, on which side, how near, and how fast."""
+"""Past obstacles that move, or behind them: when they count, on which side, how near, and how fast."""
 
 from dataclasses import replace
 
@@ -40,8 +40,8 @@ def test_a_slow_lead_is_overtaken_and_one_that_runs_away_is_not() -> None:
         )
 
 
-def test_nobody_is_cut_off() -> None:
-    """We drive in the lane to the left and would go back; the body is beside, behind and passed, behind and faster."""
+def test_no_car_is_cut_off() -> None:
+    """The car would go back from the lane to the left; the obstacle is beside, passed, or behind and faster."""
     left = replace(LANE, y_m=-3.5)
     for along_m, speed_mps, free in ((-4.0, 3.0, False), (-10.0, 3.0, True), (-20.0, 9.0, False), (6.0, 9.0, False)):
         watch = lateral_cost(-3.5)
@@ -49,8 +49,8 @@ def test_nobody_is_cut_off() -> None:
 
 
 @pytest.mark.parametrize("speed_mps", [2.0, 4.0])
-def test_a_body_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -> None:
-    """v_d is the body's speed where the gap is what is kept, less nearer by, more farther off; 0 behind what stands."""
+def test_an_obstacle_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -> None:
+    """v_d is the obstacle's speed at the wanted gap, less nearer by, more farther off; 0 behind a static one."""
     kept = BUMPER_M + SPEED.standoff_m + unwrap(SPEED.follow).time_gap_s * speed_mps
 
     def wanted(along_m: float, body_mps: float, own_mps: float) -> float:
@@ -64,10 +64,10 @@ def test_a_body_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -
 
 
 @pytest.mark.parametrize(("speed_mps", "room_m", "crosses"), [(3.0, 2.0, False), (3.0, 9.0, True), (5.4, 2.5, True)])
-def test_nobody_changes_sides_behind_a_body_that_is_reached_meanwhile(
+def test_the_car_does_not_change_sides_behind_an_obstacle_that_is_reached_meanwhile(
     speed_mps: float, room_m: float, crosses: bool
 ) -> None:
-    """A body ahead in the lane to the right; the own lane and the one to the left become blocked by what stands."""
+    """An obstacle ahead in the lane to the right; a static one blocks the own lane and the one to the left."""
     along_m = 0.5 * CAR.length_m + room_m
     ahead = obstacle(along_m, 3.5, speed_mps)
     watch = lateral_cost(0.0)
@@ -76,8 +76,8 @@ def test_nobody_changes_sides_behind_a_body_that_is_reached_meanwhile(
     assert (watch.update(wide, about(ahead, wall)).minimum_m > 4.4) == crosses
 
 
-def test_straight_behind_a_body_that_moves_no_side_is_decided_yet() -> None:
-    """It is told late, a hand's breadth to the left of our middle, where another leaves no room to its right."""
+def test_straight_behind_an_obstacle_that_moves_no_side_is_decided_yet() -> None:
+    """It is detected late, a hand's breadth to the left of our middle, where another leaves no room to its right."""
     bumper_m = 0.5 * CAR.length_m
     lead, right = obstacle(bumper_m + 6.8, -0.15, 3.1), obstacle(bumper_m + 2.0, 3.2, 3.9)
     assert lateral_cost(0.0).update(LANE, about(lead, right)).minimum_m < -2.0
@@ -94,7 +94,7 @@ def test_what_is_met_later_does_not_push_the_path_to_what_is_being_passed() -> N
     )
 
 
-def test_a_path_is_not_brought_nearer_to_a_body_that_is_being_passed_than_is_wanted() -> None:
+def test_a_path_is_not_brought_nearer_to_an_obstacle_that_is_being_passed_than_is_wanted() -> None:
     passed = obstacle(2.0, -1.0, 3.0)
     clear = -0.1 + 0.5 * CAR.width_m + CLEARANCE.wanted_m
     assert about(passed).kept_beside(2.0, 0.3) == pytest.approx(clear)

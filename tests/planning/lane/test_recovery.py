@@ -15,7 +15,7 @@ from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
 from vpf_sim.planning.lane.planner import LanePlanner, LanePlannerConfig
 from vpf_sim.planning.lane.recovery import Recovery
-from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, courses, separation
+from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, candidates, separation
 from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges
 
 CONFIG = RECOVERY
@@ -31,7 +31,7 @@ CLOSED = (*DEAD_END, Body(28.0, -3.5, width_m=3.0), Body(28.0, -7.0, width_m=3.0
 def drive(
     bodies: Sequence[Body], config: LanePlannerConfig = ROBUST, curvature_per_m: float = 0.0, time_s: float = 40.0
 ) -> tuple[Bicycle, float, float]:
-    """The car, known bodies 3 m before it, at standstill; least clearance m, and the largest angle to the road, rad."""
+    """The car, obstacles 3 m before it, from standstill; least clearance m, and largest angle to the road, rad."""
     road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
     x, y = road.point(20.0, 0.0)
     car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
@@ -68,8 +68,8 @@ def test_it_stays_where_all_of_the_road_is_blocked() -> None:
 
 
 @pytest.mark.parametrize("curvature_per_m", [0.0, 0.01, -0.01])
-def test_the_car_is_turned_as_its_course_is(curvature_per_m: float) -> None:
-    """At full lock a lag is not made up for, so the course counts the way of the axle that it is of."""
+def test_the_car_is_turned_as_its_manoeuvre_is(curvature_per_m: float) -> None:
+    """At full lock a lag is not made up for, so the manoeuvre counts the way of the axle that it is of."""
     road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
     x, y = road.point(20.0, 0.0)
     car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
@@ -93,7 +93,7 @@ def corner(along_m: Floats, y_m: Floats, turned_rad: Floats, side: float) -> tup
 @pytest.mark.parametrize("lock", LOCKS)
 def test_turning_asks_for_no_more_way_ahead_than_the_circle_does(lock: float) -> None:
     """sqrt((R + b)^2 + a^2) - a with wheels that are turned at once."""
-    course = courses(LANE, 0.0, CAR, per_m=1e3, lock=lock, config=CONFIG.candidates)
+    course = candidates(LANE, 0.0, CAR, per_m=1e3, lock=lock, config=CONFIG.candidates)
     radius = CAR.wheelbase_m / tan(lock * CAR.steering_limit_rad)
     ahead = hypot(radius + HALF_M, FRONT_M) - FRONT_M
     far = np.flatnonzero(np.abs(course.turned_rad).max(axis=1) > radians(75.0))
@@ -107,8 +107,8 @@ def test_turning_asks_for_no_more_way_ahead_than_the_circle_does(lock: float) ->
     assert len(far) > 10
 
 
-def test_courses_keep_the_limits_of_the_steering_and_end_in_the_roads_direction() -> None:
-    course = courses(replace(LANE, heading_rad=0.2), 0.3, CAR, per_m=1.4, lock=1.0, config=CONFIG.candidates)
+def test_candidates_keep_the_limits_of_the_steering_and_end_in_the_roads_direction() -> None:
+    course = candidates(replace(LANE, heading_rad=0.2), 0.3, CAR, per_m=1.4, lock=1.0, config=CONFIG.candidates)
     assert np.abs(np.diff(course.steering_rad)).max() <= 1.4 * STEP_M + 1e-9
     assert np.abs(course.steering_rad).max() <= CAR.steering_limit_rad + 1e-9
     ended = course.end < course.along_m.shape[1]
@@ -118,7 +118,7 @@ def test_courses_keep_the_limits_of_the_steering_and_end_in_the_roads_direction(
 
 
 def test_the_separation_of_rectangles() -> None:
-    straight = courses(LANE, 0.0, CAR, per_m=1e3, lock=1e-9, config=CONFIG.candidates)  # goes on as it is
+    straight = candidates(LANE, 0.0, CAR, per_m=1e3, lock=1e-9, config=CONFIG.candidates)  # goes on as it is
     beside = LaneObstacles(np.array([4.0]), np.array([1.5]), np.array([2.5]))
     ahead = LaneObstacles(np.array([5.0]), np.array([-0.5]), np.array([0.5]))
     apart, edges = separation(straight, LANE, Blockers.of(beside, 2.0, BEYOND_M), CAR, BEYOND_M)
@@ -130,13 +130,13 @@ def test_the_separation_of_rectangles() -> None:
 
 
 def told(speed_mps: float) -> Obstacles:
-    """A body of 3 m dead ahead, 3 m before the bumper."""
+    """An obstacle of 3 m dead ahead, 3 m before the bumper."""
     one = np.array([5.25]), np.array([-1.5]), np.array([1.5]), np.array([0.1]), np.array([np.inf])
     return Obstacles(*one, identity=np.zeros(1, np.int64), speed_mps=np.array([speed_mps]))
 
 
 def narrow(forward_m: float, right_m: float, half_m: float, identity: int) -> Obstacles:
-    """A body that stands there, vehicle axes."""
+    """An obstacle that stands there, vehicle axes."""
     forward, left, right = (np.array([one]) for one in (forward_m, right_m - half_m, right_m + half_m))
     name = np.full(1, identity, np.int64)
     return replace(told(0.0), forward_m=forward, left_m=left, right_m=right, identity=name)
@@ -157,7 +157,7 @@ def began() -> Recovery:
     return stood_before(told(0.0))
 
 
-def test_before_a_body_that_moves_the_car_waits() -> None:
+def test_before_an_obstacle_that_moves_the_car_waits() -> None:
     assert not stood_before(told(1.0)).is_driven
     assert began().is_driven
 
@@ -167,7 +167,7 @@ def road(y_m: float, heading_rad: float = 0.0) -> RoadEdges:
     return RoadEdges(-12.0 - y_m, 12.0 - y_m, heading_rad, 0.0, 0.02, 1.0, -y_m, 3.5)
 
 
-def test_on_its_course_the_car_knows_the_road_by_its_own_motion() -> None:
+def test_on_its_manoeuvre_the_car_knows_the_road_by_its_own_motion() -> None:
     turned = began().lane(road(5.0), Bicycle(3.0, 1.0, 0.8, 0.5).observe())
     assert (turned.y_m, turned.heading_rad) == pytest.approx((1.0, -0.8))
 
@@ -187,8 +187,10 @@ def test_after_it_the_own_lane_is_the_one_it_was() -> None:
 
 
 @pytest.mark.parametrize(("past_m", "drives"), [(NEXT_M - 0.5, False), (NEXT_M + 0.5, True), (BEYOND_M - 1.0, True)])
-def test_what_is_told_on_the_way_ends_it_no_farther_than_a_little_past_the_course(past_m: float, drives: bool) -> None:
-    """A narrow body, told with the course begun, so far before the front of the car at the course's end."""
+def test_what_is_detected_on_the_way_ends_it_no_farther_than_a_little_past_the_manoeuvre(
+    past_m: float, drives: bool
+) -> None:
+    """A narrow obstacle, detected on the manoeuvre, so far before the front of the car at its end."""
     out, car = began(), Bicycle(0.2, 0.0, 0.0, CONFIG.speed_mps)
     course = unwrap(out.manoeuvre)
     end = int(course.end[0])
@@ -199,8 +201,8 @@ def test_what_is_told_on_the_way_ends_it_no_farther_than_a_little_past_the_cours
     assert out.is_driven == drives
 
 
-def test_who_stands_near_a_body_keeps_the_clearance_from_all_that_follows() -> None:
-    """A wide body begins 0.1 m beside the corner, and a narrow one, ahead on the other side, leaves room enough."""
+def test_a_car_that_stands_near_an_obstacle_keeps_the_clearance_from_all_that_follows() -> None:
+    """A wide obstacle begins 0.1 m beside the corner, and a narrow one, ahead on the other side, leaves room enough."""
     beside = narrow(0.5 * CAR.length_m, HALF_M + 0.1 + 1.05, 1.05, 0)
     both = beside.concatenate(narrow(4.6, -1.2, 0.3, 1))
     out = stood_before(both)
@@ -211,8 +213,8 @@ def test_who_stands_near_a_body_keeps_the_clearance_from_all_that_follows() -> N
     assert apart[0, round(BEGINS_M / STEP_M) :].min() >= CONFIG.clearance_m
 
 
-def test_who_is_turned_and_has_no_course_stands() -> None:
-    """A narrow body is told on the way, right before the car."""
+def test_a_car_that_is_turned_and_has_no_manoeuvre_stands() -> None:
+    """A narrow obstacle is detected on the way, right before the car."""
     out, car = began(), Bicycle(3.0, 1.0, 0.8, 0.5)
     lane = out.lane(road(1.0, -0.8), car.observe())
     for _ in range(60):
@@ -226,7 +228,7 @@ TURNED = Bicycle(1.0, 0.1, 0.35, 0.0)
 
 
 def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
-    """A narrow body ends the course, the car stands turned, and looks for another while the `new` is told."""
+    """A narrow obstacle ends the manoeuvre; the car stands turned and searches again, with a `new` one detected."""
     out, moves = began(), replace(TURNED, speed_mps=0.5)
     lane = out.lane(road(0.1, -0.35), TURNED.observe())
     for _ in range(30):
@@ -237,8 +239,8 @@ def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
     return out, lane
 
 
-def test_what_was_told_on_a_course_is_held_no_farther_against_the_next() -> None:
-    """A narrow body, told before that one begins, farther past its end than what is told on the way counts."""
+def test_what_was_detected_on_a_manoeuvre_is_held_no_farther_against_the_next() -> None:
+    """A narrow obstacle, detected before it begins, too far past its end to count on the way."""
     first, lane = begun_again(told(0.0))
     course = unwrap(first.manoeuvre)
     end = int(course.end[0])

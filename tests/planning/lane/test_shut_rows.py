@@ -1,4 +1,4 @@
-"""Rows whose gap is shut by what stands behind the first of them: it is told late, and then no way leads back."""
+"""Rows whose gap is shut by what stands behind the first of them: it is detected late, and then no way leads back."""
 
 from math import sqrt
 
@@ -55,7 +55,7 @@ def shut(bodies: LaneObstacles) -> Bools:
 def test_what_stands_behind_the_first_must_leave_more(
     side: float, gap_m: float, behind_m: float, is_shut: bool
 ) -> None:
-    """A truck a metre beside our way, a body so far behind its face on the other side; alone, 0.2 m would be enough."""
+    """A truck 1 m beside the car, an obstacle behind its face on the other side; alone, 0.2 m would be enough."""
     truck = (5.0, *sorted((side * (HALF_M + 1.0), side * (HALF_M + 3.5))))
     behind = (5.0 + behind_m, *sorted((-side * (HALF_M + gap_m), -side * (HALF_M + gap_m + 0.8))))
     assert shut(row(truck, behind)).all() == is_shut
@@ -64,7 +64,7 @@ def test_what_stands_behind_the_first_must_leave_more(
     assert not shut(row(truck, nearer)).any() or gap_m < 0.12, "the first of the row"
 
 
-def test_a_body_of_another_row_or_beside_the_car_shuts_none() -> None:
+def test_an_obstacle_of_another_row_or_beside_the_car_shuts_none() -> None:
     in_way = (-0.5, 0.5)
     truck = (5.0, HALF_M + 1.0, HALF_M + 3.5)
     far = row(truck, (5.0 + ROBUST.obstacles.long_m + 2.0, *in_way))
@@ -73,7 +73,7 @@ def test_a_body_of_another_row_or_beside_the_car_shuts_none() -> None:
 
 
 def test_the_car_stops_before_the_first_of_a_row_that_is_shut() -> None:
-    """As before a body in its way, until it has stood for long enough to walk up to what shuts the row."""
+    """As before an obstacle in its way, until it has stood for long enough to walk up to what shuts the row."""
     truck, low = (3.5, HALF_M + 1.0, HALF_M + 3.5), (7.1, -0.5, 0.5)
     stop = sqrt(2.0 * ROBUST.reference.brake_mps2 * (3.5 - SPEED.standoff_m))
     assert wanted(row(truck, low), 1.5) == pytest.approx(stop)

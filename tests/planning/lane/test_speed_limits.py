@@ -1,4 +1,4 @@
-"""The speed by what is ahead: between bodies, and when standing before what blocks the way."""
+"""The speed by what is ahead: between obstacles, and when standing before what blocks the way."""
 
 from dataclasses import replace
 from math import sqrt
@@ -50,7 +50,7 @@ def wanted(obstacles: LaneObstacles, speed_mps: float = 3.0) -> float:
 
 
 def gate(gap_m: float, way_m: float) -> LaneObstacles:
-    """Two bodies with the car's width and that gap on either side between them."""
+    """Two obstacles with the car's width and that gap on either side between them."""
     inner = HALF_M + gap_m
     rows = ((way_m + BUMPER_M, -inner - 2.0, -inner), (way_m + BUMPER_M, inner, inner + 2.0))
     return LaneObstacles(*np.array(rows).T)
@@ -67,7 +67,7 @@ def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
 
 
 def test_a_gap_is_left_as_slowly_as_it_is_entered() -> None:
-    """Until the rear has passed the bodies, which are 3.5 m long at least."""
+    """Until the rear has passed the obstacles, which are 3.5 m long at least."""
     through = 2.0 * BUMPER_M + ROBUST.obstacles.length_m
     before, beside, past = (wanted(gate(NARROW_M, way_m)) for way_m in (0.5, 0.1 - through, -0.1 - through))
     assert beside == pytest.approx(before, abs=1e-6)
@@ -80,7 +80,7 @@ def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> No
 
 
 def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
-    """(N,) m left to a body ahead of a car that follows what is wanted as the controller does."""
+    """(N,) m left to an obstacle ahead of a car that follows what is wanted as the controller does."""
     speed, watch, left = SPEED_MPS, speed_limits(), []
     for _ in range(round(seconds * RATE_HZ)):
         body = LaneObstacles(*np.array([[way_m + BUMPER_M, -half_width_m, half_width_m]]).T)
@@ -92,7 +92,7 @@ def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
 
 
 def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up_to_what_blocks_it() -> None:
-    """A body 1.6 m wide with a side 1.87 m aside, and a wider one."""
+    """An obstacle 1.6 m wide with a side 1.87 m aside, and a wider one."""
     side = 0.8 + HALF_M + CLEARANCE.least_m
     least = float(LIMITS.least_way(np.array([side]))[0])
     assert LIMITS.aside(np.array([least]))[0] == pytest.approx(side)
@@ -115,7 +115,7 @@ def test_short_stands_do_not_add_up() -> None:
             watch.update(LANE, walls, 0.0, 0.5)
 
 
-def test_no_more_is_asked_for_than_comfort_gives_unless_a_body_is_too_near_for_that() -> None:
+def test_no_more_is_asked_for_than_comfort_gives_unless_an_obstacle_is_too_near_for_that() -> None:
     """A wall closes the road: the car shall stand either way, but the brakes go beyond comfort only if they must.
 
     They must to leave the way for a turn before the wall, where they can, and else not to touch it.
@@ -136,7 +136,7 @@ def test_no_more_is_asked_for_than_comfort_gives_unless_a_body_is_too_near_for_t
 
 
 @pytest.mark.parametrize(("speed_mps", "body_mps", "way_m"), [(4.5, 3.1, 6.8), (5.55, 3.0, 4.0), (5.55, 2.0, 5.0)])
-def test_a_body_that_moves_and_is_told_late_is_fallen_in_behind_in_comfort(
+def test_an_obstacle_that_moves_and_is_detected_late_is_fallen_in_behind_in_comfort(
     speed_mps: float, body_mps: float, way_m: float
 ) -> None:
     """What counts is how fast it is come nearer to, not how fast the car is; too near, it is let go ahead."""
@@ -149,8 +149,8 @@ def test_a_body_that_moves_and_is_told_late_is_fallen_in_behind_in_comfort(
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_who_is_headed_at_a_body_leaves_the_time_to_turn_away_from_it(side: float) -> None:
-    """Where the car is it is clear of the body, and shall stay: but as it is headed now it would meet it."""
+def test_a_car_that_is_headed_at_an_obstacle_leaves_the_time_to_turn_away_from_it(side: float) -> None:
+    """Where the car is it is clear of the obstacle, and shall stay: but as it is headed now it would meet it."""
 
     def towards(slope: float, body_mps: float, speed_mps: float) -> float:
         sides = sorted((side * (HALF_M + 0.5), side * 4.0))
@@ -165,7 +165,7 @@ def test_who_is_headed_at_a_body_leaves_the_time_to_turn_away_from_it(side: floa
     assert towards(0.1, 4.0, 4.5) > 4.4
 
 
-def test_before_a_gap_that_one_body_more_would_close_the_car_looks_while_a_turn_is_left() -> None:
+def test_before_a_gap_that_one_obstacle_more_would_close_the_car_looks_while_a_turn_is_left() -> None:
     """A wall to the right edge but for the gap; as soon as a turn leads out no longer, on."""
 
     def towards(gap_m: float, way_m: float, speed_mps: float) -> float:
@@ -183,7 +183,7 @@ def test_before_a_gap_that_one_body_more_would_close_the_car_looks_while_a_turn_
     assert towards(3.4, TURNS_M - 0.01, SPEED_MPS) == SPEED_MPS
 
 
-def test_a_gap_told_late_is_looked_at_in_comfort_and_bodies_behind_the_row_are_not_of_it() -> None:
+def test_a_gap_detected_late_is_looked_at_in_comfort_and_obstacles_behind_the_row_are_not_of_it() -> None:
     right = LANE.right_m - 4.0
     late = LaneObstacles(*(np.array([one]) for one in (LOOK.ahead_m + 0.1 + BUMPER_M, -7.0, right)))
     lane = replace(LANE, y_m=right + 2.0)
@@ -211,7 +211,7 @@ def test_a_narrow_gap_behind_the_row_that_is_being_passed_is_slowed_down_for_in_
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_what_stands_farther_aside_before_a_body_bounds_the_gap_with_it(side: float) -> None:
+def test_what_stands_farther_aside_before_an_obstacle_bounds_the_gap_with_it(side: float) -> None:
     """A wall 1.8 m beside our way, and farther on, .6 m beside it, a cone: no more than 4.4 m between them.
 
     The turn that is to be left is one before the wall.
@@ -255,7 +255,7 @@ def test_the_wheels_are_straight_before_the_path_is_too_steep(side: float) -> No
     assert unwound(wall, glide) > SPEED_MPS - 0.1
 
 
-def test_who_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:
+def test_a_car_that_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:
     """A wall on either side of a path that bends towards one: the faster, the later the wheels are straight."""
     wall = [(BUMPER_M - 3.0, 3.0, 5.0)]
     steep, gentle = (bent(wall, 0.0, (0.0, 0.15, bend), False) for bend in (0.15, 0.02))
@@ -265,7 +265,7 @@ def test_who_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> 
 def bent(
     rows: list[tuple[float, float, float]], minimum_m: float, path: tuple[float, float, float], mirrored: bool
 ) -> float:
-    """v_d of a car at 5 m/s on a path at y with a slope and a bend, before bodies (face, left, right), or mirrored."""
+    """v_d at 5 m/s on a path (y, slope, bend) before obstacles (face, left, right), or mirrored."""
     sign = -1.0 if mirrored else 1.0
     sides = [(face, *sorted((sign * left, sign * right))) for face, left, right in rows]
     y_m, slope, bend = (sign * one for one in path)
@@ -284,7 +284,7 @@ def test_a_path_that_would_run_wide_into_what_stands_beyond_the_gap_is_slowed_an
 
 
 @pytest.mark.parametrize(("y_m", "slope", "bend"), [(1.6, 0.3, -0.05), (2.0, 0.2, -0.08), (2.25, 0.1, -0.05)])
-def test_a_path_that_leads_away_from_the_only_body_is_not_slowed_by_how_it_comes_to_rest(
+def test_a_path_that_leads_away_from_the_only_obstacle_is_not_slowed_by_how_it_comes_to_rest(
     y_m: float, slope: float, bend: float
 ) -> None:
     passed = [(BUMPER_M + 0.5, -1.0, 1.0)]
@@ -304,8 +304,8 @@ def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_co
         assert wanted(gate(gap_m, -1.0), 5.0) >= 5.0 - EASY_MPS
 
 
-def test_the_nearer_side_is_one_where_no_other_body_stands() -> None:
-    """Two bodies side by side: between them there is no room; their outer sides are 3.5 and 4.5 m from the middle."""
+def test_the_nearer_side_is_one_where_no_other_obstacle_stands() -> None:
+    """Two obstacles without room between them; their outer sides are 3.5 and 4.5 m from the middle."""
     rows = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 2.5)])
     free = geometry(LaneObstacles(*rows.T)).nearer_side(LANE, 0.1)
     assert free[0] == pytest.approx(1.0 + HALF_M + 0.1)

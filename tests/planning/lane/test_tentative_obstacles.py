@@ -1,4 +1,4 @@
-"""Speed before what is suspected: a stop would be possible, nothing jerks, and what is not in the way slows nobody."""
+"""Speed before what is tentative: a stop would be possible, nothing jerks, and what is not in the way slows nobody."""
 
 from dataclasses import fields, replace
 
@@ -32,18 +32,18 @@ def driven(
 
 
 @pytest.mark.parametrize("gap_m", [5.5, 7.0, 8.5])
-def test_the_car_could_stop_before_what_is_suspected(gap_m: float) -> None:
+def test_the_car_could_stop_before_what_is_tentative(gap_m: float) -> None:
     speed = driven(suspect(gap_m))[-1]
     way = speed * CONFIG.reaction_s + speed**2 / (2.0 * CONFIG.brake_mps2)
     assert way + CONFIG.standoff_m == pytest.approx(gap_m)
 
 
-def test_it_never_stops_for_a_suspicion() -> None:
+def test_it_never_stops_for_a_tentative_obstacle() -> None:
     assert driven(suspect(1.0))[-1] == CONFIG.least_mps
 
 
 @pytest.mark.parametrize("what", [NOTHING, suspect(20.0), suspect(-1.0), suspect(6.0, 2.0), suspect(6.0, -2.0)])
-def test_what_is_far_or_beside_or_passed_slows_nobody(what: LaneObstacles) -> None:
+def test_what_is_far_or_beside_or_passed_slows_no_car(what: LaneObstacles) -> None:
     assert set(driven(what)) == {REFERENCE_MPS}
 
 

@@ -82,7 +82,7 @@ def test_the_force_stays_finite_far_off_the_road() -> None:
         assert np.all(np.isfinite(force(-900.0, RIGHT, LEFT, 1, config)))
 
 
-def test_the_bend_is_told_by_the_median_of_the_foe_beyond_a_dead_band() -> None:
+def test_the_bend_is_detected_by_the_median_of_the_foe_beyond_a_dead_band() -> None:
     bend = FoeBend(REPAIRED, Camera(), rate_hz=10.0)  # 5 frames
     assert [bend.update(319.5 + x) for x in (3.0, 90.0, 3.0, 3.9, -3.0)] == [0, 1, 0, 0, 0]
     assert [bend.update(319.5 + x) for x in (10.0, 10.0, 10.0)] == [0, 0, 1]

@@ -35,7 +35,7 @@ def narrowness(
     begins, ends = np.append(obstacles.right_m, lane.left_m), np.append(obstacles.left_m, lane.right_m)  # of gaps
     pairs = np.block([[in_row, alone[:, None]], [alone[None], np.zeros((1, 1), np.bool_)]])
     weights = np.append(weight, 1.0)
-    gap = ends[None] - begins[:, None]  # (K + 1, K + 1) from each body, or the left edge, to each, or the right one
+    gap = ends[None] - begins[:, None]  # (K + 1, K + 1) from each obstacle, or the left edge, to each, or the right one
     for left, right in zip(*((gap > least_m) & (gap < wide_m) & pairs).nonzero(), strict=True):
         between = (y_m > begins[left]) & (y_m < ends[right])
         short = (1.0 - gap[left, right] / wide_m) * min(weights[left], weights[right])

@@ -1,14 +1,13 @@
-"""How far aside the car gets on the way that is left before a body, and at what speed.
+"""Limits of the lateral motion: the shift that is possible before an obstacle, and its speed.
 
-A shift s across the road with a largest lateral acceleration a takes the time sqrt(4.4 s / a) (`PEAK_ACCELERATION`, of
-least jerk). Slowing down does not help for ever: on the car's tightest curve, of radius R, a is v^2 / R, so the way v t
-has a least value that no speed changes,
+A shift s with the largest lateral acceleration a takes the time sqrt(4.4 s / a) (`PEAK_ACCELERATION`, of least jerk).
+On the car's tightest curve, of radius R, a is v^2 / R, so the way v t has a least value that no speed changes,
 
     t v >= sqrt(4.4 s R),
 
-and on it the course leaves the road's direction by as much as the mean slope s / way asks. A wide angle is for walking
-speed alone. The steering takes time too: at a rate w of it the curvature changes by w / (L v) a metre at most, and the
-least-jerk path with that as its bound needs the way (15 s L v / w)^(1/3) (`STEERED`).
+and the course leaves the road's direction by the mean slope s / way. A large angle needs walking speed. At a steering
+rate w the curvature changes by w / (L v) a metre at most, and the least-jerk path with that bound needs the way
+(15 s L v / w)^(1/3) (`STEERED`).
 """
 
 from dataclasses import dataclass
@@ -37,14 +36,14 @@ def rear_m(lane: Lane, vehicle: VehicleModel) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What `KinematicLimits` tells of one speed, or of (N,) speeds."""
+    """Limits at one speed, or at (N,) speeds."""
 
     ratio: Floats  # largest speed across as a share of the vehicle's
     tightest_per_m: Floats
     steering_per_m2: Floats
 
     def way(self, shift_m: Floats | float) -> Floats:
-        """m on which the car goes aside by that much, from the road's direction and back to it."""
+        """m of way for a shift from the road's direction and back to it."""
         by_curve = np.sqrt(PEAK_ACCELERATION * shift_m / self.tightest_per_m)
         by_slope = PEAK_SPEED * shift_m / self.ratio
         by_steering = np.cbrt(STEERED * shift_m / self.steering_per_m2)
@@ -52,12 +51,12 @@ class Limits:
         return way
 
     def rest(self, slope: float, bend_per_m: float) -> tuple[Floats, Floats]:
-        """(N,) m of way until a path can lead along the road, and m across it until then (`settling`)."""
+        """(N,) m of way until a path can lead along the road, and m across it until then (`steering_unwind`)."""
         return rest(slope, bend_per_m, self.steering_per_m2, self.tightest_per_m)
 
 
 class KinematicLimits:
-    """The geometry of going aside for one vehicle."""
+    """Limits of the lateral motion of one vehicle."""
 
     def __init__(self, config: LimitsConfig, vehicle: VehicleModel) -> None:
         self._config = config
@@ -87,7 +86,7 @@ class KinematicLimits:
         return ratio
 
     def between(self, lane: Lane, speed_mps: float) -> tuple[float, float]:
-        """The same to the left and to the right: no more than leaves the corners of our body on the carriageway."""
+        """Largest share of lateral speed to the left and right with which the corners stay on the road."""
         most, arm, edge = float(self.ratio(speed_mps)), self._arm_m, self._config.edge
         if edge is None:
             return most, most
@@ -95,18 +94,17 @@ class KinematicLimits:
         return min(max(left / arm, edge.least_ratio), most), min(max(right / arm, edge.least_ratio), most)
 
     def path_between(self, lane: Lane, rear_y_m: float) -> tuple[float, float]:
-        """The same for the slope of the rear axle's path, at a place of it: it closes in as `path_arm_m` tells."""
+        """Largest slopes to the left and right of the rear axle's path at a lateral position."""
         if self._config.edge is None:
             return inf, inf
         left, right = self._gaps(lane, rear_y_m)
         return left / self.path_arm_m, right / self.path_arm_m
 
     def edge_way(self, gap_m: float, left_m: Floats, slope: float) -> Floats:
-        """(K,) m of way before bodies, on which a walking car gets from one gap to an edge to the less that they leave.
+        """(K,) m of way before obstacles, to come from one gap to an edge to the smaller one that they leave.
 
-        A car headed at a slope towards the edge turns to its largest angle; from there on, or from sooner, it comes
-        near by `path_between`, g' = -g / arm. The rear axle is there when it is abreast of the face; inf where no gap
-        is left.
+        At walking speed the car, headed at a slope towards the edge, turns to its largest angle and comes near by
+        `path_between`, g' = -g / arm, until the rear axle is abreast of the face. inf where no gap is left.
         """
         if self._config.edge is None or gap_m <= 0.0:
             return np.full_like(left_m, -np.inf)
@@ -120,7 +118,7 @@ class KinematicLimits:
         return np.where(near < gap_m, way - 0.5 * self._vehicle.length_m - self._vehicle.l_r_m, -np.inf)
 
     def _gaps(self, lane: Lane, y_m: float) -> tuple[float, float]:
-        """m between our body at y and the left and the right edge."""
+        """m between the car at y and the left and the right edge."""
         half_width = 0.5 * self._vehicle.width_m
         return y_m - lane.left_m - half_width, lane.right_m - y_m - half_width
 
@@ -136,7 +134,7 @@ class KinematicLimits:
         return np.minimum(by_steering, config.yaw_acceleration_radps2 / speed**2)
 
     def limits(self, speed_mps: Floats | float) -> Limits:
-        """All three of a speed."""
+        """All limits at a speed."""
         return Limits(self.ratio(speed_mps), self.tightest(speed_mps), self.steering(speed_mps))
 
     def rest(self, slope: float, bend_per_m: float, speed_mps: Floats) -> tuple[Floats, Floats]:
@@ -155,22 +153,22 @@ class KinematicLimits:
         return aside
 
     def least_way(self, shift_m: Floats) -> Floats:
-        """m, the way on which each shift is just in reach: what `aside` is the other way round."""
+        """m, the way on which each shift is just possible: the inverse of `aside`."""
         shift = np.maximum(shift_m, 0.0)
         turning = np.sqrt(PEAK_ACCELERATION * self._radius_m * shift)
         least: Floats = np.maximum(turning, shift * MEAN_SLOPE / self._config.walking_ratio)
         return least
 
     def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
-        """(K,) whether shifts can be made at all, a car being headed at a slope towards them (`brought`)."""
+        """(K,) whether shifts are possible at all for a car headed at a slope towards them (`brought`)."""
         reached: Bools = shift_m - self.brought(way_m, slope) <= self.aside(way_m)
         return reached
 
     def brought(self, way_m: Floats, slope: Floats | float) -> Floats:
         """m aside that a car headed at a slope gets by going straight on until its bumper is there.
 
-        It is the side at the front that must be clear by then, and that is ahead of the pose by half a length; the side
-        behind it comes by farther away, as long as the car is not turned back before it is past.
+        The side at the front must be clear by then, half a length ahead of the pose. The side behind it is farther off,
+        unless the car turns back before it is past.
         """
         slope = np.maximum(slope, 0.0)
         way = np.maximum(way_m, 0.0) + 0.5 * self._vehicle.length_m
@@ -179,11 +177,10 @@ class KinematicLimits:
         return brought
 
     def speed(self, way_m: Floats, shift_m: Floats, goal_m: float, slope: float) -> Floats:
-        """(K,) m/s at which shifts are made on the way that is left, on a path to a goal so far aside or farther.
+        """(K,) m/s at which shifts are done on the way that is left, on a path to a goal so far aside or farther.
 
-        inf where nothing is left to do; no less than the least of `SPEEDS_MPS`. A car that is headed at a slope towards
-        the goal is as far as one that began before: on the curve of radius R, by R slope of the way and by half of
-        R slope^2 of the shift.
+        inf where nothing is left to do, else at least the lowest of `SPEEDS_MPS`. A car headed at a slope towards the
+        goal has begun already: on the curve of radius R, R slope of the way and half of R slope^2 of the shift.
         """
         if not (shift_m > 0.0).any():
             return np.full_like(shift_m, np.inf)

@@ -1,26 +1,21 @@
-"""The robust variant's visual potential field: target, road and obstacle potential across the lane, and its minimum.
+"""The lateral cost: target, road and obstacle potential across the lane, and its minimum.
 
-All three are functions of y, the place across the road (`vpf_sim.planning.lane.frame`), in the same units:
+All three are functions of y, the position across the road (`vpf_sim.planning.lane.frame`), in the same units:
 
     U(y) = k y^2                                                            target: the middle of the own lane
          + h_w ((1 - g_r(y) / d_w)^2 + (1 - g_l(y) / d_w)^2), each for g < d_w    road: g is the gap to the edge
-         + max over bodies of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}     obstacles
-           to which nearer than d_n, where no gap is passed, comes h_n (1 - d / d_n), h_n at most
-         + max over rows of w(t) h_r (1 - b / b_r) between two bodies of a row, or one and an edge, leaving room,
-           but b < b_r
+         + max over obstacles of w(t) {h_o + s_o (c - d) for d < c, else h_t e^(-(d - c) / d_t)}
+           and, for d below the least clearance d_n, h_n (1 - d / d_n), h_n at most
+         + max over rows of w(t) h_r (1 - b / b_r), in a gap b < b_r that is wide enough
 
-d is the lateral gap between our body and the other, negative where they overlap, c the clearance wanted, and w(t) fades
-in with the distance t to the body, or to the first of its row. Bodies take the maximum, not the sum, so that many
-points of one body weigh as one. Where no place is free, h_o and s_o are larger for bodies before which the car can no
-longer stop: it keeps clear of those, and stops before the others.
+d is the lateral gap between the car and an obstacle, negative where they overlap, c the clearance wanted, and w(t)
+fades in with the distance t to the obstacle, or to the first of its row. Obstacles take the maximum, not the sum, so
+that many points of one obstacle weigh as one.
 
-The paper follows the local gradient; here the car goes to the global minimum, since dead ahead of a body the gradient
-vanishes and the side would be left to chance (METHOD A9, A10). What has been decided is kept: a term in the distance
-from the last minimum, and a latch on the side of every body that is near. It is a light one where a gap between two
-bodies proves narrow and the car does not go there yet: something low, told last, may close it, and a free side is
-better. What lies behind a body and cannot be reached before it (`vpf_sim.planning.lane.kinematic_limits`) costs, and
-places beyond an edge are no choice: the car stops rather than go there. A tie goes to the minimum that is nearer to the
-last one, then to the side with more road, then to the left.
+The paper follows the local gradient. Here the car goes to the global minimum, since dead ahead of an obstacle the
+gradient vanishes and the side would be left to chance (METHOD A9, A10). A decision is kept by costs on top: memory,
+latch and what cannot be reached. Places beyond an edge are excluded: the car stops rather than go there. A tie goes to
+the minimum that is nearer to the last one, then to the side with more road, then to the left.
 """
 
 from dataclasses import dataclass
@@ -37,7 +32,7 @@ from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 TIE = 1e-9
-NO_CHOICE = 1e3  # more than any obstacle, side or memory costs
+EXCLUDED = 1e3  # more than any obstacle, side or memory costs
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +58,7 @@ class LanePotential:
 
 
 class LateralCost:
-    """Composes the field of each frame and finds its minimum; remembers the last one."""
+    """Composes the potentials of each frame and finds their minimum; remembers the last one."""
 
     def __init__(
         self,
@@ -71,43 +66,43 @@ class LateralCost:
         clearance: ClearanceConfig,
         vehicle: VehicleModel,
         speed_reference_mps: float,
-        reach: KinematicLimits,
+        kinematics: KinematicLimits,
     ) -> None:
         self._config = config
         self._clearance = clearance
-        self._reach = reach
+        self._kinematics = kinematics
         self._speed_reference_mps = speed_reference_mps
         self._half_width_m = 0.5 * vehicle.width_m
         half = np.arange(1, round(config.reach_m / config.spacing_m) + 1) * config.spacing_m
         self._y_m: Floats = np.concatenate([-half[::-1], [0.0], half])  # symmetric to the last bit
         self._target: Floats = config.target_per_m2 * self._y_m**2
         self._nothing: Floats = np.zeros(len(self._y_m))
-        self._nothing.flags.writeable = False  # it is of all steps without a body
+        self._nothing.flags.writeable = False  # shared by all steps without an obstacle
         touching = config.obstacle_height + config.obstacle_slope_per_m * clearance.wanted_m
         self._touching = touching if config.narrow is None else touching + config.narrow.height  # U at no gap
         self._last_m: float | None = None
 
-    def update(self, lane: Lane, neighbours: ObstacleGeometry, speed_mps: float = 0.0) -> LanePotential:
+    def update(self, lane: Lane, geometry: ObstacleGeometry, speed_mps: float = 0.0) -> LanePotential:
         """The field about the vehicle now."""
         gaps = self._edge_gaps(lane)
         road = self._road(*gaps)
         shut = self._beyond(*gaps)
         obstacle = rows = self._nothing
-        if len(neighbours):
-            obstacle, shut = self._obstacle(neighbours), shut + self._unreached(neighbours, lane)
+        if len(geometry):
+            obstacle, shut = self._obstacle(geometry), shut + self._unreached(geometry, lane)
             if self._config.unstopped and not ((obstacle < self._touching) & (shut == 0.0)).any():
-                higher = self._unstopped(self._config.unstopped, neighbours, speed_mps)
-                obstacle = self._obstacle(neighbours, higher[:, None])
-            rows = self._rows(neighbours, lane)
+                higher = self._unstopped(self._config.unstopped, geometry, speed_mps)
+                obstacle = self._obstacle(geometry, higher[:, None])
+            rows = self._rows(geometry, lane)
             obstacle = obstacle + rows
         kept = self._target + road + obstacle + shut
         if self._last_m is not None:
-            kept = kept + self._memory(self._last_m, neighbours, lane, rows)
+            kept = kept + self._memory(self._last_m, geometry, lane, rows)
         self._last_m = self._minimum(kept, lane)
         return LanePotential(self._y_m, self._target, road, obstacle, self._last_m)
 
     def keep(self, y_m: float) -> None:
-        """Decide for a place: the car got there by other means."""
+        """Set the last minimum: the car got there by other means."""
         self._last_m = y_m
 
     def _road(self, right_m: Floats, left_m: Floats) -> Floats:
@@ -119,21 +114,21 @@ class LateralCost:
         return config.height * wall
 
     def _beyond(self, right_m: Floats, left_m: Floats) -> Floats:
-        """(G,) what keeps the minimum on the road: the worst body is one to stop before, not to leave the road for."""
-        return np.where(np.minimum(right_m, left_m) < self._clearance.edge_m, NO_CHOICE, 0.0)
+        """(G,) the cost that keeps the minimum on the road."""
+        return np.where(np.minimum(right_m, left_m) < self._clearance.edge_m, EXCLUDED, 0.0)
 
     def _edge_gaps(self, lane: Lane) -> tuple[Floats, Floats]:
-        """(G,) m between our body at y and the right and the left edge."""
+        """(G,) m between the car at y and the right and the left edge."""
         right: Floats = lane.right_m - self._y_m - self._half_width_m
         left: Floats = self._y_m - lane.left_m - self._half_width_m
         return right, left
 
-    def _obstacle(self, neighbours: ObstacleGeometry, higher: Floats | float = 0.0) -> Floats:
+    def _obstacle(self, geometry: ObstacleGeometry, higher: Floats | float = 0.0) -> Floats:
         config = self._config
-        if not neighbours.weight.any():
+        if not geometry.weight.any():
             return self._nothing
         wanted_m, least_m = self._clearance.wanted_m, self._clearance.least_m
-        lacking = wanted_m - neighbours.gap(self._y_m)
+        lacking = wanted_m - geometry.gap(self._y_m)
         inside = config.obstacle_height + config.obstacle_slope_per_m * lacking
         if config.narrow is not None:
             narrow = 1.0 - np.minimum(np.maximum((wanted_m - lacking) / least_m, 0.0), 1.0)
@@ -142,42 +137,42 @@ class LateralCost:
         outside: Floats = self._nothing
         if config.tail is not None:
             outside = config.tail.height * np.exp(np.minimum(lacking, 0.0) / config.tail.decay_m)
-        each = neighbours.weight[:, None] * np.where(lacking > 0.0, inside, outside)
+        each = geometry.weight[:, None] * np.where(lacking > 0.0, inside, outside)
         worst: Floats = each.max(axis=0)
         return worst
 
-    def _rows(self, neighbours: ObstacleGeometry, lane: Lane) -> Floats:
-        """(G,) what a gap between two bodies of a row, or one and an edge, costs that is wide enough, but narrow."""
+    def _rows(self, geometry: ObstacleGeometry, lane: Lane) -> Floats:
+        """(G,) the cost of narrow gaps between two obstacles of a row, or one and an edge."""
         config = self._config.row
         if config is None:
             return self._nothing
         widths_m = 2.0 * (self._half_width_m + self._clearance.wanted_m), config.gap_m
-        narrow = narrowness(neighbours.bodies, neighbours.in_row, neighbours.weight, lane, self._y_m, widths_m)
+        narrow = narrowness(geometry.obstacles, geometry.in_row, geometry.weight, lane, self._y_m, widths_m)
         return config.height * narrow
 
     @staticmethod
-    def _unstopped(config: UnstoppedConfig, neighbours: ObstacleGeometry, speed_mps: float) -> Floats:
+    def _unstopped(config: UnstoppedConfig, geometry: ObstacleGeometry, speed_mps: float) -> Floats:
         """(K,) the share by which the potential of obstacles is higher that are too near for a stop."""
-        way = neighbours.way_m
-        closing = np.maximum(speed_mps - neighbours.bodies.speed_mps, 0.0)
+        way = geometry.way_m
+        closing = np.maximum(speed_mps - geometry.obstacles.speed_mps, 0.0)
         stop = stopping_way(closing, config.brake_mps2, config.reaction_s)
         return config.share * np.where(way > 0.0, np.clip(stop - way, 0.0, 1.0), 0.0)
 
-    def _memory(self, last_m: float, neighbours: ObstacleGeometry, lane: Lane, rows: Floats) -> Floats:
+    def _memory(self, last_m: float, geometry: ObstacleGeometry, lane: Lane, rows: Floats) -> Floats:
         """(G,) what keeps the decision: the cost of leaving the last minimum, and of changing sides."""
         memory, config = self._nothing, self._config.memory
         if config is not None:
             away = np.abs(self._y_m - last_m) / config.reach_m
             memory = config.height * np.minimum(np.maximum(away - 1.0, 0.0), 1.0)
         latch, beside = self._config.latch, self._config.beside
-        if not len(neighbours) or (latch is None and beside is None):
+        if not len(geometry) or (latch is None and beside is None):
             return memory
-        near, kept = self._latch(latch, last_m, neighbours, lane, rows)
+        near, kept = self._latch(latch, last_m, geometry, lane, rows)
         if not near.any():
             return memory
-        chosen_m, middle = np.full(len(neighbours), last_m), neighbours.bodies.middle_m
+        chosen_m, middle = np.full(len(geometry), last_m), geometry.obstacles.middle_m
         if beside is not None:
-            abreast = self._abreast(beside, neighbours, lane)
+            abreast = self._abreast(beside, geometry, lane)
             chosen_m, kept = np.where(abreast, lane.y_m, last_m), np.where(abreast, beside.height, kept)
         height = np.where(near, kept, 0.0)
         other = (self._y_m[None] - middle[:, None]) * np.sign(chosen_m - middle)[:, None] < 0.0
@@ -185,83 +180,84 @@ class LateralCost:
         return latched
 
     def _latch(
-        self, config: LatchConfig | None, last_m: float, neighbours: ObstacleGeometry, lane: Lane, rows: Floats
+        self, config: LatchConfig | None, last_m: float, geometry: ObstacleGeometry, lane: Lane, rows: Floats
     ) -> tuple[Bools, Floats]:
         """(K,) which obstacles are near enough to have a side, and the cost of changing it."""
         if config is None:
-            return neighbours.present, np.zeros(len(neighbours))
-        middle, turned = neighbours.bodies.middle_m, np.zeros(len(neighbours), np.bool_)
+            return geometry.present, np.zeros(len(geometry))
+        middle, turned = geometry.obstacles.middle_m, np.zeros(len(geometry), np.bool_)
         if config.turned is not None:
             is_turned = abs(lane.heading_rad) > config.turned.angle_rad
-            turned = is_turned & (-lane.heading_rad * (last_m - middle) > 0.0) & ~neighbours.moves
-        kept = np.full(len(neighbours), config.height)
+            turned = is_turned & (-lane.heading_rad * (last_m - middle) > 0.0) & ~geometry.moves
+        kept = np.full(len(geometry), config.height)
         plan = config.narrow_plan
         if plan is not None:
             goes = turned | (abs(lane.y_m - last_m) < plan.near_m)
             wide = np.interp(last_m, self._y_m, rows) == 0.0
             kept = np.where(goes | wide, config.height, plan.height)
         if config.overlap is not None:  # its side is reported no better than that
-            overlap = neighbours.overlap(last_m, 0.0)
+            overlap = geometry.overlap(last_m, 0.0)
             sided = np.minimum(np.maximum(1.0 - overlap / config.overlap.within_m, 0.0), 1.0)
             kept = np.where(turned, kept, kept * sided)
-        return neighbours.present & ((neighbours.way_m < config.ahead_m) | turned), kept
+        return geometry.present & ((geometry.way_m < config.ahead_m) | turned), kept
 
-    def _abreast(self, config: BesideConfig, neighbours: ObstacleGeometry, lane: Lane) -> Bools:
+    def _abreast(self, config: BesideConfig, geometry: ObstacleGeometry, lane: Lane) -> Bools:
         """(K,) which obstacles are beside the car, or move and would be reached while it changes sides behind them."""
-        way, crossing = neighbours.way_m, config.crossing
+        way, crossing = geometry.way_m, config.crossing
         if crossing is None:
             return way < 0.0
-        closing = np.maximum(self._speed_reference_mps - neighbours.bodies.speed_mps, 0.0)
+        closing = np.maximum(self._speed_reference_mps - geometry.obstacles.speed_mps, 0.0)
         room = crossing.gap_m + crossing.time_s * closing
-        aside = np.abs(lane.y_m - neighbours.bodies.middle_m) > crossing.behind_m
-        return (way < np.where(neighbours.moves, room, 0.0)) & (aside | (way < crossing.gap_m))
+        aside = np.abs(lane.y_m - geometry.obstacles.middle_m) > crossing.behind_m
+        return (way < np.where(geometry.moves, room, 0.0)) & (aside | (way < crossing.gap_m))
 
-    def _unreached(self, neighbours: ObstacleGeometry, lane: Lane) -> Floats:
+    def _unreached(self, geometry: ObstacleGeometry, lane: Lane) -> Floats:
         """(G,) the cost of places beyond static obstacles beside the car, or too near to get past them in time."""
-        if not neighbours.stands.any():
+        if not geometry.stands.any():
             return self._nothing
-        bodies, here = neighbours.bodies, lane.y_m
-        least, most = bodies.left_m - self._half_width_m, bodies.right_m + self._half_width_m  # of the places it takes
+        obstacles, here = geometry.obstacles, lane.y_m
+        least, most = obstacles.left_m - self._half_width_m, obstacles.right_m + self._half_width_m  # overlapping
         taken = self._nothing
         if self._config.beside is not None:
-            abreast = neighbours.stands & (neighbours.way_m <= 0.0)
+            abreast = geometry.stands & (geometry.way_m <= 0.0)
             from_m = least.min(where=abreast & (here <= least), initial=np.inf)
             up_to_m = most.max(where=abreast & (here >= most), initial=-np.inf)
             taken = self._config.beside.height * ((self._y_m > from_m) | (self._y_m < up_to_m))
-        ahead = neighbours.stands & (neighbours.way_m > 0.0)
+        ahead = geometry.stands & (geometry.way_m > 0.0)
         if self._config.unreached is None or not ahead.any():
             return taken
-        far_right, far_left = self._far(neighbours, least, most, lane)
+        far_right, far_left = self._far(geometry, least, most, lane)
         from_m = most.min(where=ahead & (here < most) & far_right, initial=np.inf)
         up_to_m = least.max(where=ahead & (here > least) & far_left, initial=-np.inf)
         beyond = (self._y_m >= from_m) | (self._y_m <= up_to_m)
         unreached: Floats = np.maximum(taken, self._config.unreached.height * beyond)
         return unreached
 
-    def _far(self, neighbours: ObstacleGeometry, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Bools, Bools]:
-        """(K,) whether to get free of a body's places, between `least_m` and `most_m` (K,), to the right, and to the
-        left, takes more way than there is."""
-        way, slope = neighbours.way_m, np.array([[-tan(lane.heading_rad)], [tan(lane.heading_rad)]])
-        shift = np.array([most_m - lane.y_m, lane.y_m - least_m]) - self._reach.brought(way, slope)
+    def _far(self, geometry: ObstacleGeometry, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Bools, Bools]:
+        """(K,) whether the way is too short to get past an obstacle on its right, and on its left.
+
+        `least_m`, `most_m` (K,): the lateral positions in which the car would overlap it.
+        """
+        way, slope = geometry.way_m, np.array([[-tan(lane.heading_rad)], [tan(lane.heading_rad)]])
+        shift = np.array([most_m - lane.y_m, lane.y_m - least_m]) - self._kinematics.brought(way, slope)
         slow = np.array(self._edge_way(least_m, most_m, lane)) > way
-        right, left = (shift > self._reach.aside(way)) | slow
+        right, left = (shift > self._kinematics.aside(way)) | slow
         return right, left
 
     def _edge_way(self, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Floats, Floats]:
-        """(K,) m of way that it takes to get free of a body's places, to the right, and to the left, because the edge
-        on that side lets the car come near but slowly.
+        """(K,) m of way past an obstacle on its right and left, where an edge lets the car come near slowly.
 
-        It counts for who has not chosen that side yet: halfway there, no other may be left.
+        It counts for a car that has not chosen that side yet: halfway there, no other may be left.
         """
         right, left = lane.right_m - self._half_width_m, lane.left_m + self._half_width_m
         slope = -tan(lane.heading_rad)
-        to_right = self._reach.edge_way(right - lane.y_m, right - most_m, slope)
-        to_left = self._reach.edge_way(lane.y_m - left, least_m - left, -slope)
+        to_right = self._kinematics.edge_way(right - lane.y_m, right - most_m, slope)
+        to_left = self._kinematics.edge_way(lane.y_m - left, least_m - left, -slope)
         last = lane.y_m if self._last_m is None else self._last_m
         return np.where(last < most_m, to_right, -np.inf), np.where(last > least_m, to_left, -np.inf)
 
     def _minimum(self, total: Floats, lane: Lane) -> float:
-        """y of the global minimum, between the grid's points by a parabola."""
+        """y of the global minimum, between grid points by a parabola."""
         (lowest,) = (total <= total.min() + TIE).nonzero()
         index = int(lowest[0]) if len(lowest) == 1 else self._break_tie(lowest, lane)
         if not 0 < index < len(total) - 1:

@@ -25,11 +25,11 @@ STEEPEST = 0.95  # slope, whatever the bend was before: at a speed that jumps on
 
 
 class LateralPath:
-    """The path's place, slope and bend where the car is now."""
+    """Lateral position, slope and bend of the rear axle's path at the car."""
 
-    def __init__(self, config: PathConfig, reach: KinematicLimits, y_m: float, way_m: float) -> None:
+    def __init__(self, config: PathConfig, kinematics: KinematicLimits, y_m: float, way_m: float) -> None:
         self._config = config
-        self._reach = reach
+        self._kinematics = kinematics
         self._way_m = way_m  # S
         self.y_m = y_m
         self.slope = 0.0
@@ -44,9 +44,11 @@ class LateralPath:
         step_m: float,
         flanks: tuple[float, float] = (inf, inf),
     ) -> None:
-        """Go a step towards the minimum, where `time_s` are left; with `flanks`, its slopes to the left and to the
-        right at most, the car's sides keep off what they are beside."""
-        error, limits = minimum_m - self.y_m, self._reach.limits(speed_mps)
+        """One step towards the minimum, which must be reached in `time_s`.
+
+        With `flanks`, the largest slopes to the left and right, the sides of the car keep off obstacles beside it.
+        """
+        error, limits = minimum_m - self.y_m, self._kinematics.limits(speed_mps)
         way = self._way(abs(error), limits, time_s, speed_mps, step_m)
         jerk = (60.0 * error / way - 36.0 * self.slope) / way**2 - 9.0 * self.bend_per_m / way
         most = float(limits.steering_per_m2)
@@ -56,13 +58,13 @@ class LateralPath:
         self.y_m += self.slope * step_m
 
     def hold(self, rear_m: float) -> None:
-        """Stay near to where the rear axle is."""
+        """Stay near the rear axle."""
         lead = self._config.lead_m
         self.y_m = min(max(self.y_m, rear_m - lead), rear_m + lead)
 
     def _way(self, shift_m: float, limits: Limits, time_s: float, speed_mps: float, step_m: float) -> float:
-        """S: what there is time for, and no less than the car needs."""
-        config, pace = self._config, max(speed_mps, self._reach.walking_mps)
+        """S: as the time allows, and at least as the car needs."""
+        config, pace = self._config, max(speed_mps, self._kinematics.walking_mps)
         by_speed = PEAK_SPEED * shift_m * pace / config.speed_mps
         least = max(float(limits.way(shift_m)), by_speed, config.shortest_s * pace)
         wanted = pace * min(config.shift_s, config.shift_share * time_s)
@@ -73,11 +75,10 @@ class LateralPath:
     def _bounded(
         self, bend_per_m: float, lane: Lane, flanks: tuple[float, float], limits: Limits, step_m: float
     ) -> float:
-        """The bend, no more than lets the slope come to rest at its own bounds, as fast as the steering turns.
+        """The bend, so that the slope comes to rest at its bounds as fast as the steering turns.
 
-        To each side these are its angle, its edge and what the car's side passes. The slope that leads along an edge
-        falls as the path comes nearer, by slope / arm a metre: the bend rests there. But it does not fall to less than
-        keeps the other side off what that passes.
+        The bounds are the largest angle, the edge and the flank of each side. A slope along an edge falls as the path
+        comes nearer, by slope / arm a metre: there the bend rests. It stays large enough to keep the other flank.
         """
         tightest, ratio, steering = float(limits.tightest_per_m), float(limits.ratio), float(limits.steering_per_m2)
         change = steering * step_m
@@ -88,10 +89,10 @@ class LateralPath:
             return copysign(sqrt(half**2 + 2.0 * steering * abs(room)) - half, room)
 
         def largest_to(edge: float, flank: float, kept: float, slope: float) -> float:
-            by_edge = max(braked(edge - slope) - max(slope, 0.0) / self._reach.path_arm_m, braked(kept - slope))
+            by_edge = max(braked(edge - slope) - max(slope, 0.0) / self._kinematics.path_arm_m, braked(kept - slope))
             return min(max(min(braked(min(ratio, flank) - slope), by_edge), -tightest), tightest)
 
-        left, right = self._reach.path_between(lane, self.y_m)
+        left, right = self._kinematics.path_between(lane, self.y_m)
         to_left, to_right = flanks
         largest = max(largest_to(right, to_right, -to_left, self.slope), self.bend_per_m - change)
         least = min(-largest_to(left, to_left, -to_right, -self.slope), self.bend_per_m + change)

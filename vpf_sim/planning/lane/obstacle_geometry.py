@@ -1,4 +1,4 @@
-"""How the bodies of one step lie to ours: the way to each, the gaps beside it, and whether it counts."""
+"""Geometry of the obstacles of one step: the way to each, the gaps beside it, and whether it counts."""
 
 from dataclasses import replace
 from math import inf, sqrt, tan
@@ -14,26 +14,26 @@ FREE_M = 1e-6  # an obstacle does not occupy its own side
 
 
 class ObstacleGeometry:
-    """K bodies in lane coordinates, and ours, which asks for its ways past them; a y is that of its middle."""
+    """K obstacles in lane coordinates and the car; a y is that of its middle."""
 
     def __init__(
         self,
-        bodies: LaneObstacles,
+        obstacles: LaneObstacles,
         config: ObstacleConfig,
         clearance: ClearanceConfig,
         vehicle: VehicleModel,
         speed_reference_mps: float,
     ) -> None:
-        self.bodies = bodies
+        self.obstacles = obstacles
         self._config = config
         self._clearance = clearance
         self._half_width_m = 0.5 * vehicle.width_m
         self._half_length_m = 0.5 * vehicle.length_m
         self._l_r_m = vehicle.l_r_m
         self._speed_reference_mps = speed_reference_mps
-        self.way_m: Floats = bodies.along_m - self._half_length_m  # (K,) from our bumper to each face
-        self.moves: Bools = bodies.speed_mps > 0.0  # (K,)
-        self.length_m = self._lengths()  # (K,) from each face to where the body ends, at least
+        self.way_m: Floats = obstacles.along_m - self._half_length_m  # (K,) from the bumper to each face
+        self.moves: Bools = obstacles.speed_mps > 0.0  # (K,)
+        self.length_m = self._lengths()  # (K,) from each face to its end, at least
         weight = self._weights()  # (K,) 0 .. 1
         self.present: Bools = weight > 0.0  # (K,) the others count for the choice of a side at most
         self.stands: Bools = self.present & ~self.moves  # (K,)
@@ -48,37 +48,37 @@ class ObstacleGeometry:
         return self._config.row_depth_m
 
     def __len__(self) -> int:
-        return len(self.bodies)
+        return len(self.obstacles)
 
     def gap(self, y_m: Floats) -> Floats:
-        """(K, G) m between our body at y (G,) and each body, across the road; < 0 where they overlap."""
-        return self._gap(y_m, self.bodies.left_m[:, None], self.bodies.right_m[:, None])
+        """(K, G) m between the car at y (G,) and each obstacle, across the road; < 0 where they overlap."""
+        return self._gap(y_m, self.obstacles.left_m[:, None], self.obstacles.right_m[:, None])
 
     def overlap(self, y_m: float, clearance_m: float) -> Floats:
-        """(K,) m by which our body at y, widened by a clearance, covers each body across the road; <= 0: it is free."""
-        overlap: Floats = clearance_m - self._gap(y_m, self.bodies.left_m, self.bodies.right_m)
+        """(K,) m by which the car at y, widened by a clearance, overlaps each obstacle; <= 0: none."""
+        overlap: Floats = clearance_m - self._gap(y_m, self.obstacles.left_m, self.obstacles.right_m)
         return overlap
 
     def _gap(self, y_m: Floats | float, left_m: Floats, right_m: Floats) -> Floats:
-        """m between our body at y and bodies from left to right."""
+        """m between the car at y and obstacles from left to right."""
         gap: Floats = np.maximum(y_m - self._half_width_m - right_m, left_m - y_m - self._half_width_m)
         return gap
 
     def hinders(self, y_m: float) -> Bools:
-        """(K,) which bodies ahead have not the clearance that is wanted from our body at y."""
+        """(K,) which obstacles ahead are nearer to the car at y than the clearance wanted."""
         hinders: Bools = self.present & (self.way_m > 0.0) & (self.overlap(y_m, self._clearance.wanted_m) > 0.0)
         return hinders
 
     def beside(self, some: Bools) -> Bools:
-        """(K,) which bodies ahead stand in a row with some (K,) of them."""
+        """(K,) which obstacles ahead are in a row with some (K,) of them."""
         beside: Bools = np.any(self.in_row & some, axis=1)
         return beside
 
     def shut_rows(self, y_m: float, clearance_m: float, behind_m: float) -> Bools:
-        """(K,) which bodies ahead stand in a row that leaves our body at y no way through.
+        """(K,) which obstacles ahead are in a row that leaves the car at y no way through.
 
-        The first of a row leaves one with the clearance, what stands behind it with `behind_m`: its sides are not known
-        well from before the row, and from within it there is no way to another gap.
+        The first of a row leaves one with the clearance, those behind it with `behind_m`: their sides are known worse,
+        and from within the row there is no way to another gap.
         """
         nearer = self.way_m[:, None] < self.way_m
         behind = (self.in_row & nearer).any(axis=0)
@@ -86,18 +86,18 @@ class ObstacleGeometry:
         return self.beside(shuts & self.stands)
 
     def shift(self, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
-        """(K,) m from y towards a goal across the road until our body is clear of each; <= 0 where it is."""
+        """(K,) m from y towards a goal across the road until the car is clear of each; <= 0 where it is."""
         margin = self._half_width_m + clearance_m
-        least, most = self.bodies.left_m - margin, self.bodies.right_m + margin
+        least, most = self.obstacles.left_m - margin, self.obstacles.right_m + margin
         if goal_m >= y_m:
             return np.where(goal_m > least, most - y_m, 0.0)
         return np.where(goal_m < most, y_m - least, 0.0)
 
     def nearer_side(self, lane: Lane, clearance_m: float) -> Floats:
-        """(K,) m from here to the nearer side of each body that lies on the road and where no other stands; else 0."""
+        """(K,) m to the nearer side of each obstacle in the way that is on the road and free; else 0."""
         margin = self._half_width_m + self._clearance.edge_m
         here, aside = lane.y_m, self._half_width_m + clearance_m
-        least, most = self.bodies.left_m - aside, self.bodies.right_m + aside  # of the places that each takes
+        least, most = self.obstacles.left_m - aside, self.obstacles.right_m + aside  # of the places that each takes
         sides = np.concatenate([least, most])
         taken = (least[:, None] < sides - FREE_M) & (sides + FREE_M < most[:, None]) & self.stands[:, None]
         off = (sides < lane.left_m + margin) | (sides > lane.right_m - margin) | np.any(taken, axis=0)
@@ -107,19 +107,19 @@ class ObstacleGeometry:
         return np.where(in_way & (nearer < np.inf), nearer, 0.0)
 
     def between(self, lane: Lane, path_m: float) -> Lane:
-        """The lane between the bodies that the car is passing, instead of between the edges of the road.
+        """The lane between the obstacles that the car passes, instead of between the road's edges.
 
-        A body that is passed next counts as well where neither the car nor its path, now at `path_m`, leads into it:
-        who turns towards it reaches it with a corner first.
+        An obstacle that is passed next counts, too, unless the car or its path, now at `path_m`, leads into it: a car
+        that turns towards it reaches it with a corner first.
         """
         if self._config.passage is None:
             return lane
         passing = (self.way_m < self._config.passage.ahead_m) & (
-            self.bodies.along_m + self.length_m > -self._half_length_m
+            self.obstacles.along_m + self.length_m > -self._half_length_m
         )
         if not passing.any():
             return lane
-        left_m, right_m = self.bodies.left_m, self.bodies.right_m
+        left_m, right_m = self.obstacles.left_m, self.obstacles.right_m
         abreast = self.way_m < 0.0
         least = np.where(abreast, lane.y_m, min(lane.y_m, path_m) - self._half_width_m)
         most = np.where(abreast, lane.y_m, max(lane.y_m, path_m) + self._half_width_m)
@@ -128,25 +128,25 @@ class ObstacleGeometry:
         return replace(lane, right_m=float(right), left_m=float(left))
 
     def flanks(self, path_m: float, slope: float) -> tuple[float, float]:
-        """The largest slopes to the left and to the right of the rear axle's path, now at `path_m` with that slope,
-        with which our sides keep `narrow_m` from what is abreast of us, or what is left of it.
+        """Largest slopes of the path to the left and right with which no side of the car swings into an obstacle.
 
-        Ahead of the rear axle a side swings the way we turn: to the nearest corner of a body at (x, y) from there, the
-        side of a car with the half width b, turned by a, has the gap y - x tan a - b / cos a across the road.
+        The path of the rear axle is at `path_m` with `slope`. Ahead of that axle a side swings the way the car turns:
+        to a corner at (x, y) from there, the side of a car with half the width b, turned by a, has the gap
+        y - x tan a - b / cos a across the road. It keeps the least clearance, or what is left of it.
         """
         if self._config.corner_swing is None:
             return inf, inf
-        ahead = self.bodies.along_m + self._l_r_m  # x
+        ahead = self.obstacles.along_m + self._l_r_m  # x
         abreast = (self.way_m < 0.0) & (ahead > 0.0)
         if not abreast.any():
             return inf, inf
-        reach, on_right = ahead[abreast], self.bodies.middle_m[abreast] > path_m + slope * ahead[abreast]
-        right = self._swing(reach[on_right], self.bodies.left_m[abreast][on_right] - path_m, slope)
-        left = self._swing(reach[~on_right], path_m - self.bodies.right_m[abreast][~on_right], -slope)
+        reach, on_right = ahead[abreast], self.obstacles.middle_m[abreast] > path_m + slope * ahead[abreast]
+        right = self._swing(reach[on_right], self.obstacles.left_m[abreast][on_right] - path_m, slope)
+        left = self._swing(reach[~on_right], path_m - self.obstacles.right_m[abreast][~on_right], -slope)
         return left, right
 
     def _swing(self, ahead_m: Floats, aside_m: Floats, slope: float) -> float:
-        """The largest slope towards corners (K,) so far ahead of the rear axle and aside of its path."""
+        """Largest slope towards corners (K,) so far ahead of the rear axle and aside of its path."""
         cosine = sqrt(1.0 - slope**2)
         gap = aside_m - (ahead_m * slope + self._half_width_m) / cosine
         room = aside_m - np.minimum(gap, self._clearance.least_m)
@@ -154,22 +154,22 @@ class ObstacleGeometry:
         return float(np.sin(turned).min(initial=inf))
 
     def gaps(self, lane: Lane, y_m: float, beside_m: float) -> Floats:
-        """(K,) m, how wide the gap at y is between the edges and what stands in the row of each body, before or behind.
+        """(K,) m, width of the gap at y between the edges and the obstacles met with each one.
 
-        inf for a body that does not stand ahead within `beside_m` of the car's side.
+        inf for an obstacle that is not ahead within `beside_m` of the car's side.
         """
         stands = self.stands & (self.way_m > 0.0)
         row = stands & (np.abs(self.way_m - self.way_m[:, None]) < self._config.row_depth_m)
-        beyond = self.bodies.middle_m > y_m
-        right = np.where(row & beyond, self.bodies.left_m, lane.right_m).min(axis=1, initial=lane.right_m)
-        left = np.where(row & ~beyond, self.bodies.right_m, lane.left_m).max(axis=1, initial=lane.left_m)
+        beyond = self.obstacles.middle_m > y_m
+        right = np.where(row & beyond, self.obstacles.left_m, lane.right_m).min(axis=1, initial=lane.right_m)
+        left = np.where(row & ~beyond, self.obstacles.right_m, lane.left_m).max(axis=1, initial=lane.left_m)
         bounds = stands & (self.overlap(y_m, beside_m) > 0.0)
         return np.where(bounds, right - left, np.inf)
 
     def kept_beside(self, y_m: float, minimum_m: float) -> float:
-        """The minimum, no nearer to bodies that move and are being passed by a path at y than the clearance wanted.
+        """The minimum, no nearer to moving obstacles that a path at y passes than the clearance wanted.
 
-        Their sides are told with large errors, and what is farther ahead must not push the path towards them.
+        Their sides have large errors, and an obstacle farther ahead must not push the path towards them.
         """
         if self._config.keep_aside is None:
             return minimum_m
@@ -177,21 +177,21 @@ class ObstacleGeometry:
         if not passing.any():
             return minimum_m
         margin = self._half_width_m + self._clearance.wanted_m
-        middle = self.bodies.middle_m
-        least = float((self.bodies.right_m + margin).max(where=passing & (middle < y_m), initial=-inf))
-        most = float((self.bodies.left_m - margin).min(where=passing & (middle > y_m), initial=inf))
+        middle = self.obstacles.middle_m
+        least = float((self.obstacles.right_m + margin).max(where=passing & (middle < y_m), initial=-inf))
+        most = float((self.obstacles.left_m - margin).min(where=passing & (middle > y_m), initial=inf))
         least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the field does that
         return min(max(minimum_m, least), most)
 
     def met(self, lane: Lane) -> Floats:
-        """(K,) m until our body meets each with its front, if it goes straight on as it is headed; inf where never.
+        """(K,) m until the front of the car meets each obstacle if it goes straight on; inf where never.
 
-        As if all stood: of one that drives on, that is less than it takes.
+        As if all were static: for one that moves on, it is less than it takes.
         """
         slope = -tan(lane.heading_rad)
-        y = lane.y_m + slope * self.bodies.along_m  # of our front where it is abreast of the face
-        beyond = np.maximum(self.bodies.left_m - y, y - self.bodies.right_m) - self._half_width_m
-        nears = (self.bodies.left_m + self.bodies.right_m - 2.0 * y) * slope > 0.0
+        y = lane.y_m + slope * self.obstacles.along_m  # of our front where it is abreast of the face
+        beyond = np.maximum(self.obstacles.left_m - y, y - self.obstacles.right_m) - self._half_width_m
+        nears = (self.obstacles.left_m + self.obstacles.right_m - 2.0 * y) * slope > 0.0
         further = np.maximum(beyond, 0.0) / max(abs(slope), FREE_M)
         meets = (beyond <= 0.0) | (nears & (further < self.length_m))
         return np.where(meets & (self.way_m > 0.0), self.way_m + further, np.inf)
@@ -200,18 +200,18 @@ class ObstacleGeometry:
         """(K, K) which obstacles are in one row."""
         if self._config.rows is None or len(self) < 2:
             return np.eye(len(self), dtype=np.bool_)
-        return same_row(self.bodies, self.length_m, self._config.rows.beyond_m)
+        return same_row(self.obstacles, self.length_m, self._config.rows.beyond_m)
 
     def _lengths(self) -> Floats:
-        """(K,) m; what is wide may be a truck or a barrier."""
+        """(K,) m; a wide obstacle may be a truck or a barrier."""
         config = self._config
-        long = self.moves | (self.bodies.width_m > config.truck_width_m)
-        length: Floats = np.maximum(np.where(long, config.long_m, config.length_m), self.bodies.length_m)
+        long = self.moves | (self.obstacles.width_m > config.truck_width_m)
+        length: Floats = np.maximum(np.where(long, config.long_m, config.length_m), self.obstacles.length_m)
         return length
 
     def _weights(self) -> Floats:
-        """(K,) by the distance; 0 for those that have been passed, or run away."""
-        config, speed = self._config, self.bodies.speed_mps
+        """(K,) 0 .. 1 by the distance; 0 for obstacles that have been passed or are faster."""
+        config, speed = self._config, self.obstacles.speed_mps
         nears = (self._visible() - self.way_m) / (config.visible_m - config.full_m)
         weight = np.minimum(np.maximum(nears, 0.0), 1.0)
         faster = speed - self._speed_reference_mps
@@ -219,12 +219,12 @@ class ObstacleGeometry:
         if config.follow is not None:
             runs = (faster > -config.follow.slower_mps) & (self.way_m > config.follow.beside_m)
         catches_up = np.maximum(faster, 0.0) * (config.catch_up.time_s if config.catch_up is not None else 0.0)
-        passed = self.bodies.along_m + self.length_m + catches_up < -self._half_length_m
+        passed = self.obstacles.along_m + self.length_m + catches_up < -self._half_length_m
         return np.where(passed | runs, 0.0, weight)
 
     def _visible(self) -> Floats:
-        """(K,) m from bumper to face, from which each body begins to count: one that moves only when it is met soon."""
-        speed, visible_m, meet = self.bodies.speed_mps, self._config.visible_m, self._config.meet
+        """(K,) m from bumper to face, from which on each obstacle counts."""
+        speed, visible_m, meet = self.obstacles.speed_mps, self._config.visible_m, self._config.meet
         if meet is None:
             return np.full(len(self), visible_m)
         closing = np.maximum(self._speed_reference_mps - speed, 0.0)

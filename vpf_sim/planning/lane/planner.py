@@ -1,4 +1,4 @@
-"""The robust variant's way: to the lowest place of the field across the lane, along the road's direction."""
+"""The lane planner: to the minimum of the lateral cost, along the road's direction."""
 
 from dataclasses import replace
 from math import inf
@@ -41,10 +41,10 @@ class LanePlannerConfig:
 
 
 class LanePlanner:
-    """Follows the valley of the field from frame to frame."""
+    """Follows the minimum of the lateral cost from frame to frame."""
 
     def __init__(self, setup: DriverSetup, config: LanePlannerConfig) -> None:
-        reach, self._speed_mps = KinematicLimits(config.limits, setup.vehicle), setup.speed_reference_mps
+        kinematics, self._speed_mps = KinematicLimits(config.limits, setup.vehicle), setup.speed_reference_mps
         self._config, self._vehicle = config, setup.vehicle
         self._tentative_limit = (
             TentativeLimit(config.tentative_obstacles, setup.vehicle, self._speed_mps, setup.rate_hz)
@@ -52,10 +52,10 @@ class LanePlanner:
             else None
         )
         self._dt_s, self._lost_m = 1.0 / setup.rate_hz, 0.0  # way since the road was seen
-        self._alone = self._neighbours(NOTHING)
-        self._field = LateralCost(config.lateral_cost, config.clearance, setup.vehicle, self._speed_mps, reach)
+        self._empty = self._geometry(NOTHING)
+        self._field = LateralCost(config.lateral_cost, config.clearance, setup.vehicle, self._speed_mps, kinematics)
         self._reference = LaneReference(
-            config.reference, config.clearance, setup.vehicle, self._speed_mps, setup.rate_hz, reach
+            config.reference, config.clearance, setup.vehicle, self._speed_mps, setup.rate_hz, kinematics
         )
         self._recovery = (
             Recovery(config.recovery, config.clearance.edge_m, config.obstacles, setup.vehicle, setup.rate_hz)
@@ -72,24 +72,24 @@ class LanePlanner:
         road, out = perception.road, self._recovery
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane, self._config.obstacles.parts)
-        neighbours = self._neighbours(obstacles) if len(obstacles) else self._alone
-        potential = self._field.update(lane, neighbours, observation.speed_mps)
-        wanted = self._reference.update(
-            lane, neighbours, potential.minimum_m, observation.yaw_rad, observation.speed_mps
-        )
+        geometry = self._geometry(obstacles) if len(obstacles) else self._empty
+        potential = self._field.update(lane, geometry, observation.speed_mps)
+        wanted = self._reference.update(lane, geometry, potential.minimum_m, observation.yaw_rad, observation.speed_mps)
         slowed = self._slowed(wanted, perception, lane, potential.minimum_m, observation.speed_mps)
-        turned = self._turned_out(lane, perception.obstacles, observation, wanted)
+        turned = self._recovered(lane, perception.obstacles, observation, wanted)
         reference = slowed if turned is None else turned
         plan = LanePlan(lane, obstacles, potential, self._reference.y_m)
         return _force(potential, lane.y_m), reference, plan
 
-    def _neighbours(self, bodies: LaneObstacles) -> ObstacleGeometry:
-        return ObstacleGeometry(bodies, self._config.obstacles, self._config.clearance, self._vehicle, self._speed_mps)
+    def _geometry(self, obstacles: LaneObstacles) -> ObstacleGeometry:
+        return ObstacleGeometry(
+            obstacles, self._config.obstacles, self._config.clearance, self._vehicle, self._speed_mps
+        )
 
     def _slowed(
         self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
     ) -> Reference:
-        """The reference, slowed by what is suspected on the way to a goal aside and by what cannot be seen."""
+        """The reference, slowed before tentative obstacles, by the clear distance and where the road is not seen."""
         allowed, config = inf, self._config
         if config.clear_distance is not None:
             allowed = speed_within_clear_distance(
@@ -103,19 +103,19 @@ class LanePlanner:
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
     def _on_road(self, config: LostRoadConfig, road: RoadEdges, speed_mps: float) -> float:
-        """m/s at most by whether the road itself is seen, inf where it is: after some way without it the car stands."""
+        """m/s at most where the road is not seen, 0 after some way without it; inf where it is seen."""
         if max(road.confidence, road.lane_confidence) > 0.0:
             self._lost_m = 0.0
             return inf
         self._lost_m += speed_mps * self._dt_s
         return config.speed_mps if self._lost_m < config.way_m else 0.0
 
-    def _turned_out(
+    def _recovered(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, wanted: Reference
     ) -> Reference | None:
-        """The reference of the way out of a dead end, where one is driven; after it, all begins anew from there.
+        """The reference of a manoeuvre out of a dead end, or None; afterwards the planner restarts from there.
 
-        Who is to stand only because the road is not seen is in no dead end, and on a way out the road need not be seen.
+        A car that stands only because the road is not seen is in no dead end.
         """
         if self._recovery is None:
             return None
@@ -129,7 +129,7 @@ class LanePlanner:
 
 
 def _force(potential: LanePotential, y_m: float) -> Force:
-    """-grad U at the vehicle, to be looked at: across the road, with the target's pull of 1 along it."""
+    """-grad U at the vehicle, for display: across the road, with the target's pull of 1 along it."""
     forces = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
     forces[:, 1] = -potential.slope(y_m)
     target, road, obstacle = forces

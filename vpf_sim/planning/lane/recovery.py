@@ -1,10 +1,9 @@
-"""Out of a dead end: a car that stands before a blocked road turns out on its tightest curve where that is drivable.
+"""Recovery from a dead end: a car that stands before a blocked road turns out on its tightest curve.
 
-There is no reverse gear. A body that is told late, or one that is not there, may close the gap in which the car is
-already; what `vpf_sim.planning.lane.kinematic_limits` counts on, a shift from the road's direction and back to it
-before the body, is then out of reach, but not the turn of `vpf_sim.planning.lane.recovery_candidates`. It leads far
-from the road's direction, where the camera sees little of the road: where the car is on it is known from before and
-from the own motion.
+There is no reverse gear. An obstacle that is detected late, or a false one, may close the gap in which the car already
+is. A shift from the road's direction and back before the obstacle (`vpf_sim.planning.lane.kinematic_limits`) is then
+impossible, but not the turn of `vpf_sim.planning.lane.recovery_candidates`. It leads far from the road's direction,
+where the camera sees little of the road, so the lane is known by odometry.
 """
 
 from dataclasses import dataclass, replace
@@ -17,7 +16,7 @@ from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.planning.lane.config import ObstacleConfig
 from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
-from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Courses, courses, separation
+from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Candidates, candidates, separation
 from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 from vpf_sim.planning.lane.speed.creep import STANDING_MPS
 from vpf_sim.types import Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
@@ -28,15 +27,15 @@ STRAIGHT_RAD = 0.02  # wheels that turn by less do not slow the car
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """Where a course began: the road as it was seen, or known from before, the pose, and what was known to stand."""
+    """Where a manoeuvre began: lane, pose and obstacles."""
 
     lane: Lane
     pose: Floats  # (3,)
-    bodies: Blockers
+    blockers: Blockers
     known: frozenset[int]  # their identities
 
     def lane_at(self, observation: Observation) -> tuple[Lane, float]:
-        """Where the car is on the road now, by its own motion, and how far along it from the start."""
+        """The lane now by odometry, and m along the road from the start."""
         before = self.lane
         ahead, right = vehicle_from_world(np.array([observation.x_m, observation.y_m]), self.pose)
         cosine, sine = cos(before.heading_rad), sin(before.heading_rad)
@@ -47,7 +46,7 @@ class _Start:
 
 
 class Recovery:
-    """Looks for a course while the car stands, and remembers the one that is driven."""
+    """Searches for a manoeuvre while the car stands, and drives it."""
 
     def __init__(
         self, config: RecoveryConfig, edge_m: float, obstacles: ObstacleConfig, vehicle: VehicleModel, rate_hz: float
@@ -60,26 +59,26 @@ class Recovery:
         self._stood_s = 0.0
         self._steering_rad = 0.0
         self._gone_m = 0.0
-        self._clearance_m = config.clearance_m  # that the course keeps
+        self._clearance_m = config.clearance_m  # of the manoeuvre
         self._start: _Start | None = None  # kept until the road is seen again
-        self._course: Courses | None = None
-        self._left_road = False  # whether any course was driven: since then lanes are counted here,
+        self._manoeuvre: Candidates | None = None
+        self._left_road = False  # since then lanes are counted here,
         self._lanes, self._last_m = 0, 0.0  # by how many the seen one is off, and where the car was
 
     @property
     def is_driven(self) -> bool:
-        """Whether a course is."""
-        return self._course is not None
+        """Whether a manoeuvre is driven."""
+        return self._manoeuvre is not None
 
     @property
-    def manoeuvre(self) -> Courses | None:
+    def manoeuvre(self) -> Candidates | None:
         """The one that is driven."""
-        return self._course
+        return self._manoeuvre
 
     def lane(self, road: RoadEdges, observation: Observation) -> Lane:
-        """Where the car is on the road: as it is seen, or by the own motion until that is where the road is seen.
+        """The lane as the camera sees it, or by odometry until both agree.
 
-        Which of the lanes is the own one may be lost on the way; it is known by the own motion.
+        The camera may take another lane for the own one on the way; odometry tells which it is.
         """
         seen = locate(road)
         if self._start is None:
@@ -87,7 +86,7 @@ class Recovery:
                 self._lanes = _lanes(self._last_m - seen.y_m, road)
             return self._counted(seen, road)
         config, (lane, along) = self._config.relocation, self._start.lane_at(observation)
-        if config is None and self._course is None:
+        if config is None and self._manoeuvre is None:
             self._start = None
             return self._counted(seen, road)
         lanes = _lanes(lane.y_m - seen.y_m, road)
@@ -96,13 +95,13 @@ class Recovery:
             return lane
         agrees = abs(aside) < config.lateral_m and abs(seen.heading_rad - lane.heading_rad) < config.heading_rad
         is_back = agrees and abs(lane.heading_rad) < self._config.back_rad
-        if self._course is None and (is_back or along > config.way_m):
+        if self._manoeuvre is None and (is_back or along > config.way_m):
             self._start, self._lanes = None, lanes
             return self._counted(seen, road)
         return lane
 
     def _counted(self, seen: Lane, road: RoadEdges) -> Lane:
-        """The lane as it is seen, from the own one."""
+        """The lane as the camera sees it, shifted to the own one."""
         counted = _shifted(seen, self._lanes * road.lane_width_m)
         self._last_m = counted.y_m
         return counted
@@ -110,13 +109,13 @@ class Recovery:
     def update(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, reference: Reference
     ) -> Reference | None:
-        """One step of 1 / rate_hz: the reference on the course; None where none is driven, or it has ended.
+        """The reference on the manoeuvre after a step of 1 / rate_hz; None where none is driven.
 
-        A car that is still turned when its course turns out to lead nowhere stands until there is another.
+        A car that is still turned when its manoeuvre is blocked stands until there is another one.
         """
-        self._feel(observation)
+        self._estimate_steering(observation)
         turned = self._start is not None and abs(lane.heading_rad) > self._config.back_rad
-        if self._course is None:
+        if self._manoeuvre is None:
             stands = observation.speed_mps < STANDING_MPS and (turned or reference.speed_mps < STANDING_MPS)
             self._stood_s = self._stood_s + self._dt_s if stands else 0.0
             if self._stood_s >= self._config.standing_s:
@@ -127,8 +126,8 @@ class Recovery:
             return Reference(observation.yaw_rad, 0.0, 0.0)
         return followed
 
-    def _feel(self, observation: Observation) -> None:
-        """How the car slips and its wheels stand; they stay as they are while the car does."""
+    def _estimate_steering(self, observation: Observation) -> None:
+        """Estimate the steering angle from the yaw rate; at standstill the wheels stay as they are."""
         vehicle = self._vehicle
         if observation.speed_mps > self._config.measured_mps:
             bend = vehicle.l_r_m * observation.yaw_rate_radps / observation.speed_mps
@@ -137,56 +136,51 @@ class Recovery:
             self._steering_rad = min(max(steering, -limit), limit)
 
     def _begin(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> None:
-        """Look for a course from here; before what moves the car waits."""
+        """Search for a manoeuvre from here; before a moving obstacle the car waits."""
         if np.any((obstacles.speed_mps > 0.0) & (obstacles.forward_m < self._config.ahead_m)):
             return
-        bodies = self._bodies(lane, obstacles, observation)
+        blockers = self._blockers(lane, obstacles, observation)
         per_m = self._config.steering_radps / self._config.steering_mps
         config = self._config.candidates
-        found = [courses(lane, self._steering_rad, self._vehicle, per_m, lock, config) for lock in config.locks]
-        here, _ = separation(found[0].one(0), lane, bodies, self._vehicle, config.beyond_m)
+        found = [candidates(lane, self._steering_rad, self._vehicle, per_m, lock, config) for lock in config.locks]
+        here, _ = separation(found[0].one(0), lane, blockers, self._vehicle, config.beyond_m)
         clearances_m = [self._config.clearance_m]
         if self._config.tight is not None:
             clearances_m += [self._config.tight.share * self._config.clearance_m]
             clearances_m += [self._kept(clearances_m[-1], here[0])]  # as much as there is now
         for clearance_m, some in product(dict.fromkeys(clearances_m), found):
-            self._course = self._best(some, lane, bodies, clearance_m)
-            if self._course is not None:
+            self._manoeuvre = self._best(some, lane, blockers, clearance_m)
+            if self._manoeuvre is not None:
                 pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
-                self._start = _Start(lane, pose, bodies, frozenset(obstacles.identity.tolist()))
+                self._start = _Start(lane, pose, blockers, frozenset(obstacles.identity.tolist()))
                 self._gone_m, self._clearance_m, self._left_road = 0.0, clearance_m, True
                 return
 
-    def _bodies(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Blockers:
-        """What stands near: on a course what was known where it began, and what is told since, which stays so for the
-        next course that begins on this one.
+    def _blockers(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Blockers:
+        """The obstacles near the car: those at the start of the manoeuvre, and narrow ones detected since.
 
-        A body's sides are told as seen from the car. One that is wide is seen at an angle as another body, and wide
-        things that were not seen from the road's direction are none.
+        Seen at an angle, a known obstacle may be detected once more as a wide one.
         """
         length_m, parts, new_config = self._obstacles.length_m, self._obstacles.parts, self._config.new_obstacles
         if self._start is None:
-            bodies = Blockers.of(place(obstacles, lane, parts), length_m, self._config.candidates.beyond_m)
+            blockers = Blockers.of(place(obstacles, lane, parts), length_m, self._config.candidates.beyond_m)
         else:
             _, gone = self._start.lane_at(observation)
-            known = replace(self._start.bodies, along_m=self._start.bodies.along_m - gone)
+            known = replace(self._start.blockers, along_m=self._start.blockers.along_m - gone)
             if new_config is None:
                 return known.chosen(known.along_m < self._config.ahead_m)
             new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
             fresh = place(obstacles.chosen(new & (obstacles.width_m < new_config.width_m)), lane, parts)
-            bodies = known.concatenate(Blockers.of(fresh, length_m, new_config.beyond_m))
-        return bodies.chosen(bodies.along_m < self._config.ahead_m)
+            blockers = known.concatenate(Blockers.of(fresh, length_m, new_config.beyond_m))
+        return blockers.chosen(blockers.along_m < self._config.ahead_m)
 
-    def _best(self, found: Courses, lane: Lane, bodies: Blockers, clearance_m: float) -> Courses | None:
-        """Of the courses that keep far enough from all the one that turns least and keeps farthest.
-
-        On the first BEGINS_M of one the car may be as near to a body as it is now.
-        """
+    def _best(self, found: Candidates, lane: Lane, blockers: Blockers, clearance_m: float) -> Candidates | None:
+        """The drivable candidate that turns least and keeps the largest clearance."""
         found = found.chosen(found.end + round(self._config.candidates.beyond_m / STEP_M) < found.along_m.shape[1])
-        for every in COARSE, 1:  # most courses fail at a coarse look
+        for every in COARSE, 1:  # most candidates fail at a coarse check
             if not len(found):
                 return None
-            apart, edges = separation(found, lane, bodies, self._vehicle, self._config.candidates.beyond_m, every)
+            apart, edges = separation(found, lane, blockers, self._vehicle, self._config.candidates.beyond_m, every)
             begins_m = self._config.begin.way_m if self._config.begin is not None else 0.0
             least = apart[:, ceil(begins_m / STEP_M / every) :].min(axis=1)
             drivable = (apart.min(axis=1) >= self._kept(clearance_m, apart[0])) & (least >= clearance_m)
@@ -200,18 +194,18 @@ class Recovery:
         return found.one(int(np.argmin(cost)))
 
     def _follow(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Reference | None:
-        """On along the course, until it leads back to the road's direction, or nowhere any longer."""
-        if self._course is None:
+        """The reference on the manoeuvre, until it ends or is blocked."""
+        if self._manoeuvre is None:
             return None
         last = int(self._gone_m / STEP_M)
         slip = atan(self._vehicle.l_r_m / self._vehicle.wheelbase_m * tan(self._steering_rad))
         self._gone_m += observation.speed_mps * cos(slip) * self._dt_s  # of the rear axle
         step = int(self._gone_m / STEP_M)
-        rest = self._course.rest(step)
+        rest = self._manoeuvre.rest(step)
         if step > last:
-            bodies = self._bodies(lane, obstacles, observation)
-            if self._has_ended(step, bodies) or not self._is_free(rest, lane, bodies):
-                self._course, self._stood_s = None, 0.0
+            blockers = self._blockers(lane, obstacles, observation)
+            if self._has_ended(step, blockers) or not self._is_free(rest, lane, blockers):
+                self._manoeuvre, self._stood_s = None, 0.0
                 return None
         return self._reference(rest, self._gone_m / STEP_M - step, lane, observation)
 
@@ -221,30 +215,30 @@ class Recovery:
             return clearance_m
         return min(clearance_m, max(float(apart_m[0]), self._config.begin.least_m))
 
-    def _has_ended(self, step: int, bodies: Blockers) -> bool:
-        """Whether the car goes along the road again and has passed all bodies that may be long: no side was seen."""
-        assert self._course is not None
-        if step + 2 >= self._course.along_m.shape[1]:
+    def _has_ended(self, step: int, blockers: Blockers) -> bool:
+        """Whether the car is along the road again and past all obstacles that may be long."""
+        assert self._manoeuvre is not None
+        if step + 2 >= self._manoeuvre.along_m.shape[1]:
             return True
-        is_past = step > int(self._course.end[0]) + round(self._config.settling_m / STEP_M)
+        is_past = step > int(self._manoeuvre.end[0]) + round(self._config.settling_m / STEP_M)
         long = self._config.passing
         if long is None or not is_past:
             return is_past
-        front = bodies.along_m - 0.5 * self._vehicle.length_m
-        beside = (front < 0.0) & (bodies.along_m + long.length_m > -0.5 * self._vehicle.length_m)
-        return not bool(np.any(beside & (bodies.width_m > long.width_m)))
+        front = blockers.along_m - 0.5 * self._vehicle.length_m
+        beside = (front < 0.0) & (blockers.along_m + long.length_m > -0.5 * self._vehicle.length_m)
+        return not bool(np.any(beside & (blockers.width_m > long.width_m)))
 
-    def _is_free(self, rest: Courses, lane: Lane, bodies: Blockers) -> bool:
-        """Whether what is left of a course still keeps from all, as far as is known now."""
+    def _is_free(self, rest: Candidates, lane: Lane, blockers: Blockers) -> bool:
+        """Whether the rest of the manoeuvre is free."""
         if self._config.recheck is None:
             return True
         here = -self._vehicle.l_r_m * cos(lane.heading_rad)
         rest = replace(rest, along_m=rest.along_m - rest.along_m[0, 0] + here)
-        apart, _ = separation(rest, lane, bodies, self._vehicle, self._config.candidates.beyond_m)
+        apart, _ = separation(rest, lane, blockers, self._vehicle, self._config.candidates.beyond_m)
         return bool(apart.min() >= self._config.recheck.share * self._kept(self._clearance_m, apart[0]))
 
-    def _reference(self, rest: Courses, share: float, lane: Lane, observation: Observation) -> Reference:
-        """Heading, its rate and speed where the course is now: a share of a step after the first that is left."""
+    def _reference(self, rest: Candidates, share: float, lane: Lane, observation: Observation) -> Reference:
+        """Heading, its rate and speed on the manoeuvre, a `share` of a step after the first that is left."""
         y = (1.0 - share) * float(rest.y_m[0, 0]) + share * float(rest.y_m[0, 1])
         pull = self._config.tracking.rad_per_m * (y - rear_m(lane, self._vehicle)) * cos(lane.heading_rad)
         most = self._config.tracking.most_rad

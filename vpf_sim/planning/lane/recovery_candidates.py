@@ -1,16 +1,15 @@
-"""Ways aside on the tightest curve: where a walking car could go from here, and how near to all that stands.
+"""Dubins candidates on the tightest curve from standstill, and their separation from obstacles.
 
 From the road's direction a car at its full lock, of radius R of the rear axle, gets with the corner of its front, a
 ahead of that axle and b beside it,
 
     (R + b) sin(theta) - a (1 - cos(theta)) ahead,    (R + b) (1 - cos(theta)) + a sin(theta) aside
 
-while it turns by theta: never more than sqrt((R + b)^2 + a^2) - a ahead, 1.9 m for the car here, and then as far aside
-as it likes, as long as it may turn so far. So a course is a turn to an angle, a straight, and a turn back to the
-road's direction (L. E. Dubins, Am. J. Math. 79, 1957: the shortest paths of a bounded curvature are such), all with the
-rate at which the steering turns.
+while it turns by theta: never more than sqrt((R + b)^2 + a^2) - a ahead, and then as far aside as it likes. So a
+candidate is a turn to an angle, a straight, and a turn back to the road's direction (L. E. Dubins, Am. J. Math. 79,
+1957), at the rate of the steering.
 
-Poses are of the rear axle, along and across the road, the bend of which is taken off the curvature.
+Poses are of the rear axle, along and across the road, without the road's bend.
 """
 
 from dataclasses import dataclass
@@ -25,8 +24,8 @@ STEP_M = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class Courses:
-    """N courses of T steps of `STEP_M`; an end is the first step back in the road's direction, T where none is."""
+class Candidates:
+    """N candidates of T steps of `STEP_M`; `end` is the first step back in the road's direction, T where none is."""
 
     along_m: Floats  # (N, T) of the rear axle, from where the pose is now
     y_m: Floats  # (N, T)
@@ -37,27 +36,29 @@ class Courses:
     def __len__(self) -> int:
         return len(self.end)
 
-    def chosen(self, rows: "Bools | slice") -> "Courses":
+    def chosen(self, rows: "Bools | slice") -> "Candidates":
         """Some of them."""
-        return Courses(
+        return Candidates(
             self.along_m[rows], self.y_m[rows], self.turned_rad[rows], self.steering_rad[rows], self.end[rows]
         )
 
-    def one(self, index: int) -> "Courses":
+    def one(self, index: int) -> "Candidates":
         """A single one of them, N = 1."""
         return self.chosen(slice(index, index + 1))
 
-    def rest(self, step: int) -> "Courses":
-        """What is left of them."""
+    def rest(self, step: int) -> "Candidates":
+        """What is left of them after some steps."""
         row = slice(step, None)
         end = np.maximum(self.end - step, 0)
-        return Courses(self.along_m[:, row], self.y_m[:, row], self.turned_rad[:, row], self.steering_rad[:, row], end)
+        return Candidates(
+            self.along_m[:, row], self.y_m[:, row], self.turned_rad[:, row], self.steering_rad[:, row], end
+        )
 
 
-def courses(
+def candidates(
     lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float, config: CandidatesConfig
-) -> Courses:
-    """All courses from here with a share of the full lock; `per_m` rad the steering turns on a metre of way at most."""
+) -> Candidates:
+    """All candidates from here with a share of the full lock; the steering turns `per_m` rad/m at most."""
     turn, wheels_straight = _turns(lane, steering_rad, vehicle, per_m, lock, config)
     steps = turn.along_m.shape[1]
     every = np.arange(len(turn))
@@ -74,13 +75,13 @@ def courses(
         part.ravel()[source] for part in (turn.along_m, turn.y_m, turn.turned_rad, turn.steering_rad)
     )
     along, y = along + gone * np.cos(angle[row])[:, None], y + gone * np.sin(angle[row])[:, None]
-    return Courses(along, y, turned, steering, np.minimum(turn.end[row] + straight[:, 0], steps))
+    return Candidates(along, y, turned, steering, np.minimum(turn.end[row] + straight[:, 0], steps))
 
 
 def _turns(
     lane: Lane, steering_rad: float, vehicle: VehicleModel, per_m: float, lock: float, config: CandidatesConfig
-) -> tuple[Courses, "np.typing.NDArray[np.intp]"]:
-    """The courses without a straight, and the step of each with which that could begin: T where there is none."""
+) -> tuple[Candidates, "np.typing.NDArray[np.intp]"]:
+    """The candidates without a straight, and the step of each at which one could begin: T where none can."""
     side, angle = (
         one.ravel() for one in np.meshgrid(np.array([-1.0, 1.0]), np.radians(config.angles_deg), indexing="ij")
     )
@@ -108,13 +109,13 @@ def _turns(
         along, y = along + STEP_M * np.cos(middle), y + STEP_M * np.sin(middle)
         turned = turned + STEP_M * bend
     along, y, turned, steering = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
-    return Courses(*_straight_on(along, y, turned, steering, steps - len(rows)), end), straight
+    return Candidates(*_straight_on(along, y, turned, steering, steps - len(rows)), end), straight
 
 
 def _straight_on(
     along_m: Floats, y_m: Floats, turned_rad: Floats, steering_rad: Floats, steps: int
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """Ways that end straight, longer by some steps."""
+    """Candidates that end straight, longer by some steps."""
     gone = STEP_M * np.arange(1, steps + 1)
     last, none = turned_rad[:, -1:], np.zeros((len(turned_rad), steps))
     return (
@@ -127,38 +128,38 @@ def _straight_on(
 
 @dataclass(frozen=True, slots=True)
 class Blockers(LateralExtents):
-    """K bodies from which a course must keep, in lane coordinates."""
+    """K obstacles of which a candidate keeps clear, in lane coordinates."""
 
     along_m: Floats  # (K,) nearest face, from the pose
     left_m: Floats  # (K,) y of the left side
     right_m: Floats  # (K,) y of the right side
     length_m: Floats  # (K,) that they are taken to be long
-    beyond_m: Floats  # (K,) how far past its end a course is held against each, no farther than the edges
+    beyond_m: Floats  # (K,) how far past its end a candidate keeps clear of each
 
     @classmethod
-    def of(cls, bodies: LaneObstacles, length_m: float, beyond_m: float) -> "Blockers":
-        """Bodies that are at least so long, and how far past its end a course is held against them."""
-        length = np.maximum(bodies.length_m, length_m)
-        return cls(bodies.along_m, bodies.left_m, bodies.right_m, length, np.full(len(bodies), beyond_m))
+    def of(cls, obstacles: LaneObstacles, length_m: float, beyond_m: float) -> "Blockers":
+        """Obstacles with a least length, and how far past its end a candidate keeps clear of them."""
+        length = np.maximum(obstacles.length_m, length_m)
+        return cls(obstacles.along_m, obstacles.left_m, obstacles.right_m, length, np.full(len(obstacles), beyond_m))
 
 
 def separation(
-    course: Courses, lane: Lane, bodies: Blockers, vehicle: VehicleModel, beyond_m: float, every: int = 1
+    candidates: Candidates, lane: Lane, blockers: Blockers, vehicle: VehicleModel, beyond_m: float, every: int = 1
 ) -> tuple[Floats, Floats]:
-    """(N, T) m by which our body is apart at least from all bodies, and (N,) from both edges, until it is past its end.
+    """(N, T) m between the car and the nearest obstacle, and (N,) between the car and the edges.
 
-    Rectangles are apart by no less than along any of their sides' directions. Against the edges a course is held to
-    `beyond_m` past its end. Of `every` steps only one is looked at.
+    Rectangles are apart by the largest gap along any of their sides' directions. A candidate is checked until
+    `beyond_m` past its end, at each of `every` steps.
     """
     look = slice(None, None, every)
-    cosine, sine = np.cos(course.turned_rad[:, look]), np.sin(course.turned_rad[:, look])
+    cosine, sine = np.cos(candidates.turned_rad[:, look]), np.sin(candidates.turned_rad[:, look])
     half_length, half_width = 0.5 * vehicle.length_m, 0.5 * vehicle.width_m
-    along, y = course.along_m[:, look] + vehicle.l_r_m * cosine, course.y_m[:, look] + vehicle.l_r_m * sine
+    along, y = candidates.along_m[:, look] + vehicle.l_r_m * cosine, candidates.y_m[:, look] + vehicle.l_r_m * sine
     ahead, aside = half_length * cosine + half_width * np.abs(sine), half_length * np.abs(sine) + half_width * cosine
-    past = np.arange(course.along_m.shape[1])[None, look] - course.end[:, None]
+    past = np.arange(candidates.along_m.shape[1])[None, look] - candidates.end[:, None]
     edges = np.minimum(y - aside - lane.left_m, lane.right_m - y - aside)
     apart = np.full(along.shape, np.inf)
-    sizes = (bodies.along_m, bodies.left_m, bodies.right_m, bodies.length_m, bodies.beyond_m)
+    sizes = (blockers.along_m, blockers.left_m, blockers.right_m, blockers.length_m, blockers.beyond_m)
     for face, left, right, length, beyond in zip(*sizes, strict=True):
         long, wide = 0.5 * length, 0.5 * (right - left)
         forward, across = face + long - along, left + wide - y

@@ -1,16 +1,13 @@
-"""From the field's minimum to heading and speed: how the robust variant moves across the lane.
+"""Heading and speed reference towards the minimum of the lateral cost.
 
-The minimum jumps when a body appears; the reference glides after it on a path y_r of the rear axle that the car can
-follow (`vpf_sim.planning.lane.lateral_path`). The heading is that path's direction, with psi_r the road's,
+The minimum jumps when an obstacle appears. The reference follows a path y_r of the rear axle that the car can drive
+(`vpf_sim.planning.lane.lateral_path`). The heading is the path's direction, with psi_r the road's,
 
     psi_d = lag(psi_r + asin(k (y_r - y) / v)) + asin(y_r'),    d psi_d / dt = d lag / dt + v y_r'' / sqrt(1 - y_r'^2).
 
 A bicycle's centre of mass moves at yaw + slip, and d psi / dt = v sin(slip) / l_r, so its yaw is its course through a
-lag of l_r / v: l_r / v d psi / dt = chi - psi. What is known of the centre of mass, the road's direction, goes through
-that very lag and so has the slip of a bend (l_r / R); the rear axle has none (METHOD A13, A17).
-
-What that and the speed by what is ahead are worth is seen without them: with `motion = "direct"` psi_d leads to the
-minimum itself, and with `speed = "constant"` v_d stays the reference speed, as in the paper.
+lag of l_r / v: l_r / v d psi / dt = chi - psi. The road's direction is known for the centre of mass, so it goes through
+that lag and has the slip of a bend (l_r / R). The rear axle has none (METHOD A13, A17).
 """
 
 from math import asin, exp, sqrt
@@ -29,7 +26,7 @@ from vpf_sim.types import Reference, VehicleModel
 
 
 class LaneReference:
-    """The reference's path across the lane, the heading that follows it, and the speed."""
+    """Path across the lane, the heading that follows it, and the speed."""
 
     def __init__(
         self,
@@ -38,117 +35,115 @@ class LaneReference:
         vehicle: VehicleModel,
         speed_reference_mps: float,
         rate_hz: float,
-        reach: KinematicLimits,
+        kinematics: KinematicLimits,
     ) -> None:
         self._config = config
         self._clearance = clearance
         self._vehicle = vehicle
         self._dt_s = 1.0 / rate_hz
         self._speed_reference_mps = speed_reference_mps
-        self._pace = SpeedLimits(config, clearance, speed_reference_mps, rate_hz, reach)
-        self._reach = reach
+        self._speed_limits = SpeedLimits(config, clearance, speed_reference_mps, rate_hz, kinematics)
+        self._kinematics = kinematics
         self.y_m = 0.0  # of the reference, after an update
         self.restart(speed_reference_mps)
 
     def restart(self, speed_mps: float) -> None:
         """Begin anew from where the car is."""
-        self._pace.restart(speed_mps)
+        self._speed_limits.restart(speed_mps)
         self._heading_rad: float | None = None
-        self._glide: LateralPath | None = None
+        self._path: LateralPath | None = None
 
     def update(
-        self, lane: Lane, neighbours: ObstacleGeometry, minimum_m: float, yaw_rad: float, speed_mps: float
+        self, lane: Lane, geometry: ObstacleGeometry, minimum_m: float, yaw_rad: float, speed_mps: float
     ) -> Reference:
-        """One step of 1 / rate_hz towards the field's minimum."""
-        wanted = self._pace.update(lane, neighbours, minimum_m, speed_mps, self._glide)
+        """One step of 1 / rate_hz towards the minimum of the lateral cost."""
+        wanted = self._speed_limits.update(lane, geometry, minimum_m, speed_mps, self._path)
         config = self._config.path
         if config is None:
             self.y_m = minimum_m
             return Reference(self._straight(lane, minimum_m, yaw_rad, speed_mps), wanted)
         rear = rear_m(lane, self._vehicle)
-        if self._glide is None:
-            self._glide = LateralPath(config, self._reach, rear, config.shift_s * self._speed_reference_mps)
+        if self._path is None:
+            self._path = LateralPath(config, self._kinematics, rear, config.shift_s * self._speed_reference_mps)
         between, time_s, flanks = lane, np.inf, (np.inf, np.inf)
-        if len(neighbours):
-            between = neighbours.between(lane, self._glide.y_m)
-            flanks = neighbours.flanks(self._glide.y_m, self._glide.slope)
-            time_s = self._time_left(config, neighbours, self._glide.y_m, speed_mps)
-            minimum_m = self._goal(config, self._glide, neighbours, minimum_m, speed_mps)
-        self._glide.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s, flanks)
-        self._glide.hold(rear)
-        self.y_m = self._glide.y_m
-        heading, rate = self._heading(lane, flanks, self._glide, yaw_rad, speed_mps)
+        if len(geometry):
+            between = geometry.between(lane, self._path.y_m)
+            flanks = geometry.flanks(self._path.y_m, self._path.slope)
+            time_s = self._time_left(config, geometry, self._path.y_m, speed_mps)
+            minimum_m = self._goal(config, self._path, geometry, minimum_m, speed_mps)
+        self._path.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s, flanks)
+        self._path.hold(rear)
+        self.y_m = self._path.y_m
+        heading, rate = self._heading(lane, flanks, self._path, yaw_rad, speed_mps)
         return Reference(heading, wanted, rate)
 
-    def _time_left(self, config: PathConfig, neighbours: ObstacleGeometry, y_m: float, speed_mps: float) -> float:
-        """s until the first body is reached that stands where y_r is now."""
-        way = neighbours.way_m
-        hit = (neighbours.overlap(y_m, self._clearance.full_speed_m) > 0.0) & (way > 0.0)
+    def _time_left(self, config: PathConfig, geometry: ObstacleGeometry, y_m: float, speed_mps: float) -> float:
+        """s until the first obstacle is reached that the path would meet where it is."""
+        way = geometry.way_m
+        hit = (geometry.overlap(y_m, self._clearance.full_speed_m) > 0.0) & (way > 0.0)
         closing = np.maximum(
-            max(speed_mps, self._reach.walking_mps) - neighbours.bodies.speed_mps, config.slowest_closing_mps
+            max(speed_mps, self._kinematics.walking_mps) - geometry.obstacles.speed_mps, config.slowest_closing_mps
         )
         return float((way / closing).min(where=hit, initial=np.inf))
 
     def _goal(
-        self, config: PathConfig, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float
+        self, config: PathConfig, path: LateralPath, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float
     ) -> float:
         """The lateral position to which the path leads now, on its way to the minimum."""
-        if config.wait is not None and self._waits(config.wait, glide, neighbours, minimum_m, speed_mps):
-            minimum_m = glide.y_m
+        if config.wait is not None and self._waits(config.wait, path, geometry, minimum_m, speed_mps):
+            minimum_m = path.y_m
         elif config.hold is not None:
-            minimum_m = self._held(config.hold, glide, neighbours, minimum_m, speed_mps)
-        return neighbours.kept_beside(glide.y_m, minimum_m)
+            minimum_m = self._held(config.hold, path, geometry, minimum_m, speed_mps)
+        return geometry.kept_beside(path.y_m, minimum_m)
 
     def _waits(
-        self, config: WaitConfig, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float
+        self, config: WaitConfig, path: LateralPath, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float
     ) -> bool:
-        """Whether there is more way than it takes before the first body for which the path must leave where it is.
+        """Whether the path can stay longer before the first obstacle for which it must leave its place.
 
-        From nearer a body's side is known better, and the own lane is left no longer than it must be: the way back does
-        not wait. Where there is no room to spare beside the bodies it does not wait either, nor before one that moves:
-        who is still behind it when it is near is no longer let past (`LateralCost`).
+        From nearer the side of an obstacle is known better. The way back does not wait, nor does a path without room
+        to spare beside obstacles, nor one behind a moving obstacle.
         """
-        if abs(glide.slope) > config.slope or abs(minimum_m) < abs(glide.y_m):
+        if abs(path.slope) > config.slope or abs(minimum_m) < abs(path.y_m):
             return False
-        hit = neighbours.hinders(glide.y_m)
-        if not hit.any() or (hit & neighbours.moves).any():
+        hit = geometry.hinders(path.y_m)
+        if not hit.any() or (hit & geometry.moves).any():
             return False
-        narrow = neighbours.overlap(minimum_m, self._clearance.full_speed_m) > 0.0
-        if (narrow & neighbours.present).any():
+        narrow = geometry.overlap(minimum_m, self._clearance.full_speed_m) > 0.0
+        if (narrow & geometry.present).any():
             return False
-        needed = float(self._reach.way(abs(minimum_m - glide.y_m), speed_mps))
-        needed += config.reaction_s * max(speed_mps, self._reach.walking_mps)
-        return float(neighbours.way_m[hit].min()) > needed
+        needed = float(self._kinematics.way(abs(minimum_m - path.y_m), speed_mps))
+        needed += config.reaction_s * max(speed_mps, self._kinematics.walking_mps)
+        return float(geometry.way_m[hit].min()) > needed
 
     def _held(
-        self, hold: HoldConfig, glide: LateralPath, neighbours: ObstacleGeometry, minimum_m: float, speed_mps: float
+        self, hold: HoldConfig, path: LateralPath, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float
     ) -> float:
-        """Where the path shall lead: to the minimum, or where it is soonest straight if no place is free there, either.
+        """Where the path leads: to the minimum, or to its own rest where no gap is free at the minimum.
 
-        Turned towards a gap that may be none a car has neither the way nor the angle left for another. It goes back to
-        its own lane all the same, and holds only near, where it can stop, and not because of what is far behind the
-        first that is in its way.
+        A car that has turned to a gap that closes has no way left for another one. It holds only where it can still
+        stop, and goes back to its own lane all the same.
         """
-        config, way = self._config, neighbours.way_m
-        shut = self._pace.shut(neighbours, minimum_m)
+        config, way = self._config, geometry.way_m
+        shut = self._speed_limits.shut(geometry, minimum_m)
         if not shut.any():
             return minimum_m
-        _, shift = self._reach.rest(glide.slope, glide.bend_per_m, np.array([speed_mps]))
-        rest_m = glide.y_m + float(shift[0])
-        hit = neighbours.stands & (way > 0.0) & (neighbours.overlap(rest_m, self._clearance.least_m) > 0.0)
+        _, shift = self._kinematics.rest(path.slope, path.bend_per_m, np.array([speed_mps]))
+        rest_m = path.y_m + float(shift[0])
+        hit = geometry.stands & (way > 0.0) & (geometry.overlap(rest_m, self._clearance.least_m) > 0.0)
         if abs(minimum_m) < abs(rest_m) or not hit.any():
             return minimum_m
         first_m, shut_m = float(way[hit].min()), float(way[shut].min())
         stops = float(stopping_way(speed_mps, config.brake_mps2)) + config.closest_standoff_m < first_m
         return (
             rest_m
-            if stops and shut_m < first_m + neighbours.row_depth_m and min(first_m, shut_m) < hold.ahead_m
+            if stops and shut_m < first_m + geometry.row_depth_m and min(first_m, shut_m) < hold.ahead_m
             else minimum_m
         )
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""
-        left, right = self._reach.between(lane, speed_mps)
+        left, right = self._kinematics.between(lane, speed_mps)
         ratio = min(max(self._pull(minimum_m - lane.y_m, speed_mps), -left), right)
         return wrap_angle(yaw_rad + lane.heading_rad + asin(ratio))
 
@@ -160,18 +155,18 @@ class LaneReference:
         return min(max(pull, -most), most) / max(speed_mps, 1.0)
 
     def _heading(
-        self, lane: Lane, flanks: tuple[float, float], glide: LateralPath, yaw_rad: float, speed_mps: float
+        self, lane: Lane, flanks: tuple[float, float], path: LateralPath, yaw_rad: float, speed_mps: float
     ) -> tuple[float, float]:
         """psi_d rad and its rate rad/s."""
-        left, right = self._reach.between(lane, speed_mps)
+        left, right = self._kinematics.between(lane, speed_mps)
         left, right = max(left, -flanks[1]), max(right, -flanks[0])
-        pull = self._pull(glide.y_m - rear_m(lane, self._vehicle), speed_mps)
-        ratio = min(max(pull, -left - glide.slope), right - glide.slope)
+        pull = self._pull(path.y_m - rear_m(lane, self._vehicle), speed_mps)
+        ratio = min(max(pull, -left - path.slope), right - path.slope)
         course = yaw_rad + lane.heading_rad + asin(min(max(ratio, -1.0), 1.0))
         if self._heading_rad is None:
             self._heading_rad = yaw_rad
         share = 1.0 - exp(-speed_mps * self._dt_s / self._vehicle.l_r_m)
         ahead = wrap_angle(course - self._heading_rad)
         self._heading_rad = wrap_angle(self._heading_rad + share * ahead)
-        bend = (1.0 - share) * ahead / self._vehicle.l_r_m + glide.bend_per_m / sqrt(1.0 - glide.slope**2)
-        return wrap_angle(self._heading_rad + asin(glide.slope)), speed_mps * bend
+        bend = (1.0 - share) * ahead / self._vehicle.l_r_m + path.bend_per_m / sqrt(1.0 - path.slope**2)
+        return wrap_angle(self._heading_rad + asin(path.slope)), speed_mps * bend

@@ -1,13 +1,13 @@
-"""Where a path across the road comes to rest: no sooner than the steering lets it.
+"""Where a path across the road comes to rest, limited by the rate of the steering.
 
-The steering turns at a rate of time, so its change on a metre of way, j, is the less the faster the car goes: who
-speeds up in the middle of a swerve runs wide. Of a path with slope p >= 0 and bend b the slope is largest where the
-wheels are straight, b / j of way from here, and is there
+The steering turns at a rate of time, so its change j on a metre of way falls with the speed: a car that speeds up in a
+swerve runs wide. The slope of a path with slope p >= 0 and bend b is largest where the wheels are straight, b / j of
+way from here:
 
     p_1 = p + b^2 / (2 j).
 
-From there the bend goes to -sqrt(p_1 j) and back to none on 2 sqrt(p_1 / j) of way; or, where that is more than the
-tightest curve k, on p_1 / k + k / j. The path goes on aside by p_1 / 2 a metre of it.
+From there the bend goes to -sqrt(p_1 j) and back to 0 on 2 sqrt(p_1 / j) of way; or, where that exceeds the tightest
+curve k, on p_1 / k + k / j. The path moves p_1 / 2 aside on a metre of it.
 """
 
 import numpy as np

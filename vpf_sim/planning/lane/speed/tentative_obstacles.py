@@ -1,7 +1,7 @@
-"""Speed by what may lie ahead: before what is suspected in the way, the car slows so far that it could stop.
+"""Speed limit before tentative obstacles in the way: the car could stop, but does not.
 
-A low body is suspected one or two metres of way before it is believed. To slow down then costs little where nothing is
-there; where something is, that way is not lost. The car never stops for a suspicion: near enough, looks decide.
+A low obstacle is tentative for one or two metres of way before it is confirmed. Slowing down then costs little, and
+saves that way where it is confirmed. Near it, observations decide.
 """
 
 from math import inf
@@ -13,7 +13,7 @@ from vpf_sim.types import VehicleModel
 
 
 class TentativeLimit:
-    """The speed that suspicion allows, with the memory of the last one."""
+    """The speed limit, with the memory of the last one."""
 
     def __init__(
         self, config: TentativeLimitConfig, vehicle: VehicleModel, speed_reference_mps: float, rate_hz: float
@@ -29,8 +29,7 @@ class TentativeLimit:
     ) -> float:
         """m/s after one step, where the car goes from `lane.y_m` to `goal_m` across the road.
 
-        The reference speed at most, and `seen_mps`, which what is seen allows: it falls as the car may brake from
-        `speed_mps`, and rises gently.
+        At most the reference speed and `seen_mps`. It falls as the car may brake from `speed_mps`, and rises gently.
         """
         config = self._config
         wanted = min(safe_speed(self._nearest(lane, tentative, goal_m), config, self._vehicle), seen_mps)
@@ -40,7 +39,7 @@ class TentativeLimit:
         return self._allowed_mps
 
     def _nearest(self, lane: Lane, tentative: LaneObstacles, goal_m: float) -> float:
-        """m to the first of them that the car may touch on its way aside; inf where there is none."""
+        """m to the first of them in the car's way; inf where there is none."""
         if not len(tentative):
             return inf
         margin = 0.5 * self._vehicle.width_m + self._config.clearance_m
