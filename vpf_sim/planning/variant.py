@@ -14,10 +14,7 @@ from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
 from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.perception.egomotion.camera_pitch import PitchConfig
-from vpf_sim.perception.egomotion.flow_config import FlowConfig
-from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
-from vpf_sim.perception.egomotion.odometry import OdometryConfig
+from vpf_sim.perception.egomotion.config import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
 from vpf_sim.perception.obstacles.close_range_verification import VerificationConfig
 from vpf_sim.perception.obstacles.moving.detection import MovingObstacleConfig
 from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig

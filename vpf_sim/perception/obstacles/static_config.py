@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from vpf_sim.perception.egomotion.triangulation import NoiseModel
+from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistencyConfig
 from vpf_sim.perception.obstacles.low_obstacles import LowObstacleConfig

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vpf_sim.perception.egomotion.triangulation import NoiseModel, Triangulation
+from vpf_sim.perception.egomotion.config import NoiseModel
+from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarmConfig
 from vpf_sim.perception.obstacles.moving.evidence import EvidenceConfig
 from vpf_sim.perception.obstacles.moving.track import FilterConfig, Sight
