@@ -20,7 +20,7 @@ from vpf_sim.perception.obstacles.moving.detection import MovingObstacleConfig
 from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig
 from vpf_sim.perception.paper.time_to_contact import ContactConfig
-from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
+from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.planning.lane.planner import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
 from vpf_sim.planning.variants import repair_steps

@@ -11,7 +11,8 @@ from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, ParallaxConfig, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, LowTrackConfig, in_sight
-from vpf_sim.perception.road.occlusion import OcclusionConfig, footprints
+from vpf_sim.perception.road.config import OcclusionConfig
+from vpf_sim.perception.road.occlusion import footprints
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 

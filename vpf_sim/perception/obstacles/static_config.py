@@ -9,7 +9,7 @@ from vpf_sim.perception.obstacles.low_obstacles import LowObstacleConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import ParallaxConfig
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowTrackConfig
 from vpf_sim.perception.obstacles.track_refinement import RefinementConfig
-from vpf_sim.perception.road.occlusion import OcclusionConfig
+from vpf_sim.perception.road.config import OcclusionConfig
 
 
 @dataclass(frozen=True, slots=True)
