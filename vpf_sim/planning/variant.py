@@ -18,8 +18,7 @@ from vpf_sim.perception.egomotion.config import ExpansionConfig, FlowConfig, Odo
 from vpf_sim.perception.obstacles.close_range_verification import VerificationConfig
 from vpf_sim.perception.obstacles.moving.detection import MovingObstacleConfig
 from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
-from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig
-from vpf_sim.perception.paper.time_to_contact import ContactConfig
+from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.planning.lane.planner import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig

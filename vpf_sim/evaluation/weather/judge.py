@@ -153,7 +153,7 @@ class Judge:
         stands = truth["instance"] != 0
         for config, found in (
             (plain.obstacle_map, self._judged.false_bodies),
-            (obstacles.ObstacleMapConfig(sigma_px=None), self._judged.robust_false),
+            (variant.load("robust").obstacle_map, self._judged.robust_false),
         ):
             found.append(false_clusters(obstacles.detect(flow, camera, config), flow, stands))
 
