@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass
 from pathlib import Path
-from typing import Any, get_origin
+from typing import Any, get_args, get_origin
 
 from vpf_sim.configuration_fields import Setting, sections, settings_of
 from vpf_sim.controllers import gtsmc, idm, pid, pure_pursuit, stanley
@@ -86,7 +86,8 @@ def tables(config: type, path: str, values: Values | None = None) -> Iterator[st
         lines += [_row([*_about(setting), *_values(setting, values)]) for setting in plain]
         yield "\n".join(lines) + "\n"
     for setting in settings:
-        name, is_list = f"{path.strip('[]')}.{setting.key}".removeprefix("."), get_origin(setting.hint) is tuple
+        name = f"{path.strip('[]')}.{setting.key}".removeprefix(".")
+        is_list = tuple in map(get_origin, (setting.hint, *get_args(setting.hint)))
         below = {one: getattr(values[one], setting.key, None) for one in values} if values and not is_list else None
         for inner in sections(setting.hint):
             yield from tables(inner, f"[[{name}]]" if is_list else f"[{name}]", below)

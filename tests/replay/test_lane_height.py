@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import rendered_drive as rendered
+from driver_settings import ROBUST
 
-from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
 from vpf_sim.replay import lane_height
 from vpf_sim.replay.recording import Frame
 
-CONFIG = RoadEdgeConfig()
+CONFIG = ROBUST.road_edges
 
 
 @pytest.mark.parametrize("believed_m", [1.0, 2.0])

@@ -14,16 +14,12 @@ from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
 from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.perception.egomotion.camera_pitch import PitchConfig
-from vpf_sim.perception.egomotion.flow_config import FlowConfig
-from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
-from vpf_sim.perception.egomotion.odometry import OdometryConfig
+from vpf_sim.perception.egomotion.config import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
 from vpf_sim.perception.obstacles.close_range_verification import VerificationConfig
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
-from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig
-from vpf_sim.perception.paper.time_to_contact import ContactConfig
-from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig
+from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
+from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.planning.lane.planner import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
 from vpf_sim.planning.variants import knockouts, repair_steps

@@ -143,8 +143,10 @@ def _travel_directions(
     observations: list[_Observation], camera: Camera, mounting: Mounting, straight_only: bool, ahead_m: float
 ) -> _Directions:
     """Directions of travel by the observations, all of them or those on straight road only."""
-    config = replace(variant.load(VARIANT).focus_of_expansion, direction_sd_rad=(np.inf, np.inf))
-    pitch, yaw, roll = config.rotation_sd_radps
+    config = variant.load(VARIANT).focus_of_expansion
+    assert config.fit is not None  # of the robust variant
+    assert config.fit.rotation is not None
+    usual = config.fit.rotation
     random = stream(0, "mounting")
     rows: list[tuple[float, ...]] = []
     for one in observations:
@@ -152,10 +154,10 @@ def _travel_directions(
         rate = _rate(one, camera, mounting) if recorded or straight_only else 0.0
         if straight_only and abs(rate) >= STRAIGHT_RADPS:
             continue
-        rough = (
-            pitch if straight_only else UNKNOWN_YAW_RATE_SD_RADPS
-        )  # a yaw rate by the flow is as rough as the pitch rate
-        known = replace(config, rotation_sd_radps=(pitch, yaw if recorded else rough, roll))
+        # A yaw rate by the flow is as rough as the pitch rate.
+        rough = usual.pitch_sd_radps if straight_only else UNKNOWN_YAW_RATE_SD_RADPS
+        rotation = usual if recorded else replace(usual, yaw_sd_radps=rough)
+        known = replace(config, fit=replace(config.fit, direction_prior=None, rotation=rotation))
         flow = flow_derotation.turning(one.flow, rate)
         found = expansion.estimate(flow, camera, known, random)
         if found.confidence > 0.0 and np.sqrt(found.covariance_px2.trace()) < MOST_FOE_SD_RAD * camera.fx_px:

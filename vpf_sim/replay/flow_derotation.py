@@ -5,6 +5,7 @@ from math import nan
 
 import numpy as np
 
+from vpf_sim.errors import InputError
 from vpf_sim.geometry import rotation_flow
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker
@@ -37,9 +38,12 @@ class FlowDerotation:
     """
 
     def __init__(self, camera: Camera, variant: Variant, rate_hz: float) -> None:
-        pitch, _, roll = variant.focus_of_expansion.rotation_sd_radps
+        fit = variant.focus_of_expansion.fit
+        if fit is None or fit.rotation is None:
+            raise InputError("flow derotation: expected a variant with [focus_of_expansion.fit.rotation], got none")
+        rotation = replace(fit.rotation, yaw_sd_radps=fit.rotation.pitch_sd_radps)
         self._camera = camera
-        self._config = replace(variant.focus_of_expansion, rotation_sd_radps=(pitch, pitch, roll))
+        self._config = replace(variant.focus_of_expansion, fit=replace(fit, rotation=rotation))
         self._tracker = FlowTracker(camera, variant.flow, rate_hz)
         self._random = stream(0, "focus of expansion without rotation")
         self._mounting = Mounting(height_m=camera.height_m, pitch_rad=camera.pitch_rad)

@@ -11,7 +11,7 @@ import numpy as np
 
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
-from vpf_sim.perception.road.edge_tracker import RIDGE_REACH_M, RoadEdgeConfig
+from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.perception.road.markings import RidgeMap, comb, noise_threshold
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, Floats, Image
@@ -60,9 +60,9 @@ def _score(images: Sequence[Image], camera: Camera, config: RoadEdgeConfig, widt
     view = BirdsEye(camera, config.patch)
     found = []
     for image in images:
-        response = ridge(view.warp(image), round(RIDGE_REACH_M / config.column_m))
-        lines = RidgeMap(response, noise_threshold(response, config.least_contrast), view.visible)
-        found.append(comb(lines, view, np.array([width_m]), width_m)[0])
+        response = ridge(view.warp(image), round(config.ridge_reach_m / config.column_m))
+        lines = RidgeMap(response, noise_threshold(response, config.least_contrast), view.visible, config.centroid_m)
+        found.append(comb(lines, view, np.array([width_m]), width_m, config.comb)[0])
     return float(np.mean(found))
 
 

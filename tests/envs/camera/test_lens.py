@@ -6,6 +6,7 @@ from math import inf, nan
 import cv2
 import numpy as np
 import pytest
+from driver_settings import FULL_FRAME
 from highway_env.road.road import Road
 from highway_scenes import add_ego, add_object, straight_road
 
@@ -14,7 +15,6 @@ from vpf_sim.envs.camera.lens import Lens
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import distort, ground_from_pixels, project, undistort
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
-from vpf_sim.perception.egomotion.flow_config import FlowConfig
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.types import Camera, Floats
 
@@ -166,7 +166,7 @@ def test_lucas_kanade_through_the_lens_agrees_with_the_truth() -> None:
 def test_the_tracker_reports_the_flow_of_a_pinhole() -> None:
     road, renderer, advance = scene(BARREL)
     ego, residuals = road.vehicles[0], []
-    trackers = [FlowTracker(camera, FlowConfig(), 60.0) for camera in (BARREL, Camera())]
+    trackers = [FlowTracker(camera, FULL_FRAME.flow, 60.0) for camera in (BARREL, Camera())]
     for k in range(13):
         picture, pose = grey(renderer.render(ego, k / 60.0)), np.array([*ego.position, ego.heading])
         flows = [tracker.update(picture, pose) for tracker in trackers]

@@ -1,10 +1,12 @@
 """Spots and a wiper blade before a moving road: detection, mask and restoration."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 import cv2
 import numpy as np
 import pytest
+from driver_settings import FULL_FRAME, ROBUST
 
 from vpf_sim.evaluation.weather.windscreen_removal import Restoration, WindscreenMask
 from vpf_sim.evaluation.weather.windscreen_spots import SpotConfig, SpotDetector
@@ -12,8 +14,6 @@ from vpf_sim.evaluation.weather.wiper_detector import WiperDetector
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker
-from vpf_sim.perception.egomotion.flow_config import FlowConfig
-from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Image
 
@@ -144,13 +144,13 @@ def test_a_line_slightly_off_the_motion_is_no_spot() -> None:
 @pytest.mark.parametrize("mode", ["grey", "colour"])
 def test_the_warped_frame_fills_spots_better_than_inpainting(mode: str) -> None:
     mask, restoration, glass = spots(), Restoration(CAMERA), WindscreenMask(CAMERA, RATE_HZ)
-    tracker = FlowTracker(CAMERA, FlowConfig(max_level=3), RATE_HZ)
+    tracker = FlowTracker(CAMERA, replace(FULL_FRAME.flow, max_level=3), RATE_HZ)
     for k in range(14):
         clean = road(k)
         wet = dirty(clean, mask)
         hidden = glass.with_rim(mask.astype(np.uint8) * 255)
         flow = tracker.update(wet, pose_at(k), hidden)
-        foe = expansion.estimate(flow, CAMERA, ExpansionConfig(), stream(0, "foe"))
+        foe = expansion.estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
         frame = wet if mode == "grey" else cv2.cvtColor(wet, cv2.COLOR_GRAY2RGB).astype(np.uint8)
         restored = restoration.update(frame, hidden, flow, foe)
     plane = restored if mode == "grey" else restored[..., 1]

@@ -5,13 +5,17 @@ from math import pi, radians, sin
 
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 
 from vpf_sim.geometry import project, vehicle_from_world
-from vpf_sim.perception.egomotion.camera_pitch import PitchConfig, PitchEstimator
+from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 CAMERA = Camera()
+assert ROBUST.camera_pitch is not None
+assert ROBUST.camera_pitch.dynamic is not None
+PITCH, DYNAMIC = ROBUST.camera_pitch, ROBUST.camera_pitch.dynamic
 RATE_HZ, SPEED_MPS, WINDOW, FRAMES = 60.0, 5.55, 6, 150
 STRUCTURE = np.eye(2) * 900.0
 
@@ -79,7 +83,7 @@ def run(scene: Scene, steadiness: PitchEstimator) -> list[Flow]:
 
 
 def steadiness(settle_s: float = 1.0) -> PitchEstimator:
-    return PitchEstimator(CAMERA, PitchConfig(settle_s=settle_s), RATE_HZ)
+    return PitchEstimator(CAMERA, replace(PITCH, dynamic=replace(DYNAMIC, settle_s=settle_s)), RATE_HZ)
 
 
 @pytest.mark.parametrize("left_too", [True, False])
@@ -168,6 +172,6 @@ def test_the_frame_is_turned_back() -> None:
 
 def test_nonsense_is_refused() -> None:
     with pytest.raises(ValueError, match="settle_s: expected > 0"):
-        PitchConfig(settle_s=0.0)
-    with pytest.raises(ValueError, match=r"smoothness: expected 0 \.\. 1"):
-        PitchConfig(smoothness=1.0)
+        replace(DYNAMIC, settle_s=0.0)
+    with pytest.raises(ValueError, match=r"smoothness: expected < 1"):
+        replace(DYNAMIC, smoothness=1.0)

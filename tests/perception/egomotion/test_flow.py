@@ -1,21 +1,23 @@
 """Flow of pictures that were moved by a known amount."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import cv2
 import numpy as np
 import pytest
+from driver_settings import FULL_FRAME
+from driver_settings import ROBUST as VARIANT
 
+from vpf_sim.perception.egomotion.config import FlowConfig, ForwardBackwardConfig
 from vpf_sim.perception.egomotion.corners import structure_tensor
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
-from vpf_sim.perception.egomotion.flow_config import FlowConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow, Image
 
 CAMERA = Camera()
-ROBUST = FlowConfig(
-    window_px=11, max_level=None, bands="road", min_distance_px=4.0, corner_ratio=0.15, texture_floor=2.0
-)
+PAPER = FULL_FRAME.flow
+ROBUST = replace(VARIANT.flow, points=300, forward_backward=None, wiper=None, keyframe_s=None)
 
 
 def texture(name: str) -> Image:
@@ -37,7 +39,7 @@ def follow(tracker: FlowTracker, picture: Image, step: tuple[float, float], fram
     ]
 
 
-@pytest.mark.parametrize("config", [FlowConfig(), ROBUST], ids=["paper", "robust"])
+@pytest.mark.parametrize("config", [PAPER, ROBUST], ids=["paper", "robust"])
 @pytest.mark.parametrize("step", [(0.40625, 0.1875), (-2.3125, 1.09375)])  # multiples of 1/32 px, as warpAffine works
 def test_points_move_as_the_picture_does(config: FlowConfig, step: tuple[float, float]) -> None:
     flow = follow(FlowTracker(CAMERA, config, 60.0), texture("moving"), step, 8)[-1]
@@ -50,14 +52,14 @@ def test_points_move_as_the_picture_does(config: FlowConfig, step: tuple[float, 
 
 def test_the_window_is_in_seconds_and_shorter_for_young_points() -> None:
     for rate_hz, frames in ((60.0, 6), (20.0, 2), (10.0, 1)):
-        flow = follow(FlowTracker(CAMERA, FlowConfig(window_s=0.1), rate_hz), texture("window"), (0.5, 0.0), 9)[-1]
+        flow = follow(FlowTracker(CAMERA, replace(PAPER, window_s=0.1), rate_hz), texture("window"), (0.5, 0.0), 9)[-1]
         assert flow.gap_s.max() == pytest.approx(frames / rate_hz)
         assert flow.gap_s == pytest.approx(np.minimum(flow.age_frames, frames) / rate_hz)
         assert np.array_equal(flow.past_pose[:, 0] < flow.pose[0], np.ones(len(flow), bool))
 
 
 def test_the_pose_of_the_past_and_of_the_first_sighting_are_kept() -> None:
-    flow = follow(FlowTracker(CAMERA, FlowConfig(), 60.0), texture("poses"), (0.5, 0.0), 12)[-1]
+    flow = follow(FlowTracker(CAMERA, PAPER, 60.0), texture("poses"), (0.5, 0.0), 12)[-1]
     assert flow.past_pose[:, 0] == pytest.approx(1.1 - 0.1 * np.rint(flow.gap_s * 60.0))
     assert flow.first_pose[:, 0] == pytest.approx(1.1 - 0.1 * flow.age_frames)
     travelled = flow.points_px - flow.first_px
@@ -65,7 +67,7 @@ def test_the_pose_of_the_past_and_of_the_first_sighting_are_kept() -> None:
 
 
 def test_identity_stays_with_a_point_and_ascends() -> None:
-    flows = follow(FlowTracker(CAMERA, FlowConfig(), 60.0), texture("identity"), (1.0, 0.5), 15)
+    flows = follow(FlowTracker(CAMERA, PAPER, 60.0), texture("identity"), (1.0, 0.5), 15)
     for before, after in pairwise(flows[1:]):
         assert np.all(np.diff(after.identity) > 0)
         _, i, j = np.intersect1d(before.identity, after.identity, return_indices=True)
@@ -74,7 +76,7 @@ def test_identity_stays_with_a_point_and_ascends() -> None:
 
 
 def test_corners_are_topped_up_where_the_picture_brings_new_ones() -> None:
-    flows = follow(FlowTracker(CAMERA, FlowConfig(points=200), 60.0), texture("new"), (4.0, 0.0), 40)
+    flows = follow(FlowTracker(CAMERA, replace(PAPER, points=200), 60.0), texture("new"), (4.0, 0.0), 40)
     counts = [len(flow) for flow in flows[1:]]
     assert min(counts) > 140
     assert max(counts) <= 200
@@ -82,7 +84,7 @@ def test_corners_are_topped_up_where_the_picture_brings_new_ones() -> None:
 
 
 def test_points_keep_their_distance_from_new_ones() -> None:
-    config = FlowConfig(min_distance_px=8.0)
+    config = replace(PAPER, min_distance_px=8.0)
     flow = follow(FlowTracker(CAMERA, config, 60.0), texture("distance"), (0.3, 0.0), 10)[-1]
     gap = np.hypot(*(flow.points_px[:, None] - flow.points_px[None]).transpose(2, 0, 1))
     np.fill_diagonal(gap, np.inf)
@@ -93,7 +95,10 @@ def test_a_bright_body_does_not_starve_the_far_road() -> None:
     picture = (128.0 + 0.1 * (texture("dim").astype(np.float64) - 128.0)).astype(np.uint8)
     picture[440:560, 200:800] = texture("bright")[440:560, 200:800]  # rows 340 to 460 of the frame, near
     count = {}
-    for name, config in (("whole", FlowConfig(quality=0.05)), ("road", FlowConfig(quality=0.05, bands="road"))):
+    for name, config in (
+        ("whole", replace(PAPER, quality=0.05)),
+        ("road", replace(PAPER, quality=0.05, bands=VARIANT.flow.bands)),
+    ):
         flow = follow(FlowTracker(CAMERA, config, 60.0), picture, (0.3, 0.0), 3)[-1]
         count[name] = np.count_nonzero((flow.points_px[:, 1] > 245) & (flow.points_px[:, 1] < 280))
     assert count["whole"] == 0
@@ -104,7 +109,7 @@ def test_edges_are_refused_and_corners_kept() -> None:
     picture = np.full((480, 640), 90, np.uint8)
     cv2.line(picture, (50, 470), (300, 250), 220, 5, cv2.LINE_AA)
     cv2.rectangle(picture, (400, 270), (430, 300), 30, -1)
-    config = FlowConfig(window_px=11, bands="road", corner_ratio=0.15, texture_floor=2.0, max_level=1)
+    config = replace(PAPER, window_px=11, bands=VARIANT.flow.bands, corner_test=VARIANT.flow.corner_test, max_level=1)
     tracker = FlowTracker(CAMERA, config, 60.0)
     tracker.update(picture, np.zeros(3))
     points = tracker.update(picture, np.zeros(3)).points_px
@@ -119,7 +124,9 @@ def test_the_forward_backward_check_drops_what_does_not_come_back() -> None:
     second[200:300, 200:400] = moved(texture("other"), 0.0, 0.0)[200:300, 200:400]
     inside = {}
     for limit in (None, 0.5):
-        tracker = FlowTracker(CAMERA, FlowConfig(forward_backward_px=limit, window_px=15), 60.0)
+        tracker = FlowTracker(
+            CAMERA, replace(PAPER, forward_backward=limit and ForwardBackwardConfig(limit), window_px=15), 60.0
+        )
         tracker.update(first, np.zeros(3))
         points = tracker.update(second, np.zeros(3)).points_px
         inside[limit] = np.count_nonzero((np.abs(points[:, 0] - 300) < 80) & (np.abs(points[:, 1] - 250) < 30))
@@ -127,7 +134,7 @@ def test_the_forward_backward_check_drops_what_does_not_come_back() -> None:
 
 
 def test_an_anchor_is_never_older_than_twice_its_time() -> None:
-    config = FlowConfig(keyframe_s=0.1)
+    config = replace(PAPER, keyframe_s=0.1)
     flows = follow(FlowTracker(CAMERA, config, 60.0), texture("anchor"), (0.2, 0.1), 40)
     assert max(flow.age_frames.max() for flow in flows[1:]) <= 12
     last = flows[-1]
@@ -187,7 +194,7 @@ def test_corners_on_the_glass_are_told_from_those_that_move_and_take_no_place() 
 def test_no_corners_are_taken_where_the_picture_is_hidden() -> None:
     hidden = np.zeros((480, 640), np.uint8)
     hidden[:, 200:400] = 255
-    tracker = FlowTracker(CAMERA, FlowConfig(), 60.0)
+    tracker = FlowTracker(CAMERA, PAPER, 60.0)
     for _ in range(2):
         flow = tracker.update(moved(texture("hidden"), 0.0, 0.0), np.zeros(3), hidden)
     assert len(flow) > 100
@@ -195,7 +202,7 @@ def test_no_corners_are_taken_where_the_picture_is_hidden() -> None:
 
 
 def test_nonsense_is_refused_with_what_was_given() -> None:
-    with pytest.raises(ValueError, match="window_px: expected an odd number >= 3, got 10"):
-        FlowConfig(window_px=10)
+    with pytest.raises(ValueError, match="window_px: expected an odd number, got 10"):
+        replace(PAPER, window_px=10)
     with pytest.raises(ValueError, match="points: expected >= 8, got 2"):
-        FlowConfig(points=2)
+        replace(PAPER, points=2)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from driver_settings import ROBUST, expansion
 
 from vpf_sim.perception.egomotion.focus_of_expansion import (
-    ExpansionConfig,
     as_printed,
     derotate,
     estimate,
@@ -76,7 +76,7 @@ def test_the_printed_closed_form_is_right_after_its_two_repairs() -> None:
 
 @pytest.mark.parametrize("radius_m", [1e9, 200.0, -100.0, 50.0])
 def test_turning_is_removed_with_the_chord_it_leaves(radius_m: float) -> None:
-    config = ExpansionConfig()
+    config = ROBUST.focus_of_expansion
     found = estimate(flow_on_circle(radius_m, 0.0), CAMERA, config, stream(0, "foe"))
     assert found.x_px == pytest.approx(foe_on_circle(radius_m), abs=0.2)
     assert found.y_px == pytest.approx(CAMERA.cy_px, abs=0.2)
@@ -84,14 +84,14 @@ def test_turning_is_removed_with_the_chord_it_leaves(radius_m: float) -> None:
 
 
 def test_without_derotation_a_bend_moves_the_focus() -> None:
-    found = estimate(flow_on_circle(100.0, 0.1), CAMERA, ExpansionConfig("least_squares"), stream(0, "foe"))
+    found = estimate(flow_on_circle(100.0, 0.1), CAMERA, expansion("least_squares"), stream(0, "foe"))
     assert found.x_px - foe_on_circle(100.0) > 3.0
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.4])
 def test_outliers_leave_the_robust_estimate_in_place(share: float) -> None:
     flow = flow_on_circle(-100.0, 0.1, share)
-    found = estimate(flow, CAMERA, ExpansionConfig(), stream(0, "foe"))
+    found = estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
     assert np.hypot(found.x_px - foe_on_circle(-100.0), found.y_px - CAMERA.cy_px) < 1.5
     assert np.count_nonzero(found.inliers) < (1.05 - 0.8 * share) * len(flow)
 
@@ -99,8 +99,8 @@ def test_outliers_leave_the_robust_estimate_in_place(share: float) -> None:
 def test_the_covariance_grows_with_the_noise_of_few_points() -> None:
     flow = flow_on_circle(1e9, 0.1)
     few = flow.chosen(np.arange(0, len(flow), 10))
-    many = estimate(flow, CAMERA, ExpansionConfig(), stream(0, "foe"))
-    less = estimate(few, CAMERA, ExpansionConfig(), stream(0, "foe"))
+    many = estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
+    less = estimate(few, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
     assert less.covariance_px2[0, 0] > 4.0 * many.covariance_px2[0, 0]
     assert abs(many.x_px - foe_on_circle(1e9)) < 3.0 * np.sqrt(many.covariance_px2[0, 0]) + 0.1
 
@@ -117,7 +117,7 @@ def test_an_unmeasured_pitch_or_roll_is_fitted_along(axis: int) -> None:
             for name in Flow.__slots__
         )
     )
-    found = estimate(tilted, CAMERA, ExpansionConfig(), stream(0, "foe"))
+    found = estimate(tilted, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
     assert np.hypot(found.x_px - foe_on_circle(1e9), found.y_px - CAMERA.cy_px) < 1.5
 
 
@@ -139,7 +139,7 @@ def test_a_standing_car_knows_no_focus() -> None:
     flow = flow_on_circle(1e9, 0.0)
     still = Flow(*(np.zeros((300, 2)) if name == "displacement_px" else getattr(flow, name) for name in Flow.__slots__))
     for method in ("as_printed", "least_squares", "robust"):
-        found = estimate(still, CAMERA, ExpansionConfig(method), stream(0, "foe"))
+        found = estimate(still, CAMERA, expansion(method), stream(0, "foe"))
         assert (found.x_px, found.y_px, found.confidence) == (CAMERA.cx_px, CAMERA.cy_px, 0.0)
 
 
@@ -157,7 +157,7 @@ def stuck_to_the_glass(flow: Flow, count: int) -> Flow:
 
 
 def test_points_on_the_glass_leave_the_focus_in_place_and_take_confidence() -> None:
-    clean, config = flow_on_circle(1e9, 0.1), ExpansionConfig()
+    clean, config = flow_on_circle(1e9, 0.1), ROBUST.focus_of_expansion
     seen = estimate(clean, CAMERA, config, stream(0, "foe"))
     wet = estimate(stuck_to_the_glass(clean, 300), CAMERA, config, stream(0, "foe"))
     assert (wet.x_px, wet.y_px) == pytest.approx((seen.x_px, seen.y_px))
@@ -166,7 +166,7 @@ def test_points_on_the_glass_leave_the_focus_in_place_and_take_confidence() -> N
 
 
 def test_without_motion_the_last_focus_is_held_and_less_and_less_sure() -> None:
-    flow, config = flow_on_circle(100.0, 0.1), ExpansionConfig()
+    flow, config = flow_on_circle(100.0, 0.1), ROBUST.focus_of_expansion
     seen = estimate(flow, CAMERA, config, stream(0, "foe"))
     still = Flow(*(np.zeros((300, 2)) if name == "displacement_px" else getattr(flow, name) for name in Flow.__slots__))
     still = Flow(*(still.pose[None].repeat(300, 0) if n == "past_pose" else getattr(still, n) for n in Flow.__slots__))
@@ -177,7 +177,7 @@ def test_without_motion_the_last_focus_is_held_and_less_and_less_sure() -> None:
 
 
 def test_the_last_focus_helps_where_the_flow_is_poor() -> None:
-    config, errors = ExpansionConfig(), []
+    config, errors = ROBUST.focus_of_expansion, []
     last = estimate(flow_on_circle(1e9, 0.02), CAMERA, config, stream(0, "foe"))
     flow = flow_on_circle(1e9, 0.5, 0.4)
     for before in (None, last):
@@ -191,7 +191,7 @@ def test_the_covariance_says_how_large_the_errors_are() -> None:
     within = []
     for k in range(60):
         share = 0.4 * (k % 2)
-        found = estimate(flow_on_circle(1e9 + k, 0.1, share), CAMERA, ExpansionConfig(), stream(k, "foe"))
+        found = estimate(flow_on_circle(1e9 + k, 0.1, share), CAMERA, ROBUST.focus_of_expansion, stream(k, "foe"))
         error = np.array([found.x_px - CAMERA.cx_px, found.y_px - CAMERA.cy_px])
         within.append(np.all(np.abs(error) < 2.5 * np.sqrt(np.diag(found.covariance_px2))))
     assert np.mean(within) > 0.9
@@ -199,10 +199,10 @@ def test_the_covariance_says_how_large_the_errors_are() -> None:
 
 def test_the_same_stream_gives_the_same_focus() -> None:
     flow = flow_on_circle(80.0, 0.2, 0.3)
-    first, second = (estimate(flow, CAMERA, ExpansionConfig(), stream(7, "foe")) for _ in range(2))
+    first, second = (estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(7, "foe")) for _ in range(2))
     assert (first.x_px, first.y_px) == (second.x_px, second.y_px)
 
 
 def test_an_unknown_method_is_refused() -> None:
-    with pytest.raises(ValueError, match="expected as_printed, least_squares or robust, got 'ransac'"):
-        ExpansionConfig(method="ransac")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="expected one of as_printed, least_squares, robust, got 'ransac'"):
+        expansion("ransac")

@@ -6,21 +6,25 @@ from math import radians
 import cv2
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 from road_picture import RoadPicture
 
 from vpf_sim.drivers.paper_pipeline import FrameTrackers
 from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import project
-from vpf_sim.perception.egomotion.camera_pitch import PitchConfig, PitchEstimator
-from vpf_sim.perception.egomotion.mount_pitch import MountPitch, MountPitchConfig
-from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
+from vpf_sim.perception.egomotion.mount_pitch import MountPitch
+from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.model import lines, seen_lines
 from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Expansion, Floats, Flow, Observation, RoadEdges, VehicleModel
 
 CAMERA = Camera()
+assert ROBUST.camera_pitch is not None
+assert ROBUST.camera_pitch.mounting is not None
+PITCH, MOUNTING = ROBUST.camera_pitch, ROBUST.camera_pitch.mounting
 SPEED_MPS, RATE_HZ = 5.55, 20.0
 BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.006])
 NUMBERS: Floats = np.array([-2.0, 0.0, 1.5])
@@ -33,7 +37,7 @@ def askew(down_deg: float) -> Camera:
 def drive(down_deg: float, curvature: float, frames: int = 10) -> tuple[RoadEdgeTracker, float, RoadEdges]:
     """The tracker after some frames, the mounting that is believed, and the edges."""
     picture = RoadPicture(askew(down_deg), curvature)
-    tracker, mounting = RoadEdgeTracker(CAMERA, RoadEdgeConfig(), RATE_HZ), MountPitch(MountPitchConfig())
+    tracker, mounting = RoadEdgeTracker(CAMERA, ROBUST.road_edges, RATE_HZ), MountPitch(MOUNTING)
     for i in range(frames):
         pose = picture.pose(i * SPEED_MPS / RATE_HZ, 1.3, 0.0)
         frame = picture.draw(pose, i)
@@ -88,7 +92,7 @@ def test_a_camera_that_looks_where_it_should_is_left_alone() -> None:
 
 
 def test_a_road_without_lines_does_not_tell() -> None:
-    tracker = RoadEdgeTracker(CAMERA, RoadEdgeConfig(), RATE_HZ)
+    tracker = RoadEdgeTracker(CAMERA, ROBUST.road_edges, RATE_HZ)
     grain = stream(4, "grain").integers(60, 140, (CAMERA.height_px, CAMERA.width_px), np.uint8)
     frame = np.repeat(grain[..., None], 3, axis=2)
     for i in range(4):
@@ -97,7 +101,7 @@ def test_a_road_without_lines_does_not_tell() -> None:
 
 
 def test_looks_are_averaged_and_believed_in_steps() -> None:
-    random, pitch = stream(5, "looks"), MountPitch(MountPitchConfig())
+    random, pitch = stream(5, "looks"), MountPitch(MOUNTING)
     believed = [0.0]
     for i in range(400):
         pitch.update(0.007 + 0.0015 * float(random.standard_normal()), 0.0002, 0.05 * i)
@@ -106,11 +110,11 @@ def test_looks_are_averaged_and_believed_in_steps() -> None:
     assert pitch.sigma_rad < 0.0004
     steps = np.abs(np.diff(believed))
     assert np.count_nonzero(steps) < 40
-    assert steps[steps > 0.0].min() >= MountPitchConfig().step_rad
+    assert steps[steps > 0.0].min() >= MOUNTING.step_rad
 
 
 def test_next_to_nothing_is_not_believed() -> None:
-    random, pitch = stream(6, "looks"), MountPitch(MountPitchConfig())
+    random, pitch = stream(6, "looks"), MountPitch(MOUNTING)
     for i in range(200):
         pitch.update(0.0002 + 0.0002 * float(random.standard_normal()), 0.0002, 0.05 * i)
         assert pitch.pitch_rad == 0.0
@@ -140,7 +144,7 @@ def test_the_flow_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
             structure=np.tile(np.eye(2), (count, 1, 1)),
         )
 
-    steadiness = PitchEstimator(CAMERA, PitchConfig(), 60.0)
+    steadiness = PitchEstimator(CAMERA, PITCH, 60.0)
     for i in range(40):
         steadiness.level(0.006, 1e-4, 0.05 * i)
     foe = Expansion(CAMERA.cx_px, CAMERA.cy_px - 0.006 * CAMERA.fy_px, np.eye(2), np.empty(0, np.bool_), 1.0)
@@ -153,9 +157,9 @@ def test_the_flow_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
 
 def test_the_planner_takes_it_out_of_what_it_sees() -> None:
     picture = RoadPicture(askew(0.6))
-    setup, robust = DriverSetup(CAMERA, VehicleModel(), 20.0, SPEED_MPS, (200.0, 0.0), 1), load("robust")
-    trackers = FrameTrackers.create(setup, robust, 20.0)
-    perceiver = Perceiver(setup, robust, trackers)
+    setup = DriverSetup(CAMERA, VehicleModel(), 20.0, SPEED_MPS, (200.0, 0.0), 1)
+    trackers = FrameTrackers.create(setup, ROBUST, 20.0)
+    perceiver = Perceiver(setup, ROBUST, trackers)
     for i in range(4):
         pose = picture.pose(i * SPEED_MPS / 20.0, 1.3, 0.0)
         x, y, yaw = pose.tolist()

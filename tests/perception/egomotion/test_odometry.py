@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 
 from vpf_sim.drivers import FieldDriver
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.perception.egomotion.odometry import Odometry, OdometryConfig
+from vpf_sim.perception.egomotion.odometry import Odometry
 from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Floats, Image, Observation, VehicleModel
@@ -54,7 +55,8 @@ def observations(errors: dict[str, float], seed: int = 3) -> list[Observation]:
 
 
 def followed(seen: list[Observation]) -> tuple[Odometry, list[Observation]]:
-    odometry = Odometry(OdometryConfig(), VehicleModel())
+    assert ROBUST.odometry is not None
+    odometry = Odometry(ROBUST.odometry, VehicleModel())
     return odometry, [odometry.update(one) for one in seen]
 
 

@@ -6,15 +6,17 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
+from driver_settings import ROBUST as VARIANT
 from test_flow import CAMERA, ROBUST, moved, texture
 
+from vpf_sim.perception.egomotion.config import ForwardBackwardConfig
 from vpf_sim.perception.egomotion.flow import FlowTracker
 from vpf_sim.perception.egomotion.tracks import Tracks
 from vpf_sim.seeding import stream
 from vpf_sim.types import Flow, Image
 
 STEP = (0.8125, 0.3125)  # px a frame
-HELD = replace(ROBUST, hold_s=0.1)
+HELD = replace(ROBUST, wiper=VARIANT.flow.wiper)
 FRAMES, FIRST, LAST = 24, 12, 16  # of the drive; in which the blade is seen
 BLADE_PX, WIDTH_PX = 150.0, 60.0  # its way in a frame, and its width
 
@@ -131,11 +133,13 @@ def test_what_the_check_forward_and_backward_refuses_is_no_wiper() -> None:
         np.clip(moved(picture, 8.5 * k, 3.25 * k) + noise.normal(0.0, 45.0, (480, 640)), 0, 255).astype(np.uint8)
         for k in range(9)
     ]
-    plain = replace(ROBUST, forward_backward_px=0.5)
+    plain = replace(ROBUST, forward_backward=ForwardBackwardConfig(0.5))
     told = flows(FlowTracker(CAMERA, plain, 10.0), frames)
     kept = [np.mean(np.isin(before.identity, after.identity)) for before, after in pairwise(told[1:])]
     assert max(kept) < 0.9
-    for one, other in zip(told, flows(FlowTracker(CAMERA, replace(plain, hold_s=0.1), 10.0), frames), strict=True):
+    for one, other in zip(
+        told, flows(FlowTracker(CAMERA, replace(plain, wiper=VARIANT.flow.wiper), 10.0), frames), strict=True
+    ):
         assert len(other.covered) == 0
         assert len(other) >= 0.9 * len(one)
 
@@ -186,4 +190,4 @@ def test_the_search_ends_with_what_the_blade_has_wiped_away() -> None:
 
 def test_a_nonsense_hold_is_refused() -> None:
     with pytest.raises(ValueError, match=r"hold_s: expected > 0, got 0\.0"):
-        replace(ROBUST, hold_s=0.0)
+        replace(HELD.wiper, hold_s=0.0)

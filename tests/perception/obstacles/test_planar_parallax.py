@@ -14,7 +14,8 @@ from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
 from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, in_sight
-from vpf_sim.perception.road.occlusion import OcclusionConfig, footprints
+from vpf_sim.perception.road.config import OcclusionConfig
+from vpf_sim.perception.road.occlusion import footprints
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 

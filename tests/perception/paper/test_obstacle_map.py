@@ -1,11 +1,13 @@
 """The obstacle map: simulated road and box, and the smoothing in closed form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 
 from vpf_sim.perception.egomotion.ground_plane import ground_flow, past_image
 from vpf_sim.perception.paper.obstacle_map import (
-    ObstacleMapConfig,
     cluster_labels,
     detect,
     on_obstacle,
@@ -17,6 +19,7 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow
 
 CAMERA = Camera()
+MAP = replace(ROBUST.obstacle_map, sigma_px=80.0)
 WINDOW_M = 0.555  # six frames at 5.55 m/s and 60 Hz
 
 
@@ -91,19 +94,19 @@ def test_otsu_splits_two_heaps_between_them() -> None:
 
 def test_otsu_on_the_flow_takes_the_near_road_for_the_obstacle() -> None:
     flow, box = drive_towards(12.0)
-    assert f1(on_obstacle(flow, CAMERA, ObstacleMapConfig("otsu_flow")), box) == 0.0
+    assert f1(on_obstacle(flow, CAMERA, replace(MAP, method="otsu_flow")), box) == 0.0
 
 
 @pytest.mark.parametrize("distance_m", [6.0, 9.0])
 def test_otsu_on_the_residual_finds_a_near_box(distance_m: float) -> None:
     flow, box = drive_towards(distance_m)
-    assert f1(on_obstacle(flow, CAMERA, ObstacleMapConfig("otsu_residual")), box) > 0.8
+    assert f1(on_obstacle(flow, CAMERA, replace(MAP, method="otsu_residual")), box) > 0.8
 
 
 @pytest.mark.parametrize(("distance_m", "recall"), [(6.0, 0.8), (9.0, 0.7), (12.0, 0.5)])
 def test_the_absolute_test_finds_the_box_and_nothing_else(distance_m: float, recall: float) -> None:
     flow, box = drive_towards(distance_m)
-    marked = on_obstacle(flow, CAMERA, ObstacleMapConfig("absolute"))
+    marked = on_obstacle(flow, CAMERA, replace(MAP, method="absolute"))
     assert np.count_nonzero(marked & ~box) <= 4
     assert np.count_nonzero(marked & box) > recall * np.count_nonzero(box)
 
@@ -111,7 +114,7 @@ def test_the_absolute_test_finds_the_box_and_nothing_else(distance_m: float, rec
 def test_on_an_empty_road_only_the_absolute_test_finds_nothing() -> None:
     flow, _ = drive_towards(None)
     shares = {
-        method: float(np.mean(on_obstacle(flow, CAMERA, ObstacleMapConfig(method))))  # type: ignore[arg-type]
+        method: float(np.mean(on_obstacle(flow, CAMERA, replace(MAP, method=method))))  # type: ignore[arg-type]
         for method in ("otsu_flow", "otsu_residual", "absolute")
     }
     assert shares["absolute"] < 0.02
@@ -119,7 +122,7 @@ def test_on_an_empty_road_only_the_absolute_test_finds_nothing() -> None:
 
 
 def test_a_point_marks_a_disc_of_its_cell() -> None:
-    config = ObstacleMapConfig(disc_px=16.0)
+    config = replace(MAP, disc_px=16.0)
     plane = rasterise(np.array([[320.0, 240.0]]), CAMERA, config)
     assert plane.shape == (60, 80)
     assert np.argwhere(plane).mean(axis=0) == pytest.approx([30.0, 40.0])
@@ -137,7 +140,7 @@ def full_convolution(plane: Floats, sigma_cells: float) -> Floats:
 
 @pytest.mark.parametrize("sigma_px", [80.0, 320.0])
 def test_the_gradient_is_that_of_the_smoothed_plane(sigma_px: float) -> None:
-    config = ObstacleMapConfig(sigma_px=sigma_px)
+    config = replace(MAP, sigma_px=sigma_px)
     plane = np.zeros((60, 80))
     plane[25:33, 60:66] = 1.0
     smooth = full_convolution(plane, sigma_px / 8)
@@ -151,14 +154,14 @@ def test_the_gradient_is_that_of_the_smoothed_plane(sigma_px: float) -> None:
 def test_the_printed_gaussian_is_sigma_times_the_proper_one() -> None:
     plane = np.zeros((60, 80))
     plane[30, 20] = 1.0
-    printed = smoothed_gradient(plane, ObstacleMapConfig(sigma_px=320.0, normalisation="as_printed"))
-    proper = smoothed_gradient(plane, ObstacleMapConfig(sigma_px=320.0))
+    printed = smoothed_gradient(plane, replace(MAP, sigma_px=320.0, normalisation="as_printed"))
+    proper = smoothed_gradient(plane, replace(MAP, sigma_px=320.0))
     assert printed == pytest.approx(320.0 * proper)
 
 
 def test_the_integral_of_the_gradient_has_the_sign_and_size_of_the_known_table() -> None:
     """A box of 60 x 60 px, sigma 320: integral of g_x over the frame / its pixels (METHOD A9)."""
-    config = ObstacleMapConfig(sigma_px=320.0)
+    config = replace(MAP, sigma_px=320.0)
     force = {}
     for x in (320, 420, 520):
         plane = np.zeros((60, 80))
@@ -171,7 +174,7 @@ def test_the_integral_of_the_gradient_has_the_sign_and_size_of_the_known_table()
 
 def test_clusters_are_the_connected_parts_of_the_plane() -> None:
     flow, _ = drive_towards(9.0, noise_px=0.0)
-    found = detect(flow, CAMERA, ObstacleMapConfig())
+    found = detect(flow, CAMERA, MAP)
     labels = cluster_labels(found, flow)
     assert np.array_equal(labels >= 0, found.on_obstacle)
     assert set(labels[found.on_obstacle]) == {0}
@@ -182,8 +185,8 @@ def test_lone_points_can_be_set_aside() -> None:
     moved = flow.displacement_px.copy()
     moved[0] += 30.0
     lone = Flow(*(moved if name == "displacement_px" else getattr(flow, name) for name in Flow.__slots__))
-    assert detect(lone, CAMERA, ObstacleMapConfig(min_points=1)).on_obstacle[0]
-    strict = detect(lone, CAMERA, ObstacleMapConfig(min_points=4))
+    assert detect(lone, CAMERA, replace(MAP, min_points=1)).on_obstacle[0]
+    strict = detect(lone, CAMERA, replace(MAP, min_points=4))
     assert not strict.on_obstacle[0]
     assert strict.on_obstacle.any()
 
@@ -192,6 +195,6 @@ def test_an_empty_flow_gives_an_empty_map() -> None:
     flow, _ = drive_towards(None)
     empty = flow.chosen(np.arange(0))
     for method in ("otsu_flow", "otsu_residual", "absolute"):
-        found = detect(empty, CAMERA, ObstacleMapConfig(method))  # type: ignore[arg-type]
+        found = detect(empty, CAMERA, replace(MAP, method=method))  # type: ignore[arg-type]
         assert not found.plane.any()
         assert not found.gradient.any()

@@ -1,14 +1,18 @@
 """Time to contact: looming patches whose time is known in closed form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 
 from vpf_sim.perception.egomotion.ground_plane import past_image
-from vpf_sim.perception.paper.time_to_contact import ContactConfig, as_printed, of_clusters, time_to_contact
+from vpf_sim.perception.paper.time_to_contact import as_printed, of_clusters, time_to_contact
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 CAMERA = Camera()
+CONTACT = ROBUST.time_to_contact
 SPEED_MPS = 5.55
 
 
@@ -45,20 +49,20 @@ def patch(distance_m: float, count: int = 40) -> Floats:
 @pytest.mark.parametrize("distance_m", [6.0, 12.0, 24.0])
 @pytest.mark.parametrize("gap_s", [1.0 / 60.0, 0.1])
 def test_radial_motion_gives_depth_over_speed_at_the_window_s_end(distance_m: float, gap_s: float) -> None:
-    ttc = time_to_contact(flow_of(patch(distance_m), gap_s), expansion(), CAMERA, ContactConfig(floor_px=1e-6))
+    ttc = time_to_contact(flow_of(patch(distance_m), gap_s), expansion(), CAMERA, replace(CONTACT, floor_px=1e-6))
     assert ttc == pytest.approx(distance_m / SPEED_MPS, rel=1e-6)
 
 
 def test_the_printed_formula_is_one_window_too_long() -> None:
-    config = ContactConfig("as_printed", floor_px=1e-9)
+    config = replace(CONTACT, method="as_printed", floor_px=1e-9)
     assert as_printed(flow_of(patch(12.0)), expansion(), config) == pytest.approx(12.0 / SPEED_MPS + 0.1, rel=1e-6)
 
 
 def test_the_printed_formula_needs_the_floor_and_the_cap() -> None:
     far = flow_of(np.array([[1e5, 0.5, 1.5]]))
-    assert as_printed(far, expansion(), ContactConfig("as_printed")) == pytest.approx([0.032], abs=0.2)
-    assert as_printed(far, expansion(), ContactConfig("as_printed", floor_px=1e-9)) == pytest.approx([20.0])
-    assert np.isinf(time_to_contact(far, expansion(), CAMERA, ContactConfig()))[0]
+    assert as_printed(far, expansion(), replace(CONTACT, method="as_printed")) == pytest.approx([0.032], abs=0.2)
+    assert as_printed(far, expansion(), replace(CONTACT, method="as_printed", floor_px=1e-9)) == pytest.approx([20.0])
+    assert np.isinf(time_to_contact(far, expansion(), CAMERA, CONTACT))[0]
 
 
 def test_a_turn_is_taken_out() -> None:
@@ -66,8 +70,8 @@ def test_a_turn_is_taken_out() -> None:
     flow = flow_of(patch(12.0), turn_rad=turn)
     foe = expansion(CAMERA.cx_px + CAMERA.fx_px * CAMERA.forward_m / 80.0)
     away = np.abs(flow.points_px[:, 0] - foe.x_px) > 10.0
-    robust = time_to_contact(flow, foe, CAMERA, ContactConfig())[away]
-    printed = as_printed(flow, foe, ContactConfig("as_printed"))[away]
+    robust = time_to_contact(flow, foe, CAMERA, CONTACT)[away]
+    printed = as_printed(flow, foe, replace(CONTACT, method="as_printed"))[away]
     assert robust == pytest.approx(12.0 / SPEED_MPS, rel=0.05)
     assert np.median(np.abs(printed - 12.0 / SPEED_MPS)) > 0.3
 
@@ -75,7 +79,7 @@ def test_a_turn_is_taken_out() -> None:
 def test_a_cluster_s_expansion_needs_no_focus_and_averages_the_noise() -> None:
     flow = flow_of(patch(12.0), noise_px=0.1)
     labels = np.zeros(len(flow), np.int64)
-    config = ContactConfig()
+    config = CONTACT
     together = of_clusters(flow, CAMERA, labels, config)[0]
     assert together == pytest.approx(12.0 / SPEED_MPS, rel=0.1)
     single = time_to_contact(flow, expansion(), CAMERA, config)
@@ -87,7 +91,7 @@ def test_a_cluster_s_expansion_needs_no_focus_and_averages_the_noise() -> None:
 def test_clusters_are_told_apart_and_small_ones_fall_back_to_their_points() -> None:
     flow = flow_of(np.concatenate([patch(9.0, 10), patch(18.0, 10) + np.array([0.0, 4.0, 0.0]), [[30.0, -5.0, 0.0]]]))
     labels = np.repeat([0, 1, 2], [10, 10, 1])
-    ttc = time_to_contact(flow, expansion(), CAMERA, ContactConfig(floor_px=1e-6), labels)
+    ttc = time_to_contact(flow, expansion(), CAMERA, replace(CONTACT, floor_px=1e-6), labels)
     assert ttc[:10] == pytest.approx(9.0 / SPEED_MPS, rel=1e-3)
     assert ttc[10:20] == pytest.approx(18.0 / SPEED_MPS, rel=1e-3)
     assert ttc[20] == pytest.approx((30.0 - CAMERA.forward_m) / SPEED_MPS, rel=1e-3)
@@ -96,9 +100,9 @@ def test_clusters_are_told_apart_and_small_ones_fall_back_to_their_points() -> N
 def test_no_points_give_no_times() -> None:
     flow = flow_of(np.empty((0, 3)))
     for method in ("as_printed", "robust"):
-        assert len(time_to_contact(flow, expansion(), CAMERA, ContactConfig(method))) == 0
+        assert len(time_to_contact(flow, expansion(), CAMERA, replace(CONTACT, method=method))) == 0
 
 
 def test_nonsense_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"expected > 0, got -1\.0, 20\.0"):
-        ContactConfig(floor_px=-1.0)
+    with pytest.raises(ValueError, match=r"floor_px: expected > 0, got -1\.0"):
+        replace(CONTACT, floor_px=-1.0)

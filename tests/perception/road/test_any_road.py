@@ -5,15 +5,17 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 from road_picture import RoadPicture
 
-from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road.config import RoadEdgeConfig
+from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.replay import lane_height
 from vpf_sim.replay.open_loop_driver import ANY_ROAD
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, RoadEdges
 
-USUAL = RoadEdgeConfig()
+USUAL = ROBUST.road_edges
 ANY = replace(USUAL, **ANY_ROAD)
 CAMERA = Camera(forward_m=0.0)
 LOOKS, RATE_HZ, SPEED_MPS = 6, 20.0, 10.0  # which lines are the edges is judged at the fifth look

@@ -1,19 +1,23 @@
 """The carriageway from the camera, against roads drawn in closed form."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import radians
 
 import cv2
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 from road_picture import RoadPicture
 
 from vpf_sim.envs.camera import Rig, weather
 from vpf_sim.envs.camera.renderer import Renderer
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.geometry import distort, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.model import lines, moved, state_of
+from vpf_sim.perception.road.obstacle_mask import hidden_by
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
 
 SPEED_MPS = 5.55
@@ -29,7 +33,7 @@ def follow(
     picture: RoadPicture, right_m: float, heading_rad: float, frames: int, rate_hz: float = 20.0
 ) -> Iterator[tuple[RoadEdges, float]]:
     """The edges seen on a straight course over a straight road, or one parallel to a bent road, and the true place."""
-    tracker = RoadEdgeTracker(picture.camera, RoadEdgeConfig(), rate_hz)
+    tracker = RoadEdgeTracker(picture.camera, ROBUST.road_edges, rate_hz)
     for i in range(frames):
         along = i * SPEED_MPS / rate_hz
         right = right_m + (along * np.tan(heading_rad) if picture.curvature_per_m == 0.0 else 0.0)
@@ -123,7 +127,7 @@ def test_the_number_of_lanes_and_their_width_are_seen(lanes: int, width: float, 
     half = 0.5 * lanes * width
     place = half - (lane - 0.5) * width + 0.2
     *_, (last, _) = follow(RoadPicture(Camera(), curvature, half_width_m=half, lane_width_m=width), place, 0.0, 36)
-    seen_m = RoadEdgeConfig().half_width_m - 0.5
+    seen_m = ROBUST.road_edges.half_width_m - 0.5
     for edge, truth in ((last.left_m, -half - place), (last.right_m, half - place)):
         assert edge == pytest.approx(truth, abs=0.1) or abs(truth) > seen_m
     assert last.lane_m == pytest.approx(-0.2, abs=0.06)
@@ -142,7 +146,7 @@ def test_another_camera_at_another_rate() -> None:
 
 def test_hidden_lines_are_bridged_by_own_motion_and_the_doubt_grows() -> None:
     camera = Camera()
-    picture, tracker = RoadPicture(camera, 0.01), RoadEdgeTracker(camera, RoadEdgeConfig(), 20.0)
+    picture, tracker = RoadPicture(camera, 0.01), RoadEdgeTracker(camera, ROBUST.road_edges, 20.0)
     blank = np.full((camera.height_px, camera.width_px, 3), 100, np.uint8)
     result: list[RoadEdges] = []
     for i in range(52):
@@ -164,7 +168,7 @@ def test_a_vehicle_that_turns_across_the_road_and_back_knows_where_it_is(
     """By 63 or, as on a way out, 82 deg and back on curves of 4 to 5 m, from one lane to the next but one; other lines
     lie along its way then."""
     picture = RoadPicture(Camera(), curvature)
-    tracker = RoadEdgeTracker(picture.camera, RoadEdgeConfig(), 20.0)
+    tracker = RoadEdgeTracker(picture.camera, ROBUST.road_edges, 20.0)
     turned = np.concatenate([np.zeros(30), np.linspace(0.0, turn, 45), np.full(6, turn), np.linspace(turn, 0.0, 45)])
     along, right, result = 0.0, -2.9 * side, []
     for i, heading in enumerate(np.concatenate([turned, np.zeros(30)])):
@@ -184,7 +188,7 @@ def test_a_vehicle_that_turns_across_the_road_and_back_knows_where_it_is(
 def test_a_road_that_was_lost_by_a_wrong_yaw_is_found_in_the_end() -> None:
     """From 8 m on the vehicle believes that it has turned by 30 deg: where the road should be then, no line ever is."""
     picture, turn = RoadPicture(Camera()), radians(30.0)
-    tracker = RoadEdgeTracker(picture.camera, RoadEdgeConfig(), 10.0)
+    tracker = RoadEdgeTracker(picture.camera, ROBUST.road_edges, 10.0)
     for i in range(80):
         along = 0.5 * i
         frame = picture.draw(picture.pose(along, 1.75, 0.0), i)
@@ -199,12 +203,12 @@ def test_a_road_that_was_lost_by_a_wrong_yaw_is_found_in_the_end() -> None:
 def test_where_a_road_is_known_a_guess_whose_lines_lead_far_from_it_is_none(off_rad: float, found: bool) -> None:
     """Where the lines are seen at all about a guess, the looks that settle it turn it to where they lead."""
     picture = RoadPicture(Camera())
-    tracker = RoadEdgeTracker(picture.camera, RoadEdgeConfig(), 20.0)
+    tracker = RoadEdgeTracker(picture.camera, ROBUST.road_edges, 20.0)
     pose = picture.pose(0.0, 1.75, 0.0)
     frame = picture.draw(pose)
     tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
-    ridges = tracker._ridges(grey(frame), None)
-    settled = tracker._settled(state_of(1.75 - 5.0 * off_rad, off_rad, 0.0, 3.5), ridges)
+    ridges = tracker.matcher.ridges(grey(frame), None, 0.0)
+    settled = tracker.settled(state_of(1.75 - 5.0 * off_rad, off_rad, 0.0, 3.5), ridges)
     assert (settled is not None) == found
     if settled is not None:
         assert settled.state[1] == pytest.approx(0.0, abs=0.01)
@@ -213,7 +217,7 @@ def test_where_a_road_is_known_a_guess_whose_lines_lead_far_from_it_is_none(off_
 def test_without_any_line_it_is_the_likely_lane_and_says_so() -> None:
     camera = Camera()
     blank = np.full((camera.height_px, camera.width_px, 3), 100, np.uint8)
-    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), 60.0)
+    tracker = RoadEdgeTracker(camera, ROBUST.road_edges, 60.0)
     edges = tracker.update(blank, grey(blank), np.zeros(3), 5.0, 0.1, None)
     assert (edges.left_m, edges.right_m, edges.heading_rad) == (-8.75, 5.25, 0.0)
     assert edges.curvature_per_m == pytest.approx(0.02)
@@ -229,7 +233,7 @@ def test_bright_bars_on_a_known_body_do_not_pull_the_lines() -> None:
     camera = Camera()
     picture = RoadPicture(camera)
     body = Obstacles(*(np.array([x]) for x in (9.0, -1.0, 3.2, 0.1, 2.0)), identity=np.array([1]))
-    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), 20.0)
+    tracker = RoadEdgeTracker(camera, ROBUST.road_edges, 20.0)
     for i in range(12):
         pose = picture.pose(0.05 * i, 1.75, 0.0)
         frame = picture.draw(pose, i)
@@ -246,7 +250,7 @@ def test_rendered_frames_meet_the_target(scenario: str) -> None:
     env.reset(seed=5)
     centre, half = env.road.network.centre, env.road.network.half_width_m
     renderer = Renderer(env.road, Rig(env.camera), weather.load("clear"), 5)
-    tracker = RoadEdgeTracker(env.camera, RoadEdgeConfig(), 10.0)
+    tracker = RoadEdgeTracker(env.camera, ROBUST.road_edges, 10.0)
     start_s, start_lateral = centre.local_at(*env.ego.position)
     errors = []
     for i in range(90):
@@ -284,14 +288,14 @@ def test_distortion_is_that_of_opencv() -> None:
 )
 def test_a_nonsense_configuration_is_refused(wrong: dict[str, float], says: str) -> None:
     with pytest.raises(ValueError, match=says):
-        RoadEdgeConfig(**wrong)  # type: ignore[arg-type]
+        replace(ROBUST.road_edges, **wrong)  # type: ignore[arg-type]
 
 
 def test_a_body_that_was_passed_and_is_behind_us_hides_no_line() -> None:
     """It is predicted behind us in our own lane, and spans our axis; the road bends away meanwhile."""
     behind = Obstacles(*(np.array([x]) for x in (-12.0, -0.8, 1.6, 1.0, np.inf)), identity=np.array([-1]))
     camera = Camera()
-    picture, tracker = RoadPicture(camera, 0.01), RoadEdgeTracker(camera, RoadEdgeConfig(), 20.0)
+    picture, tracker = RoadPicture(camera, 0.01), RoadEdgeTracker(camera, ROBUST.road_edges, 20.0)
     known: list[RoadEdges] = []
     for i in range(60):
         pose = picture.pose(i * SPEED_MPS / 20.0, 1.75, 0.0)
@@ -317,10 +321,11 @@ def test_what_a_body_and_its_flank_hide_is_no_road(
     face_m: float, left_m: float, right_m: float, length_m: float
 ) -> None:
     camera = Camera()
-    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), 20.0)
+    config, view = ROBUST.road_edges, BirdsEye(camera, ROBUST.road_edges.patch)
+    assert config.obstacle_mask is not None
     body = Obstacles(*(np.array([value]) for value in (face_m, left_m, right_m, 0.4, np.inf)), identity=np.array([1]))
-    hidden = tracker._hidden(body)
-    ahead, aside = np.meshgrid(tracker.view.forward_m, tracker.view.right_m, indexing="ij")
+    hidden = hidden_by(body, view, 0.0, config.obstacle_mask, config.object_sizes)
+    ahead, aside = np.meshgrid(view.forward_m, view.right_m, indexing="ij")
     share = np.linspace(0.0, 1.0, 400)[:, None, None]
     along, across = camera.forward_m + share * (ahead - camera.forward_m), share * aside
 

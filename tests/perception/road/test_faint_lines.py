@@ -5,23 +5,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from road_picture import RoadPicture
+from driver_settings import ROBUST
 
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.truth.surroundings import perceived_edges, true_edges
 from vpf_sim.perception.egomotion.flow import grey
-from vpf_sim.perception.road import edge_tracker as road_edges
 from vpf_sim.perception.road.birds_eye import BirdsEye
-from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
+from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.markings import RidgeMap, comb
 from vpf_sim.perception.road.model import CURVATURES, lines, seen_places, state_of
-from vpf_sim.perception.road.relocalisation import rival_of
+from vpf_sim.perception.road.relocalisation import Relocalisation
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.types import Camera, Floats, Image
 
-CONFIG = RoadEdgeConfig()
+CONFIG = ROBUST.road_edges
+assert CONFIG.relocalisation is not None
+RELOCALISATION = CONFIG.relocalisation
 NUMBERS: Floats = np.arange(-2.0, 3.0)  # of the lines
 PAVED = 'worn = true\nsurface = "concrete"\nverge = "paved"'
 
@@ -66,7 +67,9 @@ def test_a_mirror_image_that_lies_askew_is_no_road() -> None:
     view, response = drawn_lines(state_of(1.5, 0.0, 0.0, 3.5), 8, gaps=5)
     askew = 1.0 + np.tan(np.radians(11.0)) * view.forward_m
     response[np.abs(view.right_m - askew[:, None]) < 0.08] = 20
-    score, (y, heading, _, width) = comb(RidgeMap(response, 5.0, view.visible), view, np.array([3.5]), 3.5)
+    score, (y, heading, _, width) = comb(
+        RidgeMap(response, 5.0, view.visible, CONFIG.centroid_m), view, np.array([3.5]), 3.5, CONFIG.comb
+    )
     assert score > CONFIG.least_comb
     assert np.degrees(heading) == pytest.approx(0.0, abs=1.0)
     assert y % width == pytest.approx(1.5, abs=0.15)
@@ -77,7 +80,9 @@ def test_a_mirror_image_that_bends_away_is_no_road() -> None:
     view, response = drawn_lines(state_of(1.5, 0.0, 0.0, 3.5), 18, gaps=4)
     aside = 1.0 + 0.5 * 0.02 * view.forward_m**2
     response[np.abs(view.right_m - aside[:, None]) < 0.08] = 20
-    _, (y, _, curvature, width) = comb(RidgeMap(response, 10.0, view.visible), view, np.array([3.5]), 3.5)
+    _, (y, _, curvature, width) = comb(
+        RidgeMap(response, 10.0, view.visible, CONFIG.centroid_m), view, np.array([3.5]), 3.5, CONFIG.comb
+    )
     assert curvature == pytest.approx(0.0, abs=0.002)
     assert y % width == pytest.approx(1.5, abs=0.15)
 
@@ -89,7 +94,8 @@ def rival(wrong_rad: float, wrong_per_m: float) -> tuple[Floats, Floats | None]:
     followed = truth.copy()
     followed[1] += wrong_rad
     followed[CURVATURES] += wrong_per_m
-    return truth, rival_of(followed, RidgeMap(response, 5.0, view.visible), view, NUMBERS, CONFIG.least_comb)
+    ridges = RidgeMap(response, 5.0, view.visible, CONFIG.centroid_m)
+    return truth, Relocalisation(RELOCALISATION, CONFIG).rival_of(followed, ridges, view, NUMBERS)
 
 
 @pytest.mark.parametrize("wrong", [(0.0, 0.02), (0.03, -0.015)])
@@ -116,22 +122,20 @@ def test_a_road_on_its_lines_has_no_rival() -> None:
     ids=["twice in a row", "now and then", "its lines are seen", "turned from it"],
 )
 def test_a_followed_road_is_left_for_a_rival_that_lasts(
-    agreement: float, heading_rad: float, found: list[bool], left: bool, monkeypatch: pytest.MonkeyPatch
+    agreement: float, heading_rad: float, found: list[bool], left: bool
 ) -> None:
-    """One search in half a second, of which each has a rival or none, as `found`; a drawn road, from a standstill."""
-    road, hz = RoadPicture(Camera()), 20.0
-    tracker, pose = RoadEdgeTracker(road.camera, CONFIG, hz), road.pose(0.0, -1.75, heading_rad)
-    frame = road.draw(pose)
-    look = (frame, grey(frame), pose, 0.0, 0.0, None)
-    tracker.update(*look)
-    followed, searches = tracker._filter, iter(found)
-    assert followed is not None
-    tracker._index.agreement = agreement
-    monkeypatch.setattr(road_edges, "rival_of", lambda state, *_: state.copy() if next(searches) else None)
-    monkeypatch.setattr(road_edges, "outdoes", lambda *_: True)
-    for _ in range(round(0.5 * hz) * len(found)):
-        tracker.update(*look)
-    assert (tracker._filter is not followed) is left
+    """Searches in which the tracked road lies beside its lines or on them, as `found`."""
+    truth = state_of(1.75, heading_rad, 0.005, 3.5)
+    view, response = drawn_lines(truth, 10, gaps=2)
+    ridges, relocalisation = (
+        RidgeMap(response, 5.0, view.visible, CONFIG.centroid_m),
+        Relocalisation(RELOCALISATION, CONFIG),
+    )
+    drifted = truth.copy()
+    drifted[CURVATURES] += 0.02
+    states = [drifted if beside else truth for beside in found]
+    rivals = [relocalisation.search(state, agreement, ridges, view, NUMBERS) for state in states]
+    assert any(rival is not None for rival in rivals) is left
 
 
 @pytest.mark.parametrize(("near", "far", "agrees"), [(5, 5, True), (5, 2, True), (5, 1, False), (1, 1, True)])
@@ -143,5 +147,5 @@ def test_one_line_far_off_where_more_are_seen_near_is_none_of_the_road(near: int
     counts = np.where(forward_m < 14.0, near, far)
     seen = np.arange(len(NUMBERS))[:, None] < counts
     sightings = Sightings(NUMBERS, forward_m, right_m, np.full(right_m.shape, 0.02**2), seen)
-    tracked = LaneFilter(state, initial_covariance(0.05, 0.005, 0.05, 0.001), Camera())
+    tracked = LaneFilter(state, initial_covariance(0.05, 0.005, 0.05, 0.001, CONFIG.filter), Camera(), CONFIG.filter)
     assert tracked.agrees(sightings) is agrees

@@ -2,13 +2,16 @@
 
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 
-from vpf_sim.perception.road.birds_eye import BirdsEye, Patch
-from vpf_sim.perception.road.line_type import LEAST_MEMORY_M, DashDutyCycle
+from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.line_type import DashDutyCycle
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats
 
-VIEW = BirdsEye(Camera(), Patch(3.0, 30.0, 9.75, 0.3, 0.05))
+assert ROBUST.road_edges.hypotheses.duty is not None
+DUTY = ROBUST.road_edges.hypotheses.duty
+VIEW = BirdsEye(Camera(), ROBUST.road_edges.patch)
 PLACES_M: Floats = np.array([-6.0, -2.0, 2.0, 6.0])
 RIGHT_M = np.broadcast_to(PLACES_M[:, None], (4, len(VIEW.forward_m)))
 VISIBLE: Bools = np.ones(RIGHT_M.shape, np.bool_)
@@ -16,7 +19,7 @@ VISIBLE: Bools = np.ones(RIGHT_M.shape, np.bool_)
 
 def driven(contrast: float, metres: float, step_m: float = 1.1) -> DashDutyCycle:
     """A solid line of so many grey levels, fading e-fold in 8 m, dashed ones of 3 m in 9 and 6 in 18, and none."""
-    rng, duty = stream(34, "duty"), DashDutyCycle.start(len(PLACES_M))
+    rng, duty = stream(34, "duty"), DashDutyCycle.start(len(PLACES_M), DUTY)
     column = np.rint((PLACES_M - VIEW.right_m[0]) / VIEW.column_m).astype(int)
     for travelled in np.arange(0.0, metres, step_m):
         response = np.maximum(rng.normal(0.0, 3.0, (len(VIEW.forward_m), len(VIEW.right_m))), 0.0)
@@ -43,7 +46,7 @@ def test_what_is_no_line_is_neither_solid_nor_dashed() -> None:
 
 
 def test_nothing_is_known_before_a_dash_and_its_gap_have_passed_nor_by_standing() -> None:
-    assert not driven(60.0, LEAST_MEMORY_M - 1.0).duty()[1].any()
+    assert not driven(60.0, DUTY.least_memory_m - 1.0).duty()[1].any()
     assert not driven(60.0, 0.02, 1e-4).duty()[1].any()
 
 

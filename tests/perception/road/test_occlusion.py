@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.road.occlusion import OcclusionConfig, driven_over, footprints, shadow
+from vpf_sim.perception.road.config import OcclusionConfig
+from vpf_sim.perception.road.occlusion import driven_over, footprints, shadow
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 CONFIG = OcclusionConfig()
@@ -71,7 +72,7 @@ def test_a_body_told_where_the_camera_is_hides_no_more_than_it_covers() -> None:
 def test_what_moves_covers_also_where_it_was_in_the_older_picture() -> None:
     (corners,) = footprints(moving(10.0, 3.0), road(), CONFIG, since_s=0.8)
     assert corners[:, 0].min() == pytest.approx(10.0 - 3.0 * 0.8 - CONFIG.before_m)
-    assert corners[:, 0].max() == pytest.approx(10.0 + CONFIG.car_length_m)
+    assert corners[:, 0].max() == pytest.approx(10.0 + CONFIG.sizes.car_length_m)
 
 
 @pytest.mark.parametrize(
@@ -96,7 +97,7 @@ def test_nothing_stands_where_a_body_drives(
     assert driven_over(place[None], bodies.chosen(np.zeros(1, np.bool_)), road(), CONFIG).tolist() == [False]
 
 
-@pytest.mark.parametrize("wrong", [{"beside_m": 0.0}, {"car_width_m": 2.5}])
+@pytest.mark.parametrize("wrong", [{"beside_m": 0.0}, {"driven_m": -1.0}])
 def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
         OcclusionConfig(**wrong)

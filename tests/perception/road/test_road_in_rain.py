@@ -1,13 +1,16 @@
 """The carriageway's lane and shape when bright spots, mirror images and blind moments come between."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 from road_picture import ASPHALT, RoadPicture
 
 from vpf_sim.geometry import ground_from_pixels
-from vpf_sim.perception.road.edge_tracker import RoadEdgeConfig, RoadEdgeTracker
-from vpf_sim.perception.road.hypotheses import LASTING_MOST, CarriagewayHypotheses
+from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
+from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
 from vpf_sim.perception.road.model import CURVATURES, lines, state_of
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.seeding import stream
@@ -15,6 +18,7 @@ from vpf_sim.types import Camera, Floats
 
 SPEED_MPS, RATE_HZ = 5.55, 20.0
 FAINT = 0.09  # of the contrast of paint
+CONFIG = ROBUST.road_edges
 NUMBERS: Floats = np.arange(-2.0, 3.0)  # of the lines, the third of five is the centre
 
 
@@ -23,7 +27,9 @@ def test_bright_spots_do_not_bend_the_road_ahead() -> None:
     rng = stream(31, "spots")
     forward: Floats = np.arange(4.0, 29.0, 0.5)
     truth = state_of(1.75, 0.0, 0.005, 3.5)
-    tracked = LaneFilter(truth.copy(), initial_covariance(0.05, 0.005, 0.05, 0.001), Camera())
+    tracked = LaneFilter(
+        truth.copy(), initial_covariance(0.05, 0.005, 0.05, 0.001, CONFIG.filter), Camera(), CONFIG.filter
+    )
     variance = np.full((len(NUMBERS), len(forward)), 0.02**2)
     bend = []
     for _ in range(300):
@@ -44,7 +50,7 @@ def test_a_lost_road_is_found_again_in_the_lane_in_which_it_was_left() -> None:
     camera = Camera()
     blank = np.full((camera.height_px, camera.width_px, 3), 100, np.uint8)
     known, endless = RoadPicture(camera), RoadPicture(camera, half_width_m=14.0)
-    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(lost_sigma_m=0.06), RATE_HZ)
+    tracker = RoadEdgeTracker(camera, replace(ROBUST.road_edges, lost_sigma_m=0.06), RATE_HZ)
     for i in range(100):
         pose = known.pose(i * SPEED_MPS / RATE_HZ, -1.75, 0.0)
         frame = known.draw(pose, i) if i < 8 else blank if i < 90 else endless.draw(pose, i)
@@ -57,7 +63,7 @@ def test_a_lost_road_is_found_again_in_the_lane_in_which_it_was_left() -> None:
 def test_a_road_that_is_believed_elsewhere_is_given_up_and_found_again_in_its_lane() -> None:
     """For 0.75 s it is shown turned by 7 degrees, as a long mirror image may: the state is as sure as it is wrong."""
     camera, place = Camera(), -1.75
-    road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
+    road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, ROBUST.road_edges, RATE_HZ)
     for i in range(60):
         pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
         frame = road.draw(pose + np.array([0.0, 0.0, 0.12 if i < 15 else 0.0]), i)
@@ -76,7 +82,7 @@ def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> Non
     like = (106, 106, 107)  # the verge as the asphalt: the lines alone tell
     whole, bare = RoadPicture(camera, verge=like), RoadPicture(camera, verge=like, lane_width_m=100.0)
     hidden = np.repeat(stream(32, "water").random((25, 96)) < 0.5, 5, axis=1)
-    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
+    tracker = RoadEdgeTracker(camera, ROBUST.road_edges, RATE_HZ)
     place = 7.0 - 3.5 * (lane - 0.5)
     for i in range(25):
         pose = whole.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
@@ -91,7 +97,7 @@ def test_a_faint_edge_line_is_no_dashed_one() -> None:
     road = RoadPicture(camera, verge=ASPHALT)
     columns, rows = np.meshgrid(np.arange(float(camera.width_px)), np.arange(float(camera.height_px)))
     edge = ground_from_pixels(camera, np.stack([columns, rows], axis=-1))[..., 1] + place < -6.5
-    tracker = RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
+    tracker = RoadEdgeTracker(camera, ROBUST.road_edges, RATE_HZ)
     for i in range(80):
         pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
         frame = road.draw(pose, i)
@@ -104,7 +110,7 @@ def test_a_faint_edge_line_is_no_dashed_one() -> None:
 def test_the_image_of_a_coloured_body_in_the_own_lane_makes_the_others_no_verge() -> None:
     """From 8 m on the own lane is as green as the verge; nearer, it has the hue of the other lanes."""
     camera, place = Camera(), 1.75
-    road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, RoadEdgeConfig(), RATE_HZ)
+    road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, ROBUST.road_edges, RATE_HZ)
     columns, rows = np.meshgrid(np.arange(float(camera.width_px)), np.arange(float(camera.height_px)))
     ground = np.nan_to_num(ground_from_pixels(camera, np.stack([columns, rows], axis=-1)))
     image = (ground[..., 0] > 8.0) & (np.abs(ground[..., 1]) < 1.6)
@@ -118,11 +124,13 @@ def test_the_image_of_a_coloured_body_in_the_own_lane_makes_the_others_no_verge(
 
 
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:
-    index = CarriagewayHypotheses.start(4, 2)
+    assert CONFIG.hypotheses.lasting is not None
+    most = CONFIG.hypotheses.lasting.most
+    index = CarriagewayHypotheses.start(4, 2, CONFIG.hypotheses)
     assert index.is_lasting(2)
-    index = CarriagewayHypotheses.start(4, 2)
+    index = CarriagewayHypotheses.start(4, 2, CONFIG.hypotheses)
     assert not any(index.is_lasting(None) for _ in range(200))
-    assert not any(index.is_lasting(1) for _ in range(LASTING_MOST - 1))
+    assert not any(index.is_lasting(1) for _ in range(most - 1))
     assert not index.is_lasting(2)
-    assert not any(index.is_lasting(1) for _ in range(LASTING_MOST - 1))
+    assert not any(index.is_lasting(1) for _ in range(most - 1))
     assert index.is_lasting(1)

@@ -5,9 +5,10 @@ from math import erf, exp, pi, sqrt
 
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 from paper_planner import PAPER
 
-from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, smoothed_gradient
+from vpf_sim.perception.paper.obstacle_map import smoothed_gradient
 from vpf_sim.planning.paper.obstacle_field import force
 from vpf_sim.types import Camera, Floats, ObstacleMap
 
@@ -21,7 +22,7 @@ def box_map(centre_x: float, sigma_px: float = 320.0, half: float = 32.0) -> Obs
     plane = np.zeros((60, 80))
     columns = slice(int((centre_x - half) // reduction), int((centre_x + half) // reduction))
     plane[int((240 - half) // reduction) : int((240 + half) // reduction), columns] = 1.0
-    gradient = smoothed_gradient(plane, ObstacleMapConfig(sigma_px=sigma_px, reduction=reduction))
+    gradient = smoothed_gradient(plane, replace(ROBUST.obstacle_map, sigma_px=sigma_px, reduction=reduction))
     return ObstacleMap(np.empty(0, np.bool_), plane, gradient, reduction)
 
 

@@ -7,14 +7,14 @@ magnitude.
 
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp
 from typing import Any
 
 import numpy as np
 
 from vpf_sim import configuration
-from vpf_sim.perception.paper.obstacle_map import ObstacleMapConfig, rasterise, smoothed_gradient
+from vpf_sim.perception.paper.obstacle_map import rasterise, smoothed_gradient
 from vpf_sim.planning import variant
 from vpf_sim.planning.variants.ablation_steps import Table, put
 from vpf_sim.types import Camera
@@ -83,7 +83,7 @@ def rounded(value: float) -> float:
 
 def _push_of_one(table: Table) -> float:
     """The obstacle force of the reference obstacle with gamma = 1."""
-    config = ObstacleMapConfig(sigma_px=table["obstacle_map"]["sigma_px"])
+    config = replace(variant.load(BASE).obstacle_map, sigma_px=table["obstacle_map"]["sigma_px"])
     left, right, top, bottom = BOX_PX
     step = 0.5 * config.reduction
     grid = np.meshgrid(np.arange(left, right, step), np.arange(top, bottom, step))

@@ -15,7 +15,6 @@ from vpf_sim.evaluation.rendering import frame_statistics
 from vpf_sim.evaluation.truth.true_motion import OFF_PX, Shot, TrueMotion, Truth, at, ttc_errors
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
-from vpf_sim.perception.egomotion.focus_of_expansion import ExpansionConfig
 from vpf_sim.perception.paper import obstacle_map as obstacles
 from vpf_sim.perception.paper import time_to_contact as contact
 from vpf_sim.planning import variant
@@ -145,7 +144,7 @@ class TrackingScorer:
         """The paper's stages on that flow, and the robust ones."""
         camera, plain = self._camera, self._plain
         foe = expansion.estimate(flow, camera, plain.focus_of_expansion, self._random)
-        robust = expansion.estimate(flow, camera, ExpansionConfig(method="robust"), self._random)
+        robust = expansion.estimate(flow, camera, variant.load("robust").focus_of_expansion, self._random)
         true_foe = truth["foe"].astype(np.float64)
         self._samples.foe_px.extend(foe_error_px(foe, true_foe))
         self._samples.robust_foe_px.extend(foe_error_px(robust, true_foe))
@@ -154,7 +153,7 @@ class TrackingScorer:
         objects = truth["instance"] != 0
         for config, found in (
             (plain.obstacle_map, self._samples.false_obstacles),
-            (obstacles.ObstacleMapConfig(sigma_px=None), self._samples.robust_false),
+            (variant.load("robust").obstacle_map, self._samples.robust_false),
         ):
             found.append(false_clusters(obstacles.detect(flow, camera, config), flow, objects))
 

@@ -13,36 +13,17 @@ pitch is left alone: its flow and frames pass as they are. How the camera is mou
 """
 
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from math import exp
 
 import cv2
 import numpy as np
 
+from vpf_sim.perception.egomotion.config import DynamicPitchConfig, PitchConfig
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotated
-from vpf_sim.perception.egomotion.mount_pitch import MountPitch, MountPitchConfig
+from vpf_sim.perception.egomotion.mount_pitch import MountPitch
 from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Camera, Expansion, Floats, Flow, Image, Integers
-
-NEAR_PX = 5.0  # from the focus the radial direction is not known well
-PASSES, CUT, LEAST_CUT_PX = 4, 3.7, 0.3  # of Tukey's biweight, in standard deviations of the flow across
-LEAST_POINTS = 20
-APART_RAD, APART_SHARE = 0.0003, 0.5  # both sides of the picture tell the same pitch but for this and this share of it
-REMEMBERED_S = 3.0
-
-
-@dataclass(frozen=True, slots=True)
-class PitchConfig:
-    settle_s: float = 1.0  # slower changes of the pitch are not told from a drift of the sum
-    smoothness: float = 0.1  # weight of a steady rate of pitching within the window
-    least_rad: float = 0.0012  # root mean square of the pitch from which on it is taken out; until it is half of that
-    mounting: MountPitchConfig = field(default_factory=MountPitchConfig)
-
-    def __post_init__(self) -> None:
-        if not self.settle_s > 0.0:
-            raise ValueError(f"settle_s: expected > 0, got {self.settle_s}")
-        if not 0.0 <= self.smoothness < 1.0:
-            raise ValueError(f"smoothness: expected 0 .. 1, got {self.smoothness}")
 
 
 class PitchEstimator:
@@ -50,23 +31,24 @@ class PitchEstimator:
 
     def __init__(self, camera: Camera, config: PitchConfig, rate_hz: float) -> None:
         self._camera = camera
-        self._config = config
+        self._dynamic = config.dynamic
         self._rate_hz = rate_hz
-        self._sums: deque[float] = deque(maxlen=round(REMEMBERED_S * rate_hz))
+        self._sums: deque[float] = deque(maxlen=round(config.dynamic.remembered_s * rate_hz) if config.dynamic else 0)
         self._slow_rad = 0.0
         self._square_rad2 = 0.0
         self._pitches = False
-        self._mounting = MountPitch(config.mounting)
+        self._mounting = MountPitch(config.mounting) if config.mounting else None
         self.pitch_rad = 0.0  # how far the camera looks below its mounting, but for slow changes
 
     def level(self, pitch_rad: float, sigma_rad: float, time_s: float) -> None:
         """Take in what the road tells of the pitch in the frame of `update`: what does not pass is the mounting's."""
-        self._mounting.update(pitch_rad - self.passing_rad, sigma_rad, time_s)
+        if self._mounting is not None:
+            self._mounting.update(pitch_rad - self.passing_rad, sigma_rad, time_s)
 
     @property
     def mounted_rad(self) -> float:
         """How far the camera's mounting looks below where it should."""
-        return self._mounting.pitch_rad
+        return self._mounting.pitch_rad if self._mounting else 0.0
 
     @property
     def is_needed(self) -> bool:
@@ -86,7 +68,8 @@ class PitchEstimator:
     def update(self, flow: Flow, foe: Expansion, turned: Derotated | None = None) -> Flow:
         """The flow of the same points for a camera that does not pitch; `turned` is the flow as it is, `derotated`,
         where it is at hand."""
-        self._add(flow, foe, turned or derotated(flow, self._camera))
+        if self._dynamic is not None:
+            self._add(flow, foe, turned or derotated(flow, self._camera), self._dynamic)
         if not self.is_needed:
             return flow
         now = self._steady(flow.points_px, np.full(len(flow), self.turned_rad))
@@ -107,23 +90,23 @@ class PitchEstimator:
         ).astype(np.uint8, copy=False)
         return steady
 
-    def _add(self, flow: Flow, foe: Expansion, turned: Derotated) -> None:
+    def _add(self, flow: Flow, foe: Expansion, turned: Derotated, config: DynamicPitchConfig) -> None:
         frames = round(float(flow.gap_s.max(initial=0.0)) * self._rate_hz)
         if not self._sums:
             self._sums.append(0.0)
             return
         found = self._sums[-1]
         if 0 < frames <= len(self._sums):
-            change = self._change(flow, foe, turned, frames / self._rate_hz)
+            change = self._change(flow, foe, turned, frames / self._rate_hz, config)
             # The last frame and the mean rate tie the sums of interleaved windows together.
-            share = self._config.smoothness
+            share = config.smoothness
             found = (1.0 - share) * (self._sums[-frames] + change) + share * (self._sums[-1] + change / frames)
         self._sums.append(found)
-        share = 1.0 - exp(-1.0 / (self._config.settle_s * self._rate_hz))
+        share = 1.0 - exp(-1.0 / (config.settle_s * self._rate_hz))
         self._slow_rad += share * (found - self._slow_rad)
         self.pitch_rad = found - self._slow_rad
         self._square_rad2 += share * (self.pitch_rad**2 - self._square_rad2)
-        least = self._config.least_rad * (0.5 if self._pitches else 1.0)
+        least = config.least_rad * (0.5 if self._pitches else 1.0)
         self._pitches = self._square_rad2 > least**2
 
     def _then(self, frames: Floats | Integers) -> Floats:
@@ -133,25 +116,25 @@ class PitchEstimator:
         sums, index = np.array(self._sums), np.asarray(frames, np.int64)
         return np.asarray(self.turned_rad - sums[-1] + sums[np.maximum(len(sums) - 1 - index, 0)])
 
-    def _change(self, flow: Flow, foe: Expansion, turned: Derotated, gap_s: float) -> float:
+    def _change(self, flow: Flow, foe: Expansion, turned: Derotated, gap_s: float, config: DynamicPitchConfig) -> float:
         """rad, over the windows that are `gap_s` long."""
         chosen = np.flatnonzero((np.abs(flow.gap_s - gap_s) < 0.5 / self._rate_hz) & ~flow.stuck)
-        if foe.confidence == 0.0 or len(chosen) < LEAST_POINTS:
+        if foe.confidence == 0.0 or len(chosen) < config.least_points:
             return 0.0
         points, displacement = flow.points_px.take(chosen, axis=0), turned.flow_px.take(chosen, axis=0)
         x = points[:, 0] + turned.shift_px[chosen] - foe.x_px
         y = points[:, 1] - foe.y_px
-        nearness = 1.0 / (np.hypot(x, y) + NEAR_PX)
+        nearness = 1.0 / (np.hypot(x, y) + config.near_px)
         turn = self._motion(points)
         across = (displacement[:, 0] * y - displacement[:, 1] * x) * nearness
         slope = (turn[:, 0] * y - turn[:, 1] * x) * nearness
-        found, left = _agreed(across, slope), x < 0.0
-        few = min(np.count_nonzero(left), np.count_nonzero(~left)) < LEAST_POINTS
-        if few or abs(found) < APART_RAD:
+        found, left = _agreed(across, slope, config), x < 0.0
+        few = min(np.count_nonzero(left), np.count_nonzero(~left)) < config.least_points
+        if few or config.sides is None or abs(found) < config.sides.apart_rad:
             return found
         # All that is seen pitches with the camera, a car that overtakes is on one side.
-        sides = [_agreed(across[side], slope[side]) for side in (left, ~left)]
-        apart = abs(sides[1] - sides[0]) > APART_RAD + APART_SHARE * abs(found)
+        sides = [_agreed(across[side], slope[side], config) for side in (left, ~left)]
+        apart = abs(sides[1] - sides[0]) > config.sides.apart_rad + config.sides.apart_share * abs(found)
         return min(*sides, key=abs) if apart else found
 
     def _motion(self, points_px: Floats) -> Floats:
@@ -170,12 +153,12 @@ class PitchEstimator:
         return steady
 
 
-def _agreed(across_px: Floats, slope_px: Floats) -> float:
+def _agreed(across_px: Floats, slope_px: Floats, config: DynamicPitchConfig) -> float:
     """delta of across = slope delta, by reweighted least squares."""
     delta, square, product = 0.0, slope_px * slope_px, slope_px * across_px
-    for _ in range(PASSES):
+    for _ in range(config.passes):
         error = across_px - slope_px * delta
-        cut = max(CUT * median(np.abs(error)) / 0.6745, LEAST_CUT_PX)
+        cut = max(config.cut * median(np.abs(error)) / 0.6745, config.least_cut_px)
         weight = np.maximum(1.0 - (error / cut) ** 2, 0.0) ** 2
         normal = float(weight @ square)
         if normal < 1e-9:

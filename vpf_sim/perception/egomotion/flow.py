@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import undistort
+from vpf_sim.perception.egomotion.config import Band, FlowConfig, SettledPointConfig, WiperConfig
 from vpf_sim.perception.egomotion.corners import inverse, is_corner, structure_tensor
-from vpf_sim.perception.egomotion.flow_config import BANDS, Band, FlowConfig
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.perception.egomotion.tracks import Tracks
 from vpf_sim.perception.egomotion.windscreen_points import stuck
@@ -17,11 +17,7 @@ from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
 Singles = NDArray[np.float32]
 
-LOOSE_PX = 1.0  # a point that moved so far within a window is not stuck any more
 FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
-# Of the points, that jump at once where something sweeps across the picture; drops move fewer. And so many at least.
-SWEPT_SHARE, SWEPT_LEAST = 0.08, 8
-COVERED_LEVELS, COVERED_RATIO = 12.0, 4.0  # mean difference of a window to the one that is sought, and over the median
 
 
 def grey(image_rgb: Image) -> Image:
@@ -37,11 +33,10 @@ def squares(vectors: Floats) -> Floats:
 
 
 class FlowTracker:
-    """Follows corners frame by frame and reports each one's motion over the window (METHOD 0.7, A4).
+    """Tracks corners frame by frame and reports each one's motion over the window (METHOD 0.7, A4).
 
-    Corners are topped up, not recomputed: each band is searched once a period, beside the points already followed.
-    Points known to lie on the road do not count against the band's share, so that new ones are looked for elsewhere;
-    nor do points that are stuck to the glass. These are followed on and reported as such.
+    Corners are topped up, not recomputed: each band is searched once a period, away from the points already tracked.
+    Points on the windscreen are tracked and marked, but do not count against the band's share.
     """
 
     def __init__(self, camera: Camera, config: FlowConfig, rate_hz: float) -> None:
@@ -51,9 +46,9 @@ class FlowTracker:
         self._window_frames = max(1, round(config.window_s * rate_hz))
         self._period_frames = max(1, round(config.detect_period_s * rate_hz))
         self._anchor_frames = None if config.keyframe_s is None else max(2, round(config.keyframe_s * rate_hz))
-        self._hold_frames = None if config.hold_s is None else max(1, round(config.hold_s * rate_hz))
         self._jump_px = 0.5 * config.reach_px_per_s / rate_hz
-        self._bands = [(self._rows(band), round(band.share * config.points)) for band in BANDS[config.bands]]
+        whole = [(slice(0, camera.height_px), config.points)]
+        self._bands = [(self._rows(band), round(band.share * config.points)) for band in config.bands or ()] or whole
         self._top = max(0, min(rows.start for rows, _ in self._bands) - config.window_px)
         self._bottom = min(camera.height_px, max(rows.stop for rows, _ in self._bands) + config.window_px)
         self._corner_px = np.array([0.0, self._top])  # of what is followed
@@ -137,8 +132,8 @@ class FlowTracker:
     def _follow(self, before: Image, after: Image) -> None:
         tracks = self._tracks
         now, found, good, error = self._moved(before, after)
-        if self._hold_frames is not None:
-            now, good = self._hold((before, after), now, found, good, error, self._hold_frames)
+        if self.config.wiper is not None:
+            now, good = self._hold((before, after), now, found, good, error, self.config.wiper)
         good &= (now[:, 0] >= 0) & (now[:, 0] <= self.camera.width_px - 1)
         good &= (now[:, 1] >= self._top) & (now[:, 1] <= self._bottom - 1)
         tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
@@ -163,14 +158,14 @@ class FlowTracker:
         """(N, 2) where points have gone, (N,) whether they were found, and whether the way back leads to where they
         were too, which is asked once a period, and (N,) grey levels by which the windows of those found differ."""
         now, found, error = self._lucas_kanade(before, after, points_px)
-        limit = self.config.forward_backward_px
-        if limit is None or self._frame % self._period_frames != 1 % self._period_frames:
+        check = self.config.forward_backward
+        if check is None or self._frame % self._period_frames != 1 % self._period_frames:
             return now, found, found, error
         back, returned, _ = self._lucas_kanade(after, before, now)
-        return now, found, found & returned & (np.hypot(*(back - points_px).T) < limit), error
+        return now, found, found & returned & (np.hypot(*(back - points_px).T) < check.limit_px), error
 
     def _hold(
-        self, frames: tuple[Image, Image], now_px: Floats, found: Bools, good: Bools, error: Singles, hold_frames: int
+        self, frames: tuple[Image, Image], now_px: Floats, found: Bools, good: Bools, error: Singles, wiper: WiperConfig
     ) -> tuple[Floats, Bools]:
         """Where the points are now, and which are kept, if a wiper's blade sweeps across them: it takes them along.
 
@@ -180,13 +175,14 @@ class FlowTracker:
         tracks = self._tracks
         jumps, turn = self._jumps(now_px, found)
         if self._held is None:
-            if np.count_nonzero(jumps) <= max(SWEPT_LEAST, SWEPT_SHARE * len(tracks)):
+            if np.count_nonzero(jumps) <= max(wiper.swept_least, wiper.swept_share * len(tracks)):
                 return now_px, good & ~jumps
+            hold_frames = max(1, round(wiper.hold_s * self.rate_hz))
             self._held, self._held_until = frames[0], self._frame + hold_frames
             tracks.held_px = tracks.trail[0].copy()
         seen = found & ~jumps
         usual = median(error[seen]) if seen.any() else 0.0
-        limit = max(COVERED_LEVELS, COVERED_RATIO * usual)
+        limit = max(wiper.covered_levels, wiper.covered_ratio * usual)
         covered = ~seen | (error > limit)
         now = self._seek(frames[1], now_px, covered, turn, limit)
         kept = covered | good
@@ -230,7 +226,8 @@ class FlowTracker:
             for points in (tracks.trail[0], tracks.trail[frames, np.arange(len(tracks))], tracks.first_px)
         )
         displacement = now - past
-        still = np.abs(displacement) < LOOSE_PX
+        windscreen = self.config.windscreen_points
+        still = np.abs(displacement) < (windscreen.loose_px if windscreen else 0.0)
         return Flow(
             points_px=now,
             displacement_px=displacement,
@@ -248,9 +245,9 @@ class FlowTracker:
 
     def _look_for_stuck(self, pose: Floats) -> None:
         """A point's first sighting in the undistorted frame is near enough to that in the frame as it is."""
-        tracks = self._tracks
-        if len(tracks):
-            tracks.stuck = stuck(self.camera, tracks.trail[0], tracks.first_px, tracks.first_pose, pose)
+        tracks, config = self._tracks, self.config.windscreen_points
+        if config is not None and len(tracks):
+            tracks.stuck = stuck(self.camera, tracks.trail[0], tracks.first_px, tracks.first_pose, pose, config)
 
     def _weigh_again(self, image: Image) -> None:
         """Look at a part of the windows in every frame: what was a corner from afar may be an edge from near.
@@ -258,7 +255,7 @@ class FlowTracker:
         The noise of the chained steps adds up, and goes with the inverse of the tensor, so the inverses are averaged.
         """
         tracks = self._tracks
-        if not self._guarded:
+        if self.config.corner_test is None:
             return
         due = np.flatnonzero(((tracks.identity + self._frame) % self._period_frames == 0) & (tracks.covered == 0))
         if not len(due):
@@ -268,18 +265,11 @@ class FlowTracker:
         mean = inverse(tracks.structure[due] + FAINT)
         mean = mean + (inverse(tensor + FAINT) - mean) / (looks + 1)
         tracks.structure[due] = inverse(mean) - FAINT
-        corner = self._is_corner(tensor)
+        corner = is_corner(tensor, self.config.corner_test.texture_floor, self.config.corner_test.corner_ratio)
         if not corner.all():
             keep = np.ones(len(tracks), np.bool_)
             keep[due] = corner
             tracks.keep(keep)
-
-    @property
-    def _guarded(self) -> bool:
-        return self.config.texture_floor > 0.0 or self.config.corner_ratio > 0.0
-
-    def _is_corner(self, tensor: Floats) -> Bools:
-        return is_corner(tensor, self.config.texture_floor, self.config.corner_ratio)
 
     def _top_up(self, image: Image, pose: Floats, hidden: Image | None) -> None:
         """Search the bands whose turn it is; at the start all of them."""
@@ -287,26 +277,31 @@ class FlowTracker:
             turn = (self._frame - index * self._period_frames // len(self._bands)) % self._period_frames == 0
             if self._frame and not turn:
                 continue
-            self._drop_settled(rows, quota)
+            if self.config.settled_points is not None:
+                self._drop_settled(rows, quota, self.config.settled_points)
             points = self._tracks.trail[0]
             inside = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
             wanted = quota - np.count_nonzero(inside & ~self._tracks.stuck)
             if wanted >= max(1, quota // 20):
                 self._add(self._corners(image, rows, points[inside], int(wanted), hidden), image, pose)
 
-    def _drop_settled(self, rows: slice, quota: int) -> None:
-        """Long-lived points of the road make room for new ones: half of the band's share at most."""
-        tracks = self._tracks
+    def _drop_settled(self, rows: slice, quota: int, config: SettledPointConfig) -> None:
+        """Drop the oldest points of the road beyond their share of a band."""
+        tracks, most = self._tracks, int(config.kept_share * quota)
         points = tracks.trail[0]
-        old = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop) & (tracks.age > 2 * self._window_frames)
-        if np.count_nonzero(old) <= quota // 2:
+        old = (
+            (points[:, 1] >= rows.start)
+            & (points[:, 1] < rows.stop)
+            & (tracks.age > config.age_windows * self._window_frames)
+        )
+        if np.count_nonzero(old) <= most:
             return
         chosen = np.flatnonzero(old)
         now, first = (undistort(self.camera, of[chosen]) for of in (points, tracks.first_px))
         road = ground_flow(self.camera, now, tracks.first_pose[chosen], self._poses[0])
         residual = np.hypot(*(now - first - road).T)
-        settled = chosen[residual < 0.02 * np.hypot(*road.T) + 0.1]
-        excess = len(chosen) - quota // 2
+        settled = chosen[residual < config.residual_share * np.hypot(*road.T) + config.residual_px]
+        excess = len(chosen) - most
         keep = np.ones(len(tracks), np.bool_)
         keep[settled[:excess]] = False  # the oldest first
         tracks.keep(keep)
@@ -331,8 +326,9 @@ class FlowTracker:
 
     def _add(self, points_px: Floats, image: Image, pose: Floats) -> None:
         tensor = structure_tensor(image, points_px, self.config.window_px)
-        if self._guarded:
-            corner = self._is_corner(tensor)
+        test = self.config.corner_test
+        if test is not None:
+            corner = is_corner(tensor, test.texture_floor, test.corner_ratio)
             points_px, tensor = points_px[corner], tensor[corner]
         self._tracks.append(points_px, tensor, pose, self._next_identity)
         self._next_identity += len(points_px)

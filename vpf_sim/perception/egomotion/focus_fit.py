@@ -6,20 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.perception.egomotion.config import FocusFitConfig, RansacConfig
 from vpf_sim.types import Bools, Camera, Floats
 
 Reals = NDArray[np.floating[Any]]
-
-HYPOTHESES = 96
-FINALISTS = 16  # of them, that all voters judge
-SAMPLE = 128  # points that vote in RANSAC
-ITERATIONS = 6  # of the reweighting, at most
-SETTLED_PX = 0.05  # a step of the reweighting after which another is not worth while
-LEAST = 8  # moving points without which there is no FOE
-MOST = 0.55  # share of the votes with which an expected FOE stands without a search: no other can have as many
-PRIOR_SHARE = 0.25  # of the votes, that the prior can outweigh at most
-NEAR_PX = 5.0  # from the FOE the radial direction is not known well
-BIWEIGHT = 1.3  # what Tukey's biweight takes from the mean square of normal errors, within 3 sd
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +36,7 @@ def fit(
     camera: Camera,
     prior: Prior,
     rng: np.random.Generator,
+    config: FocusFitConfig,
 ) -> Fit | None:
     """The FOE of N points with derotated flow over `gap_s` (N,); None where the flow fixes none.
 
@@ -53,14 +44,14 @@ def fit(
     Tukey's biweight of the flow across the radial direction, against `tolerance_px` (N,). Pitch, roll and what the yaw
     rate's sensor misses turn the picture too; these rates are fitted along, held near zero by the prior.
     """
-    if len(points_px) < LEAST:
+    if len(points_px) < config.least_points:
         return None
-    start = _start(points_px, flow_px, tolerance_px, prior, rng)
+    start = _start(points_px, flow_px, tolerance_px, prior, rng, config)
     if start is None:
         return None
     turn = _tilt_flow(camera, points_px, gap_s)
     points, flow = np.ascontiguousarray(points_px.T), np.ascontiguousarray(flow_px.T)
-    solved = _reweighted(points, flow, tolerance_px, turn, start, prior)
+    solved = _reweighted(points, flow, tolerance_px, turn, start, prior, config)
     if solved is None:
         return None
     state, covariance = solved
@@ -68,20 +59,27 @@ def fit(
     x, y = away
     inliers = (np.abs(u * y - v * x) < tolerance_px * np.sqrt(x * x + y * y)) & (u * x + v * y > 0.0)
     # Those that disagree have not all been told apart from those that do: the fewer agree, the less is sure.
-    share = max(float(np.count_nonzero(inliers)) / len(inliers), 0.05)
+    share = max(float(np.count_nonzero(inliers)) / len(inliers), config.least_share)
     return Fit(state[:2], covariance / share**2, inliers)
 
 
 def _start(
-    points_px: Floats, flow_px: Floats, tolerance_px: Floats, prior: Prior, rng: np.random.Generator
+    points_px: Floats,
+    flow_px: Floats,
+    tolerance_px: Floats,
+    prior: Prior,
+    rng: np.random.Generator,
+    config: FocusFitConfig,
 ) -> Floats | None:
     """(2,) px: the expected FOE while most points agree with it, otherwise the one that most agree with."""
     p, v, tolerance = (values.astype(np.float32) for values in (points_px, flow_px, tolerance_px))
-    if prior.expected_px is not None:
+    if prior.expected_px is not None and config.temporal_prior is not None:
         votes = _votes(p, v, tolerance, prior.expected_px[None].astype(np.float32))
-        if votes[0] > MOST * len(p):
+        if votes[0] > config.temporal_prior.accepted_share * len(p):
             return prior.expected_px
-    return _searched(p, v, tolerance, prior, rng)
+    if config.ransac is None:
+        return prior.state[:2] if prior.expected_px is None else prior.expected_px
+    return _searched(p, v, tolerance, prior, rng, config.ransac)
 
 
 def _votes(points_px: Reals, flow_px: Reals, tolerance_px: Reals, foes_px: Reals) -> Reals:
@@ -96,16 +94,21 @@ def _votes(points_px: Reals, flow_px: Reals, tolerance_px: Reals, foes_px: Reals
 
 
 def _searched(
-    points_px: Reals, flow_px: Reals, tolerance_px: Reals, prior: Prior, rng: np.random.Generator
+    points_px: Reals,
+    flow_px: Reals,
+    tolerance_px: Reals,
+    prior: Prior,
+    rng: np.random.Generator,
+    config: RansacConfig,
 ) -> Floats | None:
     """(2,) px, the intersection of two flow lines that most points agree with; all hypotheses at once.
 
     The log likelihood of the prior counts like votes, up to a share of all: with few points that agree, it decides.
     """
-    if len(points_px) > SAMPLE:
-        chosen = rng.choice(len(points_px), SAMPLE, replace=False)
+    if len(points_px) > config.sample:
+        chosen = rng.choice(len(points_px), config.sample, replace=False)
         points_px, flow_px, tolerance_px = points_px[chosen], flow_px[chosen], tolerance_px[chosen]
-    foes = _intersections(points_px, flow_px, rng)
+    foes = _intersections(points_px, flow_px, config.hypotheses, rng)
     if prior.expected_px is not None:
         foes = np.concatenate([prior.expected_px[None], foes])
     if not len(foes):
@@ -113,18 +116,18 @@ def _searched(
     away = foes - prior.state[:2]
     unlikely = 0.5 * np.sum(away @ prior.information[:2, :2] * away, axis=1)
     # A quarter of the points tells which hypotheses all of them should judge.
-    for part, left in ((slice(None, None, 4), FINALISTS), (slice(None), 1)):
+    for part, left in ((slice(None, None, 4), config.finalists), (slice(None), 1)):
         count = len(points_px[part])
         score = _votes(points_px[part], flow_px[part], tolerance_px[part], foes.astype(np.float32))
-        score = score - np.minimum(unlikely * count / len(points_px), PRIOR_SHARE * count)
+        score = score - np.minimum(unlikely * count / len(points_px), config.prior_share * count)
         best = np.argsort(-score, kind="stable")[:left]
         foes, unlikely = foes[best], unlikely[best]
     return np.asarray(foes[0], np.float64)
 
 
-def _intersections(points_px: Reals, flow_px: Reals, rng: np.random.Generator) -> Reals:
+def _intersections(points_px: Reals, flow_px: Reals, count: int, rng: np.random.Generator) -> Reals:
     """(H, 2) px where the flow lines of random pairs of points meet."""
-    first, second = rng.integers(0, len(points_px), (2, HYPOTHESES))
+    first, second = rng.integers(0, len(points_px), (2, count))
     x, y, u, v = points_px[:, 0], points_px[:, 1], flow_px[:, 0], flow_px[:, 1]
     b, length = x * v - y * u, np.hypot(u, v)
     determinant = u[first] * v[second] - v[first] * u[second]
@@ -151,36 +154,42 @@ def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
 
 
 def _reweighted(
-    points: Floats, flow: Floats, tolerance_px: Floats, turn: Floats, start_px: Floats, prior: Prior
+    points: Floats,
+    flow: Floats,
+    tolerance_px: Floats,
+    turn: Floats,
+    start_px: Floats,
+    prior: Prior,
+    config: FocusFitConfig,
 ) -> tuple[Floats, Floats] | None:
     """(5,) FOE px and pitch, yaw and roll rates rad/s, and the FOE's (2, 2) covariance px^2; None if it has none.
 
     `points` and `flow` are (2, N) px here.
     """
     state, steady = np.array([*start_px, 0.0, 0.0, 0.0]), flow
-    for _ in range(ITERATIONS):
-        weight, slope, across = _linearised(points, steady, turn, state[:2], tolerance_px)
+    for _ in range(config.iterations):
+        weight, slope, across = _linearised(points, steady, turn, state[:2], tolerance_px, config.near_px)
         weighted = (slope * weight[:, None]).T
         normal = weighted @ slope
-        if np.count_nonzero(weight) < LEAST or normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2 < 1e-12:
+        if np.count_nonzero(weight) < config.least_points or normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2 < 1e-12:
             return None
         normal += prior.information
         step = np.linalg.solve(normal, weighted @ across + prior.information @ (state - prior.state))
         state = state - step
-        if abs(step[0]) + abs(step[1]) < SETTLED_PX:
+        if abs(step[0]) + abs(step[1]) < config.settled_px:
             break
         steady = _turned_back(flow, turn, state[2:])
-    spread = BIWEIGHT * float(weight @ (across * across)) / np.count_nonzero(weight)
+    spread = config.biweight * float(weight @ (across * across)) / np.count_nonzero(weight)
     return state, np.asarray(np.linalg.inv(normal)[:2, :2], np.float64) * max(1.0, spread)
 
 
 def _linearised(
-    points: Floats, flow: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats
+    points: Floats, flow: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats, near_px: float
 ) -> tuple[Floats, Floats, Floats]:
     """Weights (N,), slopes (N, 5) and values (N,) px of the flow across the radial direction, at a FOE and rates."""
     away, (u, v) = points - foe_px[:, None], flow
     x, y = away
-    nearness = 1.0 / (np.sqrt(x * x + y * y) + NEAR_PX)
+    nearness = 1.0 / (np.sqrt(x * x + y * y) + near_px)
     away *= nearness
     across = u * y - v * x
     # The tolerance is some three standard deviations of the flow.

@@ -3,38 +3,16 @@
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, sqrt
-from typing import Literal
 
 import numpy as np
 
 from vpf_sim.geometry import rotation_flow
+from vpf_sim.perception.egomotion.config import ExpansionConfig, FocusFitConfig, TemporalPriorConfig
 from vpf_sim.perception.egomotion.focus_fit import Prior, fit
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
-LEAST_CONFIDENCE = 0.1  # below it what rests on the flow is not to be trusted
+LEAST_CONFIDENCE = 0.1  # below it results of the flow are not reliable
 UNIT = np.eye(2)
-SHARP_RAD = 0.016  # standard deviation of the FOE's direction at which it is half as useful as an exact one
-
-
-@dataclass(frozen=True, slots=True)
-class ExpansionConfig:
-    method: Literal["as_printed", "least_squares", "robust"] = "robust"
-    tolerance_px: float = 0.15  # error across the radial direction that one step between frames may have, plus
-    tolerance_ratio: float = 0.04  # this share of its length; over n chained steps it grows with sqrt(n)
-    min_flow_px: float = 1.7  # shorter motions do not vote: the far road creeps towards the pixel grid
-    rotation_sd_radps: tuple[float, float, float] = (0.03, 0.001, 0.03)  # usual unmeasured pitch, yaw and roll rate
-    # How far a vehicle usually moves off the direction straight ahead, given its camera's pitch: to the side, up or
-    # down. inf, inf: nothing is known of where the camera looks.
-    direction_sd_rad: tuple[float, float] = (0.05, 0.0035)
-    drift_sd_rad: float = 0.013  # change of that direction within a second, as a random walk
-
-    def __post_init__(self) -> None:
-        if self.method not in ("as_printed", "least_squares", "robust"):
-            raise ValueError(f"method: expected as_printed, least_squares or robust, got '{self.method}'")
-        if min(self.tolerance_px, self.tolerance_ratio, self.min_flow_px) <= 0.0:
-            raise ValueError("tolerance_px, tolerance_ratio, min_flow_px: expected > 0")
-        if min(*self.direction_sd_rad, self.drift_sd_rad) <= 0.0:
-            raise ValueError("direction_sd_rad, drift_sd_rad: expected > 0")
 
 
 def lines(points_px: Floats, flow_px: Floats) -> tuple[Floats, Floats]:
@@ -118,8 +96,8 @@ def estimate(
     confidence is 0. The confidence of the robust FOE is the share of moving points that agree, less where the
     covariance is large; points that are stuck to the glass count among those that do not agree.
     """
-    if config.method == "robust":
-        return _robust(flow, camera, config, rng, before, turned)
+    if config.method == "robust" and config.fit is not None:
+        return _robust(flow, camera, config.fit, rng, before, turned)
     moving = np.hypot(flow.displacement_px[:, 0], flow.displacement_px[:, 1]) > 1e-9
     if np.count_nonzero(moving) < 2:
         return _unknown(camera, len(flow))
@@ -133,7 +111,7 @@ def estimate(
 def _robust(
     flow: Flow,
     camera: Camera,
-    config: ExpansionConfig,
+    config: FocusFitConfig,
     rng: np.random.Generator,
     before: Expansion | None,
     turned: Derotated | None,
@@ -153,7 +131,7 @@ def _robust(
     points, moved, gap_s, tolerance = (
         values.take(voters, axis=0) for values in (points, turned.flow_px, flow.gap_s, tolerance)
     )
-    found = fit(points, moved, gap_s, tolerance, camera, prior, rng)
+    found = fit(points, moved, gap_s, tolerance, camera, prior, rng, config)
     if found is None:
         return _held(before, camera, config, rate_hz, len(flow))
     inliers = np.zeros(len(flow), np.bool_)
@@ -161,17 +139,17 @@ def _robust(
     share = float(np.count_nonzero(found.inliers)) / (len(voters) + np.count_nonzero(flow.stuck))
     spread_rad = sqrt(found.covariance_px2[0, 0] + found.covariance_px2[1, 1]) / camera.fx_px
     x, y = (float(value) for value in found.foe_px)
-    return Expansion(x, y, found.covariance_px2, inliers, min(1.0, share / (1.0 + spread_rad / SHARP_RAD)))
+    return Expansion(x, y, found.covariance_px2, inliers, min(1.0, share / (1.0 + spread_rad / config.sharp_rad)))
 
 
-def _prior(camera: Camera, config: ExpansionConfig, before: Expansion | None, rate_hz: float) -> Prior:
+def _prior(camera: Camera, config: FocusFitConfig, before: Expansion | None, rate_hz: float) -> Prior:
     """The usual direction and rates of a vehicle, and where the FOE was a frame ago."""
     usual = _usual(camera, config)
-    if before is None or not np.isfinite(before.covariance_px2).all():
+    if config.temporal_prior is None or before is None or not np.isfinite(before.covariance_px2).all():
         return usual
     information = usual.information.copy()
     last = np.array([before.x_px, before.y_px])
-    known = _inverse(_drifted(before.covariance_px2, camera, config, rate_hz))
+    known = _inverse(_drifted(before.covariance_px2, camera, config.temporal_prior, rate_hz))
     pull = information[:2, :2] @ usual.state[:2] + known @ last
     information[:2, :2] += known
     x, y = (_inverse(information[:2, :2]) @ pull).tolist()
@@ -179,11 +157,14 @@ def _prior(camera: Camera, config: ExpansionConfig, before: Expansion | None, ra
 
 
 @lru_cache(maxsize=8)
-def _usual(camera: Camera, config: ExpansionConfig) -> Prior:
+def _usual(camera: Camera, config: FocusFitConfig) -> Prior:
     """What is known of a vehicle without a frame before; not to be changed."""
     information = np.zeros((5, 5))
-    sides = np.array(config.direction_sd_rad) * [camera.fx_px, camera.fy_px]
-    information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in config.rotation_sd_radps)]
+    direction, rotation = config.direction_prior, config.rotation
+    sides_rad = (direction.side_sd_rad, direction.height_sd_rad) if direction else (inf, inf)
+    rates = (rotation.pitch_sd_radps, rotation.yaw_sd_radps, rotation.roll_sd_radps) if rotation else (0.0, 0.0, 0.0)
+    sides = np.array(sides_rad) * [camera.fx_px, camera.fy_px]
+    information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in rates)]
     return Prior(np.array([*_straight_ahead(camera), 0.0, 0.0, 0.0]), information, None)
 
 
@@ -194,7 +175,7 @@ def _inverse(matrix: Floats) -> Floats:
     return inverse
 
 
-def _drifted(covariance_px2: Floats, camera: Camera, config: ExpansionConfig, rate_hz: float) -> Floats:
+def _drifted(covariance_px2: Floats, camera: Camera, config: TemporalPriorConfig, rate_hz: float) -> Floats:
     """(2, 2) px^2, a frame later."""
     later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * UNIT
     return later
@@ -211,10 +192,10 @@ def _straight_ahead(camera: Camera) -> Floats:
     return np.array([camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)])
 
 
-def _held(before: Expansion | None, camera: Camera, config: ExpansionConfig, rate_hz: float, count: int) -> Expansion:
-    if before is None:
+def _held(before: Expansion | None, camera: Camera, config: FocusFitConfig, rate_hz: float, count: int) -> Expansion:
+    if before is None or config.temporal_prior is None:
         return _unknown(camera, count)
-    covariance = _drifted(before.covariance_px2, camera, config, rate_hz)
+    covariance = _drifted(before.covariance_px2, camera, config.temporal_prior, rate_hz)
     return Expansion(before.x_px, before.y_px, covariance, np.zeros(count, np.bool_), 0.0)
 
 

@@ -8,24 +8,9 @@ changes in steps only, and flow and frames stay as they are where a camera looks
 to 0.03 deg at first, while nothing else is known.
 """
 
-from dataclasses import dataclass
 from math import sqrt
 
-
-@dataclass(frozen=True, slots=True)
-class MountPitchConfig:
-    """How much looks tell, and from where on they are believed."""
-
-    first_sd_rad: float = 0.006  # how far off cameras are mounted
-    look_sd_rad: float = 0.0015  # of what one look tells, its own standard deviation apart: looks repeat each other
-    drift_sd_rad: float = 0.00017  # in a second, as a random walk
-    least_rad: float = 0.0007  # that is believed at all; once it is, until it is half of that
-    step_rad: float = 0.0003  # from which on a change is worth while
-
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
+from vpf_sim.perception.egomotion.config import MountPitchConfig
 
 
 class MountPitch:

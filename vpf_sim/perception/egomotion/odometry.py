@@ -14,27 +14,8 @@ from dataclasses import dataclass, replace
 from math import atan, cos, exp, sin, sqrt, tan
 
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.perception.egomotion.config import OdometryConfig
 from vpf_sim.types import Observation, VehicleModel
-
-WATCHED_S = 0.15  # without which nothing is known of a pose
-STANDING_MPS = 0.15  # what is slower may be the noise of a speedometer, which tells no negative speeds
-
-
-@dataclass(frozen=True, slots=True)
-class OdometryConfig:
-    rough_m: float = 0.015  # random walk of the position in a second, from which on its way is not taken from it,
-    rough_rad: float = 0.0012  # the same of the heading
-    settle_s: float = 0.5  # over which both are averaged
-    walk_m: float = 0.05  # the random walk that scale and bias are told apart from: that of a satellite and inertial
-    walk_rad: float = 0.00175  # navigation
-    scale_sd: float = 0.03  # of a speedometer
-    bias_sd_radps: float = 0.01  # of a yaw rate's sensor
-    drift_share: float = 0.02  # of those, by which they may change in a second, as a random walk
-
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
 @dataclass(slots=True)
@@ -102,8 +83,9 @@ class Odometry:
         self._l_r_m = vehicle.l_r_m
         slip = atan(vehicle.l_r_m / vehicle.wheelbase_m * tan(vehicle.steering_limit_rad))
         self._tightest_per_m = 2.0 * sin(slip) / vehicle.l_r_m  # and as much again for the readings' noise
-        self._stretch = _Constant(config.scale_sd**2)  # of the speed's way to the pose's, less 1
-        self._bias = _Constant(config.bias_sd_radps**2)
+        calibration = config.calibration
+        self._stretch = _Constant(calibration.scale_sd**2 if calibration else 0.0)  # speedometer's scale - 1
+        self._bias = _Constant(calibration.bias_sd_radps**2 if calibration else 0.0)
         self._last: Observation | None = None
         self._rough = tuple(_Roughness(config.settle_s) for _ in range(3))  # ahead, aside, turn
         self._pose = (0.0, 0.0, 0.0)
@@ -118,7 +100,8 @@ class Odometry:
             way = 0.5 * (last.speed_mps + observation.speed_mps) * time_s
             self._compare(last, observation, way, turn, time_s)
             if self.is_needed:
-                if way < STANDING_MPS * time_s:
+                standstill = self._config.standstill
+                if standstill is not None and way < standstill.speed_mps * time_s:
                     way = turn = 0.0
                 return self._go_on(observation, self.scale * way, turn - self.bias_radps * time_s)
         self._pose = (observation.x_m, observation.y_m, observation.yaw_rad)
@@ -169,8 +152,9 @@ class Odometry:
         along, across, turning = self._rough
         strays = 0.5 * (along.walk + across.walk) > config.rough_m**2 * time_s
         rough = strays or turning.walk > config.rough_rad**2 * time_s
-        self.is_needed = self.is_needed or (rough and turning.watched_s > WATCHED_S)
-        drift = config.drift_share**2 * time_s
-        self._stretch.tell(excess[0], ahead, along.noise, config.walk_m**2 * time_s, drift * config.scale_sd**2)
-        walk_rad2 = config.walk_rad**2 * time_s
-        self._bias.tell(excess[2], -time_s, turning.noise, walk_rad2, drift * config.bias_sd_radps**2)
+        self.is_needed = self.is_needed or (rough and turning.watched_s > config.watched_s)
+        if (known := config.calibration) is None:
+            return
+        drift = known.drift_share**2 * time_s
+        self._stretch.tell(excess[0], ahead, along.noise, known.walk_m**2 * time_s, drift * known.scale_sd**2)
+        self._bias.tell(excess[2], -time_s, turning.noise, known.walk_rad**2 * time_s, drift * known.bias_sd_radps**2)

@@ -5,19 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.egomotion.ground_plane import relative_pose
 from vpf_sim.types import Camera, Floats, Flow
-
-
-@dataclass(frozen=True, slots=True)
-class NoiseModel:
-    """How far a track may be off. Window noise follows the structure tensor; chaining adds to it frame by frame."""
-
-    grey_levels: float = 5.0  # noise of a pixel
-    floor_px: float = 0.1  # what texture cannot better
-    growth_s: float = 0.17  # the variance grows by its own size in this time
-    anisotropy: float = 0.04  # share of a tensor's large eigenvalue that is not trusted in the small one
-    pitch_rad: float = 0.0005  # standard deviation of the camera's pitch
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,23 +1,20 @@
-"""What does not move with the scene: spots on the glass before the camera."""
+"""Points on the windscreen: drops and dirt, which do not move with the scene."""
 
 import numpy as np
 
 from vpf_sim.geometry import rotation_flow
+from vpf_sim.perception.egomotion.config import WindscreenPointConfig
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.types import Bools, Camera, Floats
 
-STILL_PX = 0.6  # a spot on the glass is followed this exactly over its life, plus
-STILL_SHARE = 0.05  # this share of the motion that it lacks
-LEAST_PX = 4.0  # motion of the scene without which nothing can be told
-ABOVE_SHARE = 0.3  # of the road's motion, that scenery has as far above the horizon as the road lies below it
+ABOVE_SHARE = 0.3  # motion of scenery above the horizon over the road's motion as far below it
 
 
 def scene_motion(camera: Camera, points_px: Floats, past_pose: Floats, pose: Floats) -> tuple[Floats, Floats]:
-    """(N, 2) px each, how the car's way and its turn since the past poses (N, 3) have moved what stands far off.
+    """(N, 2) px each, the scene's image motion by translation and by rotation since the past poses (N, 3).
 
-    What is seen below the horizon is no farther than the road there, which the way moves so; what is nearer moves by a
-    multiple of it. Above the horizon scenery is taken to be nearer than three times the road that is seen as far below.
-    The turn moves everything alike.
+    Below the horizon the translation is that of the road, the farthest surface there; nearer points move by a multiple.
+    Above the horizon it is ABOVE_SHARE of the mirrored point's. The rotation does not depend on distance.
     """
     turn = pose[2] - past_pose[:, 2]
     horizon = camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)
@@ -30,7 +27,7 @@ def scene_motion(camera: Camera, points_px: Floats, past_pose: Floats, pose: Flo
 
 
 def least_motion(by_way_px: Floats, by_turn_px: Floats) -> Floats:
-    """(N,) px, how far scenery must have moved at least: there may be a nearness at which way and turn make up."""
+    """(N,) px, least image motion of scenery over all distances: translation and rotation may cancel."""
     square = np.sum(by_way_px**2, axis=1) + 1e-12
     times = np.maximum(1.0, -np.sum(by_way_px * by_turn_px, axis=1) / square)
     motion = by_turn_px + times[:, None] * by_way_px
@@ -38,13 +35,19 @@ def least_motion(by_way_px: Floats, by_turn_px: Floats) -> Floats:
     return least
 
 
-def stuck(camera: Camera, points_px: Floats, first_px: Floats, first_pose: Floats, pose: Floats) -> Bools:
-    """(N,) points that stayed where they were first seen (N, 2), though the car has moved on since (N, 3).
+def stuck(
+    camera: Camera,
+    points_px: Floats,
+    first_px: Floats,
+    first_pose: Floats,
+    pose: Floats,
+    config: WindscreenPointConfig,
+) -> Bools:
+    """(N,) points that stayed at their first observation (N, 2) while the vehicle moved since its pose then (N, 3).
 
-    Drops, dirt and the hood's mirror image in the glass do so, for they ride along. So does a body that drives ahead
-    at the car's own speed: no flow tells the two apart.
+    Flow cannot separate drops and dirt from a vehicle that drives ahead at the same speed.
     """
     expected = least_motion(*scene_motion(camera, points_px, first_pose, pose))
     moved = np.hypot(points_px[:, 0] - first_px[:, 0], points_px[:, 1] - first_px[:, 1])
-    still: Bools = (expected > LEAST_PX) & (moved < STILL_PX + STILL_SHARE * expected)
+    still: Bools = (expected > config.least_px) & (moved < config.still_px + config.still_share * expected)
     return still

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass, field
 
-from vpf_sim.perception.egomotion.triangulation import NoiseModel
+from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistencyConfig
 from vpf_sim.perception.obstacles.low_obstacles import LowObstacleConfig
 from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig
 from vpf_sim.perception.obstacles.track_refinement import RefinementConfig
-from vpf_sim.perception.road.occlusion import OcclusionConfig
+from vpf_sim.perception.road.config import OcclusionConfig
 
 
 @dataclass(frozen=True, slots=True)

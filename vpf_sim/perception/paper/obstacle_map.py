@@ -1,51 +1,15 @@
 """The paper's obstacle map O_t: which points stand out from the road, as a smoothed binary plane (section III-C)."""
 
-from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Literal
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
-from vpf_sim.perception.paper.obstacle_region import RegionConfig, Surroundings, inside
+from vpf_sim.perception.paper.config import ObstacleMapConfig
+from vpf_sim.perception.paper.obstacle_region import Surroundings, inside
 from vpf_sim.types import Bools, Camera, Floats, Flow, ObstacleMap
-
-
-@dataclass(frozen=True, slots=True)
-class ObstacleMapConfig:
-    """`otsu_flow`: literal reading; `otsu_residual`: the cited source's dominant plane; `absolute`: robust."""
-
-    method: Literal["otsu_flow", "otsu_residual", "absolute"] = "absolute"
-    reduction: int = 8
-    disc_px: float = 16.0  # a point marks a disc of this radius
-    sigma_px: float | None = (
-        80.0  # of the Gaussian, in px of the full image; the paper: half the width; None: no gradient
-    )
-    normalisation: Literal["as_printed", "proper"] = "proper"
-    noise_px: float = 0.1  # standard deviation of a displacement
-    ratio: float = 0.1  # of the road's flow, that the residual must exceed as well
-    above_horizon_px: float | None = None  # points higher than this do not count; None: the full frame
-    min_points: int = 1  # marked points that a cluster needs
-    weight: Literal["none", "ttc"] = "none"  # of a point in G * O: 1, or 1 - TTC / the horizon
-    horizon_s: float = 5.0  # as printed for the road field
-    region: RegionConfig = field(default_factory=RegionConfig)
-
-    def __post_init__(self) -> None:
-        if self.method not in ("otsu_flow", "otsu_residual", "absolute"):
-            raise ValueError(f"method: expected otsu_flow, otsu_residual or absolute, got '{self.method}'")
-        if self.normalisation not in ("as_printed", "proper"):
-            raise ValueError(f"normalisation: expected as_printed or proper, got '{self.normalisation}'")
-        if self.reduction < 1 or (self.sigma_px is not None and self.sigma_px <= 0.0) or self.disc_px <= 0.0:
-            raise ValueError("reduction, sigma_px, disc_px: expected > 0")
-        if not self.horizon_s > 0.0:
-            raise ValueError(f"horizon_s: expected > 0, got {self.horizon_s}")
-
-    @property
-    def needs_surroundings(self) -> bool:
-        """Whether the road, the speed or the points' time to contact decide anything."""
-        return self.weight != "none" or self.region.shape != "full_frame"
 
 
 def otsu(values: Floats) -> float:
@@ -72,7 +36,7 @@ def on_obstacle(flow: Flow, camera: Camera, config: ObstacleMapConfig, around: S
     if config.above_horizon_px is not None:
         horizon = camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)
         candidates = candidates & (flow.points_px[:, 1] > horizon - config.above_horizon_px)
-    if around is not None:
+    if around is not None and config.region is not None:
         candidates = candidates & inside(flow.points_px, camera, around, config.region)
     if config.method == "otsu_flow":
         size = np.hypot(*flow.displacement_px.T)

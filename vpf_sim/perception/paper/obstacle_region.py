@@ -6,35 +6,11 @@ the image". It prints a horizon of 5 s, 27.5 m at 20 km/h, for its road field. `
 
 from dataclasses import dataclass, field
 from math import tan
-from typing import Literal
 
 import numpy as np
 
+from vpf_sim.perception.paper.config import RegionConfig
 from vpf_sim.types import Bools, Camera, Floats, RoadEdges
-
-Shape = Literal["full_frame", "below_horizon", "road_corridor", "horizon_corridor"]
-
-
-@dataclass(frozen=True, slots=True)
-class RegionConfig:
-    """`road_corridor`: what stands between the edges of the road; `horizon_corridor`: within `reach_m` of it."""
-
-    shape: Shape = "full_frame"
-    margin_m: float = 1.0  # inside the edges; points beside the road are placed with errors of that size
-    near_m: float = 2.0  # least depth, from the camera
-    reach_m: float = 27.5  # largest depth: 5 s at 20 km/h, as printed
-    height_m: tuple[float, float] = (0.2, 2.5)  # above the road
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.near_m < self.reach_m:
-            raise ValueError(f"near_m, reach_m: expected 0 < near_m < reach_m, got {self.near_m}, {self.reach_m}")
-        if not self.height_m[0] < self.height_m[1]:
-            raise ValueError(f"height_m: expected the lower limit first, got {list(self.height_m)}")
-
-    @property
-    def needs_depth(self) -> bool:
-        """Whether the time to contact of the points decides."""
-        return self.shape in ("road_corridor", "horizon_corridor")
 
 
 @dataclass(frozen=True, slots=True)

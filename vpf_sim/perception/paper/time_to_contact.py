@@ -1,28 +1,13 @@
 """Time to contact (TTC) of image points: depth / closing speed, from the flow alone (paper, section III-B)."""
 
-from dataclasses import dataclass
-from typing import Literal
-
 import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotate, derotated
+from vpf_sim.perception.paper.config import ContactConfig
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 Labels = NDArray[np.int64]
-
-
-@dataclass(frozen=True, slots=True)
-class ContactConfig:
-    method: Literal["as_printed", "robust"] = "robust"
-    floor_px: float = 0.05  # motions below it say nothing
-    cap_s: float = 20.0  # longest time that is told apart from never
-
-    def __post_init__(self) -> None:
-        if self.method not in ("as_printed", "robust"):
-            raise ValueError(f"method: expected as_printed or robust, got '{self.method}'")
-        if self.floor_px <= 0.0 or self.cap_s <= 0.0:
-            raise ValueError(f"floor_px, cap_s: expected > 0, got {self.floor_px}, {self.cap_s}")
 
 
 def as_printed(flow: Flow, expansion: Expansion, config: ContactConfig) -> Floats:
@@ -49,16 +34,16 @@ def _radial(flow: Flow, turned: Derotated, expansion: Expansion, config: Contact
     return np.where(ttc > config.cap_s, np.inf, ttc)
 
 
-def of_clusters(flow: Flow, camera: Camera, labels: Labels, config: ContactConfig, least: int = 3) -> Floats:
+def of_clusters(flow: Flow, camera: Camera, labels: Labels, config: ContactConfig) -> Floats:
     """(K,) s by the expansion of each cluster: d = (p - c) s fitted over its points, TTC = T (1 - s) / s (METHOD A5).
 
     `labels` (N,) counts clusters from 0; -1 is none. The centre c is fitted too, so that a cluster needs no FOE and
-    may move. Clusters of fewer than `least` points are inf.
+    may move. Clusters of too few points are inf.
     """
-    return _of_clusters(flow, derotate(flow, camera), labels, config, least)
+    return _of_clusters(flow, derotate(flow, camera), labels, config)
 
 
-def _of_clusters(flow: Flow, displacement_px: Floats, labels: Labels, config: ContactConfig, least: int = 3) -> Floats:
+def _of_clusters(flow: Flow, displacement_px: Floats, labels: Labels, config: ContactConfig) -> Floats:
     count = int(labels.max(initial=-1)) + 1
     chosen = (labels >= 0) & (flow.gap_s > 0.0)
     label, gap = labels[chosen], flow.gap_s[chosen]
@@ -79,7 +64,7 @@ def _of_clusters(flow: Flow, displacement_px: Floats, labels: Labels, config: Co
     growth = np.bincount(label, np.sum(p * v, axis=1), count) / np.maximum(spread, 1e-9)
     window = np.bincount(label, gap, count) / np.maximum(size, 1)
     with np.errstate(divide="ignore"):
-        ttc = np.where((growth > 0.0) & (size >= least) & (spread > 1.0), 1.0 / growth - window, np.inf)
+        ttc = np.where((growth > 0.0) & (size >= config.least_points) & (spread > 1.0), 1.0 / growth - window, np.inf)
     return np.where(ttc > config.cap_s, np.inf, np.maximum(ttc, 0.0))
 
 

@@ -11,36 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.config import GroundConfig, HypothesesConfig
 from vpf_sim.perception.road.line_type import DashDutyCycle
 from vpf_sim.perception.road.markings import RidgeMap, sight
 from vpf_sim.perception.road.model import WIDTH, seen_places
 from vpf_sim.types import Bools, Floats, Image, Integers
 
 SOLID, DASHED, NONE = 0, 1, 2
-# Share of the length on which a line of each kind is seen: mean and standard deviation. A body may hide any of it.
-SHARES = np.array([[0.92, 0.12], [0.34, 0.12], [0.02, 0.06]])
-# Share of its length over which a line of each kind is painted.
-DUTIES = np.array([[0.92, 0.14], [0.37, 0.10]])
-# How much of its marks a road shows: wear, drops on the glass and bright water hide them on all lines alike.
-PRESENCES = np.array([1.0, 0.75, 0.55])
-SURPRISE = float(np.log(0.03))  # the least that one line can say, natural logarithm
-HIDDEN = float(np.log(0.15))  # the least that a line can say by not being seen: something may stand before it
-LEAST_LENGTH_M = 8.0  # of road in view, below which a line or a strip says nothing
-LIKE_LEVELS = 14.0  # difference of colour at which ground is as likely another surface as the same
-HUE_LEVELS = 8.0  # the same of its hue, brightness apart: water mirrors the bright and the dark, but hardly a meadow
-NEAR_M = 8.0  # of the own lane, whose hue the ground is compared with: hardly a body or its mirror image is there
-FORGET = 0.85  # of the evidence, kept from one judgement to the next
-WEIGHT = 0.7  # of one judgement's evidence: what is seen in the next is mostly the same road
-GROUND = 0.6  # weight of the ground beside that of the lines: on a wet road it has the colours of what it mirrors
-LINE_REACH_M = 0.2
 MOST_LANES = 6
-UNLIKELY = float(np.log(0.02))  # of every other number of lanes, against the likely one
-UNLIKELY_LANE = float(np.log(0.2))  # of having begun in another lane
-SWITCH = float(np.log(0.97 / 0.03))  # by which other edges must be likelier, lasting, to be taken
-# Edges are left for others that have been likelier for this share of the time they were followed, at most so many
-# judgements: a frame's lines and ground stay in view for seconds, so judgements repeat each other's errors.
-LASTING_SHARE, LASTING_MOST = 0.5, 40
-BESIDE_M = 0.5  # the pose is believed to be on the carriageway, or as near to it as this
 
 
 def _all_edges() -> Integers:
@@ -80,18 +58,20 @@ class CarriagewayHypotheses:
     prior: Floats  # (H,)
     log_odds: Floats  # (H,) of the evidence
     believed: int  # index in EDGES
-    duty: DashDutyCycle
+    config: HypothesesConfig
+    duty: DashDutyCycle | None
     agreement: float | None = None  # 0 .. 1, how much of the expected lines is seen, lately; None: nothing judged
     followed: int = 0  # judgements since these edges were taken
     rival: int | None = None  # hypothesis that is likelier now, None: none is
     led: int = 0  # judgements in a row in which it was
 
     @classmethod
-    def start(cls, lanes: int, lane: int) -> "CarriagewayHypotheses":
+    def start(cls, lanes: int, lane: int, config: HypothesesConfig) -> "CarriagewayHypotheses":
         """Before any evidence: so many lanes, and the road was found in this one, counted from the right."""
-        prior = np.where(EDGES[:, 1] - EDGES[:, 0] == lanes, 0.0, UNLIKELY)
-        prior += np.where(EDGES[:, 1] == lane, 0.0, UNLIKELY_LANE)
-        return cls(prior, np.zeros(len(EDGES)), _index_of(lane - lanes, lane), DashDutyCycle.start(len(NUMBERS)))
+        prior = np.where(EDGES[:, 1] - EDGES[:, 0] == lanes, 0.0, np.log(config.other_lanes))
+        prior += np.where(EDGES[:, 1] == lane, 0.0, np.log(config.other_lane))
+        duty = DashDutyCycle.start(len(NUMBERS), config.duty) if config.duty else None
+        return cls(prior, np.zeros(len(EDGES)), _index_of(lane - lanes, lane), config, duty)
 
     @property
     def edges(self) -> tuple[int, int]:
@@ -107,7 +87,7 @@ class CarriagewayHypotheses:
 
     def probabilities(self, state: Floats) -> Floats:
         """(H,) of the hypotheses."""
-        place, margin = state[0] / state[WIDTH], BESIDE_M / state[WIDTH]
+        place, margin = state[0] / state[WIDTH], self.config.beside_m / state[WIDTH]
         possible = (place > EDGES[:, 0] - margin) & (place < EDGES[:, 1] + margin)
         if not possible.any():
             return np.full(len(EDGES), 1.0 / len(EDGES))
@@ -125,12 +105,14 @@ class CarriagewayHypotheses:
         colour_view: BirdsEye,
     ) -> None:
         """Take in one frame, and other edges if they are likelier beyond doubt, and go on to be."""
-        ground = _ground_evidence(state, ridges, view, colour, colour_view)
-        evidence = self._line_evidence(state, travelled_m, ridges, view) + ground
-        self.log_odds = FORGET * self.log_odds + WEIGHT * (evidence - evidence.max())
+        config, evidence = self.config, self._line_evidence(state, travelled_m, ridges, view)
+        if config.ground is not None:
+            least_m = config.least_length_m
+            evidence = evidence + _ground_evidence(state, ridges, view, colour, colour_view, config.ground, least_m)
+        self.log_odds = config.kept * self.log_odds + config.weight * (evidence - evidence.max())
         likely = self.probabilities(state)
         best = int(np.argmax(likely))
-        certain = likely[best] > np.exp(SWITCH) * likely[self.believed]
+        certain = likely[best] > config.switch_odds * likely[self.believed]
         if self.is_lasting(best if certain else None):
             self.believed = best
             self.agreement, self.followed, self.rival, self.led = None, 0, None, 0
@@ -140,31 +122,39 @@ class CarriagewayHypotheses:
         self.followed += 1
         self.led = self.led + 1 if rival == self.rival else 1
         self.rival = rival
-        return rival is not None and self.led >= min(LASTING_SHARE * self.followed, LASTING_MOST)
+        lasting = self.config.lasting
+        return rival is not None and (lasting is None or self.led >= min(lasting.share * self.followed, lasting.most))
 
     def _line_evidence(self, state: Floats, travelled_m: float, ridges: RidgeMap, view: BirdsEye) -> Floats:
         """(H,) by the kinds of the lines."""
         right, reached = seen_places(state, NUMBERS, view.forward_m, view.camera)
         columns, inside = view.columns(right, reached)
         visible = inside & ridges.visible[np.arange(len(view.forward_m)), columns]
-        found = sight(ridges, view, right, visible, NUMBERS, LINE_REACH_M, np.zeros(len(view.forward_m)))
+        found = sight(ridges, view, right, visible, NUMBERS, self.config.line_reach_m, np.zeros(len(view.forward_m)))
         length = visible @ view.length_m
         share = (found.seen @ view.length_m) / np.maximum(length, 1e-9)
-        known = length >= LEAST_LENGTH_M
+        config = self.config
+        known = length >= config.least_length_m
         self._compare(share, known)
-        mean, sigma = PRESENCES[:, None] * SHARES[:, 0], SHARES[:, 1]
+        mean = np.array(config.presences)[:, None] * [config.solid_share, config.dashed_share, config.absent_share]
+        sigma = np.array([config.solid_sd, config.dashed_sd, config.absent_sd])
         says = -0.5 * ((share[:, None, None] - mean) / sigma) ** 2 - np.log(sigma / sigma.max())
-        least: Floats = np.asarray(np.where(share < 0.1, HIDDEN, SURPRISE), np.float64)
+        least: Floats = np.asarray(
+            np.where(share < config.hidden_share, np.log(config.hidden), np.log(config.surprise)), np.float64
+        )
         says = np.maximum(says - says.max(axis=(1, 2), keepdims=True), least[:, None, None])
         says = np.where(known[:, None, None], says, 0.0)
-        self.duty.look(ridges.response, view, right, visible, travelled_m)
-        says = self._by_duty(says)
+        if self.duty is not None:
+            self.duty.look(ridges.response, view, right, visible, travelled_m)
+            says = self._by_duty(says, self.duty)
         return np.asarray(says[np.arange(len(NUMBERS)), :, KINDS].sum(axis=1).max(axis=1))
 
-    def _by_duty(self, says: Floats) -> Floats:
+    def _by_duty(self, says: Floats, lines: DashDutyCycle) -> Floats:
         """(L, presences, kinds) the evidence, where solid or dashed is told by the gaps, once they are known."""
-        duty, known = self.duty.duty()
-        gaps = np.maximum(-0.5 * ((duty[:, None] - DUTIES[:, 0]) / DUTIES[:, 1]) ** 2, SURPRISE)
+        duty, known = lines.duty()
+        mean = np.array([lines.config.solid_share, lines.config.dashed_share])
+        sigma = np.array([lines.config.solid_sd, lines.config.dashed_sd])
+        gaps = np.maximum(-0.5 * ((duty[:, None] - mean) / sigma) ** 2, np.log(self.config.surprise))
         gaps -= gaps.max(axis=1, keepdims=True)
         told = says.copy()
         told[..., [SOLID, DASHED]] = says[..., [SOLID, DASHED]].max(axis=-1, keepdims=True) + gaps[:, None]
@@ -176,8 +166,16 @@ class CarriagewayHypotheses:
         counts = known & (kinds != NONE)
         if not counts.any():
             return
-        now = float(np.mean(np.minimum(share[counts] / SHARES[kinds[counts], 0], 1.0)))
-        self.agreement = now if self.agreement is None else FORGET * self.agreement + (1.0 - FORGET) * now
+        now = float(
+            np.mean(
+                np.minimum(
+                    share[counts] / np.array([self.config.solid_share, self.config.dashed_share])[kinds[counts]], 1.0
+                )
+            )
+        )
+        self.agreement = (
+            now if self.agreement is None else self.config.kept * self.agreement + (1.0 - self.config.kept) * now
+        )
 
 
 def _index_of(left: int, right: int) -> int:
@@ -185,18 +183,36 @@ def _index_of(left: int, right: int) -> int:
     return edges.index([left, right])
 
 
-def _ground_evidence(state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye) -> Floats:
+def _ground_evidence(
+    state: Floats,
+    ridges: RidgeMap,
+    view: BirdsEye,
+    colour: Image,
+    colour_view: BirdsEye,
+    config: GroundConfig,
+    least_length_m: float,
+) -> Floats:
     """(H,) by the ground between the lines."""
-    unlike, unlike_hue, known = _unlike_own_lane(state, ridges, view, colour, colour_view)
-    like = 1.0 / (1.0 + (unlike / LIKE_LEVELS) ** 4)
-    like_hue = 1.0 / (1.0 + (unlike_hue / HUE_LEVELS) ** 4)
-    says_road = np.where(known, GROUND * np.log(0.05 + 0.95 * like) + np.log(0.05 + 0.95 * like_hue), 0.0)
-    says_verge = np.where(known, GROUND * np.log(0.35 + 0.65 * (1.0 - like)), 0.0)
+    unlike, unlike_hue, known = _unlike_own_lane(state, ridges, view, colour, colour_view, config, least_length_m)
+    road, verge = config.least_road, config.least_verge
+    like = 1.0 / (1.0 + (unlike / config.unlike_levels) ** 4)
+    of_road = config.weight * np.log(road + (1.0 - road) * like)
+    if config.hue is not None:
+        like_hue = 1.0 / (1.0 + (unlike_hue / config.hue.unlike_levels) ** 4)
+        of_road = of_road + np.log(road + (1.0 - road) * like_hue)
+    says_road = np.where(known, of_road, 0.0)
+    says_verge = np.where(known, config.weight * np.log(verge + (1.0 - verge) * (1.0 - like)), 0.0)
     return np.asarray(np.where(ON_ROAD, says_road, says_verge).sum(axis=1))
 
 
 def _unlike_own_lane(
-    state: Floats, ridges: RidgeMap, view: BirdsEye, colour: Image, colour_view: BirdsEye
+    state: Floats,
+    ridges: RidgeMap,
+    view: BirdsEye,
+    colour: Image,
+    colour_view: BirdsEye,
+    config: GroundConfig,
+    least_length_m: float,
 ) -> tuple[Floats, Floats, Bools]:
     """(strips,) levels by which colour and hue differ from those of the ego's own lane, and whether they are known.
 
@@ -215,11 +231,13 @@ def _unlike_own_lane(
     reference = np.sum(sample[own] * weight[own], axis=0) / np.maximum(weight[own].sum(axis=0), 1e-9)  # (rows, 3)
     weight = weight * (weight[own].sum(axis=0) > 0)
     known = weight[..., 0] > 0.0
-    enough = weight.sum(axis=(1, 2))[:, 0] >= 3.0 * LEAST_LENGTH_M
+    enough = weight.sum(axis=(1, 2))[:, 0] >= 3.0 * least_length_m
     difference = np.where(known[..., None], sample - reference, np.nan).reshape(len(STRIPS), -1, 3)
     unlike = np.zeros(len(STRIPS))
-    unlike[enough] = np.linalg.norm(_median(difference[enough]), axis=1)
-    return unlike, _unlike_in_hue(sample, known, own, colour_view.forward_m < NEAR_M, enough), enough
+    unlike[enough] = np.linalg.norm(median_of_known(difference[enough]), axis=1)
+    if config.hue is None:
+        return unlike, np.zeros(len(STRIPS)), enough
+    return unlike, _unlike_in_hue(sample, known, own, colour_view.forward_m < config.hue.near_m, enough), enough
 
 
 def _unlike_in_hue(sample: Floats, known: Bools, own: int, near: Bools, enough: Bools) -> Floats:
@@ -232,12 +250,12 @@ def _unlike_in_hue(sample: Floats, known: Bools, own: int, near: Bools, enough: 
     reference = reference[np.isfinite(reference[:, 0])]
     unlike = np.zeros(len(STRIPS))
     if len(reference) and enough.any():
-        median = _median(hue.reshape(len(STRIPS), -1, 3)[enough])
+        median = median_of_known(hue.reshape(len(STRIPS), -1, 3)[enough])
         unlike[enough] = np.linalg.norm(median - np.median(reference, axis=0), axis=1)
     return unlike
 
 
-def _median(samples: Floats) -> Floats:
+def median_of_known(samples: Floats) -> Floats:
     """(S, 3) medians of S sets of samples (S, n, 3), nan left out; each has some. `np.nanmedian` takes far longer."""
     ordered = np.sort(samples, axis=1)  # nan comes last
     known = np.count_nonzero(np.isfinite(samples), axis=1, keepdims=True)

@@ -8,16 +8,9 @@ from numpy.typing import NDArray
 
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.config import CombConfig
 from vpf_sim.perception.road.state_filter import Sightings
 from vpf_sim.types import Bools, Camera, Floats, Image, Integers
-
-CENTROID_M = 0.15  # about the strongest response, to this far on both sides
-HEADINGS_RAD = np.radians(np.arange(-12.0, 12.01, 0.6))
-CURVATURES = np.arange(-0.02, 0.0201, 0.00125)
-COMB_REACH_M = 26.0  # rows ahead that take part in the first search
-UNLIKELY_PER_M = 0.5  # lines that a width off the likely one must explain more,
-UNLIKELY_PER_RAD = 2.0  # and a direction,
-UNLIKELY_M = 10.0  # and a curvature, times so much
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +19,8 @@ class RidgeMap:
 
     response: Image  # (rows, columns)
     threshold: float  # grey levels
-    visible: Bools  # (rows, columns) in the frame and not hidden by a body
+    visible: Bools  # (rows, columns) in the frame and not hidden by an obstacle
+    centroid_m: float  # about the strongest response, whose centroid is the line
 
 
 def noise_threshold(response: Image, least: float) -> float:
@@ -54,7 +48,7 @@ def sight(
     index = (row * ridges.response.shape[1] + centre)[..., None] + window
     response = ridges.response.ravel().take(index)
     peak, height = response.argmax(axis=-1), response.max(axis=-1)
-    near = np.abs(window[:, None] - window) <= round(CENTROID_M / view.column_m)  # each column to the others
+    near = np.abs(window[:, None] - window) <= round(ridges.centroid_m / view.column_m)  # each column to the others
     mass = response * near.take(peak, axis=0)
     # Whole numbers, which floats hold: the products are exact in any order.
     sums = mass.astype(np.float32) @ np.stack([np.ones(len(window)), window], axis=1).astype(np.float32)
@@ -78,10 +72,10 @@ def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_p
     return variance
 
 
-def explained(ridges: RidgeMap, view: BirdsEye, right_m: Floats, reached: Bools) -> float:
+def explained(ridges: RidgeMap, view: BirdsEye, right_m: Floats, reached: Bools, reach_m: float) -> float:
     """How many lines' worth of the ridges lie at these places of lines (L, R), where they reach the row: as `comb`
     counts them, but for the ridges between the lines."""
-    rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
+    rows = np.flatnonzero(view.forward_m < reach_m)
     bright = cv2.dilate(_bright(ridges, rows), np.ones((1, 3), np.uint8))  # a column aside is as near as a line is told
     columns, inside = view.columns(right_m[:, rows], reached[:, rows])
     return float((bright[np.arange(len(rows)), columns] * inside).sum()) / len(rows)
@@ -92,9 +86,10 @@ def comb(
     view: BirdsEye,
     widths_m: Floats,
     likely_m: float,
+    config: CombConfig,
     likely_rad: float = 0.0,
-    headings_rad: Floats = HEADINGS_RAD,
-    unlikely_per_m: float = UNLIKELY_PER_M,
+    headings_rad: Floats | None = None,
+    unlikely_per_m: float = 0.0,
 ) -> tuple[float, Floats]:
     """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
 
@@ -104,13 +99,14 @@ def comb(
     one is taken unless another explains more, and the straight road: a single line fits any width, and mirror images
     lie askew.
     """
-    rows = np.flatnonzero(view.forward_m < COMB_REACH_M)
+    rows = np.flatnonzero(view.forward_m < config.reach_m)
+    headings = config.headings_rad if headings_rad is None else headings_rad
     fine = _bright(ridges, rows)
     bright = np.maximum(fine[:, 0:-1:2], fine[:, 1::2])
     column_m = 2.0 * view.column_m
-    heading, curvature = (grid.ravel() for grid in np.meshgrid(headings_rad, CURVATURES, indexing="ij"))
+    heading, curvature = (grid.ravel() for grid in np.meshgrid(headings, config.curvatures_per_m, indexing="ij"))
     straight = _straightened(bright, view.forward_m[rows], column_m, heading, curvature)
-    unlikely = UNLIKELY_PER_RAD * np.abs(heading - likely_rad) + UNLIKELY_M * np.abs(curvature)
+    unlikely = config.unlikely_per_rad * np.abs(heading - likely_rad) + config.unlikely_m * np.abs(curvature)
     best, road = -np.inf, np.zeros(4)
     for width_m in widths_m.tolist():
         score, i, tooth = _best_tooth(straight, width_m / column_m, unlikely)

@@ -1,37 +1,59 @@
-"""Another road than the one that is followed, which explains more of a frame's ridges.
+"""Another road than the tracked one, which explains more of a frame's ridges.
 
-Whoever is led away along a mirror image is soon as sure as he is wrong, and looks for lines about wrong places only. So
-a followed road is compared, from time to time, with the best one found from scratch.
+A filter that follows a reflection becomes certain of it and searches only there. So the tracked road is compared with
+the best one found from scratch.
 """
 
 import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.config import RelocalisationConfig, RoadEdgeConfig, headings_rad
 from vpf_sim.perception.road.markings import RidgeMap, comb, explained
 from vpf_sim.perception.road.model import PITCH, WIDTH, seen_places, state_of
 from vpf_sim.types import Floats
 
-HEADINGS_RAD = np.radians(np.arange(-3.0, 3.01, 0.6))  # about that of the followed road: the own motion tells it well
-MORE_LINES = 0.15  # by which a rival must explain more
 
+class Relocalisation:
+    """Finds a road that explains more lines than the tracked one in consecutive searches."""
 
-def rival_of(state: Floats, ridges: RidgeMap, view: BirdsEye, numbers: Floats, least_comb: float) -> Floats | None:
-    """(8,) the state of the road, as wide as the followed one's and about in its direction, that explains more.
+    def __init__(self, config: RelocalisationConfig, road: RoadEdgeConfig) -> None:
+        self._config = config
+        self._road = road
+        self._outdone = 0  # consecutive searches that found such a road
 
-    `numbers` (L,) are of the lines of both; None where no road reaches the score `least_comb`, or none explains more.
-    """
-    place, heading, width = (float(state[i]) for i in (0, 1, WIDTH))
-    score, (y, direction, curvature, _) = comb(ridges, view, np.array([width]), width, heading, heading + HEADINGS_RAD)
-    if score < least_comb:
-        return None
-    rival = state_of(y + width * round((place - y) / width), direction, curvature, width)
-    rival[PITCH] = state[PITCH]
-    return rival if outdoes(rival, state, ridges, view, numbers) else None
+    def search(
+        self, state: Floats, agreement: float, ridges: RidgeMap, view: BirdsEye, numbers: Floats
+    ) -> Floats | None:
+        """(8,) the state of the other road once it lasts; `agreement` is the tracked road's share of visible lines."""
+        config = self._config
+        sure = agreement > config.sure_agreement or abs(state[1]) > config.straight_rad
+        rival = None if sure else self.rival_of(state, ridges, view, numbers)
+        self._outdone = 0 if rival is None else self._outdone + 1
+        if self._outdone < config.searches:
+            return None
+        self._outdone = 0
+        return rival
 
+    def rival_of(self, state: Floats, ridges: RidgeMap, view: BirdsEye, numbers: Floats) -> Floats | None:
+        """(8,) the state of a road of the same width and nearly the same heading that explains more, or None.
 
-def outdoes(rival: Floats, state: Floats, ridges: RidgeMap, view: BirdsEye, numbers: Floats) -> bool:
-    """Whether the lines of one road explain clearly more of the ridges than those of another."""
-    more, less = (
-        explained(ridges, view, *seen_places(of, numbers, view.forward_m, view.camera)) for of in (rival, state)
-    )
-    return more > less + MORE_LINES
+        `numbers` (L,) are those of the lines of both roads.
+        """
+        place, heading, width = (float(state[i]) for i in (0, 1, WIDTH))
+        around = heading + headings_rad(self._config.heading_limit_deg, self._config.heading_step_deg)
+        widths = np.array([width])
+        score, (y, direction, curvature, _) = comb(ridges, view, widths, width, self._road.comb, heading, around)
+        if score < self._road.least_comb:
+            return None
+        rival = state_of(y + width * round((place - y) / width), direction, curvature, width)
+        rival[PITCH] = state[PITCH]
+        return rival if self.outdoes(rival, state, ridges, view, numbers) else None
+
+    def outdoes(self, rival: Floats, state: Floats, ridges: RidgeMap, view: BirdsEye, numbers: Floats) -> bool:
+        """Whether the lines of one road explain clearly more of the ridges than those of another."""
+        reach_m = self._road.comb.reach_m
+        more, less = (
+            explained(ridges, view, *seen_places(of, numbers, view.forward_m, view.camera), reach_m)
+            for of in (rival, state)
+        )
+        return more > less + self._config.more_lines

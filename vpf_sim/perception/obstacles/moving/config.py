@@ -1,7 +1,7 @@
 """Settings of the moving-object tracker. A section that may be None is a mechanism that a variant can switch off."""
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.perception.egomotion.triangulation import NoiseModel
+from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarmConfig
 from vpf_sim.perception.obstacles.moving.filter_config import FilterConfig
 

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.egomotion.ground_plane import past_image
-from vpf_sim.perception.egomotion.triangulation import NoiseModel, information
+from vpf_sim.perception.egomotion.triangulation import information
 from vpf_sim.types import Camera, Floats, Flow
 
 STEP_MPS = 0.1  # of the numerical derivatives

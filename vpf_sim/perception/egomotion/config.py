@@ -1,0 +1,246 @@
+"""Settings of optical flow, focus of expansion, camera pitch and odometry."""
+
+from typing import Literal
+
+from vpf_sim.configuration import setting, settings
+
+
+@settings
+class NoiseModel:
+    """Noise of a track: the window's follows the structure tensor, chaining adds to it frame by frame."""
+
+    grey_levels: float = setting("noise of a pixel", default=5.0, ge=0.0)
+    floor_px: float = setting("noise that texture cannot reduce", default=0.1, ge=0.0)
+    growth_s: float = setting("in which the variance grows by its initial value", default=0.17, gt=0.0)
+    anisotropy: float = setting(
+        "share of a tensor's large eigenvalue that is subtracted from the small one", default=0.04, ge=0.0
+    )
+    pitch_rad: float = setting("standard deviation of the camera's pitch", default=0.0005, ge=0.0)
+
+
+@settings
+class Band:
+    """A strip of the image with its own share of the corners, so that one strong edge does not starve the far road."""
+
+    top: float = setting("tangent of the angle below the horizon")
+    bottom: float = setting("tangent of the angle below the horizon")
+    share: float = setting("of all points", gt=0.0, le=1.0)
+
+
+@settings
+class CornerTestConfig:
+    texture_floor: float = setting("least small eigenvalue of the structure tensor, grey levels^2 / px^2", ge=0.0)
+    corner_ratio: float = setting("least ratio of the small to the large eigenvalue", ge=0.0, lt=1.0)
+
+
+@settings
+class ForwardBackwardConfig:
+    limit_px: float = setting("largest distance after tracking back", gt=0.0)
+
+
+@settings
+class WiperConfig:
+    hold_s: float = setting("longest time for which a covered point is predicted and searched for", gt=0.0)
+    swept_share: float = setting("share of the points that must jump in one frame", gt=0.0, lt=1.0)
+    swept_least: int = setting("least number of points that must jump in one frame", ge=1)
+    covered_levels: float = setting("mean difference of the window from which a point is covered", gt=0.0)
+    covered_ratio: float = setting("the same as a multiple of the median difference", gt=1.0)
+
+
+@settings
+class WindscreenPointConfig:
+    still_px: float = setting("largest motion of a windscreen point over its life, plus", gt=0.0)
+    still_share: float = setting("this share of the scene's motion", ge=0.0)
+    least_px: float = setting("least motion of the scene for a decision", gt=0.0)
+    loose_px: float = setting("motion in a window that frees a point", gt=0.0)
+
+
+@settings
+class SettledPointConfig:
+    kept_share: float = setting("share of a band that old points may fill", gt=0.0, le=1.0)
+    age_windows: int = setting("age of an old point in windows", ge=1)
+    residual_px: float = setting("largest residual to the road's flow of a settled point, plus", ge=0.0)
+    residual_share: float = setting("this share of the road's flow", ge=0.0)
+
+
+@settings
+class FlowConfig:
+    """How corners are detected and tracked."""
+
+    period_s: float = setting("between two tracked frames; the frames between are predicted by odometry", ge=0.0)
+    window_px: int = setting("side of the Lucas-Kanade window, odd", ge=3)
+    epsilon_px: float = setting("step at which Lucas-Kanade stops", gt=0.0)
+    iterations: int = setting("most iterations of Lucas-Kanade", ge=1)
+    window_s: float = setting("over which frames are chained", gt=0.0)
+    points: int = setting("tracked at most", ge=8)
+    quality: float = setting("least Shi-Tomasi response as a share of the best", gt=0.0, lt=1.0)
+    min_distance_px: float = setting("between two points", gt=0.0)
+    block_px: int = setting("side of the Shi-Tomasi window", ge=1)
+    detect_period_s: float = setting("between two searches of a band for corners", gt=0.0)
+    reach_px_per_s: float = setting("fastest motion that is tracked", gt=0.0)
+    max_level: int | None = setting("pyramid levels; none: as many as `reach_px_per_s` needs", default=None, ge=0)
+    bands: tuple[Band, ...] | None = setting(
+        "spread the points over strips of the image; none: one strip, the whole image", default=None, min_length=1
+    )
+    corner_test: CornerTestConfig | None = setting(
+        "drop points on edges and in weak texture, where Lucas-Kanade slides", default=None
+    )
+    forward_backward: ForwardBackwardConfig | None = setting(
+        "once a detection period, drop points that do not return when they are tracked back", default=None
+    )
+    wiper: WiperConfig | None = setting(
+        "predict points that a wiper covers and search for them afterwards", default=None
+    )
+    windscreen_points: WindscreenPointConfig | None = setting(
+        "mark points that do not move with the scene: drops and dirt on the windscreen", default=None
+    )
+    settled_points: SettledPointConfig | None = setting(
+        "drop old points that fit the flat road, so that new corners are detected", default=None
+    )
+    keyframe_s: float | None = setting(
+        "renew a point's first observation: it is between this and twice this old; none: keep the first",
+        default=None,
+        gt=0.0,
+    )
+
+    def __post_init__(self) -> None:
+        if self.window_px % 2 == 0:
+            raise ValueError(f"window_px: expected an odd number, got {self.window_px}")
+        if self.period_s > self.window_s:
+            raise ValueError(f"period_s: expected <= window_s = {self.window_s}, got {self.period_s}")
+
+
+@settings
+class DirectionPriorConfig:
+    side_sd_rad: float = setting("standard deviation of the direction of motion to the side", gt=0.0)
+    height_sd_rad: float = setting("the same up or down", gt=0.0)
+
+
+@settings
+class TemporalPriorConfig:
+    drift_sd_rad: float = setting("change of the direction in a second, as a random walk", gt=0.0)
+    accepted_share: float = setting(
+        "share of the votes with which the last focus starts the fit without RANSAC", gt=0.5, lt=1.0
+    )
+
+
+@settings
+class RotationFitConfig:
+    pitch_sd_radps: float = setting("standard deviation of the pitch rate", ge=0.0)
+    yaw_sd_radps: float = setting("the same of the yaw rate's error", ge=0.0)
+    roll_sd_radps: float = setting("the same of the roll rate", ge=0.0)
+
+
+@settings
+class RansacConfig:
+    hypotheses: int = setting("pairs of flow lines", ge=1)
+    finalists: int = setting("hypotheses that all sampled points vote on", ge=1)
+    sample: int = setting("points that vote", ge=4)
+    prior_share: float = setting("share of the votes that the prior can outweigh at most", ge=0.0, le=1.0)
+
+
+@settings
+class FocusFitConfig:
+    """Robust fit of the focus of expansion to derotated flow."""
+
+    tolerance_px: float = setting("error across the radial direction of one step between frames, plus", gt=0.0)
+    tolerance_ratio: float = setting("this share of its length; over n steps it grows with sqrt(n)", gt=0.0)
+    min_flow_px: float = setting("shorter motions do not vote", gt=0.0)
+    iterations: int = setting("most steps of the reweighted least squares", ge=1)
+    settled_px: float = setting("step at which it stops", gt=0.0)
+    least_points: int = setting("least number of voting points", ge=2)
+    near_px: float = setting("distance from the focus at which the radial direction is uncertain", gt=0.0)
+    biweight: float = setting("correction of the residual variance for Tukey's biweight", gt=0.0)
+    least_share: float = setting("least share of inliers by which the covariance is scaled", gt=0.0, le=1.0)
+    sharp_rad: float = setting("standard deviation of the direction that halves the confidence", gt=0.0)
+    direction_prior: DirectionPriorConfig | None = setting(
+        "prior: the vehicle moves nearly straight ahead of its camera", default=None
+    )
+    temporal_prior: TemporalPriorConfig | None = setting(
+        "prior: the focus of the frame before, which also bridges frames without enough flow", default=None
+    )
+    rotation: RotationFitConfig | None = setting("fit the rates of rotation that are not measured", default=None)
+    ransac: RansacConfig | None = setting(
+        "search the start of the fit by RANSAC; none: start from the prior", default=None
+    )
+
+
+@settings
+class ExpansionConfig:
+    method: Literal["as_printed", "least_squares", "robust"] = setting("of the focus of expansion")
+    fit: FocusFitConfig | None = setting("of the method `robust`, which needs it", default=None)
+
+    def __post_init__(self) -> None:
+        if self.method == "robust" and self.fit is None:
+            raise ValueError("fit: expected a section for the method 'robust', got none")
+
+
+@settings
+class MountPitchConfig:
+    """Noise of the observations of the mount pitch, and when its estimate is applied."""
+
+    first_sd_rad: float = setting("standard deviation of the mount pitch before any observation", gt=0.0)
+    look_sd_rad: float = setting("noise of an observation besides its own: consecutive ones are correlated", gt=0.0)
+    drift_sd_rad: float = setting("change in a second, as a random walk", gt=0.0)
+    least_rad: float = setting("least pitch that is applied; once it is, until half of this", gt=0.0)
+    step_rad: float = setting("least change that is applied", gt=0.0)
+
+
+@settings
+class PitchSidesConfig:
+    apart_rad: float = setting("largest difference between the left and the right half of the image, plus", ge=0.0)
+    apart_share: float = setting("this share of the pitch", ge=0.0)
+
+
+@settings
+class DynamicPitchConfig:
+    settle_s: float = setting("time constant of the high-pass that removes the drift of the sum", gt=0.0)
+    smoothness: float = setting("weight of a constant pitch rate within the window", ge=0.0, lt=1.0)
+    least_rad: float = setting("root mean square of the pitch from which it is compensated, until half of this", gt=0.0)
+    remembered_s: float = setting("for which the sums are stored", gt=0.0)
+    near_px: float = setting("distance from the focus at which the radial direction is uncertain", gt=0.0)
+    passes: int = setting("of Tukey's biweight", ge=1)
+    cut: float = setting("of Tukey's biweight, in standard deviations", gt=0.0)
+    least_cut_px: float = setting("least cut of Tukey's biweight", gt=0.0)
+    least_points: int = setting("least number of points for an estimate", ge=1)
+    sides: PitchSidesConfig | None = setting(
+        "take the smaller pitch where both halves of the image disagree: a vehicle may fill one of them", default=None
+    )
+
+
+@settings
+class PitchConfig:
+    dynamic: DynamicPitchConfig | None = setting(
+        "estimate the pitching on the springs from the flow and compensate it", default=None
+    )
+    mounting: MountPitchConfig | None = setting(
+        "estimate the mount pitch from the road's lines and compensate it", default=None
+    )
+
+
+@settings
+class OdometryCalibrationConfig:
+    walk_m: float = setting("random walk of the pose's position in a second", gt=0.0)
+    walk_rad: float = setting("the same of its heading", gt=0.0)
+    scale_sd: float = setting("standard deviation of the speedometer's scale", gt=0.0)
+    bias_sd_radps: float = setting("standard deviation of the yaw rate's bias", gt=0.0)
+    drift_share: float = setting("change of both in a second as a share of these, as a random walk", gt=0.0)
+
+
+@settings
+class StandstillConfig:
+    speed_mps: float = setting("below which the vehicle stands", gt=0.0)
+
+
+@settings
+class OdometryConfig:
+    rough_m: float = setting("random walk of the position in a second from which the pose is replaced", gt=0.0)
+    rough_rad: float = setting("the same of the heading", gt=0.0)
+    settle_s: float = setting("time constant of both averages", gt=0.0)
+    watched_s: float = setting("before which the pose is not judged", gt=0.0)
+    calibration: OdometryCalibrationConfig | None = setting(
+        "estimate the speedometer's scale and the yaw rate's bias against the pose", default=None
+    )
+    standstill: StandstillConfig | None = setting(
+        "integrate no motion below a speed: sensor noise would move a standing vehicle", default=None
+    )

@@ -1,0 +1,60 @@
+"""Settings of the paper's time to contact and obstacle map."""
+
+from typing import Literal
+
+from vpf_sim.configuration import setting, settings
+
+Shape = Literal["full_frame", "below_horizon", "road_corridor", "horizon_corridor"]
+
+
+@settings
+class ContactConfig:
+    method: Literal["as_printed", "robust"] = setting("of the time to contact")
+    floor_px: float = setting("least motion that counts", gt=0.0)
+    cap_s: float = setting("longest finite time to contact", gt=0.0)
+    least_points: int = setting("of a cluster with a time to contact of its own", ge=1)
+
+
+@settings
+class RegionConfig:
+    """Region of interest A of the obstacle force."""
+
+    shape: Shape = setting("`road_corridor`: between the road's edges; `horizon_corridor`: and within `reach_m`")
+    margin_m: float = setting("inside the edges")
+    near_m: float = setting("least depth, from the camera", gt=0.0)
+    reach_m: float = setting("largest depth", gt=0.0)
+    height_m: tuple[float, float] = setting("least and largest height above the road")
+
+    def __post_init__(self) -> None:
+        if not self.near_m < self.reach_m:
+            raise ValueError(f"near_m: expected < reach_m = {self.reach_m}, got {self.near_m}")
+        if not self.height_m[0] < self.height_m[1]:
+            raise ValueError(f"height_m: expected the lower limit first, got {list(self.height_m)}")
+
+    @property
+    def needs_depth(self) -> bool:
+        """Whether the region depends on the points' time to contact."""
+        return self.shape in ("road_corridor", "horizon_corridor")
+
+
+@settings
+class ObstacleMapConfig:
+    method: Literal["otsu_flow", "otsu_residual", "absolute"] = setting(
+        "`otsu_flow`: literal reading; `otsu_residual`: dominant plane of the cited source; `absolute`: robust"
+    )
+    reduction: int = setting("of the image", ge=1)
+    disc_px: float = setting("radius of the disc that a point marks", gt=0.0)
+    normalisation: Literal["as_printed", "proper"] = setting("of the Gaussian")
+    noise_px: float = setting("standard deviation of a displacement", ge=0.0)
+    ratio: float = setting("of the road's flow, that the residual must exceed as well", ge=0.0)
+    min_points: int = setting("marked points that a cluster needs", ge=1)
+    weight: Literal["none", "ttc"] = setting("of a point: 1, or 1 - TTC / `horizon_s`")
+    horizon_s: float = setting("of the weight", gt=0.0)
+    sigma_px: float | None = setting("of the Gaussian in the full image; none: no gradient", default=None, gt=0.0)
+    above_horizon_px: float | None = setting("ignore points higher above the horizon; none: keep all", default=None)
+    region: RegionConfig | None = setting("keep the points of a region; none: of the full frame", default=None)
+
+    @property
+    def needs_surroundings(self) -> bool:
+        """Whether the road, the speed or the points' time to contact change the map."""
+        return self.weight != "none" or (self.region is not None and self.region.shape != "full_frame")
