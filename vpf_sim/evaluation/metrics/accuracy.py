@@ -1,7 +1,7 @@
 """Throttle and steering beside the PID's: what the paper calls accuracy, under three named definitions.
 
 The paper gives no formula for its "prediction accuracy (%) with respect to PID", and its pairs of numbers follow from
-none alone (METHOD A19). So each is computed, as a share (1 is best), for a signal u and the PID's w, d = u - w:
+none alone. So each is computed, as a share (1 is best), for a signal u and the PID's w, d = u - w:
 
     range      1 - mean |d| / 2                   2 is the width of the commands' range [-1, 1]
     span       1 - mean |d| / (max w - min w)     the width of what the PID used in the whole episode

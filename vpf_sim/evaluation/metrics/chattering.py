@@ -5,7 +5,7 @@ For a signal u_k, k = 1 .. n, commanded over T seconds in [-1, 1], with d_k = u_
     direction_changes_per_s   times that d changes its sign / T; pauses and steps of rounding size do not count
     total_variation_per_s     sum |d| / T, 1/s
 
-and of the steering angle that is asked for, u times the limit of 40 degrees, the rate |d| / dt in rad/s (METHOD A17).
+and of the steering angle that is asked for, u times the limit of 40 degrees, the rate |d| / dt in rad/s.
 """
 
 import numpy as np

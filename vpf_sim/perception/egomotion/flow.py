@@ -37,7 +37,7 @@ def squares(vectors: Floats) -> Floats:
 
 
 class FlowTracker:
-    """Follows corners frame by frame and reports each one's motion over the window (METHOD 0.7, A4).
+    """Follows corners frame by frame and reports each one's motion over the window (paper, section III).
 
     Corners are topped up, not recomputed: each band is searched once a period, beside the points already followed.
     Points known to lie on the road do not count against the band's share, so that new ones are looked for elsewhere;

@@ -23,7 +23,7 @@ BANDS = {
 
 @dataclass(frozen=True, slots=True)
 class FlowConfig:
-    """What is followed and how. The defaults are the paper's; corners and iterations are METHOD A4's."""
+    """What is followed and how. The defaults are the paper's; the paper leaves corners and iterations open."""
 
     period_s: float = 0.0  # between two frames that are looked at; in between all is carried on by the own motion
     window_px: int = 25

@@ -15,7 +15,7 @@ points of one body weigh as one. Where no place is free, h_o and s_o are larger 
 longer stop: it keeps clear of those, and stops before the others.
 
 The paper follows the local gradient; here the car goes to the global minimum, since dead ahead of a body the gradient
-vanishes and the side would be left to chance (METHOD A9, A10). What has been decided is kept: a term in the distance
+vanishes and the side would be left to chance. What has been decided is kept: a term in the distance
 from the last minimum, and a latch on the side of every body that is near. It is a light one where a gap between two
 bodies proves narrow and the car does not go there yet: something low, told last, may close it, and a free side is
 better. What lies behind a body and cannot be reached before it (`vpf_sim.planning.lane.kinematic_limits`) costs, and

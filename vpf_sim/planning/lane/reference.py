@@ -7,7 +7,7 @@ follow (`vpf_sim.planning.lane.lateral_path`). The heading is that path's direct
 
 A bicycle's centre of mass moves at yaw + slip, and d psi / dt = v sin(slip) / l_r, so its yaw is its course through a
 lag of l_r / v: l_r / v d psi / dt = chi - psi. What is known of the centre of mass, the road's direction, goes through
-that very lag and so has the slip of a bend (l_r / R); the rear axle has none (METHOD A13, A17).
+that very lag and so has the slip of a bend (l_r / R); the rear axle has none.
 
 What that and the speed by what is ahead are worth is seen without them: with `motion = "direct"` psi_d leads to the
 minimum itself, and with `speed = "constant"` v_d stays the reference speed, as in the paper.

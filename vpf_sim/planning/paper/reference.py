@@ -10,7 +10,7 @@ from vpf_sim.types import Floats
 
 @dataclass(frozen=True, slots=True)
 class ReferenceConfig:
-    """`printed`: atan, which cannot tell ahead from behind; `repaired`: atan2 (METHOD A13)."""
+    """`printed`: atan, which cannot tell ahead from behind; `repaired`: atan2."""
 
     heading: Literal["printed", "repaired"]
 
