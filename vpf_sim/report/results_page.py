@@ -63,13 +63,16 @@ def _scores(row: Row) -> Iterator[str]:
 
 def _perceived(subjects: Sequence[Subject]) -> Iterator[str]:
     """Tables of the runs that have ground truth of perception, one for each set of columns."""
-    rows: dict[Sequence[str], list[str]] = {}
+    rows: dict[tuple[str, ...], list[str]] = {}
     for subject in subjects:
         for labels in (OBJECTS, PERCEPTION):
             table = perception(subject.rows, subject.order, labels)
             if table is not None:
-                lines = rows.setdefault(table.header, [*_head(table.header, table.names)])
-                lines += [_line([_below(value.words, value.beside) for value in row]) for row in table.rows]
+                header = (*table.header[: table.names], "seeds", *table.header[table.names :])
+                lines = rows.setdefault(header, [*_head(header, table.names + 1)])
+                for row in table.rows:
+                    cells = [_below(value.words, value.beside) for value in row]
+                    lines.append(_line([*cells[: table.names], _seeds(subject.plan), *cells[table.names :]]))
     for lines in rows.values():
         yield from ("", *lines)
 
