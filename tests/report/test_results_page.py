@@ -1,6 +1,8 @@
 """The results page: the cells of several runs, their commands and sources."""
 
+import json
 import shlex
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -8,6 +10,7 @@ import stored
 
 from vpf_sim import cli
 from vpf_sim.evaluation.analysis.statistics import share_interval
+from vpf_sim.evaluation.sweeps.fingerprint import source
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.report.results_page import make
 
@@ -80,3 +83,17 @@ def test_the_command_writes_the_page(runs: list[Path], tmp_path: Path, capsys: p
     assert out.read_text() == make(runs)
     assert cli.run(["results", str(tmp_path / "none")]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_the_commit_is_given_only_for_a_run_of_these_sources(runs: list[Path]) -> None:
+    asked = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
+    done = subprocess.run(asked, capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip("no git checkout")
+    for path, sources in zip(runs, (source(), "0" * 64), strict=True):
+        manifest = json.loads((path / "manifest.json").read_text())
+        manifest["fingerprint"] = {"source": sources, "vpf_sim": "0.1.0"}
+        (path / "manifest.json").write_text(json.dumps(manifest))
+    page = make(runs)
+    assert cells(page, "20000:20003")[-1] == done.stdout.strip()
+    assert cells(page, "7:9")[-1] == "–"
