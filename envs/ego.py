@@ -16,7 +16,7 @@ GRAVITY_MPS2 = 9.81
 
 
 class Ego(Vehicle):  # type: ignore[misc]
-    """Kinematic bicycle about the centre of mass (METHOD A16), slip angle beta = atan(l_r / (l_f + l_r) tan delta):
+    """Kinematic bicycle about the centre of mass (paper, VI), slip angle beta = atan(l_r / (l_f + l_r) tan delta):
 
         x' = v cos(psi + beta),  y' = v sin(psi + beta),  psi' = v sin(beta) / l_r,  v' = a >= -v / dt.
 

@@ -1,4 +1,4 @@
-"""What the README shows runs, and what it names exists."""
+"""What the README shows runs, and what it and the docs link to exists."""
 
 import re
 import subprocess
@@ -10,6 +10,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
 PYTHON_BLOCKS = re.findall(r"```python\n(.*?)```\n+prints\n+```text\n(.*?)```", README, re.DOTALL)
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 COMMANDS = sorted(set(re.findall(r"^vpf-sim ([a-z]+)", README, re.MULTILINE)))
 
 
@@ -34,7 +35,19 @@ def test_the_commands_exist(command: str) -> None:
     assert done.stdout.split()[:3] == ["Usage:", "vpf-sim", command]
 
 
-def test_links_and_pictures_lead_somewhere() -> None:
-    for target in re.findall(r"\]\(([^)#]+)\)|src=\"([^\"]+)\"", README):
-        path = "".join(target)
-        assert path.startswith("https://") or (ROOT / path).exists(), path
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_and_pictures_lead_somewhere(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)\s]+)\)|src=\"([^\"]+)\"", page.read_text("utf-8")):
+        path, _, anchor = "".join(target).partition("#")
+        if path.startswith("https://"):
+            continue
+        linked = page.parent / path if path else page
+        assert linked.exists(), path
+        assert not anchor or anchor in anchors(linked.read_text("utf-8")), f"{path}#{anchor}"
+
+
+def anchors(page: str) -> set[str]:
+    """The names that GitHub gives to a page's headings, and those that the page sets."""
+    headings = re.findall(r"^#+ (.+)$", page, re.MULTILINE)
+    slugs = {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+    return slugs | set(re.findall(r'<a id="([^"]+)">', page))

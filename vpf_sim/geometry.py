@@ -33,7 +33,7 @@ def unwrapped(angles: Sequence[float] | Floats, period: float = 2.0 * pi) -> Flo
 
 
 def rotation(yaw_rad: float) -> Floats:
-    """(2, 2) matrix that takes vehicle axes to world axes (METHOD A12)."""
+    """(2, 2) matrix that takes vehicle axes to world axes (paper, section V, transposed)."""
     cosine, sine = np.cos(yaw_rad), np.sin(yaw_rad)
     return np.array([[cosine, -sine], [sine, cosine]])
 

@@ -184,7 +184,7 @@ class Driver(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """Sparse optical flow: N image points, each followed frame by frame over a window of `gap_s` (METHOD 0.7).
+    """Sparse optical flow: N image points, each followed frame by frame over a window of `gap_s`.
 
     A pose row is (x, y, yaw): m, m, rad.
     """

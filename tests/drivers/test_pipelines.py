@@ -216,7 +216,7 @@ def test_the_mirror_image_steers_the_other_way(robust_steps: list[tuple[Plan, Co
 
 
 def test_literal_is_not_equivariant() -> None:
-    """The transposed rotation and the angle of the world make headings off the X axis special (METHOD A8, A12)."""
+    """The transposed rotation and the angle of the world make headings off the X axis special."""
     literal = variant.load("literal")
     (here, _), (away, _) = (drive(literal, moved, GOAL)[-1] for moved in (STILL, Moved(radians(30.0))))
     turn = wrap_angle(away.reference.heading_rad - here.reference.heading_rad)

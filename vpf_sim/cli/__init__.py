@@ -21,6 +21,7 @@ from vpf_sim.cli import (
     replay,
     report,
     reproduce,
+    results_page,
     scenarios,
     score,
     streams,
@@ -64,6 +65,7 @@ app.command("readings")(readings.readings)
 app.command("replay")(replay.replay)
 app.command("score")(score.score)
 app.command("report")(report.report)
+app.command("results")(results_page.results)
 app.command("reproduce")(reproduce.reproduce)
 app.command("video")(video.video)
 app.command("check")(check.check)

@@ -32,7 +32,7 @@ class Interval:
 
 
 class ModelVehicle:
-    """A kinematic bicycle (METHOD A16) and its controller, relative to the recorded path."""
+    """A kinematic bicycle and its controller, relative to the recorded path."""
 
     def __init__(self, gains: Gains, vehicle: VehicleModel, rate_hz: float) -> None:
         self._vehicle = vehicle

@@ -1,6 +1,6 @@
 """The paper's table of real images beside ours: recorded drives by weather and obstacles.
 
-The paper does not define its accuracy (METHOD A19) nor describe its drives, camera and road. So its cells have
+The paper does not define its accuracy nor describe its drives, camera and road. So its cells have
 columns of their own.
 """
 

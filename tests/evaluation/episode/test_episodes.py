@@ -28,7 +28,7 @@ def drive(scenario: str, driver: str, seed: int) -> dict[str, Any]:
 def test_the_pid_follows_its_route(scenario: str) -> None:
     record = drive(scenario, "pid", seed=5)
     assert record["status"] == "success"
-    assert record["path_mse_m2"] < 0.02, "the paper's baseline keeps within some centimetres (METHOD C5)"
+    assert record["path_mse_m2"] < 0.02, "the paper's baseline keeps within some centimetres"
     assert record["accuracy"]["shadow"]["steering"]["mae"] == 0.0
     assert record["accuracy"]["paired"]["steering"]["mae"] == pytest.approx(0.0, abs=1e-9)
     assert record["comfort"]["comfortable"]

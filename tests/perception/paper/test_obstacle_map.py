@@ -160,7 +160,7 @@ def test_the_printed_gaussian_is_sigma_times_the_proper_one() -> None:
 
 
 def test_the_integral_of_the_gradient_has_the_sign_and_size_of_the_known_table() -> None:
-    """A box of 60 x 60 px, sigma 320: integral of g_x over the frame / its pixels (METHOD A9)."""
+    """A box of 60 x 60 px, sigma 320: integral of g_x over the frame / its pixels."""
     config = replace(MAP, sigma_px=320.0)
     force = {}
     for x in (320, 420, 520):

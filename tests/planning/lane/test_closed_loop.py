@@ -88,7 +88,7 @@ def test_a_car_that_does_not_see_the_road_creeps_on_then_stands_until_it_does(
     assert speeds[-1] == pytest.approx(5.55, abs=0.05)
 
 
-TOWN = (Body(35.3, -2.09), Body(119.3, 0.91))  # the paper's two obstacles by METHOD F, on a bend as there
+TOWN = (Body(35.3, -2.09), Body(119.3, 0.91))  # the paper's two obstacles, on a bend as there
 
 
 @pytest.mark.parametrize("range_m", [12.0, 20.0])

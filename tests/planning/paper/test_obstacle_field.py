@@ -56,7 +56,7 @@ def test_the_lateral_term_agrees_with_its_closed_form(centre_x: float) -> None:
 
 
 def test_the_force_points_to_the_obstacle_and_grows_away_from_the_middle() -> None:
-    """So F_att - F_rep leads away from it; dead ahead there is no force, and far aside it is largest (METHOD A9)."""
+    """So F_att - F_rep leads away from it; dead ahead there is no force, and far aside it is largest."""
     assert lateral(320.0) == pytest.approx(0.0, abs=1e-12)
     assert 0.0 < lateral(344.0) < lateral(424.0) < lateral(520.0)
     assert lateral(216.0) == pytest.approx(-lateral(424.0), rel=1e-9)

@@ -1,7 +1,7 @@
 """The paper's accuracy of throttle and steering against the PID, by three definitions.
 
 The paper gives no formula for its "prediction accuracy (%) with respect to PID", and no single definition yields its
-pairs of numbers (METHOD A19). Each is a share (1 is best), for a signal u and the PID's w, d = u - w:
+pairs of numbers. Each is a share (1 is best), for a signal u and the PID's w, d = u - w:
 
     range      1 - mean |d| / 2                   2 is the width of the command range [-1, 1]
     span       1 - mean |d| / (max w - min w)     the range that the PID used in the whole episode

@@ -5,7 +5,7 @@ For a signal u_k, k = 1 .. n, commanded over T seconds in [-1, 1], with d_k = u_
     direction_changes_per_s   sign changes of d / T; pauses and steps of rounding size do not count
     total_variation_per_s     sum |d| / T, 1/s
 
-and the rate |d| / dt, rad/s, of the commanded steering angle, u times the limit of 40 degrees (METHOD A17).
+and the rate |d| / dt, rad/s, of the commanded steering angle, u times the limit of 40 degrees.
 """
 
 import numpy as np

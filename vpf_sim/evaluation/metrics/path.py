@@ -10,7 +10,7 @@ def path_mse(positions_m: Floats, path_m: Floats) -> float | None:
 
         MSE = 1/n sum |p_i - q(p_i)|^2,  q(p) the nearest point of the path
 
-    The paper's MSE_XY (its brackets are missing, its unit is printed as m; METHOD A19). The nearest point is used
+    The paper's MSE_XY (its brackets are missing, its unit is printed as m). The nearest point is used
     because the point at the same time would measure the lag along the road.
     """
     if len(positions_m) == 0:

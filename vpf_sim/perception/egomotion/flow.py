@@ -33,7 +33,7 @@ def squares(vectors: Floats) -> Floats:
 
 
 class FlowTracker:
-    """Tracks corners frame by frame and reports each one's motion over the window (METHOD 0.7, A4).
+    """Tracks corners frame by frame and reports each one's motion over the window.
 
     Corners are topped up, not recomputed: each band is searched once a period, away from the points already tracked.
     Points on the windscreen are tracked and marked, but do not count against the band's share.

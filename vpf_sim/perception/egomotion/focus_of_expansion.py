@@ -23,13 +23,13 @@ def lines(points_px: Floats, flow_px: Floats) -> tuple[Floats, Floats]:
 
 
 def least_squares(points_px: Floats, flow_px: Floats) -> Floats:
-    """(2,) px, FOE = (A^T A)^-1 A^T b, the paper's definition; rows weigh by |v|, which is right (METHOD A3)."""
+    """(2,) px, FOE = (A^T A)^-1 A^T b, the paper's definition; rows weigh by |v|, which is right."""
     a, b = lines(points_px, flow_px)
     return np.asarray(np.linalg.lstsq(a, b, rcond=None)[0], np.float64)
 
 
 def as_printed(points_px: Floats, flow_px: Floats) -> Floats:
-    """(2,) px, the paper's closed form as printed: wrong sign, wrong first product of the denominator (METHOD A2).
+    """(2,) px, the paper's closed form as printed: wrong sign, wrong first product of the denominator.
 
     FOE = -1 / (sum a0^2 a1^2 - (sum a0 a1)^2) * (sum b a0 sum a1^2 - sum b a1 sum a0 a1, -sum b a0 sum a0 a1 + sum b a1
     sum a0^2). It points nowhere near the FOE and is kept as a documented misprint.
@@ -74,7 +74,7 @@ def derotated(flow: Flow, camera: Camera) -> Derotated:
 
 
 def chord_shift(flow: Flow, camera: Camera) -> Floats:
-    """(N,) px by which the FOE now lies right of each point's chord: half the turn over its window (METHOD A3)."""
+    """(N,) px by which the FOE now lies right of each point's chord: half the turn over its window."""
     yaw_change = np.remainder(flow.pose[2] - flow.past_pose[:, 2] + np.pi, 2.0 * np.pi) - np.pi
     shift: Floats = camera.fx_px * np.tan(0.5 * yaw_change)
     return shift

@@ -37,7 +37,7 @@ def ground_flow(camera: Camera, points_px: Floats, past_pose: Floats, pose: Floa
     """(N, 2) px, the displacement that pixels (N, 2) have if they show the flat road, from the past poses to now.
 
     Exact for a finite motion in the plane: the pixel is put on the road, seen from the past pose, and the difference
-    taken. For a camera that drives straight ahead it is (p - p_FOE) d / (Z + d) with Z = f h / (y - y_h) (METHOD C2).
+    taken. For a camera that drives straight ahead it is (p - p_FOE) d / (Z + d) with Z = f h / (y - y_h).
     Pixels at and above the horizon have no road: there it is the flow of the plane at infinity, the limit from below.
     """
     below = below_horizon(camera, points_px)

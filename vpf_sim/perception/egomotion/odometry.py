@@ -75,7 +75,7 @@ class _Constant:
 class Odometry:
     """Watches the pose, and goes on by speed and yaw rate from the moment on in which it turns out to be rough.
 
-    The centre of mass moves at yaw + slip, v sin(slip) = l_r d psi / dt (kinematic bicycle, METHOD A16).
+    The centre of mass moves at yaw + slip, v sin(slip) = l_r d psi / dt (kinematic bicycle).
     """
 
     def __init__(self, config: OdometryConfig, vehicle: VehicleModel) -> None:

@@ -27,7 +27,7 @@ def otsu(values: Floats) -> float:
 
 
 def on_obstacle(flow: Flow, camera: Camera, config: ObstacleMapConfig, around: Surroundings | None = None) -> Bools:
-    """(N,) which points of the region are not of the road. The absolute test is |r| > 3 sigma + ratio |g| (METHOD A6).
+    """(N,) which points of the region are not of the road. The absolute test is |r| > 3 sigma + ratio |g|.
 
     g is the flow of the flat road under the own motion, r = v - g. Otsu on |v| takes the near road for the obstacle;
     Otsu on |r| always finds some; the absolute test finds none where there is none.
@@ -65,7 +65,7 @@ def rasterise(points_px: Floats, camera: Camera, config: ObstacleMapConfig, weig
 
 
 def smoothed_gradient(plane: Floats, config: ObstacleMapConfig) -> Floats:
-    """(2, h, w) grad (G * O) per pixel of the full image, O = 0 outside the frame (METHOD A7); 0 without a sigma.
+    """(2, h, w) grad (G * O) per pixel of the full image, O = 0 outside the frame; 0 without a sigma.
 
     The Gaussian is separable, so the convolution with zero padding is one matrix from each side, and its gradient the
     same with the Gaussian's derivative. Printed, G has the factor 1 / (2 pi sigma) instead of 1 / (2 pi sigma^2).

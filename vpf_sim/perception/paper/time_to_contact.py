@@ -11,7 +11,7 @@ Labels = NDArray[np.int64]
 
 
 def as_printed(flow: Flow, expansion: Expansion, config: ContactConfig) -> Floats:
-    """(N,) s, TTC_i = |p_i - p_FOE| / |v_i|, as printed, in windows, times the window (METHOD A5).
+    """(N,) s, TTC_i = |p_i - p_FOE| / |v_i|, as printed, in windows, times the window.
 
     It holds for pure translation, and is one window too long, since p_i is the point at the window's end.
     """
@@ -35,7 +35,7 @@ def _radial(flow: Flow, turned: Derotated, expansion: Expansion, config: Contact
 
 
 def of_clusters(flow: Flow, camera: Camera, labels: Labels, config: ContactConfig) -> Floats:
-    """(K,) s by the expansion of each cluster: d = (p - c) s fitted over its points, TTC = T (1 - s) / s (METHOD A5).
+    """(K,) s by the expansion of each cluster: d = (p - c) s fitted over its points, TTC = T (1 - s) / s.
 
     `labels` (N,) counts clusters from 0; -1 is none. The centre c is fitted too, so that a cluster needs no FOE and
     may move. Clusters of too few points are inf.

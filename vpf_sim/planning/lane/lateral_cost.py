@@ -13,7 +13,7 @@ fades in with the distance t to the obstacle, or to the first of its row. Obstac
 that many points of one obstacle weigh as one.
 
 The paper follows the local gradient. Here the car goes to the global minimum, since dead ahead of an obstacle the
-gradient vanishes and the side would be left to chance (METHOD A9, A10). A decision is kept by costs on top: memory,
+gradient vanishes and the side would be left to chance. A decision is kept by costs on top: memory,
 latch and what cannot be reached. Places beyond an edge are excluded: the car stops rather than go there. A tie goes to
 the minimum that is nearer to the last one, then to the side with more road, then to the left.
 """

@@ -7,7 +7,7 @@ The minimum jumps when an obstacle appears. The reference follows a path y_r of 
 
 A bicycle's centre of mass moves at yaw + slip, and d psi / dt = v sin(slip) / l_r, so its yaw is its course through a
 lag of l_r / v: l_r / v d psi / dt = chi - psi. The road's direction is known for the centre of mass, so it goes through
-that lag and has the slip of a bend (l_r / R). The rear axle has none (METHOD A13, A17).
+that lag and has the slip of a bend (l_r / R). The rear axle has none.
 """
 
 from math import asin, exp, sqrt

@@ -3,7 +3,7 @@
     F_rep = (F_x, F_y) = gamma / |R| (integral over A of g dx, sum over A of TTC_i),    g = grad (G * O_t)
 
 A is the region of interest that the obstacle map keeps points of (`vpf_sim.perception.paper.obstacle_region`); the
-printed "A as in eq. (A)" points at the matrix of the least squares (METHOD A9). G spreads beyond A, so the integral
+printed "A as in eq. (A)" points at the matrix of the least squares. G spreads beyond A, so the integral
 goes over the frame. g points TO the obstacle, so that F_T = F_att - F_rep leads away from it.
 """
 

@@ -10,7 +10,7 @@ from vpf_sim.types import Floats
 
 @settings
 class ReferenceConfig:
-    """How the force becomes a heading (METHOD A13)."""
+    """How the force becomes a heading."""
 
     heading: Literal["printed", "repaired"] = setting("printed: atan, the same ahead and behind; repaired: atan2")
 

@@ -6,10 +6,10 @@ Straight, with y the lateral position, y_r and y_l the edges (all from the prefe
 
 Curved, y - y_r becomes sign(y - y_r) sqrt(((y - b_y) / m - (x + dx))^2 + (y_r - y)^2) with y_r = c_2 (x + dx)^n + c_0r,
 m = -1 / (2 c_2 (x + dx)), b_y = y_r - m (x + dx). Since (y - b_y) / m - (x + dx) = (y - y_r) / m, that is (y - y_r)
-sqrt(1 + 1 / m^2) exactly: with the slope s = -1 / m neither m, b_y, dx, root nor sign is needed (METHOD A15).
+sqrt(1 + 1 / m^2) exactly: with the slope s = -1 / m neither m, b_y, dx, root nor sign is needed.
 
 Each term is a well on its own edge that rises steeply towards the other one; the sum has its only minimum midway
-between the edges, 1.75 m left of the preferred position on four lanes of 3.5 m, which is a lane line (METHOD A14).
+between the edges, 1.75 m left of the preferred position on four lanes of 3.5 m, which is a lane line.
 """
 
 from collections import deque
@@ -50,7 +50,7 @@ class RoadFieldConfig:
 class FoeBend:
     """Direction of the road's bend by the side on which the FOE lies (paper, section IV-C).
 
-    It measures the car's own yaw rate and slip, not the road ahead (METHOD A3). Print has no threshold for "in the
+    It measures the car's own yaw rate and slip, not the road ahead. Print has no threshold for "in the
     centre": the dead band and the median are ours.
     """
 
@@ -108,7 +108,7 @@ def curved_repaired(
 def force(y_m: float, right_m: float, left_m: float, bend: Bend, config: RoadFieldConfig) -> Floats:
     """(2,) F_rep_rd = grad (U_sr + U_sl) at the vehicle, x = 0 of its own axes.
 
-    x is the look-ahead in vehicle axes: with the world's x the printed form overflows (METHOD A15). At x = 0 the bend
+    x is the look-ahead in vehicle axes: with the world's x the printed form overflows. At x = 0 the bend
     has no influence on the force; it shapes the field ahead.
     """
     c2, power = (config.c2_straight, 1) if bend == 0 else (bend * config.c2_curved_per_m, 2)

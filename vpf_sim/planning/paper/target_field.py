@@ -2,7 +2,7 @@
 
 Printed: U_att = 1/2 alpha ||sqrt((x - x_goal)^2 + (y - y_goal)^2)||, F_att = grad U_att with the module alpha r and the
 angle theta_goal = atan((y - y_goal) / (x - x_goal)). Module alpha r belongs to U_att = 1/2 alpha r^2, and it is -grad
-U_att that leads to the goal (METHOD A8).
+U_att that leads to the goal.
 """
 
 from math import atan, atan2, cos, hypot, sin

@@ -3,7 +3,7 @@
     F_XT = F_att_x - F_rep_x - lambda_X F_X,    F_YT = F_att_y - F_rep_y - lambda_Y F_Y
 
 F_X, F_Y there are the road's F_rep_rd. Image x (right) is summed with the vehicle's X (forward) in print; it belongs on
-Y, and what the image says of time belongs on X (METHOD A11).
+Y, and what the image says of time belongs on X.
 """
 
 from typing import Literal
@@ -38,7 +38,7 @@ def compose(target: Floats, obstacle_image: Floats, road: Floats, config: TotalF
 def to_world(force: Floats, yaw_rad: float, config: TotalFieldConfig) -> Floats:
     """(2,) (F_X', F_Y') in the world.
 
-    Printed is [[cos, sin], [-sin, cos]], which takes the world to the vehicle. Its transpose is meant (METHOD A12):
+    Printed is [[cos, sin], [-sin, cos]], which takes the world to the vehicle. Its transpose is meant:
     straight ahead must stay straight ahead at any yaw.
     """
     matrix = rotation(yaw_rad)

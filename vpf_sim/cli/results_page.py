@@ -1,0 +1,25 @@
+"""`vpf-sim results`: the scores of several runs on one Markdown page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vpf_sim.cli.options import check_output
+from vpf_sim.files import write_text
+
+RunsArgument = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders.")]
+FileOption = Annotated[Path | None, typer.Option("--out", help="The .md to write; by default standard output.")]
+
+
+def results(runs: RunsArgument, out: FileOption = None) -> None:
+    """Write the scores of runs as one Markdown page, with their seeds, commands and sources."""
+    from vpf_sim.report.results_page import make
+
+    check_output("--out", out)
+    page = make(runs)
+    if out is None:
+        print(page, end="")
+    else:
+        write_text(out, page)
+        print(out)
