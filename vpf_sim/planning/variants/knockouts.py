@@ -12,7 +12,13 @@ from vpf_sim.configuration_fields import sections, settings_of
 from vpf_sim.planning.variants.ablation_steps import Table, put
 
 NO = "no-"  # before the name of a mechanism
-KEPT = ("lane_planner", "paper_planner", "static_obstacles", "controller")  # planners, and what they need
+KEPT = (  # planners and methods, and what they cannot do without
+    ("lane_planner",),
+    ("paper_planner",),
+    ("static_obstacles",),
+    ("controller",),
+    ("focus_of_expansion", "fit"),
+)
 
 
 def knockouts(config: type, robust: Table) -> dict[str, tuple[str, Table]]:
@@ -31,7 +37,7 @@ def _mechanisms(config: type, table: Table, above: tuple[str, ...]) -> Iterator[
         if not inner or not isinstance(own, dict):
             continue
         path = (*above, setting.key)
-        if NoneType in get_args(setting.hint) and path not in [(key,) for key in KEPT]:
+        if NoneType in get_args(setting.hint) and path not in KEPT:
             yield path, setting.meaning
         yield from _mechanisms(inner[0], own, path)
 
