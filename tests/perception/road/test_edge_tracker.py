@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from math import radians
+from typing import Any
 
 import cv2
 import numpy as np
@@ -16,6 +17,7 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.geometry import distort, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
+from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
 from vpf_sim.perception.road.model import lines, moved, state_of
 from vpf_sim.perception.road.obstacle_mask import hidden_by
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
@@ -337,3 +339,20 @@ def test_what_a_body_and_its_flank_hide_is_no_road(
 
     assert hidden[meets(0.0)].all()
     assert meets(1.0)[hidden].all()
+
+
+@pytest.mark.parametrize("rate_hz", [10.0, 20.0])
+def test_the_lane_is_judged_at_its_period_at_any_frame_rate(rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A period of 0.2 s is two frames at 10 Hz, and four at 20 Hz."""
+    judged = []
+    judge = CarriagewayHypotheses.judge
+
+    def counted(self: CarriagewayHypotheses, *arguments: Any) -> None:
+        judged.append(arguments[1])
+        judge(self, *arguments)
+
+    monkeypatch.setattr(CarriagewayHypotheses, "judge", counted)
+    duration_s = 3.0
+    for _ in follow(RoadPicture(Camera()), 1.3, 0.0, round(duration_s * rate_hz), rate_hz):
+        pass
+    assert len(judged) == pytest.approx(duration_s / ROBUST.road_edges.index_period_s, abs=2)

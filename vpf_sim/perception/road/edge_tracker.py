@@ -11,6 +11,7 @@ from vpf_sim.perception.road.markings import RidgeMap, comb
 from vpf_sim.perception.road.model import PITCH, WIDTH, curvature_ahead, state_of
 from vpf_sim.perception.road.relocalisation import Relocalisation
 from vpf_sim.perception.road.state_filter import LaneFilter
+from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Camera, Floats, Image, Obstacles, RoadEdges
 
 
@@ -29,9 +30,9 @@ class RoadEdgeTracker:
         self.view = self.matcher.view
         self._colour_view = BirdsEye(camera, config.verge_patch)
         self._relocalisation = Relocalisation(config.relocalisation, config) if config.relocalisation else None
-        look = max(1, round(config.update_period_s * rate_hz))
-        judge = look * max(1, round(config.index_period_s / config.update_period_s))
-        self._periods = (look, judge, max(1, round(config.search_period_s * rate_hz)))
+        self._update = Schedule(config.update_period_s, rate_hz)
+        self._judgement = Schedule(config.index_period_s, self._update.rate_hz)  # among the updates
+        self._search = Schedule(config.search_period_s, rate_hz)
         self._filter: LaneFilter | None = None
         self._lost: LaneFilter | None = None  # what was followed last, carried on by the own motion alone
         self._index = CarriagewayHypotheses.start(config.lanes, config.likely_lane, config.hypotheses)
@@ -54,7 +55,8 @@ class RoadEdgeTracker:
         """The carriageway at the frame taken at `pose`; `obstacles` are those known before, they hide lines."""
         self._frame += 1
         self._predict(pose)
-        look, judge, search = (self._frame % period == 0 for period in self._periods)
+        look, search = self._update.step(), self._search.step()
+        judge = look and self._judgement.step()
         if self._filter is None and search:
             self._find(image_rgb, self.matcher.ridges(grey, obstacles, self._pitch_rad or 0.0))
         elif self._filter is not None and look:

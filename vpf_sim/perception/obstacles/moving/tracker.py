@@ -32,6 +32,7 @@ from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.point_hypotheses import Integers, among
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.geometry import near_edge_line
+from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
 OVERLAP_M = 0.1  # of a point beside the silhouette that still speaks for it
@@ -53,12 +54,11 @@ class MovingObstacleTracker:
     def __init__(self, camera: Camera, config: MovingObstacleConfig, rate_hz: float) -> None:
         self.camera, self.config, self.rate_hz = camera, config, rate_hz
         self.tracks: list[MovingTrack] = []
-        self._look = max(1, round(config.look_s * rate_hz))
-        self._search = self._look * max(1, round(config.search_s / config.look_s))
-        look_s = self._look / rate_hz
+        self._observation = Schedule(config.look_s, rate_hz)
+        self._search = Schedule(config.search_s, self._observation.rate_hz)  # among the observations
+        look_s = self._look_s = 1.0 / self._observation.rate_hz
         self._alarm = CollisionAlarm(camera, config.collision_alarm, look_s) if config.collision_alarm else None
         self.mirror_images = MirrorImages(camera, config, look_s)
-        self._frame = -1
         self._time_s = 0.0
         self._masked = np.empty(0, np.int64)  # identities of points
         self._next = 1
@@ -66,7 +66,7 @@ class MovingObstacleTracker:
     @property
     def looks(self) -> bool:
         """Whether the next frame is observed; in the others tracks are only predicted."""
-        return (self._frame + 1) % self._look == 0
+        return self._observation.is_due
 
     def update(
         self, flow: Flow, points: Triangulation | None, road: RoadEdges, speed_mps: float, time_s: float
@@ -76,15 +76,15 @@ class MovingObstacleTracker:
         `points` are the flow's, triangulated as if they stood; a frame that is not observed needs none.
         """
         dt_s, self._time_s = time_s - self._time_s, time_s
-        observes = self.looks
-        self._frame += 1
+        observes = self._observation.step()
+        searches = observes and self._search.step()
         for track in self.tracks:
             ahead = min(max(track.place(flow.pose)[0], -self.config.behind_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
             track.predict(dt_s, direction, road.curvature_per_m)
         if observes and points is not None:
-            if self.tracks or self._searches:
-                self._observe(flow, points, road, speed_mps)
+            if self.tracks or searches:
+                self._observe(flow, points, road, speed_mps, searches)
             if self._alarm is not None:
                 self._alarm.look(flow, points, road, speed_mps, ~among(flow.identity, self._masked))
         return among(flow.identity, self._masked)
@@ -119,11 +119,7 @@ class MovingObstacleTracker:
             speed_mps=speed,
         )
 
-    @property
-    def _searches(self) -> bool:
-        return self._frame % self._search == 0
-
-    def _observe(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float) -> None:
+    def _observe(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float, searches: bool) -> None:
         config, pose = self.config, flow.pose
         seen = appear(flow, points, self.camera, self.rate_hz, config)
         frame = _Frame(seen, flow, road, speed_mps)
@@ -143,7 +139,7 @@ class MovingObstacleTracker:
         self.tracks = merged(self.tracks, pose, config)
         self._confirm()
         self._prune(pose, road)
-        if self._searches:
+        if searches:
             self._find(frame, free)
 
     def _measure_reflectivity(self, seen: Apparent, pose: Floats) -> None:
@@ -161,7 +157,7 @@ class MovingObstacleTracker:
 
         Returns (N,) its points, and (N,) points of the background that are seen through its outline.
         """
-        config, dt_s = self.config, self._look / self.rate_hz
+        config, dt_s = self.config, self._look_s
         seen, flow, own_mps = frame.seen, frame.flow, frame.own_mps
         within = self._outline(track, seen, flow.pose, config.margin_m)
         forward, right = track.place(flow.pose)
@@ -184,7 +180,7 @@ class MovingObstacleTracker:
         self, track: MovingTrack, frame: _Frame, chosen: Integers, inner: Bools, image: float
     ) -> tuple[float, float]:
         """Update a track by its `chosen` (M,) points, `inner` (M,) of them in its outline; log-odds and its depth."""
-        config, dt_s, pose = self.config, self._look / self.rate_hz, frame.flow.pose
+        config, dt_s, pose = self.config, self._look_s, frame.flow.pose
         seen, own_mps, depth = frame.seen, frame.own_mps, track.depth_m(frame.flow.pose)
         tracks, standing = frame.flow.chosen(chosen), seen.standing[chosen]
         depths = np.full(len(tracks), depth + config.filter.face_m)
@@ -242,7 +238,7 @@ class MovingObstacleTracker:
         upright = (height > config.evidence.low_m) & (height < config.evidence.high_m)
         limit = config.filter.chi2_limit
         odds = np.minimum(seen.standing[chosen], limit) - np.minimum(chi2, limit)
-        track.update_extent((left, right), bearing[upright], 0.5 * odds[upright], pose, self._look / self.rate_hz)
+        track.update_extent((left, right), bearing[upright], 0.5 * odds[upright], pose, self._look_s)
 
     def _foot(self, drop: Floats) -> float | None:
         """m, the depth of the lowest point but one, taken to be just above the road: the lowest may be a shadow's."""
