@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 
 from vpf_sim.perception.frame_gate import FrameGate
 from vpf_sim.types import Image
@@ -18,7 +19,7 @@ def picture(k: int) -> Image:
 
 def gate_after(count: int) -> FrameGate:
     """One that has seen so many good frames, and passed them."""
-    gate = FrameGate()
+    gate = FrameGate(ROBUST.frame_gate)
     assert all(passes(gate, k, picture(k)) for k in range(count))
     return gate
 
@@ -62,12 +63,12 @@ def test_a_frame_that_was_seen_before_is_not_new() -> None:
 
 
 def test_a_car_that_stands_sees_the_same_picture() -> None:
-    gate = FrameGate()
+    gate = FrameGate(ROBUST.frame_gate)
     assert all(passes(gate, k, picture(0), moved=False) for k in range(20))
 
 
 def test_a_frozen_picture_is_told_however_slowly_the_car_moves() -> None:
-    gate = FrameGate()
+    gate = FrameGate(ROBUST.frame_gate)
     passed = [gate.passes(picture(0), k / RATE_HZ, (0.005 * k, 0.0)) for k in range(10)]
     assert passed == [k * 0.005 <= 0.02 for k in range(10)]
 
@@ -78,7 +79,7 @@ def test_a_change_of_exposure_that_stays_is_taken_up() -> None:
 
 
 def test_the_cars_own_bonnet_is_no_torn_frame() -> None:
-    gate = FrameGate()
+    gate = FrameGate(ROBUST.frame_gate)
     for k in range(60):
         image = picture(k).copy()
         image[400:] = picture(0)[400:]

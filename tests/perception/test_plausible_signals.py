@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from driver_settings import ROBUST
 
 from vpf_sim.perception.plausible import Plausibility
 from vpf_sim.types import Observation, VehicleModel
@@ -15,27 +16,27 @@ def observation(k: int, x_m: float, speed_mps: float, yaw_rate_radps: float) -> 
 
 def test_what_is_plausible_passes_to_the_bit() -> None:
     random = np.random.default_rng(1)
-    watch = Plausibility(VehicleModel())
+    watch = Plausibility(ROBUST.plausibility, VehicleModel())
     for k in range(300):
         told = observation(k, 0.09 * k, 5.4 + random.normal(0, 0.05), 0.3 + random.normal(0, 0.01))
         assert watch.update(told) is told
 
 
 def test_a_spike_of_the_yaw_rate_is_left_out() -> None:
-    watch = Plausibility(VehicleModel())
+    watch = Plausibility(ROBUST.plausibility, VehicleModel())
     found = [watch.update(observation(k, 0.09 * k, 5.4, 0.1 + (k == 20))).yaw_rate_radps for k in range(30)]
     assert found == [0.1] * 30
 
 
 def test_a_yaw_rate_that_stays_where_it_jumped_to_is_believed() -> None:
-    watch = Plausibility(VehicleModel())
+    watch = Plausibility(ROBUST.plausibility, VehicleModel())
     found = [watch.update(observation(k, 0.09 * k, 5.4, 0.0 if k < 20 else 1.0)).yaw_rate_radps for k in range(60)]
     assert found[25] == 0.0
     assert found[-1] == 1.0
 
 
 def test_a_stuck_speedometer_is_replaced_by_the_pace_of_the_pose() -> None:
-    watch, x_m, speed = Plausibility(VehicleModel()), 0.0, 5.0
+    watch, x_m, speed = Plausibility(ROBUST.plausibility, VehicleModel()), 0.0, 5.0
     for k in range(180):
         found = watch.update(observation(k, x_m, 5.0, 0.0))
         # what is let pass at 5 m/s, 0.75 m/s, and by what a mean over 0.3 s lags behind at 2 m/s2

@@ -30,7 +30,7 @@ class Perceiver:
         schedule = Schedule(variant.flow.period_s, setup.rate_hz, at_least_as_often=True)
         self.frame_rate_hz = schedule.rate_hz  # of the frames that are processed
         self._config, self._period_s = variant.frames, 1.0 / schedule.rate_hz
-        self._selection = FrameSelection(variant.frames, schedule, gate or FrameGate())
+        self._selection = FrameSelection(variant.frames, schedule, gate or FrameGate(variant.frame_gate))
         self._trackers = trackers or FrameTrackers.create(setup, variant, schedule.rate_hz)
         self.pipeline = (
             robust_pipeline(setup, variant, self._trackers, variant.static_obstacles)

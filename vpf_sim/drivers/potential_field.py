@@ -37,7 +37,7 @@ class FieldDriver(Driver):
         self._planner = create_planner(setup, self._variant)
         self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
         self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
-        self._plausibility = Plausibility(setup.vehicle)
+        self._plausibility = Plausibility(self._variant.plausibility, setup.vehicle)
         self._plan = None
 
     def act(self, observation: Observation) -> Command:

@@ -7,22 +7,40 @@ from collections import deque
 from dataclasses import replace
 from math import hypot
 
+from vpf_sim.configuration import setting, settings
 from vpf_sim.types import Observation, VehicleModel
 
-YAW_RATE_NOISE_RADPS = 0.15  # of two readings, ten standard deviations of a poor sensor
-HELD_S = 0.3  # after which a yaw rate that stays where it jumped to is believed
-STUCK_S = 0.3  # for which a speed reads the same, to the bit, and over which the pose's speed is taken
-STUCK_MPS, STUCK_SHARE = 0.5, 0.05  # off the pose's, more than a satellite's noise and the sensor's scale
+
+@settings
+class YawRateCheckConfig:
+    noise_radps: float = setting("of two readings, ten standard deviations of a poor sensor", ge=0.0)
+    held_s: float = setting("after which a yaw rate that stays where it jumped to is accepted", gt=0.0)
+
+
+@settings
+class SpeedCheckConfig:
+    stuck_s: float = setting(
+        "for which a speed reads the same to the bit, and over which the pose's speed is taken", gt=0.0
+    )
+    error_mps: float = setting("difference to the pose's speed from which the reading is replaced, plus", ge=0.0)
+    error_share: float = setting("this share of the reading", ge=0.0)
+
+
+@settings
+class PlausibilityConfig:
+    yaw_rate: YawRateCheckConfig | None = setting("yaw rates that jump as no car turns are replaced", default=None)
+    speed: SpeedCheckConfig | None = setting("a stuck speed is replaced by the pose's", default=None)
 
 
 class Plausibility:
     """Watches the speed and the yaw rate, and replaces those that cannot be."""
 
-    def __init__(self, vehicle: VehicleModel) -> None:
+    def __init__(self, config: PlausibilityConfig, vehicle: VehicleModel) -> None:
+        self._config = config
         self._turning_per_m = vehicle.steering_rate_limit_radps / vehicle.wheelbase_m
-        self._yaw_rate_radps = 0.0  # the last that was believed,
-        self._believed_s: float | None = None  # and when
-        self._recent: deque[Observation] = deque()  # of the last STUCK_S, oldest first
+        self._yaw_rate_radps = 0.0  # the last that was accepted,
+        self._accepted_s: float | None = None  # and when
+        self._recent: deque[Observation] = deque()  # while the speed reads the same, oldest first
 
     def update(self, observation: Observation) -> Observation:
         """The same, at a speed and a yaw rate that can be."""
@@ -34,25 +52,27 @@ class Plausibility:
 
     def _yaw_rate(self, observation: Observation) -> float:
         """rad/s, the last one where the reading has jumped by more than the steering can turn the car."""
-        told, now_s = observation.yaw_rate_radps, observation.time_s
-        if self._believed_s is not None:
-            since_s = now_s - self._believed_s
-            most = YAW_RATE_NOISE_RADPS + self._turning_per_m * max(observation.speed_mps, 0.0) * since_s
-            if abs(told - self._yaw_rate_radps) > most and since_s < HELD_S:
+        config, measured, now_s = self._config.yaw_rate, observation.yaw_rate_radps, observation.time_s
+        if config is not None and self._accepted_s is not None:
+            since_s = now_s - self._accepted_s
+            most = config.noise_radps + self._turning_per_m * max(observation.speed_mps, 0.0) * since_s
+            if abs(measured - self._yaw_rate_radps) > most and since_s < config.held_s:
                 return self._yaw_rate_radps
-        self._yaw_rate_radps, self._believed_s = told, now_s
-        return told
+        self._yaw_rate_radps, self._accepted_s = measured, now_s
+        return measured
 
     def _speed(self, observation: Observation) -> float:
         """m/s, by the pose where the speedometer reads the same while the pose goes at another pace."""
-        recent, told = self._recent, observation.speed_mps
-        if recent and recent[-1].speed_mps != told:
+        config, recent, measured = self._config.speed, self._recent, observation.speed_mps
+        if config is None:
+            return measured
+        if recent and recent[-1].speed_mps != measured:
             recent.clear()
         recent.append(replace(observation, image=observation.image[:0]))
-        while len(recent) > 2 and observation.time_s - recent[1].time_s >= STUCK_S:
+        while len(recent) > 2 and observation.time_s - recent[1].time_s >= config.stuck_s:
             recent.popleft()
         first, time_s = recent[0], observation.time_s - recent[0].time_s
-        if time_s < STUCK_S:
-            return told
+        if time_s < config.stuck_s:
+            return measured
         pace = hypot(observation.x_m - first.x_m, observation.y_m - first.y_m) / time_s
-        return pace if abs(pace - told) > STUCK_MPS + STUCK_SHARE * told else told
+        return pace if abs(pace - measured) > config.error_mps + config.error_share * measured else measured

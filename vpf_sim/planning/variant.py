@@ -15,10 +15,12 @@ from vpf_sim.configuration import setting, settings
 from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.egomotion.config import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
+from vpf_sim.perception.frame_gate import FrameGateConfig
 from vpf_sim.perception.obstacles.close_range_verification import VerificationConfig
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
+from vpf_sim.perception.plausible import PlausibilityConfig
 from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.planning.lane.planner import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
@@ -59,6 +61,8 @@ class Variant:
 
     gains: str = setting("of the controller, a set [gtsmc.NAME] of controllers/gains.toml")
     frames: FrameConfig = setting("late and missing frames")
+    frame_gate: FrameGateConfig = setting("frames that show nothing new or nothing true")
+    plausibility: PlausibilityConfig = setting("readings that cannot be")
     flow: FlowConfig = setting("sparse optical flow")
     focus_of_expansion: ExpansionConfig = setting("focus of expansion")
     time_to_contact: ContactConfig = setting("time to contact")
