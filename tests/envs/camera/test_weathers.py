@@ -159,7 +159,7 @@ def test_wind_wetness_and_wipers_have_units() -> None:
 def test_a_weather_in_words() -> None:
     assert in_words(weather.load("clear")) == "clear sky, sun 45° high"
     assert in_words(weather.load("rain")) == (
-        "overcast, sun 45° high, violent rain of 50 mm/h, wind 15 m/s, wet road with puddles, drops on the glass, "
+        "overcast, sun 45° high, violent rain of 50 mm/h, wind 15 m/s, wet road with puddles, drops on the windscreen, "
         "wipers every 0.92 s"
     )
     assert "fog, visibility 550 m" in in_words(weather.Weather(name="mine", fog_density=60.0))

@@ -33,7 +33,9 @@ def plan(displacement_px: Floats, ttc_s: float, frames: int = 2) -> Any:
     gap = np.full(len(POINTS), frames / RATE_HZ)
     flow = SimpleNamespace(points_px=POINTS, displacement_px=displacement_px, gap_s=gap)
     times = np.full(len(POINTS), ttc_s)
-    return SimpleNamespace(perception=SimpleNamespace(flow=flow, ttc_s=times, obstacles=np.empty(0)))
+    return SimpleNamespace(
+        perception=SimpleNamespace(flow=flow, features=SimpleNamespace(ttc_s=times), obstacles=np.empty(0))
+    )
 
 
 def scored(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0) -> dict[str, float]:

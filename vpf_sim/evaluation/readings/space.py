@@ -117,4 +117,6 @@ def _written(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, str):
         return f'"{value}"'
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key} = {_written(one)}' for key, one in value.items())}}}"
     return f"[{', '.join(map(_written, value))}]" if isinstance(value, list) else repr(value)
