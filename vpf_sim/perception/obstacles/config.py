@@ -178,6 +178,14 @@ class CollisionAlarmConfig:
 
 
 @settings
+class EdgeLineConfig:
+    """A strip about an edge line."""
+
+    inside_m: float = setting("of the line", ge=0.0)
+    outside_m: float = setting("of the line", ge=0.0)
+
+
+@settings
 class StaticObstacleConfig:
     """Limits and time constants of `vpf_sim.perception.obstacles.static_tracker.StaticObstacleTracker`."""
 
@@ -210,8 +218,6 @@ class StaticObstacleConfig:
     recent_px: float = setting("largest error of the motion in the last window, plus", ge=0.0)
     recent_ratio: float = setting("this share of its length", ge=0.0)
     edge_margin_m: float = setting("inside the carriageway's edges", ge=0.0)
-    edge_line_m: float = setting("points whose foot lies so near the edge line inside", ge=0.0)
-    verge_m: float = setting("and so near outside, are not trusted", ge=0.0)
     corner_texture: float = setting("unless so clear a corner (small eigenvalue, grey levels^2 / px^2)", ge=0.0)
     corner_ratio: float = setting("that is no less than this share of the large one: edges have .2", ge=0.0)
     founding_texture: float = setting(
@@ -246,6 +252,9 @@ class StaticObstacleConfig:
     occlusion: OcclusionConfig = setting("footprints of obstacles that hide the road")
     spots: LowTrackConfig = setting("of its tracks")
     residual: ParallaxConfig = setting("of planar parallax")
+    edge_lines: EdgeLineConfig | None = setting(
+        "edge lines: points near an edge line count only if they are clear corners, since others slide", default=None
+    )
     low_obstacles: LowObstacleConfig | None = setting(
         "low obstacles from points: several points a hand's breadth above the road make one", default=None
     )
@@ -270,11 +279,3 @@ class StaticObstacleConfig:
         for key in ("single_depth_ratio", "single_min_height_m"):
             if not 0.0 < getattr(self, key)[0] < getattr(self, key)[1]:
                 raise ValueError(f"{key}: expected 0 < first < second, got {getattr(self, key)}")
-        if not 0.0 <= self.high_share < 1.0:
-            raise ValueError(f"high_share: expected 0 .. 1, 1 left out, got {self.high_share}")
-        if not 0.0 <= self.outdated_share < 1.0:
-            raise ValueError(f"outdated_share: expected 0 .. 1, 1 left out, got {self.outdated_share}")
-        if not self.way_share >= 0.0:
-            raise ValueError(f"way_share: expected >= 0, got {self.way_share}")
-        if not self.least_width_m >= 0.0:
-            raise ValueError(f"least_width_m: expected >= 0, got {self.least_width_m}")

@@ -253,11 +253,11 @@ class StaticObstacleTracker:
         left, right = carriageway_offsets(self.camera.forward_m + depth[chosen], road)
         aside = points.right_m[chosen]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
-        sliding = near_edge_line(
-            self.camera, flow.points_px[chosen], road, self.config.edge_line_m, self.config.verge_m
-        )
-        sliding &= ~is_corner(flow.structure[chosen], config.corner_texture, config.corner_ratio)
-        chosen = chosen[inside & ~sliding]
+        if config.edge_lines is not None:
+            strip = config.edge_lines
+            sliding = near_edge_line(self.camera, flow.points_px[chosen], road, strip.inside_m, strip.outside_m)
+            inside &= ~(sliding & ~is_corner(flow.structure[chosen], config.corner_texture, config.corner_ratio))
+        chosen = chosen[inside]
         chosen = chosen[~self._is_far(flow, points, chosen)]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
