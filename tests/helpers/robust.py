@@ -2,10 +2,11 @@
 
 import dataclasses
 from collections.abc import Iterator
+from functools import reduce
 from typing import Any, TypeVar
 
+from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
-from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.planning import variant
 
 Config = TypeVar("Config")
@@ -15,6 +16,11 @@ ROBUST = variant.load("robust")
 def static_obstacles() -> StaticObstacleConfig:
     assert ROBUST.static_obstacles is not None
     return ROBUST.static_obstacles
+
+
+def section(path: str) -> Any:
+    """The settings at a dotted path of the variant."""
+    return reduce(getattr, path.split("."), ROBUST)
 
 
 def moving_obstacles() -> MovingObstacleConfig:

@@ -10,9 +10,9 @@ from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier
+from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
 from vpf_sim.perception.obstacles.point_hypotheses import among
-from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.pipeline import Pipeline, stage
 from vpf_sim.planning.variant import Variant

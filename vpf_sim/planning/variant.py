@@ -16,9 +16,8 @@ from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.egomotion.config import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
 from vpf_sim.perception.frame_gate import FrameGateConfig
-from vpf_sim.perception.obstacles.close_range_verification import VerificationConfig
+from vpf_sim.perception.obstacles.config import StaticObstacleConfig, VerificationConfig
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
-from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.plausible import PlausibilityConfig
 from vpf_sim.perception.road.config import RoadEdgeConfig

@@ -1,15 +1,17 @@
 """First sightings found again in their frames: on drawn pictures that grow by a known factor, and what depths gain."""
 
+from dataclasses import replace
 from functools import partial
 
 import cv2
 import numpy as np
 import pytest
+from robust import section
 from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
 from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
-from vpf_sim.perception.obstacles.track_refinement import RefinementConfig, refined
+from vpf_sim.perception.obstacles.track_refinement import refined
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
 
@@ -153,7 +155,7 @@ def test_a_point_lies_on_the_road_by_the_better_of_its_tracks() -> None:
         aside = np.array([truth[int(i)] for i in flow.identity[rows]]) - flow.first_px[rows]
         return aside, np.arange(len(growth)) >= count
 
-    chained, config = found.triangulate(flow), found.config.asked
+    chained, config = found.triangulate(flow), found.config.track_refinement
     again = partial(found._found, flow)
     matched = refined(flow, chained, np.arange(count), match, config, again, CAMERA)
     assert np.array_equal(matched.depth_m, chained.depth_m, equal_nan=True), "no depth is of a match as lying"
@@ -171,7 +173,7 @@ def test_a_point_lies_on_the_road_by_the_better_of_its_tracks() -> None:
 )
 def test_what_cannot_be_asked_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="expected"):
-        RefinementConfig(**wrong)
+        replace(section("static_obstacles.track_refinement"), **wrong)
 
 
 def _firsts(drive: Drive, flow: Flow) -> tuple[Integers, Floats]:

@@ -6,13 +6,14 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from robust import section
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier, VerificationConfig
+from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image, Obstacles
 
-CAMERA, CONFIG = Camera(), VerificationConfig()
+CAMERA, CONFIG = Camera(), section("close_range_verification")
 FACE_M, LEFT_M, RIGHT_M, PALLET_M = 10.0, -0.8, 0.8, 0.15  # in the world
 GRAIN_M = 0.04
 
@@ -135,7 +136,7 @@ def test_a_refuted_body_that_is_told_elsewhere_is_another() -> None:
 @pytest.mark.parametrize("wrong", [{"nearest_m": 9.0}, {"inside_m": -0.1}, {"rows": 0}, {"most_other": 0.0}])
 def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
-        VerificationConfig(**wrong)  # type: ignore[arg-type]
+        replace(section("close_range_verification"), **wrong)  # type: ignore[arg-type]
 
 
 def test_of_a_narrow_body_half_is_looked_at() -> None:

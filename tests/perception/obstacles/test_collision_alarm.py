@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from robust import section
 from test_moving_tracker import Traffic, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points, tracker
 
-from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarm, CollisionAlarmConfig
+from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarm
 from vpf_sim.types import Floats, Obstacles
 
 LOOK_FRAMES = 3
@@ -16,7 +17,7 @@ NONE = Obstacles(*(np.empty(0) for _ in range(5)), identity=np.empty(0, np.int64
 
 def watch(drive: Drive, seconds: float, known: int = 0) -> list[Obstacles]:
     """What the net tells at each look; the first `known` points are of a body that is known to move."""
-    closing = CollisionAlarm(CAMERA, CollisionAlarmConfig(), LOOK_FRAMES / RATE_HZ)
+    closing = CollisionAlarm(CAMERA, section("moving_obstacles.collision_alarm"), LOOK_FRAMES / RATE_HZ)
     landmarks = tracker()
     told = []
     for frame in range(round(seconds * RATE_HZ)):
@@ -46,7 +47,7 @@ def test_what_is_met_soon_is_told_at_its_due_time(speed_mps: float) -> None:
     assert (told[-1].forward_m[0] - CAMERA.forward_m) / SPEED_MPS == pytest.approx(left_s, rel=0.1)
     assert told[-1].left_m[0] < 0.2 < told[-1].right_m[0]
     first = alarms.index(1) * LOOK_FRAMES / RATE_HZ
-    assert 1.2 + seconds - first < CollisionAlarmConfig().bound_s + 0.1
+    assert 1.2 + seconds - first < section("moving_obstacles.collision_alarm").bound_s + 0.1
 
 
 def test_neither_the_road_nor_a_body_beside_our_way_alarms() -> None:
@@ -62,7 +63,7 @@ def test_a_body_that_is_known_does_not_alarm() -> None:
 
 
 def test_an_alarm_outlasts_a_moment_without_tracks() -> None:
-    closing = CollisionAlarm(CAMERA, CollisionAlarmConfig(), LOOK_FRAMES / RATE_HZ)
+    closing = CollisionAlarm(CAMERA, section("moving_obstacles.collision_alarm"), LOOK_FRAMES / RATE_HZ)
     drive, landmarks = Traffic(vehicle(14.0, 0.0, 30), np.zeros(32)), tracker()
     places, last = [], round(1.4 * RATE_HZ)
     for frame in range(round(2.4 * RATE_HZ)):
@@ -77,7 +78,7 @@ def test_an_alarm_outlasts_a_moment_without_tracks() -> None:
 
 
 def test_what_is_known_already_is_not_told_again() -> None:
-    closing = CollisionAlarm(CAMERA, CollisionAlarmConfig(), LOOK_FRAMES / RATE_HZ)
+    closing = CollisionAlarm(CAMERA, section("moving_obstacles.collision_alarm"), LOOK_FRAMES / RATE_HZ)
     drive, landmarks = Traffic(vehicle(14.0, 0.0, 30), np.zeros(32)), tracker()
     for frame in range(round(1.2 * RATE_HZ)):
         flow = drive.flow(frame)

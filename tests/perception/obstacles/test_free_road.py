@@ -1,12 +1,15 @@
 """Bodies that are told where looks show the road, or something on it, or too little."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from robust import section
 
-from vpf_sim.perception.obstacles.free_road import FreeRoadConfig, FreeRoadEvidence
+from vpf_sim.perception.obstacles.free_road import FreeRoadEvidence
 from vpf_sim.types import Floats
 
-LOOKS = FreeRoadConfig().looks
+LOOKS = section("static_obstacles.free_road").looks
 NONE = np.empty(0, np.int64)
 
 
@@ -17,7 +20,7 @@ def at(look: int) -> Floats:
 
 def cleared(differences: list[float]) -> list[int]:
     """At which look the body is cleared, at each of which this was seen."""
-    clearing, one = FreeRoadEvidence(FreeRoadConfig()), np.array([7])
+    clearing, one = FreeRoadEvidence(section("static_obstacles.free_road")), np.array([7])
     return [k for k, value in enumerate(differences) if clearing.record(one, np.array([value]), at(k)) == [0]]
 
 
@@ -37,7 +40,7 @@ def test_a_look_at_a_body_makes_up_for_one_at_bare_road() -> None:
 
 
 def test_each_body_has_its_own_looks_and_one_that_is_gone_has_none() -> None:
-    clearing = FreeRoadEvidence(FreeRoadConfig())
+    clearing = FreeRoadEvidence(section("static_obstacles.free_road"))
     for k in range(LOOKS - 1):
         assert clearing.record(np.array([3, 5]), np.array([1.0, 9.0]), at(k)) == []
     assert clearing.record(np.array([5, 3]), np.array([9.0, 1.0]), at(LOOKS)) == [1]
@@ -48,13 +51,17 @@ def test_each_body_has_its_own_looks_and_one_that_is_gone_has_none() -> None:
 
 
 def test_standing_the_same_picture_tells_nothing_new() -> None:
-    clearing, one = FreeRoadEvidence(FreeRoadConfig()), np.array([7])
+    clearing, one = FreeRoadEvidence(section("static_obstacles.free_road")), np.array([7])
     assert all(clearing.record(one, np.array([1.0]), np.array([0.01 * k, 0.0])) == [] for k in range(20))
 
 
 def test_parts_of_one_body_are_looked_at_as_one() -> None:
     """Of one part the road is seen, of the other something that stands; of a third nothing."""
-    clearing, parts, bare = FreeRoadEvidence(FreeRoadConfig()), np.array([7, 7, 7]), np.array([1.0, np.nan, 1.0])
+    clearing, parts, bare = (
+        FreeRoadEvidence(section("static_obstacles.free_road")),
+        np.array([7, 7, 7]),
+        np.array([1.0, np.nan, 1.0]),
+    )
     for k in range(10):
         assert clearing.record(parts, np.array([1.0, 9.0, np.nan]), at(k)) == []
     found = [clearing.record(parts, bare, at(10 + k)) for k in range(LOOKS)]
@@ -64,4 +71,4 @@ def test_parts_of_one_body_are_looked_at_as_one() -> None:
 @pytest.mark.parametrize("wrong", [{"road": 0.0}, {"road": 6.0}, {"looks": 0}, {"most_points": 0.0}, {"known_m": -1.0}])
 def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="expected"):
-        FreeRoadConfig(**wrong)  # type: ignore[arg-type]
+        replace(section("static_obstacles.free_road"), **wrong)  # type: ignore[arg-type]

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from robust import section
 from tracked_points import CAMERA
 
-from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency, LoomingConsistencyConfig
+from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency
 from vpf_sim.types import Floats, Flow
 
 RATE_HZ, SPEED_MPS = 20.0, 5.5
@@ -46,7 +47,7 @@ def told(spread: LoomingConsistency, count: int, now_m: float) -> list[bool]:
 
 def keeps_together(count: int, stands: bool, now_m: float, born_s: float = 0.0) -> list[bool]:
     """What is told of them then."""
-    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
+    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
     approached(spread, count, stands, now_m, born_s)
     return told(spread, count, now_m)
 
@@ -64,7 +65,7 @@ def test_one_point_or_young_ones_tell_nothing() -> None:
 
 
 def test_what_a_point_was_found_to_be_holds_while_it_is_alone_and_followed() -> None:
-    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
+    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
     approached(spread, 2, False, 6.0)
     assert told(spread, 2, 6.0) == [True] * 2
     assert told(spread, 1, 6.0) == [True]
@@ -74,7 +75,7 @@ def test_what_a_point_was_found_to_be_holds_while_it_is_alone_and_followed() -> 
 
 
 def test_a_wiper_before_the_points_leaves_what_was_found() -> None:
-    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
+    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
     approached(spread, 2, False, 6.0)
     assert told(spread, 2, 6.0) == [True] * 2
     nothing = seen(CORNERS_M[:0], 6.0, 1.0, 0.0)
@@ -85,8 +86,8 @@ def test_a_wiper_before_the_points_leaves_what_was_found() -> None:
 
 def test_more_verdicts_than_are_kept_are_undone_by_as_many_others() -> None:
     spread, kept = (
-        LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ),
-        round(LoomingConsistencyConfig().kept_s * RATE_HZ),
+        LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ),
+        round(section("static_obstacles.looming_consistency").kept_s * RATE_HZ),
     )
     approached(spread, 2, False, 6.0)
     for _ in range(3 * kept):
@@ -98,12 +99,12 @@ def test_more_verdicts_than_are_kept_are_undone_by_as_many_others() -> None:
 
 def test_points_of_other_things_are_not_compared() -> None:
     """Each by itself beside a far tree line, 40 px apart, or at another depth."""
-    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
+    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
     apart = np.array([[1.5, 0.0], [3.5, 0.0], [5.5, 0.0]])
     for frame in range(11):
         spread.record(seen(apart, 12.0, frame / RATE_HZ, 0.0))
     assert spread.keeps_together(np.arange(3), np.full(3, 1.0 / 12.0)).tolist() == [False] * 3
-    spread = LoomingConsistency(LoomingConsistencyConfig(), RATE_HZ)
+    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
     for frame in range(11):
         spread.record(seen(CORNERS_M[:3], 12.0, frame / RATE_HZ, 0.0))
     assert spread.keeps_together(np.arange(3), 1.0 / np.array([4.0, 9.0, 20.0])).tolist() == [False] * 3
@@ -111,4 +112,4 @@ def test_points_of_other_things_are_not_compared() -> None:
 
 def test_limits_must_be_positive() -> None:
     with pytest.raises(ValueError, match=r"baseline_s: expected > 0, got 0\.0"):
-        LoomingConsistencyConfig(baseline_s=0.0)
+        replace(section("static_obstacles.looming_consistency"), baseline_s=0.0)

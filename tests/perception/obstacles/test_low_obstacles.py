@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from robust import section
 from tracked_points import CAMERA, CORNER, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
-from vpf_sim.perception.obstacles.low_obstacles import LowObstacleConfig, off_lines
+from vpf_sim.perception.obstacles.low_obstacles import off_lines
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose
@@ -104,7 +105,7 @@ def test_a_pallet_beside_a_pedestrian_is_told_though_one_point_between_them_is_t
 
 
 def test_the_lines_are_where_the_edges_put_them() -> None:
-    config = replace(LowObstacleConfig(), line_px=0.0)
+    config = replace(section("static_obstacles.low_obstacles"), line_px=0.0)
     right = np.array([-8.8, -8.6, -5.25, -5.0, -1.6, 0.0, 1.6, 3.5, 4.9])
     places = np.column_stack([np.full(9, 10.0), right])
     road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.05, 1.0, 0.0, 3.5)
@@ -116,7 +117,7 @@ def test_the_lines_are_where_the_edges_put_them() -> None:
 @pytest.mark.parametrize("heading_deg", [-50.0, -30.0, 30.0, 50.0])
 def test_the_lines_of_a_turned_car_are_those_of_the_road(heading_deg: float) -> None:
     """Across its own axes the carriageway is as wide as five lanes or six."""
-    config, heading = replace(LowObstacleConfig(), line_px=0.0), np.radians(heading_deg)
+    config, heading = replace(section("static_obstacles.low_obstacles"), line_px=0.0), np.radians(heading_deg)
     across = np.array([-3.5, -2.0, 0.0, 1.75, 3.5])  # of the road, whose lines are at multiples of 3.5
     forward = np.full(5, 10.0)
     places = np.column_stack([forward, forward * np.tan(heading) + across / np.cos(heading)])
@@ -126,8 +127,8 @@ def test_the_lines_of_a_turned_car_are_those_of_the_road(heading_deg: float) -> 
 
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match=r"expected 0 < near < far, got 20\.0, 14\.0"):
-        LowObstacleConfig(near_m=20.0)
+        replace(section("static_obstacles.low_obstacles"), near_m=20.0)
     with pytest.raises(ValueError, match=r"expected 0 < min < max, got 0\.3, 0\.25"):
-        LowObstacleConfig(min_height_m=0.3)
+        replace(section("static_obstacles.low_obstacles"), min_height_m=0.3)
     with pytest.raises(ValueError, match=r"sticks_out_share: expected > 0, got 0\.0"):
-        LowObstacleConfig(sticks_out_share=0.0)
+        replace(section("static_obstacles.low_obstacles"), sticks_out_share=0.0)

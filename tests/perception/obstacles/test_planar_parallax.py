@@ -7,10 +7,9 @@ import cv2
 import numpy as np
 import pytest
 from plated_road import CAMERA, PLATE_M, frame
-from robust import optional_sections, static_obstacles, without
+from robust import optional_sections, section, static_obstacles, without
 
 from vpf_sim.geometry import rotation, vehicle_from_world
-from vpf_sim.perception.obstacles.free_road import FreeRoadConfig
 from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, in_sight
@@ -141,7 +140,7 @@ def test_the_difference_at_a_foot_tells_road_from_obstacle(right_m: float, is_ro
         face = (PLATE_M[0, 0] - forward) * one
         body = Obstacles(face, (right_m - 0.3) * one, (right_m + 0.3) * one, 0.2 * one, one, np.array([1]))
         found.append(float(residual.difference_at(body)[0]))
-    seen, config = np.array(found)[np.isfinite(found)], FreeRoadConfig()
+    seen, config = np.array(found)[np.isfinite(found)], section("static_obstacles.free_road")
     assert len(seen) >= 4
     assert np.count_nonzero(seen < config.road) >= config.looks if is_road else np.median(seen) > config.body
 

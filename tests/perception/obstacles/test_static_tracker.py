@@ -6,13 +6,14 @@ from typing import cast
 
 import numpy as np
 import pytest
-from robust import static_obstacles
+from robust import optional_sections, static_obstacles, without
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses
 from vpf_sim.perception.obstacles.static_obstacles import Bodies
+from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.types import Floats, Flow, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose
@@ -31,6 +32,16 @@ def test_a_car_is_found_far_off_and_measured() -> None:
     assert last.sigma_m[0] < 0.3
     names = {int(name) for bodies in found for name in bodies.identity}
     assert names == {0}
+
+
+OWN = [path for path in optional_sections(static_obstacles()) if "." not in path]
+
+
+@pytest.mark.parametrize("path", OWN)
+def test_a_car_is_found_with_each_mechanism_switched_off(path: str) -> None:
+    drive = Drive(np.concatenate([body(30.0, 0.3, 1.8, 1.4, 14), road_points(100)]))
+    found = drive.run(StaticObstacleTracker(CAMERA, without(static_obstacles(), path), RATE_HZ), range(200))
+    assert len(found[-1]) == 1
 
 
 @pytest.mark.parametrize(("right_m", "told_m"), [(-1.0, 10.0), (0.2, 9.0)])
@@ -299,9 +310,9 @@ def test_nonsense_is_refused_with_what_was_given() -> None:
         replace(static_obstacles(), turned_near_m=1.0)
     with pytest.raises(ValueError, match=r"single_depth_ratio: expected 0 < first < second, got \(0\.1, 0\.07\)"):
         replace(static_obstacles(), single_depth_ratio=(0.1, 0.07))
-    with pytest.raises(ValueError, match=r"high_share: expected 0 \.\. 1, 1 left out, got 1\.0"):
+    with pytest.raises(ValueError, match=r"high_share: expected < 1, got 1\.0"):
         replace(static_obstacles(), high_share=1.0)
-    with pytest.raises(ValueError, match=r"outdated_share: expected 0 \.\. 1, 1 left out, got 1\.0"):
+    with pytest.raises(ValueError, match=r"outdated_share: expected < 1, got 1\.0"):
         replace(static_obstacles(), outdated_share=1.0)
 
 

@@ -16,50 +16,10 @@ import cv2
 import numpy as np
 
 from vpf_sim.geometry import distance_m, distort, project, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.obstacles.config import VerificationConfig
 from vpf_sim.types import Bools, Camera, Floats, Image, Obstacles
 
 PASSED_M = 30.0  # behind the car, where no body is told any more
-
-
-@dataclass(frozen=True, slots=True)
-class VerificationConfig:
-    """When looks are taken, and when the road is seen in a body's place."""
-
-    slow_mps: float = 3.0  # looks are taken below this speed
-    step_m: float = 0.1  # of the car's way between two
-    baseline_m: float = 0.7  # and between the frames of one
-    nearest_m: float = 1.9  # range of the body's face, from the camera
-    farthest_m: float = 7.0
-    most_bearing: float = 0.5  # tangent, of its middle: farther aside the place leads past what stands there
-    before_m: float = 0.1  # of the face, where the place begins
-    inside_m: float = 0.1  # of each side, where it ends: past one that grows narrower upwards the road is seen
-    cell_m: float = 0.5  # the place is judged in cells so wide and long,
-    rows: int = 5  # so many behind each other
-    grain_m: float = 0.03  # spacing of the samples
-    shift_grains: int = 12  # the largest that is tried
-    near_grains: int = 1  # larger ones are none of the road
-    least_correlation: float = 0.3  # of the grain with none, in a cell of the road,
-    least_lead: float = 0.15  # and by how much it is above that with any other
-    most_other: float = 0.6  # with any other: outlines that run along the way agree with all shifts
-    road_share: float = 0.8  # of the cells, over all looks
-    least_looks: int = 4
-    moved_m: float = 0.6  # a body that is told elsewhere later is another
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.nearest_m < self.farthest_m:
-            raise ValueError(f"nearest_m: expected 0 < nearest_m < farthest_m, got {self.nearest_m}")
-        if not self.most_bearing > 0.0:
-            raise ValueError(f"most_bearing: expected > 0, got {self.most_bearing}")
-        if not self.inside_m >= 0.0:
-            raise ValueError(f"inside_m: expected >= 0, got {self.inside_m}")
-        if not self.rows >= 1:
-            raise ValueError(f"rows: expected >= 1, got {self.rows}")
-        if not 0.0 < self.most_other <= 1.0:
-            raise ValueError(f"most_other: expected 0 < most_other <= 1, got {self.most_other}")
-
-    def across_m(self, width_m: float) -> float:
-        """How much of a body's width is looked at: half of it at least."""
-        return max(width_m - 2.0 * self.inside_m, 0.5 * width_m)
 
 
 @dataclass(slots=True)

@@ -5,39 +5,16 @@ standing points, for bodies that stand and for bodies that move (Lee, Perception
 to be the one or the other is met at its due time if it is taken to stand there.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
+from vpf_sim.perception.obstacles.config import CollisionAlarmConfig
 from vpf_sim.perception.obstacles.extent import none, to_current_frame
 from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
 IDENTITY = np.iinfo(np.int64).max
-
-
-@dataclass(frozen=True, slots=True)
-class CollisionAlarmConfig:
-    """When points in our way alarm."""
-
-    bound_s: float = 2.5  # they are met within this time,
-    half_way_m: float = 1.05  # so near to our course, as standing points,
-    ceiling_m: float = 1.8  # not above this
-    least_baseline_m: float = 0.6  # own way since the first sighting
-    chi2_limit: float = 9.0  # of a point against its own depth, plus
-    chi2_ratio: float = 0.03  # this share of its chi2 against the road
-    chi2_margin: float = 20.0  # by which the road must fit worse
-    least_drop: float = 0.03  # tangent below the horizon
-    least_depth_m: float = 2.5
-    least_points: int = 6  # that agree
-    agree_ratio: float = 0.15  # in their inverse depth,
-    least_share: float = 0.6  # of all that alarm
-    least_width_m: float = 0.6
-    least_height_m: float = 0.4
-    after_s: float = 0.25  # for so long
-    hold_s: float = 0.6  # without them
 
 
 class CollisionAlarm:

@@ -5,35 +5,12 @@ road differs so little in every other look. So a few looks that show bare road, 
 tell the two apart (Wald, Sequential Analysis, 1947, with steps of one).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from vpf_sim.geometry import distance_m
+from vpf_sim.perception.obstacles.config import FreeRoadConfig
 from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.types import Floats
-
-
-@dataclass(frozen=True, slots=True)
-class FreeRoadConfig:
-    """What counts as a look at bare road, and how many it takes."""
-
-    road: float = 2.5  # largest difference where a body should begin, in multiples of the noise
-    body: float = 5.0  # from which on something stands there
-    looks: int = 3  # at bare road, more than at something
-    way_m: float = 0.3  # of the car between two: standing, it sees the same picture again
-    about_m: tuple[float, float] = (2.5, 0.5)  # along and across, what goes with a cleared body,
-    most_points: float = 3.0  # unless points of more weight tell it: a shadow hides a car's foot
-    known_m: float = 0.35  # standard deviation of the depth up to which a point has weight 1
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.road <= self.body:
-            raise ValueError(f"road, body: expected 0 < road <= body, got {self.road}, {self.body}")
-        for key in ("most_points", "known_m"):
-            if not getattr(self, key) > 0.0:
-                raise ValueError(f"{key}: expected > 0, got {getattr(self, key)}")
-        if self.looks < 1:
-            raise ValueError(f"looks: expected >= 1, got {self.looks}")
 
 
 class FreeRoadEvidence:

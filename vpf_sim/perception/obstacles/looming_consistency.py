@@ -7,33 +7,15 @@ for some frames only; what it was found to be then it still is without them.
 """
 
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 
 from vpf_sim.geometry import distance_m
+from vpf_sim.perception.obstacles.config import LoomingConsistencyConfig
 from vpf_sim.perception.obstacles.point_hypotheses import Integers, among, followed, frames, matches
 from vpf_sim.types import Bools, Floats, Flow
 
 LEAST_POINTS = 2  # of one thing
-
-
-@dataclass(frozen=True, slots=True)
-class LoomingConsistencyConfig:
-    """Which points are of one thing, and how little they draw apart if it is far off."""
-
-    baseline_s: float = 0.5  # over which they are watched
-    about_px: float = 30.0  # between points of one thing, at most
-    alike: float = 0.5  # share of the inverse depth, by which theirs may differ
-    noise_px: float = 0.2  # standard deviation of a point's way over the baseline
-    least: float = 0.5  # of the growth that their inverse depth asks for
-    sure: float = 2.0  # standard deviations, by which it is less or more
-    kept_s: float = 1.0  # of verdicts, that count at most
-
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name}: expected > 0, got {getattr(self, name)}")
 
 
 class LoomingConsistency:

@@ -1,59 +1,11 @@
 """Points a hand's breadth above the road, of pallets, planks, tyres: it takes several to be sure of their height."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
+from vpf_sim.perception.obstacles.config import LowObstacleConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles, RoadEdges
-
-
-@dataclass(frozen=True, slots=True)
-class LowObstacleConfig:
-    """When a point counts as low, and how many of them make a body."""
-
-    near_m: float = 3.0  # range of depth in which points are judged
-    far_m: float = 14.0
-    min_age_s: float = 0.15
-    min_height_m: float = 0.05
-    max_height_m: float = 0.25
-    sigma_height_m: float = 0.04  # largest
-    chi2_limit: float = 9.0  # of a point against its own depth
-    chi2_margin: float = 12.0  # by which the road must fit worse
-    line_m: float = 0.2  # points whose foot on the road lies so near a line are not trusted: ends of dashes slide
-    line_px: float = 4.0  # besides, half of the flow's window
-    edge_m: float = 0.4  # the same of the edge lines
-    link_right_m: float = 0.9  # points nearer than this belong to one body
-    link_forward_m: float = 1.4
-    # small eigenvalue, grey levels^2 / px^2: asphalt has 5 to 13 and slides, ends of dashes 15 to 30, what stands 33
-    least_texture: float = 25.0
-    least_points: int = 2
-    least_margin: float = 60.0  # sum over the points of a body, of which one adds
-    most_margin: float = 100.0  # at most this
-    single_margin: float = 150.0  # one alone needs this,
-    single_texture: float = 30.0  # a corner so clear (small eigenvalue, grey levels^2 / px^2): asphalt slides
-    single_hits_s: float = 0.3  # and so long
-    least_width_m: float = 0.6  # a body is told no narrower
-    beside_m: float = 0.4  # points so near a taller body are of it, unless
-    sticks_out_m: float = 1.0  # they reach so far out of it as the corner of a car's shadow does not,
-    sticks_out_share: float = 0.5  # or by this share of its width, which of a pedestrian any low body beside him does,
-    before_m: float = 1.0  # or so far before its face,
-    part_m: tuple[float, float] = (0.8, 0.4)  # and those so near one of its points, along and across
-    shade_m: tuple[float, float] = (8.0, 1.2)  # behind a taller body's face and beside it, where it takes a point more
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.near_m < self.far_m:
-            raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
-        if not 0.0 < self.min_height_m < self.max_height_m:
-            raise ValueError(
-                f"min_height_m, max_height_m: expected 0 < min < max, got {self.min_height_m}, {self.max_height_m}"
-            )
-        if not self.sticks_out_share > 0.0:
-            raise ValueError(f"sticks_out_share: expected > 0, got {self.sticks_out_share}")
-        for key in ("part_m", "shade_m"):
-            if not min(getattr(self, key)) > 0.0:
-                raise ValueError(f"{key}: expected both > 0, got {getattr(self, key)}")
 
 
 def is_low(points: Triangulation, age_s: Floats, texture: Floats, config: LowObstacleConfig) -> Bools:

@@ -7,6 +7,7 @@ import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.obstacles.clustering import clusters, stepped
+from vpf_sim.perception.obstacles.config import LowObstacleConfig, StaticObstacleConfig
 from vpf_sim.perception.obstacles.extent import (
     Seen,
     direction_at,
@@ -26,9 +27,8 @@ from vpf_sim.perception.obstacles.extent import (
     widened,
     widened_to_observation,
 )
-from vpf_sim.perception.obstacles.low_obstacles import LowObstacleConfig, belongs_to, in_shadow, off_lines
+from vpf_sim.perception.obstacles.low_obstacles import belongs_to, in_shadow, off_lines
 from vpf_sim.perception.obstacles.point_hypotheses import Integers, PointHypotheses, among, frames
-from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
 
 
@@ -57,12 +57,14 @@ class Bodies:
 
         All are in the axes of the vehicle at `pose`.
         """
-        marks, low = self._points, self.config.low
+        marks, low = self._points, self.config.low_obstacles
         self.parts = self.gone = self.parts[:0]
         tall = self._of_points(marks.believed & ~marks.low, self.config, self._are_tall, pose, road)
         tall = widened(tall, np.maximum(tall.width_m + 2.0 * self.config.beside_m, self.config.least_width_m))
         spots = self.config.spots
-        flat = self._flat(tall, pose, road)
+        if low is None:
+            return tall, joined(tall, seen, spots.beside_m, spots.sticks_out_m, spots.before_m)
+        flat = self._flat(tall, pose, road, low)
         nearest, cross_confirmed = nearest_spot(flat, seen, low.beside_m)
         self.cross_confirmed = flat.identity[cross_confirmed]
         flat = widened(widened_to_observation(flat, seen, nearest, cross_confirmed), low.least_width_m)
@@ -71,12 +73,12 @@ class Bodies:
         bodies = joined(whole, flat, low.beside_m, sticks_out_m, low.before_m)
         return tall, joined(bodies, seen, spots.beside_m, spots.sticks_out_m, spots.before_m)
 
-    def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges) -> Obstacles:
+    def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges, low: LowObstacleConfig) -> Obstacles:
         """Those of low points that are neither of the taller bodies told nor of their shadows, nor paint.
 
         Lines that were not known when a point was seen may be by now: one that lies on them tells no new body.
         """
-        marks, low = self._points, self.config.low
+        marks = self._points
         chosen = marks.believed & marks.low
         if not chosen.any():
             return none()
@@ -87,7 +89,7 @@ class Bodies:
         shaded = in_shadow(place, tall, low)
 
         def are_bodies(believed: Integers, label: Integers) -> Bools:
-            return self._are_low(believed, label, shaded[believed])
+            return self._are_low(believed, label, shaded[believed], low)
 
         return self._of_points(chosen, low, are_bodies, pose, road)
 
@@ -142,9 +144,9 @@ class Bodies:
         together: Bools = (founders >= 2) | ((founders >= 1) & (support >= 3))
         return together | (np.bincount(label, single, count) > 0)
 
-    def _are_low(self, believed: Integers, label: Integers, shaded: Bools) -> Bools:
+    def _are_low(self, believed: Integers, label: Integers, shaded: Bools, config: LowObstacleConfig) -> Bools:
         """(K,) clusters of low points that are bodies beyond doubt; it takes one more where any is `shaded` (B,)."""
-        marks, config, count = self._points, self.config.low, int(label.max()) + 1
+        marks, count = self._points, int(label.max()) + 1
         single = (
             (marks.hits[believed] >= frames(config.single_hits_s, self._rate_hz))
             & (marks.margin[believed] > config.single_margin)

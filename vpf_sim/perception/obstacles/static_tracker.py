@@ -10,6 +10,7 @@ from vpf_sim.geometry import ground_from_pixels, vehicle_from_world, world_from_
 from vpf_sim.perception.egomotion.corners import eigenvalues, is_corner
 from vpf_sim.perception.egomotion.ground_plane import below_horizon, past_image
 from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
+from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.extent import none, to_current_frame
 from vpf_sim.perception.obstacles.free_road import FreeRoadEvidence
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency
@@ -25,9 +26,8 @@ from vpf_sim.perception.obstacles.point_hypotheses import (
     followed,
     frames,
 )
-from vpf_sim.perception.obstacles.static_config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.static_obstacles import Bodies
-from vpf_sim.perception.obstacles.track_refinement import Match, refined
+from vpf_sim.perception.obstacles.track_refinement import Match, candidates, refined
 from vpf_sim.perception.road.geometry import carriageway_offsets, near_edge_line
 from vpf_sim.perception.road.occlusion import driven_over, footprints
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
@@ -63,8 +63,10 @@ class StaticObstacleTracker:
         self._bodies = Bodies(camera, config, self._points, judged_hz)
         self._parallax = PlanarParallax(camera, config.residual, rate_hz)
         self._low_tracks = LowObstacleTracks(config.spots, self._bodies.number, config.residual.near_m)
-        self._free_road = FreeRoadEvidence(config.clearing)
-        self._looming = LoomingConsistency(config.spread, judged_hz)
+        self._free_road = FreeRoadEvidence(config.free_road) if config.free_road else None
+        self._looming = (
+            LoomingConsistency(config.looming_consistency, judged_hz) if config.looming_consistency else None
+        )
         self._refuted: Integers = np.empty(0, np.int64)  # identities of bodies in whose place the road was seen
 
     def triangulate(self, flow: Flow) -> Triangulation:
@@ -75,10 +77,13 @@ class StaticObstacleTracker:
     def refined(self, flow: Flow, points: Triangulation, road: RoadEdges, match: Match) -> Triangulation:
         """The same, but those that may stand on the road by a match of what they show with the frame of their first
         sighting."""
-        rows = self.config.asked.asked(points, road, self.camera)
+        config = self.config.track_refinement
+        if config is None:
+            return points
+        rows = candidates(points, road, self.camera, config)
         if not len(rows):
             return points
-        return refined(flow, points, rows, match, self.config.asked, partial(self._found, flow), self.camera)
+        return refined(flow, points, rows, match, config, partial(self._found, flow), self.camera)
 
     def _found(self, flow: Flow, rows: Integers, aside_px: Floats) -> Triangulation:
         """Some points of the flow, which were first seen aside of where it says, and found there from now."""
@@ -145,13 +150,15 @@ class StaticObstacleTracker:
                 hiding = hiding.concatenate(moving)
                 self._make_way(moving, pose, road)
             since_s = self.config.residual.baseline_m / max(speed_mps, SLOWEST_MPS)
-            known = footprints(hiding, road, self.config.cover, since_s)
+            known = footprints(hiding, road, self.config.occlusion, since_s)
         spots = self._parallax.update(image, pose, known)
         if spots is None:
             return
         bodies = to_current_frame(self._seen, self._seen_from, pose, 0.0)
-        for index in self._free_road.record(bodies.identity, self._parallax.difference_at(bodies), pose[:2]):
-            self._clear(bodies, index, pose)
+        if self._free_road is not None and self.config.free_road is not None:
+            difference = self._parallax.difference_at(bodies)
+            for index in self._free_road.record(bodies.identity, difference, pose[:2]):
+                self._clear(bodies, index, pose, self.config.free_road.about_m)
         views = self._parallax.lenses_m
         seen = (self._in_sight(spot, views, bodies) for spot in spots if self._is_inside(spot, road))
         self._low_tracks.record([spot for spot in seen if spot is not None], pose)
@@ -160,7 +167,7 @@ class StaticObstacleTracker:
         """Forget what was thought to stand where a body drives now."""
 
         def stands(places_m: Floats) -> Bools:
-            return ~driven_over(places_m, moving, road, self.config.cover)
+            return ~driven_over(places_m, moving, road, self.config.occlusion)
 
         self._points.keep(stands(vehicle_from_world(self._points.place_m, pose)))
         self._low_tracks.keep(stands, pose)
@@ -179,9 +186,9 @@ class StaticObstacleTracker:
             seen = seen and in_sight(seen, view, bodies, self.config.spots)
         return seen
 
-    def _clear(self, bodies: Obstacles, index: int, pose: Floats) -> None:
+    def _clear(self, bodies: Obstacles, index: int, pose: Floats, about_m: tuple[float, float]) -> None:
         """Forget a body of few points where the road is seen instead of it; what was seen of it elsewhere stays."""
-        identity, (along_m, across_m) = int(bodies.identity[index]), self.config.clearing.about_m
+        identity, (along_m, across_m) = int(bodies.identity[index]), about_m
         place = vehicle_from_world(self._points.place_m, pose)
         far = np.abs(place[:, 0] - bodies.forward_m[index]) > along_m
         far |= (place[:, 1] < bodies.left_m[index] - across_m) | (place[:, 1] > bodies.right_m[index] + across_m)
@@ -191,7 +198,9 @@ class StaticObstacleTracker:
 
     def is_well_supported(self, bodies: Obstacles) -> Bools:
         """(K,) bodies that more points well above the road tell than err together: no look refutes these."""
-        marks, config = self._points, self.config.clearing
+        marks, config = self._points, self.config.free_road
+        if config is None:
+            return np.zeros(len(bodies), np.bool_)
         counts = np.minimum(config.known_m / marks.sigma_m, 1.0) * (marks.believed & ~marks.low)
         support = (marks.body == bodies.identity[:, None]) @ counts
         return np.asarray((support > config.most_points) & (bodies.identity >= 0), np.bool_)
@@ -211,7 +220,8 @@ class StaticObstacleTracker:
         self, flow: Flow, road: RoadEdges, time_s: float, points: Triangulation | None, moving: Bools | None
     ) -> None:
         """Count what the points of this frame tell."""
-        self._looming.record(flow)
+        if self._looming is not None:
+            self._looming.record(flow)
         points = self.triangulate(flow) if points is None else points
         texture, _ = eigenvalues(flow.structure)
         above = self._above(flow, points, road)
@@ -243,11 +253,11 @@ class StaticObstacleTracker:
         left, right = carriageway_offsets(self.camera.forward_m + depth[chosen], road)
         aside = points.right_m[chosen]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
-        sliding = near_edge_line(
-            self.camera, flow.points_px[chosen], road, self.config.edge_line_m, self.config.verge_m
-        )
-        sliding &= ~is_corner(flow.structure[chosen], config.corner_texture, config.corner_ratio)
-        chosen = chosen[inside & ~sliding]
+        if config.edge_lines is not None:
+            strip = config.edge_lines
+            sliding = near_edge_line(self.camera, flow.points_px[chosen], road, strip.inside_m, strip.outside_m)
+            inside &= ~(sliding & ~is_corner(flow.structure[chosen], config.corner_texture, config.corner_ratio))
+        chosen = chosen[inside]
         chosen = chosen[~self._is_far(flow, points, chosen)]
         confirmed = np.zeros(len(flow), np.bool_)
         if len(chosen):
@@ -258,7 +268,7 @@ class StaticObstacleTracker:
         """Which of the chosen points are far off and move; only what is seen beside the far road may be."""
         far = np.zeros(len(chosen), np.bool_)
         high = np.flatnonzero(self._beside_far_road(flow.points_px[chosen]))
-        if len(high):
+        if len(high) and self._looming is not None:
             far[high] = self._looming.keeps_together(chosen[high], 1.0 / points.depth_m[chosen[high]])
         return far
 
@@ -269,7 +279,9 @@ class StaticObstacleTracker:
 
     def _low(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges) -> Bools:
         """(N,) points that seem to stand a hand's breadth above the carriageway, off its lines."""
-        low = is_low(points, flow.age_frames / self.rate_hz, texture, self.config.low)
+        if self.config.low_obstacles is None:
+            return np.zeros(len(flow), np.bool_)
+        low = is_low(points, flow.age_frames / self.rate_hz, texture, self.config.low_obstacles)
         chosen = np.flatnonzero(low)
         if not len(chosen):
             return low
@@ -281,7 +293,9 @@ class StaticObstacleTracker:
 
     def _off_lines(self, points_px: Floats, road: RoadEdges) -> Bools:
         """(N,) pixels whose place on the flat road is within the carriageway and on no painted line."""
-        return off_lines(self.camera, ground_from_pixels(self.camera, points_px), road, self.config.low)
+        if self.config.low_obstacles is None:
+            return np.ones(len(points_px), np.bool_)
+        return off_lines(self.camera, ground_from_pixels(self.camera, points_px), road, self.config.low_obstacles)
 
     def _moves_so_now(self, flow: Flow, points: Triangulation, chosen: Integers) -> Bools:
         """Which of the chosen points moved in the last window as the place found from the whole track does.
@@ -303,7 +317,8 @@ class StaticObstacleTracker:
         if not len(self._points):
             return np.zeros(len(flow), np.bool_)
         low = among(flow.identity, self._points.identity[self._points.low])
-        least = np.where(low, self.config.low.min_height_m, self.config.min_height_m)
+        config = self.config.low_obstacles
+        least = np.where(low, config.min_height_m if config else np.inf, self.config.min_height_m)
         with np.errstate(invalid="ignore"):
             return (points.chi2_ground < self.config.chi2_limit) & (
                 points.height_m + 2.0 * points.height_sigma_m < least

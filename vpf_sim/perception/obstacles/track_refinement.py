@@ -6,12 +6,12 @@ each point is matched as both, and has the depth of the one match, and chi2 with
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from vpf_sim.perception.egomotion.ground_plane import below_horizon
 from vpf_sim.perception.egomotion.triangulation import Triangulation
+from vpf_sim.perception.obstacles.config import RefinementConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 
@@ -20,37 +20,16 @@ Again = Callable[[Integers, Floats], Triangulation]  # of rows of a flow, first 
 Match = Callable[[Integers, Floats], tuple[Floats, Bools]]
 
 
-@dataclass(frozen=True, slots=True)
-class RefinementConfig:
-    """Which points are matched with the frame of their first sighting: all that their tracks let stand on the road."""
-
-    near_m: float = 2.5  # of depth
-    far_m: float = 32.0
-    edge_m: float = 1.0  # outside the carriageway
-    least_height_m: float = 0.03
-    most_height_m: float = 2.5
-    chi2_limit: float = 30.0  # of a point against its own depth
-    chi2_margin: float = 5.0  # by which the road must fit worse
-    road_m: float = 60.0  # up to where a ray meets the road, they are matched as if they lay there as well
-
-    def __post_init__(self) -> None:
-        for low, high in (("near_m", "far_m"), ("least_height_m", "most_height_m")):
-            least, most = getattr(self, low), getattr(self, high)
-            if not 0.0 < least < most:
-                raise ValueError(f"{low}, {high}: expected 0 < {low} < {high}, got {least}, {most}")
-        if min(self.edge_m, self.chi2_limit, self.chi2_margin) < 0.0 or not self.road_m > 0.0:
-            raise ValueError("edge_m, chi2_limit, chi2_margin: expected >= 0, and road_m > 0")
-
-    def asked(self, points: Triangulation, road: RoadEdges, camera: Camera) -> Integers:
-        """(n,) rows of points that stand above the road, or seem to, by their chained tracks."""
-        with np.errstate(invalid="ignore"):
-            asked = (points.depth_m > self.near_m) & (points.depth_m < self.far_m)
-            asked &= (points.height_m > self.least_height_m) & (points.height_m < self.most_height_m)
-            asked &= (points.chi2 < self.chi2_limit) & (points.chi2_ground - points.chi2 > self.chi2_margin)
-        rows = np.flatnonzero(asked).astype(np.int64)
-        left, right = carriageway_offsets(camera.forward_m + points.depth_m[rows], road)
-        aside = points.right_m[rows]
-        return rows[(aside > left - self.edge_m) & (aside < right + self.edge_m)]
+def candidates(points: Triangulation, road: RoadEdges, camera: Camera, config: RefinementConfig) -> Integers:
+    """(n,) rows of points that stand above the road, or seem to, by their chained tracks."""
+    with np.errstate(invalid="ignore"):
+        chosen = (points.depth_m > config.near_m) & (points.depth_m < config.far_m)
+        chosen &= (points.height_m > config.least_height_m) & (points.height_m < config.most_height_m)
+        chosen &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
+    rows = np.flatnonzero(chosen).astype(np.int64)
+    left, right = carriageway_offsets(camera.forward_m + points.depth_m[rows], road)
+    aside = points.right_m[rows]
+    return rows[(aside > left - config.edge_m) & (aside < right + config.edge_m)]
 
 
 def refined(

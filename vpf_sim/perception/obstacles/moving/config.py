@@ -2,7 +2,7 @@
 
 from vpf_sim.configuration import setting, settings
 from vpf_sim.perception.egomotion.config import NoiseModel
-from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarmConfig
+from vpf_sim.perception.obstacles.config import CollisionAlarmConfig
 from vpf_sim.perception.obstacles.moving.filter_config import FilterConfig
 
 Pair = tuple[float, float]
