@@ -17,7 +17,7 @@ def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: i
     bodies = drive.run(found, range(330))[-1]
     assert len(bodies) == 1
     assert found.is_well_supported(bodies).tolist() == [bool(kept)]
-    found._clear(bodies, 0, drive.pose(329))
+    found.remove(bodies, 0, drive.pose(329), (2.5, 0.5))
     assert len(drive.run(found, range(330, 334))[-1]) == kept
 
 

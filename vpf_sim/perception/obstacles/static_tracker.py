@@ -158,7 +158,7 @@ class StaticObstacleTracker:
         if self._free_road is not None and self.config.free_road is not None:
             difference = self._parallax.difference_at(bodies)
             for index in self._free_road.record(bodies.identity, difference, pose[:2]):
-                self._clear(bodies, index, pose, self.config.free_road.about_m)
+                self.remove(bodies, index, pose, self.config.free_road.about_m)
         views = self._parallax.lenses_m
         seen = (self._in_sight(spot, views, bodies) for spot in spots if self._is_inside(spot, road))
         self._low_tracks.record([spot for spot in seen if spot is not None], pose)
@@ -186,8 +186,8 @@ class StaticObstacleTracker:
             seen = seen and in_sight(seen, view, bodies, self.config.spots)
         return seen
 
-    def _clear(self, bodies: Obstacles, index: int, pose: Floats, about_m: tuple[float, float]) -> None:
-        """Forget a body of few points where the road is seen instead of it; what was seen of it elsewhere stays."""
+    def remove(self, bodies: Obstacles, index: int, pose: Floats, about_m: tuple[float, float]) -> None:
+        """Delete an obstacle of few points where the road is seen; its points elsewhere stay."""
         identity, (along_m, across_m) = int(bodies.identity[index]), about_m
         place = vehicle_from_world(self._points.place_m, pose)
         far = np.abs(place[:, 0] - bodies.forward_m[index]) > along_m
