@@ -31,7 +31,7 @@ another variant by its name, and `"none"` leaves an optional section out:
 base = "robust"
 gains = "super-twisting"
 flow = "full-frame"
-movers = "none"
+moving_obstacles = "none"
 [road_edges]
 lanes = 3
 lane_width_m = 3.25

@@ -1,10 +1,12 @@
 """The page of the configuration: written from the fields, and the one in docs is up to date."""
 
+import re
 import runpy
 from pathlib import Path
 from typing import Literal
 
 from vpf_sim.configuration import setting, settings
+from vpf_sim.planning import variant
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = runpy.run_path(str(ROOT / "scripts" / "configuration_page.py"))
@@ -44,3 +46,10 @@ def test_a_section_that_a_file_leaves_out_has_no_values() -> None:
     values = {"with": Outer(inner=Inner(1.5)), "without": Outer()}
     *_, inner = SCRIPT["tables"](Outer, "", values)
     assert inner.splitlines()[-1] == "| `speed_mps` | m/s | at the start | >= 0, <= 60 | 1.5 | - |"
+
+
+def test_the_example_of_a_variant_can_be_loaded(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "configuration.md").read_text("utf-8")
+    (example,) = re.findall(r'```toml\n(base = "robust"\n.*?)```', page, re.DOTALL)
+    (tmp_path / "mine.toml").write_text(example)
+    assert variant.load(str(tmp_path / "mine.toml")) != variant.load("robust")
