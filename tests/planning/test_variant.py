@@ -87,3 +87,9 @@ def test_one_way_through_the_field_and_what_it_needs() -> None:
 def test_an_unknown_variant_is_answered_with_the_nearest() -> None:
     with pytest.raises(InputError, match="unknown variant 'robus': did you mean 'robust'\\?"):
         variant.load("robus")
+
+
+def test_changing_a_table_changes_no_variant() -> None:
+    before = variant.load("robust")
+    variant.table("robust")["flow"]["points"] = 1
+    assert variant.load("robust") == before

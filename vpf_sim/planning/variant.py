@@ -6,6 +6,8 @@ these it starts from, and then only what it changes; one's own starts from `robu
 the name of a variant, `flow = "robust"`, is that variant's.
 """
 
+from copy import deepcopy
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -106,7 +108,7 @@ def names() -> list[str]:
 def load(name: str) -> Variant:
     """The variant or step of that name, or of that TOML file."""
     if not name.endswith(".toml"):
-        return configuration.build(Variant, table(name), f"{name}.toml")
+        return configuration.build(Variant, _table(name), f"{name}.toml")
     own = {"base": BASE, **configuration.read_file(Path(name), "variant")}
     return configuration.build(Variant, _whole(own, name), name, also=("base",))
 
@@ -126,22 +128,29 @@ def summary(name: str) -> str | None:
 
 
 def table(name: str) -> dict[str, Any]:
-    """The whole table of a variant or step, with what it takes from others."""
+    """The whole table of a variant or step, with what it takes from others; a copy of the caller's own."""
+    return deepcopy(_table(name))
+
+
+@cache
+def _table(name: str) -> dict[str, Any]:
+    """The same, read once: it must not be changed."""
     if name in names():
         return _whole(configuration.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
-    between = {step: found for chain in get_args(Chain) for step, found in _steps(chain).items()}
+    between = {step: found for chain in get_args(Chain) for step, (_, found) in _steps(chain).items()}
     if name in between:
-        return between[name][1]
+        return between[name]
     raise unknown_name("variant", name, [*names(), *between])
 
 
+@cache
 def _steps(chain: Chain) -> dict[str, tuple[str, dict[str, Any]]]:
     if chain == "robust":
-        return steps(table("full-frame"), table("robust"))
+        return steps(_table("full-frame"), _table("robust"))
     if chain == "mechanisms":
-        return knockouts.knockouts(Variant, table("robust"))
+        return knockouts.knockouts(Variant, _table("robust"))
     make = repair_steps.made if chain == "paper" else repair_steps.taken_back
-    return make(table("literal"), table("paper"))
+    return make(_table("literal"), _table("paper"))
 
 
 def _whole(own: dict[str, Any], file: str) -> dict[str, Any]:
@@ -164,6 +173,6 @@ def _of_variant(name: object, file: str, key: str) -> dict[str, Any]:
     if not isinstance(name, str) or name.endswith(".toml"):
         raise InputError(f"{file}: {key}: expected the name of a variant, got {name!r}")
     try:
-        return table(name)
+        return _table(name)
     except InputError as error:
         raise InputError(f"{file}: {key}: {error}") from None

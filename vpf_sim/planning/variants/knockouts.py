@@ -4,12 +4,11 @@ The list is the configuration itself, so a mechanism that can be switched off ca
 """
 
 from collections.abc import Iterator
-from copy import deepcopy
 from types import NoneType
 from typing import get_args
 
 from vpf_sim.configuration_fields import sections, settings_of
-from vpf_sim.planning.variants.ablation_steps import Table, put
+from vpf_sim.planning.variants.ablation_steps import Table
 
 NO = "no-"  # before the name of a mechanism
 KEPT = (  # planners and methods, and what they cannot do without
@@ -43,7 +42,6 @@ def _mechanisms(config: type, table: Table, above: tuple[str, ...]) -> Iterator[
 
 
 def _without(table: Table, path: tuple[str, ...]) -> Table:
-    """A copy of the table with a section switched off."""
-    after: Table = deepcopy(table)
-    put(after, ".".join(path), "none")
-    return after
+    """The table with a section switched off; the other sections are shared."""
+    key, *inner = path
+    return {**table, key: _without(table[key], tuple(inner)) if inner else "none"}
