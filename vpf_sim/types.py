@@ -145,6 +145,11 @@ class Observation:
         if isnan(self.frame_time_s):
             object.__setattr__(self, "frame_time_s", self.time_s)
 
+    @property
+    def pose(self) -> Floats:
+        """(3,) x m, y m, yaw rad."""
+        return np.array([self.x_m, self.y_m, self.yaw_rad])
+
 
 @dataclass(frozen=True, slots=True)
 class Command:

@@ -138,7 +138,7 @@ class ModelVehicleDriver:
         )
 
     def _at_model(self, observation: Observation) -> Observation:
-        recorded = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
+        recorded = observation.pose
         x, y, yaw = (float(value) for value in self._model.pose(recorded))
         return replace(observation, x_m=x, y_m=y, yaw_rad=yaw)
 

@@ -33,7 +33,7 @@ class PerceptionErrors:
             return
         if self._motion is None:
             self._motion = TrueMotion(env.camera, longest)
-        pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
+        pose = observation.pose
         self._motion.add(Shot(self._frames, observation.image, pose, renderer))
 
     def columns(self, plan: Plan) -> dict[str, float]:

@@ -151,7 +151,7 @@ class Recovery:
         for clearance_m, some in product(dict.fromkeys(clearances_m), found):
             self._manoeuvre = self._best(some, lane, blockers, clearance_m)
             if self._manoeuvre is not None:
-                pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
+                pose = observation.pose
                 self._start = _Start(lane, pose, blockers, frozenset(obstacles.identity.tolist()))
                 self._gone_m, self._clearance_m, self._left_road = 0.0, clearance_m, True
                 return
