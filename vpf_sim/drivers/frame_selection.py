@@ -20,6 +20,7 @@ class FrameSelection:
         self._config, self._schedule, self._gate = config, schedule, gate
         self._past: deque[Observation] = deque()  # without images, oldest first
         self._waited = 0  # frames since one was due that could not be processed
+        self.late = 0.0  # share of a period by which the selected frame was taken after its turn
 
     @property
     def needs_next_frame(self) -> bool:
@@ -31,28 +32,28 @@ class FrameSelection:
         """Whether the last frame that was due was none, or not a valid one."""
         return self._waited > 0
 
-    @property
-    def late(self) -> float:
-        """Share of a period by which the frame at hand was taken after its turn."""
-        return min(self._waited / self._schedule.frames, self._config.latest_share)
+    def select(self, observation: Observation) -> Observation | None:
+        """The observation of the moment at which a valid frame was taken; None where no frame is to be processed.
 
-    def select(self, observation: Observation) -> tuple[Observation | None, bool]:
-        """The observation of the moment at which a valid frame was taken, or None; and whether a frame was due.
-
-        Frames that are not due are not checked either: a drive that is watched must be the same as one that is not.
+        The first frame is always processed. Frames that are not due are not checked: a drive that is watched must be
+        the same as one that is not.
         """
-        is_due = self.needs_next_frame
+        is_first, is_due = not self._past, self.needs_next_frame
         self._schedule.step()
         self._remember(observation)
-        if not is_due or not observation.image.size:
-            return None, is_due
-        taken = self._when_taken(observation)
-        valid = self._gate.passes(taken.image, taken.frame_time_s, (taken.x_m, taken.y_m))
-        return (taken if valid else None), is_due
+        if not is_due:
+            return None
+        taken = self._valid(observation) or (observation if is_first else None)
+        self.late = min(self._waited / self._schedule.frames, self._config.latest_share)
+        self._waited = self._waited + 1 if taken is None else 0
+        return taken
 
-    def count(self, processed: bool) -> None:
-        """Count a frame that was due."""
-        self._waited = 0 if processed else self._waited + 1
+    def _valid(self, observation: Observation) -> Observation | None:
+        """The observation of the moment at which its frame was taken, if that is new and whole."""
+        if not observation.image.size:
+            return None
+        taken = self._when_taken(observation)
+        return taken if self._gate.passes(taken.image, taken.frame_time_s, (taken.x_m, taken.y_m)) else None
 
     def _remember(self, observation: Observation) -> None:
         oldest_s = observation.time_s - self._config.remembered_s

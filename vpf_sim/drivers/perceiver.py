@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from vpf_sim.drivers.frame_selection import FrameSelection
 from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FrameTrackers, paper_pipeline
@@ -56,17 +54,14 @@ class Perceiver:
 
         A frame that arrives late is processed at the pose at which it was taken.
         """
-        taken, is_due = self._selection.select(observation)
-        if self._last is None or taken is not None:
-            taken = taken or observation
-            self._last = self._process(taken, _pose(taken))
+        taken = self._selection.select(observation)
+        if taken is not None:
+            self._last = self._process(taken, taken.pose)
             self._last_s = taken.time_s
-            self._selection.count(processed=True)
             if taken is observation:
                 return self._last
-        elif is_due:
-            self._selection.count(processed=False)
-        return self._predicted(self._last, observation, _pose(observation))
+        assert self._last is not None  # the first frame is always processed
+        return self._predicted(self._last, observation, observation.pose)
 
     def stop_when_blind(self, reference: Reference, observation: Observation) -> Reference:
         """The reference; after too long without a new frame, one that brakes to a stop."""
@@ -122,8 +117,3 @@ class Perceiver:
         """The last frame's obstacles in the axes of another pose, the moving ones where they are by now."""
         since_s = observation.time_s - self._last_s
         return carried(last.obstacles, last.pose, pose, observation.speed_mps, last.road, since_s)
-
-
-def _pose(observation: Observation) -> Floats:
-    """(3,) x m, y m, yaw rad."""
-    return np.array([observation.x_m, observation.y_m, observation.yaw_rad])
