@@ -30,6 +30,7 @@ from vpf_sim.perception.obstacles.static_obstacles import Bodies
 from vpf_sim.perception.obstacles.track_refinement import Match, candidates, refined
 from vpf_sim.perception.road.geometry import carriageway_offsets, near_edge_line
 from vpf_sim.perception.road.occlusion import driven_over, footprints
+from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Obstacles, RoadEdges
 
 SLOWEST_MPS = 1.0  # own speed, below which what passed by the road ahead earlier is not looked for
@@ -46,11 +47,10 @@ class StaticObstacleTracker:
         self.camera = camera
         self.config = config
         self.rate_hz = rate_hz
-        self._period_frames = max(1, round(config.update_period_s * rate_hz))
-        self._frame = -1
+        self._schedule = Schedule(config.update_period_s, rate_hz)
         self._seen = self._tall = none()
         self._seen_from: Floats = np.zeros(3)
-        judged_hz = rate_hz / self._period_frames
+        judged_hz = self._schedule.rate_hz
         self._rules = ConfirmationRule(
             rate_hz=judged_hz,
             hits=frames(config.hits_s, judged_hz),
@@ -104,8 +104,7 @@ class StaticObstacleTracker:
 
         `points` are of `triangulate`; those which are of bodies that `moving` (N,) are no static points.
         """
-        self._frame += 1
-        if self._frame % self._period_frames == 0:
+        if self._schedule.step():
             self._judge(flow, road, time_s, points, moving)
             self._tall, self._seen = self._bodies.told(flow.pose, road, self._low_tracks.bodies(flow.pose))
             self._seen_from = flow.pose
