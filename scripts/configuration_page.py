@@ -4,9 +4,9 @@ import argparse
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass
 from pathlib import Path
-from typing import Any, get_args, get_origin
+from typing import Any
 
-from vpf_sim.configuration_fields import Setting, sections, settings_of
+from vpf_sim.configuration_fields import Setting, is_list, sections, settings_of
 from vpf_sim.controllers import gtsmc, idm, pid, pure_pursuit, stanley
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.evaluation.gate.rules import Rules
@@ -87,10 +87,10 @@ def tables(config: type, path: str, values: Values | None = None) -> Iterator[st
         yield "\n".join(lines) + "\n"
     for setting in settings:
         name = f"{path.strip('[]')}.{setting.key}".removeprefix(".")
-        is_list = tuple in map(get_origin, (setting.hint, *get_args(setting.hint)))
-        below = {one: getattr(values[one], setting.key, None) for one in values} if values and not is_list else None
+        listed = is_list(setting.hint)
+        below = {one: getattr(values[one], setting.key, None) for one in values} if values and not listed else None
         for inner in sections(setting.hint):
-            yield from tables(inner, f"[[{name}]]" if is_list else f"[{name}]", below)
+            yield from tables(inner, f"[[{name}]]" if listed else f"[{name}]", below)
 
 
 def _about(setting: Setting) -> list[str]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
+from types import NoneType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
@@ -71,6 +72,21 @@ def sections(hint: Any) -> list[type]:
     if isinstance(hint, type) and (is_dataclass(hint) or hasattr(hint, "__pydantic_fields__")):
         return [hint]
     return [section for option in get_args(hint) for section in sections(option)]
+
+
+def is_list(hint: Any) -> bool:
+    """Whether a type is a list in a file: tuple[Line, ...], or that or None."""
+    return any(get_origin(one) is tuple for one in (hint, *get_args(hint)))
+
+
+def optional_sections(config: Any) -> Iterator[tuple[tuple[str, ...], str]]:
+    """The path and the meaning of each section that may be None, at any depth; outer ones first."""
+    for setting in settings_of(config):
+        inner = [] if is_list(setting.hint) else sections(setting.hint)
+        if inner and NoneType in get_args(setting.hint):
+            yield (setting.key,), setting.meaning
+        for section in inner:
+            yield from (((setting.key, *path), meaning) for path, meaning in optional_sections(section))
 
 
 def _bounds(hint: Any, constraints: Iterable[Any]) -> str:

@@ -1,19 +1,62 @@
-"""Settings of the installed variants, for tests of single stages."""
+"""Settings of the installed variants, for tests of single stages, and the same with one mechanism switched off."""
 
-from dataclasses import replace
+import dataclasses
+from collections.abc import Iterator
+from functools import reduce
+from typing import Any, TypeVar
 
+from vpf_sim import configuration_fields
 from vpf_sim.perception.egomotion.config import ExpansionConfig, FocusFitConfig
+from vpf_sim.perception.obstacles.config import StaticObstacleConfig
+from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.planning.variant import load
 
+Config = TypeVar("Config")
 ROBUST, FULL_FRAME = load("robust"), load("full-frame")
+
+
+def unwrap(section: Config | None) -> Config:
+    """An optional section that the variant has."""
+    assert section is not None
+    return section
 
 
 def focus_fit() -> FocusFitConfig:
     """Settings of the robust focus of expansion."""
-    assert ROBUST.focus_of_expansion.fit is not None
-    return ROBUST.focus_of_expansion.fit
+    return unwrap(ROBUST.focus_of_expansion.fit)
 
 
 def expansion(method: str) -> ExpansionConfig:
     """The robust variant's focus of expansion with another method."""
-    return replace(ROBUST.focus_of_expansion, method=method)
+    return dataclasses.replace(ROBUST.focus_of_expansion, method=method)
+
+
+def static_obstacles() -> StaticObstacleConfig:
+    return unwrap(ROBUST.static_obstacles)
+
+
+def moving_obstacles() -> MovingObstacleConfig:
+    return unwrap(ROBUST.moving_obstacles)
+
+
+def section(path: str) -> Any:
+    """The settings of `robust` at a dotted path."""
+    return section_of(ROBUST, path)
+
+
+def section_of(config: Any, path: str) -> Any:
+    """The section at a dotted path; None where an outer one is switched off."""
+    return reduce(lambda outer, key: getattr(outer, key, None), path.split("."), config)
+
+
+def optional_sections(config: Any) -> Iterator[str]:
+    """The dotted paths of the sections that may be None and are not, also of those in other sections."""
+    paths = (".".join(path) for path, _ in configuration_fields.optional_sections(type(config)))
+    return (path for path in paths if section_of(config, path) is not None)
+
+
+def without(config: Config, path: str) -> Config:
+    """The configuration with the section at a dotted path switched off."""
+    key, _, rest = path.partition(".")
+    inner = without(getattr(config, key), rest) if rest else None
+    return dataclasses.replace(config, **{key: inner})  # type: ignore[type-var]

@@ -1,8 +1,8 @@
 """Parts of the lane planner with the settings of the variant `robust`."""
 
-from typing import TypeVar
+import driver_settings
+from driver_settings import unwrap
 
-from vpf_sim.planning import variant
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.lateral_cost import LateralCost
@@ -13,18 +13,11 @@ from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.speed.limits import SpeedLimits
 from vpf_sim.types import VehicleModel
 
-Section = TypeVar("Section")
 CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
 HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
 
 
-def unwrap(section: Section | None) -> Section:
-    """An optional section that `robust` has."""
-    assert section is not None
-    return section
-
-
-ROBUST = unwrap(variant.load("robust").lane_planner)
+ROBUST = unwrap(driver_settings.ROBUST.lane_planner)
 CLEARANCE = ROBUST.clearance
 SPEED, PATH, RECOVERY = unwrap(ROBUST.reference.speed), unwrap(ROBUST.reference.path), unwrap(ROBUST.recovery)
 LIMITS = KinematicLimits(ROBUST.limits, CAR)

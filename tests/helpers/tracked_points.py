@@ -1,7 +1,7 @@
 """Tracks of standing points as a car sees them that drives by: what landmarks are made of."""
 
 import numpy as np
-from robust import static_obstacles
+from driver_settings import static_obstacles
 
 from vpf_sim.geometry import project, vehicle_from_world
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker

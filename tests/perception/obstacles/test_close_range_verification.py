@@ -6,7 +6,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from robust import section
+from driver_settings import section
 
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier

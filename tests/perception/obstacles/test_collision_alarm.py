@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust import section
+from driver_settings import section
 from test_moving_tracker import Traffic, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, road_points, tracker
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust import section
+from driver_settings import section
 
 from vpf_sim.perception.obstacles.free_road import FreeRoadEvidence
 from vpf_sim.types import Floats

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust import section
+from driver_settings import section
 from tracked_points import CAMERA
 
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust import section
+from driver_settings import section
 from tracked_points import CAMERA, CORNER, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.perception.obstacles.low_obstacles import off_lines

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from robust import moving_obstacles, without
+from driver_settings import moving_obstacles, without
 
 from vpf_sim.perception.obstacles.moving.evidence import evidence
 from vpf_sim.perception.obstacles.moving.mirror import Reflectivity, faint_contrast, image_contrast

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust import moving_obstacles, without
+from driver_settings import moving_obstacles, without
 
 from vpf_sim.perception.obstacles.moving.extent import Sides
 from vpf_sim.perception.obstacles.moving.filter_config import ExtentConfig

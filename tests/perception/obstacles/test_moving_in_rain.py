@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust import moving_obstacles, without
+from driver_settings import moving_obstacles, without
 from test_moving_tracker import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 

@@ -6,8 +6,8 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from driver_settings import optional_sections, section, static_obstacles, without
 from plated_road import CAMERA, PLATE_M, frame
-from robust import optional_sections, section, static_obstacles, without
 
 from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robust import static_obstacles
+from driver_settings import static_obstacles
 
 from vpf_sim.perception.obstacles.planar_parallax.sensing_range import LookQuality, SensingRange
 

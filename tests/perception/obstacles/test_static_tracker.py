@@ -6,7 +6,7 @@ from typing import cast
 
 import numpy as np
 import pytest
-from robust import optional_sections, static_obstacles, without
+from driver_settings import optional_sections, static_obstacles, without
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle

@@ -6,7 +6,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from robust import static_obstacles, without
+from driver_settings import static_obstacles, without
 
 from vpf_sim.perception.obstacles.planar_parallax.grids import Grid
 from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import static_texture, texture

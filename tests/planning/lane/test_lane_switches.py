@@ -1,17 +1,14 @@
 """Each mechanism of the lane planner can be switched off in a variant's file."""
 
-from collections.abc import Iterator
 from pathlib import Path
-from types import NoneType
-from typing import Any, get_args
 
 import numpy as np
 import pytest
 from bicycle import Bicycle
+from driver_settings import optional_sections, section_of, unwrap
 from ideal import Body, Eyes, Road, perception
-from lane_planner import SPEED_MPS
+from lane_planner import ROBUST, SPEED_MPS
 
-from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.planner import LanePlanner, LanePlannerConfig
@@ -22,17 +19,7 @@ PASS, DEAD_END = (Body(14.0, 0.3), Body(17.0, 4.0, width_m=3.0)), (Body(28.0, 0.
 SCENES = ((0.0, PASS), (20.0, DEAD_END))  # start, obstacles
 
 
-def switches(config: Any, path: str = "") -> Iterator[str]:
-    """The optional sections in a configuration class, by their path."""
-    for key, hint in keys(config).items():
-        inner = f"{path}.{key}".removeprefix(".")
-        if sections(hint) and NoneType in get_args(hint):
-            yield inner
-        for section in sections(hint):
-            yield from switches(section, inner)
-
-
-SWITCHES = sorted(switches(LanePlannerConfig))
+SWITCHES = sorted(optional_sections(ROBUST))
 
 
 def load(path: str, folder: Path) -> LanePlannerConfig:
@@ -40,24 +27,14 @@ def load(path: str, folder: Path) -> LanePlannerConfig:
     *outer, key = ["lane_planner", *path.split(".")]
     own = folder / "own.toml"
     own.write_text(f'[{".".join(outer)}]\n{key} = "none"\n')
-    config = variant.load(str(own)).lane_planner
-    assert config is not None
-    return config
-
-
-def value_at(config: Any, path: str) -> Any:
-    """The section at a path; None where an outer one is switched off."""
-    for key in path.split("."):
-        config = getattr(config, key, None)
-    return config
+    return unwrap(variant.load(str(own)).lane_planner)
 
 
 @pytest.mark.parametrize("path", SWITCHES)
 def test_a_planner_without_a_mechanism_drives(path: str, tmp_path: Path) -> None:
     config = load(path, tmp_path)
-    robust = variant.load("robust").lane_planner
-    assert value_at(robust, path) is not None
-    assert value_at(config, path) is None
+    assert section_of(ROBUST, path) is not None
+    assert section_of(config, path) is None
     for start_m, obstacles in SCENES:
         road, car = Road(), Bicycle(x_m=start_m, speed_mps=0.0, rate_hz=RATE_HZ)
         setup = DriverSetup(Camera(), car.model, RATE_HZ, SPEED_MPS, (1e3, 0.0), 0)

@@ -121,18 +121,18 @@ def taken_over(table: Table, other: Table, change: Change) -> Table:
     """A copy of a variant's table with what a change takes from another variant's."""
     after = deepcopy(table)
     for path in change.takes:
-        put(after, path, _at(other, path))
+        put(after, path, deepcopy(at(other, path)))
     for path, value in change.held.items():
         put(after, path, value)
     return after
 
 
-def _at(table: Table, path: str) -> Any:
+def at(table: Table, path: str) -> Any:
     """What stands at "section.key"; None where nothing does."""
     value: Any = table
     for key in path.split("."):
         value = value.get(key) if isinstance(value, dict) else None
-    return deepcopy(value)
+    return value
 
 
 def put(table: Table, path: str, value: Any) -> None:
