@@ -37,7 +37,7 @@ def test_late_frames_keep_their_exposure_time() -> None:
 
 def test_dropped_frames_repeat_the_last_image() -> None:
     found = frames_with(SensorFaults(drop_share=0.5))
-    shown = [np.searchsorted(KNOWN.times_s, frame.time_s) for frame in found if frame.time_s is not None]
+    shown = [int(np.searchsorted(KNOWN.times_s, frame.time_s)) for frame in found if frame.time_s is not None]
     assert all(is_image_of(frame, k) for frame, k in zip(found, shown, strict=True))
     assert 0.25 < np.mean(np.diff(shown) == 0) < 0.75
 
