@@ -62,7 +62,7 @@ class StaticObstacleTracker:
         self._points = PointHypotheses.none()
         self._bodies = Bodies(camera, config, self._points, judged_hz)
         self._parallax = PlanarParallax(camera, config.residual, rate_hz)
-        self._low_tracks = LowObstacleTracks(config.spots, self._bodies.number, config.residual.near_m)
+        self._low_tracks = LowObstacleTracks(config.spots, self._bodies.number, config.residual.near_m, config.behind_m)
         self._free_road = FreeRoadEvidence(config.free_road) if config.free_road else None
         self._looming = (
             LoomingConsistency(config.looming_consistency, judged_hz) if config.looming_consistency else None

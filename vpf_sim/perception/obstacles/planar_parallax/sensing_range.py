@@ -29,7 +29,7 @@ class SensingRange:
 
     def __init__(self, config: SensingRangeConfig, near_m: float, period_s: float) -> None:
         self.config = config
-        self.forward_m: Floats = np.arange(near_m, config.far_m, config.step_m)
+        self.forward_m: Floats = np.arange(near_m, config.far_m, 0.25)
         self._period_s = period_s  # between observations
         self._share = np.ones(len(self.forward_m))  # of observations that detect a low obstacle
         self._passed_m = self._way_with_hits(self._share)
@@ -60,27 +60,10 @@ class SensingRange:
 
     def _way_with_hits(self, share: Floats) -> Floats:
         """(K,) m, up to each place."""
-        passed: Floats = np.cumsum(share[::-1])[::-1] * self.config.step_m
+        passed: Floats = np.cumsum(share[::-1])[::-1] * (self.forward_m[1] - self.forward_m[0])
         return passed
 
     def _where(self, passed_m: Floats, needed_m: float) -> float:
         if passed_m[0] < needed_m:
             return 0.0
         return float(np.interp(needed_m, passed_m[::-1], self.forward_m[::-1]))
-
-
-@dataclass(frozen=True, slots=True)
-class FullRange:
-    """A sensing range that is not measured: the whole patch."""
-
-    far_m: float
-
-    def needed_m(self, speed_mps: float, sightings: int) -> float:  # noqa: ARG002
-        """0 m: no way is lost."""
-        return 0.0
-
-    def distance_m(self, needed_m: float) -> float:
-        """m from the pose to the far end of the patch, less the way needed."""
-        return self.far_m - needed_m
-
-    good_m = distance_m
