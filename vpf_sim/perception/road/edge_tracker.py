@@ -27,7 +27,6 @@ class RoadEdgeTracker:
         self.camera = camera
         self.config = config
         self.matcher = LineMatcher(camera, config)
-        self.view = self.matcher.view
         self._colour_view = BirdsEye(camera, config.verge_patch)
         self._relocalisation = Relocalisation(config.relocalisation, config) if config.relocalisation else None
         self._update = Schedule(config.update_period_s, rate_hz)
@@ -145,7 +144,7 @@ class RoadEdgeTracker:
         likely_m = config.lane_width_m if lost is None or config.keeps_width else float(lost.state[WIDTH])
         likely_rad = 0.0 if lost is None else float(lost.state[1])
         score, (y, heading, curvature, width) = comb(
-            ridges, self.view, widths, likely_m, config.comb, likely_rad, unlikely_per_m=config.unlikely_per_m
+            ridges, widths, likely_m, config.comb, likely_rad, unlikely_per_m=config.unlikely_per_m
         )
         if score < config.least_comb:
             return
@@ -165,7 +164,7 @@ class RoadEdgeTracker:
         """Replace the tracked road by another one that explains more of the ridges."""
         if self._relocalisation is None:
             return
-        picture = (ridges, self.view, self._index.numbers)
+        picture = (ridges, self._index.numbers)
         rival = self._relocalisation.search(tracked.state, self._index.agreement or 0.0, *picture)
         settled = None if rival is None else self.settled(rival, ridges)
         if settled is not None and self._relocalisation.outdoes(settled.state, tracked.state, *picture):
@@ -203,7 +202,7 @@ class RoadEdgeTracker:
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
         self._judged_m = self._travelled_m
         colour = self._colour_view.warp(image_rgb)
-        self._index.judge(tracked.state, self._travelled_m, ridges, self.view, colour, self._colour_view)
+        self._index.judge(tracked.state, self._travelled_m, ridges, colour, self._colour_view)
 
     def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
         """The state as edges; its one curvature is the one that puts the road 10 m ahead where the state has it."""

@@ -95,20 +95,12 @@ class CarriagewayHypotheses:
         weight = np.exp(likely - likely.max())
         return np.asarray(weight / weight.sum())
 
-    def judge(
-        self,
-        state: Floats,
-        travelled_m: float,
-        ridges: RidgeMap,
-        view: BirdsEye,
-        colour: Image,
-        colour_view: BirdsEye,
-    ) -> None:
+    def judge(self, state: Floats, travelled_m: float, ridges: RidgeMap, colour: Image, colour_view: BirdsEye) -> None:
         """Take in one frame, and other edges if they are likelier beyond doubt, and go on to be."""
-        config, evidence = self.config, self._line_evidence(state, travelled_m, ridges, view)
+        config, evidence = self.config, self._line_evidence(state, travelled_m, ridges)
         if config.ground is not None:
             least_m = config.least_length_m
-            evidence = evidence + _ground_evidence(state, ridges, view, colour, colour_view, config.ground, least_m)
+            evidence = evidence + _ground_evidence(state, ridges, colour, colour_view, config.ground, least_m)
         self.log_odds = config.kept * self.log_odds + config.weight * (evidence - evidence.max())
         likely = self.probabilities(state)
         best = int(np.argmax(likely))
@@ -125,12 +117,13 @@ class CarriagewayHypotheses:
         lasting = self.config.lasting
         return rival is not None and (lasting is None or self.led >= min(lasting.share * self.followed, lasting.most))
 
-    def _line_evidence(self, state: Floats, travelled_m: float, ridges: RidgeMap, view: BirdsEye) -> Floats:
+    def _line_evidence(self, state: Floats, travelled_m: float, ridges: RidgeMap) -> Floats:
         """(H,) by the kinds of the lines."""
+        view = ridges.view
         right, reached = seen_places(state, NUMBERS, view.forward_m, view.camera)
         columns, inside = view.columns(right, reached)
         visible = inside & ridges.visible[np.arange(len(view.forward_m)), columns]
-        found = sight(ridges, view, right, visible, NUMBERS, self.config.line_reach_m, np.zeros(len(view.forward_m)))
+        found = sight(ridges, right, visible, NUMBERS, self.config.line_reach_m, np.zeros(len(view.forward_m)))
         length = visible @ view.length_m
         share = (found.seen @ view.length_m) / np.maximum(length, 1e-9)
         config = self.config
@@ -145,14 +138,14 @@ class CarriagewayHypotheses:
         says = np.maximum(says - says.max(axis=(1, 2), keepdims=True), least[:, None, None])
         says = np.where(known[:, None, None], says, 0.0)
         if self.duty is not None:
-            self.duty.look(ridges.response, view, right, visible, travelled_m)
+            self.duty.look(ridges, right, visible, travelled_m)
             says = self._by_duty(says, self.duty)
         return np.asarray(says[np.arange(len(NUMBERS)), :, KINDS].sum(axis=1).max(axis=1))
 
     def _by_duty(self, says: Floats, lines: DashDutyCycle) -> Floats:
         """(L, presences, kinds) the evidence, where solid or dashed is told by the gaps, once they are known."""
         duty, known = lines.duty()
-        mean = np.array([lines.config.solid_share, lines.config.dashed_share])
+        mean = np.array([self.config.solid_share, lines.config.dashed_share])
         sigma = np.array([lines.config.solid_sd, lines.config.dashed_sd])
         gaps = np.maximum(-0.5 * ((duty[:, None] - mean) / sigma) ** 2, np.log(self.config.surprise))
         gaps -= gaps.max(axis=1, keepdims=True)
@@ -186,14 +179,13 @@ def _index_of(left: int, right: int) -> int:
 def _ground_evidence(
     state: Floats,
     ridges: RidgeMap,
-    view: BirdsEye,
     colour: Image,
     colour_view: BirdsEye,
     config: GroundConfig,
     least_length_m: float,
 ) -> Floats:
     """(H,) by the ground between the lines."""
-    unlike, unlike_hue, known = _unlike_own_lane(state, ridges, view, colour, colour_view, config, least_length_m)
+    unlike, unlike_hue, known = _unlike_own_lane(state, ridges, colour, colour_view, config, least_length_m)
     road, verge = config.least_road, config.least_verge
     like = 1.0 / (1.0 + (unlike / config.unlike_levels) ** 4)
     of_road = config.weight * np.log(road + (1.0 - road) * like)
@@ -208,7 +200,6 @@ def _ground_evidence(
 def _unlike_own_lane(
     state: Floats,
     ridges: RidgeMap,
-    view: BirdsEye,
     colour: Image,
     colour_view: BirdsEye,
     config: GroundConfig,
@@ -223,7 +214,7 @@ def _unlike_own_lane(
     columns, inside = colour_view.columns(right, reached)
     rows = np.arange(len(colour_view.forward_m))[None, :]
     inside &= colour_view.visible[rows, columns]
-    inside &= ridges.visible[_nearest(view, colour_view)][rows, _across(view, right)]
+    inside &= ridges.visible[_nearest(ridges.view, colour_view)][rows, _across(ridges.view, right)]
     shape = (len(STRIPS), 3, len(colour_view.forward_m))
     weight = (inside * colour_view.length_m).reshape(shape)[..., None]
     sample = colour[rows, columns].astype(np.float64).reshape(*shape, 3)

@@ -1,6 +1,7 @@
 """Matches a road's lines with the ridges of a frame, and corrects its state by them."""
 
 from dataclasses import replace
+from math import isfinite
 
 import cv2
 import numpy as np
@@ -9,7 +10,7 @@ from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
 from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.perception.road.markings import RidgeMap, noise_threshold, sight, sighting_variance
 from vpf_sim.perception.road.obstacle_mask import hidden_by
-from vpf_sim.perception.road.state_filter import Expected, LaneFilter, Sightings, initial_covariance, is_sane
+from vpf_sim.perception.road.state_filter import Expected, LaneFilter, Sightings, initial_covariance
 from vpf_sim.types import Camera, Floats, Image, Obstacles
 
 
@@ -30,13 +31,15 @@ class LineMatcher:
         response = ridge(self.view.warp(grey), round(config.ridge_reach_m / config.column_m))
         if config.obstacle_mask is not None and obstacles is not None and len(obstacles):
             visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, config.obstacle_mask, config.object_sizes)
-        return RidgeMap(response, noise_threshold(response, config.least_contrast), visible, config.centroid_m)
+        return RidgeMap(
+            self.view, response, noise_threshold(response, config.least_contrast), visible, config.centroid_m
+        )
 
     def correct(self, tracked: LaneFilter, ridges: RidgeMap, numbers: Floats) -> bool | None:
         """Whether the lines about their predicted places corrected the state; None: too few are visible."""
         expected = tracked.expected(numbers, self.view.forward_m)
         reach_m = self.config.filter.reach_m
-        found = sight(ridges, self.view, expected.right_m, expected.reached, numbers, reach_m, self._variance)
+        found = sight(ridges, expected.right_m, expected.reached, numbers, reach_m, self._variance)
         if np.count_nonzero(found.seen) < self.config.least_rows:
             return None
         return self._by(tracked, found, expected)
@@ -65,4 +68,9 @@ class LineMatcher:
 
     def is_sane(self, state: Floats, turned_rad: float | None = None) -> bool:
         """Whether the model can draw this road; `turned_rad` is the largest heading, None: of a tracked road."""
-        return is_sane(state, self.config.filter, self.config.widest_lane_m + self.config.wider_m, turned_rad)
+        config, limits = self.config, self.config.filter
+        _, heading, *curvatures, width, pitch = state.tolist()
+        bent = all(abs(curvature) < limits.tightest_per_m for curvature in curvatures)
+        straight = abs(heading) < (turned_rad or limits.turned_rad) and abs(pitch) < limits.steepest_rad
+        wide = config.narrowest_lane_m - config.wider_m < width < config.widest_lane_m + config.wider_m
+        return isfinite(state[0]) and straight and bent and wide

@@ -20,27 +20,27 @@ NODES_M = np.array([0.0, 8.0, 16.0, 24.0])
 CURVATURES = slice(2, 2 + len(NODES_M))
 WIDTH = 2 + len(NODES_M)
 PITCH = WIDTH + 1
-SIZE = PITCH + 1
 LEAST_DIP_RAD = 0.02  # of a row below the horizon; what is higher shows no line
-STEP_M = 0.5
-ALONG_M = np.arange(-6.0, 48.0 + 1e-9, STEP_M)  # (G,) stations along line 0
-ORIGIN = int(np.searchsorted(ALONG_M, 0.0))
+ALONG_M = np.arange(-6.0, 48.1, 0.5)  # (G,) stations along line 0
 
 
 def _integrated(values: Floats) -> Floats:
     """The integral along ALONG_M, the last axis, 0 at the origin (trapezia)."""
     total = np.empty_like(values)
     total[..., 0] = 0.0
-    (0.5 * STEP_M * (values[..., 1:] + values[..., :-1])).cumsum(axis=-1, out=total[..., 1:])
-    total -= total[..., [ORIGIN]]
+    step_m = ALONG_M[1] - ALONG_M[0]
+    (0.5 * step_m * (values[..., 1:] + values[..., :-1])).cumsum(axis=-1, out=total[..., 1:])
+    total -= total[..., ALONG_M == 0.0]
     return total
 
 
-UNIT = np.eye(len(NODES_M))
-HATS = np.array([np.interp(ALONG_M, NODES_M, row) for row in UNIT])  # (4, G) curvature
-TURNS = np.ascontiguousarray(_integrated(HATS).T)  # (G, 4) heading
-BENDS = np.ascontiguousarray(_integrated(_integrated(HATS)).T)  # (G, 4) lateral place of a straight road
-STATIONS = np.arange(len(ALONG_M), dtype=float)
+def _hats(places_m: Floats) -> Floats:
+    """(4, N) curvature at places along line 0 for a curvature of 1 at one node."""
+    return np.array([np.interp(places_m, NODES_M, row) for row in np.eye(len(NODES_M))])
+
+
+TURNS = np.ascontiguousarray(_integrated(_hats(ALONG_M)).T)  # (G, 4) heading
+BENDS = np.ascontiguousarray(_integrated(TURNS.T).T)  # (G, 4) lateral place of a straight road
 
 
 def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_width_m: float) -> Floats:
@@ -72,8 +72,9 @@ class _Crossings:
         index = np.empty((len(offsets_m), len(forward_m)))
         # A tight bend leads back: the first crossing counts.
         ahead = np.maximum.accumulate(centre_x - offsets_m[:, None] * sine, axis=1)
+        stations = np.arange(len(ALONG_M), dtype=float)
         for row, along in enumerate(ahead):
-            index[row] = np.interp(forward_m, along, STATIONS, left=-1.0, right=-1.0)
+            index[row] = np.interp(forward_m, along, stations, left=-1.0, right=-1.0)
         reached = index >= 0.0
         lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
         share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
@@ -87,7 +88,7 @@ class _Crossings:
 
     def jacobian(self, state: Floats, numbers: Floats, forward_m: Floats) -> Floats:
         """(L, R, 8) the derivative of `right_m` by the state."""
-        jacobian = np.empty((*self.right_m.shape, SIZE))
+        jacobian = np.empty((*self.right_m.shape, PITCH + 1))
         across = -np.cos(self.direction_rad - state[1])
         np.multiply(across.take(self.lower), self.secant, out=jacobian[..., 0])
         np.add(forward_m, self.right_m * self.slope, out=jacobian[..., 1])
@@ -97,21 +98,13 @@ class _Crossings:
         return jacobian
 
 
-def lines(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools]:
-    """Where lines of the road cross rows ahead.
-
-    Of L lines, by their numbers, at R rows `forward_m` ahead of the pose: right of the vehicle (L, R) m, its derivative
-    by the state (L, R, 8), and (L, R) whether the line reaches the row. A number may be a fraction: the middle of the
-    lane right of line i is i + 1/2.
-    """
-    found = _Crossings.of(state, numbers, forward_m)
-    return found.right_m, found.jacobian(state, numbers, forward_m), found.reached
-
-
 def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats, Bools]:
-    """`lines` as the camera shows them: on rows that lie `forward_m` (R,) ahead if it looks where it is believed to.
+    """Where the camera sees lines of the road cross rows ahead.
 
-    What a row shows seems larger by sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
+    Of L lines, by their numbers, at R rows `forward_m` ahead of the pose for a camera without pitch: right of the
+    vehicle (L, R) m, its derivative by the state (L, R, 8), and (L, R) whether the line reaches the row. A number may
+    be a fraction: the middle of the lane right of line i is i + 1/2. What a row shows seems larger by
+    sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
     """
     ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
     found = _Crossings.of(state, numbers, ahead)
@@ -147,8 +140,8 @@ def moved(state: Floats, step: Floats) -> tuple[Floats, Floats]:
     cosine, sine = np.cos(heading), np.sin(heading)
     along = (step[0] * cosine + step[1] * sine) / (1.0 - curvature * y)
     across = step[1] * cosine - step[0] * sine
-    shift = np.array([np.interp(NODES_M + along, NODES_M, row) for row in UNIT]).T
-    derivative = np.eye(SIZE)
+    shift = _hats(NODES_M + along).T
+    derivative = np.eye(PITCH + 1)
     derivative[0, 1] = -along
     derivative[0, 2] = -0.5 * along**2
     derivative[1, 2] = along

@@ -1,12 +1,11 @@
 """The state of the road over time: predicted by the vehicle's own motion, corrected by the lines that are seen."""
 
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 
 from vpf_sim.perception.road.config import NeighbourTestConfig, RoadFilterConfig
-from vpf_sim.perception.road.model import CURVATURES, NODES_M, PITCH, SIZE, moved, seen_lines, seen_places
+from vpf_sim.perception.road.model import CURVATURES, NODES_M, PITCH, moved, seen_lines, seen_places
 from vpf_sim.types import Bools, Camera, Floats
 
 
@@ -153,15 +152,3 @@ def _along(aside_m: Floats, test: NeighbourTestConfig | None) -> Bools:
 def _lines(on_line: Bools, least: int) -> int:
     """How many of L lines are seen in as many of the rows (L, R) as make a line."""
     return int(np.count_nonzero(np.count_nonzero(on_line, axis=1) >= least))
-
-
-def is_sane(state: Floats, config: RoadFilterConfig, widest_m: float, turned_rad: float | None = None) -> bool:
-    """Whether the model can draw this road, with lanes up to `widest_m` and a heading up to `turned_rad`."""
-    turned_rad = config.turned_rad if turned_rad is None else turned_rad
-    if state.shape != (SIZE,):
-        return False
-    values = state.tolist()
-    _, heading, *curvatures, width, pitch = values
-    bent = all(abs(curvature) < config.tightest_per_m for curvature in curvatures)
-    straight = abs(heading) < turned_rad and abs(pitch) < config.steepest_rad
-    return all(map(isfinite, values)) and straight and bent and config.narrowest_m < width < widest_m
