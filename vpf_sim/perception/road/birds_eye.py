@@ -54,6 +54,13 @@ class BirdsEye:
         inside = reached & (places >= 0) & (places < len(self.right_m))
         return np.where(inside, places, 0).astype(np.intp), inside
 
+    def nearest(self, forward_m: Floats, right_m: Floats) -> tuple[Integers, Integers]:
+        """The rows (R,) and columns (..., R) nearest to places ahead (R,) and right (..., R) of the pose."""
+        rows = np.rint((forward_m - self.forward_m[0]) / (self.forward_m[1] - self.forward_m[0]))
+        columns = np.rint((right_m - self.right_m[0]) / self.column_m)
+        rows, columns = np.clip(rows, 0, len(self.forward_m) - 1), np.clip(columns, 0, len(self.right_m) - 1)
+        return rows.astype(np.intp), columns.astype(np.intp)
+
 
 def rows_ahead(camera: Camera, patch: Patch) -> Floats:
     """(rows,) m from the pose, where rows of pixels see the road, nearest first and at least `row_m` apart."""

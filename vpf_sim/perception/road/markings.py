@@ -8,8 +8,7 @@ import numpy as np
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.config import CombConfig
-from vpf_sim.perception.road.state_filter import Sightings
-from vpf_sim.types import Bools, Camera, Floats, Image, Integers, Singles
+from vpf_sim.types import Bools, Floats, Image, Integers, Singles
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +27,8 @@ def noise_threshold(response: Image, least: float) -> float:
     return max(least, 2.0 * quantile(response[::3, ::3], 0.9))
 
 
-def sight(
-    ridges: RidgeMap, expected_m: Floats, wanted: Bools, numbers: Floats, reach_m: float, variance: Floats
-) -> Sightings:
-    """The strongest ridge within `reach_m` of each expected place (L, R), as its centre of mass."""
+def sight(ridges: RidgeMap, expected_m: Floats, wanted: Bools, reach_m: float) -> tuple[Floats, Bools]:
+    """(L, R) m, centre of mass of the strongest ridge within `reach_m` of each expected place, and whether one is."""
     view = ridges.view
     columns = (expected_m - view.right_m[0]) / view.column_m
     reach = round(reach_m / view.column_m)
@@ -50,21 +47,7 @@ def sight(
     total, moment = sums[..., 0].astype(np.float64), sums[..., 1].astype(np.float64)
     place = centre + moment / np.maximum(total, 1e-9)
     visible = ridges.visible[row, np.clip(np.rint(place), 0, last).astype(np.intp)]
-    seen = inside & visible & (height > ridges.threshold)
-    return Sightings(
-        numbers=numbers,
-        forward_m=view.forward_m,
-        right_m=view.right_m[0] + place * view.column_m,
-        variance_m2=np.broadcast_to(variance, seen.shape),
-        seen=seen,
-    )
-
-
-def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_px: float) -> Floats:
-    """(R,) m^2 of one sighting at each row."""
-    depth = forward_m - camera.forward_m
-    variance: Floats = sigma_m**2 + (sigma_px * depth / camera.fx_px) ** 2
-    return variance
+    return view.right_m[0] + place * view.column_m, inside & visible & (height > ridges.threshold)
 
 
 def explained(ridges: RidgeMap, right_m: Floats, reached: Bools, reach_m: float) -> float:
