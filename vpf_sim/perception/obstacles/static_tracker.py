@@ -121,8 +121,7 @@ class StaticObstacleTracker:
         Then up to which it would be with a good view at the reference speed.
         """
         sight, sightings = self._parallax.sight, self._low_tracks.config.doubts
-        good_m = sight.good_m(sight.needed_m(speed_reference_mps, sightings))
-        return sight.distance_m(sight.needed_m(speed_mps, sightings)), good_m
+        return sight.distance_m(speed_mps, sightings), sight.good_m(speed_reference_mps, sightings)
 
     def tentative(self, pose: Floats) -> Obstacles:
         """What seems to lie low on the road and is not believed yet, in the axes of the vehicle at `pose`."""

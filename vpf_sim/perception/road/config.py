@@ -87,14 +87,14 @@ class RoadFilterConfig:
     reach_m: float = setting("about the prediction, in which lines are searched", gt=0.0)
     on_line_m: float = setting("distance up to which an observation lies on its line", gt=0.0)
     neighbour_test: NeighbourTestConfig | None = setting(
-        "reject observations without a neighbour on the same line: drops and puddles", default=None
+        "reject observations without a neighbour on the line: drops, puddles", default=None
     )
     innovation_gate: InnovationGateConfig | None = setting("reject observations far from the prediction", default=None)
     chance_test: ChanceTestConfig | None = setting(
-        "reject a frame whose observations lie on the lines no more than by chance", default=None
+        "reject frames whose lines have no more observations than by chance", default=None
     )
     near_part: NearPartConfig | None = setting(
-        "correct by the near part alone where the far part holds a single line: a reflection", default=None
+        "correct by the near part alone where one line is far ahead: a reflection", default=None
     )
 
     @property
@@ -251,14 +251,14 @@ class RoadEdgeConfig:
     hypotheses: HypothesesConfig
     object_sizes: ObjectSizes
     guess_check: GuessCheckConfig | None = setting(
-        "where a road is known, reject a first guess whose lines lead away from it", default=None
+        "reject a first guess whose lines lead away from a known road", default=None
     )
     relocalisation: RelocalisationConfig | None = setting(
-        "replace the tracked road by another one that explains more lines", default=None
+        "replace the road by another one that explains more lines", default=None
     )
     refutation: RefutationConfig | None = setting("lose a road whose lines are elsewhere", default=None)
     turn_recovery: TurnRecoveryConfig | None = setting(
-        "during a turn across the road, look for the lost road where it should be", default=None
+        "during a turn, search the lost road where it should be", default=None
     )
     obstacle_mask: ObstacleMaskConfig | None = setting("ignore the road that obstacles hide", default=None)
 

@@ -35,10 +35,8 @@ class WindscreenMaskConfig:
     share: float = setting("of their power that both have in common", gt=0.0, lt=1.0)
     contrast: float = setting("least power, in multiples of its median", gt=0.0)
     floor_levels2: float = setting("least power, grey levels^2: the grain of asphalt agrees by chance", ge=0.0)
-    road_motion: RoadMotionConfig | None = setting(
-        "road motion: a texture that fits better where the road has moved is road", default=None
-    )
-    rim: RimConfig | None = setting("rim: cells about static texture are masked as well", default=None)
+    road_motion: RoadMotionConfig | None = setting("texture that moves with the road is road", default=None)
+    rim: RimConfig | None = setting("mask the cells about static texture as well", default=None)
 
 
 @settings
@@ -103,9 +101,7 @@ class DashConfig:
 class FarEdgeConfig:
     """The far edge of an object."""
 
-    length_m: float = setting(
-        "of an object: what begins so near behind another, and overlaps it, is its far edge", ge=0.0
-    )
+    length_m: float = setting("from the near edge of an object to its far edge, at most", ge=0.0)
 
 
 @settings
@@ -139,31 +135,17 @@ class ParallaxConfig:
     foot_width_m: float = setting("observed width of a foot, at least", ge=0.0)
     foot_share: float = setting("observed share of a foot, at least", ge=0.0, le=1.0)
     sensing_range: SensingRangeConfig = setting("sensing range of low obstacles")
-    tentative: TentativeGainConfig | None = setting(
-        "weak observations: they make and support tentative tracks; none: only sure ones are reported", default=None
-    )
-    high_pass: HighPassConfig | None = setting(
-        "high pass: slow changes along the way do not count, since mirror images are long", default=None
-    )
+    tentative: TentativeGainConfig | None = setting("weak observations support tentative tracks", default=None)
+    high_pass: HighPassConfig | None = setting("high pass: long changes, as of mirror images, cancel", default=None)
     mirror_heights: MirrorHeightsConfig | None = setting(
-        "mirror heights: what fits a height below the road better is a mirror image", default=None
+        "reject what fits below the road better: a mirror image", default=None
     )
-    paint_edges: PaintEdgesConfig | None = setting(
-        "paint edges: a difference that a small misalignment of the picture explains is no object", default=None
-    )
-    temporal_average: TemporalAverageConfig | None = setting(
-        "temporal average: differences are averaged over observations while the road moves by", default=None
-    )
-    dash: DashConfig | None = setting(
-        "dash rejection: a painted dash that runs into an object does not bring it nearer", default=None
-    )
-    far_edge: FarEdgeConfig | None = setting(
-        "far edge: an observation just behind a nearer one is no object of its own", default=None
-    )
+    paint_edges: PaintEdgesConfig | None = setting("reject differences of slightly misaligned paint", default=None)
+    temporal_average: TemporalAverageConfig | None = setting("average the differences over observations", default=None)
+    dash: DashConfig | None = setting("a dash that runs into an object does not bring it nearer", default=None)
+    far_edge: FarEdgeConfig | None = setting("reject the far edges of nearer objects", default=None)
     narrow: NarrowConfig | None = setting("narrow observations are rejected", default=None)
-    windscreen_mask: WindscreenMaskConfig | None = setting(
-        "windscreen mask: cells whose texture does not move with the road are ignored", default=None
-    )
+    windscreen_mask: WindscreenMaskConfig | None = setting("ignore texture that stays in the image", default=None)
 
     @property
     def tentative_gain(self) -> float:
@@ -226,9 +208,7 @@ class LowTrackConfig:
 
     hits: int = setting("of a confirmed track", gt=0)
     way_m: float = setting("of the car between the first and the last observation of a confirmed track", ge=0.0)
-    least_way_m: float = setting(
-        "without which nothing has come nearer: at standstill water on the glass stays", ge=0.0
-    )
+    least_way_m: float = setting("travel before which nothing has come nearer", ge=0.0)
     misses: int = setting("in a row, after which a tentative track is pruned", gt=0)
     along_m: float = setting("observations nearer than this are of one track", gt=0.0)
     across_m: float = setting("observations nearer than this are of one track", gt=0.0)
@@ -240,23 +220,12 @@ class LowTrackConfig:
     sticks_out_m: float = setting("unless it reaches so far out of it,", ge=0.0)
     before_m: float = setting("or begins farther before its face than mirror images do", ge=0.0)
     least_width_m: float = setting("of a reported obstacle", ge=0.0)
-    gain_weight: GainWeightConfig | None = setting(
-        "gain weight: a faint observation counts less than a clear one; none: all sure ones count 1", default=None
-    )
-    clutter: ClutterConfig | None = setting(
-        "clutter: a track needs more hits while new ones appear often", default=None
-    )
-    approach: ApproachConfig | None = setting(
-        "approach: a track must come nearer as what stands does, unlike drops and mirror images", default=None
-    )
-    truncated: TruncatedConfig | None = setting(
-        "truncation: the near end of an observation at the end of the patch is no place, and takes more hits",
-        default=None,
-    )
+    gain_weight: GainWeightConfig | None = setting("a clear observation counts more than a faint one", default=None)
+    clutter: ClutterConfig | None = setting("a track needs more hits while new ones appear often", default=None)
+    approach: ApproachConfig | None = setting("reject drops and mirror images: they come no nearer", default=None)
+    truncated: TruncatedConfig | None = setting("observations at the near end of the patch have no place", default=None)
     tentative: TentativeTrackConfig | None = setting("tentative tracks are reported as well", default=None)
-    occlusion: SpotOcclusionConfig | None = setting(
-        "occlusion: what a known obstacle hides of an observation is cut off", default=None
-    )
+    occlusion: SpotOcclusionConfig | None = setting("cut off what known obstacles hide", default=None)
 
     @property
     def doubts(self) -> int:

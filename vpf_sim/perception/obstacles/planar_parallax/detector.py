@@ -1,9 +1,8 @@
-"""Planar parallax: detects low obstacles where the road looks otherwise than from farther away.
+"""Planar parallax: detects low obstacles where two frames laid out as road differ.
 
-Two frames laid out as road agree wherever they show the road, whatever is painted on it. What stands h above it is laid
-out too far away. It moves on by (K - 1) of the camera's way between the frames, K = H / (H - h) with the camera's
-height H. This is the same for all points of one height, so one shift of the older layout tests one height for the whole
-patch (plane and parallax, Irani and Anandan, PAMI 20(6), 1998). Mirror images move the other way.
+Frames laid out as road agree wherever they show the road. A point at height h moves between them by (K - 1) of the
+camera's travel, K = H / (H - h) with the camera's height H. So one shift of the older layout tests one height for the
+whole patch (plane and parallax, Irani and Anandan, PAMI 20(6), 1998). Mirror images move the other way.
 """
 
 from collections import deque
@@ -15,7 +14,7 @@ import numpy as np
 
 from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig, WindscreenMaskConfig, odd_cells
-from vpf_sim.perception.obstacles.planar_parallax.sensing_range import LookQuality, SensingRange
+from vpf_sim.perception.obstacles.planar_parallax.sensing_range import SensingRange
 from vpf_sim.perception.obstacles.planar_parallax.temporal_average import TemporalAverage
 from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import static_texture, texture
 from vpf_sim.perception.quantiles import quantile
@@ -25,7 +24,7 @@ from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Obstacles
 
 @dataclass(frozen=True, slots=True)
 class LowObservation(LateralExtent[float]):
-    """An observation of something on the road that stands above it, in vehicle axes."""
+    """An observation of a low obstacle, in vehicle axes."""
 
     forward_m: float  # where it begins
     left_m: float
@@ -37,7 +36,7 @@ class LowObservation(LateralExtent[float]):
 
 @dataclass(slots=True)
 class _Layout:
-    """A frame laid out as road. Its water is complete once the next frame has been laid out."""
+    """A frame laid out as road; its mask is complete once the next frame has been laid out."""
 
     patch: Image  # (rows, columns)
     pose: Floats  # (3,)
@@ -78,11 +77,10 @@ class PlanarParallax:
     def update(
         self, image: Image | None, pose: Floats, footprints: Floats | None = None
     ) -> list[LowObservation] | None:
-        """What stands on the road in the frame taken at `pose`; None between observations and without a baseline.
+        """Observations in the frame taken at `pose`; None between observations and without a baseline.
 
         `image` is None while a wiper hides the road: an observation that is due waits. `footprints` (K, 4, 2) are the
-        corners of known obstacles in vehicle axes. What they cover and hide is left out, since what lies beside one
-        would merge with it.
+        corners of known obstacles in vehicle axes: what they cover and hide is ignored.
         """
         self._since += 1
         if image is None or self._since < self._period_frames:
@@ -200,7 +198,7 @@ class PlanarParallax:
         strip = np.abs(self._right_m[self._columns]) < config.sensing_range.half_width_m
         share = self._seen[:, strip].mean(axis=1)
         ahead = np.interp(self.sight.forward_m, self._forward_m[: self._rows], share)
-        self.sight.record(LookQuality(config.tentative_gain * noise, quantile(some, 0.1), ahead))
+        self.sight.record(config.tentative_gain * noise, quantile(some, 0.1), ahead)
         return noise
 
     def _observations(
@@ -287,7 +285,7 @@ class PlanarParallax:
         return np.array([[turn[1, 1], turn[1, 0], offset[1]], [turn[0, 1], turn[0, 0], offset[0]]], np.float32)
 
     def _parts(self, outline: Bools, gain: Singles) -> list[LowObservation]:
-        """One for each connected part of the outline in which something stands."""
+        """One observation for each connected part of the outline in which something stands."""
         if not gain.any():
             return []
         config = self.config
@@ -316,13 +314,11 @@ class PlanarParallax:
         found.sort(key=lambda spot: spot.forward_m)
         if config.far_edge is None:
             return found
-        ends_m = config.far_edge.length_m
-        return [
-            spot for index, spot in enumerate(found) if not any(_is_end(spot, one, ends_m) for one in found[:index])
-        ]
+        length_m = config.far_edge.length_m
+        return [spot for i, spot in enumerate(found) if not any(_is_far_edge(spot, one, length_m) for one in found[:i])]
 
 
-def _is_end(spot: LowObservation, nearer: LowObservation, length_m: float) -> bool:
+def _is_far_edge(spot: LowObservation, nearer: LowObservation, length_m: float) -> bool:
     """Whether an observation is the far edge of an object whose near edge is another one, as sure as it is."""
     overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m and nearer.sure >= spot.sure
     return overlap and spot.forward_m - nearer.forward_m < length_m
