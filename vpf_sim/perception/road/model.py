@@ -1,20 +1,16 @@
 """The shape of the road ahead: parallel lines, a lane's width apart, whose curvature is piecewise linear.
 
 The state is (y, h, k_0 .. k_3, w, p): m, the pose's place right of line 0; rad, the road's direction minus yaw at the
-foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the width of a lane; rad,
-how far the camera looks below where it is believed to, against the road that it sees. Line i is i lanes right of line
-0; which of the lines are the edges of the carriageway is not the model's business.
+foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the lane width; rad, the
+camera's pitch against the road beyond its calibration (+ down). Line i is i lanes right of line 0.
 
-A camera that looks farther down than is believed sees each row of the road from farther away, and what it shows there
-narrower: parallel lines seem to meet. A frame with lines a few metres apart tells p to a hundredth of a degree.
+With a pitch each row shows the road nearer or farther than assumed, and larger or smaller: parallel lines seem to meet.
+A frame with lines a few metres apart determines p to a hundredth of a degree.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
-from vpf_sim.types import Bools, Camera, Floats
+from vpf_sim.types import Bools, Camera, Floats, Integers
 
 NODES_M = np.array([0.0, 8.0, 16.0, 24.0])
 CURVATURES = slice(2, 2 + len(NODES_M))
@@ -44,58 +40,30 @@ BENDS = np.ascontiguousarray(_integrated(TURNS.T).T)  # (G, 4) lateral place of 
 
 
 def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_width_m: float) -> Floats:
-    """(8,) the state of a road of one curvature, seen by a camera that looks where it is believed to."""
+    """(8,) the state of a road of one curvature, with a camera without pitch."""
     return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m, 0.0])
 
 
-@dataclass(frozen=True, slots=True)
-class _Crossings:
-    """Where L lines cross R rows, and what their derivatives are made of."""
+def _crossings(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Bools, Integers, Floats]:
+    """Where L lines cross R rows: (L, R) m right of the pose, and whether they reach the row.
 
-    right_m: Floats  # (L, R)
-    reached: Bools  # (L, R) whether the line reaches the row
-    lower: NDArray[np.intp]  # (L, R) the last station before the row
-    secant: Floats  # (L, R) one over the cosine of the line's direction there
-    slope: Floats  # (L, R) d right / d forward
-    direction_rad: Floats  # (G,) of line 0 at all stations
-
-    @classmethod
-    def of(cls, state: Floats, numbers: Floats, forward_m: Floats) -> "_Crossings":
-        """Those of a road's lines with rows so far ahead of the pose (R,)."""
-        y, heading = state[0], state[1]
-        offsets_m = numbers * state[WIDTH]
-        direction = heading + TURNS @ state[CURVATURES]
-        cosine, sine = course = np.array([np.cos(direction), np.sin(direction)])
-        centre_x, centre_y = _integrated(course)
-        centre_x += y * np.sin(heading)
-        centre_y -= y * np.cos(heading)
-        index = np.empty((len(offsets_m), len(forward_m)))
-        # A tight bend leads back: the first crossing counts.
-        ahead = np.maximum.accumulate(centre_x - offsets_m[:, None] * sine, axis=1)
-        stations = np.arange(len(ALONG_M), dtype=float)
-        for row, along in enumerate(ahead):
-            index[row] = np.interp(forward_m, along, stations, left=-1.0, right=-1.0)
-        reached = index >= 0.0
-        lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
-        share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
-        offsets = offsets_m[:, None]
-        cosines = cosine.take(lower)
-        before = centre_y.take(lower) + offsets * cosines
-        upper = lower + 1
-        after = centre_y.take(upper) + offsets * cosine.take(upper)
-        secant = 1.0 / cosines
-        return cls(before + share * (after - before), reached, lower, secant, sine.take(lower) * secant, direction)
-
-    def jacobian(self, state: Floats, numbers: Floats, forward_m: Floats) -> Floats:
-        """(L, R, 8) the derivative of `right_m` by the state."""
-        jacobian = np.empty((*self.right_m.shape, PITCH + 1))
-        across = -np.cos(self.direction_rad - state[1])
-        np.multiply(across.take(self.lower), self.secant, out=jacobian[..., 0])
-        np.add(forward_m, self.right_m * self.slope, out=jacobian[..., 1])
-        np.multiply(BENDS.take(self.lower, axis=0), self.secant[..., None], out=jacobian[..., CURVATURES])
-        np.multiply(numbers[:, None], self.secant, out=jacobian[..., WIDTH])
-        jacobian[..., PITCH] = 0.0
-        return jacobian
+    Then the last station before each crossing (L, R), and line 0's direction at all stations (G,).
+    """
+    y, heading = state[0], state[1]
+    offsets_m = (numbers * state[WIDTH])[:, None]
+    direction = heading + TURNS @ state[CURVATURES]
+    cosine, sine = course = np.array([np.cos(direction), np.sin(direction)])
+    centre_x, centre_y = _integrated(course)
+    centre_x += y * np.sin(heading)
+    centre_y -= y * np.cos(heading)
+    # A tight bend leads back: the first crossing counts.
+    ahead = np.maximum.accumulate(centre_x - offsets_m * sine, axis=1)
+    stations = np.arange(len(ALONG_M), dtype=float)
+    index = np.array([np.interp(forward_m, along, stations, left=-1.0, right=-1.0) for along in ahead])
+    lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
+    share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
+    before, after = (centre_y.take(at) + offsets_m * cosine.take(at) for at in (lower, lower + 1))
+    return before + share * (after - before), index >= 0.0, lower, direction
 
 
 def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats, Bools]:
@@ -107,28 +75,32 @@ def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera
     sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
     """
     ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
-    found = _Crossings.of(state, numbers, ahead)
-    jacobian = found.jacobian(state, numbers, ahead)
-    sine, cosine, believed = np.sin(dip), np.cos(dip), np.sin(dip - state[PITCH])
-    scale = sine / believed
-    jacobian *= scale[:, None]
-    jacobian[..., PITCH] = found.right_m * cosine / believed - found.slope * scale * camera.height_m / sine**2
-    return found.right_m * scale, jacobian, found.reached & (dip > LEAST_DIP_RAD)
+    right, reached, lower, direction = _crossings(state, numbers, ahead)
+    secant = 1.0 / np.cos(direction).take(lower)
+    slope = np.sin(direction).take(lower) * secant
+    sine, apparent = np.sin(dip), np.sin(dip - state[PITCH])
+    scale = sine / apparent
+    jacobian = np.empty((*right.shape, PITCH + 1))
+    jacobian[..., 0] = -np.cos(direction - state[1]).take(lower) * secant
+    jacobian[..., 1] = ahead + right * slope
+    jacobian[..., CURVATURES] = BENDS.take(lower, axis=0) * secant[..., None]
+    jacobian[..., WIDTH] = numbers[:, None] * secant
+    jacobian[..., :PITCH] *= scale[:, None]
+    jacobian[..., PITCH] = right * np.cos(dip) / apparent - slope * scale * camera.height_m / sine**2
+    return right * scale, jacobian, reached & (dip > LEAST_DIP_RAD)
 
 
 def seen_places(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera) -> tuple[Floats, Bools]:
-    """`seen_lines` for who asks for no derivative."""
+    """`seen_lines` without the derivative."""
     ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
-    found = _Crossings.of(state, numbers, ahead)
-    scale = np.sin(dip) / np.sin(dip - state[PITCH])
-    return found.right_m * scale, found.reached & (dip > LEAST_DIP_RAD)
+    right, reached, _, _ = _crossings(state, numbers, ahead)
+    return right * (np.sin(dip) / np.sin(dip - state[PITCH])), reached & (dip > LEAST_DIP_RAD)
 
 
 def rows_seen(pitch_rad: float, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats]:
-    """(R,) m from the pose what rows show, taken for `forward_m`, and (R,) rad how far they dip below the horizon.
+    """(R,) m from the pose, the road that rows assumed at `forward_m` show, and (R,) rad their dip below the horizon.
 
-    A row that should dip by a dips by a + p, if the camera looks so much farther down, and shows the road
-    h / tan(a + p) before the lens.
+    A row with a dip of a without pitch has a + p with it, and shows the road h / tan(a + p) before the lens.
     """
     dip = np.maximum(np.arctan2(camera.height_m, forward_m - camera.forward_m) + pitch_rad, LEAST_DIP_RAD)
     return camera.forward_m + camera.height_m / np.tan(dip), dip

@@ -7,17 +7,17 @@ whole patch (plane and parallax, Irani and Anandan, PAMI 20(6), 1998). Mirror im
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Any
 
 import cv2
 import numpy as np
 
-from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.geometry import distance_m, rotation, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig, WindscreenMaskConfig, odd_cells
 from vpf_sim.perception.obstacles.planar_parallax.sensing_range import SensingRange
 from vpf_sim.perception.obstacles.planar_parallax.temporal_average import TemporalAverage
 from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import static_texture, texture
 from vpf_sim.perception.quantiles import quantile
+from vpf_sim.perception.road.birds_eye import lookup
 from vpf_sim.perception.road.occlusion import shadow
 from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Obstacles, Singles
 
@@ -58,7 +58,8 @@ class PlanarParallax:
         self._right_m: Floats = np.arange(-half, half + 1e-9, config.cell_m)
         self._rows = int(np.count_nonzero(self._forward_m < config.far_m))
         self._noise_rows = int(np.count_nonzero(self._forward_m < config.noise_far_m))
-        self._maps, self._outside = self._layout()
+        self._maps, visible = lookup(camera, self._forward_m, self._right_m)
+        self._outside = (~visible).astype(np.uint8)
         self.lenses_m: tuple[Floats, ...] = ()  # (2,) each, camera positions of the last comparison, now and before
         self._past: deque[_Layout] = deque()
         self._contrast: Singles = np.empty((0, 0), np.float32)  # of the last observation, in multiples of the noise
@@ -143,15 +144,6 @@ class PlanarParallax:
             stays = static_texture(now.texture, before.texture, moved, self.config.cell_m, mask)
             now.water = np.asarray(cv2.max(stays, self._outside), np.uint8)
             before.water = np.asarray(cv2.max(before.water, now.water), np.uint8)
-
-    def _layout(self) -> tuple[tuple[Any, Any], Image]:
-        """The look-up of the patch in a frame, as OpenCV wants it; (rows, columns) 1 where the frame does not reach."""
-        forward, right = np.meshgrid(self._forward_m, self._right_m, indexing="ij")
-        pixels = distort(self.camera, project(self.camera, np.stack([forward, right, np.zeros_like(right)], axis=-1)))
-        x, y = np.nan_to_num(pixels, nan=-10.0).astype(np.float32).transpose(2, 0, 1)
-        inside = (x >= 0.0) & (x <= self.camera.width_px - 1) & (y >= 0.0) & (y <= self.camera.height_px - 1)
-        exact, table = cv2.convertMaps(x, y, cv2.CV_16SC2)
-        return (exact, table), (~inside).astype(np.uint8)
 
     def _older(self, pose: Floats) -> _Layout | None:
         """The latest layout that was taken a baseline away; older ones are dropped."""
