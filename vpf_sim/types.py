@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from vpf_sim.errors import InputError
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 Bools = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 Image = NDArray[np.uint8]  # (H, W, 3) RGB or (H, W) grey

@@ -61,8 +61,10 @@ def _score(images: Sequence[Image], camera: Camera, config: RoadEdgeConfig, widt
     found = []
     for image in images:
         response = ridge(view.warp(image), round(config.ridge_reach_m / config.column_m))
-        lines = RidgeMap(response, noise_threshold(response, config.least_contrast), view.visible, config.centroid_m)
-        found.append(comb(lines, view, np.array([width_m]), width_m, config.comb)[0])
+        lines = RidgeMap(
+            view, response, noise_threshold(response, config.least_contrast), view.visible, config.centroid_m
+        )
+        found.append(comb(lines, np.array([width_m]), width_m, config.comb)[0])
     return float(np.mean(found))
 
 

@@ -16,7 +16,7 @@ from vpf_sim.geometry import project
 from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
 from vpf_sim.perception.egomotion.mount_pitch import MountPitch
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
-from vpf_sim.perception.road.model import lines, seen_lines
+from vpf_sim.perception.road.model import seen_lines, seen_places
 from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Expansion, Floats, Flow, Observation, RoadEdges, VehicleModel
@@ -51,13 +51,13 @@ def drive(down_deg: float, curvature: float, frames: int = 10) -> tuple[RoadEdge
 def test_lines_are_seen_where_an_askew_camera_shows_them(pitch_rad: float) -> None:
     """Places of the lines, projected by the camera as it is, and read off by the camera as it is believed to be."""
     forward: Floats = np.arange(4.0, 28.0, 3.0)
-    state = BEND.copy()
-    state[-1] = pitch_rad
+    state, level = BEND.copy(), BEND.copy()
+    state[-1], level[-1] = pitch_rad, 0.0
     right, _, reached = seen_lines(state, NUMBERS, forward, CAMERA)
     assert reached.all()
     row_px = project(CAMERA, np.stack([forward, 0.0 * forward, 0.0 * forward], axis=-1))[:, 1]
     ahead: Floats = np.linspace(3.0, 45.0, 4000)
-    for seen, place in zip(right, lines(state, NUMBERS, ahead)[0], strict=True):
+    for seen, place in zip(right, seen_places(level, NUMBERS, ahead, CAMERA)[0], strict=True):
         pixels = project(replace(CAMERA, pitch_rad=pitch_rad), np.stack([ahead, place, 0.0 * ahead], axis=-1))
         column_px = np.interp(-row_px, -pixels[:, 1], pixels[:, 0])
         expected = (column_px - CAMERA.cx_px) / CAMERA.fx_px * (forward - CAMERA.forward_m)

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from driver_settings import static_obstacles, without
 
-from vpf_sim.perception.obstacles.planar_parallax.grids import Grid
 from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import static_texture, texture
 from vpf_sim.seeding import stream
-from vpf_sim.types import Image
+from vpf_sim.types import Image, Singles
 
 CELL_M, CONFIG = 0.05, static_obstacles().residual.windscreen_mask
 assert CONFIG is not None
@@ -20,7 +19,7 @@ ASPHALT = 90.0 + cv2.GaussianBlur(stream(41, "asphalt").normal(0.0, 12.0, (ROWS 
 DROP = slice(60, 70), slice(40, 46)
 
 
-def layout(row: int, is_wet: bool, line: bool = False) -> Grid:
+def layout(row: int, is_wet: bool, line: bool = False) -> Singles:
     """Texture of the road from a row on, with a drop or a line along the way."""
     patch = ASPHALT[row : row + ROWS].copy()
     if line:

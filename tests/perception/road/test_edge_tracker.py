@@ -18,17 +18,22 @@ from vpf_sim.geometry import distort, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
-from vpf_sim.perception.road.model import lines, moved, state_of
+from vpf_sim.perception.road.model import moved, seen_lines, seen_places, state_of
 from vpf_sim.perception.road.obstacle_mask import hidden_by
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
 
 SPEED_MPS = 5.55
 KITTI = Camera(1226, 370, 707.1, 707.1, 601.9, 183.1, height_m=1.65, forward_m=1.0)
-BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5])
+BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.0])
 
 
 def grey(frame: np.ndarray) -> np.ndarray:
     return cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY)
+
+
+def places(state: Floats, numbers: Floats, forward_m: Floats) -> Floats:
+    """(L, R) m, lateral places of the road's lines."""
+    return seen_places(state, numbers, forward_m, Camera())[0]
 
 
 def follow(
@@ -46,9 +51,9 @@ def follow(
 
 def test_the_derivative_of_the_lines_is_that_of_finite_differences() -> None:
     numbers, forward = np.array([-2.0, 0.0, 1.5]), np.arange(4.0, 28.0, 3.0)
-    _, jacobian, _ = lines(BEND, numbers, forward)
+    _, jacobian, _ = seen_lines(BEND, numbers, forward, Camera())
     for i, step in enumerate(np.eye(len(BEND)) * 1e-6):
-        numeric = (lines(BEND + step, numbers, forward)[0] - lines(BEND - step, numbers, forward)[0]) / 2e-6
+        numeric = (places(BEND + step, numbers, forward) - places(BEND - step, numbers, forward)) / 2e-6
         assert np.abs(jacobian[..., i] - numeric).max() < 0.12 * np.abs(numeric).max()
 
 
@@ -57,7 +62,7 @@ def test_lines_are_circles_where_the_curvature_is_constant(curvature: float) -> 
     picture = RoadPicture(Camera(), curvature)
     state = state_of(1.3, -0.07, curvature, 3.5)
     numbers, forward = np.array([-1.0, 2.0]), np.linspace(5.0, 28.0, 12)
-    right, _, reached = lines(state, numbers, forward)
+    right, reached = seen_places(state, numbers, forward, Camera())
     assert reached.all()
     pose = picture.pose(0.0, 1.3, 0.07)
     places = world_from_vehicle(np.stack([np.broadcast_to(forward, right.shape), right], axis=-1), pose)
@@ -66,7 +71,7 @@ def test_lines_are_circles_where_the_curvature_is_constant(curvature: float) -> 
 
 def test_a_line_that_bends_back_is_seen_where_it_crosses_a_row_first() -> None:
     radius, forward = np.array([[16.0], [12.5]]), np.arange(4.0, 29.0)
-    right, _, reached = lines(state_of(0.0, 0.0, 1.0 / 16.0, 3.5), np.array([0.0, 1.0]), forward)
+    right, reached = seen_places(state_of(0.0, 0.0, 1.0 / 16.0, 3.5), np.array([0.0, 1.0]), forward, Camera())
     assert np.array_equal(reached, forward < radius)
     circle = 16.0 - np.sqrt(np.maximum(radius**2 - forward**2, 0.0))
     near = forward < 0.9 * radius
@@ -77,11 +82,9 @@ def test_a_road_that_the_vehicle_has_moved_along_is_the_same_road() -> None:
     step = np.array([0.4, 0.05, 0.03])
     after, _ = moved(BEND, step)
     numbers, forward = np.array([-1.0, 0.0, 2.0]), np.linspace(5.0, 26.0, 40)
-    before_right, _, _ = lines(BEND, numbers, forward)
-    new_pose = step
-    for number, right in zip(numbers, before_right, strict=True):
-        seen = vehicle_from_world(np.stack([forward, right], axis=-1), new_pose)
-        again, _, _ = lines(after, np.array([number]), seen[:, 0])
+    for number, right in zip(numbers, places(BEND, numbers, forward), strict=True):
+        seen = vehicle_from_world(np.stack([forward, right], axis=-1), step)
+        again = places(after, np.array([number]), seen[:, 0])
         assert np.abs(again[0] - seen[:, 1]).max() < 0.01
 
 
@@ -286,7 +289,7 @@ def test_distortion_is_that_of_opencv() -> None:
 
 @pytest.mark.parametrize(
     ("wrong", "says"),
-    [({"lanes": 0}, "lanes"), ({"likely_lane": 5}, r"1 \.\. 4, got 5"), ({"near_m": 40.0}, "far_m = 30.0, got 40.0")],
+    [({"lanes": 0}, "lanes"), ({"likely_lane": 5}, r"1 \.\. 4, got 5")],
 )
 def test_a_nonsense_configuration_is_refused(wrong: dict[str, float], says: str) -> None:
     with pytest.raises(ValueError, match=says):

@@ -15,7 +15,7 @@ from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.markings import RidgeMap, comb
-from vpf_sim.perception.road.model import CURVATURES, lines, seen_places, state_of
+from vpf_sim.perception.road.model import CURVATURES, seen_places, state_of
 from vpf_sim.perception.road.relocalisation import Relocalisation
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.types import Camera, Floats, Image
@@ -68,7 +68,7 @@ def test_a_mirror_image_that_lies_askew_is_no_road() -> None:
     askew = 1.0 + np.tan(np.radians(11.0)) * view.forward_m
     response[np.abs(view.right_m - askew[:, None]) < 0.08] = 20
     score, (y, heading, _, width) = comb(
-        RidgeMap(response, 5.0, view.visible, CONFIG.centroid_m), view, np.array([3.5]), 3.5, CONFIG.comb
+        RidgeMap(view, response, 5.0, view.visible, CONFIG.centroid_m), np.array([3.5]), 3.5, CONFIG.comb
     )
     assert score > CONFIG.least_comb
     assert np.degrees(heading) == pytest.approx(0.0, abs=1.0)
@@ -81,7 +81,7 @@ def test_a_mirror_image_that_bends_away_is_no_road() -> None:
     aside = 1.0 + 0.5 * 0.02 * view.forward_m**2
     response[np.abs(view.right_m - aside[:, None]) < 0.08] = 20
     _, (y, _, curvature, width) = comb(
-        RidgeMap(response, 10.0, view.visible, CONFIG.centroid_m), view, np.array([3.5]), 3.5, CONFIG.comb
+        RidgeMap(view, response, 10.0, view.visible, CONFIG.centroid_m), np.array([3.5]), 3.5, CONFIG.comb
     )
     assert curvature == pytest.approx(0.0, abs=0.002)
     assert y % width == pytest.approx(1.5, abs=0.15)
@@ -94,8 +94,8 @@ def rival(wrong_rad: float, wrong_per_m: float) -> tuple[Floats, Floats | None]:
     followed = truth.copy()
     followed[1] += wrong_rad
     followed[CURVATURES] += wrong_per_m
-    ridges = RidgeMap(response, 5.0, view.visible, CONFIG.centroid_m)
-    return truth, Relocalisation(RELOCALISATION, CONFIG).rival_of(followed, ridges, view, NUMBERS)
+    ridges = RidgeMap(view, response, 5.0, view.visible, CONFIG.centroid_m)
+    return truth, Relocalisation(RELOCALISATION, CONFIG).rival_of(followed, ridges, NUMBERS)
 
 
 @pytest.mark.parametrize("wrong", [(0.0, 0.02), (0.03, -0.015)])
@@ -128,13 +128,13 @@ def test_a_followed_road_is_left_for_a_rival_that_lasts(
     truth = state_of(1.75, heading_rad, 0.005, 3.5)
     view, response = drawn_lines(truth, 10, gaps=2)
     ridges, relocalisation = (
-        RidgeMap(response, 5.0, view.visible, CONFIG.centroid_m),
+        RidgeMap(view, response, 5.0, view.visible, CONFIG.centroid_m),
         Relocalisation(RELOCALISATION, CONFIG),
     )
     drifted = truth.copy()
     drifted[CURVATURES] += 0.02
     states = [drifted if beside else truth for beside in found]
-    rivals = [relocalisation.search(state, agreement, ridges, view, NUMBERS) for state in states]
+    rivals = [relocalisation.search(state, agreement, ridges, NUMBERS) for state in states]
     assert any(rival is not None for rival in rivals) is left
 
 
@@ -143,7 +143,7 @@ def test_one_line_far_off_where_more_are_seen_near_is_none_of_the_road(near: int
     """So many of the lines are seen where they lie, the others nowhere."""
     forward_m: Floats = np.arange(4.0, 28.0, 0.5)
     state = state_of(1.75, 0.0, 0.0, 3.5)
-    right_m, _, _ = lines(state, NUMBERS, forward_m)
+    right_m, _ = seen_places(state, NUMBERS, forward_m, Camera())
     counts = np.where(forward_m < 14.0, near, far)
     seen = np.arange(len(NUMBERS))[:, None] < counts
     sightings = Sightings(NUMBERS, forward_m, right_m, np.full(right_m.shape, 0.02**2), seen)

@@ -6,8 +6,9 @@ from driver_settings import ROBUST
 
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.line_type import DashDutyCycle
+from vpf_sim.perception.road.markings import RidgeMap
 from vpf_sim.seeding import stream
-from vpf_sim.types import Bools, Camera, Floats
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 assert ROBUST.road_edges.hypotheses.duty is not None
 DUTY = ROBUST.road_edges.hypotheses.duty
@@ -15,6 +16,10 @@ VIEW = BirdsEye(Camera(), ROBUST.road_edges.patch)
 PLACES_M: Floats = np.array([-6.0, -2.0, 2.0, 6.0])
 RIGHT_M = np.broadcast_to(PLACES_M[:, None], (4, len(VIEW.forward_m)))
 VISIBLE: Bools = np.ones(RIGHT_M.shape, np.bool_)
+
+
+def ridges(response: Image) -> RidgeMap:
+    return RidgeMap(VIEW, response, 5.0, VIEW.visible, 0.15)
 
 
 def driven(contrast: float, metres: float, step_m: float = 1.1) -> DashDutyCycle:
@@ -27,7 +32,7 @@ def driven(contrast: float, metres: float, step_m: float = 1.1) -> DashDutyCycle
         painted = [along >= 0.0, along % 9.0 < 3.0, along % 18.0 < 6.0]
         for line, paint in zip(column, painted, strict=False):
             response[:, line - 1 : line + 2] += (paint * contrast * np.exp(-VIEW.forward_m / 8.0))[:, None]
-        duty.look(np.rint(response).astype(np.uint8), VIEW, RIGHT_M, VISIBLE, float(travelled))
+        duty.look(ridges(np.rint(response).astype(np.uint8)), RIGHT_M, VISIBLE, float(travelled))
     return duty
 
 
@@ -53,5 +58,5 @@ def test_nothing_is_known_before_a_dash_and_its_gap_have_passed_nor_by_standing(
 def test_one_look_after_a_gap_tells_nothing_of_the_road_in_between() -> None:
     duty = driven(60.0, 2.0)
     response = np.full((len(VIEW.forward_m), len(VIEW.right_m)), 60, np.uint8)
-    duty.look(response, VIEW, RIGHT_M, VISIBLE, 40.0)
+    duty.look(ridges(response), RIGHT_M, VISIBLE, 40.0)
     assert not duty.duty()[1].any()

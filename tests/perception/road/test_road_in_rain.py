@@ -11,7 +11,7 @@ from road_picture import ASPHALT, RoadPicture
 from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
-from vpf_sim.perception.road.model import CURVATURES, lines, state_of
+from vpf_sim.perception.road.model import CURVATURES, seen_places, state_of
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
@@ -34,8 +34,7 @@ def test_bright_spots_do_not_bend_the_road_ahead() -> None:
     bend = []
     for _ in range(300):
         tracked.predict(np.array([SPEED_MPS / RATE_HZ, 0.0, SPEED_MPS / RATE_HZ * 0.005 / (1.0 - 0.005 * 1.75)]))
-        expected, _, _ = lines(tracked.state, NUMBERS, forward)
-        right, _, _ = lines(truth, NUMBERS, forward)
+        expected, right = (seen_places(state, NUMBERS, forward, Camera())[0] for state in (tracked.state, truth))
         near = np.broadcast_to(forward < 12.0, right.shape)
         spot = ~near & (rng.random(right.shape) < 0.5)
         stretch = np.repeat(rng.random((len(NUMBERS), 10)) < 0.1, 5, axis=1)  # of 2.5 m

@@ -62,7 +62,7 @@ class StaticObstacleTracker:
         self._points = PointHypotheses.none()
         self._bodies = Bodies(camera, config, self._points, judged_hz)
         self._parallax = PlanarParallax(camera, config.residual, rate_hz)
-        self._low_tracks = LowObstacleTracks(config.spots, self._bodies.number, config.residual.near_m)
+        self._low_tracks = LowObstacleTracks(config.spots, self._bodies.number, config.residual.near_m, config.behind_m)
         self._free_road = FreeRoadEvidence(config.free_road) if config.free_road else None
         self._looming = (
             LoomingConsistency(config.looming_consistency, judged_hz) if config.looming_consistency else None
@@ -121,8 +121,7 @@ class StaticObstacleTracker:
         Then up to which it would be with a good view at the reference speed.
         """
         sight, sightings = self._parallax.sight, self._low_tracks.config.doubts
-        good_m = sight.good_m(sight.needed_m(speed_reference_mps, sightings))
-        return sight.distance_m(sight.needed_m(speed_mps, sightings)), good_m
+        return sight.distance_m(speed_mps, sightings), sight.good_m(speed_reference_mps, sightings)
 
     def tentative(self, pose: Floats) -> Obstacles:
         """What seems to lie low on the road and is not believed yet, in the axes of the vehicle at `pose`."""

@@ -1,6 +1,7 @@
 """The road seen from above: a patch of the frame laid out in metres, and the thin bright ridges in it."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -33,14 +34,7 @@ class BirdsEye:
         self.length_m: Floats = np.gradient(self.forward_m)  # (rows,) of road that a row stands for
         self.right_m: Floats = np.arange(-patch.half_width_m, patch.half_width_m + 1e-9, patch.column_m)  # (columns,)
         self.column_m = patch.column_m
-        forward, right = np.meshgrid(self.forward_m, self.right_m, indexing="ij")
-        pixels = distort(camera, project(camera, np.stack([forward, right, np.zeros_like(right)], axis=-1)))
-        x, y = pixels[..., 0], pixels[..., 1]
-        with np.errstate(invalid="ignore"):
-            inside = (x >= 0) & (x <= camera.width_px - 1) & (y >= 0) & (y <= camera.height_px - 1)
-        self.visible: Bools = inside  # (rows, columns) within the frame
-        outside = np.where(inside[..., None], pixels, -10.0).astype(np.float32)
-        self._maps = cv2.convertMaps(outside[..., 0], outside[..., 1], cv2.CV_16SC2)
+        self._maps, self.visible = lookup(camera, self.forward_m, self.right_m)
 
     def warp(self, image: Image) -> Image:
         """(rows, columns[, 3]) the patch of an (H, W[, 3]) frame, 0 where it does not reach."""
@@ -53,6 +47,23 @@ class BirdsEye:
         places = np.rint((right_m - self.right_m[0]) / self.column_m)
         inside = reached & (places >= 0) & (places < len(self.right_m))
         return np.where(inside, places, 0).astype(np.intp), inside
+
+    def nearest(self, forward_m: Floats, right_m: Floats) -> tuple[Integers, Integers]:
+        """The rows (R,) and columns (..., R) nearest to places ahead (R,) and right (..., R) of the pose."""
+        rows = np.rint((forward_m - self.forward_m[0]) / (self.forward_m[1] - self.forward_m[0]))
+        columns = np.rint((right_m - self.right_m[0]) / self.column_m)
+        rows, columns = np.clip(rows, 0, len(self.forward_m) - 1), np.clip(columns, 0, len(self.right_m) - 1)
+        return rows.astype(np.intp), columns.astype(np.intp)
+
+
+def lookup(camera: Camera, forward_m: Floats, right_m: Floats) -> tuple[tuple[Any, Any], Bools]:
+    """Maps for `cv2.remap` that lay a frame out as flat road, and (rows, columns) which places the frame shows."""
+    forward, right = np.meshgrid(forward_m, right_m, indexing="ij")
+    pixels = distort(camera, project(camera, np.stack([forward, right, np.zeros_like(right)], axis=-1)))
+    x, y = np.nan_to_num(pixels, nan=-10.0).astype(np.float32).transpose(2, 0, 1)
+    visible: Bools = (x >= 0.0) & (x <= camera.width_px - 1) & (y >= 0.0) & (y <= camera.height_px - 1)
+    exact, table = cv2.convertMaps(np.where(visible, x, -10.0), np.where(visible, y, -10.0), cv2.CV_16SC2)
+    return (exact, table), visible
 
 
 def rows_ahead(camera: Camera, patch: Patch) -> Floats:

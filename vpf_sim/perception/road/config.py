@@ -16,9 +16,7 @@ class OcclusionConfig:
 
     before_m: float = setting("margin before the face", default=0.8, gt=0.0)
     beside_m: float = setting("margin at both sides", default=0.35, gt=0.0)
-    driven_m: float = setting(
-        "behind the face of a moving object that is free of static obstacles", default=4.0, gt=0.0
-    )
+    driven_m: float = setting("behind a moving face, where no static obstacle is", default=4.0, gt=0.0)
     driven_sigma_m: float = setting("largest standard deviation of its distance", default=1.5, gt=0.0)
     sizes: ObjectSizes = dataclasses.field(default_factory=ObjectSizes)
 
@@ -83,21 +81,20 @@ class RoadFilterConfig:
     shared_curvature_per_m: float = setting("initial standard deviation of the curvature of all nodes", gt=0.0)
     added_curvature_per_m: float = setting("and of each node's difference to the one before", gt=0.0)
     tightest_per_m: float = setting("largest curvature", gt=0.0)
-    narrowest_m: float = setting("least lane width", gt=0.0)
     turned_rad: float = setting("largest heading at which lines are tracked", gt=0.0)
     steepest_rad: float = setting("largest pitch", gt=0.0)
     passes_m: tuple[float, ...] = setting("cut of Tukey's biweight in each pass", min_length=1)
     reach_m: float = setting("about the prediction, in which lines are searched", gt=0.0)
     on_line_m: float = setting("distance up to which an observation lies on its line", gt=0.0)
     neighbour_test: NeighbourTestConfig | None = setting(
-        "reject observations without a neighbour on the same line: drops and puddles", default=None
+        "reject observations without a neighbour on the line: drops, puddles", default=None
     )
     innovation_gate: InnovationGateConfig | None = setting("reject observations far from the prediction", default=None)
     chance_test: ChanceTestConfig | None = setting(
-        "reject a frame whose observations lie on the lines no more than by chance", default=None
+        "reject frames whose lines have no more observations than by chance", default=None
     )
     near_part: NearPartConfig | None = setting(
-        "correct by the near part alone where the far part holds a single line: a reflection", default=None
+        "correct by the near part alone where one line is far ahead: a reflection", default=None
     )
 
     @property
@@ -129,7 +126,6 @@ class RelocalisationConfig:
     sure_agreement: float = setting("share of visible lines from which the road is not compared", gt=0.0, le=1.0)
     straight_rad: float = setting("largest heading at which it is compared", gt=0.0)
     heading_limit_deg: float = setting("largest difference of the headings", gt=0.0)
-    heading_step_deg: float = setting("between two headings", gt=0.0)
     more_lines: float = setting("lines that the other road must explain more", ge=0.0)
     searches: int = setting("consecutive searches in which it must", ge=1)
 
@@ -159,8 +155,7 @@ class DashDutyConfig:
     reach_m: float = setting("about the expected place, in which the line is searched", gt=0.0)
     beside_m: float = setting("distance of the background at both sides", gt=0.0)
     least_contrast: float = setting("least mean contrast of a line, grey levels", gt=0.0)
-    solid_share: float = setting("mean painted share of a solid line", gt=0.0, le=1.0)
-    solid_sd: float = setting("its standard deviation", gt=0.0)
+    solid_sd: float = setting("standard deviation of a solid line's painted share", gt=0.0)
     dashed_share: float = setting("mean painted share of a dashed line", gt=0.0, le=1.0)
     dashed_sd: float = setting("its standard deviation", gt=0.0)
 
@@ -225,9 +220,7 @@ class RoadEdgeConfig:
     half_width_m: float = setting("of the patch", gt=0.0)
     row_m: float = setting("least distance between rows of the patch", gt=0.0)
     column_m: float = setting("between columns of the patch", gt=0.0)
-    verge_m: float = setting("by which the coarse patch of the ground's colour is wider at both sides", ge=0.0)
-    verge_row_m: float = setting("least distance between its rows", gt=0.0)
-    verge_column_m: float = setting("between its columns", gt=0.0)
+    verge_m: float = setting("by which the patch of the ground's colour is wider at both sides", ge=0.0)
     update_period_s: float = setting("between two corrections", gt=0.0)
     index_period_s: float = setting("between two judgements of the carriageway hypotheses", gt=0.0)
     search_period_s: float = setting("between two searches from scratch", gt=0.0)
@@ -245,7 +238,7 @@ class RoadEdgeConfig:
     narrowest_lane_m: float = setting("of the search", gt=0.0)
     widest_lane_m: float = setting("of the search", gt=0.0)
     width_step_m: float = setting("of the search", gt=0.0)
-    wider_m: float = setting("by which a tracked lane may exceed the widest", ge=0.0)
+    wider_m: float = setting("by which a tracked lane may lie outside these widths", ge=0.0)
     unlikely_per_m: float = setting("lines that a lane 1 m off `lane_width_m` must explain more", ge=0.0)
     keeps_width: bool = setting("whether a lost road is searched with its last lane width")
     report_ahead_m: float = setting("distance at which the reported curvature is exact", gt=0.0)
@@ -258,24 +251,20 @@ class RoadEdgeConfig:
     hypotheses: HypothesesConfig
     object_sizes: ObjectSizes
     guess_check: GuessCheckConfig | None = setting(
-        "where a road is known, reject a first guess whose lines lead away from it", default=None
+        "reject a first guess whose lines lead away from a known road", default=None
     )
     relocalisation: RelocalisationConfig | None = setting(
-        "replace the tracked road by another one that explains more lines", default=None
+        "replace the road by another one that explains more lines", default=None
     )
     refutation: RefutationConfig | None = setting("lose a road whose lines are elsewhere", default=None)
     turn_recovery: TurnRecoveryConfig | None = setting(
-        "during a turn across the road, look for the lost road where it should be", default=None
+        "during a turn, search the lost road where it should be", default=None
     )
     obstacle_mask: ObstacleMaskConfig | None = setting("ignore the road that obstacles hide", default=None)
 
     def __post_init__(self) -> None:
         if self.likely_lane > self.lanes:
             raise ValueError(f"likely_lane: expected 1 .. {self.lanes}, got {self.likely_lane}")
-        if self.near_m >= self.far_m:
-            raise ValueError(f"near_m: expected < far_m = {self.far_m}, got {self.near_m}")
-        if self.widest_lane_m < self.narrowest_lane_m:
-            raise ValueError(f"widest_lane_m: expected >= {self.narrowest_lane_m}, got {self.widest_lane_m}")
 
     @property
     def widths_m(self) -> Floats:
@@ -288,5 +277,6 @@ class RoadEdgeConfig:
 
     @property
     def verge_patch(self) -> Patch:
+        """Coarser, for the ground's colour."""
         width = self.half_width_m + self.verge_m
-        return Patch(self.near_m, self.far_m, width, self.verge_row_m, self.verge_column_m)
+        return Patch(self.near_m, self.far_m, width, 2.0 * self.row_m, 10.0 * self.column_m)

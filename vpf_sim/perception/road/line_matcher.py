@@ -1,15 +1,17 @@
 """Matches a road's lines with the ridges of a frame, and corrects its state by them."""
 
 from dataclasses import replace
+from math import isfinite
 
 import cv2
 import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
 from vpf_sim.perception.road.config import RoadEdgeConfig
-from vpf_sim.perception.road.markings import RidgeMap, noise_threshold, sight, sighting_variance
+from vpf_sim.perception.road.markings import RidgeMap, noise_threshold, sight
+from vpf_sim.perception.road.model import seen_places
 from vpf_sim.perception.road.obstacle_mask import hidden_by
-from vpf_sim.perception.road.state_filter import Expected, LaneFilter, Sightings, initial_covariance, is_sane
+from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.types import Camera, Floats, Image, Obstacles
 
 
@@ -22,7 +24,8 @@ class LineMatcher:
         self.view = BirdsEye(camera, config.patch)
         margin = 2 * round((config.ridge_reach_m + config.centroid_m) / config.column_m) + 1
         self._visible = cv2.erode(self.view.visible.astype(np.uint8), np.ones((1, margin), np.uint8)) > 0
-        self._variance = sighting_variance(camera, self.view.forward_m, config.sigma_m, config.sigma_px)
+        depth = self.view.forward_m - camera.forward_m
+        self._variance: Floats = config.sigma_m**2 + (config.sigma_px * depth / camera.fx_px) ** 2
 
     def ridges(self, grey: Image, obstacles: Obstacles | None, pitch_rad: float) -> RidgeMap:
         """The ridges of a frame outside the parts that obstacles hide."""
@@ -30,23 +33,21 @@ class LineMatcher:
         response = ridge(self.view.warp(grey), round(config.ridge_reach_m / config.column_m))
         if config.obstacle_mask is not None and obstacles is not None and len(obstacles):
             visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, config.obstacle_mask, config.object_sizes)
-        return RidgeMap(response, noise_threshold(response, config.least_contrast), visible, config.centroid_m)
+        return RidgeMap(
+            self.view, response, noise_threshold(response, config.least_contrast), visible, config.centroid_m
+        )
 
     def correct(self, tracked: LaneFilter, ridges: RidgeMap, numbers: Floats) -> bool | None:
-        """Whether the lines about their predicted places corrected the state; None: too few are visible."""
-        expected = tracked.expected(numbers, self.view.forward_m)
-        reach_m = self.config.filter.reach_m
-        found = sight(ridges, self.view, expected.right_m, expected.reached, numbers, reach_m, self._variance)
-        if np.count_nonzero(found.seen) < self.config.least_rows:
+        """Whether the lines corrected the state, all or the near part alone; None: too few are visible."""
+        expected_m, reached = seen_places(tracked.state, numbers, self.view.forward_m, self.camera)
+        right_m, seen = sight(ridges, expected_m, reached, self.config.filter.reach_m)
+        if np.count_nonzero(seen) < self.config.least_rows:
             return None
-        return self._by(tracked, found, expected)
-
-    def _by(self, tracked: LaneFilter, found: Sightings, expected: Expected) -> bool:
-        """Correct by all observations, or by the near part where the far part does not agree."""
+        found = Sightings(numbers, self.view.forward_m, right_m, np.broadcast_to(self._variance, seen.shape), seen)
         known, near_part = (tracked.state, tracked.covariance), self.config.filter.near_part
         for reach_m in (np.inf, near_part.within_m) if near_part else (np.inf,):
             near = replace(found, seen=found.seen & (found.forward_m < reach_m))
-            tracked.correct(near, expected)
+            tracked.correct(near)
             if self.is_sane(tracked.state) and tracked.agrees(near):
                 return True
             tracked.state, tracked.covariance = known
@@ -65,4 +66,9 @@ class LineMatcher:
 
     def is_sane(self, state: Floats, turned_rad: float | None = None) -> bool:
         """Whether the model can draw this road; `turned_rad` is the largest heading, None: of a tracked road."""
-        return is_sane(state, self.config.filter, self.config.widest_lane_m + self.config.wider_m, turned_rad)
+        config, limits = self.config, self.config.filter
+        _, heading, *curvatures, width, pitch = state.tolist()
+        bent = all(abs(curvature) < limits.tightest_per_m for curvature in curvatures)
+        straight = abs(heading) < (turned_rad or limits.turned_rad) and abs(pitch) < limits.steepest_rad
+        wide = config.narrowest_lane_m - config.wider_m < width < config.widest_lane_m + config.wider_m
+        return isfinite(state[0]) and straight and bent and wide

@@ -10,18 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.config import DashDutyConfig
-from vpf_sim.types import Bools, Floats, Image
-
-WEIGHT, LINE, LINE_SQUARE, BESIDE, BESIDE_SQUARE = range(5)
+from vpf_sim.perception.road.markings import RidgeMap
+from vpf_sim.types import Bools, Floats
 
 
 @dataclass(slots=True)
 class DashDutyCycle:
     """Sums over the road that has passed, for L lines in B stretches of the view."""
 
-    sums: Floats  # (5, L, B)
+    sums: Floats  # (5, L, B) weight; line, its square; background, its square
     config: DashDutyConfig
     travelled_m: float | None = None  # at the last look
 
@@ -29,8 +27,9 @@ class DashDutyCycle:
     def start(cls, lines: int, config: DashDutyConfig) -> "DashDutyCycle":
         return cls(np.zeros((5, lines, 0)), config)
 
-    def look(self, response: Image, view: BirdsEye, right_m: Floats, visible: Bools, travelled_m: float) -> None:
+    def look(self, ridges: RidgeMap, right_m: Floats, visible: Bools, travelled_m: float) -> None:
         """Take in the ridges of a frame at the lines' expected places (L, R), after so many metres in all."""
+        view = ridges.view
         moved_m = 0.0 if self.travelled_m is None else travelled_m - self.travelled_m
         self.travelled_m = travelled_m
         stretch = ((view.forward_m - view.forward_m[0]) / self.config.stretch_m).astype(np.intp)
@@ -39,7 +38,7 @@ class DashDutyCycle:
             self.sums = np.zeros((*self.sums.shape[:2], member.shape[1]))
         count = visible @ member  # (L, B)
         places_m = np.stack([right_m, right_m - self.config.beside_m, right_m + self.config.beside_m])
-        line, left, right = _contrast(response, view, places_m, visible, member, count, self.config.reach_m)
+        line, left, right = _contrast(ridges, places_m, visible, member, count, self.config.reach_m)
         beside = 0.5 * (left + right)
         now = np.stack([np.ones_like(line), line, line**2, beside, beside**2])
         known = count >= 2
@@ -49,7 +48,7 @@ class DashDutyCycle:
 
     def duty(self) -> tuple[Floats, Bools]:
         """(L,) share of each line that is painted, 0 .. 1, and whether it is known."""
-        weight = self.sums[WEIGHT]
+        weight = self.sums[0]
         enough = weight > self.config.memory_m * (1.0 - np.exp(-self.config.least_memory_m / self.config.memory_m))
         mean = self.sums[1:] / np.maximum(weight, 1e-9)
         line, square, beside, beside_square = mean
@@ -62,19 +61,14 @@ class DashDutyCycle:
 
 
 def _contrast(
-    response: Image,
-    view: BirdsEye,
-    right_m: Floats,
-    visible: Bools,
-    member: Floats,
-    count: Floats,
-    reach_m: float,
+    ridges: RidgeMap, right_m: Floats, visible: Bools, member: Floats, count: Floats, reach_m: float
 ) -> Floats:
     """(S, L, B) mean ridge over each stretch, about each of S places (S, L, R), where within reach it is most."""
+    view, response = ridges.view, ridges.response
     reach = round(reach_m / view.column_m)
     column = np.where(visible, np.rint((right_m - view.right_m[0]) / view.column_m), 0.0).astype(np.intp)
     about = column + np.arange(-reach, reach + 1)[:, None, None, None]  # (A, S, L, R)
     about = np.minimum(np.maximum(about, 0), response.shape[1] - 1)
-    ridge = np.where(visible, response[np.arange(len(view.forward_m)), about], 0.0)
-    most: Floats = (ridge @ member).max(axis=0) / np.maximum(count, 1.0)
+    found = np.where(visible, response[np.arange(len(view.forward_m)), about], 0.0)
+    most: Floats = (found @ member).max(axis=0) / np.maximum(count, 1.0)
     return most

@@ -4,19 +4,18 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.config import CombConfig
-from vpf_sim.perception.road.state_filter import Sightings
-from vpf_sim.types import Bools, Camera, Floats, Image, Integers
+from vpf_sim.types import Bools, Floats, Image, Integers, Singles
 
 
 @dataclass(frozen=True, slots=True)
 class RidgeMap:
     """The ridges of one frame and what counts as one."""
 
+    view: BirdsEye
     response: Image  # (rows, columns)
     threshold: float  # grey levels
     visible: Bools  # (rows, columns) in the frame and not hidden by an obstacle
@@ -28,16 +27,9 @@ def noise_threshold(response: Image, least: float) -> float:
     return max(least, 2.0 * quantile(response[::3, ::3], 0.9))
 
 
-def sight(
-    ridges: RidgeMap,
-    view: BirdsEye,
-    expected_m: Floats,
-    wanted: Bools,
-    numbers: Floats,
-    reach_m: float,
-    variance: Floats,
-) -> Sightings:
-    """The strongest ridge within `reach_m` of each expected place (L, R), as its centre of mass."""
+def sight(ridges: RidgeMap, expected_m: Floats, wanted: Bools, reach_m: float) -> tuple[Floats, Bools]:
+    """(L, R) m, centre of mass of the strongest ridge within `reach_m` of each expected place, and whether one is."""
+    view = ridges.view
     columns = (expected_m - view.right_m[0]) / view.column_m
     reach = round(reach_m / view.column_m)
     window = np.arange(-reach, reach + 1)
@@ -55,26 +47,12 @@ def sight(
     total, moment = sums[..., 0].astype(np.float64), sums[..., 1].astype(np.float64)
     place = centre + moment / np.maximum(total, 1e-9)
     visible = ridges.visible[row, np.clip(np.rint(place), 0, last).astype(np.intp)]
-    seen = inside & visible & (height > ridges.threshold)
-    return Sightings(
-        numbers=numbers,
-        forward_m=view.forward_m,
-        right_m=view.right_m[0] + place * view.column_m,
-        variance_m2=np.broadcast_to(variance, seen.shape),
-        seen=seen,
-    )
+    return view.right_m[0] + place * view.column_m, inside & visible & (height > ridges.threshold)
 
 
-def sighting_variance(camera: Camera, forward_m: Floats, sigma_m: float, sigma_px: float) -> Floats:
-    """(R,) m^2 of one sighting at each row."""
-    depth = forward_m - camera.forward_m
-    variance: Floats = sigma_m**2 + (sigma_px * depth / camera.fx_px) ** 2
-    return variance
-
-
-def explained(ridges: RidgeMap, view: BirdsEye, right_m: Floats, reached: Bools, reach_m: float) -> float:
-    """How many lines' worth of the ridges lie at these places of lines (L, R), where they reach the row: as `comb`
-    counts them, but for the ridges between the lines."""
+def explained(ridges: RidgeMap, right_m: Floats, reached: Bools, reach_m: float) -> float:
+    """Number of lines that the ridges at these places (L, R) amount to, counted as by `comb`."""
+    view = ridges.view
     rows = np.flatnonzero(view.forward_m < reach_m)
     bright = cv2.dilate(_bright(ridges, rows), np.ones((1, 3), np.uint8))  # a column aside is as near as a line is told
     columns, inside = view.columns(right_m[:, rows], reached[:, rows])
@@ -83,7 +61,6 @@ def explained(ridges: RidgeMap, view: BirdsEye, right_m: Floats, reached: Bools,
 
 def comb(
     ridges: RidgeMap,
-    view: BirdsEye,
     widths_m: Floats,
     likely_m: float,
     config: CombConfig,
@@ -99,6 +76,7 @@ def comb(
     one is taken unless another explains more, and the straight road: a single line fits any width, and mirror images
     lie askew.
     """
+    view = ridges.view
     rows = np.flatnonzero(view.forward_m < config.reach_m)
     headings = config.headings_rad if headings_rad is None else headings_rad
     fine = _bright(ridges, rows)
@@ -117,13 +95,13 @@ def comb(
     return best, road
 
 
-def _bright(ridges: RidgeMap, rows: Integers) -> NDArray[np.float32]:
+def _bright(ridges: RidgeMap, rows: Integers) -> Singles:
     """(rows, columns) how bright the ridges are in these rows of the patch: 0, or half .. 1 as bright as can be."""
     bright = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
     return np.where(ridges.visible[rows] & (bright > 0.5), bright, 0.0).astype(np.float32)
 
 
-def _best_tooth(straight: NDArray[np.float32], period: float, unlikely: Floats) -> tuple[float, int, int]:
+def _best_tooth(straight: Singles, period: float, unlikely: Floats) -> tuple[float, int, int]:
     """The comb, its teeth `period` columns apart, that meets most lines: score, row of `straight`, column.
 
     Each row (H,) must meet so much more as it is `unlikely`.
@@ -137,12 +115,12 @@ def _best_tooth(straight: NDArray[np.float32], period: float, unlikely: Floats) 
 
 
 def _straightened(
-    bright: Floats | NDArray[np.float32],
+    bright: Singles,
     forward_m: Floats,
     column_m: float,
     heading_rad: Floats,
     curvature_per_m: Floats,
-) -> NDArray[np.float32]:
+) -> Singles:
     """(H, columns) mean over the rows, each shifted back by what H headings and curvatures move a line there."""
     shift_m = np.tan(heading_rad)[:, None] * forward_m + 0.5 * curvature_per_m[:, None] * forward_m**2
     width = bright.shape[1]

@@ -1,141 +1,106 @@
 """The shape of the road ahead: parallel lines, a lane's width apart, whose curvature is piecewise linear.
 
 The state is (y, h, k_0 .. k_3, w, p): m, the pose's place right of line 0; rad, the road's direction minus yaw at the
-foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the width of a lane; rad,
-how far the camera looks below where it is believed to, against the road that it sees. Line i is i lanes right of line
-0; which of the lines are the edges of the carriageway is not the model's business.
+foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the lane width; rad, the
+camera's pitch against the road beyond its calibration (+ down). Line i is i lanes right of line 0.
 
-A camera that looks farther down than is believed sees each row of the road from farther away, and what it shows there
-narrower: parallel lines seem to meet. A frame with lines a few metres apart tells p to a hundredth of a degree.
+With a pitch each row shows the road nearer or farther than assumed, and larger or smaller: parallel lines seem to meet.
+A frame with lines a few metres apart determines p to a hundredth of a degree.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
-from vpf_sim.types import Bools, Camera, Floats
+from vpf_sim.types import Bools, Camera, Floats, Integers
 
 NODES_M = np.array([0.0, 8.0, 16.0, 24.0])
 CURVATURES = slice(2, 2 + len(NODES_M))
 WIDTH = 2 + len(NODES_M)
 PITCH = WIDTH + 1
-SIZE = PITCH + 1
 LEAST_DIP_RAD = 0.02  # of a row below the horizon; what is higher shows no line
-STEP_M = 0.5
-ALONG_M = np.arange(-6.0, 48.0 + 1e-9, STEP_M)  # (G,) stations along line 0
-ORIGIN = int(np.searchsorted(ALONG_M, 0.0))
+ALONG_M = np.arange(-6.0, 48.1, 0.5)  # (G,) stations along line 0
 
 
 def _integrated(values: Floats) -> Floats:
     """The integral along ALONG_M, the last axis, 0 at the origin (trapezia)."""
     total = np.empty_like(values)
     total[..., 0] = 0.0
-    (0.5 * STEP_M * (values[..., 1:] + values[..., :-1])).cumsum(axis=-1, out=total[..., 1:])
-    total -= total[..., [ORIGIN]]
+    step_m = ALONG_M[1] - ALONG_M[0]
+    (0.5 * step_m * (values[..., 1:] + values[..., :-1])).cumsum(axis=-1, out=total[..., 1:])
+    total -= total[..., ALONG_M == 0.0]
     return total
 
 
-UNIT = np.eye(len(NODES_M))
-HATS = np.array([np.interp(ALONG_M, NODES_M, row) for row in UNIT])  # (4, G) curvature
-TURNS = np.ascontiguousarray(_integrated(HATS).T)  # (G, 4) heading
-BENDS = np.ascontiguousarray(_integrated(_integrated(HATS)).T)  # (G, 4) lateral place of a straight road
-STATIONS = np.arange(len(ALONG_M), dtype=float)
+def _hats(places_m: Floats) -> Floats:
+    """(4, N) curvature at places along line 0 for a curvature of 1 at one node."""
+    return np.array([np.interp(places_m, NODES_M, row) for row in np.eye(len(NODES_M))])
+
+
+TURNS = np.ascontiguousarray(_integrated(_hats(ALONG_M)).T)  # (G, 4) heading
+BENDS = np.ascontiguousarray(_integrated(TURNS.T).T)  # (G, 4) lateral place of a straight road
 
 
 def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_width_m: float) -> Floats:
-    """(8,) the state of a road of one curvature, seen by a camera that looks where it is believed to."""
+    """(8,) the state of a road of one curvature, with a camera without pitch."""
     return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m, 0.0])
 
 
-@dataclass(frozen=True, slots=True)
-class _Crossings:
-    """Where L lines cross R rows, and what their derivatives are made of."""
+def _crossings(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Bools, Integers, Floats]:
+    """Where L lines cross R rows: (L, R) m right of the pose, and whether they reach the row.
 
-    right_m: Floats  # (L, R)
-    reached: Bools  # (L, R) whether the line reaches the row
-    lower: NDArray[np.intp]  # (L, R) the last station before the row
-    secant: Floats  # (L, R) one over the cosine of the line's direction there
-    slope: Floats  # (L, R) d right / d forward
-    direction_rad: Floats  # (G,) of line 0 at all stations
-
-    @classmethod
-    def of(cls, state: Floats, numbers: Floats, forward_m: Floats) -> "_Crossings":
-        """Those of a road's lines with rows so far ahead of the pose (R,)."""
-        y, heading = state[0], state[1]
-        offsets_m = numbers * state[WIDTH]
-        direction = heading + TURNS @ state[CURVATURES]
-        cosine, sine = course = np.array([np.cos(direction), np.sin(direction)])
-        centre_x, centre_y = _integrated(course)
-        centre_x += y * np.sin(heading)
-        centre_y -= y * np.cos(heading)
-        index = np.empty((len(offsets_m), len(forward_m)))
-        # A tight bend leads back: the first crossing counts.
-        ahead = np.maximum.accumulate(centre_x - offsets_m[:, None] * sine, axis=1)
-        for row, along in enumerate(ahead):
-            index[row] = np.interp(forward_m, along, STATIONS, left=-1.0, right=-1.0)
-        reached = index >= 0.0
-        lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
-        share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
-        offsets = offsets_m[:, None]
-        cosines = cosine.take(lower)
-        before = centre_y.take(lower) + offsets * cosines
-        upper = lower + 1
-        after = centre_y.take(upper) + offsets * cosine.take(upper)
-        secant = 1.0 / cosines
-        return cls(before + share * (after - before), reached, lower, secant, sine.take(lower) * secant, direction)
-
-    def jacobian(self, state: Floats, numbers: Floats, forward_m: Floats) -> Floats:
-        """(L, R, 8) the derivative of `right_m` by the state."""
-        jacobian = np.empty((*self.right_m.shape, SIZE))
-        across = -np.cos(self.direction_rad - state[1])
-        np.multiply(across.take(self.lower), self.secant, out=jacobian[..., 0])
-        np.add(forward_m, self.right_m * self.slope, out=jacobian[..., 1])
-        np.multiply(BENDS.take(self.lower, axis=0), self.secant[..., None], out=jacobian[..., CURVATURES])
-        np.multiply(numbers[:, None], self.secant, out=jacobian[..., WIDTH])
-        jacobian[..., PITCH] = 0.0
-        return jacobian
-
-
-def lines(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Floats, Bools]:
-    """Where lines of the road cross rows ahead.
-
-    Of L lines, by their numbers, at R rows `forward_m` ahead of the pose: right of the vehicle (L, R) m, its derivative
-    by the state (L, R, 8), and (L, R) whether the line reaches the row. A number may be a fraction: the middle of the
-    lane right of line i is i + 1/2.
+    Then the last station before each crossing (L, R), and line 0's direction at all stations (G,).
     """
-    found = _Crossings.of(state, numbers, forward_m)
-    return found.right_m, found.jacobian(state, numbers, forward_m), found.reached
+    y, heading = state[0], state[1]
+    offsets_m = (numbers * state[WIDTH])[:, None]
+    direction = heading + TURNS @ state[CURVATURES]
+    cosine, sine = course = np.array([np.cos(direction), np.sin(direction)])
+    centre_x, centre_y = _integrated(course)
+    centre_x += y * np.sin(heading)
+    centre_y -= y * np.cos(heading)
+    # A tight bend leads back: the first crossing counts.
+    ahead = np.maximum.accumulate(centre_x - offsets_m * sine, axis=1)
+    stations = np.arange(len(ALONG_M), dtype=float)
+    index = np.array([np.interp(forward_m, along, stations, left=-1.0, right=-1.0) for along in ahead])
+    lower = np.minimum(np.maximum(index.astype(np.intp), 0), len(ALONG_M) - 2)
+    share = np.minimum(np.maximum(index - lower, 0.0), 1.0)
+    before, after = (centre_y.take(at) + offsets_m * cosine.take(at) for at in (lower, lower + 1))
+    return before + share * (after - before), index >= 0.0, lower, direction
 
 
 def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats, Bools]:
-    """`lines` as the camera shows them: on rows that lie `forward_m` (R,) ahead if it looks where it is believed to.
+    """Where the camera sees lines of the road cross rows ahead.
 
-    What a row shows seems larger by sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
+    Of L lines, by their numbers, at R rows `forward_m` ahead of the pose for a camera without pitch: right of the
+    vehicle (L, R) m, its derivative by the state (L, R, 8), and (L, R) whether the line reaches the row. A number may
+    be a fraction: the middle of the lane right of line i is i + 1/2. What a row shows seems larger by
+    sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
     """
     ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
-    found = _Crossings.of(state, numbers, ahead)
-    jacobian = found.jacobian(state, numbers, ahead)
-    sine, cosine, believed = np.sin(dip), np.cos(dip), np.sin(dip - state[PITCH])
-    scale = sine / believed
-    jacobian *= scale[:, None]
-    jacobian[..., PITCH] = found.right_m * cosine / believed - found.slope * scale * camera.height_m / sine**2
-    return found.right_m * scale, jacobian, found.reached & (dip > LEAST_DIP_RAD)
+    right, reached, lower, direction = _crossings(state, numbers, ahead)
+    secant = 1.0 / np.cos(direction).take(lower)
+    slope = np.sin(direction).take(lower) * secant
+    sine, apparent = np.sin(dip), np.sin(dip - state[PITCH])
+    scale = sine / apparent
+    jacobian = np.empty((*right.shape, PITCH + 1))
+    jacobian[..., 0] = -np.cos(direction - state[1]).take(lower) * secant
+    jacobian[..., 1] = ahead + right * slope
+    jacobian[..., CURVATURES] = BENDS.take(lower, axis=0) * secant[..., None]
+    jacobian[..., WIDTH] = numbers[:, None] * secant
+    jacobian[..., :PITCH] *= scale[:, None]
+    jacobian[..., PITCH] = right * np.cos(dip) / apparent - slope * scale * camera.height_m / sine**2
+    return right * scale, jacobian, reached & (dip > LEAST_DIP_RAD)
 
 
 def seen_places(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera) -> tuple[Floats, Bools]:
-    """`seen_lines` for who asks for no derivative."""
+    """`seen_lines` without the derivative."""
     ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
-    found = _Crossings.of(state, numbers, ahead)
-    scale = np.sin(dip) / np.sin(dip - state[PITCH])
-    return found.right_m * scale, found.reached & (dip > LEAST_DIP_RAD)
+    right, reached, _, _ = _crossings(state, numbers, ahead)
+    return right * (np.sin(dip) / np.sin(dip - state[PITCH])), reached & (dip > LEAST_DIP_RAD)
 
 
 def rows_seen(pitch_rad: float, forward_m: Floats, camera: Camera) -> tuple[Floats, Floats]:
-    """(R,) m from the pose what rows show, taken for `forward_m`, and (R,) rad how far they dip below the horizon.
+    """(R,) m from the pose, the road that rows assumed at `forward_m` show, and (R,) rad their dip below the horizon.
 
-    A row that should dip by a dips by a + p, if the camera looks so much farther down, and shows the road
-    h / tan(a + p) before the lens.
+    A row with a dip of a without pitch has a + p with it, and shows the road h / tan(a + p) before the lens.
     """
     dip = np.maximum(np.arctan2(camera.height_m, forward_m - camera.forward_m) + pitch_rad, LEAST_DIP_RAD)
     return camera.forward_m + camera.height_m / np.tan(dip), dip
@@ -147,8 +112,8 @@ def moved(state: Floats, step: Floats) -> tuple[Floats, Floats]:
     cosine, sine = np.cos(heading), np.sin(heading)
     along = (step[0] * cosine + step[1] * sine) / (1.0 - curvature * y)
     across = step[1] * cosine - step[0] * sine
-    shift = np.array([np.interp(NODES_M + along, NODES_M, row) for row in UNIT]).T
-    derivative = np.eye(SIZE)
+    shift = _hats(NODES_M + along).T
+    derivative = np.eye(PITCH + 1)
     derivative[0, 1] = -along
     derivative[0, 2] = -0.5 * along**2
     derivative[1, 2] = along

@@ -1,12 +1,11 @@
 """The state of the road over time: predicted by the vehicle's own motion, corrected by the lines that are seen."""
 
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 
 from vpf_sim.perception.road.config import NeighbourTestConfig, RoadFilterConfig
-from vpf_sim.perception.road.model import CURVATURES, NODES_M, PITCH, SIZE, moved, seen_lines, seen_places
+from vpf_sim.perception.road.model import CURVATURES, NODES_M, PITCH, moved, seen_lines, seen_places
 from vpf_sim.types import Bools, Camera, Floats
 
 
@@ -19,15 +18,6 @@ class Sightings:
     right_m: Floats  # (L, R) seen at
     variance_m2: Floats  # (L, R)
     seen: Bools  # (L, R)
-
-
-@dataclass(frozen=True, slots=True)
-class Expected:
-    """Where the lines should be seen, on the same grid."""
-
-    right_m: Floats  # (L, R)
-    jacobian: Floats  # (L, R, 8) its derivative by the state
-    reached: Bools  # (L, R) whether the line reaches the row
 
 
 def initial_covariance(
@@ -55,27 +45,18 @@ class LaneFilter:
         distance = float(np.hypot(step[0], step[1]))
         self.covariance = derivative @ self.covariance @ derivative.T + np.diag(self.config.drift**2) * distance
 
-    def expected(self, numbers: Floats, forward_m: Floats) -> Expected:
-        """Where lines should be seen on rows (R,) ahead."""
-        return Expected(*seen_lines(self.state, numbers, forward_m, self.camera))
-
-    def correct(self, sightings: Sightings, expected: Expected | None = None) -> None:
-        """Iterated robust least squares with the prediction as prior: sightings far off the lines count for nothing.
-
-        `expected` is where the lines of the sightings should be, where it is at hand.
-        """
+    def correct(self, found: Sightings) -> None:
+        """Iterated robust least squares with the prediction as prior; outliers have no weight."""
         prior, information = self.state, np.linalg.inv(self.covariance)
-        expected = expected or self.expected(sightings.numbers, sightings.forward_m)
-        seen = sightings.seen & self._possible(sightings, expected)
-        right, jacobian, reached = expected.right_m, expected.jacobian, expected.reached
-        state, normal = prior, information
+        state, normal, possible = prior, information, found.seen
         for cut_m in self.config.passes_m:
-            if state is not prior:
-                right, jacobian, reached = seen_lines(state, sightings.numbers, sightings.forward_m, self.camera)
-            chosen = seen & reached
-            residual = (sightings.right_m - right)[chosen]
+            right, jacobian, reached = seen_lines(state, found.numbers, found.forward_m, self.camera)
+            if state is prior:
+                possible = found.seen & self._possible(found, right, jacobian)
+            chosen = possible & reached
+            residual = (found.right_m - right)[chosen]
             tukey = np.maximum(1.0 - (residual / cut_m) ** 2, 0.0) ** 2
-            weight = tukey / sightings.variance_m2[chosen]
+            weight = tukey / found.variance_m2[chosen]
             rows = jacobian[chosen]
             weighted = rows * weight[:, None]
             normal = information + weighted.T @ rows
@@ -83,49 +64,44 @@ class LaneFilter:
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
 
-    def _possible(self, sightings: Sightings, expected: Expected) -> Bools:
-        """(L, R) sightings that the prediction allows: drops, puddles and mirror images are bright in other places."""
-        jacobian = expected.jacobian
-        variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + sightings.variance_m2
-        aside = np.where(sightings.seen, sightings.right_m - expected.right_m, np.inf)
+    def _possible(self, found: Sightings, right_m: Floats, jacobian: Floats) -> Bools:
+        """(L, R) observations that the prediction allows: drops, puddles and mirror images lie elsewhere."""
+        variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + found.variance_m2
+        aside = np.where(found.seen, found.right_m - right_m, np.inf)
         possible, gate = _along(aside, self.config.neighbour_test), self.config.innovation_gate
         if gate is not None:
             possible &= np.abs(aside) < gate.sigmas * np.sqrt(variance) + self.config.on_line_m
         return possible
 
-    def agrees(self, sightings: Sightings) -> bool:
-        """Whether more of the sightings lie on the lines than of drops, streaks and grain would by chance.
+    def agrees(self, found: Sightings) -> bool:
+        """Whether more observations lie on the lines than by chance, and on two lines far ahead if on two nearby.
 
-        And whether there are two of the lines far off if there are near: a mirror image far off, before or beside one
-        line, is followed away from the road otherwise.
+        A mirror image far ahead, beside a single line, would lead the road astray.
         """
-        right, _ = seen_places(self.state, sightings.numbers, sightings.forward_m, self.camera)
-        aside = np.where(sightings.seen, sightings.right_m - right, np.inf)
+        right, _ = seen_places(self.state, found.numbers, found.forward_m, self.camera)
+        aside = np.where(found.seen, found.right_m - right, np.inf)
         config = self.config
         on_line = _along(aside, config.neighbour_test) & (np.abs(aside) < config.on_line_m)
         if config.chance_test is not None:
-            expected = self._chance * np.count_nonzero(sightings.seen)
+            expected = self._chance * np.count_nonzero(found.seen)
             if np.count_nonzero(on_line) <= expected + config.chance_test.sigmas * np.sqrt(expected):
                 return False
         if config.near_part is None:
             return True
-        far, least = sightings.forward_m >= config.near_part.within_m, config.near_part.least_rows
-        if not sightings.seen[:, far].any():
+        far, least = found.forward_m >= config.near_part.within_m, config.near_part.least_rows
+        if not found.seen[:, far].any():
             return True
-        return _lines(on_line[:, far], least) >= min(_lines(on_line[:, ~far], least), 2)
+        far_lines, near_lines = (
+            np.count_nonzero(np.count_nonzero(on_line[:, part], axis=1) >= least) for part in (far, ~far)
+        )
+        return bool(far_lines >= min(near_lines, 2))
 
     @property
     def _chance(self) -> float:
         """Share of uniformly distributed observations that lie on a line and have a neighbour along it."""
-        config = self.config
-        along = (
-            1.0 if config.neighbour_test is None else 1.0 - (1.0 - config.neighbour_test.apart_m / config.reach_m) ** 2
-        )
+        config, test = self.config, self.config.neighbour_test
+        along = 1.0 if test is None else 1.0 - (1.0 - test.apart_m / config.reach_m) ** 2
         return config.on_line_m / config.reach_m * along
-
-    def turn(self, down_rad: float) -> None:
-        """The camera has come to look so much farther down."""
-        self.state[PITCH] += down_rad
 
     @property
     def pitch_sigma_rad(self) -> float:
@@ -148,20 +124,3 @@ def _along(aside_m: Floats, test: NeighbourTestConfig | None) -> Bools:
     line[:, 1:] = along
     line[:, :-1] |= along
     return line
-
-
-def _lines(on_line: Bools, least: int) -> int:
-    """How many of L lines are seen in as many of the rows (L, R) as make a line."""
-    return int(np.count_nonzero(np.count_nonzero(on_line, axis=1) >= least))
-
-
-def is_sane(state: Floats, config: RoadFilterConfig, widest_m: float, turned_rad: float | None = None) -> bool:
-    """Whether the model can draw this road, with lanes up to `widest_m` and a heading up to `turned_rad`."""
-    turned_rad = config.turned_rad if turned_rad is None else turned_rad
-    if state.shape != (SIZE,):
-        return False
-    values = state.tolist()
-    _, heading, *curvatures, width, pitch = values
-    bent = all(abs(curvature) < config.tightest_per_m for curvature in curvatures)
-    straight = abs(heading) < turned_rad and abs(pitch) < config.steepest_rad
-    return all(map(isfinite, values)) and straight and bent and config.narrowest_m < width < widest_m

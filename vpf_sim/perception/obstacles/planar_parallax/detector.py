@@ -1,35 +1,30 @@
-"""Planar parallax: detects low obstacles where the road looks otherwise than from farther away.
+"""Planar parallax: detects low obstacles where two frames laid out as road differ.
 
-Two frames laid out as road agree wherever they show the road, whatever is painted on it. What stands h above it is laid
-out too far away. It moves on by (K - 1) of the camera's way between the frames, K = H / (H - h) with the camera's
-height H. This is the same for all points of one height, so one shift of the older layout tests one height for the whole
-patch (plane and parallax, Irani and Anandan, PAMI 20(6), 1998). Mirror images move the other way.
+Frames laid out as road agree wherever they show the road. A point at height h moves between them by (K - 1) of the
+camera's travel, K = H / (H - h) with the camera's height H. So one shift of the older layout tests one height for the
+whole patch (plane and parallax, Irani and Anandan, PAMI 20(6), 1998). Mirror images move the other way.
 """
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Any
 
 import cv2
 import numpy as np
 
-from vpf_sim.geometry import distance_m, distort, project, rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig, WindscreenMaskConfig
-from vpf_sim.perception.obstacles.planar_parallax.grids import Grid, least_of, share_of
-from vpf_sim.perception.obstacles.planar_parallax.sensing_range import FullRange, LookQuality, SensingRange
+from vpf_sim.geometry import distance_m, rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig, WindscreenMaskConfig, odd_cells
+from vpf_sim.perception.obstacles.planar_parallax.sensing_range import SensingRange
 from vpf_sim.perception.obstacles.planar_parallax.temporal_average import TemporalAverage
 from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import static_texture, texture
 from vpf_sim.perception.quantiles import quantile
+from vpf_sim.perception.road.birds_eye import lookup
 from vpf_sim.perception.road.occlusion import shadow
-from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Obstacles
-
-WARP, NEAREST = (way | cv2.WARP_INVERSE_MAP for way in (cv2.INTER_LINEAR, cv2.INTER_NEAREST))
-WHOLE = 64  # columns: OpenCV rounds what is left over at the end of a row otherwise
+from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Obstacles, Singles
 
 
 @dataclass(frozen=True, slots=True)
 class LowObservation(LateralExtent[float]):
-    """An observation of something on the road that stands above it, in vehicle axes."""
+    """An observation of a low obstacle, in vehicle axes."""
 
     forward_m: float  # where it begins
     left_m: float
@@ -41,11 +36,11 @@ class LowObservation(LateralExtent[float]):
 
 @dataclass(slots=True)
 class _Layout:
-    """A frame laid out as road. Its water is complete once the next frame has been laid out."""
+    """A frame laid out as road; its mask is complete once the next frame has been laid out."""
 
     patch: Image  # (rows, columns)
     pose: Floats  # (3,)
-    texture: Grid  # (rows, columns)
+    texture: Singles  # (rows, columns)
     water: Image  # (rows, columns) 0 where the road is visible: in the frame and not masked
 
 
@@ -63,22 +58,17 @@ class PlanarParallax:
         self._right_m: Floats = np.arange(-half, half + 1e-9, config.cell_m)
         self._rows = int(np.count_nonzero(self._forward_m < config.far_m))
         self._noise_rows = int(np.count_nonzero(self._forward_m < config.noise_far_m))
-        self._maps, self._outside = self._layout()
+        self._maps, visible = lookup(camera, self._forward_m, self._right_m)
+        self._outside = (~visible).astype(np.uint8)
         self.lenses_m: tuple[Floats, ...] = ()  # (2,) each, camera positions of the last comparison, now and before
         self._past: deque[_Layout] = deque()
-        self._contrast: Grid = np.empty((0, 0), np.float32)  # of the last observation, in multiples of the noise
+        self._contrast: Singles = np.empty((0, 0), np.float32)  # of the last observation, in multiples of the noise
         self._seen: Bools = np.empty((0, 0), np.bool_)  # where it showed the road or what stands on it
-        self._window, self._even = config.window_cells, config.even_cells
+        self._window = odd_cells(config.window_m, config.cell_m)
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
-        self._about = slice(max(border - 1, 0), min(self._columns.stop + 1, len(self._right_m)))  # for the blur
-        self._warped = min(-(-self._about.stop // WHOLE) * WHOLE, len(self._right_m))
         self._average = TemporalAverage(config.temporal_average.newest) if config.temporal_average else None
-        self.sight: SensingRange | FullRange = (
-            SensingRange(config.sensing_range, config.near_m, self._period_frames / rate_hz)
-            if config.sensing_range
-            else FullRange(config.far_m)
-        )
+        self.sight = SensingRange(config.sensing_range, config.near_m, self._period_frames / rate_hz)
 
     @property
     def looks(self) -> bool:
@@ -88,11 +78,10 @@ class PlanarParallax:
     def update(
         self, image: Image | None, pose: Floats, footprints: Floats | None = None
     ) -> list[LowObservation] | None:
-        """What stands on the road in the frame taken at `pose`; None between observations and without a baseline.
+        """Observations in the frame taken at `pose`; None between observations and without a baseline.
 
         `image` is None while a wiper hides the road: an observation that is due waits. `footprints` (K, 4, 2) are the
-        corners of known obstacles in vehicle axes. What they cover and hide is left out, since what lies beside one
-        would merge with it.
+        corners of known obstacles in vehicle axes: what they cover and hide is ignored.
         """
         self._since += 1
         if image is None or self._since < self._period_frames:
@@ -129,13 +118,6 @@ class PlanarParallax:
                 found[index] = self._contrast[foot][seen].max()
         return found
 
-    def _seen_ahead(self, forward_m: Floats, half_width_m: float) -> Floats:
-        """(K,) share of the strip of road ahead that was visible, at places `forward_m` (K,)."""
-        near = np.abs(self._right_m[self._columns]) < half_width_m
-        share = self._seen[:, near].mean(axis=1)
-        ahead: Floats = np.interp(forward_m, self._forward_m[: self._rows], share)
-        return ahead
-
     def _laid_out(self, image: Image, pose: Floats) -> _Layout:
         """Lay out a frame and keep it for later comparisons."""
         config = self.config
@@ -155,19 +137,13 @@ class PlanarParallax:
         if before is not None:
             transform = self._transform(before.pose, now.pose, 0.0)
             size = now.patch.shape[::-1]
-            moved = np.asarray(cv2.warpAffine(before.texture, transform, size, flags=WARP), np.float32)
+            moved = np.asarray(
+                cv2.warpAffine(before.texture, transform, size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP),
+                np.float32,
+            )
             stays = static_texture(now.texture, before.texture, moved, self.config.cell_m, mask)
             now.water = np.asarray(cv2.max(stays, self._outside), np.uint8)
             before.water = np.asarray(cv2.max(before.water, now.water), np.uint8)
-
-    def _layout(self) -> tuple[tuple[Any, Any], Image]:
-        """The look-up of the patch in a frame, as OpenCV wants it; (rows, columns) 1 where the frame does not reach."""
-        forward, right = np.meshgrid(self._forward_m, self._right_m, indexing="ij")
-        pixels = distort(self.camera, project(self.camera, np.stack([forward, right, np.zeros_like(right)], axis=-1)))
-        x, y = np.nan_to_num(pixels, nan=-10.0).astype(np.float32).transpose(2, 0, 1)
-        inside = (x >= 0.0) & (x <= self.camera.width_px - 1) & (y >= 0.0) & (y <= self.camera.height_px - 1)
-        exact, table = cv2.convertMaps(x, y, cv2.CV_16SC2)
-        return (exact, table), (~inside).astype(np.uint8)
 
     def _older(self, pose: Floats) -> _Layout | None:
         """The latest layout that was taken a baseline away; older ones are dropped."""
@@ -193,9 +169,9 @@ class PlanarParallax:
             return []
         heights = (*config.above_m, *(config.mirror_heights.heights_m if config.mirror_heights else ()))
         others = [self._difference(now, dry, older, pose, height) for height in heights]
-        above = least_of([change for change, _ in others[: len(config.above_m)]])
-        below = least_of([change for change, _ in others[len(config.above_m) :] or others])
-        seen = self._seen & (least_of([share for _, share in others]) > config.least_seen)
+        above = np.minimum.reduce([change for change, _ in others[: len(config.above_m)]])
+        below = np.minimum.reduce([change for change, _ in others[len(config.above_m) :] or others])
+        seen = self._seen & (np.minimum.reduce([share for _, share in others]) > config.least_seen)
         if footprints is not None and len(footprints):
             seen &= ~self._covered(footprints)
         weight = np.asarray(seen / np.float32(noise), np.float32)
@@ -204,20 +180,22 @@ class PlanarParallax:
             grids = self._average.add(grids, pose, self._between_grids)
         return self._observations(seen, *grids)
 
-    def _record_quality(self, road: Grid, free: Grid, older_pose: Floats, pose: Floats) -> float:
+    def _record_quality(self, road: Singles, free: Singles, older_pose: Floats, pose: Floats) -> float:
         """Squared grey levels, the noise of an observation, by its differences as `road` and the `free` shares."""
         config = self.config
         some = road[: self._noise_rows : 4, ::4]  # windows overlap: a few suffice
         noise = quantile(some, 0.5) + config.floor_levels2
         self._contrast = road / np.float32(noise)
         self._seen = self._seen_before(older_pose, pose) & (free > config.least_seen)
-        if config.sensing_range is not None and isinstance(self.sight, SensingRange):
-            grain = quantile(some, config.sensing_range.grain_quantile)
-            ahead = self._seen_ahead(self.sight.forward_m, config.sensing_range.half_width_m)
-            self.sight.record(LookQuality(config.tentative_gain * noise, grain, ahead))
+        strip = np.abs(self._right_m[self._columns]) < config.sensing_range.half_width_m
+        share = self._seen[:, strip].mean(axis=1)
+        ahead = np.interp(self.sight.forward_m, self._forward_m[: self._rows], share)
+        self.sight.record(config.tentative_gain * noise, quantile(some, 0.1), ahead)
         return noise
 
-    def _observations(self, seen: Bools, road: Grid, above: Grid, below: Grid, edges: Grid) -> list[LowObservation]:
+    def _observations(
+        self, seen: Bools, road: Singles, above: Singles, below: Singles, edges: Singles
+    ) -> list[LowObservation]:
         """What stands on the road, by the differences as road, above and below it, and at the edges of paint."""
         config = self.config
         gain = road - above
@@ -226,51 +204,53 @@ class PlanarParallax:
             stands &= below > above
         if config.paint_edges is not None:
             stands &= road > edges
-        return self._parts(seen & (road > config.outline_gain), np.where(stands, gain, 0.0))
+        return self._parts(seen & (road > config.tentative_gain), np.where(stands, gain, 0.0))
 
-    def _between_grids(self, older_pose: Floats, pose: Floats) -> Grid:
+    def _between_grids(self, older_pose: Floats, pose: Floats) -> Singles:
         """(2, 3) as `_transform`, of the road itself and without the border."""
         transform = self._transform(older_pose, pose, 0.0)
         border = np.array([self._columns.start, 0.0])
         transform[:, 2] += transform[:, :2] @ border - border
         return transform
 
-    def _difference(self, now: Grid, dry: Image, older: _Layout, pose: Floats, height_m: float) -> tuple[Grid, Grid]:
-        """Squared grey levels between the patch now and the older one, if all stood `height_m` above the road.
+    def _difference(
+        self, now: Singles, dry: Image, older: _Layout, pose: Floats, height_m: float
+    ) -> tuple[Singles, Singles]:
+        """Mean squared grey levels between the patch now and the older one, if all stood `height_m` above the road.
 
-        Means over the cells of a window that water hides in neither. The second grid is the share of these cells,
-        `scaled_share` at least.
+        Over the visible cells of a window; the second grid is their share.
         """
-        transform, size = self._transform(older.pose, pose, height_m), (self._warped, self._rows)
-        moved = cv2.warpAffine(older.patch, transform, size, flags=WARP, borderMode=cv2.BORDER_REPLICATE)
-        wet = cv2.warpAffine(older.water, transform, size, flags=NEAREST, borderMode=cv2.BORDER_REPLICATE)
-        free = np.asarray(cv2.subtract(dry, wet[:, self._columns]), np.uint8)
-        seen = free.astype(np.float32)
-        blurred = cv2.blur(moved[:, self._about].astype(np.float32), (3, 3))
-        begin = self._columns.start - self._about.start
-        change = (now - blurred[:, begin : begin + now.shape[1]]) * seen
-        least = self.config.scaled_share
-        if self._even is not None:
-            change -= seen * cv2.blur(change, self._even) / share_of(free, self._even, least)
-        share = share_of(free, self._window, least)
-        return self._summed(change * change) / share, share
+        transform, size = self._transform(older.pose, pose, height_m), (len(self._right_m), self._rows)
+        flags, border = cv2.WARP_INVERSE_MAP, cv2.BORDER_REPLICATE
+        moved = cv2.warpAffine(older.patch, transform, size, flags=flags | cv2.INTER_LINEAR, borderMode=border)
+        wet = cv2.warpAffine(older.water, transform, size, flags=flags | cv2.INTER_NEAREST, borderMode=border)
+        free = np.asarray(cv2.subtract(dry, wet[:, self._columns]), np.float32)
+        change = (now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]) * free
+        if self.config.high_pass is not None:
+            window = odd_cells(self.config.high_pass.window_m, self.config.cell_m)
+            change -= free * cv2.blur(change, window) / np.maximum(cv2.blur(free, window), np.float32(0.05))
+        share: Singles = np.maximum(self._mean(free), np.float32(0.05))
+        summed: Singles = self._mean(change * change) / share
+        return summed, share
 
-    def _of_edges(self, now: Grid) -> Grid:
+    def _of_edges(self, now: Singles) -> Singles:
         """(rows, columns) squared grey levels of difference that a small misalignment makes at sharp paint."""
         if (edges := self.config.paint_edges) is None:
             return np.zeros_like(now)
         slope = edges.along_m / (2.0 * self.config.cell_m) * cv2.Sobel(now, cv2.CV_32F, 0, 1, ksize=1)
         aside = edges.across_m / (2.0 * self.config.cell_m) * cv2.Sobel(now, cv2.CV_32F, 1, 0, ksize=1)
-        return self._summed(slope * slope + aside * aside)
+        return self._mean(slope * slope + aside * aside)
 
-    def _summed(self, change: Grid) -> Grid:
-        return np.asarray(cv2.blur(change, self._window), np.float32)
+    def _mean(self, grid: Singles) -> Singles:
+        return np.asarray(cv2.blur(grid, self._window), np.float32)
 
     def _seen_before(self, older_pose: Floats, pose: Floats) -> Bools:
         """(rows, columns) cells whose window lies within the older patch."""
         transform = self._transform(older_pose, pose, 0.0)
         whole = np.full((len(self._forward_m), len(self._right_m)), 255, np.uint8)
-        seen = cv2.warpAffine(whole, transform, (len(self._right_m), self._rows), flags=WARP)
+        seen = cv2.warpAffine(
+            whole, transform, (len(self._right_m), self._rows), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        )
         inside: Bools = cv2.erode(seen, np.ones(self._window[::-1], np.uint8))[:, self._columns] == 255
         return inside
 
@@ -284,7 +264,7 @@ class PlanarParallax:
                 cv2.fillConvexPoly(covered, np.rint(cells).astype(np.int32), 1)
         return covered > 0
 
-    def _transform(self, older_pose: Floats, pose: Floats, height_m: float) -> Grid:
+    def _transform(self, older_pose: Floats, pose: Floats, height_m: float) -> Singles:
         """(2, 3) from cells (column, row) of the patch now to those of the older one."""
         config = self.config
         now, before = rotation(pose[2]), rotation(older_pose[2])
@@ -296,8 +276,8 @@ class PlanarParallax:
         offset = (turn @ start + before.T @ (way + (stretch - 1.0) * lens) - start) / config.cell_m
         return np.array([[turn[1, 1], turn[1, 0], offset[1]], [turn[0, 1], turn[0, 0], offset[0]]], np.float32)
 
-    def _parts(self, outline: Bools, gain: Grid) -> list[LowObservation]:
-        """One for each connected part of the outline in which something stands."""
+    def _parts(self, outline: Bools, gain: Singles) -> list[LowObservation]:
+        """One observation for each connected part of the outline in which something stands."""
         if not gain.any():
             return []
         config = self.config
@@ -326,13 +306,11 @@ class PlanarParallax:
         found.sort(key=lambda spot: spot.forward_m)
         if config.far_edge is None:
             return found
-        ends_m = config.far_edge.length_m
-        return [
-            spot for index, spot in enumerate(found) if not any(_is_end(spot, one, ends_m) for one in found[:index])
-        ]
+        length_m = config.far_edge.length_m
+        return [spot for i, spot in enumerate(found) if not any(_is_far_edge(spot, one, length_m) for one in found[:i])]
 
 
-def _is_end(spot: LowObservation, nearer: LowObservation, length_m: float) -> bool:
+def _is_far_edge(spot: LowObservation, nearer: LowObservation, length_m: float) -> bool:
     """Whether an observation is the far edge of an object whose near edge is another one, as sure as it is."""
     overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m and nearer.sure >= spot.sure
     return overlap and spot.forward_m - nearer.forward_m < length_m

@@ -5,8 +5,7 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
-from vpf_sim.perception.obstacles.planar_parallax.grids import Grid
-from vpf_sim.types import Floats
+from vpf_sim.types import Floats, Singles
 
 
 class TemporalAverage:
@@ -17,10 +16,10 @@ class TemporalAverage:
 
     def __init__(self, share: float) -> None:
         self._share = np.float32(share)  # of the newest observation
-        self._grids: list[Grid] = []
+        self._grids: list[Singles] = []
         self._pose: Floats = np.zeros(3)
 
-    def add(self, grids: list[Grid], pose: Floats, transform: Callable[[Floats, Floats], Grid]) -> list[Grid]:
+    def add(self, grids: list[Singles], pose: Floats, transform: Callable[[Floats, Floats], Singles]) -> list[Singles]:
         """The averages (rows, columns) with those observed at `pose`; `transform` leads to cells at a past pose."""
         self._grids = [
             self._share * grid + past for grid, past in zip(grids, self._moved(grids, pose, transform), strict=True)
@@ -32,7 +31,9 @@ class TemporalAverage:
         """Add an observation that shows nothing at all."""
         self._grids = [(1 - self._share) * grid for grid in self._grids]
 
-    def _moved(self, grids: list[Grid], pose: Floats, transform: Callable[[Floats, Floats], Grid]) -> list[Grid]:
+    def _moved(
+        self, grids: list[Singles], pose: Floats, transform: Callable[[Floats, Floats], Singles]
+    ) -> list[Singles]:
         """The past averages with their weight, moved to where the road is now."""
         if not self._grids:
             return [np.zeros_like(grid) for grid in grids]

@@ -33,10 +33,12 @@ class _Track:
 class LowObstacleTracks:
     """Tracker of low obstacles, from the observations of planar parallax."""
 
-    def __init__(self, config: LowTrackConfig, next_identity: Callable[[], int], near_m: float = 0.0) -> None:
-        """`near_m` from the pose the observed patch ends."""
+    def __init__(
+        self, config: LowTrackConfig, next_identity: Callable[[], int], near_m: float, behind_m: float
+    ) -> None:
+        """The observed patch ends `near_m` ahead of the pose; confirmed tracks are pruned `behind_m` behind it."""
         self.config = config
-        self._near_m = near_m
+        self._near_m, self._behind_m = near_m, behind_m
         self._next_identity = next_identity
         self._known: list[_Track] = []
         self._fresh_rate = 0.0  # new tracks per observation
@@ -157,7 +159,7 @@ class LowObstacleTracks:
         ahead_m = self._forward_m(one, pose)
         if one.identity is None:
             return one.misses < self.config.misses and ahead_m > 0.0
-        return ahead_m > -self.config.behind_m
+        return ahead_m > -self._behind_m
 
     def _forward_m(self, one: _Track, pose: Floats) -> float:
         return float(vehicle_from_world(one.place_m, pose)[0])
