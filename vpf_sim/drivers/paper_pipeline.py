@@ -98,13 +98,13 @@ class CommonStages:
         pitch = self.trackers.pitch
         if pitch is None:
             return flow, 0.0
-        before_rad = pitch.passing_rad
+        before_rad = pitch.dynamic_rad
         steady = pitch.update(flow, foe, derotated)
-        return steady, pitch.passing_rad - before_rad
+        return steady, pitch.dynamic_rad - before_rad
 
     def _mount_pitch(self, road_pitch: tuple[float, float] | None, observation: Observation) -> None:
         if self.trackers.pitch is not None and road_pitch is not None:
-            self.trackers.pitch.level(*road_pitch, observation.time_s)
+            self.trackers.pitch.update_mount_pitch(*road_pitch, observation.time_s)
 
     def _road(
         self, observation: Observation, grey: Image, pose: Floats, pitch_change_rad: float, hiding: Obstacles

@@ -146,7 +146,7 @@ def test_the_flow_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
 
     steadiness = PitchEstimator(CAMERA, PITCH, 60.0)
     for i in range(40):
-        steadiness.level(0.006, 1e-4, 0.05 * i)
+        steadiness.update_mount_pitch(0.006, 1e-4, 0.05 * i)
     foe = Expansion(CAMERA.cx_px, CAMERA.cy_px - 0.006 * CAMERA.fy_px, np.eye(2), np.empty(0, np.bool_), 1.0)
     steady, ideal = steadiness.update(flow(replace(CAMERA, pitch_rad=0.006)), foe), flow(CAMERA)
     assert steadiness.mounted_rad == pytest.approx(0.006, abs=5e-4)

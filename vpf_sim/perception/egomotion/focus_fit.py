@@ -11,6 +11,11 @@ from vpf_sim.types import Bools, Camera, Floats
 
 Reals = NDArray[np.floating[Any]]
 
+ITERATIONS, SETTLED_PX = 6, 0.05  # of the reweighted least squares
+NEAR_PX = 5.0  # distance from the FOE at which the radial direction is uncertain
+BIWEIGHT = 1.3  # residual variance over that with the weights of Tukey's biweight
+LEAST_SHARE = 0.05  # of inliers, by which the covariance grows
+
 
 @dataclass(frozen=True, slots=True)
 class Prior:
@@ -59,7 +64,7 @@ def fit(
     x, y = away
     inliers = (np.abs(u * y - v * x) < tolerance_px * np.sqrt(x * x + y * y)) & (u * x + v * y > 0.0)
     # Those that disagree have not all been told apart from those that do: the fewer agree, the less is sure.
-    share = max(float(np.count_nonzero(inliers)) / len(inliers), config.least_share)
+    share = max(float(np.count_nonzero(inliers)) / len(inliers), LEAST_SHARE)
     return Fit(state[:2], covariance / share**2, inliers)
 
 
@@ -167,8 +172,8 @@ def _reweighted(
     `points` and `flow` are (2, N) px here.
     """
     state, steady = np.array([*start_px, 0.0, 0.0, 0.0]), flow
-    for _ in range(config.iterations):
-        weight, slope, across = _linearised(points, steady, turn, state[:2], tolerance_px, config.near_px)
+    for _ in range(ITERATIONS):
+        weight, slope, across = _linearised(points, steady, turn, state[:2], tolerance_px)
         weighted = (slope * weight[:, None]).T
         normal = weighted @ slope
         if np.count_nonzero(weight) < config.least_points or normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2 < 1e-12:
@@ -176,20 +181,20 @@ def _reweighted(
         normal += prior.information
         step = np.linalg.solve(normal, weighted @ across + prior.information @ (state - prior.state))
         state = state - step
-        if abs(step[0]) + abs(step[1]) < config.settled_px:
+        if abs(step[0]) + abs(step[1]) < SETTLED_PX:
             break
         steady = _turned_back(flow, turn, state[2:])
-    spread = config.biweight * float(weight @ (across * across)) / np.count_nonzero(weight)
+    spread = BIWEIGHT * float(weight @ (across * across)) / np.count_nonzero(weight)
     return state, np.asarray(np.linalg.inv(normal)[:2, :2], np.float64) * max(1.0, spread)
 
 
 def _linearised(
-    points: Floats, flow: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats, near_px: float
+    points: Floats, flow: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Weights (N,), slopes (N, 5) and values (N,) px of the flow across the radial direction, at a FOE and rates."""
     away, (u, v) = points - foe_px[:, None], flow
     x, y = away
-    nearness = 1.0 / (np.sqrt(x * x + y * y) + near_px)
+    nearness = 1.0 / (np.sqrt(x * x + y * y) + NEAR_PX)
     away *= nearness
     across = u * y - v * x
     # The tolerance is some three standard deviations of the flow.
