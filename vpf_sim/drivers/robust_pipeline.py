@@ -70,8 +70,9 @@ class ObstacleStages:
         camera, rate_hz = setup.camera, trackers.flow.rate_hz
         self._trackers, self._speed_reference_mps = trackers, setup.speed_reference_mps
         self._static = StaticObstacleTracker(camera, config, rate_hz)
+        moving = variant.moving_obstacles
         self._moving = (
-            MovingObstacleTracker(camera, variant.moving_obstacles, rate_hz) if variant.moving_obstacles else None
+            MovingObstacleTracker(camera, moving, rate_hz, config.window_px, config.noise) if moving else None
         )
         verification = variant.close_range_verification
         self._verifier = CloseRangeVerifier(camera, verification) if verification else None

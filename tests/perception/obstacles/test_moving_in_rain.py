@@ -1,14 +1,11 @@
 """Moving vehicles on a mirroring road: simulated point tracks of cars, of trees, and of their images."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from driver_settings import moving_obstacles, without
 from test_moving_tracker import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
-from vpf_sim.perception.obstacles.moving.config import CandidateContrastConfig, MirrorImageConfig
 from vpf_sim.perception.obstacles.moving.detection import Apparent, appear, candidates
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages, faint_contrast
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
@@ -173,17 +170,3 @@ def test_the_candidate_with_most_contrast_comes_first() -> None:
     assert (seen.bearing[first] < 0.0).all()
     off = without(moving_obstacles(), "candidate_contrast")
     assert (seen.bearing[candidates(seen, feet, 1, CAMERA, off)[0]] > 0.0).all(), "switched off: the most points"
-
-
-@pytest.mark.parametrize(("key", "value"), [("contrast", (-0.8, -1.5)), ("least", 0.0)])
-def test_wrong_candidate_weights_are_refused(key: str, value: object) -> None:
-    with pytest.raises(ValueError, match=key):
-        CandidateContrastConfig(**{"contrast": (-1.5, -0.8), "least": 0.1, key: value})  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(("key", "value"), [("dry", -1.0), ("ramp", 0.0)])
-def test_wrong_contrasts_of_images_are_refused(key: str, value: float) -> None:
-    rule = moving_obstacles().mirror_image
-    assert isinstance(rule, MirrorImageConfig)
-    with pytest.raises(ValueError, match=key):
-        replace(rule, **{key: value})

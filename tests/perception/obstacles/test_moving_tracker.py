@@ -8,6 +8,7 @@ from driver_settings import moving_obstacles, optional_sections, without
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world
+from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.detection import appear
 from vpf_sim.perception.obstacles.moving.merging import merged
@@ -44,7 +45,7 @@ class Seen:
     """Both obstacle trackers together, as the planner has them."""
 
     def __init__(self, config: MovingObstacleConfig | None = None) -> None:
-        self.movers = MovingObstacleTracker(CAMERA, config or moving_obstacles(), RATE_HZ)
+        self.movers = MovingObstacleTracker(CAMERA, config or moving_obstacles(), RATE_HZ, 11, NoiseModel())
         self.landmarks = tracker()
 
     def run(self, drive: Drive, frames: range) -> list[Obstacles]:
@@ -298,7 +299,7 @@ def test_point_tracks_older_than_a_fast_vehicle_is_in_sight_do_not_belong_to_it(
         flow = drive.flow(frame)
     course, old = Course(9.0, 0.0, 0.0), flow.age_frames > 52
     assert old.any()
-    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, moving_obstacles().noise)
+    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, NoiseModel())
     mover = MovingTrack(Detection(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, moving_obstacles().filter)
     chi2, _, change = mover.fit(tracks, np.ones(len(flow)), SPEED_MPS, 3.0, np.ones(len(flow), np.bool_))
     assert np.isfinite(change)

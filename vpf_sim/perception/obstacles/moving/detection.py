@@ -46,7 +46,7 @@ def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, co
         standing = np.where(inverse < below, points.chi2_ground, points.chi2)
     strength = np.log(np.maximum(flow.structure[:, 0, 0] + flow.structure[:, 1, 1], 1.0))
     upright = ripe & ~flow.stuck & (drop < 0.0)
-    if np.count_nonzero(upright) < config.least_upright:
+    if np.count_nonzero(upright) < 5:  # the median of fewer is not reliable
         upright = ripe & ~flow.stuck
     contrast = strength - (median(strength[upright]) if upright.any() else 0.0)
     return Apparent(inverse, sigma, drop, x, own, ripe, flow.stuck, standing, moves, contrast)
@@ -57,7 +57,7 @@ def candidates(
 ) -> list[Integers]:
     """For the best of the feet (F,), the points that move alike in a vehicle's outline about it."""
     ripe = np.flatnonzero(seen.ripe & ~seen.still & (seen.drop > 0.0))
-    middle = np.repeat(np.array([-1.0, 0.0, 1.0]) * config.foot_side_m, len(feet))[:, None]
+    middle = np.repeat(np.array([-1.0, 0.0, 1.0]) * config.half_width_m, len(feet))[:, None]
     feet = np.tile(feet, 3)
     depth = camera.height_m / seen.drop[feet][:, None]
     inside = np.abs((seen.bearing[ripe] - seen.bearing[feet][:, None]) * depth - middle) < config.link_m
@@ -88,7 +88,7 @@ def _is_supported(inside: Bools, alike: Bools, standing: Floats, config: MovingO
     if config.contradiction is not None:
         stands = np.count_nonzero(inside & ~alike & (standing < config.filter.chi2_limit), axis=1)
         stray = np.count_nonzero(inside & ~alike, axis=1) - stands
-        supported &= count >= stands + config.contradiction.stray * stray
+        supported &= count >= stands + config.contradiction * stray
     return supported
 
 
@@ -106,6 +106,6 @@ def detect(seen: Apparent, mine: Integers, camera: Camera, config: MovingObstacl
     own = median(seen.own_mps[mine])
     share = median(seen.inverse_per_m[mine]) * depth
     across = seen.bearing[mine] * depth
-    middle, half = 0.5 * (across.min() + across.max()), max(config.least_half_m, 0.5 * float(np.ptp(across)))
+    middle, half = 0.5 * (across.min() + across.max()), max(config.half_width_m, 0.5 * float(np.ptp(across)))
     sigma = config.speed_sigma_mps + config.speed_sigma_ratio * own * abs(share)
     return Detection(depth, own * (1.0 - share), sigma, float(middle - half), float(middle + half))

@@ -47,7 +47,7 @@ class Sides:
         if not len(across_m):
             return 0.0
         log = self._log[:, None] - 0.5 * (self._grid_m / self.sigma_m) ** 2
-        least = 0.0 if config.background is None else -config.cap
+        least = 0.0 if config.through is None else -config.cap
         log += fresh * self._likelihood(across_m, np.clip(odds, least, config.cap), camera_m, depth_m)
         weight = np.exp(log - log.max())
         weight /= weight.sum()
@@ -67,12 +67,11 @@ class Sides:
         inside, size = self._silhouette(across_m[decided], camera_m, depth_m)
         span = 2.0 * (config.reach_m + config.widest_m)
         own = inside * ((1.0 - config.stray) / size) + config.stray / span
-        through = config.background.through if config.background else 1.0
+        through = 1.0 if config.through is None else config.through
         other = (1.0 - inside) * ((1.0 - through) / (span - size)) + through / span
         density = other + chance[decided, None, None] * (own - other)
-        if config.shared_window is not None:
-            near_m = config.shared_window.apart_rad * depth_m
-            crowd = (np.abs(across_m[:, None] - across_m) < near_m) @ weight
+        if config.window_rad is not None:
+            crowd = (np.abs(across_m[:, None] - across_m) < config.window_rad * depth_m) @ weight
             weight = weight / np.maximum(crowd, 1.0)
         likelihood: Floats = np.tensordot(weight[decided], np.log(density), axes=1)
         return likelihood
@@ -84,7 +83,7 @@ class Sides:
         """
         config = self._config
         blur = config.blur_m + config.blur_rad * depth_m
-        length = config.flank.length_m if config.flank else 0.0
+        length = config.flank_m or 0.0
         share = length / (depth_m + length)
         half = 0.5 * self._width_m[:, None]
         left, right = self._grid_m - half, self._grid_m + half

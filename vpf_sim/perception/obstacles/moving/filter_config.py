@@ -4,27 +4,6 @@ from vpf_sim.configuration import setting, settings
 
 
 @settings
-class FlankConfig:
-    """The side of a vehicle that is turned to the camera."""
-
-    length_m: float = setting("of the side, over which its points grow rarer", gt=0.0)
-
-
-@settings
-class BackgroundConfig:
-    """Points of what stands behind a vehicle."""
-
-    through: float = setting("share of these points that seem to lie in the silhouette", gt=0.0, lt=1.0)
-
-
-@settings
-class SharedWindowConfig:
-    """Points whose flow windows overlap."""
-
-    apart_rad: float = setting("points nearer across than this share a window", gt=0.0)
-
-
-@settings
 class ExtentConfig:
     """How points bound the sides of a vehicle."""
 
@@ -41,33 +20,9 @@ class ExtentConfig:
     least_sigma_m: float = setting("of the middle of a well-seen vehicle", gt=0.0)
     drift_mps: float = setting("noise of the middle across the course, over a second", ge=0.0)
     cap: float = setting("largest log-odds of one point", gt=0.0)
-    flank: FlankConfig | None = setting(
-        "flank rejection: points of the side turned to the camera do not widen the face", default=None
-    )
-    background: BackgroundConfig | None = setting(
-        "background bounds: points of what stands behind bound the silhouette from outside", default=None
-    )
-    shared_window: SharedWindowConfig | None = setting(
-        "shared windows: points whose flow windows overlap count as one", default=None
-    )
-
-    def __post_init__(self) -> None:
-        if not self.narrowest_m < self.widest_m:
-            raise ValueError(f"narrowest_m: expected < widest_m = {self.widest_m}, got {self.narrowest_m}")
-
-
-@settings
-class HiddenFootConfig:
-    """A lowest point that lies beyond the face of a confirmed vehicle."""
-
-    sigma_ratio: float = setting("factor of its standard deviation", ge=1.0)
-
-
-@settings
-class InnovationConfig:
-    """Limit of one correction of the range."""
-
-    clip_sigma: float = setting("largest innovation, in standard deviations", gt=0.0)
+    flank_m: float | None = setting("length of the side turned to the camera; none: no flank", default=None, gt=0.0)
+    through: float | None = setting("share of the background seen in the outline; none: no bound", default=None, gt=0.0)
+    window_rad: float | None = setting("points nearer across count as one; none: all count", default=None, gt=0.0)
 
 
 @settings
@@ -76,13 +31,6 @@ class SideDriftConfig:
 
     rate_mps: float = setting("of each side", ge=0.0)
     most_m: float = setting("of each side: a vehicle keeps its lane", ge=0.0)
-
-
-@settings
-class CorrelationConfig:
-    """Correlation of consecutive observations."""
-
-    memory_s: float = setting("observations of the same tracks within this time count once", gt=0.0)
 
 
 @settings
@@ -105,20 +53,8 @@ class FilterConfig:
     side_s: float = setting("time constant of the observed width", gt=0.0)
     nearest_m: float = setting("range from which the sides are observed", gt=0.0)
     chi2_limit: float = setting("of a point track that fits a hypothesis", gt=0.0)
-    hidden_foot: HiddenFootConfig | None = setting(
-        "hidden foot: a foot beyond a confirmed vehicle's face counts less, since its lowest point need not be seen",
-        default=None,
-    )
-    innovation: InnovationConfig | None = setting(
-        "innovation limit: one foot moves the range by a few standard deviations at most", default=None
-    )
-    side_drift: SideDriftConfig | None = setting(
-        "side drift: a vehicle whose sides are not observed is reported wider and wider", default=None
-    )
-    correlation: CorrelationConfig | None = setting(
-        "correlation in time: observations of the same tracks in a row count less", default=None
-    )
-    extent: ExtentConfig | None = setting(
-        "silhouette bounds: a Bayesian filter of middle and width; none: a low-pass of the face's outermost points",
-        default=None,
-    )
+    hidden_foot: float | None = setting("factor of a foot's sigma beyond a confirmed face", default=None, ge=1.0)
+    innovation: float | None = setting("largest innovation of the range, in standard deviations", default=None, gt=0.0)
+    memory_s: float | None = setting("observations of the same points within this count once", default=None, gt=0.0)
+    side_drift: SideDriftConfig | None = setting("unobserved sides are reported wider and wider", default=None)
+    extent: ExtentConfig | None = setting("filter of middle and width; none: a low-pass of the sides", default=None)

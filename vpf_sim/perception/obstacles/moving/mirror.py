@@ -95,9 +95,9 @@ class MirrorImages:
         if contrast is None:
             return -np.inf
         forward, right = track.place(pose)
-        depth, mirrored = forward - self._camera.forward_m, config.mirrored_place
+        depth, mirrored_m = forward - self._camera.forward_m, config.mirrored_place_m
         share = track.closing_share(own_mps)  # of the track's depth in that of the mirrored object
-        is_known = mirrored is not None and depth > config.steep_m and share * mirrored.far_m > depth
+        is_known = mirrored_m is not None and depth > config.steep_m and share * mirrored_m > depth
         if is_known and is_on_carriageway(
             self._camera.forward_m + depth / share, right / share, road, config.edge_margin_m
         ):

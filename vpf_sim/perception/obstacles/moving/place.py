@@ -21,7 +21,7 @@ def in_outline(
     """(N,) points in the outline of a track, or within a margin beside it."""
     forward, right = track.place(pose)
     depth = forward - camera.forward_m
-    near, far = max(depth, config.nearest_m), depth + config.length_m
+    near, far = max(depth, config.filter.nearest_m), depth + config.length_m
     margin = margin_m + config.margin_ratio * near
     left, right = right - track.half_m - margin, right + track.half_m + margin
     overlaps_us = depth < near and left < 0.0 < right  # the track is wrong, and would hide all

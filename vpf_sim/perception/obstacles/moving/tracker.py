@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarm
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
@@ -51,8 +52,11 @@ class _Frame:
 class MovingObstacleTracker:
     """Detects moving vehicles, tracks them, and predicts those that are not observed."""
 
-    def __init__(self, camera: Camera, config: MovingObstacleConfig, rate_hz: float) -> None:
+    def __init__(
+        self, camera: Camera, config: MovingObstacleConfig, rate_hz: float, window_px: int, noise: NoiseModel
+    ) -> None:
         self.camera, self.config, self.rate_hz = camera, config, rate_hz
+        self._window_px, self._noise = window_px, noise  # of the point tracks
         self.tracks: list[MovingTrack] = []
         self._observation = Schedule(config.look_s, rate_hz)
         self._search = Schedule(config.search_s, self._observation.rate_hz)  # among the observations
@@ -79,7 +83,7 @@ class MovingObstacleTracker:
         observes = self._observation.step()
         searches = observes and self._search.step()
         for track in self.tracks:
-            ahead = min(max(track.place(flow.pose)[0], -self.config.behind_m), 1.5 * self.config.far_m)
+            ahead = min(max(track.place(flow.pose)[0], -self.config.far_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
             track.predict(dt_s, direction, road.curvature_per_m)
         if observes and points is not None:
@@ -133,7 +137,7 @@ class MovingObstacleTracker:
                 free &= ~within  # two vehicles do not stand in one place
             if track.identity is not None and track.is_observed:  # nor is the farther seen through the nearer
                 taken |= mine | self._outline(track, seen, pose, 0.0)
-            if config.mask is not None and track.log_odds > config.mask.log_odds:
+            if config.mask is not None and track.log_odds > config.mask:
                 masked |= (mine | within) & seen.ripe
         self._masked = flow.identity[masked]
         self.tracks = merged(self.tracks, pose, config)
@@ -184,13 +188,13 @@ class MovingObstacleTracker:
         seen, own_mps, depth = frame.seen, frame.own_mps, track.depth_m(frame.flow.pose)
         tracks, standing = frame.flow.chosen(chosen), seen.standing[chosen]
         depths = np.full(len(tracks), depth + config.filter.face_m)
-        residuals = against(tracks, self.camera, track.course, depths, self.rate_hz, config.window_px, config.noise)
+        residuals = against(tracks, self.camera, track.course, depths, self.rate_hz, self._window_px, self._noise)
         fitted, behind, faster = track.fit(residuals, standing, own_mps, depth, inner)
         chi2, limit = np.where(inner & (fitted < standing + config.odds), fitted, np.inf), config.filter.chi2_limit
         face = chi2 < limit
         track.tracks = frame.flow.identity[chosen[face]]
         if np.count_nonzero(face) < 3:
-            return -config.speaks_against, depth
+            return config.evidence.least, depth
         track.update_speed(faster, int(np.count_nonzero(face)), dt_s)
         sure = face & (standing > chi2 + limit)  # background may shine through the outline
         shape = sure if np.count_nonzero(sure) >= 3 else face
@@ -198,12 +202,12 @@ class MovingObstacleTracker:
         if foot is not None:
             track.update_range(foot, own_mps, pose, dt_s)
         depth = track.depth_m(pose)
-        front = shape & (behind < config.front_m)
+        front = shape & (behind < config.filter.face_sigma_m)
         front = front if np.count_nonzero(front) >= 3 else shape
         self._update_extent(track, seen, chosen, front, fitted, pose)
         inside = self._upright(track, seen, chosen, face, own_mps, pose)
         if inside is None:
-            return -config.speaks_against, depth
+            return config.evidence.least, depth
         faint = self.mirror_images.faint(track, image, own_mps, pose, frame.road)
         return evidence(inside, chi2, standing, seen.contrast[chosen], faint, config.evidence), depth
 
@@ -211,16 +215,16 @@ class MovingObstacleTracker:
         """Add the log-odds of one observation to those of a track."""
         config = self.config
         if config.patience is not None and track.identity is not None:
-            gain = max(gain, -config.patience.most)
+            gain = max(gain, -config.patience)
         track.log_odds = min(track.log_odds + gain * dt_s / config.independent_s, config.most)
-        if config.credit is not None and track.log_odds > config.credit.log_odds:
-            track.credit = config.credit.log_odds
+        if config.credit is not None and track.log_odds > config.credit:
+            track.credit = config.credit
 
     def _decay(self, track: MovingTrack, dt_s: float) -> None:
         """Lower the confidence of a track that cannot be observed."""
-        if self.config.decay is None:
+        if self.config.decay_per_s is None:
             return
-        track.log_odds = max(track.log_odds, track.credit) - self.config.decay.per_s * dt_s
+        track.log_odds = max(track.log_odds, track.credit) - self.config.decay_per_s * dt_s
         track.credit = min(track.credit, track.log_odds)
         if track.identity is None:
             track.log_odds = -np.inf
@@ -273,9 +277,9 @@ class MovingObstacleTracker:
             share = track.closing_share(own_mps)
             if -rule.receding < share < rule.closing:
                 return False
-        if config.least_speed is not None and track.speed_mps < config.least_speed.least_mps:
+        if config.slowest_mps is not None and track.speed_mps < config.slowest_mps:
             return False
-        return config.thickness is None or thickness(across_m, height_m) > config.thickness.least_m
+        return config.thickness_m is None or thickness(across_m, height_m) > config.thickness_m
 
     def _confirm(self) -> None:
         for track in self.tracks:
@@ -287,11 +291,11 @@ class MovingObstacleTracker:
 
         def kept(track: MovingTrack) -> bool:
             forward, right = track.place(pose)
-            on_road = config.carriageway is None or abs(forward) > config.far_m
-            if config.carriageway is not None and not on_road:
-                on_road = is_on_carriageway(forward, right, road, -config.carriageway.outside_m)
-            known = -config.behind_m < forward < 1.5 * config.far_m and track.sigma_m < config.vague_m
-            least = 0.0 if track.identity is not None else config.dropped
+            on_road = config.outside_m is None or abs(forward) > config.far_m
+            if config.outside_m is not None and not on_road:
+                on_road = is_on_carriageway(forward, right, road, -config.outside_m)
+            known = -config.far_m < forward < 1.5 * config.far_m and track.sigma_m < config.vague_m
+            least = 0.0 if track.identity is not None else -config.most
             return bool(known and on_road and track.log_odds > least)
 
         self.tracks = [track for track in self.tracks if kept(track)]
@@ -318,8 +322,8 @@ class MovingObstacleTracker:
                 continue
             found = detect(seen, members, self.camera, config)
             if self._is_plausible(found, frame.road):
-                prior = config.prior.log_odds if config.prior else 0.0
-                self.tracks.append(MovingTrack(found, self.camera, frame.flow.pose, prior, config.filter))
+                track = MovingTrack(found, self.camera, frame.flow.pose, config.prior or 0.0, config.filter)
+                self.tracks.append(track)
 
     def _is_plausible(self, found: Detection, road: RoadEdges) -> bool:
         """Whether a candidate is in range, drives, and is on the carriageway."""
@@ -327,4 +331,4 @@ class MovingObstacleTracker:
         if not (config.near_m < found.depth_m < config.far_m and config.slow_mps < found.speed_mps < config.fast_mps):
             return False
         forward = self.camera.forward_m + found.depth_m
-        return config.carriageway is None or is_on_carriageway(forward, found.middle_m, road, config.edge_margin_m)
+        return config.outside_m is None or is_on_carriageway(forward, found.middle_m, road, config.edge_margin_m)
