@@ -81,7 +81,7 @@ class ObstacleStages:
     def remember_frame(self, grey: Image) -> None:
         """Keep the frame, for points that are compared with their first observation."""
         if self._keyframes is not None:
-            self._keyframes.note(grey)
+            self._keyframes.push(grey)
 
     def contrast_image(self, observation: Observation, grey: Image, pose: Floats) -> Image | None:
         """The image in which the road is compared, without the camera's pitch; None beneath the wiper.
@@ -124,7 +124,7 @@ class ObstacleStages:
         """The points, those above the road matched again with the frame of their first observation."""
         if self._keyframes is None:
             return points
-        return self._static.refined(steady, points, road, partial(self._keyframes.aside_px, flow))
+        return self._static.refined(steady, points, road, partial(self._keyframes.register, flow))
 
     def track_static(
         self, steady: Flow, road: RoadEdges, observation: Observation, points: Triangulation, on_moving: Bools | None
