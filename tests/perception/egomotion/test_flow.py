@@ -189,6 +189,16 @@ def test_corners_on_the_glass_are_told_from_those_that_move_and_take_no_place() 
     assert counts[-1] > 0.8 * ROBUST.points
 
 
+def test_no_corners_are_taken_where_the_picture_is_hidden() -> None:
+    hidden = np.zeros((480, 640), np.uint8)
+    hidden[:, 200:400] = 255
+    tracker = FlowTracker(CAMERA, PAPER, 60.0)
+    for _ in range(2):
+        flow = tracker.update(moved(texture("hidden"), 0.0, 0.0), np.zeros(3), hidden)
+    assert len(flow) > 100
+    assert not np.any((flow.points_px[:, 0] > 200) & (flow.points_px[:, 0] < 399))
+
+
 def test_nonsense_is_refused_with_what_was_given() -> None:
     with pytest.raises(ValueError, match="window_px: expected an odd number, got 10"):
         replace(PAPER, window_px=10)

@@ -66,10 +66,11 @@ class FlowTracker:
         self._late: Floats = np.empty(0)  # shares of a period, newest first
         self._tracks = Tracks.none(self._window_frames)
 
-    def update(self, image: Image, pose: Floats, late: float = 0.0) -> Flow:
+    def update(self, image: Image, pose: Floats, hidden: Image | None = None, late: float = 0.0) -> Flow:
         """Flow at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels.
 
-        `late` is the share of a period by which the frame was taken after its turn.
+        No corners are detected where `hidden` (H, W) is not 0. `late` is the share of a period by which the frame was
+        taken after its turn.
         """
         self._poses = np.concatenate([pose[None], self._poses[: self._window_frames]])
         self._late = np.concatenate([[late], self._late[: self._window_frames]])
@@ -82,7 +83,7 @@ class FlowTracker:
         flow = self._report(pose)
         self._update_structure(image)
         if not self.is_swept:  # a blade has corners too
-            self._top_up(image, pose)
+            self._top_up(image, pose, hidden)
         self._previous = image
         self._frame += 1
         return flow
@@ -261,7 +262,7 @@ class FlowTracker:
             keep[due] = corner
             tracks.keep(keep)
 
-    def _top_up(self, image: Image, pose: Floats) -> None:
+    def _top_up(self, image: Image, pose: Floats, hidden: Image | None) -> None:
         """Search the bands whose turn it is; at the start all of them."""
         for index, (rows, quota) in enumerate(self._bands):
             turn = (self._frame - index * self._period_frames // len(self._bands)) % self._period_frames == 0
@@ -273,7 +274,7 @@ class FlowTracker:
             inside = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
             wanted = quota - np.count_nonzero(inside & ~self._tracks.stuck)
             if wanted >= max(1, quota // 20):
-                self._add(self._corners(image, rows, points[inside], int(wanted)), image, pose)
+                self._add(self._corners(image, rows, points[inside], int(wanted), hidden), image, pose)
 
     def _drop_settled(self, rows: slice, quota: int, config: SettledPointConfig) -> None:
         """Drop the oldest points of the road beyond their share of a band."""
@@ -293,7 +294,7 @@ class FlowTracker:
         keep[settled[:excess]] = False  # the oldest first
         tracks.keep(keep)
 
-    def _corners(self, image: Image, rows: slice, taken_px: Floats, count: int) -> Floats:
+    def _corners(self, image: Image, rows: slice, taken_px: Floats, count: int, hidden: Image | None) -> Floats:
         config = self.config
         strip = image[rows]
         mask = np.full(strip.shape, 255, np.uint8)
@@ -301,6 +302,8 @@ class FlowTracker:
         mask[np.minimum(lines - rows.start, len(strip) - 1), columns] = 0
         size = 2 * round(config.min_distance_px) + 1
         mask = cv2.erode(mask, np.ones((size, size), np.uint8)).astype(np.uint8, copy=False)
+        if hidden is not None:
+            mask[hidden[rows] != 0] = 0
         found = cv2.goodFeaturesToTrack(strip, count, config.quality, config.min_distance_px, mask=mask)
         if found is None:
             return np.empty((0, 2))
