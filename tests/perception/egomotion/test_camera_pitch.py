@@ -78,17 +78,17 @@ class Scene:
         return Expansion(x, y, np.eye(2), np.empty(0, np.bool_), 1.0)
 
 
-def run(scene: Scene, steadiness: PitchEstimator) -> list[Flow]:
-    return [steadiness.update(scene.flow(frame), scene.foe(frame)) for frame in range(FRAMES)]
+def run(scene: Scene, estimator: PitchEstimator) -> list[Flow]:
+    return [estimator.update(scene.flow(frame), scene.foe(frame)) for frame in range(FRAMES)]
 
 
-def steadiness(settle_s: float = 1.0) -> PitchEstimator:
+def estimator(settle_s: float = 1.0) -> PitchEstimator:
     return PitchEstimator(CAMERA, replace(PITCH, dynamic=replace(DYNAMIC, settle_s=settle_s)), RATE_HZ)
 
 
 @pytest.mark.parametrize("left_too", [True, False])
 def test_the_pitch_is_found(left_too: bool) -> None:
-    scene, found = Scene(0.4), steadiness(settle_s=5.0)
+    scene, found = Scene(0.4), estimator(settle_s=5.0)
     pitches = []
     for frame in range(FRAMES):
         flow = scene.flow(frame)
@@ -103,7 +103,7 @@ def test_the_pitch_is_found(left_too: bool) -> None:
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_car_that_overtakes_is_no_pitch(side: float) -> None:
     """Most points on one side of the picture move as if the camera came to look down by 0.9 deg a second."""
-    scene, found = Scene(0.0), steadiness()
+    scene, found = Scene(0.0), estimator()
     for frame in range(FRAMES):
         flow, foe = scene.flow(frame), scene.foe(frame)
         x, y = (flow.points_px - (CAMERA.cx_px, CAMERA.cy_px)).T / CAMERA.fx_px
@@ -127,7 +127,7 @@ def test_the_flow_becomes_that_of_a_steady_camera(size_deg: float) -> None:
     scene = Scene(size_deg)
     rows = [
         (differences(steady, scene.flow(frame, 0.0)), differences(scene.flow(frame), scene.flow(frame, 0.0)))
-        for frame, steady in enumerate(run(scene, steadiness()))
+        for frame, steady in enumerate(run(scene, estimator()))
         if frame >= 90
     ]
     left, raw = np.mean(rows, axis=0)
@@ -136,7 +136,7 @@ def test_the_flow_becomes_that_of_a_steady_camera(size_deg: float) -> None:
 
 
 def test_a_car_that_does_not_pitch_is_left_alone() -> None:
-    scene, found = Scene(0.0), steadiness()
+    scene, found = Scene(0.0), estimator()
     for frame in range(FRAMES):
         flow = scene.flow(frame)
         assert found.update(flow, scene.foe(frame)) is flow
@@ -146,7 +146,7 @@ def test_a_car_that_does_not_pitch_is_left_alone() -> None:
 
 def test_things_that_move_do_not_pitch_the_car() -> None:
     """A fifth of the points flow up by 3 px: they do not agree."""
-    scene, found = Scene(0.0), steadiness()
+    scene, found = Scene(0.0), estimator()
     for frame in range(FRAMES):
         flow = scene.flow(frame)
         lifted = np.where((flow.identity % 5 == 0)[:, None], [0.0, -3.0 * min(frame, WINDOW) / WINDOW], 0.0)
@@ -155,7 +155,7 @@ def test_things_that_move_do_not_pitch_the_car() -> None:
 
 
 def test_the_frame_is_turned_back() -> None:
-    scene, found = Scene(0.5), steadiness()
+    scene, found = Scene(0.5), estimator()
     run(scene, found)
     point = np.array([[20.0, 3.0, 0.5]])
     pitched = replace(CAMERA, pitch_rad=found.pitch_rad)

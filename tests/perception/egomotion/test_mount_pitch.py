@@ -144,12 +144,12 @@ def test_the_flow_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
             structure=np.tile(np.eye(2), (count, 1, 1)),
         )
 
-    steadiness = PitchEstimator(CAMERA, PITCH, 60.0)
+    estimator = PitchEstimator(CAMERA, PITCH, 60.0)
     for i in range(40):
-        steadiness.update_mount_pitch(0.006, 1e-4, 0.05 * i)
+        estimator.update_mount_pitch(0.006, 1e-4, 0.05 * i)
     foe = Expansion(CAMERA.cx_px, CAMERA.cy_px - 0.006 * CAMERA.fy_px, np.eye(2), np.empty(0, np.bool_), 1.0)
-    steady, ideal = steadiness.update(flow(replace(CAMERA, pitch_rad=0.006)), foe), flow(CAMERA)
-    assert steadiness.mounted_rad == pytest.approx(0.006, abs=5e-4)
+    steady, ideal = estimator.update(flow(replace(CAMERA, pitch_rad=0.006)), foe), flow(CAMERA)
+    assert estimator.mounted_rad == pytest.approx(0.006, abs=5e-4)
     for found, true in ((steady.points_px, ideal.points_px), (steady.first_px, ideal.first_px)):
         assert np.abs(found - true).max() < 0.25
     assert np.abs(steady.displacement_px - ideal.displacement_px).max() < 0.05

@@ -13,7 +13,7 @@ from vpf_sim.types import Bools, Camera, Floats, Flow
 
 
 @dataclass(frozen=True, slots=True)
-class Apparent:
+class MeasuredPoints:
     """N tracked points, triangulated as if they stood."""
 
     inverse_per_m: Floats  # (N,) from the camera, + is ahead
@@ -28,7 +28,9 @@ class Apparent:
     contrast: Floats  # (N,) logarithm of the squared gradients, relative to upright objects
 
 
-def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, config: MovingObstacleConfig) -> Apparent:
+def measure(
+    flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, config: MovingObstacleConfig
+) -> MeasuredPoints:
     """The tracked points, and which of them nothing standing explains."""
     x = (flow.points_px[:, 0] - camera.cx_px) / camera.fx_px
     y = (flow.points_px[:, 1] - camera.cy_px) / camera.fy_px
@@ -49,11 +51,11 @@ def appear(flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, co
     if np.count_nonzero(upright) < 5:  # the median of fewer is not reliable
         upright = ripe & ~flow.stuck
     contrast = strength - (median(strength[upright]) if upright.any() else 0.0)
-    return Apparent(inverse, sigma, drop, x, own, ripe, flow.stuck, standing, moves, contrast)
+    return MeasuredPoints(inverse, sigma, drop, x, own, ripe, flow.stuck, standing, moves, contrast)
 
 
 def candidates(
-    seen: Apparent, feet: Integers, most: int, camera: Camera, config: MovingObstacleConfig
+    seen: MeasuredPoints, feet: Integers, most: int, camera: Camera, config: MovingObstacleConfig
 ) -> list[Integers]:
     """For the best of the feet (F,), the points that move alike in a vehicle's outline about it."""
     ripe = np.flatnonzero(seen.ripe & ~seen.still & (seen.drop > 0.0))
@@ -100,7 +102,7 @@ def _weight(contrast: Floats, config: MovingObstacleConfig) -> Floats:
     return np.interp(contrast, rule.contrast, (rule.least, 1.0))
 
 
-def detect(seen: Apparent, mine: Integers, camera: Camera, config: MovingObstacleConfig) -> Detection:
+def detect(seen: MeasuredPoints, mine: Integers, camera: Camera, config: MovingObstacleConfig) -> Detection:
     """The place, speed and width of a candidate with the points `mine`."""
     depth = (camera.height_m - config.filter.foot_height_m) / float(np.sort(seen.drop[mine])[-2:].mean())
     own = median(seen.own_mps[mine])

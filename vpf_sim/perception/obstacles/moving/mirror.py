@@ -15,7 +15,7 @@ from vpf_sim.perception.obstacles.moving.config import (
     MovingObstacleConfig,
     ReflectivityConfig,
 )
-from vpf_sim.perception.obstacles.moving.detection import Apparent
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints
 from vpf_sim.perception.obstacles.moving.place import is_on_carriageway
 from vpf_sim.perception.obstacles.moving.track import MovingTrack
 from vpf_sim.perception.obstacles.point_hypotheses import Integers
@@ -76,7 +76,7 @@ class MirrorImages:
         self._camera, self._config = camera, config
         self.reflectivity = Reflectivity(config.reflectivity, look_s)
 
-    def own_image(self, seen: Apparent, within: Integers, depth_m: float) -> float:
+    def own_image(self, seen: MeasuredPoints, within: Integers, depth_m: float) -> float:
         """The contrast of the mirror image of a vehicle with the points `within` its outline; -inf: it has none."""
         config = self._config
         if config.mirror_image is None or depth_m < config.steep_m:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
-from vpf_sim.perception.obstacles.moving.detection import Apparent
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints
 from vpf_sim.perception.obstacles.moving.track import MovingTrack
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, RoadEdges
@@ -16,7 +16,12 @@ def is_on_carriageway(forward_m: float, right_m: float, road: RoadEdges, inside_
 
 
 def in_outline(
-    track: MovingTrack, seen: Apparent, pose: Floats, margin_m: float, camera: Camera, config: MovingObstacleConfig
+    track: MovingTrack,
+    seen: MeasuredPoints,
+    pose: Floats,
+    margin_m: float,
+    camera: Camera,
+    config: MovingObstacleConfig,
 ) -> Bools:
     """(N,) points in the outline of a track, or within a margin beside it."""
     forward, right = track.place(pose)

@@ -1,18 +1,17 @@
-"""Tracker of moving vehicles, from points that neither the road nor anything standing on it explains.
+"""Tracker of moving vehicles, from points that neither the road nor a static obstacle explains.
 
-A standing point has at least the inverse depth of the road behind it, 1 / Z >= 1 / Z_road: it cannot lie below the
-road. A vehicle that drives our way at the speed v_b, seen from a car at v, is triangulated as if it stood at the
-inverse depth
+A static point has at least the inverse depth of the road behind it, 1 / Z >= 1 / Z_road: it cannot lie below the road.
+A vehicle that drives our way at v_b, seen from a car at v, is triangulated as if it stood at the inverse depth
 
     w = (1 - v_b / v) / Z,
 
-farther off than it is, and so its lower part below the road; one that is faster (w < 0) behind the camera. w fixes the
-time to contact, never the range. The range comes from the foot: the lowest points of a vehicle stand on the road.
+too far away, so that its lower part lies below the road; a faster one (w < 0) behind the camera. w fixes the time to
+contact, never the range. The range comes from the foot: the lowest points of a vehicle stand on the road.
 
-A tentative track is followed as one rigid body that drives along the road (`moving.moving_frame`, `moving.track`). The
-likelihood of its points confirms or rejects it (`moving.evidence`): mirror images, drops on the windscreen and point
-tracks that slip along a line also lie below the road. But they are faint, the road shines through them, and they fill
-no upright outline as wide as a vehicle.
+A tentative track is a rigid body that drives along the road (`moving.moving_frame`, `moving.track`). The likelihood of
+its points confirms or rejects it (`moving.evidence`): mirror images, drops on the windscreen and point tracks that slip
+along a line also lie below the road. But they are faint, the road shines through them, and they fill no upright outline
+as wide as a vehicle.
 """
 
 from dataclasses import dataclass
@@ -23,7 +22,7 @@ from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarm
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
-from vpf_sim.perception.obstacles.moving.detection import Apparent, appear, candidates, detect
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, candidates, detect, measure
 from vpf_sim.perception.obstacles.moving.evidence import evidence
 from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
@@ -43,7 +42,7 @@ OVERLAP_M = 0.1  # of a point beside the silhouette that still speaks for it
 class _Frame:
     """One observed frame."""
 
-    seen: Apparent
+    seen: MeasuredPoints
     flow: Flow
     road: RoadEdges
     own_mps: float
@@ -66,11 +65,6 @@ class MovingObstacleTracker:
         self._time_s = 0.0
         self._masked = np.empty(0, np.int64)  # identities of points
         self._next = 1
-
-    @property
-    def looks(self) -> bool:
-        """Whether the next frame is observed; in the others tracks are only predicted."""
-        return self._observation.is_due
 
     def update(
         self, flow: Flow, points: Triangulation | None, road: RoadEdges, speed_mps: float, time_s: float
@@ -125,7 +119,7 @@ class MovingObstacleTracker:
 
     def _observe(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float, searches: bool) -> None:
         config, pose = self.config, flow.pose
-        seen = appear(flow, points, self.camera, self.rate_hz, config)
+        seen = measure(flow, points, self.camera, self.rate_hz, config)
         frame = _Frame(seen, flow, road, speed_mps)
         free = seen.moves.copy()
         masked, taken = np.zeros(len(flow), np.bool_), np.zeros(len(flow), np.bool_)
@@ -146,14 +140,14 @@ class MovingObstacleTracker:
         if searches:
             self._find(frame, free)
 
-    def _measure_reflectivity(self, seen: Apparent, pose: Floats) -> None:
+    def _measure_reflectivity(self, seen: MeasuredPoints, pose: Floats) -> None:
         low = seen.ripe & ~seen.still & (seen.drop > self.config.least_drop)
         for track in self.tracks:
             low &= ~self._outline(track, seen, pose, self.config.margin_m)
         count = int(np.count_nonzero(low))
         self.mirror_images.reflectivity.update(int(np.count_nonzero(low & seen.moves)), count)
 
-    def _outline(self, track: MovingTrack, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
+    def _outline(self, track: MovingTrack, seen: MeasuredPoints, pose: Floats, margin_m: float) -> Bools:
         return in_outline(track, seen, pose, margin_m, self.camera, self.config)
 
     def _follow(self, track: MovingTrack, frame: _Frame, free: Bools) -> tuple[Bools, Bools]:
@@ -230,7 +224,7 @@ class MovingObstacleTracker:
             track.log_odds = -np.inf
 
     def _update_extent(
-        self, track: MovingTrack, seen: Apparent, chosen: Integers, front: Bools, chi2: Floats, pose: Floats
+        self, track: MovingTrack, seen: MeasuredPoints, chosen: Integers, front: Bools, chi2: Floats, pose: Floats
     ) -> None:
         """Update a track's sides by the chosen points (M,), where those in `front` (M,) make its face.
 
@@ -251,7 +245,7 @@ class MovingObstacleTracker:
         return height / low if low > self.config.least_drop else None
 
     def _upright(
-        self, track: MovingTrack, seen: Apparent, chosen: Integers, face: Bools, own_mps: float, pose: Floats
+        self, track: MovingTrack, seen: MeasuredPoints, chosen: Integers, face: Bools, own_mps: float, pose: Floats
     ) -> Bools | None:
         """(M,) chosen points that count as evidence, by those in `face` (M,); None: the face is no vehicle's."""
         config = self.config
