@@ -12,7 +12,6 @@ from vpf_sim.perception.egomotion.focus_fit import Prior, fit
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 LEAST_CONFIDENCE = 0.1  # below it results of the flow are not reliable
-UNIT = np.eye(2)
 
 
 def lines(points_px: Floats, flow_px: Floats) -> tuple[Floats, Floats]:
@@ -169,7 +168,7 @@ def _inverse(matrix: Floats) -> Floats:
 
 def _drifted(covariance_px2: Floats, camera: Camera, config: TemporalPriorConfig, rate_hz: float) -> Floats:
     """(2, 2) px^2, a frame later."""
-    later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * UNIT
+    later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * np.eye(2)
     return later
 
 

@@ -12,7 +12,9 @@ import numpy as np
 from vpf_sim.perception.obstacles.moving.filter_config import ExtentConfig
 from vpf_sim.types import Floats
 
-UNLIKELY = 1e-4  # a width is not given up for good
+WIDTHS = 4  # hypotheses
+REACH_M = 1.6  # of the grid of middles, to each side
+GRID_M = 0.1 * np.arange(-16, 17)
 
 
 class Sides:
@@ -21,10 +23,8 @@ class Sides:
     def __init__(self, config: ExtentConfig) -> None:
         self._config = config
         self.sigma_m = config.sigma_m
-        self._width_m = np.linspace(config.narrowest_m, config.widest_m, config.widths)
+        self._width_m = np.linspace(config.narrowest_m, config.widest_m, WIDTHS)
         self._log = -0.5 * ((self._width_m - config.narrowest_m) / config.width_sigma_m) ** 2
-        count = round(config.reach_m / config.step_m)
-        self._grid_m = config.step_m * np.arange(-count, count + 1)
         self.half_m = self._half_m()
 
     def _half_m(self) -> float:
@@ -46,15 +46,15 @@ class Sides:
         config = self._config
         if not len(across_m):
             return 0.0
-        log = self._log[:, None] - 0.5 * (self._grid_m / self.sigma_m) ** 2
+        log = self._log[:, None] - 0.5 * (GRID_M / self.sigma_m) ** 2
         least = 0.0 if config.through is None else -config.cap
         log += fresh * self._likelihood(across_m, np.clip(odds, least, config.cap), camera_m, depth_m)
         weight = np.exp(log - log.max())
         weight /= weight.sum()
         place = weight.sum(axis=0)
-        change = float(place @ self._grid_m)
-        self.sigma_m = max(float(np.sqrt(place @ (self._grid_m - change) ** 2)), config.least_sigma_m)
-        self._log = np.log(weight.sum(axis=1) + UNLIKELY)
+        change = float(place @ GRID_M)
+        self.sigma_m = max(float(np.sqrt(place @ (GRID_M - change) ** 2)), config.least_sigma_m)
+        self._log = np.log(weight.sum(axis=1) + 1e-4)  # no width becomes impossible
         self.half_m = self._half_m()
         return change
 
@@ -65,7 +65,7 @@ class Sides:
         weight = np.abs(2.0 * chance - 1.0)
         decided = np.flatnonzero(weight > 0.0)
         inside, size = self._silhouette(across_m[decided], camera_m, depth_m)
-        span = 2.0 * (config.reach_m + config.widest_m)
+        span = 2.0 * (REACH_M + config.widest_m)
         own = inside * ((1.0 - config.stray) / size) + config.stray / span
         through = 1.0 if config.through is None else config.through
         other = (1.0 - inside) * ((1.0 - through) / (span - size)) + through / span
@@ -86,7 +86,7 @@ class Sides:
         length = config.flank_m or 0.0
         share = length / (depth_m + length)
         half = 0.5 * self._width_m[:, None]
-        left, right = self._grid_m - half, self._grid_m + half
+        left, right = GRID_M - half, GRID_M + half
         left_side, right_side = share * np.maximum(left - camera_m, 0.0), share * np.maximum(camera_m - right, 0.0)
         point = across_m[:, None, None]
         inside = np.clip((point - (left - left_side - blur)) / (left_side + 2.0 * blur), 0.0, 1.0)

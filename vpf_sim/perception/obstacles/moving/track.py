@@ -13,7 +13,6 @@ from vpf_sim.perception.obstacles.moving.moving_frame import Course, Residuals
 from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.types import Bools, Camera, Floats, Flow, LateralExtent
 
-FITS = 3  # iterations
 LEAST_DEPTH_M = 0.5
 LEAST_SLOPE = 0.2  # of a ray along the course: a face is not seen along its plane
 
@@ -118,7 +117,7 @@ class MovingTrack:
         weight = inverse(inverse(tracks.weight) + self._config.face_sigma_m**2 * _outer(tracks.by_depth))
         gain = slope.transpose(0, 2, 1) @ weight
         change, residual = np.zeros(3), tracks.residual_px
-        for _ in range(FITS):
+        for _ in range(3):
             chi2 = _quadratic(weight, residual)
             trust = counts / (1.0 + chi2 / self._config.chi2_limit)
             trust /= 1.0 + np.exp(np.clip(0.5 * (chi2 - standing), -20.0, 20.0))
