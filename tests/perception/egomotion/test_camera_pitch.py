@@ -168,10 +168,3 @@ def test_the_frame_is_turned_back() -> None:
     shift = project(CAMERA, point)[0] - project(pitched, point)[0]
     assert seen - [column, row] == pytest.approx(shift, abs=0.1)
     assert np.abs(shift).max() > 0.2
-
-
-def test_nonsense_is_refused() -> None:
-    with pytest.raises(ValueError, match="settle_s: expected > 0"):
-        replace(DYNAMIC, settle_s=0.0)
-    with pytest.raises(ValueError, match=r"smoothness: expected < 1"):
-        replace(DYNAMIC, smoothness=1.0)

@@ -11,13 +11,11 @@ from road_picture import RoadPicture
 
 from vpf_sim.drivers.paper_pipeline import FrameTrackers
 from vpf_sim.drivers.perceiver import Perceiver
-from vpf_sim.errors import InputError
 from vpf_sim.geometry import project
 from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
 from vpf_sim.perception.egomotion.mount_pitch import MountPitch
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.model import lines, seen_lines
-from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Expansion, Floats, Flow, Observation, RoadEdges, VehicleModel
 
@@ -168,11 +166,3 @@ def test_the_planner_takes_it_out_of_what_it_sees() -> None:
     assert np.degrees(trackers.pitch.mounted_rad) == pytest.approx(0.6, abs=0.05)
     assert seen.road.right_m == pytest.approx(5.7, abs=0.06)
     assert len(seen.obstacles) == 0
-
-
-def test_a_wrong_setting_is_named(tmp_path: object) -> None:
-    file = f"{tmp_path}/own.toml"
-    with open(file, "w") as own:
-        own.write("[camera_pitch.mounting]\nstep_rad = 0.0\n")
-    with pytest.raises(InputError, match="step_rad: expected > 0"):
-        load(file)

@@ -185,8 +185,3 @@ def test_the_search_ends_with_what_the_blade_has_wiped_away() -> None:
     gone = before.identity[before.points_px[:, 0] < 280.0]
     assert np.mean(np.isin(gone, after.identity)) < 0.1
     assert np.count_nonzero(after.points_px[:, 0] < 280.0) > 0.7 * len(gone)
-
-
-def test_a_nonsense_hold_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"hold_s: expected > 0, got 0\.0"):
-        replace(HELD.wiper, hold_s=0.0)
