@@ -1,4 +1,4 @@
-"""Tracked points that lie below the road, where nothing standing does, and the candidates that they make."""
+"""Points that seem to lie below the road, where no static point does, and candidates of vehicles among them."""
 
 from dataclasses import dataclass
 
@@ -7,23 +7,22 @@ import numpy as np
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.track import Detection
-from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.perception.quantiles import median
-from vpf_sim.types import Bools, Camera, Floats, Flow
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredPoints:
-    """N tracked points, triangulated as if they stood."""
+    """N tracked points, triangulated as if they stood still."""
 
     inverse_per_m: Floats  # (N,) from the camera, + is ahead
     sigma_per_m: Floats  # (N,)
     drop: Floats  # (N,) tangent below the horizon
     bearing: Floats  # (N,) tangent, + is right
     own_mps: Floats  # (N,) own mean speed since the first sighting
-    ripe: Bools  # (N,) observed over enough own way
-    still: Bools  # (N,) on the windscreen, or of a vehicle as fast as the camera
-    standing: Floats  # (N,) chi2 as a point that stands or lies on the road
+    ripe: Bools  # (N,) observed over enough travel
+    still: Bools  # (N,) without motion: on the windscreen, or of a vehicle as fast as ours
+    standing: Floats  # (N,) chi2 as a static point
     moves: Bools  # (N,) lies below the road
     contrast: Floats  # (N,) logarithm of the squared gradients, relative to upright objects
 
@@ -31,7 +30,7 @@ class MeasuredPoints:
 def measure(
     flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, config: MovingObstacleConfig
 ) -> MeasuredPoints:
-    """The tracked points, and which of them nothing standing explains."""
+    """The tracked points, and which of them are no static points."""
     x = (flow.points_px[:, 0] - camera.cx_px) / camera.fx_px
     y = (flow.points_px[:, 1] - camera.cy_px) / camera.fy_px
     drop = np.cos(camera.pitch_rad) * y + np.sin(camera.pitch_rad)
@@ -57,7 +56,7 @@ def measure(
 def candidates(
     seen: MeasuredPoints, feet: Integers, most: int, camera: Camera, config: MovingObstacleConfig
 ) -> list[Integers]:
-    """For the best of the feet (F,), the points that move alike in a vehicle's outline about it."""
+    """For the best of the feet (F,), the points in a vehicle's outline about it that move alike."""
     ripe = np.flatnonzero(seen.ripe & ~seen.still & (seen.drop > 0.0))
     middle = np.repeat(np.array([-1.0, 0.0, 1.0]) * config.half_width_m, len(feet))[:, None]
     feet = np.tile(feet, 3)
@@ -84,7 +83,7 @@ def candidates(
 
 
 def _is_supported(inside: Bools, alike: Bools, standing: Floats, config: MovingObstacleConfig) -> Bools:
-    """(F,) outlines with enough points that move alike, (F, N), against the others that lie inside."""
+    """(F,) whether the points that move alike (F, N) outweigh the others inside."""
     count = np.count_nonzero(alike, axis=1)
     supported: Bools = count >= config.least_members
     if config.contradiction is not None:
@@ -95,7 +94,7 @@ def _is_supported(inside: Bools, alike: Bools, standing: Floats, config: MovingO
 
 
 def _weight(contrast: Floats, config: MovingObstacleConfig) -> Floats:
-    """(N,) weights of points in the choice of a candidate: mirror images are faint."""
+    """(N,) weights of points in the choice of a candidate."""
     rule = config.candidate_contrast
     if rule is None:
         return np.ones(len(contrast))
@@ -103,7 +102,7 @@ def _weight(contrast: Floats, config: MovingObstacleConfig) -> Floats:
 
 
 def detect(seen: MeasuredPoints, mine: Integers, camera: Camera, config: MovingObstacleConfig) -> Detection:
-    """The place, speed and width of a candidate with the points `mine`."""
+    """Place, speed and width of a candidate with the points `mine`."""
     depth = (camera.height_m - config.filter.foot_height_m) / float(np.sort(seen.drop[mine])[-2:].mean())
     own = median(seen.own_mps[mine])
     share = median(seen.inverse_per_m[mine]) * depth
