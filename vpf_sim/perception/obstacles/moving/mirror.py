@@ -1,7 +1,7 @@
 """Mirror images on a wet road: how far the road mirrors, and how faint a vehicle's own image is.
 
-A mirror image lies below the road and moves as a vehicle does, so point tracks cannot reject it. But a wet road reflects
-a small share of the light (Fresnel) and smears it: an image has a fraction of the contrast of upright objects. Contrasts
+A mirror image lies below the road and moves as a vehicle does, so point tracks cannot reject it. A wet road reflects
+a small share of the light (Fresnel) and smears it: an image has a part of the contrast of upright objects. Contrasts
 are logarithms of squared gradients; 0 is that of upright objects.
 """
 
@@ -84,8 +84,8 @@ class MirrorImages:
     def faint(self, track: MovingTrack, image: float, own_mps: float, pose: Floats, road: RoadEdges) -> float:
         """The contrast below which points speak against a track; -inf without contrast evidence.
 
-        Where the mirrored object would stand on the road, where hardly anything stands, the limit is that of the track's
-        own `image`, or asphalt's.
+        Hardly anything stands on the road, so where the mirrored object would stand there, the limit is that of the
+        own `image`, or of asphalt.
         """
         config, contrast = self._config, self._config.evidence.contrast
         if contrast is None:
