@@ -99,9 +99,8 @@ class TemporalPriorConfig:
 
 @settings
 class RotationFitConfig:
-    pitch_sd_radps: float = setting("standard deviation of the pitch rate", ge=0.0)
+    tilt_sd_radps: float = setting("standard deviation of the pitch rate and the roll rate", ge=0.0)
     yaw_sd_radps: float = setting("the same of the yaw rate's error", ge=0.0)
-    roll_sd_radps: float = setting("the same of the roll rate", ge=0.0)
 
 
 @settings

@@ -153,7 +153,7 @@ def _usual(camera: Camera, config: FocusFitConfig) -> Prior:
     information = np.zeros((5, 5))
     direction, rotation = config.direction_prior, config.rotation
     sides_rad = (direction.side_sd_rad, direction.height_sd_rad) if direction else (inf, inf)
-    rates = (rotation.pitch_sd_radps, rotation.yaw_sd_radps, rotation.roll_sd_radps) if rotation else (0.0, 0.0, 0.0)
+    rates = (rotation.tilt_sd_radps, rotation.yaw_sd_radps, rotation.tilt_sd_radps) if rotation else (0.0, 0.0, 0.0)
     sides = np.array(sides_rad) * [camera.fx_px, camera.fy_px]
     information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in rates)]
     return Prior(np.array([*_straight_ahead(camera), 0.0, 0.0, 0.0]), information, None)
