@@ -133,10 +133,10 @@ class ObstacleStages:
         return self._static.update(steady, road, observation.speed_mps, observation.time_s, points, on_moving)
 
     def join_moving(self, steady: Flow, observation: Observation, static: Obstacles) -> Obstacles:
-        """Static and moving obstacles, and those of the collision alarm."""
+        """Static and moving obstacles."""
         if self._moving is None or not self._moving.reports:
             return static
-        return self._moving.obstacles(steady.pose, observation.speed_mps, static)
+        return static.concatenate(self._moving.moving(steady.pose, observation.speed_mps))
 
     def verify(
         self, image: Image | None, pose: Floats, detected: Obstacles, observation: Observation

@@ -55,7 +55,7 @@ class Seen:
             points = self.static.triangulate(flow)
             moving = self.moving.update(flow, points, drive.road, SPEED_MPS, time_s)
             standing = self.static.update(flow, drive.road, SPEED_MPS, time_s, points, moving)
-            found.append(self.moving.obstacles(flow.pose, SPEED_MPS, standing))
+            found.append(standing.concatenate(self.moving.moving(flow.pose, SPEED_MPS)))
         return found
 
 
@@ -238,7 +238,7 @@ def test_a_confirmed_track_survives_a_second_in_which_little_is_seen() -> None:
         flow = drive.flow(frame)
         left = flow.chosen(np.flatnonzero((flow.identity > 17) | ((flow.identity > 3) & (flow.identity < 7))))
         seen.moving.update(left, seen.static.triangulate(left), drive.road, SPEED_MPS, frame / RATE_HZ)
-    reported = seen.moving.obstacles(flow.pose, SPEED_MPS, nothing)
+    reported = seen.moving.moving(flow.pose, SPEED_MPS)
     assert [int(name) for name in reported.identity] == [-1]
     assert reported.forward_m == pytest.approx([16.0 + (3.0 - SPEED_MPS) * 3.0], abs=1.0)
 

@@ -1,7 +1,7 @@
 """Settings of the moving-object tracker. A section that may be None is a mechanism that a variant can switch off."""
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.perception.obstacles.config import CollisionAlarmConfig, EdgeLineConfig
+from vpf_sim.perception.obstacles.config import EdgeLineConfig
 from vpf_sim.perception.obstacles.moving.filter_config import FilterConfig
 
 Pair = tuple[float, float]
@@ -148,7 +148,6 @@ class MovingObstacleConfig:
     thickness_m: float | None = setting("least spread of a tentative track's points about a line", default=None, ge=0.0)
     slowest_mps: float | None = setting("least speed of a tentative track", default=None, ge=0.0)
     outside_m: float | None = setting("beyond the carriageway, tracks are pruned; none: anywhere", default=None, ge=0.0)
-    collision_alarm: CollisionAlarmConfig | None = setting("alarm by points that expand fast", default=None)
     candidate_contrast: CandidateContrastConfig | None = setting("faint points count less in new tracks", default=None)
     reflectivity: ReflectivityConfig | None = setting("how far the road mirrors; none: it always mirrors", default=None)
     mirror_image: MirrorImageConfig | None = setting("reject points as faint as a vehicle's own image", default=None)

@@ -20,7 +20,6 @@ import numpy as np
 
 from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarm
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, candidates, detect, measure
 from vpf_sim.perception.obstacles.moving.evidence import evidence
@@ -60,7 +59,6 @@ class MovingObstacleTracker:
         self._observation = Schedule(config.look_s, rate_hz)
         self._search = Schedule(config.search_s, self._observation.rate_hz)  # among the observations
         look_s = self._look_s = 1.0 / self._observation.rate_hz
-        self._alarm = CollisionAlarm(camera, config.collision_alarm, look_s) if config.collision_alarm else None
         self.mirror_images = MirrorImages(camera, config, look_s)
         self._time_s = 0.0
         self._masked = np.empty(0, np.int64)  # identities of points
@@ -80,23 +78,14 @@ class MovingObstacleTracker:
             ahead = min(max(track.place(flow.pose)[0], -self.config.far_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
             track.predict(dt_s, direction, road.curvature_per_m)
-        if observes and points is not None:
-            if self.tracks or searches:
-                self._observe(flow, points, road, speed_mps, searches)
-            if self._alarm is not None:
-                self._alarm.look(flow, points, road, speed_mps, ~among(flow.identity, self._masked))
+        if observes and points is not None and (self.tracks or searches):
+            self._observe(flow, points, road, speed_mps, searches)
         return among(flow.identity, self._masked)
 
     @property
     def reports(self) -> bool:
         """Whether there is anything to report."""
-        alarms = self._alarm is not None and self._alarm.alarms
-        return alarms or any(track.identity is not None for track in self.tracks)
-
-    def obstacles(self, pose: Floats, speed_mps: float, standing: Obstacles) -> Obstacles:
-        """All obstacles in the axes of the vehicle: the `standing`, the moving, and the collision alarm's."""
-        known = standing.concatenate(self.moving(pose, speed_mps))
-        return known if self._alarm is None else known.concatenate(self._alarm.obstacles(pose, speed_mps, known))
+        return any(track.identity is not None for track in self.tracks)
 
     def moving(self, pose: Floats, speed_mps: float) -> Obstacles:
         """The confirmed tracks, in the axes of the vehicle; their identities are negative."""
