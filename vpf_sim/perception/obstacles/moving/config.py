@@ -144,7 +144,6 @@ class MovingObstacleConfig:
     mirrored_place_m: float | None = setting(
         "range of the road on which a mirrored object stands", default=None, gt=0.0
     )
-    contradiction: float | None = setting("weight of unexplained points in a candidate's outline", default=None, ge=0.0)
     thickness_m: float | None = setting("least spread of a tentative track's points about a line", default=None, ge=0.0)
     slowest_mps: float | None = setting("least speed of a tentative track", default=None, ge=0.0)
     outside_m: float | None = setting("beyond the carriageway, tracks are pruned; none: anywhere", default=None, ge=0.0)

@@ -71,26 +71,15 @@ def candidates(
     least_m = config.shape.least_height_m if config.shape else -np.inf
     found: list[Integers] = []
     while len(found) < most:
-        good = _is_supported(inside, alike, seen.standing[ripe], config)
+        good = np.count_nonzero(alike, axis=1) >= config.least_members
         if not good.any():
             break
         best = int(np.argmax(np.where(good, (alike * _weight(seen.contrast[ripe], config)).sum(axis=1), 0.0)))
         mine = alike[best]
         if float(np.ptp(seen.drop[ripe[mine]])) * float(depth[best, 0]) > least_m:
             found.append(ripe[mine])
-        inside, alike = inside & ~mine, alike & ~mine
+        alike = alike & ~mine
     return found
-
-
-def _is_supported(inside: Bools, alike: Bools, standing: Floats, config: MovingObstacleConfig) -> Bools:
-    """(F,) whether the points that move alike (F, N) outweigh the others inside."""
-    count = np.count_nonzero(alike, axis=1)
-    supported: Bools = count >= config.least_members
-    if config.contradiction is not None:
-        stands = np.count_nonzero(inside & ~alike & (standing < config.filter.chi2_limit), axis=1)
-        stray = np.count_nonzero(inside & ~alike, axis=1) - stands
-        supported &= count >= stands + config.contradiction * stray
-    return supported
 
 
 def _weight(contrast: Floats, config: MovingObstacleConfig) -> Floats:
