@@ -138,7 +138,6 @@ class MovingObstacleConfig:
     evidence: EvidenceConfig = setting("of one observation")
     prior: float | None = setting("log-odds of a new track; none: even odds", default=None, le=0.0)
     patience: float | None = setting("log-odds of one observation against a confirmed track", default=None, ge=0.0)
-    credit: float | None = setting("log-odds that a sure track keeps at the image's edge", default=None, gt=0.0)
     decay_per_s: float | None = setting("log-odds lost while a track cannot be observed", default=None, ge=0.0)
     mask: float | None = setting("log-odds from which a track's points are not for static obstacles", default=None)
     mirrored_place_m: float | None = setting(

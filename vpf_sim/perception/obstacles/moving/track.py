@@ -47,7 +47,6 @@ class MovingTrack:
         self.sigma_mps = detection.sigma_mps  # at a known range
         self.identity: int | None = None  # once it is confirmed
         self.log_odds = log_odds  # of a moving vehicle
-        self.credit = -np.inf  # log-odds that it keeps while it cannot be observed
         self.tracks = np.empty(0, np.int64)  # identities of its points at the last observation
         self.course = Course(detection.speed_mps, float(pose[2]), 0.0)
         self._predicted_s = 0.0  # since its sides were observed

@@ -200,15 +200,12 @@ class MovingObstacleTracker:
         if config.patience is not None and track.identity is not None:
             gain = max(gain, -config.patience)
         track.log_odds = min(track.log_odds + gain * dt_s / config.independent_s, config.most)
-        if config.credit is not None and track.log_odds > config.credit:
-            track.credit = config.credit
 
     def _decay(self, track: MovingTrack, dt_s: float) -> None:
         """Lower the confidence of a track that cannot be observed."""
         if self.config.decay_per_s is None:
             return
-        track.log_odds = max(track.log_odds, track.credit) - self.config.decay_per_s * dt_s
-        track.credit = min(track.credit, track.log_odds)
+        track.log_odds -= self.config.decay_per_s * dt_s
         if track.identity is None:
             track.log_odds = -np.inf
 
