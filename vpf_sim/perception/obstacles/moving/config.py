@@ -1,7 +1,6 @@
 """Settings of the moving-object tracker. A section that may be None is a mechanism that a variant can switch off."""
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.perception.obstacles.config import EdgeLineConfig
 from vpf_sim.perception.obstacles.moving.filter_config import FilterConfig
 
 Pair = tuple[float, float]
@@ -151,5 +150,4 @@ class MovingObstacleConfig:
     mirror_image: MirrorImageConfig | None = setting("reject points as faint as a vehicle's own image", default=None)
     shape: ShapeConfig | None = setting("only an upright face as wide as a vehicle speaks for a track", default=None)
     equal_speed: EqualSpeedConfig | None = setting("reject tentative tracks as fast as the camera", default=None)
-    edge_lines: EdgeLineConfig | None = setting("points near an edge line start no track: they slip", default=None)
     merging: MergingConfig | None = setting("join tracks of one vehicle", default=None)

@@ -30,7 +30,6 @@ from vpf_sim.perception.obstacles.moving.place import in_outline, is_on_carriage
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.perception.quantiles import quantile
-from vpf_sim.perception.road.geometry import near_edge_line
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, Obstacles, RoadEdges
 
@@ -288,8 +287,6 @@ class MovingObstacleTracker:
             free &= self.camera.height_m < config.far_m * seen.drop
         if spare <= 0 or np.count_nonzero(free) < config.least_points:
             return
-        if (rule := config.edge_lines) is not None:
-            free &= ~near_edge_line(self.camera, frame.flow.points_px, frame.road, rule.inside_m, rule.outside_m)
         feet = np.flatnonzero(free)
         share = seen.inverse_per_m[feet] * self.camera.height_m / np.maximum(seen.drop[feet], 1e-3)
         is_fast = share < config.slowest_share
