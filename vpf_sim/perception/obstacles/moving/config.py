@@ -74,14 +74,6 @@ class ShapeConfig:
 
 
 @settings
-class EqualSpeedConfig:
-    """Closing speeds near 0, as a share of the own speed."""
-
-    closing: float = setting("a tentative track closes in by more,", gt=0.0)
-    receding: float = setting("or falls back by more", gt=0.0)
-
-
-@settings
 class MergingConfig:
     """When two tracks are one vehicle."""
 
@@ -142,12 +134,9 @@ class MovingObstacleConfig:
     mirrored_place_m: float | None = setting(
         "range of the road on which a mirrored object stands", default=None, gt=0.0
     )
-    thickness_m: float | None = setting("least spread of a tentative track's points about a line", default=None, ge=0.0)
-    slowest_mps: float | None = setting("least speed of a tentative track", default=None, ge=0.0)
     outside_m: float | None = setting("beyond the carriageway, tracks are pruned; none: anywhere", default=None, ge=0.0)
     candidate_contrast: CandidateContrastConfig | None = setting("faint points count less in new tracks", default=None)
     reflectivity: ReflectivityConfig | None = setting("how far the road mirrors; none: it always mirrors", default=None)
     mirror_image: MirrorImageConfig | None = setting("reject points as faint as a vehicle's own image", default=None)
     shape: ShapeConfig | None = setting("only an upright face as wide as a vehicle speaks for a track", default=None)
-    equal_speed: EqualSpeedConfig | None = setting("reject tentative tracks as fast as the camera", default=None)
     merging: MergingConfig | None = setting("join tracks of one vehicle", default=None)

@@ -37,8 +37,3 @@ def in_outline(
     inside &= below > camera.height_m - config.tallest_m
     inside &= below < config.below_road * camera.height_m
     return inside
-
-
-def thickness(across_m: Floats, height_m: Floats) -> float:
-    """m, root mean square distance of points from the straight line that fits them best."""
-    return float(np.sqrt(np.linalg.eigvalsh(np.cov(across_m, height_m, ddof=0))[0]))

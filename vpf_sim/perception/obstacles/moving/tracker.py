@@ -26,7 +26,7 @@ from vpf_sim.perception.obstacles.moving.evidence import evidence
 from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
 from vpf_sim.perception.obstacles.moving.moving_frame import against
-from vpf_sim.perception.obstacles.moving.place import in_outline, is_on_carriageway, thickness
+from vpf_sim.perception.obstacles.moving.place import in_outline, is_on_carriageway
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.perception.quantiles import quantile
@@ -187,7 +187,7 @@ class MovingObstacleTracker:
         front = shape & (behind < config.filter.face_sigma_m)
         front = front if np.count_nonzero(front) >= 3 else shape
         self._update_extent(track, seen, chosen, front, fitted, pose)
-        inside = self._upright(track, seen, chosen, face, own_mps, pose)
+        inside = self._upright(track, seen, chosen, face, pose)
         if inside is None:
             return config.evidence.least, depth
         faint = self.mirror_images.faint(track, image, own_mps, pose, frame.road)
@@ -230,7 +230,7 @@ class MovingObstacleTracker:
         return height / low if low > self.config.least_drop else None
 
     def _upright(
-        self, track: MovingTrack, seen: MeasuredPoints, chosen: Integers, face: Bools, own_mps: float, pose: Floats
+        self, track: MovingTrack, seen: MeasuredPoints, chosen: Integers, face: Bools, pose: Floats
     ) -> Bools | None:
         """(M,) chosen points that count as evidence, by those in `face` (M,); None: the face is no vehicle's."""
         config = self.config
@@ -245,20 +245,7 @@ class MovingObstacleTracker:
             low, high = np.min(height[face]), np.max(height[face])
             is_vehicle &= bool(low < config.shape.foot_m and high - low > config.shape.least_height_m)
             is_vehicle &= track.width_m > config.shape.least_width_m
-        if is_vehicle and track.identity is None:
-            is_vehicle = self._drives(track, across[face], height[face], own_mps)
         return inside if is_vehicle else None
-
-    def _drives(self, track: MovingTrack, across_m: Floats, height_m: Floats, own_mps: float) -> bool:
-        """Whether a tentative track with points at these places drives, and is no slipping line or mirror image."""
-        config = self.config
-        if (rule := config.equal_speed) is not None:
-            share = track.closing_share(own_mps)
-            if -rule.receding < share < rule.closing:
-                return False
-        if config.slowest_mps is not None and track.speed_mps < config.slowest_mps:
-            return False
-        return config.thickness_m is None or thickness(across_m, height_m) > config.thickness_m
 
     def _confirm(self) -> None:
         for track in self.tracks:
@@ -289,10 +276,7 @@ class MovingObstacleTracker:
             return
         feet = np.flatnonzero(free)
         share = seen.inverse_per_m[feet] * self.camera.height_m / np.maximum(seen.drop[feet], 1e-3)
-        is_fast = share < config.slowest_share
-        if config.equal_speed is not None:
-            is_fast &= (share > config.equal_speed.closing) | (share < -config.equal_speed.receding)
-        for mine in candidates(seen, feet[is_fast], spare, self.camera, config):
+        for mine in candidates(seen, feet[share < config.slowest_share], spare, self.camera, config):
             lowest_m = self.camera.height_m / float(np.max(seen.drop[mine]))
             members = mine[seen.contrast[mine] > self.mirror_images.own_image(seen, mine, lowest_m)]
             if len(members) < config.least_members:
