@@ -51,7 +51,6 @@ class FilterConfig:
     nearest_m: float = setting("range from which the sides are observed", gt=0.0)
     chi2_limit: float = setting("of a point track that fits a hypothesis", gt=0.0)
     hidden_foot: float | None = setting("factor of a foot's sigma beyond a confirmed face", default=None, ge=1.0)
-    innovation: float | None = setting("largest innovation of the range, in standard deviations", default=None, gt=0.0)
     memory_s: float | None = setting("observations of the same points within this count once", default=None, gt=0.0)
     side_drift: SideDriftConfig | None = setting("unobserved sides are reported wider and wider", default=None)
     extent: ExtentConfig | None = setting("filter of middle and width; none: a low-pass of the sides", default=None)

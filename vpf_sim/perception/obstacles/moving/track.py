@@ -152,9 +152,7 @@ class MovingTrack:
             sigma *= config.hidden_foot
         fresh = self._fresh(dt_s)
         variance = self.sigma_m**2 + sigma**2 / fresh
-        limit = config.innovation * float(np.sqrt(variance)) if config.innovation else np.inf
-        change = self.sigma_m**2 / variance * min(max(foot_m - depth, -limit), limit)
-        change = max(change, LEAST_DEPTH_M - depth)
+        change = max(self.sigma_m**2 / variance * (foot_m - depth), LEAST_DEPTH_M - depth)
         self.sigma_m *= float(np.sqrt(1.0 - self.sigma_m**2 / variance))
         rate = (own_mps - self.speed_mps) / depth
         self.speed_mps = max(self.speed_mps - rate * change, 0.0)
