@@ -20,14 +20,6 @@ class ExtentConfig:
 
 
 @settings
-class SideDriftConfig:
-    """Growth of the reported width while the sides are not observed."""
-
-    rate_mps: float = setting("of each side", ge=0.0)
-    most_m: float = setting("of each side: a vehicle keeps its lane", ge=0.0)
-
-
-@settings
 class FilterConfig:
     """Noise of the measurements and of the vehicle's own driving."""
 
@@ -49,5 +41,4 @@ class FilterConfig:
     chi2_limit: float = setting("of a point track that fits a hypothesis", gt=0.0)
     hidden_foot: float | None = setting("factor of a foot's sigma beyond a confirmed face", default=None, ge=1.0)
     memory_s: float | None = setting("observations of the same points within this count once", default=None, gt=0.0)
-    side_drift: SideDriftConfig | None = setting("unobserved sides are reported wider and wider", default=None)
     extent: ExtentConfig | None = setting("filter of middle and width; none: a low-pass of the sides", default=None)

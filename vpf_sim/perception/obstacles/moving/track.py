@@ -86,12 +86,6 @@ class MovingTrack:
         return self._sides.half_m if self._sides is not None else 0.5 * self.width_m
 
     @property
-    def reach_m(self) -> float:
-        """m from its middle to where its sides may be by now."""
-        drift = self._config.side_drift
-        return self.half_m + (min(drift.rate_mps * self._predicted_s, drift.most_m) if drift else 0.0)
-
-    @property
     def is_observed(self) -> bool:
         """Whether its sides were observed since the last prediction."""
         return self._predicted_s == 0.0

@@ -90,7 +90,7 @@ class MovingObstacleTracker:
         """The confirmed tracks, in the axes of the vehicle; their identities are negative."""
         confirmed = [track for track in self.tracks if track.identity is not None]
         place = np.array([track.place(pose) for track in confirmed]).reshape(-1, 2)
-        half = np.array([track.reach_m for track in confirmed])
+        half = np.array([track.half_m for track in confirmed])
         speed = np.array([track.speed_mps for track in confirmed])
         forward, closing = place[:, 0], speed_mps - speed
         with np.errstate(divide="ignore", invalid="ignore"):
