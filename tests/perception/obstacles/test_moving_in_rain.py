@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from driver_settings import moving_obstacles, without
+from driver_settings import moving_obstacles
 from test_moving_tracker import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
-from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, candidates, measure
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, measure
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages, faint_contrast
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.seeding import stream
@@ -159,14 +159,3 @@ def test_a_vehicle_is_compared_with_its_image_by_its_upper_part() -> None:
     mine = np.arange(18)
     assert images.own_image(seen, mine, depth) == pytest.approx(-2.0, abs=0.05)
     assert images.own_image(seen, mine, 0.99 * moving_obstacles().steep_m) == -np.inf
-
-
-def test_the_candidate_with_most_contrast_comes_first() -> None:
-    """Two cars, the fainter with more points."""
-    bright, faint = vehicle(16.0, -2.5, 10), vehicle(16.0, 2.5, 24)
-    seen = apparent(wet((faint, 3.0, float(np.exp(-1.4))), (bright, 3.0, 1.0)), 40)
-    feet = np.flatnonzero(seen.moves)
-    first = candidates(seen, feet, 1, CAMERA, moving_obstacles())[0]
-    assert (seen.bearing[first] < 0.0).all()
-    off = without(moving_obstacles(), "candidate_contrast")
-    assert (seen.bearing[candidates(seen, feet, 1, CAMERA, off)[0]] > 0.0).all(), "switched off: the most points"

@@ -56,14 +56,6 @@ class MirrorImageConfig:
 
 
 @settings
-class CandidateContrastConfig:
-    """Weight of a point in the choice between candidates."""
-
-    contrast: Pair = setting("from which a point counts least, and in full")
-    least: float = setting("least weight", gt=0.0, le=1.0)
-
-
-@settings
 class ShapeConfig:
     """Shape of a vehicle's face."""
 
@@ -134,7 +126,6 @@ class MovingObstacleConfig:
         "range of the road on which a mirrored object stands", default=None, gt=0.0
     )
     outside_m: float | None = setting("beyond the carriageway, tracks are pruned; none: anywhere", default=None, ge=0.0)
-    candidate_contrast: CandidateContrastConfig | None = setting("faint points count less in new tracks", default=None)
     reflectivity: ReflectivityConfig | None = setting("how far the road mirrors; none: it always mirrors", default=None)
     mirror_image: MirrorImageConfig | None = setting("reject points as faint as a vehicle's own image", default=None)
     shape: ShapeConfig | None = setting("only an upright face as wide as a vehicle speaks for a track", default=None)

@@ -74,20 +74,12 @@ def candidates(
         good = np.count_nonzero(alike, axis=1) >= config.least_members
         if not good.any():
             break
-        best = int(np.argmax(np.where(good, (alike * _weight(seen.contrast[ripe], config)).sum(axis=1), 0.0)))
+        best = int(np.argmax(np.where(good, np.count_nonzero(alike, axis=1), 0)))
         mine = alike[best]
         if float(np.ptp(seen.drop[ripe[mine]])) * float(depth[best, 0]) > least_m:
             found.append(ripe[mine])
         alike = alike & ~mine
     return found
-
-
-def _weight(contrast: Floats, config: MovingObstacleConfig) -> Floats:
-    """(N,) weights of points in the choice of a candidate."""
-    rule = config.candidate_contrast
-    if rule is None:
-        return np.ones(len(contrast))
-    return np.interp(contrast, rule.contrast, (rule.least, 1.0))
 
 
 def detect(seen: MeasuredPoints, mine: Integers, camera: Camera, config: MovingObstacleConfig) -> Detection:
