@@ -125,7 +125,6 @@ class MovingObstacleConfig:
     mirrored_place_m: float | None = setting(
         "range of the road on which a mirrored object stands", default=None, gt=0.0
     )
-    outside_m: float | None = setting("beyond the carriageway, tracks are pruned; none: anywhere", default=None, ge=0.0)
     reflectivity: ReflectivityConfig | None = setting("how far the road mirrors; none: it always mirrors", default=None)
     mirror_image: MirrorImageConfig | None = setting("reject points as faint as a vehicle's own image", default=None)
     shape: ShapeConfig | None = setting("only an upright face as wide as a vehicle speaks for a track", default=None)

@@ -26,7 +26,7 @@ from vpf_sim.perception.obstacles.moving.evidence import evidence
 from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
 from vpf_sim.perception.obstacles.moving.moving_frame import against
-from vpf_sim.perception.obstacles.moving.place import in_outline, is_on_carriageway
+from vpf_sim.perception.obstacles.moving.place import in_outline
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.perception.quantiles import quantile
@@ -124,7 +124,7 @@ class MovingObstacleTracker:
         self._masked = flow.identity[masked]
         self.tracks = merged(self.tracks, pose, config)
         self._confirm()
-        self._prune(pose, road)
+        self._prune(pose)
         if searches:
             self._find(frame, free)
 
@@ -252,17 +252,14 @@ class MovingObstacleTracker:
             if track.identity is None and track.log_odds > self.config.confirmed:
                 track.identity, self._next = self._next, self._next + 1
 
-    def _prune(self, pose: Floats, road: RoadEdges) -> None:
+    def _prune(self, pose: Floats) -> None:
         config = self.config
 
         def kept(track: MovingTrack) -> bool:
-            forward, right = track.place(pose)
-            on_road = config.outside_m is None or abs(forward) > config.far_m
-            if config.outside_m is not None and not on_road:
-                on_road = is_on_carriageway(forward, right, road, -config.outside_m)
+            forward, _ = track.place(pose)
             known = -config.far_m < forward < 1.5 * config.far_m and track.sigma_m < config.vague_m
             least = 0.0 if track.identity is not None else -config.most
-            return bool(known and on_road and track.log_odds > least)
+            return bool(known and track.log_odds > least)
 
         self.tracks = [track for track in self.tracks if kept(track)]
 
@@ -282,14 +279,11 @@ class MovingObstacleTracker:
             if len(members) < config.least_members:
                 continue
             found = detect(seen, members, self.camera, config)
-            if self._is_plausible(found, frame.road):
+            if self._is_plausible(found):
                 track = MovingTrack(found, self.camera, frame.flow.pose, config.prior or 0.0, config.filter)
                 self.tracks.append(track)
 
-    def _is_plausible(self, found: Detection, road: RoadEdges) -> bool:
-        """Whether a candidate is in range, drives, and is on the carriageway."""
+    def _is_plausible(self, found: Detection) -> bool:
+        """Whether a candidate is in range and drives."""
         config = self.config
-        if not (config.near_m < found.depth_m < config.far_m and config.slow_mps < found.speed_mps < config.fast_mps):
-            return False
-        forward = self.camera.forward_m + found.depth_m
-        return config.outside_m is None or is_on_carriageway(forward, found.middle_m, road, config.edge_margin_m)
+        return config.near_m < found.depth_m < config.far_m and config.slow_mps < found.speed_mps < config.fast_mps
