@@ -119,7 +119,6 @@ class MovingObstacleConfig:
     filter: FilterConfig = setting("of a track's state")
     evidence: EvidenceConfig = setting("of one observation")
     prior: float | None = setting("log-odds of a new track; none: even odds", default=None, le=0.0)
-    patience: float | None = setting("log-odds of one observation against a confirmed track", default=None, ge=0.0)
     decay_per_s: float | None = setting("log-odds lost while a track cannot be observed", default=None, ge=0.0)
     mask: float | None = setting("log-odds from which a track's points are not for static obstacles", default=None)
     mirrored_place_m: float | None = setting(

@@ -196,8 +196,6 @@ class MovingObstacleTracker:
     def _weigh(self, track: MovingTrack, gain: float, dt_s: float) -> None:
         """Add the log-odds of one observation to those of a track."""
         config = self.config
-        if config.patience is not None and track.identity is not None:
-            gain = max(gain, -config.patience)
         track.log_odds = min(track.log_odds + gain * dt_s / config.independent_s, config.most)
 
     def _decay(self, track: MovingTrack, dt_s: float) -> None:
