@@ -93,14 +93,6 @@ class RoadEdgeTracker:
         """The road that is followed, or was last."""
         return self._filter or self._lost
 
-    def turn(self, down_rad: float) -> None:
-        """The camera has come to look so much farther down since the last frame."""
-        if self._pitch_rad is not None:
-            self._pitch_rad += down_rad
-        for followed in (self._filter, self._lost):
-            if followed is not None:
-                followed.turn(down_rad)
-
     def _predict(self, pose: Floats) -> None:
         followed = self._followed
         if followed is not None and self._pose is not None:

@@ -123,10 +123,6 @@ class LaneFilter:
         )
         return config.on_line_m / config.reach_m * along
 
-    def turn(self, down_rad: float) -> None:
-        """The camera has come to look so much farther down."""
-        self.state[PITCH] += down_rad
-
     @property
     def pitch_sigma_rad(self) -> float:
         """Standard deviation of the pitch against the road."""
