@@ -11,6 +11,7 @@ from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.detection import measure
+from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, against
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
@@ -240,6 +241,31 @@ def test_a_confirmed_track_survives_a_second_in_which_little_is_seen() -> None:
     reported = seen.moving.moving(flow.pose, SPEED_MPS)
     assert [int(name) for name in reported.identity] == [-1]
     assert reported.forward_m == pytest.approx([16.0 + (3.0 - SPEED_MPS) * 3.0], abs=1.0)
+
+
+def two(ahead_m: float, right_m: float, pose: Floats) -> list[MovingTrack]:
+    """Two confirmed tracks on a road along the x axis, the second so far ahead of the first and right of it."""
+    tracks = []
+    for name, (x, y) in enumerate([(12.0, 0.0), (12.0 + ahead_m, right_m)], start=1):
+        forward, right = vehicle_from_world(np.array([x, y]), pose)
+        sight = Detection(float(forward) - CAMERA.forward_m, 3.0, 0.5, float(right) - 1.0, float(right) + 1.0)
+        track = MovingTrack(sight, CAMERA, pose, 4.0, moving_obstacles().filter)
+        track.predict(0.0, 0.0, 0.0)
+        track.identity = name
+        tracks.append(track)
+    return tracks
+
+
+@pytest.mark.parametrize(("ahead_m", "right_m", "count"), [(4.0, 3.5, 2), (4.0, -3.5, 2), (4.0, 0.0, 1), (0.0, 2.0, 1)])
+@pytest.mark.parametrize("yaw_rad", [-0.35, 0.0, 0.35])
+def test_tracks_merge_by_their_distance_along_the_road_at_any_yaw(
+    ahead_m: float, right_m: float, count: int, yaw_rad: float
+) -> None:
+    """Cars in neighbouring lanes, 4 m apart along the road, are 1.9 m apart across the axis of one turned by .35."""
+    pose = np.array([0.0, 0.0, yaw_rad])
+    tracks = two(ahead_m, right_m, pose)
+    assert len(merged(tracks, pose, moving_obstacles())) == count
+    assert len(merged(tracks, pose, without(moving_obstacles(), "merging"))) == 2, "switched off"
 
 
 def test_no_point_belongs_to_two_tracks() -> None:

@@ -65,6 +65,15 @@ class ShapeConfig:
 
 
 @settings
+class MergingConfig:
+    """When two tracks are one vehicle."""
+
+    speed_mps: float = setting("largest difference of their speeds", gt=0.0)
+    beside_m: float = setting("largest gap between their sides", ge=0.0)
+    predicted_m: float = setting("largest distance across where the surer one is predicted", ge=0.0)
+
+
+@settings
 class MovingObstacleConfig:
     """When points move, how many make a vehicle, and how long its track is kept."""
 
@@ -118,3 +127,4 @@ class MovingObstacleConfig:
     reflectivity: ReflectivityConfig | None = setting("how far the road mirrors; none: it always mirrors", default=None)
     mirror_image: MirrorImageConfig | None = setting("reject points as faint as a vehicle's own image", default=None)
     shape: ShapeConfig | None = setting("only an upright face as wide as a vehicle speaks for a track", default=None)
+    merging: MergingConfig | None = setting("join tracks of one vehicle", default=None)

@@ -23,6 +23,7 @@ from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, candidates, detect, measure
 from vpf_sim.perception.obstacles.moving.evidence import evidence
+from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
 from vpf_sim.perception.obstacles.moving.moving_frame import against
 from vpf_sim.perception.obstacles.moving.place import in_outline
@@ -121,6 +122,7 @@ class MovingObstacleTracker:
             if config.mask is not None and track.log_odds > config.mask:
                 masked |= (mine | within) & seen.ripe
         self._masked = flow.identity[masked]
+        self.tracks = merged(self.tracks, pose, config)
         self._confirm()
         self._prune(pose)
         if searches:
