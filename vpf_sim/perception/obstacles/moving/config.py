@@ -118,6 +118,7 @@ class MovingObstacleConfig:
     vague_m: float = setting("standard deviation of the range from which a track is pruned", gt=0.0)
     filter: FilterConfig = setting("of a track's state")
     evidence: EvidenceConfig = setting("of one observation")
+    merging: MergingConfig = setting("of tracks of one vehicle")
     prior: float | None = setting("log-odds of a new track; none: even odds", default=None, le=0.0)
     decay_per_s: float | None = setting("log-odds lost while a track cannot be observed", default=None, ge=0.0)
     mask: float | None = setting("log-odds from which a track's points are not for static obstacles", default=None)
@@ -127,4 +128,3 @@ class MovingObstacleConfig:
     reflectivity: ReflectivityConfig | None = setting("how far the road mirrors; none: it always mirrors", default=None)
     mirror_image: MirrorImageConfig | None = setting("reject points as faint as a vehicle's own image", default=None)
     shape: ShapeConfig | None = setting("only an upright face as wide as a vehicle speaks for a track", default=None)
-    merging: MergingConfig | None = setting("join tracks of one vehicle", default=None)
