@@ -39,8 +39,8 @@ class Sides:
     def update(self, across_m: Floats, odds: Floats, depth_m: float, fresh: float) -> float:
         """m, by which an observation moves the middle to the right; `fresh` is its weight, 1: independent.
 
-        The rays of N points meet the face's plane, `depth_m` from the camera, `across_m` (N,) right of the middle. Their
-        log-odds `odds` (N,) are those of the vehicle against the background.
+        The rays of N points meet the face's plane, `depth_m` from the camera, `across_m` (N,) right of the middle, with
+        log-odds `odds` (N,) of the vehicle against the background.
         """
         config = self._config
         if not len(across_m):
