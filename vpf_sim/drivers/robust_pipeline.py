@@ -70,8 +70,9 @@ class ObstacleStages:
         camera, rate_hz = setup.camera, trackers.flow.rate_hz
         self._trackers, self._speed_reference_mps = trackers, setup.speed_reference_mps
         self._static = StaticObstacleTracker(camera, config, rate_hz)
+        moving = variant.moving_obstacles
         self._moving = (
-            MovingObstacleTracker(camera, variant.moving_obstacles, rate_hz) if variant.moving_obstacles else None
+            MovingObstacleTracker(camera, moving, rate_hz, config.window_px, config.noise) if moving else None
         )
         verification = variant.close_range_verification
         self._verifier = CloseRangeVerifier(camera, verification) if verification else None
@@ -80,7 +81,7 @@ class ObstacleStages:
     def remember_frame(self, grey: Image) -> None:
         """Keep the frame, for points that are compared with their first observation."""
         if self._keyframes is not None:
-            self._keyframes.note(grey)
+            self._keyframes.push(grey)
 
     def contrast_image(self, observation: Observation, grey: Image, pose: Floats) -> Image | None:
         """The image in which the road is compared, without the camera's pitch; None beneath the wiper.
@@ -123,7 +124,7 @@ class ObstacleStages:
         """The points, those above the road matched again with the frame of their first observation."""
         if self._keyframes is None:
             return points
-        return self._static.refined(steady, points, road, partial(self._keyframes.aside_px, flow))
+        return self._static.refined(steady, points, road, partial(self._keyframes.register, flow))
 
     def track_static(
         self, steady: Flow, road: RoadEdges, observation: Observation, points: Triangulation, on_moving: Bools | None
@@ -132,10 +133,10 @@ class ObstacleStages:
         return self._static.update(steady, road, observation.speed_mps, observation.time_s, points, on_moving)
 
     def join_moving(self, steady: Flow, observation: Observation, static: Obstacles) -> Obstacles:
-        """Static and moving obstacles, and those of the collision alarm."""
+        """Static and moving obstacles."""
         if self._moving is None or not self._moving.reports:
             return static
-        return self._moving.obstacles(steady.pose, observation.speed_mps, static)
+        return static.concatenate(self._moving.moving(steady.pose, observation.speed_mps))
 
     def verify(
         self, image: Image | None, pose: Floats, detected: Obstacles, observation: Observation

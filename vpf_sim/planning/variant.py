@@ -69,19 +69,15 @@ class Variant:
     time_to_contact: ContactConfig = setting("time to contact")
     obstacle_map: ObstacleMapConfig = setting("obstacle map")
     road_edges: RoadEdgeConfig = setting("edges and lanes of the road")
-    odometry: OdometryConfig | None = setting("rough poses are smoothed by speed and yaw rate", default=None)
-    camera_pitch: PitchConfig | None = setting(
-        "the car's pitching and the camera's mounting are taken out of flow and frames", default=None
-    )
+    odometry: OdometryConfig | None = setting("a rough pose is replaced by speed and yaw rate", default=None)
+    camera_pitch: PitchConfig | None = setting("the camera's mount pitch is taken out of flow and frames", default=None)
     static_obstacles: StaticObstacleConfig | None = setting(
         "obstacles that stand; without it there is only the obstacle map", default=None
     )
     close_range_verification: VerificationConfig | None = setting(
         "at walking speed, obstacles in whose place the road is seen are rejected", default=None
     )
-    moving_obstacles: MovingObstacleConfig | None = setting(
-        "obstacles that move are told from those that stand", default=None
-    )
+    moving_obstacles: MovingObstacleConfig | None = setting("moving obstacles", default=None)
     controller: ControllerConfig | None = setting("changes of the gains", default=None)
     paper_planner: PaperPlannerConfig | None = setting("the paper's fields in the image", default=None)
     lane_planner: LanePlannerConfig | None = setting("lateral cost, path and speed in the lane", default=None)

@@ -155,7 +155,7 @@ def _travel_directions(
         if straight_only and abs(rate) >= STRAIGHT_RADPS:
             continue
         # A yaw rate by the flow is as rough as the pitch rate.
-        rough = usual.pitch_sd_radps if straight_only else UNKNOWN_YAW_RATE_SD_RADPS
+        rough = usual.tilt_sd_radps if straight_only else UNKNOWN_YAW_RATE_SD_RADPS
         rotation = usual if recorded else replace(usual, yaw_sd_radps=rough)
         known = replace(config, fit=replace(config.fit, direction_prior=None, rotation=rotation))
         flow = flow_derotation.turning(one.flow, rate)

@@ -41,7 +41,7 @@ class FlowDerotation:
         fit = variant.focus_of_expansion.fit
         if fit is None or fit.rotation is None:
             raise InputError("flow derotation: expected a variant with [focus_of_expansion.fit.rotation], got none")
-        rotation = replace(fit.rotation, yaw_sd_radps=fit.rotation.pitch_sd_radps)
+        rotation = replace(fit.rotation, yaw_sd_radps=fit.rotation.tilt_sd_radps)
         self._camera = camera
         self._config = replace(variant.focus_of_expansion, fit=replace(fit, rotation=rotation))
         self._tracker = FlowTracker(camera, variant.flow, rate_hz)

@@ -9,7 +9,7 @@ import pytest
 from driver_settings import FULL_FRAME
 from driver_settings import ROBUST as VARIANT
 
-from vpf_sim.perception.egomotion.config import FlowConfig, ForwardBackwardConfig
+from vpf_sim.perception.egomotion.config import FlowConfig
 from vpf_sim.perception.egomotion.corners import structure_tensor
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.seeding import stream
@@ -17,7 +17,7 @@ from vpf_sim.types import Camera, Floats, Flow, Image
 
 CAMERA = Camera()
 PAPER = FULL_FRAME.flow
-ROBUST = replace(VARIANT.flow, points=300, forward_backward=None, wiper=None, keyframe_s=None)
+ROBUST = replace(VARIANT.flow, points=300, forward_backward_px=None, wiper=None, keyframe_s=None)
 
 
 def texture(name: str) -> Image:
@@ -124,9 +124,7 @@ def test_the_forward_backward_check_drops_what_does_not_come_back() -> None:
     second[200:300, 200:400] = moved(texture("other"), 0.0, 0.0)[200:300, 200:400]
     inside = {}
     for limit in (None, 0.5):
-        tracker = FlowTracker(
-            CAMERA, replace(PAPER, forward_backward=limit and ForwardBackwardConfig(limit), window_px=15), 60.0
-        )
+        tracker = FlowTracker(CAMERA, replace(PAPER, forward_backward_px=limit, window_px=15), 60.0)
         tracker.update(first, np.zeros(3))
         points = tracker.update(second, np.zeros(3)).points_px
         inside[limit] = np.count_nonzero((np.abs(points[:, 0] - 300) < 80) & (np.abs(points[:, 1] - 250) < 30))

@@ -201,8 +201,3 @@ def test_the_same_stream_gives_the_same_focus() -> None:
     flow = flow_on_circle(80.0, 0.2, 0.3)
     first, second = (estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(7, "foe")) for _ in range(2))
     assert (first.x_px, first.y_px) == (second.x_px, second.y_px)
-
-
-def test_an_unknown_method_is_refused() -> None:
-    with pytest.raises(ValueError, match="expected one of as_printed, least_squares, robust, got 'ransac'"):
-        expansion("ransac")

@@ -1,16 +1,15 @@
-"""First sightings found again in their frames: on drawn pictures that grow by a known factor, and what depths gain."""
+"""Registration with the first frame, on images that grow by a known factor, and what depths gain."""
 
 from dataclasses import replace
-from functools import partial
 
 import cv2
 import numpy as np
 import pytest
-from driver_settings import section
 from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
 from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
+from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
 from vpf_sim.perception.obstacles.track_refinement import refined
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
@@ -51,71 +50,71 @@ def places(growth: float) -> tuple[Floats, Floats]:
 
 
 def seen(frames: list[Image], camera: Camera = CAMERA, remembered: int = 8) -> KeyframeBuffer:
-    anchors = KeyframeBuffer(camera, 11, remembered)
+    buffer = KeyframeBuffer(camera, 11, remembered)
     for frame in frames:
-        anchors.note(frame)
-    return anchors
+        buffer.push(frame)
+    return buffer
 
 
 @pytest.mark.parametrize("growth", [1.0, 1.25, 1.7])
 @pytest.mark.parametrize("error_px", [(0.0, 0.0), (0.8, -0.5), (-0.4, 1.0)])
-def test_a_track_that_slipped_is_led_back_to_where_it_began(growth: float, error_px: tuple[float, float]) -> None:
+def test_a_track_that_slipped_is_corrected(growth: float, error_px: tuple[float, float]) -> None:
     now, first = places(growth)
-    anchors = seen([picture(1.0), np.zeros((480, 640), np.uint8), picture(growth)])
-    aside, found = anchors.aside_px(
+    buffer = seen([picture(1.0), np.zeros((480, 640), np.uint8), picture(growth)])
+    aside, found = buffer.register(
         flow_of(now, first + error_px, 2), np.arange(len(now)), np.full((len(now), 2), growth)
     )
     assert found.mean() > 0.9
     assert np.median(np.hypot(*(aside[found] + error_px).T)) < 0.08
 
 
-def test_some_points_alone_are_looked_for() -> None:
+def test_points_are_registered_alone() -> None:
     now, first = places(1.2)
     rows = np.array([3, 17, 30])
-    aside, found = seen([picture(1.0), picture(1.2)]).aside_px(flow_of(now, first, 1), rows, np.full((3, 2), 1.2))
+    aside, found = seen([picture(1.0), picture(1.2)]).register(flow_of(now, first, 1), rows, np.full((3, 2), 1.2))
     assert aside.shape == (3, 2)
     assert found.all()
     assert np.abs(aside).max() < 0.3
 
 
-def test_what_is_seen_there_is_another_thing() -> None:
+def test_other_content_is_not_found() -> None:
     now, first = places(1.2)
     other = np.ascontiguousarray(picture(1.0)[::-1])
-    _, found = seen([other, picture(1.2)]).aside_px(flow_of(now, first, 1), np.arange(40), np.full((40, 2), 1.2))
+    _, found = seen([other, picture(1.2)]).register(flow_of(now, first, 1), np.arange(40), np.full((40, 2), 1.2))
     assert found.mean() < 0.1
 
 
-def test_a_frame_that_is_remembered_no_more_tells_nothing() -> None:
+def test_points_older_than_the_buffer_are_not_found() -> None:
     now, first = places(1.0)
-    anchors = seen([picture(1.0)] * 4, remembered=2)
+    buffer = seen([picture(1.0)] * 4, remembered=2)
     flow = flow_of(now, first, 3)
     flow.age_frames[::2] = 2
-    _, found = anchors.aside_px(flow, np.arange(40), np.ones((40, 2)))
+    _, found = buffer.register(flow, np.arange(40), np.ones((40, 2)))
     assert not found[1::2].any()
     assert found[::2].all()
 
 
 @pytest.mark.parametrize("age", [30, 75, 83])
-def test_more_frames_and_points_than_fit_into_one_picture(age: int) -> None:
+def test_more_frames_and_points_than_fit_into_one_image(age: int) -> None:
     now, first = places(1.2)
     blank = np.zeros((CAMERA.height_px, CAMERA.width_px), np.uint8)
     frames = [blank] * (83 - age) + [picture(1.0)] + [blank] * (age - 1) + [picture(1.2)]
-    anchors, rows = seen(frames, remembered=84), np.tile(np.arange(40), 60)
-    aside, found = anchors.aside_px(flow_of(now, first, age), rows, np.full((len(rows), 2), 1.2))
+    buffer, rows = seen(frames, remembered=84), np.tile(np.arange(40), 60)
+    aside, found = buffer.register(flow_of(now, first, age), rows, np.full((len(rows), 2), 1.2))
     assert found.mean() > 0.9
     assert np.abs(aside[found]).max() < 0.3
 
 
-def test_places_are_undistorted_and_frames_are_not() -> None:
+def test_corrections_are_undistorted() -> None:
     camera, error_px = Camera(k1=-0.12, k2=0.02), np.array([0.7, 0.0])
     now, first = places(1.0)
     flow = flow_of(undistort(camera, now), undistort(camera, first + error_px), 1)
-    aside, found = seen([picture(1.0)] * 2, camera).aside_px(flow, np.arange(40), np.ones((40, 2)))
+    aside, found = seen([picture(1.0)] * 2, camera).register(flow, np.arange(40), np.ones((40, 2)))
     expected = undistort(camera, first) - undistort(camera, first + error_px)
     assert np.median(np.hypot(*(aside - expected)[found].T)) < 0.08
 
 
-def test_depths_are_those_of_the_first_sightings_that_were_found() -> None:
+def test_depths_use_the_corrected_first_observations() -> None:
     """Every other point of a body is found where it truly was, and its depth is known the better."""
     drive, found = Drive(np.concatenate([body(40.0, 0.6, 1.6, 1.3, 30), road_points(60)]), noise_px=0.4), tracker()
     flow = None
@@ -155,25 +154,20 @@ def test_a_point_lies_on_the_road_by_the_better_of_its_tracks() -> None:
         aside = np.array([truth[int(i)] for i in flow.identity[rows]]) - flow.first_px[rows]
         return aside, np.arange(len(growth)) >= count
 
+    def again(rows: Integers, aside_px: Floats) -> Triangulation:
+        some = flow.chosen(rows)
+        corrected = replace(some, first_px=some.first_px + aside_px)
+        return triangulate(corrected, CAMERA, found.config.window_px, np.zeros(len(rows)), found.config.noise)
+
     chained, config = found.triangulate(flow), found.config.track_refinement
-    again = partial(found._found, flow)
     matched = refined(flow, chained, np.arange(count), match, config, again, CAMERA)
     assert np.array_equal(matched.depth_m, chained.depth_m, equal_nan=True), "no depth is of a match as lying"
     true_px = np.array([truth[int(i)] for i in flow.identity])
-    exact = found._found(flow, np.arange(count), true_px - flow.first_px).chi2_ground
+    exact = again(np.arange(count), true_px - flow.first_px).chi2_ground
     near = CAMERA.fy_px * CAMERA.height_m / (flow.points_px[:, 1] - CAMERA.cy_px) < config.road_m
     assert np.count_nonzero(exact[near] < chained.chi2_ground[near]) > 5
     better = np.minimum(exact, chained.chi2_ground)
     assert matched.chi2_ground == pytest.approx(np.where(near, better, chained.chi2_ground))
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [{"far_m": 2.0}, {"least_height_m": 3.0}, {"chi2_limit": -1.0}, {"chi2_margin": -1.0}, {"road_m": 0.0}],
-)
-def test_what_cannot_be_asked_is_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match="expected"):
-        replace(section("static_obstacles.track_refinement"), **wrong)
 
 
 def _firsts(drive: Drive, flow: Flow) -> tuple[Integers, Floats]:

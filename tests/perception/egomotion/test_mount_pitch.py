@@ -11,20 +11,17 @@ from road_picture import RoadPicture
 
 from vpf_sim.drivers.paper_pipeline import FrameTrackers
 from vpf_sim.drivers.perceiver import Perceiver
-from vpf_sim.errors import InputError
 from vpf_sim.geometry import project
 from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
 from vpf_sim.perception.egomotion.mount_pitch import MountPitch
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.model import seen_lines, seen_places
-from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, DriverSetup, Expansion, Floats, Flow, Observation, RoadEdges, VehicleModel
+from vpf_sim.types import Camera, DriverSetup, Floats, Flow, Observation, RoadEdges, VehicleModel
 
 CAMERA = Camera()
 assert ROBUST.camera_pitch is not None
-assert ROBUST.camera_pitch.mounting is not None
-PITCH, MOUNTING = ROBUST.camera_pitch, ROBUST.camera_pitch.mounting
+MOUNTING = ROBUST.camera_pitch
 SPEED_MPS, RATE_HZ = 5.55, 20.0
 BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.006])
 NUMBERS: Floats = np.array([-2.0, 0.0, 1.5])
@@ -144,15 +141,30 @@ def test_the_flow_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
             structure=np.tile(np.eye(2), (count, 1, 1)),
         )
 
-    steadiness = PitchEstimator(CAMERA, PITCH, 60.0)
+    estimator = PitchEstimator(CAMERA, MOUNTING)
     for i in range(40):
-        steadiness.level(0.006, 1e-4, 0.05 * i)
-    foe = Expansion(CAMERA.cx_px, CAMERA.cy_px - 0.006 * CAMERA.fy_px, np.eye(2), np.empty(0, np.bool_), 1.0)
-    steady, ideal = steadiness.update(flow(replace(CAMERA, pitch_rad=0.006)), foe), flow(CAMERA)
-    assert steadiness.mounted_rad == pytest.approx(0.006, abs=5e-4)
+        estimator.update_mount_pitch(0.006, 1e-4, 0.05 * i)
+    steady, ideal = estimator.flow(flow(replace(CAMERA, pitch_rad=0.006))), flow(CAMERA)
+    assert estimator.mounted_rad == pytest.approx(0.006, abs=5e-4)
     for found, true in ((steady.points_px, ideal.points_px), (steady.first_px, ideal.first_px)):
         assert np.abs(found - true).max() < 0.25
     assert np.abs(steady.displacement_px - ideal.displacement_px).max() < 0.05
+
+
+def test_the_frame_becomes_that_of_a_camera_that_looks_where_it_should() -> None:
+    estimator, point = PitchEstimator(CAMERA, MOUNTING), np.array([[20.0, 3.0, 0.5]])
+    for i in range(40):
+        estimator.update_mount_pitch(0.006, 1e-4, 0.05 * i)
+    pitched = replace(CAMERA, pitch_rad=estimator.mounted_rad)
+    column, row = np.rint(project(pitched, point)[0]).astype(int)
+    picture = np.zeros((480, 640), np.uint8)
+    picture[row - 1 : row + 2, column - 1 : column + 2] = 255
+    steady = estimator.frame(picture).astype(float)
+    rows, columns = np.mgrid[:480, :640]
+    seen = np.array([(steady * columns).sum(), (steady * rows).sum()]) / steady.sum()
+    shift = project(CAMERA, point)[0] - project(pitched, point)[0]
+    assert seen - [column, row] == pytest.approx(shift, abs=0.1)
+    assert np.abs(shift).max() > 0.2
 
 
 def test_the_planner_takes_it_out_of_what_it_sees() -> None:
@@ -168,11 +180,3 @@ def test_the_planner_takes_it_out_of_what_it_sees() -> None:
     assert np.degrees(trackers.pitch.mounted_rad) == pytest.approx(0.6, abs=0.05)
     assert seen.road.right_m == pytest.approx(5.7, abs=0.06)
     assert len(seen.obstacles) == 0
-
-
-def test_a_wrong_setting_is_named(tmp_path: object) -> None:
-    file = f"{tmp_path}/own.toml"
-    with open(file, "w") as own:
-        own.write("[camera_pitch.mounting]\nstep_rad = 0.0\n")
-    with pytest.raises(InputError, match="step_rad: expected > 0"):
-        load(file)

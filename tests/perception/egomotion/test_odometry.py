@@ -3,17 +3,14 @@
 from dataclasses import replace
 from itertools import pairwise
 from math import cos, hypot, pi, radians, sin
-from pathlib import Path
 
 import numpy as np
 import pytest
 from driver_settings import ROBUST
 
 from vpf_sim.drivers import FieldDriver
-from vpf_sim.errors import InputError
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.perception.egomotion.odometry import Odometry
-from vpf_sim.planning.variant import load
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, DriverSetup, Floats, Image, Observation, VehicleModel
 
@@ -161,10 +158,3 @@ def test_the_driver_goes_by_it() -> None:
         assert plan is not None
         assert plan.perception.pose == pytest.approx([other.x_m, other.y_m, other.yaw_rad])
     assert believed[-1] is not seen[-1]
-
-
-def test_a_wrong_setting_is_named(tmp_path: Path) -> None:
-    file = tmp_path / "own.toml"
-    file.write_text("[odometry]\nrough_m = 0.0\n")
-    with pytest.raises(InputError, match="rough_m: expected > 0"):
-        load(str(file))

@@ -9,7 +9,6 @@ import pytest
 from driver_settings import ROBUST as VARIANT
 from test_flow import CAMERA, ROBUST, moved, texture
 
-from vpf_sim.perception.egomotion.config import ForwardBackwardConfig
 from vpf_sim.perception.egomotion.flow import FlowTracker
 from vpf_sim.perception.egomotion.tracks import Tracks
 from vpf_sim.seeding import stream
@@ -119,7 +118,7 @@ def test_a_trail_leads_evenly_to_where_a_point_is_seen_again() -> None:
     tracks.append(np.zeros((2, 2)), np.zeros((2, 2, 2)), np.zeros(3), 0)
     tracks.trail[:, :, 0] = -np.arange(5.0)[:, None]  # before this frame, newest first
     tracks.covered[:] = 0, 3
-    tracks.show(np.array([1]), np.array([[0.0, 1.5]]))
+    tracks.uncover(np.array([1]), np.array([[0.0, 1.5]]))
     assert tracks.trail[:, 0, 1] == pytest.approx(np.zeros(5))
     assert tracks.trail[:, 1, 1] == pytest.approx([1.0, 0.5, 0.0, 0.0, 0.0])
     assert tracks.trail[:, 1, 0] == pytest.approx(-np.arange(5.0))
@@ -133,7 +132,7 @@ def test_what_the_check_forward_and_backward_refuses_is_no_wiper() -> None:
         np.clip(moved(picture, 8.5 * k, 3.25 * k) + noise.normal(0.0, 45.0, (480, 640)), 0, 255).astype(np.uint8)
         for k in range(9)
     ]
-    plain = replace(ROBUST, forward_backward=ForwardBackwardConfig(0.5))
+    plain = replace(ROBUST, forward_backward_px=0.5)
     told = flows(FlowTracker(CAMERA, plain, 10.0), frames)
     kept = [np.mean(np.isin(before.identity, after.identity)) for before, after in pairwise(told[1:])]
     assert max(kept) < 0.9
@@ -186,8 +185,3 @@ def test_the_search_ends_with_what_the_blade_has_wiped_away() -> None:
     gone = before.identity[before.points_px[:, 0] < 280.0]
     assert np.mean(np.isin(gone, after.identity)) < 0.1
     assert np.count_nonzero(after.points_px[:, 0] < 280.0) > 0.7 * len(gone)
-
-
-def test_a_nonsense_hold_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"hold_s: expected > 0, got 0\.0"):
-        replace(HELD.wiper, hold_s=0.0)

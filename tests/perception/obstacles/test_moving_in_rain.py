@@ -1,15 +1,12 @@
 """Moving vehicles on a mirroring road: simulated point tracks of cars, of trees, and of their images."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from driver_settings import moving_obstacles, without
+from driver_settings import moving_obstacles
 from test_moving_tracker import Contrasted, Seen, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
-from vpf_sim.perception.obstacles.moving.config import CandidateContrastConfig, MirrorImageConfig
-from vpf_sim.perception.obstacles.moving.detection import Apparent, appear, candidates
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, measure
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages, faint_contrast
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.seeding import stream
@@ -44,7 +41,7 @@ def last_of(drive: Contrasted, frames: int) -> Flow:
 def test_a_car_ahead_is_detected_at_its_foot_and_not_at_its_images(dark: float) -> None:
     drive = wet((vehicle(27.0, 0.3), 3.0, float(np.exp(dark))))
     found = Seen().run(drive, range(round(4.5 * RATE_HZ)))
-    first = next(k for k, bodies in enumerate(found) if (bodies.identity < 0).any())
+    first = next(k for k, obstacles in enumerate(found) if (obstacles.identity < 0).any())
     assert 27.0 + (3.0 - SPEED_MPS) * first / RATE_HZ > 18.0
     last = found[-1]
     assert last.identity.tolist() == [-1]
@@ -56,14 +53,14 @@ def test_a_car_ahead_is_detected_at_its_foot_and_not_at_its_images(dark: float) 
 def test_mirror_images_of_trees_are_no_vehicles(image: float) -> None:
     """Even with more contrast than a vehicle's own image: the trees stand beside the road."""
     found = Seen().run(wet(image=image), range(round(4.0 * RATE_HZ)))
-    assert not any((bodies.identity < 0).any() for bodies in found)
+    assert not any((obstacles.identity < 0).any() for obstacles in found)
 
 
 def test_the_mirror_image_of_a_standing_truck_is_no_vehicle() -> None:
     """What would be mirrored stands on the road here; its image is fainter than it."""
     truck = vehicle(50.0, 0.3, 40, 2.5) * [1.0, 1.0, 2.0]
     found = Seen().run(wet((truck, 0.0, 1.0)), range(round(7.0 * RATE_HZ)))
-    assert not any((bodies.identity < 0).any() for bodies in found)
+    assert not any((obstacles.identity < 0).any() for obstacles in found)
     assert found[-1].forward_m == pytest.approx([50.0 - SPEED_MPS * (len(found) - 1) / RATE_HZ], abs=0.5)
 
 
@@ -72,11 +69,11 @@ def test_a_confirmed_track_moves_less_to_a_farther_foot_than_a_tentative_one() -
     pose = np.zeros(3)
 
     def moved(foot_m: float, identity: int | None) -> float:
-        mover = MovingTrack(Detection(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, moving_obstacles().filter)
-        mover.identity = identity
+        track = MovingTrack(Detection(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, moving_obstacles().filter)
+        track.identity = identity
         for _ in range(10):
-            mover.update_range(foot_m, SPEED_MPS, pose, 0.05)
-        return (mover.depth_m(pose) - 14.0) / (foot_m - 14.0)
+            track.update_range(foot_m, SPEED_MPS, pose, 0.05)
+        return (track.depth_m(pose) - 14.0) / (foot_m - 14.0)
 
     assert moved(17.0, None) > 0.4
     assert moved(17.0, 1) < 0.5 * moved(17.0, None)
@@ -91,8 +88,8 @@ def test_the_flank_of_a_passed_vehicle_is_masked(depth_m: float, side: float) ->
     flank = np.column_stack([CAMERA.forward_m + along, np.full(24, side * 2.3), np.tile([0.3, 0.7, 1.1], 8)])
     drive, seen = wet((flank, 0.0, 1.0), (flank * [1.0, -1.0, 1.0], 0.0, 1.0)), Seen()
     flow = last_of(drive, 10)
-    seen.movers.tracks.append(believed(depth_m, side * 3.3, flow.pose))
-    moving = seen.movers.update(flow, seen.landmarks.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ)
+    seen.moving.tracks.append(confirmed(depth_m, side * 3.3, flow.pose))
+    moving = seen.moving.update(flow, seen.static.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ)
     place = drive.scene[flow.identity] - [*flow.pose[:2], 0.0]
     beside = (flow.identity < 48) & (place[:, 0] - CAMERA.forward_m > 1.0)
     mine = beside & (place[:, 1] * side > 0.0) & (place[:, 0] - CAMERA.forward_m < depth_m + 4.4)
@@ -106,17 +103,17 @@ def test_the_flank_of_a_passed_vehicle_is_masked(depth_m: float, side: float) ->
 def test_a_track_at_our_own_place_masks_nothing(depth_m: float) -> None:
     drive, seen = wet(), Seen()
     flow = last_of(drive, 10)
-    seen.movers.tracks.append(believed(depth_m, 0.3, flow.pose))
-    assert not seen.movers.update(flow, seen.landmarks.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ).any()
+    seen.moving.tracks.append(confirmed(depth_m, 0.3, flow.pose))
+    assert not seen.moving.update(flow, seen.static.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ).any()
 
 
-def believed(depth_m: float, right_m: float, pose: Floats) -> MovingTrack:
+def confirmed(depth_m: float, right_m: float, pose: Floats) -> MovingTrack:
     """A body that is sure to drive there at 3 m/s."""
-    mover = MovingTrack(
+    track = MovingTrack(
         Detection(depth_m, 3.0, 0.1, right_m - 1.0, right_m + 1.0), CAMERA, pose, 6.0, moving_obstacles().filter
     )
-    mover.identity = 1
-    return mover
+    track.identity = 1
+    return track
 
 
 @pytest.mark.parametrize(
@@ -130,11 +127,11 @@ def test_contrast_counts_less_where_the_mirrored_object_would_stand_on_the_road(
     images, contrast = MirrorImages(CAMERA, moving_obstacles(), 0.05), moving_obstacles().evidence.contrast
     assert contrast is not None
     sight = Detection(18.0, speed_mps, 0.5, right_m - 1.0, right_m + 1.0)
-    mover = MovingTrack(sight, CAMERA, np.zeros(3), 0.0, moving_obstacles().filter)
+    track = MovingTrack(sight, CAMERA, np.zeros(3), 0.0, moving_obstacles().filter)
     for image in (-1.2, -2.5):  # above and below what asphalt is
         others = faint_contrast(1.0, 18.0, contrast)
         expected = max(image, faint_contrast(0.0, 18.0, contrast)) if is_on_road else others
-        assert images.faint(mover, image, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(expected)
+        assert images.faint(track, image, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(expected)
 
 
 def test_near_tracks_are_not_compared_with_their_image() -> None:
@@ -145,9 +142,9 @@ def test_near_tracks_are_not_compared_with_their_image() -> None:
     assert limit == pytest.approx(faint_contrast(1.0, 5.0, contrast))
 
 
-def apparent(drive: Contrasted, frames: int) -> Apparent:
+def apparent(drive: Contrasted, frames: int) -> MeasuredPoints:
     flow = last_of(drive, frames)
-    return appear(flow, tracker().triangulate(flow), CAMERA, RATE_HZ, moving_obstacles())
+    return measure(flow, tracker().triangulate(flow), CAMERA, RATE_HZ, moving_obstacles())
 
 
 def test_a_vehicle_is_compared_with_its_image_by_its_upper_part() -> None:
@@ -162,28 +159,3 @@ def test_a_vehicle_is_compared_with_its_image_by_its_upper_part() -> None:
     mine = np.arange(18)
     assert images.own_image(seen, mine, depth) == pytest.approx(-2.0, abs=0.05)
     assert images.own_image(seen, mine, 0.99 * moving_obstacles().steep_m) == -np.inf
-
-
-def test_the_candidate_with_most_contrast_comes_first() -> None:
-    """Two cars, the fainter with more points."""
-    bright, faint = vehicle(16.0, -2.5, 10), vehicle(16.0, 2.5, 24)
-    seen = apparent(wet((faint, 3.0, float(np.exp(-1.4))), (bright, 3.0, 1.0)), 40)
-    feet = np.flatnonzero(seen.moves)
-    first = candidates(seen, feet, 1, CAMERA, moving_obstacles())[0]
-    assert (seen.bearing[first] < 0.0).all()
-    off = without(moving_obstacles(), "candidate_contrast")
-    assert (seen.bearing[candidates(seen, feet, 1, CAMERA, off)[0]] > 0.0).all(), "switched off: the most points"
-
-
-@pytest.mark.parametrize(("key", "value"), [("contrast", (-0.8, -1.5)), ("least", 0.0)])
-def test_wrong_candidate_weights_are_refused(key: str, value: object) -> None:
-    with pytest.raises(ValueError, match=key):
-        CandidateContrastConfig(**{"contrast": (-1.5, -0.8), "least": 0.1, key: value})  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(("key", "value"), [("dry", -1.0), ("ramp", 0.0)])
-def test_wrong_contrasts_of_images_are_refused(key: str, value: float) -> None:
-    rule = moving_obstacles().mirror_image
-    assert isinstance(rule, MirrorImageConfig)
-    with pytest.raises(ValueError, match=key):
-        replace(rule, **{key: value})

@@ -12,9 +12,7 @@ class NoiseModel:
     grey_levels: float = setting("noise of a pixel", default=5.0, ge=0.0)
     floor_px: float = setting("noise that texture cannot reduce", default=0.1, ge=0.0)
     growth_s: float = setting("in which the variance grows by its initial value", default=0.17, gt=0.0)
-    anisotropy: float = setting(
-        "share of a tensor's large eigenvalue that is subtracted from the small one", default=0.04, ge=0.0
-    )
+    anisotropy: float = setting("share of a tensor's large eigenvalue in its small one", default=0.04, ge=0.0)
     pitch_rad: float = setting("standard deviation of the camera's pitch", default=0.0005, ge=0.0)
 
 
@@ -31,11 +29,6 @@ class Band:
 class CornerTestConfig:
     texture_floor: float = setting("least small eigenvalue of the structure tensor, grey levels^2 / px^2", ge=0.0)
     corner_ratio: float = setting("least ratio of the small to the large eigenvalue", ge=0.0, lt=1.0)
-
-
-@settings
-class ForwardBackwardConfig:
-    limit_px: float = setting("largest distance after tracking back", gt=0.0)
 
 
 @settings
@@ -56,52 +49,25 @@ class WindscreenPointConfig:
 
 
 @settings
-class SettledPointConfig:
-    kept_share: float = setting("share of a band that old points may fill", gt=0.0, le=1.0)
-    age_windows: int = setting("age of an old point in windows", ge=1)
-    residual_px: float = setting("largest residual to the road's flow of a settled point, plus", ge=0.0)
-    residual_share: float = setting("this share of the road's flow", ge=0.0)
-
-
-@settings
 class FlowConfig:
     """How corners are detected and tracked."""
 
     period_s: float = setting("between two tracked frames; the frames between are predicted by odometry", ge=0.0)
     window_px: int = setting("side of the Lucas-Kanade window, odd", ge=3)
     epsilon_px: float = setting("step at which Lucas-Kanade stops", gt=0.0)
-    iterations: int = setting("most iterations of Lucas-Kanade", ge=1)
     window_s: float = setting("over which frames are chained", gt=0.0)
     points: int = setting("tracked at most", ge=8)
     quality: float = setting("least Shi-Tomasi response as a share of the best", gt=0.0, lt=1.0)
     min_distance_px: float = setting("between two points", gt=0.0)
-    block_px: int = setting("side of the Shi-Tomasi window", ge=1)
     detect_period_s: float = setting("between two searches of a band for corners", gt=0.0)
     reach_px_per_s: float = setting("fastest motion that is tracked", gt=0.0)
     max_level: int | None = setting("pyramid levels; none: as many as `reach_px_per_s` needs", default=None, ge=0)
-    bands: tuple[Band, ...] | None = setting(
-        "spread the points over strips of the image; none: one strip, the whole image", default=None, min_length=1
-    )
-    corner_test: CornerTestConfig | None = setting(
-        "drop points on edges and in weak texture, where Lucas-Kanade slides", default=None
-    )
-    forward_backward: ForwardBackwardConfig | None = setting(
-        "once a detection period, drop points that do not return when they are tracked back", default=None
-    )
-    wiper: WiperConfig | None = setting(
-        "predict points that a wiper covers and search for them afterwards", default=None
-    )
-    windscreen_points: WindscreenPointConfig | None = setting(
-        "mark points that do not move with the scene: drops and dirt on the windscreen", default=None
-    )
-    settled_points: SettledPointConfig | None = setting(
-        "drop old points that fit the flat road, so that new corners are detected", default=None
-    )
-    keyframe_s: float | None = setting(
-        "renew a point's first observation: it is between this and twice this old; none: keep the first",
-        default=None,
-        gt=0.0,
-    )
+    forward_backward_px: float | None = setting("largest distance after tracking back", default=None, gt=0.0)
+    keyframe_s: float | None = setting("age at which a first observation is renewed", default=None, gt=0.0)
+    bands: tuple[Band, ...] | None = setting("strips that share the points; none: one", default=None, min_length=1)
+    corner_test: CornerTestConfig | None = setting("drop points where Lucas-Kanade slides", default=None)
+    wiper: WiperConfig | None = setting("predict points that a wiper covers, search for them afterwards", default=None)
+    windscreen_points: WindscreenPointConfig | None = setting("mark drops and dirt on the windscreen", default=None)
 
     def __post_init__(self) -> None:
         if self.window_px % 2 == 0:
@@ -119,16 +85,13 @@ class DirectionPriorConfig:
 @settings
 class TemporalPriorConfig:
     drift_sd_rad: float = setting("change of the direction in a second, as a random walk", gt=0.0)
-    accepted_share: float = setting(
-        "share of the votes with which the last focus starts the fit without RANSAC", gt=0.5, lt=1.0
-    )
+    accepted_share: float = setting("share of the votes that makes RANSAC needless", gt=0.5, lt=1.0)
 
 
 @settings
 class RotationFitConfig:
-    pitch_sd_radps: float = setting("standard deviation of the pitch rate", ge=0.0)
+    tilt_sd_radps: float = setting("standard deviation of the pitch rate and the roll rate", ge=0.0)
     yaw_sd_radps: float = setting("the same of the yaw rate's error", ge=0.0)
-    roll_sd_radps: float = setting("the same of the roll rate", ge=0.0)
 
 
 @settings
@@ -146,23 +109,12 @@ class FocusFitConfig:
     tolerance_px: float = setting("error across the radial direction of one step between frames, plus", gt=0.0)
     tolerance_ratio: float = setting("this share of its length; over n steps it grows with sqrt(n)", gt=0.0)
     min_flow_px: float = setting("shorter motions do not vote", gt=0.0)
-    iterations: int = setting("most steps of the reweighted least squares", ge=1)
-    settled_px: float = setting("step at which it stops", gt=0.0)
     least_points: int = setting("least number of voting points", ge=2)
-    near_px: float = setting("distance from the focus at which the radial direction is uncertain", gt=0.0)
-    biweight: float = setting("correction of the residual variance for Tukey's biweight", gt=0.0)
-    least_share: float = setting("least share of inliers by which the covariance is scaled", gt=0.0, le=1.0)
     sharp_rad: float = setting("standard deviation of the direction that halves the confidence", gt=0.0)
-    direction_prior: DirectionPriorConfig | None = setting(
-        "prior: the vehicle moves nearly straight ahead of its camera", default=None
-    )
-    temporal_prior: TemporalPriorConfig | None = setting(
-        "prior: the focus of the frame before, which also bridges frames without enough flow", default=None
-    )
+    direction_prior: DirectionPriorConfig | None = setting("the vehicle moves nearly straight ahead", default=None)
+    temporal_prior: TemporalPriorConfig | None = setting("prior: the focus of the frame before", default=None)
     rotation: RotationFitConfig | None = setting("fit the rates of rotation that are not measured", default=None)
-    ransac: RansacConfig | None = setting(
-        "search the start of the fit by RANSAC; none: start from the prior", default=None
-    )
+    ransac: RansacConfig | None = setting("RANSAC finds the fit's start; none: the prior is it", default=None)
 
 
 @settings
@@ -176,7 +128,7 @@ class ExpansionConfig:
 
 
 @settings
-class MountPitchConfig:
+class PitchConfig:
     """Noise of the observations of the mount pitch, and when its estimate is applied."""
 
     first_sd_rad: float = setting("standard deviation of the mount pitch before any observation", gt=0.0)
@@ -184,38 +136,6 @@ class MountPitchConfig:
     drift_sd_rad: float = setting("change in a second, as a random walk", gt=0.0)
     least_rad: float = setting("least pitch that is applied; once it is, until half of this", gt=0.0)
     step_rad: float = setting("least change that is applied", gt=0.0)
-
-
-@settings
-class PitchSidesConfig:
-    apart_rad: float = setting("largest difference between the left and the right half of the image, plus", ge=0.0)
-    apart_share: float = setting("this share of the pitch", ge=0.0)
-
-
-@settings
-class DynamicPitchConfig:
-    settle_s: float = setting("time constant of the high-pass that removes the drift of the sum", gt=0.0)
-    smoothness: float = setting("weight of a constant pitch rate within the window", ge=0.0, lt=1.0)
-    least_rad: float = setting("root mean square of the pitch from which it is compensated, until half of this", gt=0.0)
-    remembered_s: float = setting("for which the sums are stored", gt=0.0)
-    near_px: float = setting("distance from the focus at which the radial direction is uncertain", gt=0.0)
-    passes: int = setting("of Tukey's biweight", ge=1)
-    cut: float = setting("of Tukey's biweight, in standard deviations", gt=0.0)
-    least_cut_px: float = setting("least cut of Tukey's biweight", gt=0.0)
-    least_points: int = setting("least number of points for an estimate", ge=1)
-    sides: PitchSidesConfig | None = setting(
-        "take the smaller pitch where both halves of the image disagree: a vehicle may fill one of them", default=None
-    )
-
-
-@settings
-class PitchConfig:
-    dynamic: DynamicPitchConfig | None = setting(
-        "estimate the pitching on the springs from the flow and compensate it", default=None
-    )
-    mounting: MountPitchConfig | None = setting(
-        "estimate the mount pitch from the road's lines and compensate it", default=None
-    )
 
 
 @settings
@@ -228,19 +148,12 @@ class OdometryCalibrationConfig:
 
 
 @settings
-class StandstillConfig:
-    speed_mps: float = setting("below which the vehicle stands", gt=0.0)
-
-
-@settings
 class OdometryConfig:
     rough_m: float = setting("random walk of the position in a second from which the pose is replaced", gt=0.0)
     rough_rad: float = setting("the same of the heading", gt=0.0)
     settle_s: float = setting("time constant of both averages", gt=0.0)
     watched_s: float = setting("before which the pose is not judged", gt=0.0)
+    standstill_mps: float | None = setting("speed below which the vehicle stands", default=None, gt=0.0)
     calibration: OdometryCalibrationConfig | None = setting(
-        "estimate the speedometer's scale and the yaw rate's bias against the pose", default=None
-    )
-    standstill: StandstillConfig | None = setting(
-        "integrate no motion below a speed: sensor noise would move a standing vehicle", default=None
+        "fit the speed's scale and the yaw rate's bias", default=None
     )

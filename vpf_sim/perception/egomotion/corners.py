@@ -1,4 +1,4 @@
-"""How clear a corner the window of a followed point holds. Along an edge Lucas-Kanade slides; on a corner it can't."""
+"""Structure tensors of tracked points: on a corner Lucas-Kanade is well posed, along an edge it slides."""
 
 import numpy as np
 

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import undistort
-from vpf_sim.perception.egomotion.config import Band, FlowConfig, SettledPointConfig, WiperConfig
+from vpf_sim.perception.egomotion.config import Band, FlowConfig, WiperConfig
 from vpf_sim.perception.egomotion.corners import inverse, is_corner, structure_tensor
-from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.perception.egomotion.tracks import Tracks
 from vpf_sim.perception.egomotion.windscreen_points import stuck
 from vpf_sim.perception.quantiles import median
@@ -18,6 +17,7 @@ from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 Singles = NDArray[np.float32]
 
 FAINT = 1e-2 * np.eye(2)  # keeps the tensor of an empty window invertible
+ITERATIONS = 30  # of Lucas-Kanade, at most
 
 
 def grey(image_rgb: Image) -> Image:
@@ -45,44 +45,42 @@ class FlowTracker:
         self.rate_hz = rate_hz
         self._window_frames = max(1, round(config.window_s * rate_hz))
         self._period_frames = max(1, round(config.detect_period_s * rate_hz))
-        self._anchor_frames = None if config.keyframe_s is None else max(2, round(config.keyframe_s * rate_hz))
+        self._keyframe_frames = None if config.keyframe_s is None else max(2, round(config.keyframe_s * rate_hz))
         self._jump_px = 0.5 * config.reach_px_per_s / rate_hz
         whole = [(slice(0, camera.height_px), config.points)]
         self._bands = [(self._rows(band), round(band.share * config.points)) for band in config.bands or ()] or whole
         self._top = max(0, min(rows.start for rows, _ in self._bands) - config.window_px)
         self._bottom = min(camera.height_px, max(rows.stop for rows, _ in self._bands) + config.window_px)
-        self._corner_px = np.array([0.0, self._top])  # of what is followed
-        self._previous: Image | None = None
-        self._poses: Floats = np.empty((0, 3))  # newest first
-        self._late: Floats = np.empty(0)  # shares of a period, newest first
+        self._corner_px = np.array([0.0, self._top])  # of the tracked part of the image
         self._next_identity = 0
         self._frame = 0
-        self._tracks = Tracks.none(self._window_frames)
-        self._held: Image | None = None  # the last frame before something began to sweep across the picture,
-        self._held_until = 0  # and the last in which it serves
+        self._held_until = 0  # the last frame that uses `_held`
+        self.restart()
 
     def restart(self) -> None:
-        """Forget all points: since the last frame too much may have changed for them to be found again."""
-        self._previous, self._held = None, None
-        self._poses, self._late = np.empty((0, 3)), np.empty(0)
+        """Drop all points: too much may have changed since the last frame to find them again."""
+        self._previous: Image | None = None
+        self._held: Image | None = None  # the last frame before a wiper began its sweep
+        self._poses: Floats = np.empty((0, 3))  # newest first
+        self._late: Floats = np.empty(0)  # shares of a period, newest first
         self._tracks = Tracks.none(self._window_frames)
 
     def update(self, image: Image, pose: Floats, hidden: Image | None = None, late: float = 0.0) -> Flow:
-        """The flow seen at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels.
+        """Flow at the grey (H, W) frame taken at `pose` (x, y, yaw), in undistorted pixels.
 
-        No corners are looked for where `hidden` (H, W) is not 0. `late` is the share of a period by which the frame was
+        No corners are detected where `hidden` (H, W) is not 0. `late` is the share of a period by which the frame was
         taken after its turn.
         """
         self._poses = np.concatenate([pose[None], self._poses[: self._window_frames]])
         self._late = np.concatenate([[late], self._late[: self._window_frames]])
         if self._previous is not None and len(self._tracks):
             self._follow(self._previous, image)
-        if self._anchor_frames is not None:
-            self._tracks.renew_anchor(self._anchor_frames, pose)
+        if self._keyframe_frames is not None:
+            self._tracks.renew_first(self._keyframe_frames, pose)
         if self._frame % self._period_frames == 0:
-            self._look_for_stuck(pose)
+            self._mark_windscreen_points(pose)
         flow = self._report(pose)
-        self._weigh_again(image)
+        self._update_structure(image)
         if not self.is_swept:  # a blade has corners too
             self._top_up(image, pose, hidden)
         self._previous = image
@@ -91,7 +89,7 @@ class FlowTracker:
 
     @property
     def is_swept(self) -> bool:
-        """Whether something sweeps across the last frame, as a wiper does."""
+        """Whether a wiper sweeps across the last frame."""
         return self._held is not None
 
     @property
@@ -112,8 +110,7 @@ class FlowTracker:
     def _lucas_kanade(
         self, before: Image, after: Image, points_px: Floats, guess_px: Floats | None = None
     ) -> tuple[Floats, Bools, Singles]:
-        """(N, 2) where points have gone, (N,) whether they were found, and (N,) grey levels by which the windows of
-        those differ."""
+        """(N, 2) where points are in `after`, (N,) whether they were found, (N,) grey difference of the windows."""
         config = self.config
         rows, offset = slice(self._top, self._bottom), self._corner_px
         points = (points_px - offset).astype(np.float32)
@@ -124,14 +121,14 @@ class FlowTracker:
             np.empty_like(points) if guess_px is None else (guess_px - offset).astype(np.float32),
             winSize=(config.window_px, config.window_px),
             maxLevel=self.levels,
-            criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, config.iterations, config.epsilon_px),
+            criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, ITERATIONS, config.epsilon_px),
             flags=0 if guess_px is None else cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
         return moved + offset, status.ravel() == 1, error.ravel().astype(np.float32, copy=False)
 
     def _follow(self, before: Image, after: Image) -> None:
         tracks = self._tracks
-        now, found, good, error = self._moved(before, after)
+        now, found, good, error = self._tracked(before, after)
         if self.config.wiper is not None:
             now, good = self._hold((before, after), now, found, good, error, self.config.wiper)
         good &= (now[:, 0] >= 0) & (now[:, 0] <= self.camera.width_px - 1)
@@ -142,35 +139,30 @@ class FlowTracker:
         if not tracks.covered.any():
             self._held = None
 
-    def _moved(self, before: Image, after: Image) -> tuple[Floats, Bools, Bools, Singles]:
-        """What `_there_and_back` says of each point. Covered ones are not followed nor found: `_hold` seeks them."""
-        points = self._tracks.trail[0]
-        if not self.is_swept:
-            return self._there_and_back(before, after, points)
-        seen = np.flatnonzero(self._tracks.covered == 0)
+    def _tracked(self, before: Image, after: Image) -> tuple[Floats, Bools, Bools, Singles]:
+        """As `_lucas_kanade`, and before the last (N,) whether points also return, which is checked once a period.
+
+        Covered points are not tracked: `_hold` searches for them.
+        """
+        points, seen = self._tracks.trail[0], np.flatnonzero(self._tracks.covered == 0)
         now, (found, good) = points.copy(), np.zeros((2, len(points)), np.bool_)
         error = np.zeros(len(points), np.float32)
         if len(seen):
-            now[seen], found[seen], good[seen], error[seen] = self._there_and_back(before, after, points[seen])
+            now[seen], found[seen], error[seen] = self._lucas_kanade(before, after, points[seen])
+        good[:] = found
+        limit_px = self.config.forward_backward_px
+        if len(seen) and limit_px is not None and self._frame % self._period_frames == 1 % self._period_frames:
+            back, returned, _ = self._lucas_kanade(after, before, now[seen])
+            good[seen] &= returned & (np.hypot(*(back - points[seen]).T) < limit_px)
         return now, found, good, error
-
-    def _there_and_back(self, before: Image, after: Image, points_px: Floats) -> tuple[Floats, Bools, Bools, Singles]:
-        """(N, 2) where points have gone, (N,) whether they were found, and whether the way back leads to where they
-        were too, which is asked once a period, and (N,) grey levels by which the windows of those found differ."""
-        now, found, error = self._lucas_kanade(before, after, points_px)
-        check = self.config.forward_backward
-        if check is None or self._frame % self._period_frames != 1 % self._period_frames:
-            return now, found, found, error
-        back, returned, _ = self._lucas_kanade(after, before, now)
-        return now, found, found & returned & (np.hypot(*(back - points_px).T) < check.limit_px), error
 
     def _hold(
         self, frames: tuple[Image, Image], now_px: Floats, found: Bools, good: Bools, error: Singles, wiper: WiperConfig
     ) -> tuple[Floats, Bools]:
-        """Where the points are now, and which are kept, if a wiper's blade sweeps across them: it takes them along.
+        """(N, 2) where points are now, and (N,) which are kept, if a wiper's blade sweeps across them.
 
-        Such points jump, or look otherwise. They go on as they went, are not reported, and are sought again in every
-        frame by how they looked before the sweep. A few that jump at other times are lost.
+        A point that jumps or looks different is covered: it is predicted, not reported, and searched for in every frame
+        by its window before the sweep. Without a sweep, a point that jumps is lost.
         """
         tracks = self._tracks
         jumps, turn = self._jumps(now_px, found)
@@ -184,15 +176,14 @@ class FlowTracker:
         usual = median(error[seen]) if seen.any() else 0.0
         limit = max(wiper.covered_levels, wiper.covered_ratio * usual)
         covered = ~seen | (error > limit)
-        now = self._seek(frames[1], now_px, covered, turn, limit)
+        now = self._search(frames[1], now_px, covered, turn, limit)
         kept = covered | good
-        if self._frame >= self._held_until:  # what has not come back by now was water, and is wiped away
+        if self._frame >= self._held_until:  # a point that has not come back by now was a drop
             kept &= tracks.covered == 0
         return now, kept
 
     def _jumps(self, now_px: Floats, found: Bools) -> tuple[Bools, Floats]:
-        """(N,) points that move on otherwise than before by more than any does that is followed, against (2,) what most
-        do so: the camera turns."""
+        """(N,) points whose motion changes more than any tracked point's does, and (2,) the median change: a turn."""
         tracks = self._tracks
         known = found & (tracks.age > 0)
         jump = now_px - 2.0 * tracks.trail[0] + tracks.trail[1]
@@ -202,8 +193,8 @@ class FlowTracker:
         turn = np.array([median(part) for part in jump[known].T])
         return known & (squares(jump - turn) > self._jump_px**2), turn
 
-    def _seek(self, after: Image, now_px: Floats, covered: Bools, turn_px: Floats, limit: float) -> Floats:
-        """(N, 2) where the points are now: covered ones where they are found again, or where they should be by now."""
+    def _search(self, after: Image, now_px: Floats, covered: Bools, turn_px: Floats, limit: float) -> Floats:
+        """(N, 2) where points are now; covered ones where they are found again, or predicted."""
         tracks = self._tracks
         tracks.covered = np.where(covered, tracks.covered + 1, 0)
         expected = 2.0 * tracks.trail[0] - tracks.trail[1] + turn_px
@@ -214,7 +205,7 @@ class FlowTracker:
             aside = place - expected[sought]
             found &= (differs < limit) & (np.hypot(*aside.T) < self._jump_px)
             now[sought[found]] = place[found]
-            tracks.show(sought[found], aside[found])
+            tracks.uncover(sought[found], aside[found])
         return now
 
     def _report(self, pose: Floats) -> Flow:
@@ -243,16 +234,15 @@ class FlowTracker:
             covered=self._tracks.identity[covered],
         )
 
-    def _look_for_stuck(self, pose: Floats) -> None:
-        """A point's first sighting in the undistorted frame is near enough to that in the frame as it is."""
+    def _mark_windscreen_points(self, pose: Floats) -> None:
         tracks, config = self._tracks, self.config.windscreen_points
         if config is not None and len(tracks):
             tracks.stuck = stuck(self.camera, tracks.trail[0], tracks.first_px, tracks.first_pose, pose, config)
 
-    def _weigh_again(self, image: Image) -> None:
-        """Look at a part of the windows in every frame: what was a corner from afar may be an edge from near.
+    def _update_structure(self, image: Image) -> None:
+        """Update a part of the structure tensors in every frame: a corner far away may be an edge from near.
 
-        The noise of the chained steps adds up, and goes with the inverse of the tensor, so the inverses are averaged.
+        The noise of a step follows the inverse of the tensor, and steps are chained, so the inverses are averaged.
         """
         tracks = self._tracks
         if self.config.corner_test is None:
@@ -261,9 +251,9 @@ class FlowTracker:
         if not len(due):
             return
         tensor = structure_tensor(image, tracks.trail[0, due], self.config.window_px)
-        looks = 1 + tracks.age[due, None, None] // self._period_frames
+        count = 1 + tracks.age[due, None, None] // self._period_frames
         mean = inverse(tracks.structure[due] + FAINT)
-        mean = mean + (inverse(tensor + FAINT) - mean) / (looks + 1)
+        mean = mean + (inverse(tensor + FAINT) - mean) / (count + 1)
         tracks.structure[due] = inverse(mean) - FAINT
         corner = is_corner(tensor, self.config.corner_test.texture_floor, self.config.corner_test.corner_ratio)
         if not corner.all():
@@ -277,34 +267,11 @@ class FlowTracker:
             turn = (self._frame - index * self._period_frames // len(self._bands)) % self._period_frames == 0
             if self._frame and not turn:
                 continue
-            if self.config.settled_points is not None:
-                self._drop_settled(rows, quota, self.config.settled_points)
             points = self._tracks.trail[0]
             inside = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
             wanted = quota - np.count_nonzero(inside & ~self._tracks.stuck)
             if wanted >= max(1, quota // 20):
                 self._add(self._corners(image, rows, points[inside], int(wanted), hidden), image, pose)
-
-    def _drop_settled(self, rows: slice, quota: int, config: SettledPointConfig) -> None:
-        """Drop the oldest points of the road beyond their share of a band."""
-        tracks, most = self._tracks, int(config.kept_share * quota)
-        points = tracks.trail[0]
-        old = (
-            (points[:, 1] >= rows.start)
-            & (points[:, 1] < rows.stop)
-            & (tracks.age > config.age_windows * self._window_frames)
-        )
-        if np.count_nonzero(old) <= most:
-            return
-        chosen = np.flatnonzero(old)
-        now, first = (undistort(self.camera, of[chosen]) for of in (points, tracks.first_px))
-        road = ground_flow(self.camera, now, tracks.first_pose[chosen], self._poses[0])
-        residual = np.hypot(*(now - first - road).T)
-        settled = chosen[residual < config.residual_share * np.hypot(*road.T) + config.residual_px]
-        excess = len(chosen) - most
-        keep = np.ones(len(tracks), np.bool_)
-        keep[settled[:excess]] = False  # the oldest first
-        tracks.keep(keep)
 
     def _corners(self, image: Image, rows: slice, taken_px: Floats, count: int, hidden: Image | None) -> Floats:
         config = self.config
@@ -316,9 +283,7 @@ class FlowTracker:
         mask = cv2.erode(mask, np.ones((size, size), np.uint8)).astype(np.uint8, copy=False)
         if hidden is not None:
             mask[hidden[rows] != 0] = 0
-        found = cv2.goodFeaturesToTrack(
-            strip, count, config.quality, config.min_distance_px, mask=mask, blockSize=config.block_px
-        )
+        found = cv2.goodFeaturesToTrack(strip, count, config.quality, config.min_distance_px, mask=mask)
         if found is None:
             return np.empty((0, 2))
         corners: Floats = found.reshape(-1, 2).astype(np.float64) + np.array([0.0, rows.start])

@@ -1,4 +1,4 @@
-"""The fit of the focus of expansion to derotated flow: RANSAC where it is needed, then reweighted least squares."""
+"""Robust fit of the focus of expansion (FOE) to derotated flow: RANSAC if needed, then reweighted least squares."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,14 +11,19 @@ from vpf_sim.types import Bools, Camera, Floats
 
 Reals = NDArray[np.floating[Any]]
 
+ITERATIONS, SETTLED_PX = 6, 0.05  # of the reweighted least squares
+NEAR_PX = 5.0  # distance from the FOE at which the radial direction is uncertain
+BIWEIGHT = 1.3  # residual variance over that with the weights of Tukey's biweight
+LEAST_SHARE = 0.05  # of inliers, by which the covariance grows
+
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """What is known before the flow is looked at, of the state: FOE px, and pitch, yaw and roll rate rad/s."""
+    """Prior of the state: FOE px, and pitch, yaw and roll rate rad/s."""
 
     state: Floats  # (5,)
-    information: Floats  # (5, 5) inverse of the covariance; 0 where nothing is known
-    expected_px: Floats | None  # (2,) where the FOE was a moment ago; `information` says how surely it still is
+    information: Floats  # (5, 5) inverse covariance
+    expected_px: Floats | None  # (2,) the last FOE
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +43,11 @@ def fit(
     rng: np.random.Generator,
     config: FocusFitConfig,
 ) -> Fit | None:
-    """The FOE of N points with derotated flow over `gap_s` (N,); None where the flow fixes none.
+    """The FOE of N points with derotated flow over `gap_s` (N,); None if the flow does not fix it.
 
-    A row of A x = b has the noise of the flow times the distance from the FOE, so rows weigh by its inverse, and by
-    Tukey's biweight of the flow across the radial direction, against `tolerance_px` (N,). Pitch, roll and what the yaw
-    rate's sensor misses turn the picture too; these rates are fitted along, held near zero by the prior.
+    The noise of a row of A x = b is the flow's times the distance from the FOE. Rows are weighted by its inverse, and
+    by Tukey's biweight of the flow across the radial direction against `tolerance_px` (N,). The prior holds the rates
+    of rotation that are not measured near zero.
     """
     if len(points_px) < config.least_points:
         return None
@@ -58,8 +63,8 @@ def fit(
     away, (u, v) = points - state[:2, None], _turned_back(flow, turn, state[2:])
     x, y = away
     inliers = (np.abs(u * y - v * x) < tolerance_px * np.sqrt(x * x + y * y)) & (u * x + v * y > 0.0)
-    # Those that disagree have not all been told apart from those that do: the fewer agree, the less is sure.
-    share = max(float(np.count_nonzero(inliers)) / len(inliers), config.least_share)
+    # Some outliers are among the inliers, the more the fewer points agree.
+    share = max(float(np.count_nonzero(inliers)) / len(inliers), LEAST_SHARE)
     return Fit(state[:2], covariance / share**2, inliers)
 
 
@@ -71,7 +76,7 @@ def _start(
     rng: np.random.Generator,
     config: FocusFitConfig,
 ) -> Floats | None:
-    """(2,) px: the expected FOE while most points agree with it, otherwise the one that most agree with."""
+    """(2,) px, the start of the fit: the last FOE while most points agree with it, else the one of RANSAC."""
     p, v, tolerance = (values.astype(np.float32) for values in (points_px, flow_px, tolerance_px))
     if prior.expected_px is not None and config.temporal_prior is not None:
         votes = _votes(p, v, tolerance, prior.expected_px[None].astype(np.float32))
@@ -83,7 +88,7 @@ def _start(
 
 
 def _votes(points_px: Reals, flow_px: Reals, tolerance_px: Reals, foes_px: Reals) -> Reals:
-    """(H,) how many points agree with each FOE (H, 2), in part by how well."""
+    """(H,) number of points that agree with each FOE (H, 2), weighted by their error."""
     x, y = points_px[:, 0] - foes_px[:, :1], points_px[:, 1] - foes_px[:, 1:]
     u, v = np.ascontiguousarray(flow_px.T)
     across = np.abs(u * y - v * x) / (np.sqrt(x * x + y * y) + 1e-9)
@@ -101,9 +106,9 @@ def _searched(
     rng: np.random.Generator,
     config: RansacConfig,
 ) -> Floats | None:
-    """(2,) px, the intersection of two flow lines that most points agree with; all hypotheses at once.
+    """(2,) px, the intersection of two flow lines with most votes.
 
-    The log likelihood of the prior counts like votes, up to a share of all: with few points that agree, it decides.
+    The log likelihood of the prior counts like votes, up to a share of all.
     """
     if len(points_px) > config.sample:
         chosen = rng.choice(len(points_px), config.sample, replace=False)
@@ -115,7 +120,7 @@ def _searched(
         return None
     away = foes - prior.state[:2]
     unlikely = 0.5 * np.sum(away @ prior.information[:2, :2] * away, axis=1)
-    # A quarter of the points tells which hypotheses all of them should judge.
+    # A quarter of the points selects the hypotheses that all points vote on.
     for part, left in ((slice(None, None, 4), config.finalists), (slice(None), 1)):
         count = len(points_px[part])
         score = _votes(points_px[part], flow_px[part], tolerance_px[part], foes.astype(np.float32))
@@ -140,9 +145,9 @@ def _intersections(points_px: Reals, flow_px: Reals, count: int, rng: np.random.
 
 
 def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
-    """(2, 3, N) px per rad/s: motion of the image under a slow turn about the camera's x, y and z axes in each window.
+    """(2, 3, N) px per rad/s, image motion by slow turns about the camera's x, y and z axes over each window.
 
-    To first order and up to sign (Longuet-Higgins and Prazdny 1980); the turns it measures are small and unknown.
+    To first order and up to sign (Longuet-Higgins and Prazdny 1980).
     """
     x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
     y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
@@ -167,8 +172,8 @@ def _reweighted(
     `points` and `flow` are (2, N) px here.
     """
     state, steady = np.array([*start_px, 0.0, 0.0, 0.0]), flow
-    for _ in range(config.iterations):
-        weight, slope, across = _linearised(points, steady, turn, state[:2], tolerance_px, config.near_px)
+    for _ in range(ITERATIONS):
+        weight, slope, across = _linearised(points, steady, turn, state[:2], tolerance_px)
         weighted = (slope * weight[:, None]).T
         normal = weighted @ slope
         if np.count_nonzero(weight) < config.least_points or normal[0, 0] * normal[1, 1] - normal[0, 1] ** 2 < 1e-12:
@@ -176,20 +181,20 @@ def _reweighted(
         normal += prior.information
         step = np.linalg.solve(normal, weighted @ across + prior.information @ (state - prior.state))
         state = state - step
-        if abs(step[0]) + abs(step[1]) < config.settled_px:
+        if abs(step[0]) + abs(step[1]) < SETTLED_PX:
             break
         steady = _turned_back(flow, turn, state[2:])
-    spread = config.biweight * float(weight @ (across * across)) / np.count_nonzero(weight)
+    spread = BIWEIGHT * float(weight @ (across * across)) / np.count_nonzero(weight)
     return state, np.asarray(np.linalg.inv(normal)[:2, :2], np.float64) * max(1.0, spread)
 
 
 def _linearised(
-    points: Floats, flow: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats, near_px: float
+    points: Floats, flow: Floats, turn: Floats, foe_px: Floats, tolerance_px: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Weights (N,), slopes (N, 5) and values (N,) px of the flow across the radial direction, at a FOE and rates."""
     away, (u, v) = points - foe_px[:, None], flow
     x, y = away
-    nearness = 1.0 / (np.sqrt(x * x + y * y) + near_px)
+    nearness = 1.0 / (np.sqrt(x * x + y * y) + NEAR_PX)
     away *= nearness
     across = u * y - v * x
     # The tolerance is some three standard deviations of the flow.
@@ -207,5 +212,5 @@ def _linearised(
 
 
 def _turned_back(flow: Floats, turn: Floats, rates: Floats) -> Floats:
-    """(2, N) px, the flow without what slow turns at these rates (3,) rad/s add."""
+    """(2, N) px, the flow without slow turns at these rates (3,) rad/s."""
     return np.asarray(flow - np.ascontiguousarray(turn.swapaxes(1, 2)) @ rates)

@@ -12,7 +12,6 @@ from vpf_sim.perception.egomotion.focus_fit import Prior, fit
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 LEAST_CONFIDENCE = 0.1  # below it results of the flow are not reliable
-UNIT = np.eye(2)
 
 
 def lines(points_px: Floats, flow_px: Floats) -> tuple[Floats, Floats]:
@@ -49,10 +48,10 @@ def as_printed(points_px: Floats, flow_px: Floats) -> Floats:
 
 
 def derotate(flow: Flow, camera: Camera) -> Floats:
-    """(N, 2) px, the displacement that the camera's translation alone gives, in the axes of the camera now.
+    """(N, 2) px, the displacement by the camera's translation alone, in the axes of the camera now.
 
-    The past point is turned by the known yaw change over its window, so the line through it and the point now passes
-    through the image of the chord that the camera's centre moved along.
+    The past point is turned by the measured yaw change over its window. The line through it and the point now then
+    passes through the image of the chord of the camera's path.
     """
     yaw_change = flow.pose[2] - flow.past_pose[:, 2]
     past = flow.points_px - flow.displacement_px
@@ -62,22 +61,16 @@ def derotate(flow: Flow, camera: Camera) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Derotated:
-    """What several stages take from one flow."""
+    """Flow without rotation."""
 
     flow_px: Floats  # (N, 2) see `derotate`
-    shift_px: Floats  # (N,) see `chord_shift`
+    shift_px: Floats  # (N,) by which the FOE now is right of each point's chord: half the turn over its window
 
 
 def derotated(flow: Flow, camera: Camera) -> Derotated:
-    """Both, for stages to share."""
-    return Derotated(derotate(flow, camera), chord_shift(flow, camera))
-
-
-def chord_shift(flow: Flow, camera: Camera) -> Floats:
-    """(N,) px by which the FOE now lies right of each point's chord: half the turn over its window."""
+    """The derotated flow and its shift, for stages to share."""
     yaw_change = np.remainder(flow.pose[2] - flow.past_pose[:, 2] + np.pi, 2.0 * np.pi) - np.pi
-    shift: Floats = camera.fx_px * np.tan(0.5 * yaw_change)
-    return shift
+    return Derotated(derotate(flow, camera), camera.fx_px * np.tan(0.5 * yaw_change))
 
 
 def estimate(
@@ -88,13 +81,11 @@ def estimate(
     before: Expansion | None = None,
     turned: Derotated | None = None,
 ) -> Expansion:
-    """The FOE of one frame; `before` is that of the frame before, which the robust method goes on from.
+    """The FOE of one frame; `before` is the last frame's, `turned` the flow `derotated` if it is at hand.
 
-    `turned` is the flow `derotated`, where it is at hand.
-
-    Without enough motion it is the last one with a covariance that grows, or the point straight ahead, and its
-    confidence is 0. The confidence of the robust FOE is the share of moving points that agree, less where the
-    covariance is large; points that are stuck to the glass count among those that do not agree.
+    Without enough motion it is the last one with a growing covariance, or the point straight ahead, with confidence 0.
+    The confidence of the robust FOE is the share of inliers among moving and windscreen points, lower with a large
+    covariance.
     """
     if config.method == "robust" and config.fit is not None:
         return _robust(flow, camera, config.fit, rng, before, turned)
@@ -121,7 +112,7 @@ def _robust(
         return _held(before, camera, config, rate_hz, len(flow))
     turned = turned or derotated(flow, camera)
     points = flow.points_px.copy()
-    # Moving a line by the shift moves its intersection with the others from the chord's image to the present FOE.
+    # The shift moves the lines' intersection from the chord's image to the present FOE.
     points[:, 0] += turned.shift_px
     steps = np.maximum(flow.gap_s * rate_hz, 1.0)
     length = np.hypot(turned.flow_px[:, 0], turned.flow_px[:, 1])
@@ -143,7 +134,7 @@ def _robust(
 
 
 def _prior(camera: Camera, config: FocusFitConfig, before: Expansion | None, rate_hz: float) -> Prior:
-    """The usual direction and rates of a vehicle, and where the FOE was a frame ago."""
+    """Usual direction and rates of a vehicle, combined with the last FOE."""
     usual = _usual(camera, config)
     if config.temporal_prior is None or before is None or not np.isfinite(before.covariance_px2).all():
         return usual
@@ -158,18 +149,18 @@ def _prior(camera: Camera, config: FocusFitConfig, before: Expansion | None, rat
 
 @lru_cache(maxsize=8)
 def _usual(camera: Camera, config: FocusFitConfig) -> Prior:
-    """What is known of a vehicle without a frame before; not to be changed."""
+    """The prior without a last frame; it must not be changed."""
     information = np.zeros((5, 5))
     direction, rotation = config.direction_prior, config.rotation
     sides_rad = (direction.side_sd_rad, direction.height_sd_rad) if direction else (inf, inf)
-    rates = (rotation.pitch_sd_radps, rotation.yaw_sd_radps, rotation.roll_sd_radps) if rotation else (0.0, 0.0, 0.0)
+    rates = (rotation.tilt_sd_radps, rotation.yaw_sd_radps, rotation.tilt_sd_radps) if rotation else (0.0, 0.0, 0.0)
     sides = np.array(sides_rad) * [camera.fx_px, camera.fy_px]
     information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in rates)]
     return Prior(np.array([*_straight_ahead(camera), 0.0, 0.0, 0.0]), information, None)
 
 
 def _inverse(matrix: Floats) -> Floats:
-    """(2, 2), in closed form: `np.linalg.inv` takes ten times as long, and this is asked for in every frame."""
+    """(2, 2), in closed form: `np.linalg.inv` takes ten times as long."""
     (a, b), (c, d) = matrix.tolist()
     inverse: Floats = np.array(((d, -b), (-c, a))) / (a * d - b * c)
     return inverse
@@ -177,18 +168,18 @@ def _inverse(matrix: Floats) -> Floats:
 
 def _drifted(covariance_px2: Floats, camera: Camera, config: TemporalPriorConfig, rate_hz: float) -> Floats:
     """(2, 2) px^2, a frame later."""
-    later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * UNIT
+    later: Floats = covariance_px2 + (config.drift_sd_rad * camera.fx_px) ** 2 / rate_hz * np.eye(2)
     return later
 
 
 def _rate_hz(flow: Flow) -> float:
-    """Frames a second: the youngest points are no older than their windows. inf without a point that was followed."""
+    """Frames a second, by the youngest points; inf without tracked points."""
     young = flow.gap_s > 0.0
     return float((flow.age_frames[young] / flow.gap_s[young]).min(initial=inf))
 
 
 def _straight_ahead(camera: Camera) -> Floats:
-    """(2,) px, the horizon above the car's own way."""
+    """(2,) px, the horizon straight ahead."""
     return np.array([camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)])
 
 

@@ -1,4 +1,4 @@
-"""The flat road as seen by the moving camera: where a pixel of the road was in an earlier frame."""
+"""Image motion of the flat road under the moving camera."""
 
 from math import tan
 
@@ -9,10 +9,7 @@ from vpf_sim.types import Camera, Floats
 
 
 def relative_pose(past_pose: Floats, pose: Floats) -> tuple[Floats, Floats]:
-    """The vehicle now as seen from the vehicle at each past pose: (N, 2) position in its axes m, (N,) yaw change rad.
-
-    `past_pose` is (N, 3), `pose` (3,), rows (x, y, yaw).
-    """
+    """(N, 2) m, the position of `pose` (3,) in the axes of each past pose (N, 3), and (N,) rad, the yaw change."""
     x, y = pose[0] - past_pose[:, 0], pose[1] - past_pose[:, 1]
     cosine, sine = np.cos(past_pose[:, 2]), np.sin(past_pose[:, 2])
     position = np.empty((len(past_pose), 2))
@@ -23,7 +20,7 @@ def relative_pose(past_pose: Floats, pose: Floats) -> tuple[Floats, Floats]:
 
 
 def past_image(camera: Camera, points_m: Floats, past_pose: Floats, pose: Floats) -> Floats:
-    """(N, 2) px, where standing points (N, 3) in the axes of the vehicle now were seen from the past poses (N, 3)."""
+    """(N, 2) px, images of standing points (N, 3), vehicle axes now, from the past poses (N, 3)."""
     position, turn = relative_pose(past_pose, pose)
     cosine, sine = np.cos(turn), np.sin(turn)
     past = np.empty(points_m.shape)
@@ -34,14 +31,13 @@ def past_image(camera: Camera, points_m: Floats, past_pose: Floats, pose: Floats
 
 
 def ground_flow(camera: Camera, points_px: Floats, past_pose: Floats, pose: Floats) -> Floats:
-    """(N, 2) px, the displacement that pixels (N, 2) have if they show the flat road, from the past poses to now.
+    """(N, 2) px, displacement of pixels (N, 2) of the flat road from the past poses to now.
 
-    Exact for a finite motion in the plane: the pixel is put on the road, seen from the past pose, and the difference
-    taken. For a camera that drives straight ahead it is (p - p_FOE) d / (Z + d) with Z = f h / (y - y_h).
-    Pixels at and above the horizon have no road: there it is the flow of the plane at infinity, the limit from below.
+    Exact for any motion in the plane. Straight ahead it is (p - p_FOE) d / (Z + d) with Z = f h / (y - y_h). At and
+    above the horizon it is the flow of the plane at infinity.
     """
     below = below_horizon(camera, points_px)
-    # The road 1 km away stands for infinity; lifting the pixels by a common row keeps the turn's part of the flow.
+    # The road 1 km away stands for infinity.
     nearest_row = camera.cy_px + camera.fy_px * (camera.height_m / 1e3 - tan(camera.pitch_rad))
     seen = points_px.copy()
     seen[below < camera.height_m / 1e3, 1] = nearest_row

@@ -1,34 +1,31 @@
-"""How far the camera looks below where it is believed to, told by the road's lines, and taken over slowly.
+"""Mount pitch of the camera, by a Kalman filter of the pitches that the road's lines show in single frames.
 
-A camera is mounted some tenths of a degree askew, a car sits lower behind when it is loaded, and the road ahead may
-rise. Whichever it is, the plane of the road is turned against the one that is believed in: by 0.005 rad the road 15 m
-ahead seems to lie 8 cm below or above its place, and is a body. Parallel lines tell the turn in a single frame
-(`perception.road.model`), each frame anew: here their word is gathered by a scalar Kalman filter. What is believed
-changes in steps only, and flow and frames stay as they are where a camera looks where it should: hard rain pretends up
-to 0.03 deg at first, while nothing else is known.
+A camera is mounted some tenths of a degree askew, a loaded car sits lower behind, and the road ahead may rise. At 0.005
+rad the road 15 m ahead seems 8 cm too high and looks like an obstacle. The applied pitch changes in steps, and stays 0
+for a good mounting: hard rain feigns up to 0.03 deg at first.
 """
 
 from math import sqrt
 
-from vpf_sim.perception.egomotion.config import MountPitchConfig
+from vpf_sim.perception.egomotion.config import PitchConfig
 
 
 class MountPitch:
-    """The constant part of the pitch, as it is known and as it is believed."""
+    """The constant part of the pitch: estimated and applied."""
 
-    def __init__(self, config: MountPitchConfig) -> None:
+    def __init__(self, config: PitchConfig) -> None:
         self._config = config
         self._found_rad, self._variance_rad2 = 0.0, config.first_sd_rad**2
         self._time_s: float | None = None
-        self.pitch_rad = 0.0  # + looks down; what is believed
+        self.pitch_rad = 0.0  # applied, + looks down
 
     @property
     def sigma_rad(self) -> float:
-        """Standard deviation of what is known."""
+        """Standard deviation of the estimate."""
         return sqrt(self._variance_rad2)
 
     def update(self, pitch_rad: float, sigma_rad: float, time_s: float) -> None:
-        """A look says that the camera looks so far down, with that standard deviation of its own."""
+        """Add an observation of the pitch with its standard deviation."""
         config = self._config
         if self._time_s is not None:
             self._variance_rad2 += config.drift_sd_rad**2 * (time_s - self._time_s)

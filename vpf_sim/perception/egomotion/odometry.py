@@ -1,13 +1,12 @@
-"""The car's own way by its speed and yaw rate, where its pose is too rough for that.
+"""Odometry by speed and yaw rate, which replaces a pose that is too rough.
 
-All that follows points over a second lives on the way between the two frames: 5 cm aside in a second, as satellite and
-inertial navigation drift, turn the direction of a car at 5.55 m/s by half a degree, and a body 15 m ahead is told by
-less. Speed and yaw rate, added up, are smooth over such times; they have a scale and a bias, which the pose tells over
-longer ones. Where the car is in the world matters to nobody here: what is remembered is remembered relative to where
-the car has been.
+Depth from motion needs the way between two frames to centimetres. Satellite and inertial navigation drifts by 5 cm a
+second, which turns the direction of a car at 5.55 m/s by half a degree. Integrated speed and yaw rate are smooth over
+a second; their scale and bias follow from the pose over longer times. The place in the world does not matter: obstacles
+are stored relative to the way.
 
-How rough a pose is shows in itself: what it adds to the way by speed and yaw rate should be the same from one frame to
-the next, for scale and bias are. A pose that is smooth is used as it is, to the bit.
+The difference between the motion by the pose and by speed and yaw rate should be the same in consecutive frames, as
+scale and bias are. Its changes measure how rough the pose is. A smooth pose is used as it is, to the bit.
 """
 
 from dataclasses import dataclass, replace
@@ -20,14 +19,14 @@ from vpf_sim.types import Observation, VehicleModel
 
 @dataclass(slots=True)
 class _Roughness:
-    """How much the excess of a step differs from that of the step before: a scale or a bias is not in it."""
+    """Changes of the excess from step to step, which no scale or bias explains."""
 
     settle_s: float
     watched_s: float = 0.0
     square: float = 0.0  # mean of the squared changes
     last: float | None = None
 
-    def look(self, excess: float, time_s: float) -> None:
+    def update(self, excess: float, time_s: float) -> None:
         change = 0.0 if self.last is None else excess - self.last
         self.last = excess
         self.watched_s += time_s
@@ -36,18 +35,18 @@ class _Roughness:
 
     @property
     def walk(self) -> float:
-        """Variance that a step adds, if the pose is a random walk about the way."""
+        """Variance that a step adds if the pose is a random walk about the true way."""
         return self.square / 2.0
 
     @property
     def noise(self) -> float:
-        """Variance of a pose, if each is off by itself: the change has n_k - 2 n_k-1 + n_k-2."""
+        """Variance of a pose if errors are independent: the change has n_k - 2 n_k-1 + n_k-2."""
         return self.square / 6.0
 
 
 @dataclass(slots=True)
 class _Constant:
-    """What the sums of the excess tell of its constant part: Kalman filter of both."""
+    """Kalman filter of the summed excess and its constant part."""
 
     variance: float
     value: float = 0.0
@@ -56,8 +55,8 @@ class _Constant:
     filtered_variance: float = 0.0
     mixed: float = 0.0  # covariance
 
-    def tell(self, excess: float, slope: float, noise: float, walk: float, drift: float) -> None:
-        """A step's excess, that should be `slope` times the constant; variances that it has and adds."""
+    def update(self, excess: float, slope: float, noise: float, walk: float, drift: float) -> None:
+        """Add a step's excess, `slope` times the constant, with its noise; `walk` and `drift` are process noise."""
         self.summed += excess
         self.filtered += slope * self.value
         self.filtered_variance += slope * (2.0 * self.mixed + slope * self.variance) + walk
@@ -73,7 +72,7 @@ class _Constant:
 
 
 class Odometry:
-    """Watches the pose, and goes on by speed and yaw rate from the moment on in which it turns out to be rough.
+    """Checks the pose, and replaces it by integrated speed and yaw rate once it is rough.
 
     The centre of mass moves at yaw + slip, v sin(slip) = l_r d psi / dt (kinematic bicycle).
     """
@@ -82,7 +81,7 @@ class Odometry:
         self._config = config
         self._l_r_m = vehicle.l_r_m
         slip = atan(vehicle.l_r_m / vehicle.wheelbase_m * tan(vehicle.steering_limit_rad))
-        self._tightest_per_m = 2.0 * sin(slip) / vehicle.l_r_m  # and as much again for the readings' noise
+        self._tightest_per_m = 2.0 * sin(slip) / vehicle.l_r_m  # twice the limit, for the readings' noise
         calibration = config.calibration
         self._stretch = _Constant(calibration.scale_sd**2 if calibration else 0.0)  # speedometer's scale - 1
         self._bias = _Constant(calibration.bias_sd_radps**2 if calibration else 0.0)
@@ -92,7 +91,7 @@ class Odometry:
         self.is_needed = False
 
     def update(self, observation: Observation) -> Observation:
-        """The same, at the pose, speed and yaw rate that are believed."""
+        """The observation with the pose, speed and yaw rate to use."""
         last, self._last = self._last, observation
         time_s = 0.0 if last is None else observation.time_s - last.time_s
         if last is not None and time_s > 0.0:
@@ -100,25 +99,25 @@ class Odometry:
             way = 0.5 * (last.speed_mps + observation.speed_mps) * time_s
             self._compare(last, observation, way, turn, time_s)
             if self.is_needed:
-                standstill = self._config.standstill
-                if standstill is not None and way < standstill.speed_mps * time_s:
-                    way = turn = 0.0
-                return self._go_on(observation, self.scale * way, turn - self.bias_radps * time_s)
+                standstill_mps = self._config.standstill_mps
+                if standstill_mps is not None and way < standstill_mps * time_s:
+                    way = turn = 0.0  # noise of the sensors would move a standing vehicle
+                return self._integrated(observation, self.scale * way, turn - self.bias_radps * time_s)
         self._pose = (observation.x_m, observation.y_m, observation.yaw_rad)
         return observation
 
     @property
     def scale(self) -> float:
-        """Way by the pose for each metre by the speed."""
+        """True speed over the speedometer's."""
         return 1.0 + self._stretch.value
 
     @property
     def bias_radps(self) -> float:
-        """Of the yaw rate's sensor."""
+        """Bias of the yaw rate."""
         return self._bias.value
 
-    def _go_on(self, observation: Observation, way_m: float, turn_rad: float) -> Observation:
-        """Goes on by a step; a car that stands does not turn, whatever its sensor says."""
+    def _integrated(self, observation: Observation, way_m: float, turn_rad: float) -> Observation:
+        """The observation a step on; a standing car does not turn, whatever the yaw rate."""
         most = self._tightest_per_m * way_m
         turn_rad = min(max(turn_rad, -most), most)
         ahead, aside = self._parts(way_m, turn_rad)
@@ -141,14 +140,14 @@ class Odometry:
         return sqrt(max(way_m**2 - aside**2, 0.0)), aside
 
     def _compare(self, last: Observation, now: Observation, way_m: float, turn_rad: float, time_s: float) -> None:
-        """How rough the pose is, and what it tells of scale and bias."""
+        """Update roughness, scale and bias by one step."""
         config, (ahead, aside) = self._config, self._parts(way_m, turn_rad)
         turned = wrap_angle(now.yaw_rad - last.yaw_rad)
         cosine, sine = cos(last.yaw_rad + 0.5 * turned), sin(last.yaw_rad + 0.5 * turned)
         x, y = now.x_m - last.x_m, now.y_m - last.y_m
         excess = (cosine * x + sine * y - ahead, cosine * y - sine * x - aside, turned - turn_rad)
         for roughness, one in zip(self._rough, excess, strict=True):
-            roughness.look(one, time_s)
+            roughness.update(one, time_s)
         along, across, turning = self._rough
         strays = 0.5 * (along.walk + across.walk) > config.rough_m**2 * time_s
         rough = strays or turning.walk > config.rough_rad**2 * time_s
@@ -156,5 +155,5 @@ class Odometry:
         if (known := config.calibration) is None:
             return
         drift = known.drift_share**2 * time_s
-        self._stretch.tell(excess[0], ahead, along.noise, known.walk_m**2 * time_s, drift * known.scale_sd**2)
-        self._bias.tell(excess[2], -time_s, turning.noise, known.walk_rad**2 * time_s, drift * known.bias_sd_radps**2)
+        self._stretch.update(excess[0], ahead, along.noise, known.walk_m**2 * time_s, drift * known.scale_sd**2)
+        self._bias.update(excess[2], -time_s, turning.noise, known.walk_rad**2 * time_s, drift * known.bias_sd_radps**2)

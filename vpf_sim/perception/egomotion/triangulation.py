@@ -1,6 +1,5 @@
-"""Depth and height of followed points from their first and latest sighting and the car's own motion."""
+"""Depth and height of tracked points from their first and latest observation and the vehicle's motion."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,24 +11,23 @@ from vpf_sim.types import Camera, Floats, Flow
 
 @dataclass(frozen=True, slots=True)
 class Triangulation:
-    """Points of the flow put in space. chi2 is of the track, given its depth or given the road."""
+    """Points of the flow in space, as if they stood still. chi2 is the track's, by its depth or by the road's."""
 
-    depth_m: Floats  # (N,) along the optical axis from the camera now; nan where the track fixes none
+    depth_m: Floats  # (N,) along the optical axis from the camera now; nan: unknown
     sigma_m: Floats  # (N,) of depth_m
     height_m: Floats  # (N,) above the road
     height_sigma_m: Floats  # (N,)
     right_m: Floats  # (N,) of the vehicle's axis
     chi2: Floats  # (N,) with the best depth
-    chi2_ground: Floats  # (N,) with the depth that the flat road has there; inf above the horizon
-    inverse_per_m: Floats  # (N,) inverse depth, fitted for itself: what seems far off has none but noise
+    chi2_ground: Floats  # (N,) with the flat road's depth; inf above the horizon
+    inverse_per_m: Floats  # (N,) fitted for itself: the depth of far points is noise
     inverse_sigma_per_m: Floats  # (N,)
 
 
 def information(flow: Flow, window_px: int, age_s: Floats, noise: NoiseModel) -> Floats:
     """(N, 2, 2) inverse covariance of a track's displacement, px^-2: cov = sigma^2 S^-1 / n + floor^2 I, times growth.
 
-    Along an edge the tensor's small eigenvalue is mostly noise, and Lucas-Kanade slides: a share of the large
-    eigenvalue is taken off it.
+    Along an edge Lucas-Kanade slides and the small eigenvalue is noise: a share of the large one is subtracted.
     """
     a, b, d = flow.structure[:, 0, 0], flow.structure[:, 0, 1], flow.structure[:, 1, 1]
     mean, half = 0.5 * (a + d), np.hypot(0.5 * (a - d), b)
@@ -48,10 +46,10 @@ def information(flow: Flow, window_px: int, age_s: Floats, noise: NoiseModel) ->
 
 
 def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise: NoiseModel) -> Triangulation:
-    """Each point's depth Z by weighted least squares over its first sighting, the latest taken as exact.
+    """Each point's depth Z by weighted least squares over its first observation; the latest is taken as exact.
 
-    With q the ray of the point now and t the camera's way, both in the first camera's axes, the point was at Z q + t,
-    so its first image (u, v) gives two equations (f q_xy - u q_z) Z = u t_z - f t_xy, linear in Z.
+    With q the point's ray now and t the camera's way, both in the first camera's axes, the point was at Z q + t. Its
+    first image (u, v) gives two linear equations (f q_xy - u q_z) Z = u t_z - f t_xy.
     """
     focal = np.array([camera.fx_px, camera.fy_px])
     centre = np.array([camera.cx_px, camera.cy_px])
@@ -69,7 +67,7 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
         inverse_sigma = np.abs(q[:, 2] + t[:, 2] * inverse) / np.sqrt(bend)
 
     def chi2(depth_m: Floats) -> tuple[Floats, Floats]:
-        """(N,) of the tracks given depths, and (N,) those depths in the first camera."""
+        """(N,) chi2 at these depths, and (N,) the depths in the first camera."""
         past_depth = depth_m * q[:, 2] + t[:, 2]
         with np.errstate(divide="ignore", invalid="ignore"):
             residual = (a * depth_m[:, None] - b) / past_depth[:, None]
@@ -78,6 +76,8 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
     cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
     down = cosine * ray[:, 1] + sine
     height = camera.height_m - depth * down
+    below = down > 1e-4
+    ground, past_depth = chi2(camera.height_m / np.where(below, down, 1.0))
     return Triangulation(
         depth_m=depth,
         sigma_m=sigma,
@@ -85,17 +85,10 @@ def triangulate(flow: Flow, camera: Camera, window_px: int, age_s: Floats, noise
         height_sigma_m=np.hypot(sigma * down, depth * noise.pitch_rad),
         right_m=depth * ray[:, 0],
         chi2=chi2(depth)[0],
-        chi2_ground=_on_road(camera, down, chi2),
+        chi2_ground=np.where(below & (past_depth > 0.0), ground, np.inf),
         inverse_per_m=inverse,
         inverse_sigma_per_m=inverse_sigma,
     )
-
-
-def _on_road(camera: Camera, down: Floats, chi2: Callable[[Floats], tuple[Floats, Floats]]) -> Floats:
-    """(N,) chi2 with the depth of the flat road; inf above the horizon and where the first camera had passed it."""
-    below = down > 1e-4
-    result, past_depth = chi2(camera.height_m / np.where(below, down, 1.0))
-    return np.where(below & (past_depth > 0.0), result, np.inf)
 
 
 def _product(left: Floats, weight: Floats, right: Floats) -> Floats:
@@ -106,7 +99,7 @@ def _product(left: Floats, weight: Floats, right: Floats) -> Floats:
 
 
 def _in_first_camera(camera: Camera, ray: Floats, flow: Flow) -> tuple[Floats, Floats]:
-    """Rays (N, 3) of the points now and the camera's centre now (N, 3), both in the axes of the first camera."""
+    """Rays (N, 3) of the points now and the camera's centre now (N, 3), in the axes of the first camera."""
     position, turn = relative_pose(flow.first_pose, flow.pose)
     cosine, sine = np.cos(turn), np.sin(turn)
     pitch_cosine, pitch_sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)

@@ -146,28 +146,6 @@ class VerificationConfig:
 
 
 @settings
-class CollisionAlarmConfig:
-    """When points in the car's path raise an alarm."""
-
-    bound_s: float = setting("largest time to contact", ge=0.0)
-    half_way_m: float = setting("largest distance from the car's course, for points that stand still", ge=0.0)
-    ceiling_m: float = setting("largest height", ge=0.0)
-    least_baseline_m: float = setting("least travel since the point's first observation", ge=0.0)
-    chi2_limit: float = setting("largest chi2 of a point at its own depth, plus", ge=0.0)
-    chi2_ratio: float = setting("this share of its chi2 on the road", ge=0.0)
-    chi2_margin: float = setting("least excess of the chi2 of a point on the road", ge=0.0)
-    least_drop: float = setting("least tangent below the horizon", ge=0.0)
-    least_depth_m: float = setting("least depth", ge=0.0)
-    least_points: int = setting("least number of points that agree", ge=0)
-    agree_ratio: float = setting("largest difference of their inverse depths, as a share", ge=0.0)
-    least_share: float = setting("least share of all points that alarm", ge=0.0)
-    least_width_m: float = setting("least reported width", ge=0.0)
-    least_height_m: float = setting("least height", ge=0.0)
-    after_s: float = setting("time for which points must alarm", ge=0.0)
-    hold_s: float = setting("time for which the alarm lasts without points", ge=0.0)
-
-
-@settings
 class EdgeLineConfig:
     """The strip along an edge line in which points must be clear corners."""
 

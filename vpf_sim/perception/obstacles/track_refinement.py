@@ -16,7 +16,7 @@ from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 
 Again = Callable[[Integers, Floats], Triangulation]  # of rows of a flow, first seen aside of where it says
-# `perception.egomotion.keyframes.KeyframeBuffer.aside_px` of a flow
+# `perception.egomotion.keyframes.KeyframeBuffer.register` of a flow
 Match = Callable[[Integers, Floats], tuple[Floats, Bools]]
 
 

@@ -46,8 +46,7 @@ CHANGES = (
     ),
     Change(
         "camera_pitch",
-        "the body's pitching and the camera's mounting, seen, are taken out of flow and frames; speed and yaw rate "
-        "stand in for a rough pose",
+        "the camera's mount pitch is taken out of flow and frames; speed and yaw rate replace a rough pose",
         ("camera_pitch", "odometry"),
     ),
     Change(

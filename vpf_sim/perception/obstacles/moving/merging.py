@@ -11,7 +11,7 @@ from vpf_sim.types import Floats
 def merged(tracks: list[MovingTrack], pose: Floats, config: MovingObstacleConfig) -> list[MovingTrack]:
     """The tracks without those that are part of a surer one, which takes over the older identity."""
     merging = config.merging
-    if merging is None or len(tracks) < 2:
+    if len(tracks) < 2:
         return tracks
     kept: list[MovingTrack] = []
     for track in sorted(tracks, key=lambda track: (-track.log_odds, track.place(pose)[0])):

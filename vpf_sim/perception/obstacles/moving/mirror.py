@@ -1,8 +1,8 @@
 """Mirror images on a wet road: how far the road mirrors, and how faint a vehicle's own image is.
 
-A mirror image lies below the road and moves as a vehicle does, so that no point track can reject it while the car
-drives straight on. But a wet road reflects a small share of the light (Fresnel), and smears it: an image has a fraction
-of the contrast of upright objects. Contrasts are logarithms of squared gradients; 0 is that of upright objects.
+A mirror image lies below the road and moves as a vehicle does, so point tracks cannot reject it. A wet road reflects
+a small share of the light (Fresnel) and smears it: an image has a part of the contrast of upright objects. Contrasts
+are logarithms of squared gradients; 0 is that of upright objects.
 """
 
 from math import exp
@@ -15,12 +15,11 @@ from vpf_sim.perception.obstacles.moving.config import (
     MovingObstacleConfig,
     ReflectivityConfig,
 )
-from vpf_sim.perception.obstacles.moving.detection import Apparent
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints
 from vpf_sim.perception.obstacles.moving.place import is_on_carriageway
 from vpf_sim.perception.obstacles.moving.track import MovingTrack
-from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.perception.quantiles import median
-from vpf_sim.types import Camera, Floats, RoadEdges
+from vpf_sim.types import Camera, Floats, Integers, RoadEdges
 
 WET = (20.0, 50.0)  # points below the road, and all: before the first observation the road mirrors
 
@@ -34,10 +33,7 @@ class Reflectivity:
         self._below, self._all = WET
 
     def update(self, below: int, count: int) -> None:
-        """Add an observation of `count` points on the road and outside all tracks, `below` of them below the road.
-
-        The estimate stays while there are none, as at standstill.
-        """
+        """Add an observation of `count` points on the road, outside all tracks, `below` of them below the road."""
         if not count:
             return
         self._below, self._all = self._kept * self._below + below, self._kept * self._all + count
@@ -60,8 +56,8 @@ def faint_contrast(degree: float, depth_m: float, config: ContrastConfig) -> flo
 def image_contrast(degree: float, upper: Floats, config: MirrorImageConfig) -> float:
     """The contrast below which points belong to a vehicle's mirror image, by the road's reflectivity.
 
-    `upper` (N,) is the contrast of the vehicle's points above `above_m`: a dark car's image is fainter still. But what
-    is as faint as an image up there is one itself.
+    `upper` (N,) is the contrast of the vehicle's points above `above_m`: a dark car's image is fainter. But points up
+    there as faint as an image are one themselves.
     """
     own = median(upper) if len(upper) else config.wet
     dark = min(own - config.fainter - config.wet, 0.0)
@@ -76,8 +72,8 @@ class MirrorImages:
         self._camera, self._config = camera, config
         self.reflectivity = Reflectivity(config.reflectivity, look_s)
 
-    def own_image(self, seen: Apparent, within: Integers, depth_m: float) -> float:
-        """The contrast of the mirror image of a vehicle with the points `within` its outline; -inf: it has none."""
+    def own_image(self, seen: MeasuredPoints, within: Integers, depth_m: float) -> float:
+        """Contrast of the mirror image of a vehicle with the points `within` its outline; -inf: no image."""
         config = self._config
         if config.mirror_image is None or depth_m < config.steep_m:
             return -np.inf
@@ -88,16 +84,16 @@ class MirrorImages:
     def faint(self, track: MovingTrack, image: float, own_mps: float, pose: Floats, road: RoadEdges) -> float:
         """The contrast below which points speak against a track; -inf without contrast evidence.
 
-        It is the track's own `image`, or asphalt's, where the mirrored object would have to stand on the road: hardly
-        anything stands there.
+        Hardly anything stands on the road, so where the mirrored object would stand there, the limit is that of the
+        own `image`, or of asphalt.
         """
         config, contrast = self._config, self._config.evidence.contrast
         if contrast is None:
             return -np.inf
         forward, right = track.place(pose)
-        depth, mirrored = forward - self._camera.forward_m, config.mirrored_place
+        depth, mirrored_m = forward - self._camera.forward_m, config.mirrored_place_m
         share = track.closing_share(own_mps)  # of the track's depth in that of the mirrored object
-        is_known = mirrored is not None and depth > config.steep_m and share * mirrored.far_m > depth
+        is_known = mirrored_m is not None and depth > config.steep_m and share * mirrored_m > depth
         if is_known and is_on_carriageway(
             self._camera.forward_m + depth / share, right / share, road, config.edge_margin_m
         ):

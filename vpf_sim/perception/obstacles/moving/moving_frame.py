@@ -11,11 +11,6 @@ from vpf_sim.types import Camera, Floats, Flow
 
 STEP_MPS = 0.1  # of the numerical derivatives
 STEP_RATIO = 0.02
-# (4, 1) each: what is expected, and with a step in depth, in speed and in the course.
-FARTHER = np.array([[1.0], [1.0 + STEP_RATIO], [1.0], [1.0]])
-FASTER_MPS = np.array([[0.0], [0.0], [STEP_MPS], [0.0]])
-TURNED_RAD = np.array([[0.0], [0.0], [0.0], [STEP_RATIO]])
-NEVER_PX = 1e3  # residual of a point that would have been behind the camera
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +30,13 @@ class Course:
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """Residuals of M point tracks against a vehicle's course, at their first sightings, and derivatives."""
+    """Residuals of M point tracks against a vehicle's course, at their first observations, and derivatives."""
 
     residual_px: Floats  # (M, 2) observed less expected
     by_depth: Floats  # (M, 2) px / m
     by_speed: Floats  # (M, 2) px / (m/s)
     by_turn: Floats  # (M, 2) px / rad, of the course
-    weight: Floats  # (M, 2, 2) inverse covariance of a sighting, px^-2
+    weight: Floats  # (M, 2, 2) inverse covariance of an observation, px^-2
 
 
 def rays(camera: Camera, points_px: Floats) -> Floats:
@@ -57,25 +52,25 @@ def against(
 ) -> Residuals:
     """Residuals of the point tracks of `flow` against a vehicle on `course` with each at `depth_m` (M,) now.
 
-    In the frame of the vehicle the camera alone moves: each point is projected into the camera of its first sighting,
-    moved on by the vehicle's way since. A point that would have been behind that camera does not belong to a faster
-    vehicle (`NEVER_PX`).
+    In the frame of the vehicle only the camera moves: each point is projected into the camera of its first observation,
+    moved on by the vehicle's way since. A point that would have been behind that camera gets a large residual.
     """
     ray, age_s = rays(camera, flow.points_px), flow.age_frames / rate_hz
-    depth = depth_m * FARTHER
+    farther, faster, turned = np.eye(4)[1:, :, None]  # the second to fourth projections take one step each
+    depth = depth_m * (1.0 + STEP_RATIO * farther)
     place = ray * depth[..., None] * [1.0, 1.0, -1.0] + [camera.forward_m, 0.0, camera.height_m]
     past_pose = np.tile(flow.first_pose, (len(depth), 1, 1))
-    past_pose[..., :2] += course.way(age_s, course.speed_mps + FASTER_MPS, TURNED_RAD)
+    past_pose[..., :2] += course.way(age_s, course.speed_mps + STEP_MPS * faster, STEP_RATIO * turned)
     with np.errstate(divide="ignore", invalid="ignore"):
         seen = past_image(camera, place.reshape(-1, 3), past_pose.reshape(-1, 3), flow.pose)
-    expected, farther, faster, turned = seen.reshape(len(depth), -1, 2)
-    by_depth = (farther - expected) / (STEP_RATIO * depth_m)[:, None]
-    by_speed = (faster - expected) / STEP_MPS
-    by_turn = (turned - expected) / STEP_RATIO
+    expected, at_depth, at_speed, at_turn = seen.reshape(len(depth), -1, 2)
+    by_depth = (at_depth - expected) / (STEP_RATIO * depth_m)[:, None]
+    by_speed = (at_speed - expected) / STEP_MPS
+    by_turn = (at_turn - expected) / STEP_RATIO
     weight = information(flow, window_px, age_s, noise)
     residual = flow.first_px - expected
     never = np.isnan(residual + by_depth + by_speed + by_turn).any(axis=1)
-    residual[never] = NEVER_PX
+    residual[never] = 1e3
     for slope in (by_depth, by_speed, by_turn):
         slope[never] = 0.0
     return Residuals(residual, by_depth, by_speed, by_turn, weight)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
-from vpf_sim.perception.obstacles.moving.detection import Apparent
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints
 from vpf_sim.perception.obstacles.moving.track import MovingTrack
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, RoadEdges
@@ -16,12 +16,17 @@ def is_on_carriageway(forward_m: float, right_m: float, road: RoadEdges, inside_
 
 
 def in_outline(
-    track: MovingTrack, seen: Apparent, pose: Floats, margin_m: float, camera: Camera, config: MovingObstacleConfig
+    track: MovingTrack,
+    seen: MeasuredPoints,
+    pose: Floats,
+    margin_m: float,
+    camera: Camera,
+    config: MovingObstacleConfig,
 ) -> Bools:
     """(N,) points in the outline of a track, or within a margin beside it."""
     forward, right = track.place(pose)
     depth = forward - camera.forward_m
-    near, far = max(depth, config.nearest_m), depth + config.length_m
+    near, far = max(depth, config.filter.nearest_m), depth + config.length_m
     margin = margin_m + config.margin_ratio * near
     left, right = right - track.half_m - margin, right + track.half_m + margin
     overlaps_us = depth < near and left < 0.0 < right  # the track is wrong, and would hide all
@@ -32,8 +37,3 @@ def in_outline(
     inside &= below > camera.height_m - config.tallest_m
     inside &= below < config.below_road * camera.height_m
     return inside
-
-
-def thickness(across_m: Floats, height_m: Floats) -> float:
-    """m, root mean square distance of points from the straight line that fits them best."""
-    return float(np.sqrt(np.linalg.eigvalsh(np.cov(across_m, height_m, ddof=0))[0]))

@@ -6,13 +6,13 @@ from math import exp
 import numpy as np
 
 from vpf_sim.geometry import rotation, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.egomotion.corners import inverse
 from vpf_sim.perception.obstacles.moving.extent import Sides
 from vpf_sim.perception.obstacles.moving.filter_config import FilterConfig
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, Residuals
 from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.types import Bools, Camera, Floats, Flow, LateralExtent
 
-FITS = 3  # iterations
 LEAST_DEPTH_M = 0.5
 LEAST_SLOPE = 0.2  # of a ray along the course: a face is not seen along its plane
 
@@ -47,7 +47,6 @@ class MovingTrack:
         self.sigma_mps = detection.sigma_mps  # at a known range
         self.identity: int | None = None  # once it is confirmed
         self.log_odds = log_odds  # of a moving vehicle
-        self.credit = -np.inf  # log-odds that it keeps while it cannot be observed
         self.tracks = np.empty(0, np.int64)  # identities of its points at the last observation
         self.course = Course(detection.speed_mps, float(pose[2]), 0.0)
         self._predicted_s = 0.0  # since its sides were observed
@@ -87,12 +86,6 @@ class MovingTrack:
         return self._sides.half_m if self._sides is not None else 0.5 * self.width_m
 
     @property
-    def reach_m(self) -> float:
-        """m from its middle to where its sides may be by now."""
-        drift = self._config.side_drift
-        return self.half_m + (min(drift.rate_mps * self._predicted_s, drift.most_m) if drift else 0.0)
-
-    @property
     def is_observed(self) -> bool:
         """Whether its sides were observed since the last prediction."""
         return self._predicted_s == 0.0
@@ -114,23 +107,22 @@ class MovingTrack:
         rate = (own_mps - self.speed_mps) / depth_m
         slope = np.stack([tracks.by_speed, tracks.by_turn, tracks.by_depth - rate * tracks.by_speed], axis=2)
         prior = np.diag(np.array([self.sigma_mps, self._config.turn_rad, self.sigma_m]) ** -2.0)
-        inverse = _inverse(_inverse(tracks.weight) + self._config.face_sigma_m**2 * _outer(tracks.by_depth))
-        gain = slope.transpose(0, 2, 1) @ inverse
+        weight = inverse(inverse(tracks.weight) + self._config.face_sigma_m**2 * _outer(tracks.by_depth))
+        gain = slope.transpose(0, 2, 1) @ weight
         change, residual = np.zeros(3), tracks.residual_px
-        for _ in range(FITS):
-            chi2 = _quadratic(inverse, residual)
+        for _ in range(3):
+            chi2 = _quadratic(weight, residual)
             trust = counts / (1.0 + chi2 / self._config.chi2_limit)
             trust /= 1.0 + np.exp(np.clip(0.5 * (chi2 - standing), -20.0, 20.0))
             normal = prior + np.einsum("m,mij,mjk->ik", trust, gain, slope)
             change = np.linalg.solve(normal, np.einsum("m,mij,mj->i", trust, gain, tracks.residual_px))
             residual = tracks.residual_px - slope @ change
-        behind = self._config.face_sigma_m**2 * np.einsum("mi,mij,mj->m", tracks.by_depth, inverse, residual)
-        return _quadratic(inverse, residual), self._config.face_m + behind, float(change[0])
+        behind = self._config.face_sigma_m**2 * np.einsum("mi,mij,mj->m", tracks.by_depth, weight, residual)
+        return _quadratic(weight, residual), self._config.face_m + behind, float(change[0])
 
     def _fresh(self, dt_s: float) -> float:
         """The weight of an observation `dt_s` after the last, 1: independent of it."""
-        correlation = self._config.correlation
-        return min(dt_s / correlation.memory_s, 1.0) if correlation else 1.0
+        return min(dt_s / self._config.memory_s, 1.0) if self._config.memory_s else 1.0
 
     def update_speed(self, change_mps: float, count: int, dt_s: float) -> None:
         """Update the speed at the current range by `count` point tracks of the face."""
@@ -151,12 +143,10 @@ class MovingTrack:
         depth = forward - self._camera.forward_m
         sigma = foot_m * (config.foot_ratio + config.foot_px * foot_m / (self._camera.fy_px * self._camera.height_m))
         if config.hidden_foot is not None and foot_m > depth and self.identity is not None:
-            sigma *= config.hidden_foot.sigma_ratio
+            sigma *= config.hidden_foot
         fresh = self._fresh(dt_s)
         variance = self.sigma_m**2 + sigma**2 / fresh
-        limit = config.innovation.clip_sigma * float(np.sqrt(variance)) if config.innovation else np.inf
-        change = self.sigma_m**2 / variance * min(max(foot_m - depth, -limit), limit)
-        change = max(change, LEAST_DEPTH_M - depth)
+        change = max(self.sigma_m**2 / variance * (foot_m - depth), LEAST_DEPTH_M - depth)
         self.sigma_m *= float(np.sqrt(1.0 - self.sigma_m**2 / variance))
         rate = (own_mps - self.speed_mps) / depth
         self.speed_mps = max(self.speed_mps - rate * change, 0.0)
@@ -185,20 +175,12 @@ class MovingTrack:
         else:
             ray = np.stack([np.ones(len(bearing)), bearing], axis=1) @ own
             across = camera[1] - camera[0] * ray[:, 1] / np.maximum(ray[:, 0], LEAST_SLOPE)
-            change = self._sides.update(across, odds, float(camera[1]), -float(camera[0]), self._fresh(dt_s))
+            change = self._sides.update(across, odds, -float(camera[0]), self._fresh(dt_s))
         self._place_m = world_from_vehicle(np.array([forward, right]) + change * own[:, 1], pose)
 
 
 def _outer(vectors: Floats) -> Floats:
     return vectors[:, :, None] * vectors[:, None, :]
-
-
-def _inverse(matrices: Floats) -> Floats:
-    """(M, 2, 2) of symmetric matrices (M, 2, 2)."""
-    a, b, d = matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]
-    adjoint = np.stack([d, -b, -b, a], axis=1).reshape(-1, 2, 2)
-    result: Floats = adjoint / (a * d - b * b)[:, None, None]
-    return result
 
 
 def _quadratic(matrices: Floats, vectors: Floats) -> Floats:

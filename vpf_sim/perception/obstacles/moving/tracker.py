@@ -1,39 +1,37 @@
-"""Tracker of moving vehicles, from points that neither the road nor anything standing on it explains.
+"""Tracker of moving vehicles, from points that neither the road nor a static obstacle explains.
 
-A standing point has at least the inverse depth of the road behind it, 1 / Z >= 1 / Z_road: it cannot lie below the
-road. A vehicle that drives our way at the speed v_b, seen from a car at v, is triangulated as if it stood at the
-inverse depth
+A static point has at least the inverse depth of the road behind it, 1 / Z >= 1 / Z_road: it cannot lie below the road.
+A vehicle that drives our way at v_b, seen from a car at v, is triangulated as if it stood at the inverse depth
 
     w = (1 - v_b / v) / Z,
 
-farther off than it is, and so its lower part below the road; one that is faster (w < 0) behind the camera. w fixes the
-time to contact, never the range. The range comes from the foot: the lowest points of a vehicle stand on the road.
+too far away, so that its lower part lies below the road; a faster one (w < 0) behind the camera. w fixes the time to
+contact, never the range. The range comes from the foot: the lowest points of a vehicle stand on the road.
 
-A tentative track is followed as one rigid body that drives along the road (`moving.moving_frame`, `moving.track`). The
-likelihood of its points confirms or rejects it (`moving.evidence`): mirror images, drops on the windscreen and point
-tracks that slip along a line also lie below the road. But they are faint, the road shines through them, and they fill
-no upright outline as wide as a vehicle.
+A tentative track is a rigid body that drives along the road (`moving.moving_frame`, `moving.track`). The likelihood of
+its points confirms or rejects it (`moving.evidence`): mirror images, drops on the windscreen and point tracks that slip
+along a line also lie below the road. But they are faint, the road shines through them, and they fill no upright outline
+as wide as a vehicle.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from vpf_sim.perception.egomotion.config import NoiseModel
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.collision_alarm import CollisionAlarm
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
-from vpf_sim.perception.obstacles.moving.detection import Apparent, appear, candidates, detect
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, candidates, detect, measure
 from vpf_sim.perception.obstacles.moving.evidence import evidence
 from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
 from vpf_sim.perception.obstacles.moving.moving_frame import against
-from vpf_sim.perception.obstacles.moving.place import in_outline, is_on_carriageway, thickness
+from vpf_sim.perception.obstacles.moving.place import in_outline
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
-from vpf_sim.perception.obstacles.point_hypotheses import Integers, among
+from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.perception.quantiles import quantile
-from vpf_sim.perception.road.geometry import near_edge_line
 from vpf_sim.perception.schedule import Schedule
-from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, Obstacles, RoadEdges
 
 OVERLAP_M = 0.1  # of a point beside the silhouette that still speaks for it
 
@@ -42,7 +40,7 @@ OVERLAP_M = 0.1  # of a point beside the silhouette that still speaks for it
 class _Frame:
     """One observed frame."""
 
-    seen: Apparent
+    seen: MeasuredPoints
     flow: Flow
     road: RoadEdges
     own_mps: float
@@ -51,22 +49,19 @@ class _Frame:
 class MovingObstacleTracker:
     """Detects moving vehicles, tracks them, and predicts those that are not observed."""
 
-    def __init__(self, camera: Camera, config: MovingObstacleConfig, rate_hz: float) -> None:
+    def __init__(
+        self, camera: Camera, config: MovingObstacleConfig, rate_hz: float, window_px: int, noise: NoiseModel
+    ) -> None:
         self.camera, self.config, self.rate_hz = camera, config, rate_hz
+        self._window_px, self._noise = window_px, noise  # of the point tracks
         self.tracks: list[MovingTrack] = []
         self._observation = Schedule(config.look_s, rate_hz)
         self._search = Schedule(config.search_s, self._observation.rate_hz)  # among the observations
         look_s = self._look_s = 1.0 / self._observation.rate_hz
-        self._alarm = CollisionAlarm(camera, config.collision_alarm, look_s) if config.collision_alarm else None
         self.mirror_images = MirrorImages(camera, config, look_s)
         self._time_s = 0.0
         self._masked = np.empty(0, np.int64)  # identities of points
         self._next = 1
-
-    @property
-    def looks(self) -> bool:
-        """Whether the next frame is observed; in the others tracks are only predicted."""
-        return self._observation.is_due
 
     def update(
         self, flow: Flow, points: Triangulation | None, road: RoadEdges, speed_mps: float, time_s: float
@@ -79,32 +74,23 @@ class MovingObstacleTracker:
         observes = self._observation.step()
         searches = observes and self._search.step()
         for track in self.tracks:
-            ahead = min(max(track.place(flow.pose)[0], -self.config.behind_m), 1.5 * self.config.far_m)
+            ahead = min(max(track.place(flow.pose)[0], -self.config.far_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
             track.predict(dt_s, direction, road.curvature_per_m)
-        if observes and points is not None:
-            if self.tracks or searches:
-                self._observe(flow, points, road, speed_mps, searches)
-            if self._alarm is not None:
-                self._alarm.look(flow, points, road, speed_mps, ~among(flow.identity, self._masked))
+        if observes and points is not None and (self.tracks or searches):
+            self._observe(flow, points, road, speed_mps, searches)
         return among(flow.identity, self._masked)
 
     @property
     def reports(self) -> bool:
         """Whether there is anything to report."""
-        alarms = self._alarm is not None and self._alarm.alarms
-        return alarms or any(track.identity is not None for track in self.tracks)
-
-    def obstacles(self, pose: Floats, speed_mps: float, standing: Obstacles) -> Obstacles:
-        """All obstacles in the axes of the vehicle: the `standing`, the moving, and the collision alarm's."""
-        known = standing.concatenate(self.moving(pose, speed_mps))
-        return known if self._alarm is None else known.concatenate(self._alarm.obstacles(pose, speed_mps, known))
+        return any(track.identity is not None for track in self.tracks)
 
     def moving(self, pose: Floats, speed_mps: float) -> Obstacles:
         """The confirmed tracks, in the axes of the vehicle; their identities are negative."""
         confirmed = [track for track in self.tracks if track.identity is not None]
         place = np.array([track.place(pose) for track in confirmed]).reshape(-1, 2)
-        half = np.array([track.reach_m for track in confirmed])
+        half = np.array([track.half_m for track in confirmed])
         speed = np.array([track.speed_mps for track in confirmed])
         forward, closing = place[:, 0], speed_mps - speed
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -121,7 +107,7 @@ class MovingObstacleTracker:
 
     def _observe(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float, searches: bool) -> None:
         config, pose = self.config, flow.pose
-        seen = appear(flow, points, self.camera, self.rate_hz, config)
+        seen = measure(flow, points, self.camera, self.rate_hz, config)
         frame = _Frame(seen, flow, road, speed_mps)
         free = seen.moves.copy()
         masked, taken = np.zeros(len(flow), np.bool_), np.zeros(len(flow), np.bool_)
@@ -133,23 +119,23 @@ class MovingObstacleTracker:
                 free &= ~within  # two vehicles do not stand in one place
             if track.identity is not None and track.is_observed:  # nor is the farther seen through the nearer
                 taken |= mine | self._outline(track, seen, pose, 0.0)
-            if config.mask is not None and track.log_odds > config.mask.log_odds:
+            if config.mask is not None and track.log_odds > config.mask:
                 masked |= (mine | within) & seen.ripe
         self._masked = flow.identity[masked]
         self.tracks = merged(self.tracks, pose, config)
         self._confirm()
-        self._prune(pose, road)
+        self._prune(pose)
         if searches:
             self._find(frame, free)
 
-    def _measure_reflectivity(self, seen: Apparent, pose: Floats) -> None:
+    def _measure_reflectivity(self, seen: MeasuredPoints, pose: Floats) -> None:
         low = seen.ripe & ~seen.still & (seen.drop > self.config.least_drop)
         for track in self.tracks:
             low &= ~self._outline(track, seen, pose, self.config.margin_m)
         count = int(np.count_nonzero(low))
         self.mirror_images.reflectivity.update(int(np.count_nonzero(low & seen.moves)), count)
 
-    def _outline(self, track: MovingTrack, seen: Apparent, pose: Floats, margin_m: float) -> Bools:
+    def _outline(self, track: MovingTrack, seen: MeasuredPoints, pose: Floats, margin_m: float) -> Bools:
         return in_outline(track, seen, pose, margin_m, self.camera, self.config)
 
     def _follow(self, track: MovingTrack, frame: _Frame, free: Bools) -> tuple[Bools, Bools]:
@@ -184,13 +170,13 @@ class MovingObstacleTracker:
         seen, own_mps, depth = frame.seen, frame.own_mps, track.depth_m(frame.flow.pose)
         tracks, standing = frame.flow.chosen(chosen), seen.standing[chosen]
         depths = np.full(len(tracks), depth + config.filter.face_m)
-        residuals = against(tracks, self.camera, track.course, depths, self.rate_hz, config.window_px, config.noise)
+        residuals = against(tracks, self.camera, track.course, depths, self.rate_hz, self._window_px, self._noise)
         fitted, behind, faster = track.fit(residuals, standing, own_mps, depth, inner)
         chi2, limit = np.where(inner & (fitted < standing + config.odds), fitted, np.inf), config.filter.chi2_limit
         face = chi2 < limit
         track.tracks = frame.flow.identity[chosen[face]]
         if np.count_nonzero(face) < 3:
-            return -config.speaks_against, depth
+            return config.evidence.least, depth
         track.update_speed(faster, int(np.count_nonzero(face)), dt_s)
         sure = face & (standing > chi2 + limit)  # background may shine through the outline
         shape = sure if np.count_nonzero(sure) >= 3 else face
@@ -198,35 +184,30 @@ class MovingObstacleTracker:
         if foot is not None:
             track.update_range(foot, own_mps, pose, dt_s)
         depth = track.depth_m(pose)
-        front = shape & (behind < config.front_m)
+        front = shape & (behind < config.filter.face_sigma_m)
         front = front if np.count_nonzero(front) >= 3 else shape
         self._update_extent(track, seen, chosen, front, fitted, pose)
-        inside = self._upright(track, seen, chosen, face, own_mps, pose)
+        inside = self._upright(track, seen, chosen, face, pose)
         if inside is None:
-            return -config.speaks_against, depth
+            return config.evidence.least, depth
         faint = self.mirror_images.faint(track, image, own_mps, pose, frame.road)
         return evidence(inside, chi2, standing, seen.contrast[chosen], faint, config.evidence), depth
 
     def _weigh(self, track: MovingTrack, gain: float, dt_s: float) -> None:
         """Add the log-odds of one observation to those of a track."""
         config = self.config
-        if config.patience is not None and track.identity is not None:
-            gain = max(gain, -config.patience.most)
         track.log_odds = min(track.log_odds + gain * dt_s / config.independent_s, config.most)
-        if config.credit is not None and track.log_odds > config.credit.log_odds:
-            track.credit = config.credit.log_odds
 
     def _decay(self, track: MovingTrack, dt_s: float) -> None:
         """Lower the confidence of a track that cannot be observed."""
-        if self.config.decay is None:
+        if self.config.decay_per_s is None:
             return
-        track.log_odds = max(track.log_odds, track.credit) - self.config.decay.per_s * dt_s
-        track.credit = min(track.credit, track.log_odds)
+        track.log_odds -= self.config.decay_per_s * dt_s
         if track.identity is None:
             track.log_odds = -np.inf
 
     def _update_extent(
-        self, track: MovingTrack, seen: Apparent, chosen: Integers, front: Bools, chi2: Floats, pose: Floats
+        self, track: MovingTrack, seen: MeasuredPoints, chosen: Integers, front: Bools, chi2: Floats, pose: Floats
     ) -> None:
         """Update a track's sides by the chosen points (M,), where those in `front` (M,) make its face.
 
@@ -247,7 +228,7 @@ class MovingObstacleTracker:
         return height / low if low > self.config.least_drop else None
 
     def _upright(
-        self, track: MovingTrack, seen: Apparent, chosen: Integers, face: Bools, own_mps: float, pose: Floats
+        self, track: MovingTrack, seen: MeasuredPoints, chosen: Integers, face: Bools, pose: Floats
     ) -> Bools | None:
         """(M,) chosen points that count as evidence, by those in `face` (M,); None: the face is no vehicle's."""
         config = self.config
@@ -262,37 +243,21 @@ class MovingObstacleTracker:
             low, high = np.min(height[face]), np.max(height[face])
             is_vehicle &= bool(low < config.shape.foot_m and high - low > config.shape.least_height_m)
             is_vehicle &= track.width_m > config.shape.least_width_m
-        if is_vehicle and track.identity is None:
-            is_vehicle = self._drives(track, across[face], height[face], own_mps)
         return inside if is_vehicle else None
-
-    def _drives(self, track: MovingTrack, across_m: Floats, height_m: Floats, own_mps: float) -> bool:
-        """Whether a tentative track with points at these places drives, and is no slipping line or mirror image."""
-        config = self.config
-        if (rule := config.equal_speed) is not None:
-            share = track.closing_share(own_mps)
-            if -rule.receding < share < rule.closing:
-                return False
-        if config.least_speed is not None and track.speed_mps < config.least_speed.least_mps:
-            return False
-        return config.thickness is None or thickness(across_m, height_m) > config.thickness.least_m
 
     def _confirm(self) -> None:
         for track in self.tracks:
             if track.identity is None and track.log_odds > self.config.confirmed:
                 track.identity, self._next = self._next, self._next + 1
 
-    def _prune(self, pose: Floats, road: RoadEdges) -> None:
+    def _prune(self, pose: Floats) -> None:
         config = self.config
 
         def kept(track: MovingTrack) -> bool:
-            forward, right = track.place(pose)
-            on_road = config.carriageway is None or abs(forward) > config.far_m
-            if config.carriageway is not None and not on_road:
-                on_road = is_on_carriageway(forward, right, road, -config.carriageway.outside_m)
-            known = -config.behind_m < forward < 1.5 * config.far_m and track.sigma_m < config.vague_m
-            least = 0.0 if track.identity is not None else config.dropped
-            return bool(known and on_road and track.log_odds > least)
+            forward, _ = track.place(pose)
+            known = -config.far_m < forward < 1.5 * config.far_m and track.sigma_m < config.vague_m
+            least = 0.0 if track.identity is not None else -config.most
+            return bool(known and track.log_odds > least)
 
         self.tracks = [track for track in self.tracks if kept(track)]
 
@@ -304,27 +269,19 @@ class MovingObstacleTracker:
             free &= self.camera.height_m < config.far_m * seen.drop
         if spare <= 0 or np.count_nonzero(free) < config.least_points:
             return
-        if (rule := config.edge_lines) is not None:
-            free &= ~near_edge_line(self.camera, frame.flow.points_px, frame.road, rule.inside_m, rule.outside_m)
         feet = np.flatnonzero(free)
         share = seen.inverse_per_m[feet] * self.camera.height_m / np.maximum(seen.drop[feet], 1e-3)
-        is_fast = share < config.slowest_share
-        if config.equal_speed is not None:
-            is_fast &= (share > config.equal_speed.closing) | (share < -config.equal_speed.receding)
-        for mine in candidates(seen, feet[is_fast], spare, self.camera, config):
+        for mine in candidates(seen, feet[share < config.slowest_share], spare, self.camera, config):
             lowest_m = self.camera.height_m / float(np.max(seen.drop[mine]))
             members = mine[seen.contrast[mine] > self.mirror_images.own_image(seen, mine, lowest_m)]
             if len(members) < config.least_members:
                 continue
             found = detect(seen, members, self.camera, config)
-            if self._is_plausible(found, frame.road):
-                prior = config.prior.log_odds if config.prior else 0.0
-                self.tracks.append(MovingTrack(found, self.camera, frame.flow.pose, prior, config.filter))
+            if self._is_plausible(found):
+                track = MovingTrack(found, self.camera, frame.flow.pose, config.prior or 0.0, config.filter)
+                self.tracks.append(track)
 
-    def _is_plausible(self, found: Detection, road: RoadEdges) -> bool:
-        """Whether a candidate is in range, drives, and is on the carriageway."""
+    def _is_plausible(self, found: Detection) -> bool:
+        """Whether a candidate is in range and drives."""
         config = self.config
-        if not (config.near_m < found.depth_m < config.far_m and config.slow_mps < found.speed_mps < config.fast_mps):
-            return False
-        forward = self.camera.forward_m + found.depth_m
-        return config.carriageway is None or is_on_carriageway(forward, found.middle_m, road, config.edge_margin_m)
+        return config.near_m < found.depth_m < config.far_m and config.slow_mps < found.speed_mps < config.fast_mps
