@@ -55,13 +55,6 @@ class SensingRangeConfig:
 
 
 @settings
-class TentativeGainConfig:
-    """Weak observations."""
-
-    least_gain: float = setting("of an observation, in multiples of the noise", gt=0.0)
-
-
-@settings
 class HighPassConfig:
     """Subtraction of the local mean of differences."""
 
@@ -76,39 +69,10 @@ class MirrorHeightsConfig:
 
 
 @settings
-class PaintEdgesConfig:
-    """Difference that a small misalignment makes at sharp paint."""
-
-    along_m: float = setting("misalignment along the way", ge=0.0)
-    across_m: float = setting("misalignment across", ge=0.0)
-
-
-@settings
 class TemporalAverageConfig:
     """Exponential average of the differences, moved with the road."""
 
     newest: float = setting("weight of the newest observation", gt=0.0, le=1.0)
-
-
-@settings
-class DashConfig:
-    """A dash that runs into an object."""
-
-    before_m: float = setting("first cell above the road, at most, that an object begins", ge=0.0)
-
-
-@settings
-class FarEdgeConfig:
-    """The far edge of an object."""
-
-    length_m: float = setting("from the near edge of an object to its far edge, at most", ge=0.0)
-
-
-@settings
-class NarrowConfig:
-    """Slivers at the rim of something else."""
-
-    least_width_m: float = setting("of an observation", ge=0.0)
 
 
 @settings
@@ -130,27 +94,18 @@ class ParallaxConfig:
     floor_levels2: float = setting("of the noise, grey levels^2", gt=0.0)
     least_gain: float = setting("by which a height above the road fits better, in multiples of the noise", gt=0.0)
     most_share: float = setting("of the difference that is left with that height", gt=0.0)
+    outline_gain: float = setting("least difference of an object's outline, in multiples of the noise", gt=0.0)
     least_seen: float = setting("share of a window that is not masked", gt=0.0, le=1.0)
     foot_m: Pair = setting("along from where an obstacle begins, and beside it, where its foot is compared")
     foot_width_m: float = setting("observed width of a foot, at least", ge=0.0)
     foot_share: float = setting("observed share of a foot, at least", ge=0.0, le=1.0)
     sensing_range: SensingRangeConfig = setting("sensing range of low obstacles")
-    tentative: TentativeGainConfig | None = setting("weak observations support tentative tracks", default=None)
     high_pass: HighPassConfig | None = setting("high pass: long changes, as of mirror images, cancel", default=None)
     mirror_heights: MirrorHeightsConfig | None = setting(
         "reject what fits below the road better: a mirror image", default=None
     )
-    paint_edges: PaintEdgesConfig | None = setting("reject differences of slightly misaligned paint", default=None)
     temporal_average: TemporalAverageConfig | None = setting("average the differences over observations", default=None)
-    dash: DashConfig | None = setting("a dash that runs into an object does not bring it nearer", default=None)
-    far_edge: FarEdgeConfig | None = setting("reject the far edges of nearer objects", default=None)
-    narrow: NarrowConfig | None = setting("narrow observations are rejected", default=None)
     windscreen_mask: WindscreenMaskConfig | None = setting("ignore texture that stays in the image", default=None)
-
-    @property
-    def tentative_gain(self) -> float:
-        """The gain from which an observation is reported."""
-        return self.tentative.least_gain if self.tentative else self.least_gain
 
 
 @settings

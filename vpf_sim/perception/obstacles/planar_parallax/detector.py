@@ -163,7 +163,7 @@ class PlanarParallax:
         dry = (layout.water[: self._rows, self._columns] == 0).astype(np.uint8)
         road, free = self._difference(now, dry, older, pose, 0.0)
         noise = self._record_quality(road, free, older.pose, pose)
-        if float(road.max()) < config.tentative_gain * noise:
+        if float(road.max()) < config.least_gain * noise:
             if self._average is not None:
                 self._average.fade()
             return []
@@ -175,7 +175,7 @@ class PlanarParallax:
         if footprints is not None and len(footprints):
             seen &= ~self._covered(footprints)
         weight = np.asarray(seen / np.float32(noise), np.float32)
-        grids = [weight * grid for grid in (road, above, below, self._of_edges(now))]
+        grids = [weight * grid for grid in (road, above, below)]
         if self._average is not None:
             grids = self._average.add(grids, pose, self._between_grids)
         return self._observations(seen, *grids)
@@ -190,21 +190,17 @@ class PlanarParallax:
         strip = np.abs(self._right_m[self._columns]) < config.sensing_range.half_width_m
         share = self._seen[:, strip].mean(axis=1)
         ahead = np.interp(self.sight.forward_m, self._forward_m[: self._rows], share)
-        self.sight.record(config.tentative_gain * noise, quantile(some, 0.1), ahead)
+        self.sight.record(config.least_gain * noise, quantile(some, 0.1), ahead)
         return noise
 
-    def _observations(
-        self, seen: Bools, road: Singles, above: Singles, below: Singles, edges: Singles
-    ) -> list[LowObservation]:
-        """What stands on the road, by the differences as road, above and below it, and at the edges of paint."""
+    def _observations(self, seen: Bools, road: Singles, above: Singles, below: Singles) -> list[LowObservation]:
+        """What stands on the road, by the differences as road, above and below it."""
         config = self.config
         gain = road - above
-        stands = seen & (gain > config.tentative_gain) & (above < config.most_share * road)
+        stands = seen & (gain > config.least_gain) & (above < config.most_share * road)
         if config.mirror_heights is not None:
             stands &= below > above
-        if config.paint_edges is not None:
-            stands &= road > edges
-        return self._parts(seen & (road > config.tentative_gain), np.where(stands, gain, 0.0))
+        return self._parts(seen & (road > config.outline_gain), np.where(stands, gain, 0.0))
 
     def _between_grids(self, older_pose: Floats, pose: Floats) -> Singles:
         """(2, 3) as `_transform`, of the road itself and without the border."""
@@ -232,14 +228,6 @@ class PlanarParallax:
         share: Singles = np.maximum(self._mean(free), np.float32(0.05))
         summed: Singles = self._mean(change * change) / share
         return summed, share
-
-    def _of_edges(self, now: Singles) -> Singles:
-        """(rows, columns) squared grey levels of difference that a small misalignment makes at sharp paint."""
-        if (edges := self.config.paint_edges) is None:
-            return np.zeros_like(now)
-        slope = edges.along_m / (2.0 * self.config.cell_m) * cv2.Sobel(now, cv2.CV_32F, 0, 1, ksize=1)
-        aside = edges.across_m / (2.0 * self.config.cell_m) * cv2.Sobel(now, cv2.CV_32F, 1, 0, ksize=1)
-        return self._mean(slope * slope + aside * aside)
 
     def _mean(self, grid: Singles) -> Singles:
         return np.asarray(cv2.blur(grid, self._window), np.float32)
@@ -285,32 +273,13 @@ class PlanarParallax:
         best, standing = np.zeros(count), gain > 0.0
         owner = parts[standing].astype(np.intp)
         np.maximum.at(best, owner, gain[standing])
-        first = np.full(count, self._rows)
-        np.minimum.at(first, owner, standing.nonzero()[0])
-        begins = boxes[:, 1]
-        if config.dash is not None:
-            begins = np.maximum(begins, first - round(config.dash.before_m / config.cell_m))
-        least_width_m = config.narrow.least_width_m if config.narrow else 0.0
         half_along, half_across = 0.5 * config.window_m[0], 0.5 * config.window_m[1]
         right_m = self._right_m[self._columns]
         found: list[LowObservation] = []
         for part in np.flatnonzero(best > 0.0).tolist():
-            column, _, width = (int(value) for value in boxes[part, :3])
-            row = int(begins[part])
+            column, row, width = (int(value) for value in boxes[part, :3])
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
-            if right - left >= least_width_m:
+            if left <= right:
                 near = float(self._forward_m[row]) + half_along
-                found.append(
-                    LowObservation(near, left, right, float(best[part]), bool(best[part] > config.least_gain), row == 0)
-                )
-        found.sort(key=lambda spot: spot.forward_m)
-        if config.far_edge is None:
-            return found
-        length_m = config.far_edge.length_m
-        return [spot for i, spot in enumerate(found) if not any(_is_far_edge(spot, one, length_m) for one in found[:i])]
-
-
-def _is_far_edge(spot: LowObservation, nearer: LowObservation, length_m: float) -> bool:
-    """Whether an observation is the far edge of an object whose near edge is another one, as sure as it is."""
-    overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m and nearer.sure >= spot.sure
-    return overlap and spot.forward_m - nearer.forward_m < length_m
+                found.append(LowObservation(near, left, right, float(best[part]), truncated=row == 0))
+        return sorted(found, key=lambda spot: spot.forward_m)
