@@ -12,34 +12,6 @@ def odd_cells(window_m: Pair, cell_m: float) -> tuple[int, int]:
 
 
 @settings
-class RoadMotionConfig:
-    """Texture that moves with the road."""
-
-    lead: float = setting("share of its power by which a texture must fit better in place than moved", ge=0.0)
-
-
-@settings
-class RimConfig:
-    """Border about static texture."""
-
-    size_m: Pair = setting("along and across, half to each side")
-
-
-@settings
-class WindscreenMaskConfig:
-    """What counts as static texture between two layouts. Sizes are along and across."""
-
-    least_way_m: float = setting("of the car between the two layouts", gt=0.0)
-    texture_m: float = setting("of the road, over which brightness is averaged", gt=0.0)
-    window_m: Pair = setting("over which textures are compared")
-    share: float = setting("of their power that both have in common", gt=0.0, lt=1.0)
-    contrast: float = setting("least power, in multiples of its median", gt=0.0)
-    floor_levels2: float = setting("least power, grey levels^2: the grain of asphalt agrees by chance", ge=0.0)
-    road_motion: RoadMotionConfig | None = setting("texture that moves with the road is road", default=None)
-    rim: RimConfig | None = setting("mask the cells about static texture as well", default=None)
-
-
-@settings
 class SensingRangeConfig:
     """The difference that a faint pallet 0.12 to 0.15 m high makes, and how observations are averaged."""
 
@@ -59,13 +31,6 @@ class HighPassConfig:
     """Subtraction of the local mean of differences."""
 
     window_m: Pair = setting("along and across, of the mean")
-
-
-@settings
-class MirrorHeightsConfig:
-    """Heights below the road, where mirror images fit."""
-
-    heights_m: tuple[float, ...] = setting("below the road, negative", min_length=1)
 
 
 @settings
@@ -101,11 +66,7 @@ class ParallaxConfig:
     foot_share: float = setting("observed share of a foot, at least", ge=0.0, le=1.0)
     sensing_range: SensingRangeConfig = setting("sensing range of low obstacles")
     high_pass: HighPassConfig | None = setting("high pass: long changes, as of mirror images, cancel", default=None)
-    mirror_heights: MirrorHeightsConfig | None = setting(
-        "reject what fits below the road better: a mirror image", default=None
-    )
     temporal_average: TemporalAverageConfig | None = setting("average the differences over observations", default=None)
-    windscreen_mask: WindscreenMaskConfig | None = setting("ignore texture that stays in the image", default=None)
 
 
 @settings
