@@ -167,5 +167,3 @@ def test_a_plate_is_detected_with_each_mechanism_of_the_detector_switched_off(pa
         for spot in spots
     ]
     assert np.count_nonzero(np.abs(found) < 2.0) >= 3
-
-

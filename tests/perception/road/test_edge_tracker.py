@@ -351,7 +351,7 @@ def test_the_lane_is_judged_at_its_period_at_any_frame_rate(rate_hz: float, monk
     judge = CarriagewayHypotheses.judge
 
     def counted(self: CarriagewayHypotheses, *arguments: Any) -> None:
-        judged.append(arguments[1])
+        judged.append(arguments)
         judge(self, *arguments)
 
     monkeypatch.setattr(CarriagewayHypotheses, "judge", counted)

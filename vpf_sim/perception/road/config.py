@@ -148,31 +148,11 @@ class ObstacleMaskConfig:
 
 
 @settings
-class DashDutyConfig:
-    stretch_m: float = setting("length of road whose contrast is averaged, below a dash", gt=0.0)
-    memory_m: float = setting("way in which the sums decay e-fold", gt=0.0)
-    least_memory_m: float = setting("way before which nothing is known", gt=0.0)
-    reach_m: float = setting("about the expected place, in which the line is searched", gt=0.0)
-    beside_m: float = setting("distance of the background at both sides", gt=0.0)
-    least_contrast: float = setting("least mean contrast of a line, grey levels", gt=0.0)
-    solid_sd: float = setting("standard deviation of a solid line's painted share", gt=0.0)
-    dashed_share: float = setting("mean painted share of a dashed line", gt=0.0, le=1.0)
-    dashed_sd: float = setting("its standard deviation", gt=0.0)
-
-
-@settings
-class HueConfig:
-    unlike_levels: float = setting("difference of hue at which ground is as likely another surface", gt=0.0)
-    near_m: float = setting("within which the own lane gives the reference", gt=0.0)
-
-
-@settings
 class GroundConfig:
     weight: float = setting("of brightness and colour beside the lines", ge=0.0)
     unlike_levels: float = setting("difference of colour at which ground is as likely another surface", gt=0.0)
     least_road: float = setting("least likelihood that unlike ground is road", gt=0.0, lt=1.0)
     least_verge: float = setting("least likelihood that like ground is verge", gt=0.0, lt=1.0)
-    hue: HueConfig | None = setting("compare the hue as well: wet ground keeps it", default=None)
 
 
 @settings
@@ -203,7 +183,6 @@ class HypothesesConfig:
     other_lane: float = setting("prior of another first lane against the likely one", gt=0.0, le=1.0)
     switch_odds: float = setting("by which a hypothesis must be likelier to replace the current one", ge=1.0)
     beside_m: float = setting("largest distance of the pose to the carriageway", ge=0.0)
-    duty: DashDutyConfig | None = setting("separate solid and dashed lines by their duty cycle", default=None)
     ground: GroundConfig | None = setting("compare the ground beside the own lane with its own", default=None)
     lasting: LastingConfig | None = setting("change the hypothesis only for lasting evidence", default=None)
 

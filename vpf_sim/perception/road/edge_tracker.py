@@ -182,7 +182,7 @@ class RoadEdgeTracker:
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
         self._judged_m = self._travelled_m
         colour = self._colour_view.warp(image_rgb)
-        self._index.judge(tracked.state, self._travelled_m, ridges, colour, self._colour_view)
+        self._index.judge(tracked.state, ridges, colour, self._colour_view)
 
     def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
         """The state as edges, with the curvature that is exact at `report_ahead_m`."""
