@@ -54,11 +54,6 @@ class NeighbourTestConfig:
 
 
 @settings
-class InnovationGateConfig:
-    sigmas: float = setting("largest distance to the prediction in standard deviations, plus `on_line_m`", gt=0.0)
-
-
-@settings
 class ChanceTestConfig:
     sigmas: float = setting("by which the observations on lines must exceed their number by chance", ge=0.0)
 
@@ -89,7 +84,6 @@ class RoadFilterConfig:
     neighbour_test: NeighbourTestConfig | None = setting(
         "reject observations without a neighbour on the line: drops, puddles", default=None
     )
-    innovation_gate: InnovationGateConfig | None = setting("reject observations far from the prediction", default=None)
     chance_test: ChanceTestConfig | None = setting(
         "reject frames whose lines have no more observations than by chance", default=None
     )
@@ -128,12 +122,6 @@ class RelocalisationConfig:
     heading_limit_deg: float = setting("largest difference of the headings", gt=0.0)
     more_lines: float = setting("lines that the other road must explain more", ge=0.0)
     searches: int = setting("consecutive searches in which it must", ge=1)
-
-
-@settings
-class RefutationConfig:
-    frames: int = setting("consecutive frames in which other lines are visible", ge=1)
-    way_m: float = setting("and the way in which they are", ge=0.0)
 
 
 @settings
@@ -235,7 +223,6 @@ class RoadEdgeConfig:
     relocalisation: RelocalisationConfig | None = setting(
         "replace the road by another one that explains more lines", default=None
     )
-    refutation: RefutationConfig | None = setting("lose a road whose lines are elsewhere", default=None)
     turn_recovery: TurnRecoveryConfig | None = setting(
         "during a turn, search the lost road where it should be", default=None
     )
