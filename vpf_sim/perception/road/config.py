@@ -35,17 +35,13 @@ class CombConfig:
 
     @property
     def headings_rad(self) -> Floats:
-        return headings_rad(self.heading_limit_deg, self.heading_step_deg)
+        limit, step = self.heading_limit_deg, self.heading_step_deg
+        return np.asarray(np.radians(np.arange(-limit, limit + 0.1 * step, step)))
 
     @property
     def curvatures_per_m(self) -> Floats:
         limit, step = self.curvature_limit_per_m, self.curvature_step_per_m
         return np.arange(-limit, limit + 0.1 * step, step)
-
-
-def headings_rad(limit_deg: float, step_deg: float) -> Floats:
-    """(H,) rad, headings to both sides of straight ahead."""
-    return np.asarray(np.radians(np.arange(-limit_deg, limit_deg + 0.1 * step_deg, step_deg)))
 
 
 @settings
@@ -113,20 +109,6 @@ class FirstGuessConfig:
 @settings
 class GuessCheckConfig:
     turned_rad: float = setting("largest change of the heading by the corrections", gt=0.0)
-
-
-@settings
-class RelocalisationConfig:
-    sure_agreement: float = setting("share of visible lines from which the road is not compared", gt=0.0, le=1.0)
-    straight_rad: float = setting("largest heading at which it is compared", gt=0.0)
-    heading_limit_deg: float = setting("largest difference of the headings", gt=0.0)
-    more_lines: float = setting("lines that the other road must explain more", ge=0.0)
-    searches: int = setting("consecutive searches in which it must", ge=1)
-
-
-@settings
-class TurnRecoveryConfig:
-    way_m: float = setting("longest way of a turn across the road and back", gt=0.0)
 
 
 @settings
@@ -219,12 +201,6 @@ class RoadEdgeConfig:
     object_sizes: ObjectSizes
     guess_check: GuessCheckConfig | None = setting(
         "reject a first guess whose lines lead away from a known road", default=None
-    )
-    relocalisation: RelocalisationConfig | None = setting(
-        "replace the road by another one that explains more lines", default=None
-    )
-    turn_recovery: TurnRecoveryConfig | None = setting(
-        "during a turn, search the lost road where it should be", default=None
     )
     obstacle_mask: ObstacleMaskConfig | None = setting("ignore the road that obstacles hide", default=None)
 
