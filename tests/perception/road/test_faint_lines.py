@@ -15,14 +15,11 @@ from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.markings import RidgeMap, comb
-from vpf_sim.perception.road.model import CURVATURES, seen_places, state_of
-from vpf_sim.perception.road.relocalisation import Relocalisation
+from vpf_sim.perception.road.model import seen_places, state_of
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.types import Camera, Floats, Image
 
 CONFIG = ROBUST.road_edges
-assert CONFIG.relocalisation is not None
-RELOCALISATION = CONFIG.relocalisation
 NUMBERS: Floats = np.arange(-2.0, 3.0)  # of the lines
 PAVED = 'worn = true\nsurface = "concrete"\nverge = "paved"'
 
@@ -85,57 +82,6 @@ def test_a_mirror_image_that_bends_away_is_no_road() -> None:
     )
     assert curvature == pytest.approx(0.0, abs=0.002)
     assert y % width == pytest.approx(1.5, abs=0.15)
-
-
-def rival(wrong_rad: float, wrong_per_m: float) -> tuple[Floats, Floats | None]:
-    """A road that is seen in every other row, and the rival of one so far off in its direction and its curvature."""
-    truth = state_of(1.75, 0.02, 0.005, 3.5)
-    view, response = drawn_lines(truth, 10, gaps=2)
-    followed = truth.copy()
-    followed[1] += wrong_rad
-    followed[CURVATURES] += wrong_per_m
-    ridges = RidgeMap(view, response, 5.0, view.visible, CONFIG.centroid_m)
-    return truth, Relocalisation(RELOCALISATION, CONFIG).rival_of(followed, ridges, NUMBERS)
-
-
-@pytest.mark.parametrize("wrong", [(0.0, 0.02), (0.03, -0.015)])
-def test_a_road_that_drifted_from_its_lines_has_a_rival_on_them(wrong: tuple[float, float]) -> None:
-    truth, found = rival(*wrong)
-    assert found is not None
-    ahead_m = np.array([8.0, 20.0])
-    found_m, true_m = (seen_places(road, NUMBERS, ahead_m, Camera())[0] for road in (found, truth))
-    assert found_m == pytest.approx(true_m, abs=0.15)
-
-
-def test_a_road_on_its_lines_has_no_rival() -> None:
-    assert rival(0.0, 0.0)[1] is None
-
-
-@pytest.mark.parametrize(
-    ("agreement", "heading_rad", "found", "left"),
-    [
-        (0.5, 0.0, [True, True], True),
-        (0.5, 0.0, [True, False, True, False], False),
-        (0.9, 0.0, [True] * 4, False),
-        (0.5, 0.2, [True] * 4, False),
-    ],
-    ids=["twice in a row", "now and then", "its lines are seen", "turned from it"],
-)
-def test_a_followed_road_is_left_for_a_rival_that_lasts(
-    agreement: float, heading_rad: float, found: list[bool], left: bool
-) -> None:
-    """Searches in which the tracked road lies beside its lines or on them, as `found`."""
-    truth = state_of(1.75, heading_rad, 0.005, 3.5)
-    view, response = drawn_lines(truth, 10, gaps=2)
-    ridges, relocalisation = (
-        RidgeMap(view, response, 5.0, view.visible, CONFIG.centroid_m),
-        Relocalisation(RELOCALISATION, CONFIG),
-    )
-    drifted = truth.copy()
-    drifted[CURVATURES] += 0.02
-    states = [drifted if beside else truth for beside in found]
-    rivals = [relocalisation.search(state, agreement, ridges, NUMBERS) for state in states]
-    assert any(rival is not None for rival in rivals) is left
 
 
 @pytest.mark.parametrize(("near", "far", "agrees"), [(5, 5, True), (5, 2, True), (5, 1, False), (1, 1, True)])

@@ -6,9 +6,8 @@ import cv2
 import numpy as np
 import pytest
 from driver_settings import ROBUST
-from road_picture import ASPHALT, RoadPicture
+from road_picture import RoadPicture
 
-from vpf_sim.geometry import ground_from_pixels
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
 from vpf_sim.perception.road.model import CURVATURES, seen_places, state_of
@@ -17,7 +16,6 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
 SPEED_MPS, RATE_HZ = 5.55, 20.0
-FAINT = 0.09  # of the contrast of paint
 CONFIG = ROBUST.road_edges
 NUMBERS: Floats = np.arange(-2.0, 3.0)  # of the lines, the third of five is the centre
 
@@ -59,21 +57,6 @@ def test_a_lost_road_is_found_again_in_the_lane_in_which_it_was_left() -> None:
             assert edges.confidence == 0.0
 
 
-def test_a_road_that_is_believed_elsewhere_is_given_up_and_found_again_in_its_lane() -> None:
-    """For 0.75 s it is shown turned by 7 degrees, as a long mirror image may: the state is as sure as it is wrong."""
-    camera, place = Camera(), -1.75
-    road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, ROBUST.road_edges, RATE_HZ)
-    for i in range(60):
-        pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
-        frame = road.draw(pose + np.array([0.0, 0.0, 0.12 if i < 15 else 0.0]), i)
-        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
-        if i == 14:
-            assert edges.heading_rad == pytest.approx(-0.12, abs=0.02)
-    assert edges.heading_rad == pytest.approx(0.0, abs=0.01)
-    assert edges.right_m == pytest.approx(7.0 - place, abs=0.1)
-    assert edges.confidence > 0.5
-
-
 @pytest.mark.parametrize("lane", [1, 2, 4])
 def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> None:
     """Half of the rows of the frame, in strips, show the road without its lines but the left edge's."""
@@ -88,38 +71,6 @@ def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> Non
         frame = np.where(hidden[i][:, None, None], bare.draw(pose, i), whole.draw(pose, i))
         edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
     assert edges.right_m == pytest.approx(7.0 - place, abs=0.3)
-
-
-def test_a_faint_edge_line_is_no_dashed_one() -> None:
-    """A tenth of the contrast is left of the left edge's paint, and the verge looks like the asphalt."""
-    camera, place = Camera(), 1.75
-    road = RoadPicture(camera, verge=ASPHALT)
-    columns, rows = np.meshgrid(np.arange(float(camera.width_px)), np.arange(float(camera.height_px)))
-    edge = ground_from_pixels(camera, np.stack([columns, rows], axis=-1))[..., 1] + place < -6.5
-    tracker = RoadEdgeTracker(camera, ROBUST.road_edges, RATE_HZ)
-    for i in range(80):
-        pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
-        frame = road.draw(pose, i)
-        frame[edge] = np.rint(FAINT * frame[edge] + (1.0 - FAINT) * np.array(ASPHALT))
-        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
-    assert edges.left_m == pytest.approx(-7.0 - place, abs=0.1)
-    assert edges.confidence > 0.8
-
-
-def test_the_image_of_a_coloured_body_in_the_own_lane_makes_the_others_no_verge() -> None:
-    """From 8 m on the own lane is as green as the verge; nearer, it has the hue of the other lanes."""
-    camera, place = Camera(), 1.75
-    road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, ROBUST.road_edges, RATE_HZ)
-    columns, rows = np.meshgrid(np.arange(float(camera.width_px)), np.arange(float(camera.height_px)))
-    ground = np.nan_to_num(ground_from_pixels(camera, np.stack([columns, rows], axis=-1)))
-    image = (ground[..., 0] > 8.0) & (np.abs(ground[..., 1]) < 1.6)
-    for i in range(20):
-        pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
-        frame = road.draw(pose, i)
-        frame[image] = (88, 100, 52)
-        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
-    assert edges.right_m == pytest.approx(7.0 - place, abs=0.1)
-    assert edges.left_m == pytest.approx(-7.0 - place, abs=0.1)
 
 
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:

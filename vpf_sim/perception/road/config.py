@@ -35,7 +35,8 @@ class CombConfig:
 
     @property
     def headings_rad(self) -> Floats:
-        return headings_rad(self.heading_limit_deg, self.heading_step_deg)
+        limit, step = self.heading_limit_deg, self.heading_step_deg
+        return np.asarray(np.radians(np.arange(-limit, limit + 0.1 * step, step)))
 
     @property
     def curvatures_per_m(self) -> Floats:
@@ -43,19 +44,9 @@ class CombConfig:
         return np.arange(-limit, limit + 0.1 * step, step)
 
 
-def headings_rad(limit_deg: float, step_deg: float) -> Floats:
-    """(H,) rad, headings to both sides of straight ahead."""
-    return np.asarray(np.radians(np.arange(-limit_deg, limit_deg + 0.1 * step_deg, step_deg)))
-
-
 @settings
 class NeighbourTestConfig:
     apart_m: float = setting("largest difference to the offset in a neighbouring row", gt=0.0)
-
-
-@settings
-class InnovationGateConfig:
-    sigmas: float = setting("largest distance to the prediction in standard deviations, plus `on_line_m`", gt=0.0)
 
 
 @settings
@@ -89,7 +80,6 @@ class RoadFilterConfig:
     neighbour_test: NeighbourTestConfig | None = setting(
         "reject observations without a neighbour on the line: drops, puddles", default=None
     )
-    innovation_gate: InnovationGateConfig | None = setting("reject observations far from the prediction", default=None)
     chance_test: ChanceTestConfig | None = setting(
         "reject frames whose lines have no more observations than by chance", default=None
     )
@@ -122,48 +112,9 @@ class GuessCheckConfig:
 
 
 @settings
-class RelocalisationConfig:
-    sure_agreement: float = setting("share of visible lines from which the road is not compared", gt=0.0, le=1.0)
-    straight_rad: float = setting("largest heading at which it is compared", gt=0.0)
-    heading_limit_deg: float = setting("largest difference of the headings", gt=0.0)
-    more_lines: float = setting("lines that the other road must explain more", ge=0.0)
-    searches: int = setting("consecutive searches in which it must", ge=1)
-
-
-@settings
-class RefutationConfig:
-    frames: int = setting("consecutive frames in which other lines are visible", ge=1)
-    way_m: float = setting("and the way in which they are", ge=0.0)
-
-
-@settings
-class TurnRecoveryConfig:
-    way_m: float = setting("longest way of a turn across the road and back", gt=0.0)
-
-
-@settings
 class ObstacleMaskConfig:
     margin_m: float = setting("about an obstacle", ge=0.0)
     nearest_m: float = setting("from the camera; nearer obstacles hide nothing of the patch", gt=0.0)
-
-
-@settings
-class DashDutyConfig:
-    stretch_m: float = setting("length of road whose contrast is averaged, below a dash", gt=0.0)
-    memory_m: float = setting("way in which the sums decay e-fold", gt=0.0)
-    least_memory_m: float = setting("way before which nothing is known", gt=0.0)
-    reach_m: float = setting("about the expected place, in which the line is searched", gt=0.0)
-    beside_m: float = setting("distance of the background at both sides", gt=0.0)
-    least_contrast: float = setting("least mean contrast of a line, grey levels", gt=0.0)
-    solid_sd: float = setting("standard deviation of a solid line's painted share", gt=0.0)
-    dashed_share: float = setting("mean painted share of a dashed line", gt=0.0, le=1.0)
-    dashed_sd: float = setting("its standard deviation", gt=0.0)
-
-
-@settings
-class HueConfig:
-    unlike_levels: float = setting("difference of hue at which ground is as likely another surface", gt=0.0)
-    near_m: float = setting("within which the own lane gives the reference", gt=0.0)
 
 
 @settings
@@ -172,7 +123,6 @@ class GroundConfig:
     unlike_levels: float = setting("difference of colour at which ground is as likely another surface", gt=0.0)
     least_road: float = setting("least likelihood that unlike ground is road", gt=0.0, lt=1.0)
     least_verge: float = setting("least likelihood that like ground is verge", gt=0.0, lt=1.0)
-    hue: HueConfig | None = setting("compare the hue as well: wet ground keeps it", default=None)
 
 
 @settings
@@ -203,7 +153,6 @@ class HypothesesConfig:
     other_lane: float = setting("prior of another first lane against the likely one", gt=0.0, le=1.0)
     switch_odds: float = setting("by which a hypothesis must be likelier to replace the current one", ge=1.0)
     beside_m: float = setting("largest distance of the pose to the carriageway", ge=0.0)
-    duty: DashDutyConfig | None = setting("separate solid and dashed lines by their duty cycle", default=None)
     ground: GroundConfig | None = setting("compare the ground beside the own lane with its own", default=None)
     lasting: LastingConfig | None = setting("change the hypothesis only for lasting evidence", default=None)
 
@@ -252,13 +201,6 @@ class RoadEdgeConfig:
     object_sizes: ObjectSizes
     guess_check: GuessCheckConfig | None = setting(
         "reject a first guess whose lines lead away from a known road", default=None
-    )
-    relocalisation: RelocalisationConfig | None = setting(
-        "replace the road by another one that explains more lines", default=None
-    )
-    refutation: RefutationConfig | None = setting("lose a road whose lines are elsewhere", default=None)
-    turn_recovery: TurnRecoveryConfig | None = setting(
-        "during a turn, search the lost road where it should be", default=None
     )
     obstacle_mask: ObstacleMaskConfig | None = setting("ignore the road that obstacles hide", default=None)
 

@@ -9,7 +9,6 @@ from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
 from vpf_sim.perception.road.line_matcher import LineMatcher
 from vpf_sim.perception.road.markings import RidgeMap, comb
 from vpf_sim.perception.road.model import PITCH, WIDTH, curvature_ahead, state_of
-from vpf_sim.perception.road.relocalisation import Relocalisation
 from vpf_sim.perception.road.state_filter import LaneFilter
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Camera, Floats, Image, Obstacles, RoadEdges
@@ -27,7 +26,6 @@ class RoadEdgeTracker:
         self.config = config
         self.matcher = LineMatcher(camera, config)
         self._colour_view = BirdsEye(camera, config.verge_patch)
-        self._relocalisation = Relocalisation(config.relocalisation, config) if config.relocalisation else None
         self._update = Schedule(config.update_period_s, rate_hz)
         self._judgement = Schedule(config.index_period_s, self._update.rate_hz)  # among the updates
         self._search = Schedule(config.search_period_s, rate_hz)
@@ -36,7 +34,6 @@ class RoadEdgeTracker:
         self._index = CarriagewayHypotheses.start(config.lanes, config.likely_lane, config.hypotheses)
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # m, now and at the last judgement
-        self._refuted, self._agreed_m = 0, 0.0  # corrections since lines were last where expected, and travel then
         self._frame = -1
         self._pitch_rad: float | None = None  # of the camera against the road, at the last correction
         self._pitch_frame = -1  # of that correction
@@ -63,8 +60,6 @@ class RoadEdgeTracker:
                 has_moved = self._travelled_m >= self._judged_m + self.config.new_road_m
                 if self._correct(self._road, ridges) and judge and has_moved:
                     self._judge(self._road, image_rgb, ridges)
-                if search and not self._is_lost:
-                    self._compare(self._road, ridges)
         return self._report(speed_mps, yaw_rate_radps)
 
     def carried(self, pose: Floats, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
@@ -91,32 +86,17 @@ class RoadEdgeTracker:
     def _correct(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
         """Whether the lines about their predicted places corrected the state; the road may be lost."""
         agrees = self.matcher.correct(tracked, ridges, self._index.numbers)
-        if agrees is not None:
-            self._refuted = 0 if agrees else self._refuted + 1
-            self._agreed_m = self._travelled_m if agrees else self._agreed_m
-        if self._is_refuted or not self.matcher.is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
-            self._refuted, self._is_lost = 0, True
+        if not self.matcher.is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
+            self._is_lost = True
             return False
         if agrees:
             self._pitch_rad, self._pitch_frame = float(tracked.state[PITCH]), self._frame
         return bool(agrees)
 
-    @property
-    def _is_refuted(self) -> bool:
-        """Whether other lines than the expected ones have been visible for long enough."""
-        config = self.config.refutation
-        if config is None:
-            return False
-        return self._refuted >= config.frames and self._travelled_m > self._agreed_m + config.way_m
-
     def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
         """Track the road that explains most ridges: about the lost road, or in any lane where none is known."""
         config, lost = self.config, self._road if self._is_known(self._road) else None
         if lost is not None and abs(lost.state[1]) > config.comb.headings_rad[-1]:
-            turn = config.turn_recovery
-            if turn is not None and self._travelled_m < self._agreed_m + turn.way_m:
-                self._is_lost = not (self.matcher.is_sane(lost.state) and self._correct(lost, ridges))
-                return
             lost = None
         widths = config.widths_m if lost is None or not config.keeps_width else lost.state[[WIDTH]]
         likely_m = config.lane_width_m if lost is None or config.keeps_width else float(lost.state[WIDTH])
@@ -138,16 +118,6 @@ class RoadEdgeTracker:
         self._follow(found)
         self._judge(found, image_rgb, ridges)
 
-    def _compare(self, tracked: LaneFilter, ridges: RidgeMap) -> None:
-        """Replace the tracked road by another one that explains more of the ridges."""
-        if self._relocalisation is None:
-            return
-        picture = (ridges, self._index.numbers)
-        rival = self._relocalisation.search(tracked.state, self._index.agreement or 0.0, *picture)
-        settled = None if rival is None else self.settled(rival, ridges)
-        if settled is not None and self._relocalisation.outdoes(settled.state, tracked.state, *picture):
-            self._follow(settled)
-
     def settled(self, guess: Floats, ridges: RidgeMap) -> LaneFilter | None:
         """The road about a first guess; None without visible lines, or where these turn a known road.
 
@@ -163,7 +133,6 @@ class RoadEdgeTracker:
     def _follow(self, found: LaneFilter) -> None:
         """Track a road that was found in this frame."""
         self._road, self._is_lost = found, False
-        self._refuted, self._agreed_m = 0, self._travelled_m
         self._pitch_rad, self._pitch_frame = float(found.state[PITCH]), self._frame
 
     def _is_known(self, road: LaneFilter | None) -> bool:
@@ -175,7 +144,7 @@ class RoadEdgeTracker:
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
         self._judged_m = self._travelled_m
         colour = self._colour_view.warp(image_rgb)
-        self._index.judge(tracked.state, self._travelled_m, ridges, colour, self._colour_view)
+        self._index.judge(tracked.state, ridges, colour, self._colour_view)
 
     def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
         """The state as edges, with the curvature that is exact at `report_ahead_m`."""

@@ -11,7 +11,6 @@ import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.config import GroundConfig, HypothesesConfig
-from vpf_sim.perception.road.line_type import DashDutyCycle
 from vpf_sim.perception.road.markings import RidgeMap, sight
 from vpf_sim.perception.road.model import WIDTH, seen_places
 from vpf_sim.types import Bools, Floats, Image, Integers
@@ -51,7 +50,6 @@ class CarriagewayHypotheses:
     log_odds: Floats  # (H,) of the evidence
     current: int  # index in EDGES
     config: HypothesesConfig
-    duty: DashDutyCycle | None
     agreement: float | None = None  # 0 .. 1, share of the expected lines that is visible; None: nothing judged
     judgements: int = 0  # since the last change
     rival: int | None = None  # hypothesis that is likelier now, None: none is
@@ -62,8 +60,7 @@ class CarriagewayHypotheses:
         """Before any evidence: the likely number of lanes, and the car's lane, counted from the right."""
         prior = np.where(EDGES[:, 1] - EDGES[:, 0] == lanes, 0.0, np.log(config.other_lanes))
         prior += np.where(EDGES[:, 1] == lane, 0.0, np.log(config.other_lane))
-        duty = DashDutyCycle.start(len(NUMBERS), config.duty) if config.duty else None
-        return cls(prior, np.zeros(len(EDGES)), EDGES.tolist().index([lane - lanes, lane]), config, duty)
+        return cls(prior, np.zeros(len(EDGES)), EDGES.tolist().index([lane - lanes, lane]), config)
 
     @property
     def edges(self) -> tuple[int, int]:
@@ -87,9 +84,9 @@ class CarriagewayHypotheses:
         weight = np.exp(likely - likely.max())
         return np.asarray(weight / weight.sum())
 
-    def judge(self, state: Floats, travelled_m: float, ridges: RidgeMap, colour: Image, colour_view: BirdsEye) -> None:
+    def judge(self, state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye) -> None:
         """Add the evidence of one frame; change the hypothesis if another one is far likelier for long enough."""
-        config, evidence = self.config, self._line_evidence(state, travelled_m, ridges)
+        config, evidence = self.config, self._line_evidence(state, ridges)
         if config.ground is not None:
             least_m = config.least_length_m
             evidence = evidence + _ground_evidence(state, ridges, colour, colour_view, config.ground, least_m)
@@ -111,7 +108,7 @@ class CarriagewayHypotheses:
             return rival is not None
         return self.streak >= min(lasting.share * self.judgements, lasting.most)
 
-    def _line_evidence(self, state: Floats, travelled_m: float, ridges: RidgeMap) -> Floats:
+    def _line_evidence(self, state: Floats, ridges: RidgeMap) -> Floats:
         """(H,) by the kinds of the lines."""
         view, config = ridges.view, self.config
         right, reached = seen_places(state, NUMBERS, view.forward_m, view.camera)
@@ -128,21 +125,7 @@ class CarriagewayHypotheses:
         least = np.where(share < config.hidden_share, np.log(config.hidden), np.log(config.surprise))
         likely = np.maximum(likely - likely.max(axis=(1, 2), keepdims=True), least[:, None, None])
         likely = np.where(known[:, None, None], likely, 0.0)
-        if self.duty is not None:
-            self.duty.look(ridges, right, visible, travelled_m)
-            likely = self._by_duty(likely, self.duty)
         return np.asarray(likely[np.arange(len(NUMBERS)), :, KINDS].sum(axis=1).max(axis=1))
-
-    def _by_duty(self, likely: Floats, lines: DashDutyCycle) -> Floats:
-        """(L, presences, kinds) the evidence, with solid and dashed separated by their gaps where these are known."""
-        duty, known = lines.duty()
-        mean = np.array([self.config.solid_share, lines.config.dashed_share])
-        sigma = np.array([lines.config.solid_sd, lines.config.dashed_sd])
-        gaps = np.maximum(-0.5 * ((duty[:, None] - mean) / sigma) ** 2, np.log(self.config.surprise))
-        gaps -= gaps.max(axis=1, keepdims=True)
-        either = likely[..., [SOLID, DASHED]].max(axis=-1, keepdims=True)
-        separated = np.concatenate([either + gaps[:, None], likely[..., [NONE]]], axis=-1)
-        return np.asarray(np.where(known[:, None, None], separated, likely))
 
     def _update_agreement(self, share: Floats, known: Bools) -> None:
         """Average the visible share of the current carriageway's lines."""
@@ -159,22 +142,19 @@ def _ground_evidence(
     state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye, config: GroundConfig, least_length_m: float
 ) -> Floats:
     """(H,) by the ground between the lines."""
-    unlike, unlike_hue, known = _unlike_own_lane(state, ridges, colour, colour_view, config, least_length_m)
+    unlike, known = _unlike_own_lane(state, ridges, colour, colour_view, least_length_m)
     road, verge = config.least_road, config.least_verge
     like = 1.0 / (1.0 + (unlike / config.unlike_levels) ** 4)
     of_road = config.weight * np.log(road + (1.0 - road) * like)
-    if config.hue is not None:
-        like_hue = 1.0 / (1.0 + (unlike_hue / config.hue.unlike_levels) ** 4)
-        of_road = of_road + np.log(road + (1.0 - road) * like_hue)
     of_verge = config.weight * np.log(verge + (1.0 - verge) * (1.0 - like))
     on_road = (NUMBERS[:-1] >= EDGES[:, :1]) & (NUMBERS[:-1] < EDGES[:, 1:])
     return np.asarray(np.where(on_road, np.where(known, of_road, 0.0), np.where(known, of_verge, 0.0)).sum(axis=1))
 
 
 def _unlike_own_lane(
-    state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye, config: GroundConfig, least_length_m: float
-) -> tuple[Floats, Floats, Bools]:
-    """(S,) levels by which colour and hue of the strips between lines differ from the own lane's; which are known.
+    state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye, least_length_m: float
+) -> tuple[Floats, Bools]:
+    """(S,) levels by which the colour of the strips between lines differs from the own lane's; which are known.
 
     The median over a strip: mirror images and obstacles cover a part of it, another ground all of it.
     """
@@ -194,24 +174,7 @@ def _unlike_own_lane(
     difference = np.where(known[..., None], sample - reference, np.nan).reshape(strips, -1, 3)
     unlike = np.zeros(strips)
     unlike[enough] = np.linalg.norm(median_of_known(difference[enough]), axis=1)
-    if config.hue is None:
-        return unlike, np.zeros(strips), enough
-    return unlike, _unlike_in_hue(sample, known, own, colour_view.forward_m < config.hue.near_m, enough), enough
-
-
-def _unlike_in_hue(sample: Floats, known: Bools, own: int, near: Bools, enough: Bools) -> Floats:
-    """(S,) levels by which the hue, brightness apart, differs from the own lane's nearby.
-
-    Of samples (S, 3, rows, RGB) and which are known. Farther away an obstacle or its image may colour the own lane.
-    """
-    hue = np.where(known[..., None], sample - sample.mean(axis=-1, keepdims=True), np.nan)
-    reference = hue[own][:, near].reshape(-1, 3)
-    reference = reference[np.isfinite(reference[:, 0])]
-    unlike = np.zeros(len(sample))
-    if len(reference) and enough.any():
-        median = median_of_known(hue.reshape(len(sample), -1, 3)[enough])
-        unlike[enough] = np.linalg.norm(median - np.median(reference, axis=0), axis=1)
-    return unlike
+    return unlike, enough
 
 
 def median_of_known(samples: Floats) -> Floats:

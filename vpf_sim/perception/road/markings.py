@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from vpf_sim.perception.quantiles import quantile
@@ -50,22 +49,12 @@ def sight(ridges: RidgeMap, expected_m: Floats, wanted: Bools, reach_m: float) -
     return view.right_m[0] + place * view.column_m, inside & visible & (height > ridges.threshold)
 
 
-def explained(ridges: RidgeMap, right_m: Floats, reached: Bools, reach_m: float) -> float:
-    """Number of lines that the ridges at these places (L, R) amount to, counted as by `comb`."""
-    view = ridges.view
-    rows = np.flatnonzero(view.forward_m < reach_m)
-    bright = cv2.dilate(_bright(ridges, rows), np.ones((1, 3), np.uint8))  # a column aside is as near as a line is told
-    columns, inside = view.columns(right_m[:, rows], reached[:, rows])
-    return float((bright[np.arange(len(rows)), columns] * inside).sum()) / len(rows)
-
-
 def comb(
     ridges: RidgeMap,
     widths_m: Floats,
     likely_m: float,
     config: CombConfig,
     likely_rad: float = 0.0,
-    headings_rad: Floats | None = None,
     unlikely_per_m: float = 0.0,
 ) -> tuple[float, Floats]:
     """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
@@ -78,11 +67,12 @@ def comb(
     """
     view = ridges.view
     rows = np.flatnonzero(view.forward_m < config.reach_m)
-    headings = config.headings_rad if headings_rad is None else headings_rad
     fine = _bright(ridges, rows)
     bright = np.maximum(fine[:, 0:-1:2], fine[:, 1::2])
     column_m = 2.0 * view.column_m
-    heading, curvature = (grid.ravel() for grid in np.meshgrid(headings, config.curvatures_per_m, indexing="ij"))
+    heading, curvature = (
+        grid.ravel() for grid in np.meshgrid(config.headings_rad, config.curvatures_per_m, indexing="ij")
+    )
     straight = _straightened(bright, view.forward_m[rows], column_m, heading, curvature)
     unlikely = config.unlikely_per_rad * np.abs(heading - likely_rad) + config.unlikely_m * np.abs(curvature)
     best, road = -np.inf, np.zeros(4)

@@ -12,34 +12,6 @@ def odd_cells(window_m: Pair, cell_m: float) -> tuple[int, int]:
 
 
 @settings
-class RoadMotionConfig:
-    """Texture that moves with the road."""
-
-    lead: float = setting("share of its power by which a texture must fit better in place than moved", ge=0.0)
-
-
-@settings
-class RimConfig:
-    """Border about static texture."""
-
-    size_m: Pair = setting("along and across, half to each side")
-
-
-@settings
-class WindscreenMaskConfig:
-    """What counts as static texture between two layouts. Sizes are along and across."""
-
-    least_way_m: float = setting("of the car between the two layouts", gt=0.0)
-    texture_m: float = setting("of the road, over which brightness is averaged", gt=0.0)
-    window_m: Pair = setting("over which textures are compared")
-    share: float = setting("of their power that both have in common", gt=0.0, lt=1.0)
-    contrast: float = setting("least power, in multiples of its median", gt=0.0)
-    floor_levels2: float = setting("least power, grey levels^2: the grain of asphalt agrees by chance", ge=0.0)
-    road_motion: RoadMotionConfig | None = setting("texture that moves with the road is road", default=None)
-    rim: RimConfig | None = setting("mask the cells about static texture as well", default=None)
-
-
-@settings
 class SensingRangeConfig:
     """The difference that a faint pallet 0.12 to 0.15 m high makes, and how observations are averaged."""
 
@@ -55,13 +27,6 @@ class SensingRangeConfig:
 
 
 @settings
-class TentativeGainConfig:
-    """Weak observations."""
-
-    least_gain: float = setting("of an observation, in multiples of the noise", gt=0.0)
-
-
-@settings
 class HighPassConfig:
     """Subtraction of the local mean of differences."""
 
@@ -69,46 +34,10 @@ class HighPassConfig:
 
 
 @settings
-class MirrorHeightsConfig:
-    """Heights below the road, where mirror images fit."""
-
-    heights_m: tuple[float, ...] = setting("below the road, negative", min_length=1)
-
-
-@settings
-class PaintEdgesConfig:
-    """Difference that a small misalignment makes at sharp paint."""
-
-    along_m: float = setting("misalignment along the way", ge=0.0)
-    across_m: float = setting("misalignment across", ge=0.0)
-
-
-@settings
 class TemporalAverageConfig:
     """Exponential average of the differences, moved with the road."""
 
     newest: float = setting("weight of the newest observation", gt=0.0, le=1.0)
-
-
-@settings
-class DashConfig:
-    """A dash that runs into an object."""
-
-    before_m: float = setting("first cell above the road, at most, that an object begins", ge=0.0)
-
-
-@settings
-class FarEdgeConfig:
-    """The far edge of an object."""
-
-    length_m: float = setting("from the near edge of an object to its far edge, at most", ge=0.0)
-
-
-@settings
-class NarrowConfig:
-    """Slivers at the rim of something else."""
-
-    least_width_m: float = setting("of an observation", ge=0.0)
 
 
 @settings
@@ -130,27 +59,14 @@ class ParallaxConfig:
     floor_levels2: float = setting("of the noise, grey levels^2", gt=0.0)
     least_gain: float = setting("by which a height above the road fits better, in multiples of the noise", gt=0.0)
     most_share: float = setting("of the difference that is left with that height", gt=0.0)
+    outline_gain: float = setting("least difference of an object's outline, in multiples of the noise", gt=0.0)
     least_seen: float = setting("share of a window that is not masked", gt=0.0, le=1.0)
     foot_m: Pair = setting("along from where an obstacle begins, and beside it, where its foot is compared")
     foot_width_m: float = setting("observed width of a foot, at least", ge=0.0)
     foot_share: float = setting("observed share of a foot, at least", ge=0.0, le=1.0)
     sensing_range: SensingRangeConfig = setting("sensing range of low obstacles")
-    tentative: TentativeGainConfig | None = setting("weak observations support tentative tracks", default=None)
     high_pass: HighPassConfig | None = setting("high pass: long changes, as of mirror images, cancel", default=None)
-    mirror_heights: MirrorHeightsConfig | None = setting(
-        "reject what fits below the road better: a mirror image", default=None
-    )
-    paint_edges: PaintEdgesConfig | None = setting("reject differences of slightly misaligned paint", default=None)
     temporal_average: TemporalAverageConfig | None = setting("average the differences over observations", default=None)
-    dash: DashConfig | None = setting("a dash that runs into an object does not bring it nearer", default=None)
-    far_edge: FarEdgeConfig | None = setting("reject the far edges of nearer objects", default=None)
-    narrow: NarrowConfig | None = setting("narrow observations are rejected", default=None)
-    windscreen_mask: WindscreenMaskConfig | None = setting("ignore texture that stays in the image", default=None)
-
-    @property
-    def tentative_gain(self) -> float:
-        """The gain from which an observation is reported."""
-        return self.tentative.least_gain if self.tentative else self.least_gain
 
 
 @settings

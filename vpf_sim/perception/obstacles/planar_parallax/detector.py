@@ -12,10 +12,9 @@ import cv2
 import numpy as np
 
 from vpf_sim.geometry import distance_m, rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig, WindscreenMaskConfig, odd_cells
+from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig, odd_cells
 from vpf_sim.perception.obstacles.planar_parallax.sensing_range import SensingRange
 from vpf_sim.perception.obstacles.planar_parallax.temporal_average import TemporalAverage
-from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import static_texture, texture
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import lookup
 from vpf_sim.perception.road.occlusion import shadow
@@ -36,12 +35,10 @@ class LowObservation(LateralExtent[float]):
 
 @dataclass(slots=True)
 class _Layout:
-    """A frame laid out as road; its mask is complete once the next frame has been laid out."""
+    """A frame laid out as road."""
 
     patch: Image  # (rows, columns)
     pose: Floats  # (3,)
-    texture: Singles  # (rows, columns)
-    water: Image  # (rows, columns) 0 where the road is visible: in the frame and not masked
 
 
 class PlanarParallax:
@@ -59,7 +56,7 @@ class PlanarParallax:
         self._rows = int(np.count_nonzero(self._forward_m < config.far_m))
         self._noise_rows = int(np.count_nonzero(self._forward_m < config.noise_far_m))
         self._maps, visible = lookup(camera, self._forward_m, self._right_m)
-        self._outside = (~visible).astype(np.uint8)
+        self._outside = (~visible).astype(np.uint8)  # (rows, columns) 1 where the frame does not reach
         self.lenses_m: tuple[Floats, ...] = ()  # (2,) each, camera positions of the last comparison, now and before
         self._past: deque[_Layout] = deque()
         self._contrast: Singles = np.empty((0, 0), np.float32)  # of the last observation, in multiples of the noise
@@ -120,30 +117,10 @@ class PlanarParallax:
 
     def _laid_out(self, image: Image, pose: Floats) -> _Layout:
         """Lay out a frame and keep it for later comparisons."""
-        config = self.config
-        patch = cv2.remap(image, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
-        now = _Layout(patch, pose, np.empty((0, 0), np.float32), self._outside)
-        if config.windscreen_mask is not None:
-            now.texture = texture(patch, config.cell_m, config.windscreen_mask)
-            self._mask_water(now, config.windscreen_mask)
-        if not self._past or distance_m(pose, self._past[-1].pose) >= config.cell_m:
+        now = _Layout(cv2.remap(image, *self._maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False), pose)
+        if not self._past or distance_m(pose, self._past[-1].pose) >= self.config.cell_m:
             self._past.append(now)
         return now
-
-    def _mask_water(self, now: _Layout, mask: WindscreenMaskConfig) -> None:
-        """Mask the static texture of a layout and of the last one taken far enough away."""
-        far = (one for one in reversed(self._past) if distance_m(now.pose, one.pose) >= mask.least_way_m)
-        before = next(far, None)
-        if before is not None:
-            transform = self._transform(before.pose, now.pose, 0.0)
-            size = now.patch.shape[::-1]
-            moved = np.asarray(
-                cv2.warpAffine(before.texture, transform, size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP),
-                np.float32,
-            )
-            stays = static_texture(now.texture, before.texture, moved, self.config.cell_m, mask)
-            now.water = np.asarray(cv2.max(stays, self._outside), np.uint8)
-            before.water = np.asarray(cv2.max(before.water, now.water), np.uint8)
 
     def _older(self, pose: Floats) -> _Layout | None:
         """The latest layout that was taken a baseline away; older ones are dropped."""
@@ -160,22 +137,19 @@ class PlanarParallax:
         config, pose = self.config, layout.pose
         sharp = layout.patch[: self._rows].astype(np.float32)
         now = np.asarray(cv2.GaussianBlur(sharp, (3, 15), 0), np.float32)[:, self._columns]
-        dry = (layout.water[: self._rows, self._columns] == 0).astype(np.uint8)
-        road, free = self._difference(now, dry, older, pose, 0.0)
+        road, free = self._difference(now, older, pose, 0.0)
         noise = self._record_quality(road, free, older.pose, pose)
-        if float(road.max()) < config.tentative_gain * noise:
+        if float(road.max()) < config.least_gain * noise:
             if self._average is not None:
                 self._average.fade()
             return []
-        heights = (*config.above_m, *(config.mirror_heights.heights_m if config.mirror_heights else ()))
-        others = [self._difference(now, dry, older, pose, height) for height in heights]
-        above = np.minimum.reduce([change for change, _ in others[: len(config.above_m)]])
-        below = np.minimum.reduce([change for change, _ in others[len(config.above_m) :] or others])
+        others = [self._difference(now, older, pose, height) for height in config.above_m]
+        above = np.minimum.reduce([change for change, _ in others])
         seen = self._seen & (np.minimum.reduce([share for _, share in others]) > config.least_seen)
         if footprints is not None and len(footprints):
             seen &= ~self._covered(footprints)
         weight = np.asarray(seen / np.float32(noise), np.float32)
-        grids = [weight * grid for grid in (road, above, below, self._of_edges(now))]
+        grids = [weight * grid for grid in (road, above)]
         if self._average is not None:
             grids = self._average.add(grids, pose, self._between_grids)
         return self._observations(seen, *grids)
@@ -190,21 +164,15 @@ class PlanarParallax:
         strip = np.abs(self._right_m[self._columns]) < config.sensing_range.half_width_m
         share = self._seen[:, strip].mean(axis=1)
         ahead = np.interp(self.sight.forward_m, self._forward_m[: self._rows], share)
-        self.sight.record(config.tentative_gain * noise, quantile(some, 0.1), ahead)
+        self.sight.record(config.least_gain * noise, quantile(some, 0.1), ahead)
         return noise
 
-    def _observations(
-        self, seen: Bools, road: Singles, above: Singles, below: Singles, edges: Singles
-    ) -> list[LowObservation]:
-        """What stands on the road, by the differences as road, above and below it, and at the edges of paint."""
+    def _observations(self, seen: Bools, road: Singles, above: Singles) -> list[LowObservation]:
+        """What stands on the road, by the differences as road and above it."""
         config = self.config
         gain = road - above
-        stands = seen & (gain > config.tentative_gain) & (above < config.most_share * road)
-        if config.mirror_heights is not None:
-            stands &= below > above
-        if config.paint_edges is not None:
-            stands &= road > edges
-        return self._parts(seen & (road > config.tentative_gain), np.where(stands, gain, 0.0))
+        stands = seen & (gain > config.least_gain) & (above < config.most_share * road)
+        return self._parts(seen & (road > config.outline_gain), np.where(stands, gain, 0.0))
 
     def _between_grids(self, older_pose: Floats, pose: Floats) -> Singles:
         """(2, 3) as `_transform`, of the road itself and without the border."""
@@ -213,9 +181,7 @@ class PlanarParallax:
         transform[:, 2] += transform[:, :2] @ border - border
         return transform
 
-    def _difference(
-        self, now: Singles, dry: Image, older: _Layout, pose: Floats, height_m: float
-    ) -> tuple[Singles, Singles]:
+    def _difference(self, now: Singles, older: _Layout, pose: Floats, height_m: float) -> tuple[Singles, Singles]:
         """Mean squared grey levels between the patch now and the older one, if all stood `height_m` above the road.
 
         Over the visible cells of a window; the second grid is their share.
@@ -223,8 +189,8 @@ class PlanarParallax:
         transform, size = self._transform(older.pose, pose, height_m), (len(self._right_m), self._rows)
         flags, border = cv2.WARP_INVERSE_MAP, cv2.BORDER_REPLICATE
         moved = cv2.warpAffine(older.patch, transform, size, flags=flags | cv2.INTER_LINEAR, borderMode=border)
-        wet = cv2.warpAffine(older.water, transform, size, flags=flags | cv2.INTER_NEAREST, borderMode=border)
-        free = np.asarray(cv2.subtract(dry, wet[:, self._columns]), np.float32)
+        outside = cv2.warpAffine(self._outside, transform, size, flags=flags | cv2.INTER_NEAREST, borderMode=border)
+        free = np.asarray((outside | self._outside[: self._rows])[:, self._columns] == 0, np.float32)
         change = (now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]) * free
         if self.config.high_pass is not None:
             window = odd_cells(self.config.high_pass.window_m, self.config.cell_m)
@@ -232,14 +198,6 @@ class PlanarParallax:
         share: Singles = np.maximum(self._mean(free), np.float32(0.05))
         summed: Singles = self._mean(change * change) / share
         return summed, share
-
-    def _of_edges(self, now: Singles) -> Singles:
-        """(rows, columns) squared grey levels of difference that a small misalignment makes at sharp paint."""
-        if (edges := self.config.paint_edges) is None:
-            return np.zeros_like(now)
-        slope = edges.along_m / (2.0 * self.config.cell_m) * cv2.Sobel(now, cv2.CV_32F, 0, 1, ksize=1)
-        aside = edges.across_m / (2.0 * self.config.cell_m) * cv2.Sobel(now, cv2.CV_32F, 1, 0, ksize=1)
-        return self._mean(slope * slope + aside * aside)
 
     def _mean(self, grid: Singles) -> Singles:
         return np.asarray(cv2.blur(grid, self._window), np.float32)
@@ -285,32 +243,13 @@ class PlanarParallax:
         best, standing = np.zeros(count), gain > 0.0
         owner = parts[standing].astype(np.intp)
         np.maximum.at(best, owner, gain[standing])
-        first = np.full(count, self._rows)
-        np.minimum.at(first, owner, standing.nonzero()[0])
-        begins = boxes[:, 1]
-        if config.dash is not None:
-            begins = np.maximum(begins, first - round(config.dash.before_m / config.cell_m))
-        least_width_m = config.narrow.least_width_m if config.narrow else 0.0
         half_along, half_across = 0.5 * config.window_m[0], 0.5 * config.window_m[1]
         right_m = self._right_m[self._columns]
         found: list[LowObservation] = []
         for part in np.flatnonzero(best > 0.0).tolist():
-            column, _, width = (int(value) for value in boxes[part, :3])
-            row = int(begins[part])
+            column, row, width = (int(value) for value in boxes[part, :3])
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
-            if right - left >= least_width_m:
+            if left <= right:
                 near = float(self._forward_m[row]) + half_along
-                found.append(
-                    LowObservation(near, left, right, float(best[part]), bool(best[part] > config.least_gain), row == 0)
-                )
-        found.sort(key=lambda spot: spot.forward_m)
-        if config.far_edge is None:
-            return found
-        length_m = config.far_edge.length_m
-        return [spot for i, spot in enumerate(found) if not any(_is_far_edge(spot, one, length_m) for one in found[:i])]
-
-
-def _is_far_edge(spot: LowObservation, nearer: LowObservation, length_m: float) -> bool:
-    """Whether an observation is the far edge of an object whose near edge is another one, as sure as it is."""
-    overlap = spot.left_m < nearer.right_m and spot.right_m > nearer.left_m and nearer.sure >= spot.sure
-    return overlap and spot.forward_m - nearer.forward_m < length_m
+                found.append(LowObservation(near, left, right, float(best[part]), truncated=row == 0))
+        return sorted(found, key=lambda spot: spot.forward_m)
