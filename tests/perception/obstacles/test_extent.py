@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from driver_settings import static_obstacles, unwrap
 
 from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.obstacles.clustering import stepped
+from vpf_sim.perception.obstacles.config import SharpSideConfig
 from vpf_sim.perception.obstacles.extent import (
     Seen,
     at_least,
@@ -29,6 +31,9 @@ from vpf_sim.perception.obstacles.extent import (
 )
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Obstacles, RoadEdges
+
+CONFIG = static_obstacles()
+SPLIT, FRAGMENT, CORNER = unwrap(CONFIG.split), unwrap(CONFIG.fragment), unwrap(CONFIG.near_corner)
 
 
 def test_bodies_are_carried_on_by_the_own_motion_and_by_theirs() -> None:
@@ -87,7 +92,7 @@ def test_a_face_is_told_where_its_points_lie_however_much_they_err(count: int) -
     sigma = np.full(len(label), 1.2)
     seen = ahead(20.0 + sigma * rng.standard_normal(len(label)), sigma)
     nearest, _ = nearest_extent(seen, label, bodies)
-    face, face_sigma = face_of(seen, label, bodies)
+    face, face_sigma = face_of(seen, label, bodies, unwrap(CONFIG.face_correction).sigmas)
     standard_error = np.std(face) / np.sqrt(bodies)
     assert abs(np.mean(face) - 20.0) < 0.03 + 3.0 * standard_error
     assert np.mean(nearest) < 19.5, "their nearest quarter"
@@ -103,7 +108,7 @@ def test_a_body_begins_where_several_points_lie_nearer_beyond_doubt(count: int, 
     seen, label = ahead(forward, sigma), np.zeros(len(forward), np.int64)
     face, _ = nearest_extent(seen, label, 1)
     assert face[0] == pytest.approx(14.0, abs=0.25)
-    assert nearest_sure(seen, label, face)[0] == pytest.approx(begins_m, abs=0.75)
+    assert nearest_sure(seen, label, face, CORNER)[0] == pytest.approx(begins_m, abs=0.75)
 
 
 def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
@@ -113,7 +118,7 @@ def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
     sigma = np.full(30 * count, 1.2)
     seen = ahead(forward, sigma)
     face, _ = nearest_extent(seen, label, count)
-    assert np.mean(nearest_sure(seen, label, face) < face) < 0.01
+    assert np.mean(nearest_sure(seen, label, face, CORNER) < face) < 0.01
 
 
 def test_a_body_at_an_angle_begins_at_its_corner() -> None:
@@ -123,7 +128,7 @@ def test_a_body_at_an_angle_begins_at_its_corner() -> None:
     seen, label = ahead(forward, sigma), np.zeros(61, np.int64)
     face, _ = nearest_extent(seen, label, 1)
     assert face[0] > 9.0
-    assert nearest_sure(seen, label, face)[0] == pytest.approx(8.0, abs=0.35)
+    assert nearest_sure(seen, label, face, CORNER)[0] == pytest.approx(8.0, abs=0.35)
 
 
 def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car_is_turned() -> None:
@@ -142,7 +147,7 @@ def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car
     angle = direction_at(seen, label, 1, road)
     seen = turned(seen, angle[label])
     begin, _ = nearest_extent(seen, label, 1)
-    forward, left, right = turned_back(begin, *sides(seen, label, begin, 0.12), angle)
+    forward, left, right = turned_back(begin, *sides(seen, label, begin, CONFIG), angle)
     assert right[0] - left[0] == pytest.approx(2.5, abs=0.3)
     middle = turn @ [forward[0], 0.5 * (left[0] + right[0])]
     assert middle == pytest.approx([12.0, 0.25], abs=0.2)
@@ -156,10 +161,10 @@ def test_what_shows_beside_a_body_farther_away_does_not_make_it_wider(side: floa
     slides = np.array([[depth, side * depth / 12.0] for depth in (20.0, 16.0, 14.0, 13.0)])
     place = np.concatenate([face, slides])
     seen = points(place)
-    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]), 0.12)
+    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]), CONFIG)
     assert (left[0], right[0]) == pytest.approx((-1.0, 1.0), abs=1e-9)
     near_side = np.array([[12.0, 3.0 * side], [12.0, 5.0 * side], [16.0, 3.0 * side], [19.0, 3.0 * side]])
-    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]), 0.12)
+    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]), CONFIG)
     assert sorted((side * left[0], side * right[0])) == pytest.approx([3.0, 5.0], abs=1e-9)
 
 
@@ -172,7 +177,7 @@ def test_what_was_seen_from_afar_beside_an_edge_does_not_move_it(side: float) ->
     rim = np.repeat([0.14, 0.35], [9, 3])
     for count, outer in ((10, 3.0), (12, 6.0)):
         seen = replace(points(place[:count], 0.01), rim_m=rim[:count])
-        found = sides(seen, np.zeros(count, np.int64), np.array([8.0]), 0.12)
+        found = sides(seen, np.zeros(count, np.int64), np.array([8.0]), CONFIG)
         assert sorted(side * edge[0] for edge in found) == pytest.approx([1.0, outer], abs=1e-9)
 
 
@@ -193,9 +198,11 @@ def test_who_stands_behind_a_body_and_beside_it_is_a_body_of_its_own(side: float
     place = np.array(face + flank + slides + pedestrian)
     seen = points(place)
     label = np.zeros(len(place), np.int64)
-    behind = stands_behind(seen, label, 1)
+    behind = stands_behind(seen, label, 1, SPLIT)
     assert behind.tolist() == [False] * 9 + [True] * 3
-    assert not stands_behind(replace(seen, sigma_m=np.full(len(place), 1.5)), label, 1).any(), "depth known badly"
+    assert not stands_behind(replace(seen, sigma_m=np.full(len(place), 1.5)), label, 1, SPLIT).any(), (
+        "depth known badly"
+    )
     step = np.where(behind, 0, -1)
     parts, apart = stepped(label, step, lambda parts: np.ones(parts.max() + 1, np.bool_))
     assert parts.tolist() == [0] * 9 + [1] * 3
@@ -233,7 +240,7 @@ def test_what_parted_from_a_body_behind_it_is_no_other(
     """A van 4 m ahead, from 4 to 2 m left of the camera's axis, has the number 4."""
     left, right = np.array([-4.0, across_m[0]]), np.array([-2.0, across_m[1]])
     ahead, straight = np.array([4.0, ahead_m]), np.zeros(2)
-    belongs_to = parted(ahead, left, right, straight, np.array([4, body]), np.array([20, support]))
+    belongs_to = parted(ahead, left, right, straight, np.array([4, body]), np.array([20, support]), FRAGMENT)
     assert belongs_to.tolist() == [False, not own]
 
 
@@ -263,7 +270,10 @@ def test_who_stands_beside_the_way_of_a_flank_is_no_part_of_it_though_in_line_as
     ahead, truck, other = np.array([2.4, 7.1]), sorted((side * 3.3, side * 5.8)), sorted((side * 2.6, side * 3.1))
     left, right = np.array([truck, other]).T
     for angle, parts in ((0.0, [False, True]), (side * 0.23, [False, False])):
-        assert parted(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6])).tolist() == parts
+        assert (
+            parted(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6]), FRAGMENT).tolist()
+            == parts
+        )
 
 
 @pytest.mark.parametrize(
@@ -285,7 +295,9 @@ def test_one_point_astray_is_no_side_of_a_body_of_many(
     place = np.column_stack([np.full(count + more, 8.0), across])
     by_itself = np.arange(count + more) >= count if alone else np.zeros(count + more, np.bool_)
     seen = replace(points(place, 0.02), sight_rad=np.zeros(count + more), alone=by_itself)
-    found = sides(seen, np.zeros(count + more, np.int64), np.array([8.0]), 0.2)
+    found = sides(
+        seen, np.zeros(count + more, np.int64), np.array([8.0]), replace(CONFIG, sharp_side=SharpSideConfig(0.2))
+    )
     assert max(found, key=abs)[0] == pytest.approx(side * (3.0 + counts * out_m))
 
 
@@ -308,11 +320,11 @@ def test_a_point_of_poor_depth_alone_behind_a_flank_and_beside_it_tells_no_side(
     place, last = np.array(flank + beyond), np.arange(len(flank) + len(beyond)) >= len(flank)
     label = np.zeros(len(place), np.int64)
     seen = replace(points(place), sigma_m=np.where(last, sigma_m, 0.05), alone=last & alone)
-    behind = np.where(stands_behind(seen, label, 1), 0, -1)
+    behind = np.where(stands_behind(seen, label, 1, SPLIT), 0, -1)
     assert behind.tolist() == np.where(last, 0, -1).tolist()
-    seen = replace(seen, stray=strays(seen, behind))
+    seen = replace(seen, stray=strays(seen, behind, unwrap(SPLIT.outlier).sigma_m))
     assert seen.stray.tolist() == (last & stray).tolist()
-    nearest_m = min(abs(value[0]) for value in sides(seen, label, np.array([4.0]), 0.12))
+    nearest_m = min(abs(value[0]) for value in sides(seen, label, np.array([4.0]), CONFIG))
     assert (nearest_m > 1.4) == stray
 
 
@@ -323,7 +335,9 @@ def test_points_seen_across_the_road_do_not_stretch_a_body_without_end(sight_deg
     sight = np.radians([sight_deg] * 4)
     for turn in (-1.0, 1.0):
         seen = replace(points(place), sight_rad=turn * sight)
-        left, right = sides(seen, np.zeros(4, np.int64), np.array([8.0]), 0.2)
+        left, right = sides(
+            seen, np.zeros(4, np.int64), np.array([8.0]), replace(CONFIG, sharp_side=SharpSideConfig(0.2))
+        )
         assert 0.5 <= left[0] <= 1.0
         assert 1.8 <= right[0] <= 2.3
 
@@ -353,7 +367,7 @@ def test_a_low_body_well_before_a_taller_ones_face_is_not_of_it(before_m: float,
 
 
 def seen_wide(points: Obstacles, spots: Obstacles) -> Obstacles:
-    return widened_to_observation(points, spots, *nearest_spot(points, spots, 0.4))
+    return widened_to_observation(points, spots, *nearest_spot(points, spots, 1.0, 0.4))
 
 
 def test_a_low_body_is_as_wide_as_the_look_at_the_road_saw_it_and_where_its_points_are() -> None:
@@ -389,12 +403,12 @@ def test_points_of_a_pallet_that_seem_to_stand_higher_do_not_hide_how_wide_it_is
     low: tuple[float, float, float], told: tuple[float, float, float]
 ) -> None:
     """They are told by themselves where its right end is."""
-    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low))
+    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low), 0.5)
     assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == pytest.approx(told)
 
 
 @pytest.mark.parametrize("low", [(8.5, 1.9, 2.5), (10.5, 1.0, 1.85), (7.0, 1.0, 1.85), (8.0, 1.3, 1.6)])
 def test_what_lies_elsewhere_or_is_narrower_is_not_of_a_tall_body(low: tuple[float, float, float]) -> None:
     """Beside it, behind, before: a body of its own, which must keep its face; and a wheel."""
-    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low))
+    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low), 0.5)
     assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == (8.0, 1.4, 1.8)

@@ -68,7 +68,7 @@ def test_parts_of_one_body_are_looked_at_as_one() -> None:
     assert found == [[]] * (LOOKS - 1) + [[0, 1, 2]]
 
 
-@pytest.mark.parametrize("wrong", [{"road": 0.0}, {"road": 6.0}, {"looks": 0}, {"most_points": 0.0}, {"known_m": -1.0}])
+@pytest.mark.parametrize("wrong", [{"road": 0.0}, {"road": 6.0}, {"looks": 0}])
 def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="expected"):
         replace(section("static_obstacles.free_road"), **wrong)  # type: ignore[arg-type]

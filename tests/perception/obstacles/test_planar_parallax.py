@@ -213,7 +213,6 @@ def test_a_track_is_confirmed_when_it_stays_in_the_world() -> None:
         {"gain_weight.usual_gain": 0.0},
         {"gain_weight.least": 2.0},
         {"tentative.hits": 0},
-        {"low_hides_m": 0.5},
     ],
 )
 def test_wrong_track_settings_are_refused(wrong: dict[str, Any]) -> None:

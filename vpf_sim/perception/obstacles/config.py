@@ -7,6 +7,158 @@ from vpf_sim.perception.road.config import OcclusionConfig
 
 
 @settings
+class Switch:
+    """A mechanism without settings."""
+
+
+@settings
+class SupportConfig:
+    """When points well above the road outweigh a view of the road in an obstacle's place."""
+
+    points: float = setting("weight of its points above which an obstacle stays", gt=0.0)
+    known_m: float = setting("standard deviation of the depth up to which a point has weight 1", gt=0.0)
+
+
+@settings
+class SinglePointConfig:
+    """When one point above the road is an obstacle."""
+
+    depth_ratio: tuple[float, float] = setting("relative depth errors of a well and a badly known point")
+    min_height_m: tuple[float, float] = setting("least heights of these two: ends of dashes seem to stand 0.3 m high")
+    max_height_m: float = setting("largest height", ge=0.0)
+    far_m: float = setting("largest depth", ge=0.0)
+
+    def __post_init__(self) -> None:
+        for key in ("depth_ratio", "min_height_m"):
+            if not 0.0 < getattr(self, key)[0] < getattr(self, key)[1]:
+                raise ValueError(f"{key}: expected 0 < first < second, got {getattr(self, key)}")
+
+
+@settings
+class TurnedConfig:
+    """Nearest depth of points while the car is turned: near obstacles show their flanks."""
+
+    near_m: float = setting("nearest depth", ge=0.0)
+    angle_rad: float = setting("angle to the road from which the car is turned", ge=0.0)
+
+
+@settings
+class FarRoadConfig:
+    """Seed weight of points whose ray meets the road far away, or not at all: lines slide in bends."""
+
+    share: float = setting("seed weight that a clear corner keeps", ge=0.0, lt=1.0)
+
+
+@settings
+class DashSeedConfig:
+    """Low, far points on a line are no seeds: ends of dashes slide."""
+
+    far_m: float = setting("depth from which points count as far", ge=0.0)
+    height_m: float = setting("height below which they count as low", ge=0.0)
+
+
+@settings
+class SeedTextureConfig:
+    """Points of little texture are no seeds: edges of puddles and reflections slide."""
+
+    least: float = setting("least texture (small eigenvalue, grey levels^2 / px^2)", ge=0.0)
+
+
+@settings
+class TravelConfig:
+    """The car must have moved since a point's first observation: water on the windscreen looks near."""
+
+    share: float = setting("least travel, as a share of the depth", ge=0.0)
+
+
+@settings
+class RecentMotionConfig:
+    """A point's motion over the last window must fit its place: a track may slip on to something else."""
+
+    error_px: float = setting("largest error of the motion, plus", ge=0.0)
+    ratio: float = setting("this share of its length", ge=0.0)
+
+
+@settings
+class OutlierConfig:
+    """A single point behind an obstacle and beside it defines no side."""
+
+    sigma_m: float = setting("standard deviation of its depth from which it does not", ge=0.0)
+
+
+@settings
+class SplitConfig:
+    """Points behind an obstacle's face and beside it are another obstacle."""
+
+    step_m: float = setting("least distance behind the face, and", ge=0.0)
+    sigmas: float = setting("least distance in standard deviations of the depth", ge=0.0)
+    outlier: OutlierConfig | None = setting("single points there define no side", default=None)
+
+
+@settings
+class FragmentConfig:
+    """A smaller cluster of the same obstacle behind it, hidden by it or in line with it, is no obstacle."""
+
+    behind_m: float = setting("distance behind it from which this holds", ge=0.0)
+    length_m: float = setting("distance behind it up to which a cluster in line is a part", ge=0.0)
+
+
+@settings
+class StaleConfig:
+    """Points that are not observed again on the way to them are stale."""
+
+    share: float = setting("stale from this share of their last observed depth", ge=0.0, lt=1.0)
+    part: Switch | None = setting("a stale cluster before a larger one of the same obstacle is deleted", default=None)
+    high: Switch | None = setting("a stale obstacle of high points only is deleted", default=None)
+
+
+@settings
+class SharpSideConfig:
+    """Only points that are well known across define an obstacle's sides."""
+
+    sigma_m: float = setting("largest lateral standard deviation of these points", ge=0.0)
+
+
+@settings
+class SharpestConfig:
+    """The points seen from nearest define a side, others only if they lie farther out than their blur explains."""
+
+    points: int = setting("number of points that define how sharp an obstacle is known", ge=1)
+    ratio: float = setting("largest blur, as a multiple of theirs", ge=1.0)
+    blurs: float = setting("least distance of another point farther out, in its own blur", ge=0.0)
+
+
+@settings
+class SideOutlierConfig:
+    """The farthest of many points defines no side if all others lie much nearer."""
+
+    points: int = setting("least number of points", ge=2)
+    apart_m: float = setting("distance from the next farthest point", ge=0.0)
+
+
+@settings
+class FaceCorrectionConfig:
+    """Points are moved back for the face, since the nearest quarter of them errs towards the car."""
+
+    sigmas: float = setting("distance in standard deviations of the depth", ge=0.0)
+
+
+@settings
+class NearCornerConfig:
+    """An obstacle begins where several points lie nearer than its face: corners that stand at an angle."""
+
+    points: int = setting("least number of points", ge=1)
+    sigmas: float = setting("least distance before the face, in standard deviations of the depth", ge=0.0)
+
+
+@settings
+class LowOcclusionConfig:
+    """A low obstacle hides only what is just behind its face; without this it hides all that is behind it."""
+
+    behind_m: float = setting("how far behind", ge=0.0)
+
+
+@settings
 class FreeRoadConfig:
     """When the road is seen where an obstacle should stand."""
 
@@ -17,8 +169,6 @@ class FreeRoadConfig:
     about_m: tuple[float, float] = setting(
         "points within this distance, along and across, are deleted with an obstacle"
     )
-    most_points: float = setting("an obstacle whose points weigh more stays: a shadow hides the foot of a car", gt=0.0)
-    known_m: float = setting("standard deviation of the depth up to which a point has weight 1", gt=0.0)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.road <= self.body:
@@ -36,6 +186,38 @@ class LoomingConsistencyConfig:
     least: float = setting("least growth, as a share of what the inverse depth predicts", gt=0.0)
     sure: float = setting("standard deviations by which the growth must differ", gt=0.0)
     kept_s: float = setting("largest weight of earlier results, as a time", gt=0.0)
+
+
+@settings
+class LowSinglePointConfig:
+    """When one low point is an obstacle."""
+
+    margin: float = setting("least excess of its chi2 on the road", ge=0.0)
+    texture: float = setting("least texture: asphalt slides", ge=0.0)
+
+
+@settings
+class NearbyConfig:
+    """A region beside a taller obstacle."""
+
+    along_m: float = setting("distance along the road", gt=0.0)
+    across_m: float = setting("distance across", gt=0.0)
+
+
+@settings
+class OnTopConfig:
+    """Where a taller obstacle may be the upper edge of a wider low one that it overlaps."""
+
+    before_m: float = setting("largest distance of the low one before it", ge=0.0)
+
+
+@settings
+class ParallaxMatchConfig:
+    """Which low obstacle of planar parallax is the same as one of points."""
+
+    along_m: float = setting("largest distance along the road", gt=0.0)
+    width: Switch | None = setting("the obstacle is as wide as planar parallax measures it", default=None)
+    verified: Switch | None = setting("an obstacle of both is not rejected from near", default=None)
 
 
 @settings
@@ -59,9 +241,6 @@ class LowObstacleConfig:
     least_points: int = setting("least number of points", ge=0)
     least_margin: float = setting("least sum of the chi2 margins over the points of an obstacle", ge=0.0)
     most_margin: float = setting("largest margin that one point adds", ge=0.0)
-    single_margin: float = setting("least margin of a point that stands alone", ge=0.0)
-    single_texture: float = setting("least texture of a point that stands alone: asphalt slides", ge=0.0)
-    single_hits_s: float = setting("time for which a single point must be observed", ge=0.0)
     least_width_m: float = setting("least reported width", ge=0.0)
     beside_m: float = setting("points this near to a taller obstacle belong to it, unless they stick out", ge=0.0)
     sticks_out_m: float = setting("this far beyond its side: the corner of a car's shadow does not", ge=0.0)
@@ -69,10 +248,11 @@ class LowObstacleConfig:
         "or by this share of its width: next to a narrow pedestrian any low obstacle does", gt=0.0
     )
     before_m: float = setting("or this far before its face", ge=0.0)
-    part_m: tuple[float, float] = setting("points this near to one of its points, along and across, belong to it too")
-    shade_m: tuple[float, float] = setting(
-        "region of the shadow behind the face and beside it, where one more point is needed"
-    )
+    single_point: LowSinglePointConfig | None = setting("one clear point is an obstacle", default=None)
+    part: NearbyConfig | None = setting("points beside one of a taller obstacle belong to it", default=None)
+    shadow: NearbyConfig | None = setting("one more point is needed in the shadow of a taller obstacle", default=None)
+    on_top: OnTopConfig | None = setting("a narrower taller obstacle is the upper edge of a low one", default=None)
+    parallax: ParallaxMatchConfig | None = setting("low points are matched with planar parallax", default=None)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
@@ -81,9 +261,6 @@ class LowObstacleConfig:
             raise ValueError(
                 f"min_height_m, max_height_m: expected 0 < min < max, got {self.min_height_m}, {self.max_height_m}"
             )
-        for key in ("part_m", "shade_m"):
-            if not min(getattr(self, key)) > 0.0:
-                raise ValueError(f"{key}: expected both > 0, got {getattr(self, key)}")
 
 
 @settings
@@ -182,9 +359,6 @@ class StaticObstacleConfig:
     update_period_s: float = setting("between two updates of the points", ge=0.0)
     window_px: int = setting("side of the flow window, for the noise of a track", ge=0)
     min_age_s: float = setting("least age of a track", ge=0.0)
-    way_share: float = setting(
-        "least travel since the first observation, as a share of the depth: water on the windscreen looks near", ge=0.0
-    )
     chi2_limit: float = setting("largest chi2 of a point at its own depth", ge=0.0)
     chi2_margin: float = setting("least excess of the chi2 of a point on the road", ge=0.0)
     depth_ratio: float = setting("largest standard deviation of the depth, as a share of it", ge=0.0)
@@ -192,37 +366,21 @@ class StaticObstacleConfig:
     max_height_m: float = setting("largest height above the road", ge=0.0)
     near_m: float = setting("nearest depth", ge=0.0)
     far_m: float = setting("farthest depth", ge=0.0)
-    turned_near_m: float = setting("nearest depth while the car is turned by more than `turned_rad`", ge=0.0)
-    turned_rad: float = setting("angle to the road from which near obstacles show their flanks", ge=0.0)
     hits_s: float = setting("time after which a point is confirmed", ge=0.0)
     hits_share: float = setting("least share of the frames since then in which it was above the road", ge=0.0)
     steady_m: float = setting("largest change of its place in the world, plus", ge=0.0)
     steady_ratio: float = setting("this share of the depth", ge=0.0)
-    single_hits_s: float = setting("time after which a single point is confirmed", ge=0.0)
-    single_depth_ratio: tuple[float, float] = setting("relative depth errors of a well and a badly known single point")
-    single_min_height_m: tuple[float, float] = setting(
-        "least heights of these two: ends of dashes seem to stand 0.3 m high"
+    single_hits_s: float = setting(
+        "time after which a single point is confirmed; twice it is the largest count", ge=0.0
     )
-    single_max_height_m: float = setting("largest height of a single point", ge=0.0)
-    single_far_m: float = setting("largest depth of a single point", ge=0.0)
-    recent_px: float = setting("largest error of the motion over the last window, plus", ge=0.0)
-    recent_ratio: float = setting("this share of its length", ge=0.0)
     edge_margin_m: float = setting("least distance inside the carriageway's edges", ge=0.0)
     corner_texture: float = setting("texture of a clear corner (small eigenvalue, grey levels^2 / px^2)", ge=0.0)
     corner_ratio: float = setting("least ratio of its eigenvalues: edges have 0.2", ge=0.0)
-    founding_texture: float = setting("least texture of a seed point: edges of puddles and reflections slide", ge=0.0)
-    dash_far_m: float = setting("depth from which low points on a line are no seeds", ge=0.0)
-    dash_height_m: float = setting("height below which they count as low: ends of dashes slide", ge=0.0)
-    foot_m: float = setting("a point whose ray meets the road farther away is no seed: lines slide in bends", ge=0.0)
-    high_share: float = setting("seed weight that a clear corner keeps there", ge=0.0, lt=1.0)
+    foot_m: float = setting("distance from which the road is far, for points whose ray meets it there", ge=0.0)
     link_right_m: float = setting("points nearer than this, across, belong to one obstacle", ge=0.0)
     link_forward_m: float = setting("the same along the road", ge=0.0)
     face_sigma_m: float = setting("largest standard deviation of a reported obstacle's face", ge=0.0)
     told_m: float = setting("largest distance of a reported obstacle: depth errors grow with its square", ge=0.0)
-    sharp_side_m: float = setting("points with a smaller lateral standard deviation define the sides", ge=0.0)
-    outdated_share: float = setting(
-        "points not observed again below this share of their depth are stale", ge=0.0, lt=1.0
-    )
     beside_m: float = setting("margin added to each reported side", ge=0.0)
     least_width_m: float = setting(
         "least reported width: a cone's flow comes from its stripes, its base is wider", ge=0.0
@@ -249,13 +407,29 @@ class StaticObstacleConfig:
         "track refinement: points that may be obstacles are matched again with their first frame", default=None
     )
 
+    support: SupportConfig | None = setting("obstacles of many points are never rejected", default=None)
+    single_point: SinglePointConfig | None = setting("one point may be an obstacle", default=None)
+    turned: TurnedConfig | None = setting("near points are ignored while the car is turned", default=None)
+    far_road: FarRoadConfig | None = setting("points before far road have less seed weight", default=None)
+    dash_seed: DashSeedConfig | None = setting("low points on far lines are no seeds", default=None)
+    seed_texture: SeedTextureConfig | None = setting("points of little texture are no seeds", default=None)
+    travel: TravelConfig | None = setting("points need travel of the car", default=None)
+    recent_motion: RecentMotionConfig | None = setting("a point's last motion must fit its place", default=None)
+    road_points: Switch | None = setting("observations on the road count against a point", default=None)
+    swept: Switch | None = setting("points where a moving obstacle drives are deleted", default=None)
+    split: SplitConfig | None = setting("points behind and beside an obstacle are another", default=None)
+    fragment: FragmentConfig | None = setting("fragments behind an obstacle are no obstacles", default=None)
+    stale: StaleConfig | None = setting("points not observed again are stale", default=None)
+    sharp_side: SharpSideConfig | None = setting("sides from points that are well known across", default=None)
+    sharpest: SharpestConfig | None = setting("sides from the points seen from nearest", default=None)
+    side_outlier: SideOutlierConfig | None = setting("one point far outside many defines no side", default=None)
+    face_correction: FaceCorrectionConfig | None = setting("faces are corrected for depth errors", default=None)
+    near_corner: NearCornerConfig | None = setting("obstacles begin at their nearest corner", default=None)
+    low_occlusion: LowOcclusionConfig | None = setting("low obstacles hide little behind them", default=None)
+    rejected_hide_nothing: Switch | None = setting("rejected obstacles hide nothing", default=None)
+
     def __post_init__(self) -> None:
         if not 0.0 < self.near_m < self.far_m:
             raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
-        if not self.near_m <= self.turned_near_m < self.far_m:
-            raise ValueError(f"turned_near_m: expected near_m <= it < far_m, got {self.turned_near_m}")
         if self.min_height_m >= self.max_height_m:
             raise ValueError(f"min_height_m: expected < max_height_m, got {self.min_height_m}")
-        for key in ("single_depth_ratio", "single_min_height_m"):
-            if not 0.0 < getattr(self, key)[0] < getattr(self, key)[1]:
-                raise ValueError(f"{key}: expected 0 < first < second, got {getattr(self, key)}")

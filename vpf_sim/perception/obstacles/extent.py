@@ -6,6 +6,14 @@ from itertools import pairwise
 import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.obstacles.config import (
+    FragmentConfig,
+    NearCornerConfig,
+    SharpestConfig,
+    SideOutlierConfig,
+    SplitConfig,
+    StaticObstacleConfig,
+)
 from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.perception.road.geometry import direction_rad
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
@@ -13,19 +21,9 @@ from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 LEAST_SIGMA_M = 0.05  # no point of a body tells its face better
 NEAREST_M = 0.5  # a body nearer to the camera hides nothing
 RIM_RAD, RIM_M = 0.02, 0.3  # beside one, what is seen is mixed with it
-BEHIND_M, LENGTH_M = 2.0, 8.0  # what is less far behind is of the same side of a body; the length of the longest
-SHARPEST, SHARP_RATIO = 3, 1.5  # a point is sharp across up to so many times what the body's third best may be off;
-RIMS = 2.0  # another counts where it lies farther out by so many times what it may be off itself
-SAME_ALONG_M = 2.0  # what begins so far behind may be of the same body,
-NEARER_M = 0.5  # what is low no more than so much before what is tall,
-SPOT_ALONG_M = 1.0  # and low points no farther from a spot than both err
-STEP_M, STEP_SIGMAS = 1.0, 2.5  # behind a face, of a point's depth: what is no farther back may lie in it
-STRAY_SIGMA_M = 0.3  # of the depth of a point alone behind a body and beside it, from which on it tells no side
-MANY, ASTRAY_M = 20, 0.3  # of so many points known well one that may be astray tells no side so much farther out
+SAME_ALONG_M = 2.0  # what begins so far behind may be of the same body
 LEAST_COSINE = 0.5  # of a line of sight to the road
-NEARER_SHARE = 0.25  # of the points' weight before a body's face,
-NEARER_SIGMAS = 0.674  # and by how many standard deviations it lies too near where all of them lie on that
-SEVERAL, SURE_SIGMAS = 3, 2.5  # points that lie nearer by so many times what their depth may be off
+NEARER_SHARE = 0.25  # of the points' weight before a body's face
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,13 +81,13 @@ def _apart_m(ones: Obstacles, others: Obstacles) -> Floats:
     return np.maximum(others.left_m - ones.right_m[:, None], ones.left_m[:, None] - others.right_m)
 
 
-def nearest_spot(points: Obstacles, spots: Obstacles, beside_m: float) -> tuple[Integers, Bools]:
+def nearest_spot(points: Obstacles, spots: Obstacles, along_m: float, beside_m: float) -> tuple[Integers, Bools]:
     """(K,) which spot of the road's comparison is nearest to each body that low points tell of, and whether it is as
     near as `beside_m`."""
     if not len(points) or not len(spots):
         return np.zeros(len(points), np.int64), np.zeros(len(points), np.bool_)
     along = np.abs(points.forward_m[:, None] - spots.forward_m[None])
-    apart = np.where(along < SPOT_ALONG_M, _apart_m(points, spots), np.inf)
+    apart = np.where(along < along_m, _apart_m(points, spots), np.inf)
     return apart.argmin(axis=1), apart.min(axis=1) < beside_m
 
 
@@ -109,7 +107,7 @@ def widened_to_observation(points: Obstacles, spots: Obstacles, nearest: Integer
     )
 
 
-def on_top(tall: Obstacles, low: Obstacles) -> Obstacles:
+def on_top(tall: Obstacles, low: Obstacles, before_m: float) -> Obstacles:
     """The tall ones, with the low one whose upper edge they are: one that is wider, and that they overlap.
 
     Seen from afar, a few points of a pallet seem to stand higher than it does, and so nearer.
@@ -119,7 +117,7 @@ def on_top(tall: Obstacles, low: Obstacles) -> Obstacles:
     face, left, right = tall.forward_m.copy(), tall.left_m.copy(), tall.right_m.copy()
     behind = low.forward_m[:, None] - tall.forward_m[None]
     under_it = (_apart_m(low, tall) < 0.0) & (low.width_m[:, None] > tall.width_m)
-    for under, above in np.argwhere((behind > -NEARER_M) & (behind < SAME_ALONG_M) & under_it):
+    for under, above in np.argwhere((behind > -before_m) & (behind < SAME_ALONG_M) & under_it):
         left[above], right[above] = min(left[above], low.left_m[under]), max(right[above], low.right_m[under])
         face[above] = min(face[above], low.forward_m[under])
     return replace(tall, forward_m=face, left_m=left, right_m=right)
@@ -162,31 +160,31 @@ def nearest_extent(seen: Seen, label: Integers, count: int) -> tuple[Floats, Flo
     return np.array(place), 1.0 / np.sqrt(total)
 
 
-def face_of(seen: Seen, label: Integers, count: int) -> tuple[Floats, Floats]:
+def face_of(seen: Seen, label: Integers, count: int, sigmas: float) -> tuple[Floats, Floats]:
     """(K,) m, the face of each body, and its standard deviation: `nearest_extent` without what the points err by.
 
     A quarter of those that lie on one face err by so many standard deviations or more: each is moved by as much.
     """
-    forward = seen.place_m[:, 0] + NEARER_SIGMAS * np.maximum(seen.sigma_m, LEAST_SIGMA_M)
+    forward = seen.place_m[:, 0] + sigmas * np.maximum(seen.sigma_m, LEAST_SIGMA_M)
     return nearest_extent(replace(seen, place_m=np.stack([forward, seen.place_m[:, 1]], axis=1)), label, count)
 
 
-def nearest_sure(seen: Seen, label: Integers, face_m: Floats) -> Floats:
+def nearest_sure(seen: Seen, label: Integers, face_m: Floats, config: NearCornerConfig) -> Floats:
     """(K,) m, where each body begins: at its face, or nearer where several of its points lie nearer beyond doubt.
 
     The corner of a body that stands at an angle and one close before another have few points beside those of the rest.
     """
-    beyond = seen.place_m[:, 0] + SURE_SIGMAS * np.maximum(seen.sigma_m, LEAST_SIGMA_M)
+    beyond = seen.place_m[:, 0] + config.sigmas * np.maximum(seen.sigma_m, LEAST_SIGMA_M)
     order = np.lexsort((beyond, label))
     first = np.searchsorted(label[order], np.arange(len(face_m) + 1))
-    several = first[:-1] + SEVERAL - 1
+    several = first[:-1] + config.points - 1
     enough = several < first[1:]
     begin = face_m.copy()
     begin[enough] = np.minimum(face_m[enough], beyond[order[several[enough]]])
     return begin
 
 
-def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[Floats, Floats]:
+def sides(seen: Seen, label: Integers, face_m: Floats, config: StaticObstacleConfig) -> tuple[Floats, Floats]:
     """(K,) m, where the left and the right side of each body is, from its points that are known well across.
 
     A point of poor depth still tells a side well if it was seen along the body; one seen at an angle would stretch it.
@@ -195,51 +193,63 @@ def sides(seen: Seen, label: Integers, face_m: Floats, sharp_m: float) -> tuple[
     count = len(face_m)
     aside = seen.sigma_m * np.abs(np.sin(seen.sight_rad))  # a place errs along the line of sight
     aside[seen.stray] = np.inf
+    sharp_m = config.sharp_side.sigma_m if config.sharp_side else np.finfo(np.float64).max
     well = np.flatnonzero(_known_well(aside, sharp_m, label, count))
     face, place, sight = face_m[label[well]], seen.place_m[well], seen.sight_rad[well]
     across, beyond = at_least(face, place, sight), np.maximum(place[:, 0] - face, 0.0) * slope(sight)
     blur, alone = np.hypot(aside, seen.rim_m)[well], seen.alone[well]
-    left = -_farthest(np.minimum(beyond, 0.0) - across, blur, alone, label[well], count)
-    right = _farthest(across - np.maximum(beyond, 0.0), blur, alone, label[well], count)
+    left = -_farthest(np.minimum(beyond, 0.0) - across, blur, alone, label[well], count, config)
+    right = _farthest(across - np.maximum(beyond, 0.0), blur, alone, label[well], count, config)
     return np.minimum(left, right), np.maximum(left, right)  # crossed where all sharp points lie behind the face
 
 
-def _astray(outward_m: Floats, alone: Bools, label: Integers, count: int) -> Bools:
+def _astray(outward_m: Floats, alone: Bools, label: Integers, count: int, config: SideOutlierConfig) -> Bools:
     """(M,) the farthest point of a body of many where all others lie much nearer, and it would be none by itself."""
     order = np.lexsort((outward_m, label))
     end = np.searchsorted(label[order], np.arange(1, count + 1))
-    many = np.bincount(label, minlength=count) >= MANY
+    many = np.bincount(label, minlength=count) >= config.points
     last, next_m = order[end[many] - 1], outward_m[order[end[many] - 2]]
     astray = np.zeros(len(label), np.bool_)
-    astray[last[outward_m[last] - next_m > ASTRAY_M]] = True
+    astray[last[outward_m[last] - next_m > config.apart_m]] = True
     return astray & ~alone
 
 
-def _farthest(outward_m: Floats, blur_m: Floats, alone: Bools, label: Integers, count: int) -> Floats:
+def _farthest(
+    outward_m: Floats, blur_m: Floats, alone: Bools, label: Integers, count: int, config: StaticObstacleConfig
+) -> Floats:
     """(K,) m, how far out each body reaches by its points (M,), one at least, each `blur_m` too far out at most.
 
     An edge carries along what is seen beside it, so what was seen from nearer tells better where it is; but what was
     seen only from afar, and lies farther out than that explains, is of the body as well.
     """
-    kept = ~_astray(outward_m, alone, label, count)
-    outward_m, blur_m, label = outward_m[kept], blur_m[kept], label[kept]
+    if config.side_outlier is not None:
+        kept = ~_astray(outward_m, alone, label, count, config.side_outlier)
+        outward_m, blur_m, label = outward_m[kept], blur_m[kept], label[kept]
+    if config.sharpest is not None:
+        return _farthest_sharp(outward_m, blur_m, label, count, config.sharpest)
+    reach = np.full(count, -np.inf)
+    np.maximum.at(reach, label, outward_m)
+    return reach
+
+
+def _farthest_sharp(outward_m: Floats, blur_m: Floats, label: Integers, count: int, config: SharpestConfig) -> Floats:
     order = np.lexsort((blur_m, label))
     first = np.searchsorted(label[order], np.arange(count + 1))
-    best = blur_m[order][np.minimum(first[:-1] + SHARPEST, first[1:]) - 1]
-    sharp = blur_m <= SHARP_RATIO * best[label]
+    best = blur_m[order][np.minimum(first[:-1] + config.points, first[1:]) - 1]
+    sharp = blur_m <= config.ratio * best[label]
     reach = np.full(count, -np.inf)
     np.maximum.at(reach, label[sharp], outward_m[sharp])
-    farther = outward_m - RIMS * blur_m > reach[label]
+    farther = outward_m - config.blurs * blur_m > reach[label]
     np.maximum.at(reach, label[farther], outward_m[farther])
     return reach
 
 
-def stands_behind(seen: Seen, label: Integers, count: int) -> Bools:
+def stands_behind(seen: Seen, label: Integers, count: int, config: SplitConfig) -> Bools:
     """(M,) points behind the face of their body and beside all that lies near it, wherever along their line of sight
     they are: another body's, which from afar seemed to stand where this one does."""
     face, _ = nearest_extent(seen, label, count)
     behind, across = seen.place_m[:, 0] - face[label], seen.place_m[:, 1]
-    near = behind < np.maximum(STEP_M, STEP_SIGMAS * seen.sigma_m)
+    near = behind < np.maximum(config.step_m, config.sigmas * seen.sigma_m)
     left, right = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(left, label[near], across[near])
     np.maximum.at(right, label[near], across[near])
@@ -249,14 +259,14 @@ def stands_behind(seen: Seen, label: Integers, count: int) -> Bools:
     return ~near & beside & (np.cos(seen.sight_rad) > LEAST_COSINE)
 
 
-def strays(seen: Seen, behind: Integers) -> Bools:
+def strays(seen: Seen, behind: Integers, sigma_m: float) -> Bools:
     """(M,) points known badly that stand behind their body and beside it, each by itself, and would be none alone.
 
     `behind` (M,) numbers the clusters of those that do (`stands_behind`), -1 for all others. Seen straight ahead such a
     point seems to lie well across, whatever stands there: the horizon, or what slides along the body's edge.
     """
     single: Bools = (np.bincount(behind + 1)[behind + 1] == 1) & (behind >= 0)
-    return single & (seen.sigma_m > STRAY_SIGMA_M) & ~seen.alone
+    return single & (seen.sigma_m > sigma_m) & ~seen.alone
 
 
 def direction_at(seen: Seen, label: Integers, count: int, road: RoadEdges) -> Floats:
@@ -282,7 +292,13 @@ def turned_back(along_m: Floats, left_m: Floats, right_m: Floats, angle_rad: Flo
 
 
 def parted(
-    ahead_m: Floats, left_m: Floats, right_m: Floats, angle_rad: Floats, body: Integers, support: Integers
+    ahead_m: Floats,
+    left_m: Floats,
+    right_m: Floats,
+    angle_rad: Floats,
+    body: Integers,
+    support: Integers,
+    config: FragmentConfig,
 ) -> Bools:
     """(K,) clusters that parted from a nearer, larger one of the same `body` (-1: none) and are no body of their own.
 
@@ -291,12 +307,12 @@ def parted(
     hides, or one alone; `support` is their number.
     """
     behind_m = ahead_m[:, None] - ahead_m[None]
-    own = _same(body) & (behind_m > BEHIND_M) & (support[:, None] <= support[None])
+    own = _same(body) & (behind_m > config.behind_m) & (support[:, None] <= support[None])
     distance = np.maximum(ahead_m, NEAREST_M)
     hidden = _overlap(left_m / distance, right_m / distance, RIM_RAD) & (ahead_m > NEAREST_M)
     middle, half = 0.5 * (left_m + right_m), 0.5 * (right_m - left_m)
     aside = np.cos(angle_rad) * (middle[:, None] - middle[None]) - np.sin(angle_rad) * behind_m
-    in_line = (np.abs(aside) < half[:, None] + half[None] + RIM_M) & (behind_m < LENGTH_M)
+    in_line = (np.abs(aside) < half[:, None] + half[None] + RIM_M) & (behind_m < config.length_m)
     no_body: Bools = np.any(own & (hidden | in_line | (support == 1)[:, None]), axis=1)
     return no_body
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.config import LowObstacleConfig
+from vpf_sim.perception.obstacles.config import LowObstacleConfig, NearbyConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles, RoadEdges
 
@@ -35,9 +35,9 @@ def off_lines(camera: Camera, foot_m: Floats, road: RoadEdges, config: LowObstac
     return off
 
 
-def in_shadow(place_m: Floats, tall: Obstacles, config: LowObstacleConfig) -> Bools:
+def in_shadow(place_m: Floats, tall: Obstacles, config: NearbyConfig) -> Bools:
     """(M,) points (M, 2), vehicle axes, beside a taller body, where its shadow may lie: its corner seems to stand."""
-    along_m, across_m = config.shade_m
+    along_m, across_m = config.along_m, config.across_m
     behind, right = place_m[:, :1] - tall.forward_m, place_m[:, 1:]
     near = (behind > -across_m) & (behind < along_m)
     near &= (right > tall.left_m - across_m) & (right < tall.right_m + across_m)
@@ -45,14 +45,12 @@ def in_shadow(place_m: Floats, tall: Obstacles, config: LowObstacleConfig) -> Bo
     return shaded
 
 
-def belongs_to(
-    place_m: Floats, parts_m: Floats, parts_of: Integers, tall: Obstacles, config: LowObstacleConfig
-) -> Bools:
+def belongs_to(place_m: Floats, parts_m: Floats, parts_of: Integers, tall: Obstacles, config: NearbyConfig) -> Bools:
     """(M,) low points (M, 2) beside one (P, 2) of a taller body, as its wheels are; `parts_of` (P,) tells of which.
 
     What lies before the face that is told of that body is not of it, whatever was taken for one of its points.
     """
-    along_m, across_m = config.part_m
+    along_m, across_m = config.along_m, config.across_m
     gap = np.abs(place_m[:, None] - parts_m)
     same = parts_of[:, None] == tall.identity
     face = np.min(np.broadcast_to(tall.forward_m, same.shape), axis=1, where=same, initial=np.inf)

@@ -65,10 +65,15 @@ class Bodies:
         if low is None:
             return tall, joined(tall, seen, spots.beside_m, spots.sticks_out_m, spots.before_m)
         flat = self._flat(tall, pose, road, low)
-        nearest, cross_confirmed = nearest_spot(flat, seen, low.beside_m)
-        self.cross_confirmed = flat.identity[cross_confirmed]
-        flat = widened(widened_to_observation(flat, seen, nearest, cross_confirmed), low.least_width_m)
-        whole = on_top(tall, flat)
+        self.cross_confirmed = self.cross_confirmed[:0]
+        if low.parallax is not None:
+            nearest, both = nearest_spot(flat, seen, low.parallax.along_m, low.beside_m)
+            if low.parallax.verified is not None:
+                self.cross_confirmed = flat.identity[both]
+            if low.parallax.width is not None:
+                flat = widened_to_observation(flat, seen, nearest, both)
+        flat = widened(flat, low.least_width_m)
+        whole = on_top(tall, flat, low.on_top.before_m) if low.on_top else tall
         sticks_out_m = np.minimum(low.sticks_out_m, low.sticks_out_share * whole.width_m)
         bodies = joined(whole, flat, low.beside_m, sticks_out_m, low.before_m)
         return tall, joined(bodies, seen, spots.beside_m, spots.sticks_out_m, spots.before_m)
@@ -83,10 +88,11 @@ class Bodies:
         if not chosen.any():
             return none()
         place, parts = vehicle_from_world(marks.place_m, pose), marks.believed & ~marks.low & (marks.body >= 0)
-        chosen[chosen] = ~belongs_to(place[chosen], place[parts], marks.body[parts], tall, low)
+        if low.part is not None:
+            chosen[chosen] = ~belongs_to(place[chosen], place[parts], marks.body[parts], tall, low.part)
         fresh = chosen & (marks.body < 0)
         chosen[fresh] = off_lines(self.camera, place[fresh], road, low)
-        shaded = in_shadow(place, tall, low)
+        shaded = in_shadow(place, tall, low.shadow) if low.shadow else np.zeros(len(place), np.bool_)
 
         def are_bodies(believed: Integers, label: Integers) -> Bools:
             return self._are_low(believed, label, shaded[believed], low)
@@ -116,11 +122,13 @@ class Bodies:
         seen, count = Seen(place, sigma, sight, rim, alone, np.zeros(len(label), np.bool_)), int(label.max()) + 1
         angle, apart = direction_at(seen, label, count, road), np.zeros(count, np.bool_)
         along = turned(seen, angle[label])
-        behind = stands_behind(along, label, count)
-        if behind.any():
+        split = self.config.split
+        behind = stands_behind(along, label, count, split) if split else np.zeros(len(label), np.bool_)
+        if split and behind.any():
             groups = np.full(len(label), -1)
             groups[behind] = clusters(place[behind], sigma[behind], links.link_right_m, links.link_forward_m)
-            seen = replace(seen, stray=strays(seen, groups))
+            if split.outlier:
+                seen = replace(seen, stray=strays(seen, groups, split.outlier.sigma_m))
             label, apart = stepped(label, groups, lambda parts: are_bodies(believed, parts))
             confirmed = are_bodies(believed, label)
             angle = direction_at(seen, label, len(apart), road)
@@ -130,32 +138,38 @@ class Bodies:
     def _are_tall(self, believed: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are bodies beyond doubt."""
         marks, config, count = self._points, self.config, int(label.max()) + 1
-        ratio = marks.sigma_m[believed] / marks.depth_m[believed]
-        least_m = np.interp(ratio, config.single_depth_ratio, config.single_min_height_m, right=np.inf)
-        single = (
-            (marks.hits[believed] >= frames(config.single_hits_s, self._rate_hz))
-            & (marks.height_m[believed] > least_m)
-            & (marks.height_m[believed] < config.single_max_height_m)
-            & (marks.depth_m[believed] < config.single_far_m)
-            & (marks.seed_weight[believed] == 1.0)
-        )
         support = np.bincount(label, minlength=count)
         founders = np.bincount(label, marks.seed_weight[believed], count)
         together: Bools = (founders >= 2) | ((founders >= 1) & (support >= 3))
+        rules = config.single_point
+        if rules is None:
+            return together
+        ratio = marks.sigma_m[believed] / marks.depth_m[believed]
+        least_m = np.interp(ratio, rules.depth_ratio, rules.min_height_m, right=np.inf)
+        single = (
+            (marks.hits[believed] >= frames(config.single_hits_s, self._rate_hz))
+            & (marks.height_m[believed] > least_m)
+            & (marks.height_m[believed] < rules.max_height_m)
+            & (marks.depth_m[believed] < rules.far_m)
+            & (marks.seed_weight[believed] == 1.0)
+        )
         return together | (np.bincount(label, single, count) > 0)
 
     def _are_low(self, believed: Integers, label: Integers, shaded: Bools, config: LowObstacleConfig) -> Bools:
         """(K,) clusters of low points that are bodies beyond doubt; it takes one more where any is `shaded` (B,)."""
         marks, count = self._points, int(label.max()) + 1
-        single = (
-            (marks.hits[believed] >= frames(config.single_hits_s, self._rate_hz))
-            & (marks.margin[believed] > config.single_margin)
-            & (marks.texture[believed] > config.single_texture)
-            & ~shaded
-        )
         wanted = config.least_points + (np.bincount(label, shaded, count) > 0)
         margin = np.bincount(label, np.minimum(marks.margin[believed], config.most_margin), count)
         together: Bools = (np.bincount(label, minlength=count) >= wanted) & (margin > config.least_margin)
+        rules = config.single_point
+        if rules is None:
+            return together
+        single = (
+            (marks.hits[believed] >= frames(self.config.single_hits_s, self._rate_hz))
+            & (marks.margin[believed] > rules.margin)
+            & (marks.texture[believed] > rules.texture)
+            & ~shaded
+        )
         return together | (np.bincount(label, single, count) > 0)
 
     def _describe(
@@ -174,35 +188,43 @@ class Bodies:
         turned by `angle` (K,), the road's direction at each body.
         """
         count = len(confirmed)
-        face, face_sigma = face_of(seen, label, count)
-        placed = (face_sigma < self.config.face_sigma_m) & (face < self.config.told_m)
+        config = self.config
+        face, face_sigma = face_of(seen, label, count, config.face_correction.sigmas if config.face_correction else 0.0)
+        placed = (face_sigma < config.face_sigma_m) & (face < config.told_m)
         body = self._named(believed, label, confirmed, placed, apart)
         confirmed = confirmed & (body >= 0)
-        across = sides(seen, label, face, self.config.sharp_side_m)  # where most of it is: behind a corner it slides
-        face, left, right = turned_back(nearest_sure(seen, label, face), *across, angle)
+        across = sides(seen, label, face, config)  # where most of it is: behind a corner it slides
+        begin = nearest_sure(seen, label, face, config.near_corner) if config.near_corner else face
+        face, left, right = turned_back(begin, *across, angle)
         ahead = face - self.camera.forward_m
         parts_of = np.where(confirmed & ~apart, body, -1)
         support = np.bincount(label)
-        no_body = parted(ahead, left, right, angle, parts_of, support)
-        no_body |= outdated(ahead, old, label, parts_of, support)
+        no_body = np.zeros(count, np.bool_)
+        if config.fragment:
+            no_body |= parted(ahead, left, right, angle, parts_of, support, config.fragment)
+        if config.stale and config.stale.part:
+            no_body |= outdated(ahead, old, label, parts_of, support)
         self.parts = np.concatenate([self.parts, self._points.identity[believed[no_body[label]]]])
         marks = self._points
-        high = np.bincount(label, marks.low[believed] | (marks.seed_weight[believed] == 1.0), count) == 0
-        gone = high & (np.bincount(label, ~old, count) == 0)
-        self.gone = np.concatenate([self.gone, marks.identity[believed[gone[label]]]])
+        if config.stale and config.stale.high:
+            high = np.bincount(label, marks.low[believed] | (marks.seed_weight[believed] == 1.0), count) == 0
+            gone = high & (np.bincount(label, ~old, count) == 0)
+            self.gone = np.concatenate([self.gone, marks.identity[believed[gone[label]]]])
         c = confirmed & ~no_body
         return Obstacles(face[c], left[c], right[c], face_sigma[c], np.full(np.count_nonzero(c), np.inf), body[c])
 
     def _came_near(self, believed: Integers, place_m: Floats) -> Bools:
         """(B,) points at places (B, 2) in the picture, not placed again though the car has come so much nearer.
 
-        What is nearer than `turned_near_m` may not be judged.
+        What is nearer than `turned.near_m` may not be judged.
         """
         camera, config = self.camera, self.config
+        if config.stale is None:
+            return np.zeros(len(believed), np.bool_)
         depth = place_m[:, 0] - camera.forward_m
         inside = np.abs(place_m[:, 1]) * camera.fx_px < 0.5 * camera.width_px * depth
-        near: Bools = inside & (depth < config.outdated_share * self._points.depth_m[believed])
-        return near & (depth > config.turned_near_m)
+        near: Bools = inside & (depth < config.stale.share * self._points.depth_m[believed])
+        return near & (depth > (config.turned.near_m if config.turned else config.near_m))
 
     def _named(self, believed: Integers, label: Integers, confirmed: Bools, placed: Bools, apart: Bools) -> Integers:
         """(K,) identities of bodies: the one that its points had before, a new one if it is well placed, or else -1.

@@ -147,7 +147,8 @@ class StaticObstacleTracker:
             hiding = to_current_frame(tall, self._seen_from, pose, 0.0)
             if moving is not None and len(moving):
                 hiding = hiding.concatenate(moving)
-                self._make_way(moving, pose, road)
+                if self.config.swept:
+                    self._make_way(moving, pose, road)
             since_s = self.config.residual.baseline_m / max(speed_mps, SLOWEST_MPS)
             known = footprints(hiding, road, self.config.occlusion, since_s)
         spots = self._parallax.update(image, pose, known)
@@ -173,13 +174,15 @@ class StaticObstacleTracker:
 
     def refute(self, identity: Integers) -> None:
         """Bodies (N,) that a second look takes away hide nothing: one told too near hides the one that is there."""
-        self._refuted = identity
+        if self.config.rejected_hide_nothing:
+            self._refuted = identity
 
     def _in_sight(self, spot: LowObservation, views: Iterable[Floats], bodies: Obstacles) -> LowObservation | None:
         """What is seen of a spot from each of the places (2,), past tall bodies; low ones hide what is just behind."""
         seen: LowObservation | None = spot
         hides = among(bodies.identity, self._tall.identity)
-        hides |= bodies.forward_m > spot.forward_m - self.config.spots.low_hides_m
+        near = self.config.low_occlusion
+        hides |= bodies.forward_m > spot.forward_m - (near.behind_m if near else np.inf)
         bodies = bodies.chosen(hides & ~among(bodies.identity, self._refuted))
         for view in views:
             seen = seen and in_sight(seen, view, bodies, self.config.spots)
@@ -197,12 +200,12 @@ class StaticObstacleTracker:
 
     def is_well_supported(self, bodies: Obstacles) -> Bools:
         """(K,) bodies that more points well above the road tell than err together: no look refutes these."""
-        marks, config = self._points, self.config.free_road
+        marks, config = self._points, self.config.support
         if config is None:
             return np.zeros(len(bodies), np.bool_)
         counts = np.minimum(config.known_m / marks.sigma_m, 1.0) * (marks.believed & ~marks.low)
         support = (marks.body == bodies.identity[:, None]) @ counts
-        return np.asarray((support > config.most_points) & (bodies.identity >= 0), np.bool_)
+        return np.asarray((support > config.points) & (bodies.identity >= 0), np.bool_)
 
     def is_verified(self, bodies: Obstacles) -> Bools:
         """(K,) bodies that no second look refutes: those told surely, and low ones that points and the comparison of
@@ -236,12 +239,15 @@ class StaticObstacleTracker:
         """(N,) points that stand above the carriageway beyond doubt."""
         config = self.config
         depth = points.depth_m
-        near_m = config.near_m if abs(road.heading_rad) < config.turned_rad else config.turned_near_m
+        near_m = config.near_m
+        if config.turned and abs(road.heading_rad) >= config.turned.angle_rad:
+            near_m = config.turned.near_m
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = points.sigma_m / depth
             above = (depth > near_m) & (depth < config.far_m)
             above &= flow.age_frames >= frames(config.min_age_s, self.rate_hz)
-            above &= np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T) > config.way_share * depth
+            if config.travel:
+                above &= np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T) > config.travel.share * depth
             above &= ratio < config.depth_ratio
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
@@ -301,6 +307,9 @@ class StaticObstacleTracker:
 
         A track does not that has slipped on to something else, or is swept along by the edge of a nearer body.
         """
+        config = self.config.recent_motion
+        if config is None:
+            return np.ones(len(chosen), np.bool_)
         place = np.stack(
             [self.camera.forward_m + points.depth_m[chosen], points.right_m[chosen], points.height_m[chosen]], axis=1
         )
@@ -308,12 +317,12 @@ class StaticObstacleTracker:
         expected = past_image(self.camera, place, flow.past_pose[chosen], flow.pose)
         error = np.hypot(*(before - expected).T)
         length = np.hypot(*flow.displacement_px[chosen].T)
-        confirmed: Bools = error < self.config.recent_px + self.config.recent_ratio * length
+        confirmed: Bools = error < config.error_px + config.ratio * length
         return confirmed
 
     def _on_road(self, flow: Flow, points: Triangulation) -> Bools:
         """(N,) points that lie on the road beyond doubt, if there are landmarks: the only evidence that clears one."""
-        if not len(self._points):
+        if not len(self._points) or not self.config.road_points:
             return np.zeros(len(flow), np.bool_)
         low = among(flow.identity, self._points.identity[self._points.low])
         config = self.config.low_obstacles
@@ -350,14 +359,17 @@ class StaticObstacleTracker:
     def _founding(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges, above: Bools) -> Floats:
         """(M,) from 0 to 1, how far each of the points `above` (N,) may found a body."""
         config, points_px, structure = self.config, flow.points_px[above], flow.structure[above]
-        high = self._beside_far_road(points_px)
-        corner = is_corner(structure, config.corner_texture, config.corner_ratio)
-        seed_weight: Floats = np.where(high, config.high_share * corner, 1.0)
-        seed_weight[texture[above] <= config.founding_texture] = 0.0
-        far = points.depth_m[above] > config.dash_far_m
-        slides = np.flatnonzero(far & (points.height_m[above] < config.dash_height_m))
-        if len(slides):
-            seed_weight[slides] *= self._off_lines(points_px[slides], road)
+        seed_weight: Floats = np.ones(len(points_px))
+        if config.far_road:
+            corner = is_corner(structure, config.corner_texture, config.corner_ratio)
+            seed_weight = np.where(self._beside_far_road(points_px), config.far_road.share * corner, 1.0)
+        if config.seed_texture:
+            seed_weight[texture[above] <= config.seed_texture.least] = 0.0
+        if config.dash_seed:
+            far = points.depth_m[above] > config.dash_seed.far_m
+            slides = np.flatnonzero(far & (points.height_m[above] < config.dash_seed.height_m))
+            if len(slides):
+                seed_weight[slides] *= self._off_lines(points_px[slides], road)
         return seed_weight
 
     def _forget(self, flow: Flow) -> None:

@@ -275,7 +275,6 @@ class LowTrackConfig:
     across_m: float = setting("observations nearer than this are of one track", gt=0.0)
     newest: float = setting("weight of the newest observation for place and sides", gt=0.0, le=1.0)
     edge_m: float = setting("inside the carriageway's edges")
-    low_hides_m: float = setting("behind its face a low obstacle hides the road up to here", ge=0.0)
     sigma_m: float = setting("of the face of a low obstacle", gt=0.0)
     beside_m: float = setting("a track so near a taller obstacle belongs to it,", ge=0.0)
     sticks_out_m: float = setting("unless it reaches so far out of it,", ge=0.0)
@@ -304,10 +303,6 @@ class LowTrackConfig:
         if self.truncated and self.approach and not self.truncated.share <= self.approach.share:
             raise ValueError(
                 f"truncated.share: expected <= approach.share = {self.approach.share}, got {self.truncated.share}"
-            )
-        if self.occlusion and not self.low_hides_m >= self.occlusion.beyond_m:
-            raise ValueError(
-                f"low_hides_m: expected >= occlusion.beyond_m = {self.occlusion.beyond_m}, got {self.low_hides_m}"
             )
 
     @property
